@@ -1,0 +1,49 @@
+# One target a folder: seam_<folder> from its *.cc, test_<folder> from its *.test.cc.
+# Sources are found by name, so that adding a file touches no list.
+
+add_library(seam_flags INTERFACE)
+target_compile_features(seam_flags INTERFACE cxx_std_20)
+target_compile_options(seam_flags INTERFACE -Wall -Wextra -Wpedantic -Werror -Wno-missing-field-initializers
+                       -ffp-contract=off -fno-math-errno)
+target_include_directories(seam_flags INTERFACE ${CMAKE_SOURCE_DIR})
+target_link_libraries(seam_flags INTERFACE Threads::Threads)
+if(SEAM_SANITIZE)
+  target_compile_options(seam_flags INTERFACE -fsanitize=${SEAM_SANITIZE} -fno-omit-frame-pointer
+                         -fno-sanitize-recover=all)
+  target_link_options(seam_flags INTERFACE -fsanitize=${SEAM_SANITIZE})
+endif()
+
+find_program(SEAM_MOLD mold)
+if(SEAM_MOLD)
+  add_link_options(-fuse-ld=mold)
+endif()
+find_program(SEAM_CCACHE ccache)
+if(SEAM_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${SEAM_CCACHE})
+endif()
+
+# seam_module(NAME [LINK targets...]): the library of this folder and, if it has *.test.cc, its test program.
+function(seam_module name)
+  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cc)
+  set(tests ${sources})
+  list(FILTER tests INCLUDE REGEX "\\.test\\.cc$")
+  list(FILTER sources EXCLUDE REGEX "\\.(test|perf|fuzz|main)\\.cc$")
+  add_library(seam_${name} STATIC ${sources})
+  target_link_libraries(seam_${name} PUBLIC seam_flags ${ARG_LINK})
+  if(SEAM_BUILD_TESTS AND tests)
+    seam_test_program(test_${name} SOURCES ${tests} LINK seam_${name})
+  endif()
+endfunction()
+
+# seam_test_program(NAME SOURCES files... LINK targets...): a GoogleTest program known to CTest.
+# SEAM_SOURCE_DIR lets a test find the scenarios, models and golden files of the tree.
+function(seam_test_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE SEAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
+                             SEAM_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+endfunction()

@@ -1,0 +1,77 @@
+// A physical effect: its name, stage, parameters, help, the signature it leaves in residuals, and
+// its function. One definition drives the rendered images, the robots' joints and legs, and the
+// prediction of measurements. Catalogue: registry.cc; composition of effects: model.h and the
+// stage headers (timing.h, geometry.h, ...), each of which runs the hooks of one stage.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim_core/pose.h"
+
+namespace seam::effects {
+
+struct Timing;         // timing.h
+struct JointTrack;     // joint_track.h
+struct ServoModel;     // servo.h
+struct JointSample;    // joint_track.h
+struct ImagePoint;     // geometry.h
+struct Optics;         // optics.h
+struct LightWindow;    // optics.h
+struct SensorStep;     // sensor.h
+struct Detection;      // detector.h
+struct Locomotion;     // locomotion.h
+
+enum class Stage { timing, joint, mount, geometry, radiometry, light, sensor, detector, locomotion };
+std::string to_string(Stage stage);
+
+// Kinds of measurement (measurement_sets.md); an effect names those that it touches.
+enum Kind : unsigned {
+  kPoints = 1, kPhotometry = 2, kJoints = 4, kOdometry = 8, kLandmarks = 16, kRanges = 32, kFrames = 64,
+};
+
+struct Parameter {
+  std::string name;       // With its unit: line_delay_s.
+  double neutral = 0;     // At this value (of all parameters) the effect is absent, bit for bit.
+  double min = 0;         // Bounds of what is meaningful; a fit stays inside.
+  double max = 0;
+  double scale = 1;       // A typical size: where fits start and how long their steps are.
+  std::string help;       // A sentence: what it is, in which unit, with which sign.
+  bool integer = false;   // Counts and bits, which no fit changes.
+  bool required = false;  // Has no neutral value: a model that lists the effect must give it.
+};
+
+// The values of an effect's parameters, in the order in which it declares them.
+using Values = std::span<const double>;
+
+struct EffectDefinition {
+  std::string name;
+  Stage stage = Stage::geometry;
+  unsigned kinds = 0;  // Kind bits.
+  std::vector<Parameter> parameters;
+  std::string help;       // What it is, for `seam effects NAME`.
+  std::string formula;    // As in the catalogue.
+  std::string signature;  // What it leaves in residuals when it is missing.
+  std::string example;    // One line of a model's YAML.
+  bool spread_only = false;    // Changes the spread of measurements, never their mean.
+  bool has_neutral = true;     // False for a base (pinhole) or a replacement (fisheye).
+
+  // The hooks; an effect sets those of its stage and leaves the others empty.
+  std::function<void(Values, Timing&)> timing;          // Contributes to row times.
+  std::function<void(Values, JointTrack&)> encoder;     // Encoder log to true angle, in place.
+  std::function<void(Values, ServoModel&)> servo;       // Command to angle.
+  std::function<double(Values, const JointSample&)> joint_map;  // A formula on the angle.
+  std::function<void(Values, Pose&)> mount;             // X_LC of the camera in its last link.
+  std::function<void(Values, ImagePoint&)> geometry;    // Ray to image point, in stage order.
+  std::function<void(Values, ImagePoint&)> image_map;   // Acts on (u, v) after all of geometry.
+  std::function<void(Values, Optics&)> optics;          // Point spread, glare.
+  std::function<double(Values, const ImagePoint&)> gain;          // Gain field over the image.
+  std::function<double(Values, const LightWindow&)> light;        // Mean of the lamps in a window.
+  std::vector<std::function<void(Values, SensorStep&)>> sensor;   // Steps of the chain, by phase.
+  std::function<void(Values, Detection&)> detector;     // Range and bearing.
+  std::function<void(Values, Locomotion&)> locomotion;  // Commanded to true body velocity.
+};
+
+}  // namespace seam::effects

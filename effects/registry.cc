@@ -1,0 +1,60 @@
+#include "effects/registry.h"
+
+#include "sim_core/error.h"
+
+// The order of these lines is the order of composition.
+#define SEAM_EFFECTS(X) \
+  X(rolling_shutter)    \
+  X(exposure)           \
+  X(frame_latency)      \
+  X(pinhole)            \
+  X(radial_distortion)
+
+namespace seam::effects {
+
+#define SEAM_DECLARE(name) EffectDefinition name();
+SEAM_EFFECTS(SEAM_DECLARE)
+#undef SEAM_DECLARE
+
+namespace {
+
+std::vector<std::shared_ptr<const EffectDefinition>>& mutable_catalogue() {
+  static std::vector<std::shared_ptr<const EffectDefinition>> effects = {
+#define SEAM_REGISTER(name) std::make_shared<const EffectDefinition>(name()),
+      SEAM_EFFECTS(SEAM_REGISTER)
+#undef SEAM_REGISTER
+  };
+  return effects;
+}
+
+}  // namespace
+
+const std::vector<std::shared_ptr<const EffectDefinition>>& catalogue() { return mutable_catalogue(); }
+
+std::shared_ptr<const EffectDefinition> find_effect(const std::string& name) {
+  for (const auto& effect : catalogue()) {
+    if (effect->name == name) return effect;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> effect_names() {
+  std::vector<std::string> names;
+  for (const auto& effect : catalogue()) names.push_back(effect->name);
+  return names;
+}
+
+void register_effect(EffectDefinition definition) {
+  if (find_effect(definition.name)) {
+    throw InputError(fmt::format("effect '{}' exists already, expected a new name", definition.name));
+  }
+  mutable_catalogue().push_back(std::make_shared<const EffectDefinition>(std::move(definition)));
+}
+
+std::string to_string(Stage stage) {
+  static const char* const kNames[] = {"timing", "joint",  "mount",    "geometry",  "radiometry",
+                                       "light",  "sensor", "detector", "locomotion"};
+  return kNames[static_cast<int>(stage)];
+}
+
+}  // namespace seam::effects

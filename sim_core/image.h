@@ -1,0 +1,33 @@
+// Plain images and PNG files (libpng).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace seam {
+
+// Row-major, channels interleaved, (0, 0) the top-left pixel. Samples are 0..2^bits - 1.
+struct Image {
+  int width_px = 0;
+  int height_px = 0;
+  int channels = 1;  // 1 grey, 3 RGB.
+  int bits = 8;      // 8 or 16: what the file holds.
+  std::vector<uint16_t> samples;
+
+  uint16_t& at(int u, int v, int channel) {
+    return samples[(static_cast<size_t>(v) * width_px + u) * channels + channel];
+  }
+  uint16_t at(int u, int v, int channel) const {
+    return samples[(static_cast<size_t>(v) * width_px + u) * channels + channel];
+  }
+};
+
+// Grey or RGB, 8 or 16 bits; throws InputError for anything else, damaged files, or more than
+// 64 million pixels.
+Image read_png(const std::filesystem::path& path);
+
+// Written to a temporary, then renamed.
+void write_png(const std::filesystem::path& path, const Image& image);
+
+}  // namespace seam

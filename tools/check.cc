@@ -1,0 +1,27 @@
+// `seam check FILE`: validates any file of ours, by its `format:` line.
+#include <cstdio>
+
+#include "effects/model.h"
+#include "sim_core/config.h"
+#include "sim_core/error.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+
+void add_check(CLI::App& app) {
+  auto* command = app.add_subcommand("check", "Validates a scenario, model, scene or measurement set");
+  auto file = std::make_shared<std::string>();
+  command->add_option("FILE", *file, "The file")->required();
+  command->callback([file] {
+    const ConfigNode root = ConfigNode::from_file(*file);
+    const std::string format = root.at("format").text();
+    if (format == "seam-model/1") {
+      effects::Model::from_config(root);
+    } else {
+      root.at("format").fail(suggestion_for(format, {"seam-model/1"}));
+    }
+    std::printf("%s: a valid %s\n", file->c_str(), format.c_str());
+  });
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,23 @@
+// The subcommands of `seam`: one file each, which adds itself to the command line with its help,
+// flags and examples. A command throws UsageError (exit code 2) or InputError (exit code 1).
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace seam::tools {
+
+// One line a command; `tools/<name>.cc` defines add_<name>.
+#define SEAM_COMMANDS(X) \
+  X(check)
+
+#define SEAM_DECLARE(name) void add_##name(CLI::App& app);
+SEAM_COMMANDS(SEAM_DECLARE)
+#undef SEAM_DECLARE
+
+// A command that did its work and has a result to tell by its exit code (1: a divergence was
+// found, 3: recovered with losses) throws this instead of calling exit.
+struct ExitCode {
+  int code;
+};
+
+}  // namespace seam::tools
