@@ -16,7 +16,7 @@ namespace seam::effects {
 struct Timing;         // timing.h
 struct JointTrack;     // joint_track.h
 struct ServoModel;     // servo.h
-struct JointSample;    // joint_track.h
+struct JointSample;    // joint_sample.h
 struct ImagePoint;     // geometry.h
 struct Optics;         // optics.h
 struct LightWindow;    // optics.h
@@ -41,6 +41,9 @@ struct Parameter {
   std::string help;       // A sentence: what it is, in which unit, with which sign.
   bool integer = false;   // Counts and bits, which no fit changes.
   bool required = false;  // Has no neutral value: a model that lists the effect must give it.
+  // The neutral value is infinity (a limit that never binds): a fit works on 1 / value, in which
+  // the effect is absent at 0, and `scale` is a typical value, not a typical step.
+  bool fit_reciprocal = false;
 };
 
 // The values of an effect's parameters, in the order in which it declares them.
@@ -57,6 +60,7 @@ struct EffectDefinition {
   std::string example;    // One line of a model's YAML.
   bool spread_only = false;    // Changes the spread of measurements, never their mean.
   bool has_neutral = true;     // False for a base (pinhole) or a replacement (fisheye).
+  std::vector<std::string> columns;  // Further columns of a set that a joint's formula reads.
 
   // The hooks; an effect sets those of its stage and leaves the others empty.
   std::function<void(Values, Timing&)> timing;          // Contributes to row times.

@@ -158,16 +158,23 @@ std::string Model::to_yaml() const {
       continue;
     }
     out += "  " + definition.name + ": {";
+    bool first = true;
     for (size_t i = 0; i < effect.parameters.size(); ++i) {
-      out += (i ? ", " : "") + definition.parameters[i].name + ": " + value_text(effect.parameters[i]);
+      // An infinite limit is absent; YAML files of ours hold finite numbers only.
+      if (!std::isfinite(effect.parameters[i].value)) continue;
+      out += (first ? "" : ", ") + definition.parameters[i].name + ": " + value_text(effect.parameters[i]);
+      first = false;
     }
     out += "}\n";
   }
   if (!history_.empty()) out += "history:\n";
   for (const HistoryStep& step : history_) {
     out += "  - effect: " + quoted(step.effect) + "\n    parameters: {";
+    bool first = true;
     for (size_t i = 0; i < step.parameters.size(); ++i) {
-      out += (i ? ", " : "") + step.parameters[i].first + ": " + value_text(step.parameters[i].second);
+      if (!std::isfinite(step.parameters[i].second.value)) continue;
+      out += (first ? "" : ", ") + step.parameters[i].first + ": " + value_text(step.parameters[i].second);
+      first = false;
     }
     out += "}\n    data: " + quoted(step.data) + "\n    data_fingerprint: " + quoted(step.data_fingerprint);
     out += "\n    error_before: " + number_text(step.error_before) + "\n    error_after: " + number_text(step.error_after) + "\n";

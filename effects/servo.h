@@ -1,0 +1,85 @@
+// Stage `joint`, from commands: how a servo moves its joint. The order is that of the definitions:
+// latency, servo (lag, speed and acceleration limits, stiction), backlash, sag, formulas, and, in a
+// log, the encoder. Between changes of the command the motion has a closed form, so the same
+// solution predicts a log's rows and moves the simulator's joints in continuous time.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "effects/model.h"
+
+namespace seam::effects {
+
+// What the servo effects of a model add up to.
+struct ServoModel {
+  double latency_s = 0;       // A command acts this much after its time.
+  double tau_s = 0;           // Wanted rate = (command - q) / tau; 0: at the command at once.
+  double rad_per_s = std::numeric_limits<double>::infinity();   // Limit of |rate|.
+  double rad_per_s2 = std::numeric_limits<double>::infinity();  // Limit of |acceleration|.
+  double dead_band_rad = 0;   // The joint rests while |command - q| is below this.
+  double backlash_rad = 0;    // Play between motor and load.
+  double sag_rad = 0;         // The load hangs by sag * cos(q - level).
+  double level_rad = 0;
+  // Joint formulas (expression effects), in order: their result replaces the angle.
+  std::vector<ModelEffect> formulas;
+};
+
+// The part of a model that turns commands into angles.
+ServoModel servo_of(const Model& model);
+
+// The motor side of one joint: angle and rate, and where the load stands in the play.
+struct ServoState {
+  double motor_rad = 0;
+  double motor_radps = 0;
+  double load_rad = 0;  // Behind the play, before sag.
+};
+
+// At rest with the joint (behind backlash and sag) at this angle, the play centred.
+ServoState servo_at_rest(const ServoModel& servo, double joint_rad);
+
+// Moves for `dt_s` under a command that holds. Exact: a sequence of closed-form pieces.
+void advance_servo(const ServoModel& servo, double command_rad, double dt_s, ServoState& state);
+
+// The joint's angle: behind backlash and sag, before formulas.
+double joint_angle(const ServoModel& servo, const ServoState& state);
+
+// The load of a play of this width that follows a motor moving monotonically to `motor_rad`.
+double follow_play(double width_rad, double motor_rad, double load_rad);
+
+// Commands with times and the joint's answer, in continuous time: commands are queued by their own
+// times, act `latency` later, and the state moves forward only.
+class Servo {
+ public:
+  // At rest at `joint_rad` from `t_s` on, until the first command acts.
+  Servo(ServoModel model, double t_s, double joint_rad);
+
+  // A command given at `t_s`, not before earlier ones; `enabled` false: from then on (after the
+  // latency) no command acts.
+  void command(double t_s, double command_rad, bool enabled = true);
+
+  // Moves to `t_s`, to just before commands that act at that very time (within a nanosecond).
+  void advance_to(double t_s);
+
+  double joint_rad() const { return joint_angle(model_, state_); }
+  const ServoState& state() const { return state_; }
+  double acting_command_rad() const { return acting_rad_; }
+  const ServoModel& model() const { return model_; }
+
+ private:
+  struct Pending {
+    double acts_s;
+    double command_rad;
+    bool enabled;
+  };
+  ServoModel model_;
+  ServoState state_;
+  double now_s_;
+  bool acting_ = false;
+  double acting_rad_;
+  std::vector<Pending> queue_;  // Ascending in time; from next_ on not yet acting.
+  size_t next_ = 0;
+};
+
+}  // namespace seam::effects
