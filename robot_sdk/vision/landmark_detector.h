@@ -1,0 +1,31 @@
+// Beacons and goals from colour regions: bearings, and ranges from apparent heights.
+#pragma once
+
+#include <vector>
+
+#include "robot_sdk/vision/ball_detector.h"
+
+namespace seam::sdk {
+
+// Landmarks of the 2002/2003 field. A beacon is named by its other colour and by whether pink is
+// its upper band (y = -1.45 m) or its lower one (y = +1.45 m).
+enum class LandmarkKind : uint8_t {
+  beacon_yellow_pink_low, beacon_yellow_pink_high, beacon_skyblue_pink_low, beacon_skyblue_pink_high,
+  beacon_green_pink_low, beacon_green_pink_high, goal_yellow, goal_skyblue,
+};
+inline constexpr int kLandmarkKinds = 8;
+
+struct LandmarkSighting {
+  LandmarkKind kind{};
+  float bearing_rad = 0;  // In the body frame, left positive.
+  float range_m = 0;      // On the ground from the body's origin; 0 where it cannot be told.
+  float bearing_sigma_rad = 0;
+  float range_sigma_m = 0;
+  float row = 0;          // Where in the image it was seen.
+};
+
+std::vector<LandmarkSighting> find_landmarks(const ColourMask& mask, const HeadAtRow& head,
+                                             const CameraBelief& camera, const NeckBelief& neck,
+                                             int min_area_px = 12);
+
+}  // namespace seam::sdk
