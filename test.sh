@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs the tests. `--all` adds the slow matrix.
+# Installs what is missing, builds, and runs the tests. `--all` adds the slow matrix: compilers,
+# optimisation levels, sanitizers, emulated CPUs, long fuzzing, studies (scripts/matrix.sh).
 set -euo pipefail
 cd "$(dirname "$0")"
 scripts/dependencies.sh
-[ -f build/build.ninja ] || cmake --preset release >/dev/null
-cmake --build build
+scripts/build.sh
 ctest --test-dir build --output-on-failure -j "$(nproc)"
+if [ "${1:-}" = --all ]; then scripts/matrix.sh; fi

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and runs SEAM's first example: a head swings past a beacon at
+# several speeds, seen with rows sampled at their own times and with an instantaneous shutter.
+# With arguments: ./run.sh SCENARIO... runs those instead.
+set -euo pipefail
+cd "$(dirname "$0")"
+scripts/dependencies.sh
+scripts/build.sh
+out=out
+mkdir -p "$out"
+if [ $# -gt 0 ]; then
+  for scenario in "$@"; do
+    name=$(basename "$scenario" .yaml)
+    build/seam run "$scenario" --log "$out/$name.mcap" --frames "$out/$name" --json "$out/$name.json"
+  done
+  exit 0
+fi
+build/seam run scenarios/head_swing.yaml --log "$out/head_swing.mcap" --frames "$out/head_swing" --json "$out/head_swing.json"
+build/seam replay verify "$out/head_swing.mcap"
+echo "frames: $out/head_swing/   log: $out/head_swing.mcap"

@@ -1,0 +1,6 @@
+#!/usr/bin/env bash
+# Configures once, then builds what changed (the release preset, into build/).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+[ -f build/build.ninja ] || cmake --preset release >/dev/null
+cmake --build build
