@@ -1,0 +1,83 @@
+// Reads an MCAP file through its index, or by a scan of the whole file where the index is missing
+// or damaged. Made for hostile input: every length is checked against the file and `Limits` before
+// memory is taken, and what cannot be read is told as a loss.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mcap/chunk.h"
+#include "mcap/io.h"
+#include "mcap/records.h"
+
+namespace seam::mcap {
+
+// A part of the file that could not be read.
+struct Loss {
+  uint64_t offset = 0;  // Of its first byte in the file.
+  uint64_t bytes = 0;
+  std::string what;     // A sentence for people.
+  // Whether only an index was lost, which holds nothing that is not elsewhere.
+  bool index_only = false;
+};
+
+// Where a chunk stands, and which times it covers.
+struct ChunkPlace {
+  uint64_t offset = 0;
+  uint64_t length = 0;
+  uint64_t start_time_ns = 0;
+  uint64_t end_time_ns = 0;
+  // Messages by channel; empty when the index does not say.
+  std::vector<uint16_t> channels;
+};
+
+// What a file holds, from its summary or from a scan.
+struct Contents {
+  Header header;
+  std::map<uint16_t, Schema> schemas;
+  std::map<uint16_t, Channel> channels;
+  std::vector<ChunkPlace> chunks;            // In the order of the file.
+  std::vector<AttachmentIndex> attachments;  // In the order of the file.
+  std::vector<Metadata> metadata;
+  bool complete = false;     // The data section has its end: the writer finished.
+  std::vector<Loss> losses;  // In the order of the file.
+};
+
+class Reader {
+ public:
+  // Through the summary where it is whole, else by a scan. Throws InputError where the file is no
+  // MCAP file at all.
+  static Reader open(std::unique_ptr<Input> input, const Limits& limits = {});
+  // Always by a scan that checks every record.
+  static Reader scan(std::unique_ptr<Input> input, const Limits& limits = {});
+
+  const Contents& contents() const { return contents_; }
+  const std::string& name() const { return input_->name(); }
+  uint64_t file_bytes() const { return input_->size(); }
+
+  // The uncompressed records of a chunk; throws InputError where it is damaged.
+  std::string read_chunk(const ChunkPlace& place) const;
+  Attachment read_attachment(const AttachmentIndex& place) const;
+  // Calls `visit` for each message of a chunk in the order of writing.
+  void for_each_message(const ChunkPlace& place,
+                        const std::function<void(const Message&)>& visit) const;
+
+ private:
+  Reader(std::unique_ptr<Input> input, const Limits& limits)
+      : input_(std::move(input)), limits_(limits) {}
+
+  std::unique_ptr<Input> input_;
+  Limits limits_;
+  Contents contents_;
+};
+
+// The contents by the summary; throws Malformed where it is missing, damaged or implausible.
+Contents read_summary(const Input& input, const Limits& limits);
+// The contents by a walk over the file. Behind damage it looks for the next chunk whose CRC holds.
+Contents scan_file(const Input& input, const Limits& limits);
+
+}  // namespace seam::mcap
