@@ -20,7 +20,7 @@ struct JointSample;    // joint_sample.h
 struct ImagePoint;     // geometry.h
 struct Optics;         // optics.h
 struct LightWindow;    // optics.h
-struct SensorStep;     // sensor.h
+struct SensorChain;    // sensor.h
 struct Detection;      // detector.h
 struct Locomotion;     // locomotion.h
 
@@ -73,7 +73,7 @@ struct EffectDefinition {
   std::function<void(Values, Optics&)> optics;          // Point spread, glare.
   std::function<double(Values, const ImagePoint&)> gain;          // Gain field over the image.
   std::function<double(Values, const LightWindow&)> light;        // Mean of the lamps in a window.
-  std::vector<std::function<void(Values, SensorStep&)>> sensor;   // Steps of the chain, by phase.
+  std::function<void(Values, SensorChain&)> sensor;     // Contributes to the sensor's equation.
   std::function<void(Values, Detection&)> detector;     // Range and bearing.
   std::function<void(Values, Locomotion&)> locomotion;  // Commanded to true body velocity.
 };

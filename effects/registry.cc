@@ -3,12 +3,31 @@
 #include "sim_core/error.h"
 
 // The order of these lines is the order of composition.
-#define SEAM_EFFECTS(X) \
-  X(rolling_shutter)    \
-  X(exposure)           \
-  X(frame_latency)      \
-  X(pinhole)            \
-  X(radial_distortion)
+#define SEAM_EFFECTS(X)   \
+  X(rolling_shutter)      \
+  X(exposure)             \
+  X(frame_latency)        \
+  X(pinhole)              \
+  X(radial_distortion)    \
+  X(chromatic_aberration) \
+  X(lens_blur)            \
+  X(vignetting)           \
+  X(veiling_glare)        \
+  X(uneven_lighting)      \
+  X(lamp_flicker)         \
+  X(linear_response)      \
+  X(pixel_gain_spread)    \
+  X(shot_noise)           \
+  X(dark_current)         \
+  X(response_gamma)       \
+  X(white_balance)        \
+  X(pixel_offset_spread)  \
+  X(column_offsets)       \
+  X(row_noise)            \
+  X(hot_pixels)           \
+  X(read_noise)           \
+  X(saturation)           \
+  X(quantisation)
 
 namespace seam::effects {
 
