@@ -2,10 +2,16 @@
 
 #include <cmath>
 
+#include "sim_core/error.h"
+
 namespace seam::effects {
 
 Projection::Projection(const Model& model, int width_px, int height_px)
     : width_px_(width_px), height_px_(height_px) {
+  if (!model.has("pinhole")) throw InputError("the model has no 'pinhole', expected one: it makes the image");
+  if (model.has("fisheye") && (model.has("radial_distortion") || model.has("radial_polynomial"))) {
+    throw InputError("the model has 'fisheye' and another radial effect, expected one of them");
+  }
   for (const ModelEffect& effect : model.effects()) {
     if (effect.definition->geometry || effect.definition->image_map) effects_.push_back(effect);
   }

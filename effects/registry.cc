@@ -3,31 +3,52 @@
 #include "sim_core/error.h"
 
 // The order of these lines is the order of composition.
-#define SEAM_EFFECTS(X)   \
-  X(rolling_shutter)      \
-  X(exposure)             \
-  X(frame_latency)        \
-  X(pinhole)              \
-  X(radial_distortion)    \
-  X(chromatic_aberration) \
-  X(lens_blur)            \
-  X(vignetting)           \
-  X(veiling_glare)        \
-  X(uneven_lighting)      \
-  X(lamp_flicker)         \
-  X(linear_response)      \
-  X(pixel_gain_spread)    \
-  X(shot_noise)           \
-  X(dark_current)         \
-  X(response_gamma)       \
-  X(white_balance)        \
-  X(pixel_offset_spread)  \
-  X(column_offsets)       \
-  X(row_noise)            \
-  X(hot_pixels)           \
-  X(read_noise)           \
-  X(saturation)           \
-  X(quantisation)
+#define SEAM_EFFECTS(X)      \
+  X(rolling_shutter)         \
+  X(exposure)                \
+  X(frame_latency)           \
+  X(clock_drift)             \
+  X(frame_jitter)            \
+  X(frame_sync)              \
+  X(encoder_eccentricity)    \
+  X(encoder_scale)           \
+  X(encoder_offset)          \
+  X(encoder_quantisation)    \
+  X(backlash)                \
+  X(mount_misalignment)      \
+  X(mount_offset)            \
+  X(pinhole)                 \
+  X(fisheye)                 \
+  X(radial_distortion)       \
+  X(radial_polynomial)       \
+  X(tangential_distortion)   \
+  X(focal_length_error)      \
+  X(principal_point_offset)  \
+  X(chromatic_aberration)    \
+  X(lens_blur)               \
+  X(vignetting)              \
+  X(veiling_glare)           \
+  X(uneven_lighting)         \
+  X(lamp_flicker)            \
+  X(linear_response)         \
+  X(pixel_gain_spread)       \
+  X(shot_noise)              \
+  X(dark_current)            \
+  X(response_gamma)          \
+  X(white_balance)           \
+  X(pixel_offset_spread)     \
+  X(column_offsets)          \
+  X(row_noise)               \
+  X(hot_pixels)              \
+  X(read_noise)              \
+  X(saturation)              \
+  X(quantisation)            \
+  X(ideal_detector)          \
+  X(range_scale)             \
+  X(range_offset)            \
+  X(bearing_scale)           \
+  X(range_noise)             \
+  X(bearing_noise)
 
 namespace seam::effects {
 
