@@ -1,0 +1,164 @@
+#include "sim_core/robot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_core/maths.h"
+
+namespace seam {
+
+Pose2 PlanarTrack::at(double fraction) const {
+  const size_t pieces = points.size() - 1;
+  const double scaled = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(pieces);
+  const size_t i = std::min(static_cast<size_t>(scaled), pieces - 1);
+  const double f = scaled - static_cast<double>(i);
+  const Pose2& a = points[i];
+  const Pose2& b = points[i + 1];
+  return {a.x_m + f * (b.x_m - a.x_m), a.y_m + f * (b.y_m - a.y_m), a.theta_rad + f * (b.theta_rad - a.theta_rad)};
+}
+
+void PlanarTrack::visit(StateVisitor& visitor) {
+  for (Pose2& point : points) {
+    visitor.field("x_m", point.x_m);
+    visitor.field("y_m", point.y_m);
+    visitor.field("theta_rad", point.theta_rad);
+  }
+}
+
+Robot::Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream, size_t substeps) : spec_(&spec) {
+  JointAngles initial{};
+  gait_angles(spec.body, 0, {}, initial);
+  for (size_t j = 0; j < kHeadJoints; ++j) initial[j] = spec.head_rad[j];
+  for (int j = 0; j < kJoints; ++j) {
+    joints_.push_back(parts.joint(spec, j, initial[static_cast<size_t>(j)],
+                                  stream.child("joint").child(static_cast<uint64_t>(j))));
+  }
+  locomotion_ = parts.locomotion(spec, stream.child("locomotion"));
+  track.points.assign(substeps + 1, spec.pose);
+}
+
+double Robot::top_speed(int joint) const {
+  if (joint < kHeadJoints && spec_->head_speed_radps > 0) return spec_->head_speed_radps;
+  return spec_->body.joints[static_cast<size_t>(joint)].speed_radps;
+}
+
+void Robot::command_joint(SimTime time, int joint, double angle_rad, double speed_radps) {
+  const JointLimits& limits = spec_->body.joints[static_cast<size_t>(joint)];
+  const double top = top_speed(joint);
+  joints_[static_cast<size_t>(joint)]->command(time, std::clamp(angle_rad, limits.min_rad, limits.max_rad),
+                                               speed_radps > 0 ? std::min(speed_radps, top) : top);
+}
+
+void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_end) {
+  if (command.walk) {
+    const Gait& gait = spec_->body.gait;
+    const double share =
+        std::max({1.0, std::abs(command.walk->vx_mps) / gait.max_vx_mps, std::abs(command.walk->vy_mps) / gait.max_vy_mps,
+                  std::abs(command.walk->omega_radps) / gait.max_omega_radps});
+    walk_ = {command.walk->vx_mps / share, command.walk->vy_mps / share, command.walk->omega_radps / share};
+    legs_commanded_ = false;
+  }
+  if (command.kick != Kick::none) kick_ = command.kick;
+  for (const JointFrame& frame : command.joints) {
+    for (const JointTarget& target : frame.targets) {
+      // A new decision replaces what an earlier one had planned for this joint.
+      if (&frame == &command.joints.front()) {
+        std::erase_if(pending_, [&](const Pending& p) { return p.joint == target.joint && p.time >= time; });
+      }
+      if (target.joint >= kHeadJoints) legs_commanded_ = true;
+      const Pending next{time + frame.offset, target.joint, target.angle_rad, target.speed_radps};
+      const auto behind = [&](const Pending& p) { return p.time > next.time; };
+      pending_.insert(std::find_if(pending_.begin(), pending_.end(), behind), next);
+    }
+  }
+  give_due(interval_end);
+}
+
+void Robot::freeze(SimTime time) {
+  pending_.clear();
+  walk_ = {};
+  kick_ = Kick::none;
+  for (int j = 0; j < kHeadJoints; ++j) command_joint(time, j, joint_angle(j, time), 0);
+}
+
+void Robot::give_due(SimTime end) {
+  size_t due = 0;
+  for (; due < pending_.size() && pending_[due].time < end; ++due) {
+    const Pending& p = pending_[due];
+    command_joint(p.time, static_cast<int>(p.joint), p.angle_rad, p.speed_radps);
+  }
+  pending_.erase(pending_.begin(), pending_.begin() + static_cast<std::ptrdiff_t>(due));
+}
+
+void Robot::begin_interval(SimTime start, SimTime end) {
+  for (const auto& joint : joints_) joint->forget_before(start);
+  if (!legs_commanded_) command_gait(start, end);
+  give_due(end);
+}
+
+// Legs go evenly to where the gait wants them at the interval's end.
+void Robot::command_gait(SimTime start, SimTime end) {
+  const double h = (end - start).s();
+  const Gait& gait = spec_->body.gait;
+  const double follow = 1 - maths::exp(-h / gait.settle_s);
+  stride_.vx_mps += follow * (walk_.vx_mps - stride_.vx_mps);
+  stride_.vy_mps += follow * (walk_.vy_mps - stride_.vy_mps);
+  stride_.omega_radps += follow * (walk_.omega_radps - stride_.omega_radps);
+  gait_phase_ += h / gait.step_s;
+  gait_phase_ -= std::floor(gait_phase_);
+  JointAngles target{};
+  gait_angles(spec_->body, gait_phase_, stride_, target);
+  for (int j = kHeadJoints; j < kJoints; ++j) {
+    const double way = std::abs(target[static_cast<size_t>(j)] - joint_angle(j, start));
+    if (way > 0) command_joint(start, j, target[static_cast<size_t>(j)], way / h);
+  }
+}
+
+BodyVelocity Robot::drive(SimTime start, SimDuration step) { return locomotion_->velocity(walk_, start, step); }
+
+JointAngles Robot::joint_angles(SimTime time) const {
+  JointAngles angles;
+  for (int j = 0; j < kJoints; ++j) angles[static_cast<size_t>(j)] = joint_angle(j, time);
+  return angles;
+}
+
+Pose Robot::body_pose(const Pose2& place, SimTime time) const {
+  const JointAngles joints = joint_angles(time);
+  std::array<Vec3, kLegs> paws;
+  for (int leg = 0; leg < kLegs; ++leg) paws[static_cast<size_t>(leg)] = leg_pose(spec_->body, leg, joints).p_BPaw;
+  const Attitude attitude = attitude_on_paws(spec_->body, paws);
+  return {rotation_zyx(attitude.roll_rad, attitude.pitch_rad, place.theta_rad),
+          {place.x_m, place.y_m, attitude.height_m}};
+}
+
+void Robot::place(const Pose2& pose) {
+  for (Pose2& point : track.points) point = pose;
+  velocity = {};
+}
+
+void Robot::Pending::visit(StateVisitor& visitor) {
+  visitor.field("pending_time", time);
+  visitor.field("pending_joint", joint);
+  visitor.field("pending_angle_rad", angle_rad);
+  visitor.field("pending_speed_radps", speed_radps);
+}
+
+void Robot::visit(StateVisitor& visitor) {
+  track.visit(visitor);
+  velocity.visit(visitor);
+  for (size_t j = 0; j < kJoints; ++j) {
+    visitor.scope(kJointNames[j]);
+    joints_[j]->visit(visitor);
+  }
+  visitor.scope("locomotion");
+  locomotion_->visit(visitor);
+  visitor.scope("");
+  visitor.list("pending", pending_);
+  walk_.visit(visitor);
+  visitor.field("kick", kick_);
+  visitor.field("gait_phase", gait_phase_);
+  stride_.visit(visitor);
+  visitor.field("legs_commanded", legs_commanded_);
+}
+
+}  // namespace seam

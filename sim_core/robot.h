@@ -1,0 +1,80 @@
+// One robot in the world: joints, gait and walking; its body's place is kept by the world.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sim_core/kinematics.h"
+#include "sim_core/world.h"
+
+namespace seam {
+
+// Where a body stands at the ends of the current interval's physics steps.
+struct PlanarTrack {
+  std::vector<Pose2> points;  // substeps + 1, evenly spaced in time; theta is not wrapped.
+
+  // `fraction` in [0, 1] of the interval; straight between points: the integrator's own order.
+  Pose2 at(double fraction) const;
+  void visit(StateVisitor& visitor);
+};
+
+class Robot {
+ public:
+  Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream, size_t substeps);
+
+  const RobotSpec& spec() const { return *spec_; }
+  void apply(const RobotCommand& command, SimTime time, SimTime interval_end);
+  void freeze(SimTime time);
+  // Drops history before `start` and gives the joints what is due in [start, end).
+  void begin_interval(SimTime start, SimTime end);
+  // The body's velocity over a physics step.
+  BodyVelocity drive(SimTime start, SimDuration step);
+
+  JointAngles joint_angles(SimTime time) const;
+  double joint_angle(int joint, SimTime time) const { return joints_[static_cast<size_t>(joint)]->angle(time); }
+  double encoder(int joint, SimTime time) const { return joints_[static_cast<size_t>(joint)]->encoder(time); }
+  // Height, pitch and sway of the body on its paws, over its place on the ground.
+  Pose body_pose(const Pose2& place, SimTime time) const;
+
+  void place(const Pose2& pose);
+  PlanarTrack track;
+  BodyVelocity velocity;  // Over the last physics step.
+  const BodyVelocity& walk() const { return walk_; }
+  Kick take_kick() { return std::exchange(kick_, Kick::none); }
+  void visit(StateVisitor& visitor);
+
+ private:
+  struct Pending {
+    SimTime time;
+    int64_t joint = 0;
+    double angle_rad = 0;
+    double speed_radps = 0;
+    void visit(StateVisitor& visitor);
+  };
+  void command_joint(SimTime time, int joint, double angle_rad, double speed_radps);
+  void give_due(SimTime end);
+  void command_gait(SimTime start, SimTime end);
+  double top_speed(int joint) const;
+
+  const RobotSpec* spec_;
+  std::vector<std::unique_ptr<JointActuator>> joints_;
+  std::unique_ptr<LocomotionModel> locomotion_;
+  std::vector<Pending> pending_;  // Ascending in time.
+  BodyVelocity walk_;
+  Kick kick_ = Kick::none;
+  double gait_phase_ = 0;     // Strides, from 0 to 1.
+  BodyVelocity stride_;       // The walk that the legs show: follows walk_ with the gait's time constant.
+  bool legs_commanded_ = false;  // Joint-level commands hold the legs until the next walk command.
+};
+
+// Height, pitch and roll of a body that stands on its paws: the plane through the lowest paws.
+struct Attitude {
+  double height_m = 0;
+  double pitch_rad = 0;  // Positive: nose down.
+  double roll_rad = 0;   // Positive: left side up.
+};
+Attitude attitude_on_paws(const RobotBody& body, const std::array<Vec3, kLegs>& paws_B);
+// Leg angles of the trot at this phase (0 to 1), with strides for this walk.
+void gait_angles(const RobotBody& body, double phase, const BodyVelocity& stride, JointAngles& joints);
+
+}  // namespace seam
