@@ -1,0 +1,25 @@
+// The report page: one HTML file that works offline. docs/report_data.md is the contract for what
+// the page is made from.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace seam::measurement {
+
+// The page's template `share/report.html`, beside the running program or one folder above it (as
+// for test programs and installed trees), or in $SEAM_SHARE; empty where it was not built.
+std::filesystem::path find_report_template();
+
+// The page as text: `json`, a "seam-report/1" document, put into the template's marker so that no
+// text in it can end the script that holds it. Throws InputError for a template without the marker.
+std::string fill_report_template(std::string_view page_template, std::string_view json);
+
+// A page of plain tables with the same numbers, for builds without the template.
+std::string plain_report(std::string_view json);
+
+// Writes the page to `path`, atomically. Throws InputError when `path` cannot be written.
+void write_report(const std::filesystem::path& path, std::string_view json);
+
+}  // namespace seam::measurement

@@ -1,0 +1,225 @@
+// The document that a command writes into the page: `docs/report_data.md` says what each field means.
+
+export interface Value {
+  value: number | null;
+  sigma?: number | null;
+  free?: boolean;
+}
+export type Parameters = Record<string, Value | number>;
+
+export interface Candidate {
+  effect: string;
+  rank: number;
+  error: number | null;
+  gain: number | null;
+  gain_sigma?: number | null;
+  loglik_gain?: number | null;
+  p_value: number | null;
+  parameters?: Parameters;
+  indistinguishable_from?: string[];
+  at_bound?: boolean;
+  why?: string;
+}
+
+export interface Structure {
+  residual: string;
+  moment: string;
+  covariate: string;
+  strength: number | null;
+  p_value: number | null;
+}
+
+export interface Step {
+  effect: string | null;
+  parameters?: Parameters;
+  error_before: number | null;
+  error_after: number | null;
+  indistinguishable_from?: string[];
+  why?: string;
+  version?: number | string;
+  data?: string;
+  fingerprint?: string;
+}
+
+export interface Outlier {
+  file?: string;
+  line?: number;
+  residual?: number | string;
+}
+
+export interface Interval {
+  bias_mm: number | null;
+  ci95?: number | [number, number];
+  spread_mm?: number | null;
+}
+
+export interface Result {
+  format?: string;
+  verdict?: string;
+  kind?: string;
+  n?: number;
+  groups?: number;
+  error?: number | null;
+  native?: Record<string, number>;
+  noise_floor?: number | null;
+  noise?: Record<string, number>;
+  baseline?: { error: number | null; native?: Record<string, number>; noise_floor?: number };
+  candidates?: Candidate[];
+  structure?: Structure[];
+  steps?: Step[];
+  versions?: Step[];
+  outliers?: Outlier[] | { count?: number; items?: Outlier[] };
+  not_testable?: { effect: string; parameter?: string; why?: string }[];
+  suggestion?: { effect: string; error?: number | null; terms?: unknown };
+  advice?: string;
+  modes?: Record<string, Interval>;
+  paired?: { difference_mm: number | null; ci95?: number | [number, number] };
+  seeds?: number;
+}
+
+export interface Bin {
+  low: number;
+  high: number;
+  centre: number;
+  n: number;
+  mean: number | null;
+  mean_sigma: number | null;
+  scatter: number | null;
+  formal: number | null;
+}
+
+export interface ResidualPlot {
+  residual: string;
+  covariate: string;
+  moment?: string;
+  stage?: "before" | "after";
+  x_unit?: string;
+  strength?: number | null;
+  p_value?: number | null;
+  bins: Bin[];
+  sample?: [number, number][];
+}
+
+export interface Arrows {
+  stage?: "before" | "after";
+  plane?: "image_px" | "world_m";
+  unit?: string;
+  items: [number, number, number, number][];
+}
+
+export interface ImageMap {
+  stage?: "before" | "after";
+  title?: string;
+  unit?: string;
+  columns: number;
+  rows: number;
+  width_px: number;
+  height_px: number;
+  values: (number | null)[];
+}
+
+export interface Histogram {
+  residual: string;
+  stage?: "before" | "after";
+  edges: number[];
+  counts: number[];
+}
+
+export interface Line {
+  name: string;
+  points: number[][];
+}
+
+export interface Series {
+  title?: string;
+  x: string;
+  y: string;
+  lines: Line[];
+}
+
+export interface LeaveOneOut {
+  effect: string;
+  error_with: number | null;
+  error_without: number | null;
+}
+
+export interface Plots {
+  residuals?: ResidualPlot[];
+  arrows?: Arrows[];
+  maps?: ImageMap[];
+  histograms?: Histogram[];
+  series?: Series[];
+  intervals?: Series[];
+  leave_one_out?: LeaveOneOut[];
+}
+
+export interface Table {
+  title?: string;
+  columns: string[];
+  rows: (string | number | null)[][];
+}
+
+export interface Report {
+  format: string;
+  title?: string;
+  command?: string;
+  version?: string;
+  model?: { name?: string; file?: string; effects?: Record<string, Parameters> };
+  data?: {
+    folder?: string;
+    title?: string;
+    kind?: string;
+    fingerprint?: string;
+    n?: number;
+    groups?: number;
+    held_out_n?: number;
+    held_out_groups?: number;
+    image?: { width_px: number; height_px: number };
+    noise?: Record<string, number>;
+    noise_from?: string;
+  };
+  result: Result;
+  plots?: Plots;
+  tables?: Table[];
+}
+
+/** Reads the embedded document; throws with a sentence when the page holds none. */
+export function readReport(): Report {
+  const text = document.getElementById("data")?.textContent ?? "";
+  let report: Report;
+  try {
+    report = JSON.parse(text) as Report;
+  } catch {
+    throw new Error("This page holds no readable report data: it is the template, or it was cut.");
+  }
+  if (!report || report.format !== "seam-report/1") {
+    throw new Error(`This page holds "${report?.format}" where "seam-report/1" was expected.`);
+  }
+  return { ...report, result: report.result ?? {} };
+}
+
+/** The error of the model as given, wherever this command writes it. */
+export function errorBefore(result: Result): number | null {
+  const first = steps(result)[0];
+  return result.baseline?.error ?? (first ? first.error_before : result.error) ?? null;
+}
+
+/** The steps of `discover`, or the versions of `history`: both are errors that fall. */
+export function steps(result: Result): Step[] {
+  return result.steps ?? result.versions ?? [];
+}
+
+export function outlierList(result: Result): Outlier[] {
+  const outliers = result.outliers;
+  return Array.isArray(outliers) ? outliers : outliers?.items ?? [];
+}
+
+/** A parameter is written as a plain number or with its error. */
+export function asValue(parameter: Value | number): Value {
+  return typeof parameter === "number" ? { value: parameter } : parameter;
+}
+
+/** The noise of one observation of a residual, stated or estimated. */
+export function noiseOf(report: Report, residual: string): number | null {
+  return (report.data?.noise ?? report.result.noise)?.[residual] ?? null;
+}

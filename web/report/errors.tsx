@@ -1,0 +1,201 @@
+// The error over steps or versions, what each effect is worth, and how the residuals are spread.
+import * as Plot from "@observablehq/plot";
+import { number, words } from "../shared/format";
+import { palette } from "../shared/palette";
+import { ParameterList } from "./candidates";
+import { steps, type Histogram, type LeaveOneOut, type Report } from "./data";
+import { Figure } from "./figure";
+
+interface Level {
+  label: string;
+  error: number;
+}
+
+/** The errors in order: as given, then after each step. */
+function levels(report: Report): Level[] {
+  const all = steps(report.result);
+  const found: Level[] = [];
+  if (all[0]?.error_before != null) found.push({ label: "as given", error: all[0].error_before });
+  for (const step of all) {
+    if (step.error_after !== null) {
+      found.push({ label: `+ ${step.effect ?? "refit"}`, error: step.error_after });
+    }
+  }
+  return found;
+}
+
+export function ErrorFalling({ report }: { report: Report }) {
+  const all = steps(report.result);
+  const points = levels(report).map((level, i) => ({ ...level, i }));
+  if (points.length < 2) return null;
+  const floor = report.result.noise_floor ?? report.result.baseline?.noise_floor ?? 1;
+  const last = points[points.length - 1];
+  const lowest = Math.min(floor, ...points.map((p) => p.error));
+  const highest = Math.max(...points.map((p) => p.error));
+  const spans = highest / lowest > 20;
+  const draw = (width: number): Plot.PlotOptions => ({
+    height: 270, marginLeft: 52, marginBottom: 44, marginRight: 40, marginTop: 24,
+    x: { type: "point", domain: points.map((p) => p.i), label: null, tickSize: 0, padding: 0.4,
+      tickFormat: (i: number) => shorten(points[i].label, width / points.length) },
+    y: { label: "error (1 = the noise)", grid: true, nice: true, tickSize: 4, ticks: 5,
+      ...(spans ? { type: "log", tickFormat: "~g", domain: [0.7 * lowest, 1.3 * highest] }
+        : { zero: true }) },
+    marks: [
+      Plot.ruleY([floor], { stroke: palette.formal, strokeDasharray: "4 3", strokeWidth: 1.4 }),
+      Plot.text(["noise"], { frameAnchor: "left", y: floor, text: (t: string) => t, dy: -7, dx: 4,
+        fill: palette.ink3, fontSize: 11 }),
+      Plot.line(points, { x: "i", y: "error", stroke: palette.after, strokeWidth: 2 }),
+      Plot.dot(points, { x: "i", y: "error", r: 5, stroke: "white", strokeWidth: 1.5,
+        fill: (p) => (p.i === 0 ? palette.before : palette.after) }),
+      Plot.text(points, { x: "i", y: "error", text: (p) => number(p.error, 4), dy: -14,
+        fill: palette.ink, fontWeight: 600, fontSize: 12.5 }),
+    ],
+  });
+  return (
+    <section id="steps">
+      <h2>The error falls</h2>
+      <div class="figures">
+        <Figure wide name="error over steps" draw={draw}
+          sentence={
+            `Error on held-out groups, in units of the noise: ${number(points[0].error, 4)} as given, ` +
+            `${number(last.error, 4)} after ${points.length - 1} ` +
+            `${points.length === 2 ? "step" : "steps"}. ` +
+            (last.error < 1.05 * floor ? "What is left is noise."
+              : "The part above the dashed line is not explained.")
+          } />
+      </div>
+      <table class="data">
+        <thead>
+          <tr><th class="r">#</th><th>Effect added</th><th class="r">Error before</th>
+            <th class="r">after</th><th>Parameters, ± 1 σ</th><th>Note</th></tr>
+        </thead>
+        <tbody>
+          {all.map((step, i) => (
+            <tr key={i}>
+              <td class="r num">{step.version ?? i + 1}</td>
+              <td><code class="effect">{step.effect ?? "refit"}</code></td>
+              <td class="r num">{number(step.error_before, 4)}</td>
+              <td class="r num">{number(step.error_after, 4)}</td>
+              <td><ParameterList parameters={step.parameters} /></td>
+              <td class="why">
+                {step.why && words(step.why)}
+                {(step.indistinguishable_from ?? []).length > 0 &&
+                  <div class="tie">cannot be told from {step.indistinguishable_from!.join(", ")}</div>}
+                {step.data && <div class="quiet">{step.data}{step.fingerprint && ` (${
+                  step.fingerprint.slice(0, 8)})`}</div>}
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+function shorten(label: string, room: number): string {
+  const letters = Math.max(8, Math.floor(room / 7));
+  return label.length > letters ? `${label.slice(0, letters - 1)}…` : label;
+}
+
+export function Worth({ report }: { report: Report }) {
+  const rows = (report.plots?.leave_one_out ?? [])
+    .filter((row) => row.error_with !== null && row.error_without !== null)
+    .sort((a, b) => b.error_without! - a.error_without!);
+  if (rows.length === 0) return null;
+  const withAll = rows[0].error_with!;
+  const draw = (_width: number): Plot.PlotOptions => ({
+    height: 48 + 30 * rows.length, marginLeft: 170, marginRight: 70, marginBottom: 36,
+    x: { label: "error without the effect (1 = the noise)", nice: true, grid: true, zero: true,
+      tickSize: 4, ticks: 6 },
+    y: { label: null, domain: rows.map((row) => row.effect), tickSize: 0, padding: 0.35 },
+    marks: [
+      Plot.barX(rows, { x1: withAll, x2: "error_without", y: "effect", fill: palette.after,
+        fillOpacity: 0.85 }),
+      Plot.ruleX([withAll], { stroke: palette.ink, strokeWidth: 1.3 }),
+      Plot.text(rows, { x: "error_without", y: "effect", dx: 6, textAnchor: "start",
+        text: (row: LeaveOneOut) => number(row.error_without, 4), fill: palette.ink }),
+    ],
+  });
+  return (
+    <section id="worth">
+      <h2>What each effect is worth</h2>
+      <div class="figures">
+        <Figure wide name="leave one effect out" draw={draw}
+          sentence={
+            `The error on held-out groups is ${number(withAll, 4)} with all effects (black line). Each ` +
+            `bar shows what it becomes when that effect is left out and the rest refitted: ` +
+            `${words(rows[0].effect)} is worth most. A bar of no length is an effect that this data ` +
+            "does not need."
+          } />
+      </div>
+    </section>
+  );
+}
+
+export function Distributions({ report }: { report: Report }) {
+  const names = [...new Set((report.plots?.histograms ?? []).map((h) => h.residual))];
+  if (names.length === 0) return null;
+  return (
+    <section id="distribution">
+      <h2>How the residuals are spread</h2>
+      <div class="figures">
+        {names.map((name) => (
+          <Distribution key={name} name={name}
+            sets={report.plots!.histograms!.filter((h) => h.residual === name)} />
+        ))}
+      </div>
+    </section>
+  );
+}
+
+/** Counts as density, so that sets of different size and the normal curve share one axis. */
+function densities(histogram: Histogram) {
+  const total = histogram.counts.reduce((a, b) => a + b, 0) || 1;
+  return histogram.counts.map((n, i) => {
+    const [low, high] = [histogram.edges[i], histogram.edges[i + 1]];
+    return { low, high, density: n / total / (high - low) };
+  });
+}
+
+function beyond(histogram: Histogram, limit: number): number {
+  const total = histogram.counts.reduce((a, b) => a + b, 0) || 1;
+  return histogram.counts.reduce((sum, n, i) =>
+    sum + (Math.abs((histogram.edges[i] + histogram.edges[i + 1]) / 2) > limit ? n : 0), 0) / total;
+}
+
+function Distribution({ name, sets }: { name: string; sets: Histogram[] }) {
+  const before = sets.find((set) => set.stage !== "after");
+  const after = sets.find((set) => set.stage === "after");
+  const shown = (after ?? before)!;
+  const edges = sets.flatMap((set) => set.edges);
+  const reach = Math.max(...edges.map(Math.abs));
+  const normal = Array.from({ length: 121 }, (_, i) => {
+    const x = (i / 60 - 1) * Math.min(reach, 6);
+    return { x, y: Math.exp(-x * x / 2) / Math.sqrt(2 * Math.PI) };
+  });
+  const draw = (_width: number): Plot.PlotOptions => ({
+    height: 220, marginLeft: 46, marginBottom: 38,
+    x: { label: `${words(name)}: residual / its stated error`, ticks: 7, tickSize: 4 },
+    y: { label: "density", ticks: 4, tickSize: 4, grid: true },
+    marks: [
+      ...[[before, palette.before], [after, palette.after]].flatMap(([set, colour]) => set
+        ? [Plot.rect(densities(set as Histogram), { x1: "low", x2: "high", y1: 0, y2: "density",
+            fill: colour as string, fillOpacity: after && set === before ? 0.35 : 0.6, inset: 0.3 })]
+        : []),
+      Plot.line(normal, { x: "x", y: "y", stroke: palette.ink, strokeWidth: 1.5 }),
+      Plot.ruleY([0], { stroke: palette.ink2 }),
+    ],
+  });
+  return (
+    <Figure name={`distribution ${name}`} draw={draw} title={words(splitName(name))}
+      sentence={
+        `${(100 * beyond(shown, 3)).toFixed(1)} % of the residuals${after ? " after the step" : ""} ` +
+        "lie beyond three of their stated errors; 0.3 % would if the noise were normal and nothing " +
+        "were missing (black curve)."
+      } />
+  );
+}
+
+function splitName(name: string): string {
+  return name.replace(/_(px|rad|m|dn|s)$/, "");
+}

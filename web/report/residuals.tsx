@@ -1,0 +1,213 @@
+// Residual against each guilty covariate: bin means with their formal error, the actual scatter of
+// the single residuals, and the scatter that the model states.
+import * as Plot from "@observablehq/plot";
+import { number, pValue, splitUnit, words } from "../shared/format";
+import { palette } from "../shared/palette";
+import { noiseOf, type Bin, type Report, type ResidualPlot } from "./data";
+import { Figure, Key } from "./figure";
+
+interface Pair {
+  before?: ResidualPlot;
+  after?: ResidualPlot;
+}
+
+/** Plots of the same residual and covariate, before and after, belong into one picture. */
+export function pairs(plots: ResidualPlot[]): Pair[] {
+  const found = new Map<string, Pair>();
+  for (const plot of plots) {
+    const key = `${plot.residual}|${plot.covariate}|${plot.moment ?? "mean"}`;
+    const pair = found.get(key) ?? {};
+    pair[plot.stage ?? "before"] = plot;
+    found.set(key, pair);
+  }
+  return [...found.values()];
+}
+
+export function Residuals({ report }: { report: Report }) {
+  const all = pairs(report.plots?.residuals ?? []);
+  if (all.length === 0) return null;
+  const hasAfter = all.some((pair) => pair.after);
+  return (
+    <section id="residuals">
+      <h2>Residuals against what they depend on</h2>
+      <p class="lead">
+        Held-out residuals (observed minus predicted). A model that is right leaves bin means on the
+        zero line within their bars, and as much scatter as it states.
+      </p>
+      <Key
+        items={[
+          { label: "one residual", colour: "#b9c0c9", shape: "dot" },
+          { label: "mean of a bin ± 2 formal errors", colour: palette.before, shape: "bar" },
+          { label: "actual scatter, ± 1 σ", colour: palette.before, shape: "band" },
+          { label: "scatter that the model states", colour: palette.formal, shape: "dash" },
+          ...(hasAfter
+            ? [{ label: "after the step", colour: palette.after, shape: "bar" as const }]
+            : []),
+        ]}
+      />
+      <div class="figures">
+        {all.map((pair) => (
+          <ResidualFigure key={sentenceKey(pair)} pair={pair} report={report} />
+        ))}
+      </div>
+    </section>
+  );
+}
+
+function sentenceKey(pair: Pair): string {
+  const plot = (pair.before ?? pair.after)!;
+  return `${plot.residual} against ${plot.covariate} ${plot.moment ?? "mean"}`;
+}
+
+function ResidualFigure({ pair, report }: { pair: Pair; report: Report }) {
+  const plot = (pair.before ?? pair.after)!;
+  const residual = splitUnit(plot.residual);
+  const covariate = splitUnit(plot.covariate);
+  const spread = plot.moment === "spread";
+  const draw = (width: number): Plot.PlotOptions => ({
+    height: Math.round(Math.min(300, Math.max(210, width * 0.52))),
+    marginLeft: 52,
+    marginBottom: 38,
+    x: { label: axisLabel(covariate.name, plot.x_unit ?? covariate.unit), ticks: 6, tickSize: 4 },
+    y: {
+      label: axisLabel(spread ? `spread of ${residual.name}` : `${residual.name} residual`,
+        residual.unit),
+      ticks: 5, tickSize: 4, grid: true, nice: true,
+      domain: spread ? undefined : meanDomain(pair),
+      zero: spread,
+    },
+    marks: spread ? spreadMarks(pair) : meanMarks(pair),
+  });
+  return (
+    <Figure
+      name={`residual ${sentenceKey(pair)}`}
+      title={<>{words(residual.name)} residual <span class="quiet">against</span>{" "}
+        {words(plot.covariate)}</>}
+      sentence={spread ? spreadSentence(pair) : meanSentence(pair, noiseOf(report, plot.residual))}
+      draw={draw}
+    />
+  );
+}
+
+function axisLabel(name: string, unit: string): string {
+  return unit ? `${words(name)} (${unit})` : words(name);
+}
+
+/** Room for the means and the scatter; single residuals far outside do not stretch the plot. */
+function meanDomain(pair: Pair): [number, number] {
+  let low = 0;
+  let high = 0;
+  for (const plot of [pair.before, pair.after]) {
+    for (const bin of plot?.bins ?? []) {
+      const reach = Math.max(1.35 * (bin.scatter ?? 0), 1.35 * (bin.formal ?? 0),
+        2 * (bin.mean_sigma ?? 0));
+      low = Math.min(low, (bin.mean ?? 0) - reach);
+      high = Math.max(high, (bin.mean ?? 0) + reach);
+    }
+  }
+  return low === high ? [-1, 1] : [low, high];
+}
+
+const shown = (bins: Bin[]) => bins.filter((bin) => bin.mean !== null);
+
+function meanMarks(pair: Pair): Plot.Markish[] {
+  const first = (pair.before ?? pair.after)!;
+  const colour = pair.before ? palette.before : palette.after;
+  const [low, high] = meanDomain(pair);
+  const sample = (first.sample ?? []).filter(([, r]) => r >= low && r <= high);
+  const formal = shown(first.bins).filter((bin) => bin.formal !== null);
+  return [
+    Plot.dot(sample, { x: "0", y: "1", r: 1.3, fill: "#b9c0c9", fillOpacity: 0.7 }),
+    Plot.areaY(shown(first.bins), {
+      x: "centre", y1: (b: Bin) => b.mean! - (b.scatter ?? 0),
+      y2: (b: Bin) => b.mean! + (b.scatter ?? 0), fill: colour, fillOpacity: 0.13,
+    }),
+    ...[1, -1].map((sign) => Plot.line(formal, {
+      x: "centre", y: (b: Bin) => sign * b.formal!, stroke: palette.formal, strokeWidth: 1.3,
+      strokeDasharray: "4 3",
+    })),
+    Plot.ruleY([0], { stroke: palette.ink2, strokeWidth: 1 }),
+    ...barMarks(first.bins, colour),
+    ...(pair.before && pair.after ? barMarks(pair.after.bins, palette.after) : []),
+  ];
+}
+
+function barMarks(bins: Bin[], colour: string): Plot.Markish[] {
+  const low = (b: Bin) => b.mean! - 2 * (b.mean_sigma ?? 0);
+  const high = (b: Bin) => b.mean! + 2 * (b.mean_sigma ?? 0);
+  return [
+    Plot.line(shown(bins), { x: "centre", y: "mean", stroke: colour, strokeWidth: 1.4 }),
+    Plot.ruleX(shown(bins), { x: "centre", y1: low, y2: high, stroke: colour, strokeWidth: 1.4 }),
+    Plot.dot(shown(bins), {
+      x: "centre", y: "mean", r: 2.8, fill: colour, stroke: "white", strokeWidth: 0.8,
+      title: (b: Bin) => `mean ${number(b.mean)} ± ${number(b.mean_sigma, 2)}\n` +
+        `scatter ${number(b.scatter)}, stated ${number(b.formal)}\n${b.n} residuals`,
+    }),
+  ];
+}
+
+function spreadMarks(pair: Pair): Plot.Markish[] {
+  const first = (pair.before ?? pair.after)!;
+  const marks: Plot.Markish[] = [
+    Plot.ruleY([0], { stroke: palette.line }),
+    Plot.line(first.bins.filter((b) => b.formal !== null), {
+      x: "centre", y: "formal", stroke: palette.formal, strokeWidth: 1.6, strokeDasharray: "4 3",
+    }),
+  ];
+  for (const [plot, colour] of [[pair.before, palette.before], [pair.after, palette.after]] as const) {
+    const bins = (plot?.bins ?? []).filter((b) => b.scatter !== null && b.n > 1);
+    marks.push(
+      Plot.line(bins, { x: "centre", y: "scatter", stroke: colour, strokeWidth: 1.4 }),
+      Plot.ruleX(bins, {
+        x: "centre", stroke: colour, strokeWidth: 1.4,
+        y1: (b: Bin) => b.scatter! * (1 - 2 / Math.sqrt(2 * (b.n - 1))),
+        y2: (b: Bin) => b.scatter! * (1 + 2 / Math.sqrt(2 * (b.n - 1))),
+      }),
+      Plot.dot(bins, { x: "centre", y: "scatter", r: 2.8, fill: colour, stroke: "white" }),
+    );
+  }
+  return marks;
+}
+
+/** Root mean square of the bin means: what of the residual a curve through them explains. */
+function rootMeanSquare(bins: Bin[]): number {
+  const used = shown(bins);
+  const total = used.reduce((sum, bin) => sum + bin.n, 0);
+  return Math.sqrt(used.reduce((sum, bin) => sum + bin.n * bin.mean! ** 2, 0) / Math.max(1, total));
+}
+
+function meanSentence(pair: Pair, noise: number | null): string {
+  const plot = (pair.before ?? pair.after)!;
+  const { name, unit } = splitUnit(plot.residual);
+  const strength = plot.strength ?? rootMeanSquare(plot.bins);
+  const times = noise ? `, ${number(strength / noise, 2)} times the noise of one observation` : "";
+  const p = plot.p_value === undefined ? "" : ` (p ${relation(plot.p_value)})`;
+  const significant = plot.p_value === undefined || (plot.p_value ?? 1) < 0.01;
+  let text = significant
+    ? `${number(strength)} ${unit} of the ${words(name)} residual follows ` +
+      `${words(plot.covariate)}${times}${p}: noise alone would leave a flat line.`
+    : `Nothing in the ${words(name)} residual follows ${words(plot.covariate)}${p}: the means ` +
+      "agree with zero.";
+  if (pair.before && pair.after) {
+    text += ` After the step ${number(pair.after.strength ?? rootMeanSquare(pair.after.bins), 2)} ` +
+      `${unit} are left.`;
+  }
+  return text;
+}
+
+function relation(p: number | null | undefined): string {
+  const text = pValue(p);
+  return text.startsWith("<") ? text : `= ${text}`;
+}
+
+function spreadSentence(pair: Pair): string {
+  const plot = (pair.before ?? pair.after)!;
+  const ratios = plot.bins.filter((b) => b.scatter !== null && b.formal).map((b) => b.scatter! / b.formal!);
+  const low = Math.min(...ratios);
+  const high = Math.max(...ratios);
+  const range = ratios.length === 0 ? "" :
+    ` It is ${number(low, 2)} to ${number(high, 2)} times what the model states (dashed).`;
+  return `The scatter of the ${words(splitUnit(plot.residual).name)} residual changes with ` +
+    `${words(plot.covariate)}${plot.p_value === undefined ? "" : ` (p ${relation(plot.p_value)})`}.` +
+    `${range} A constant noise would be a flat line.`;
+}

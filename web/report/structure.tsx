@@ -1,0 +1,51 @@
+// The list of what the residuals depend on, strongest first within each residual.
+import { number, pValue, splitUnit, words } from "../shared/format";
+import { Rich } from "../shared/rich";
+import type { Report, Structure as Item } from "./data";
+
+export function Structure({ report }: { report: Report }) {
+  const all = report.result.structure;
+  if (!all) return null;
+  return (
+    <section id="structure">
+      <h2>Where the model fails</h2>
+      {all.length === 0
+        ? <p class="lead">The residuals were tested against every covariate and product that physics
+          suggests; nothing significant was found.</p>
+        : <>
+          <p class="lead">
+            What the held-out residuals depend on. Strength is the root mean square of what a smooth
+            curve explains; p is corrected for the number of looks. One cause can show in several rows.
+          </p>
+          <table class="data structure">
+            <thead>
+              <tr><th>Residual</th><th>of its</th><th>depends on</th><th>Strength</th><th class="r">p</th></tr>
+            </thead>
+            <tbody>{all.map((item, i) => <Row key={i} item={item} all={all} />)}</tbody>
+          </table>
+        </>}
+    </section>
+  );
+}
+
+function Row({ item, all }: { item: Item; all: Item[] }) {
+  const same = all.filter((other) => splitUnit(other.residual).unit === splitUnit(item.residual).unit);
+  const most = Math.max(...same.map((other) => other.strength ?? 0)) || 1;
+  const share = Math.max(0, Math.min(1, (item.strength ?? 0) / most));
+  return (
+    <tr>
+      <td><code>{splitUnit(item.residual).name}</code></td>
+      <td>{item.moment}</td>
+      <td>{words(item.covariate)}</td>
+      <td>
+        <div class="strength num">
+          <svg width="90" height="12" aria-hidden="true">
+            <rect x="0" y="2" width={Math.max(1.5, 90 * share)} height="8" rx="1.5" />
+          </svg>
+          <span><Rich text={number(item.strength)} /> {splitUnit(item.residual).unit}</span>
+        </div>
+      </td>
+      <td class="r num"><Rich text={pValue(item.p_value)} /></td>
+    </tr>
+  );
+}
