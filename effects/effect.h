@@ -23,6 +23,7 @@ struct LightWindow;    // optics.h
 struct SensorChain;    // sensor.h
 struct Detection;      // detector.h
 struct Locomotion;     // locomotion.h
+struct VelocitySample; // locomotion.h
 
 enum class Stage { timing, joint, mount, geometry, radiometry, light, sensor, detector, locomotion };
 std::string to_string(Stage stage);
@@ -79,6 +80,7 @@ struct EffectDefinition {
   std::function<void(Values, SensorChain&)> sensor;     // Contributes to the sensor's equation.
   std::function<void(Values, Detection&)> detector;     // Range and bearing.
   std::function<void(Values, Locomotion&)> locomotion;  // Commanded to true body velocity.
+  std::function<void(Values, VelocitySample&)> velocity_map;  // A formula on the body velocity.
 };
 
 }  // namespace seam::effects
