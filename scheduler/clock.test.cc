@@ -9,13 +9,13 @@ namespace seam::scheduler {
 namespace {
 
 TEST(Clock, TicksAreOffsetPlusMultiplesNotARunningSum) {
-  const Clock clock({SimDuration::from_ns(7), SimDuration::from_ns(40'000'000)}, {});
+  const Clock clock({.offset = SimDuration::from_ns(7), .period = SimDuration::from_ns(40'000'000)}, {});
   EXPECT_EQ(clock.tick(0).ns(), 7);
   EXPECT_EQ(clock.tick(1'000'000).ns(), 40'000'000'000'007);
 }
 
 TEST(Clock, DriftLengthensEveryPeriod) {
-  const Clock clock({SimDuration{}, SimDuration::from_ns(40'000'000), 50e-6}, {});
+  const Clock clock({.period = SimDuration::from_ns(40'000'000), .drift = 50e-6}, {});
   // 50 ppm of 1,000 s is 50 ms.
   EXPECT_EQ(clock.tick(25'000).ns(), 1'000'050'000'000);
   // One period's part, 2,000 ns.
@@ -24,8 +24,10 @@ TEST(Clock, DriftLengthensEveryPeriod) {
 
 TEST(Clock, JitterHasItsSpreadAndNoMemory) {
   const double sigma_s = 1e-3;
-  const Clock clock({SimDuration::from_s(1), SimDuration::from_s(0.04), 0, sigma_s}, {3, 4});
-  const Clock again({SimDuration::from_s(1), SimDuration::from_s(0.04), 0, sigma_s}, {3, 4});
+  const Clock clock({.offset = SimDuration::from_s(1), .period = SimDuration::from_s(0.04),
+                     .jitter_sigma_s = sigma_s}, {3, 4});
+  const Clock again({.offset = SimDuration::from_s(1), .period = SimDuration::from_s(0.04),
+                     .jitter_sigma_s = sigma_s}, {3, 4});
   double sum = 0, sum_of_squares = 0;
   const int n = 20'000;
   for (int i = 0; i < n; ++i) {
@@ -40,12 +42,20 @@ TEST(Clock, JitterHasItsSpreadAndNoMemory) {
 }
 
 TEST(Clock, JitterKeepsTheOrderOfTicks) {
-  const Clock clock({SimDuration{}, SimDuration::from_s(0.008), 0, 0.02}, {1, 1});
+  const Clock clock({.period = SimDuration::from_s(0.008), .jitter_sigma_s = 0.02}, {1, 1});
   for (int i = 0; i < 10'000; ++i) ASSERT_LT(clock.tick(i), clock.tick(i + 1));
 }
 
+TEST(Clock, LockedTicksMeetTheCycleExactly) {
+  const Clock clock({.offset = SimDuration::from_ns(5), .period = SimDuration::from_ns(1'000'000'000),
+                     .divisor = 7}, {});
+  EXPECT_EQ(clock.tick(7 * 1'000'000).ns(), 1'000'000'000'000'005);
+  EXPECT_EQ(clock.tick(1).ns(), 142'857'142 + 5);
+}
+
 TEST(Clock, FirstAtOrAfterAgreesWithSearch) {
-  const Clock clock({SimDuration::from_s(0.013), SimDuration::from_s(0.04), 3e-4, 2e-3}, {5, 6});
+  const Clock clock({.offset = SimDuration::from_s(0.013), .period = SimDuration::from_s(0.04),
+                     .drift = 3e-4, .jitter_sigma_s = 2e-3}, {5, 6});
   for (int64_t ns = 0; ns < 3'000'000'000; ns += 7'654'321) {
     int64_t expected = 0;
     while (clock.tick(expected) < SimTime::from_ns(ns)) ++expected;

@@ -17,6 +17,9 @@ class FrameRenderer {
   // robot's model, the arguments and nothing else. Called from the loop's thread.
   virtual RowSchedule schedule(int robot, uint64_t frame_index, SimTime stamp) = 0;
 
+  // X_LC: the robot's camera in the last link of its head.
+  virtual Pose mount(int robot) const = 0;
+
   // Makes the frame, its fingerprint included; a pure function of the job. `worker` is below
   // workers(), and no two calls with the same worker overlap; a worker keeps its thread.
   virtual Frame render(int robot, const FrameJob& job, int worker) = 0;

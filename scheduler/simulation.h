@@ -32,6 +32,8 @@ struct SimulationOptions {
   std::optional<SimTime> until;  // The scenario's duration where not given; inclusive.
   // Test mode: simultaneous events are inserted in an order drawn from this seed.
   std::optional<uint64_t> permutation_seed;
+  // Fills FrameJob::row_cameras, which nothing but files of frames needs.
+  bool camera_at_rows = false;
 };
 
 class Simulation {

@@ -35,6 +35,7 @@ struct FrameJob {
   SimTime stamp;            // Start of row 0 by the camera's clock.
   RowSchedule schedule;
   std::vector<SceneInstant> instants;  // One for each of schedule.instants, in that order.
+  std::vector<Pose> row_cameras;  // X_WC at the middle of each row's window; empty unless asked for.
   Rgb background{0, 0, 0};
   Lighting lighting;
   RandomStream camera_noise;  // Of this camera: fixed patterns are drawn from it alone.

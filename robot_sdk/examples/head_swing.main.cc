@@ -1,5 +1,5 @@
 // Swings the head from side to side at a constant rate and asks for every frame: the motion of the
-// founding paper's Fig. 9. `head_swing [--rate RAD_PER_S] [--amplitude RAD] [--no-frames]`
+// founding paper's Fig. 9. `head_swing [--rate DEG_PER_S] [--amplitude DEG] [--no-frames]`
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
@@ -7,14 +7,15 @@
 #include "robot_sdk/robot.h"
 
 int main(int argc, char** argv) {
-  double rate_rad_s = 3.0, amplitude_rad = 1.0;
+  constexpr double kDegree = 3.14159265358979323846 / 180;
+  double rate_rad_s = 300 * kDegree, amplitude_rad = 45 * kDegree;
   bool frames = true;
   for (int i = 1; i < argc; ++i) {
     const std::string_view option = argv[i];
     if (option == "--no-frames") frames = false;
     if (i + 1 == argc) break;
-    if (option == "--rate") rate_rad_s = std::atof(argv[i + 1]);
-    if (option == "--amplitude") amplitude_rad = std::atof(argv[i + 1]);
+    if (option == "--rate") rate_rad_s = std::atof(argv[i + 1]) * kDegree;
+    if (option == "--amplitude") amplitude_rad = std::atof(argv[i + 1]) * kDegree;
   }
 
   seam::sdk::Robot robot(argc, argv);
