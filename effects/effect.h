@@ -16,13 +16,14 @@ namespace seam::effects {
 struct Timing;         // timing.h
 struct JointTrack;     // joint_track.h
 struct ServoModel;     // servo.h
-struct JointSample;    // joint_sample.h
+struct JointSample;    // joint_track.h
 struct ImagePoint;     // geometry.h
 struct Optics;         // optics.h
 struct LightWindow;    // optics.h
 struct SensorChain;    // sensor.h
 struct Detection;      // detector.h
 struct Locomotion;     // locomotion.h
+struct VelocitySample; // locomotion.h
 
 enum class Stage { timing, joint, mount, geometry, radiometry, light, sensor, detector, locomotion };
 std::string to_string(Stage stage);
@@ -44,6 +45,8 @@ struct Parameter {
   // The neutral value is infinity (a limit that never binds): a fit works on 1 / value, in which
   // the effect is absent at 0, and `scale` is a typical value, not a typical step.
   bool fit_reciprocal = false;
+  // Stays at its neutral value unless the data ask for it: a fit frees it only when that pays.
+  bool on_demand = false;
 };
 
 // The values of an effect's parameters, in the order in which it declares them.
@@ -61,6 +64,7 @@ struct EffectDefinition {
   bool spread_only = false;    // Changes the spread of measurements, never their mean.
   bool has_neutral = true;     // False for a base (pinhole) or a replacement (fisheye).
   std::vector<std::string> columns;  // Further columns of a set that a joint's formula reads.
+  std::string source;          // Of an expression effect: the YAML of its definition.
 
   // The hooks; an effect sets those of its stage and leaves the others empty.
   std::function<void(Values, Timing&)> timing;          // Contributes to row times.
@@ -76,6 +80,7 @@ struct EffectDefinition {
   std::function<void(Values, SensorChain&)> sensor;     // Contributes to the sensor's equation.
   std::function<void(Values, Detection&)> detector;     // Range and bearing.
   std::function<void(Values, Locomotion&)> locomotion;  // Commanded to true body velocity.
+  std::function<void(Values, VelocitySample&)> velocity_map;  // A formula on the body velocity.
 };
 
 }  // namespace seam::effects

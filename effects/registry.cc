@@ -10,6 +10,13 @@
   X(clock_drift)             \
   X(frame_jitter)            \
   X(frame_sync)              \
+  X(ideal_servo)             \
+  X(servo_latency)           \
+  X(servo_lag)               \
+  X(speed_limit)             \
+  X(acceleration_limit)      \
+  X(stiction)                \
+  X(gravity_sag)             \
   X(encoder_eccentricity)    \
   X(encoder_scale)           \
   X(encoder_offset)          \
@@ -48,7 +55,12 @@
   X(range_offset)            \
   X(bearing_scale)           \
   X(range_noise)             \
-  X(bearing_noise)
+  X(bearing_noise)           \
+  X(ideal_odometry)          \
+  X(odometry_scale)          \
+  X(walk_lag)                \
+  X(heading_drift)           \
+  X(walk_noise)
 
 namespace seam::effects {
 

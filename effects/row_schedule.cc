@@ -90,15 +90,16 @@ RowSchedule one_instant_a_row(std::vector<RowWindow> rows) {
 
 RowSchedule make_row_schedule(const Timing& timing, SimTime stamp, int height_px,
                               const RowScheduleOptions& options) {
-  SEAM_CHECK(height_px > 0 && options.instants_per_row >= 1 &&
-                 options.instants_per_row <= kMaxInstantsPerRow,
-             "height {}, instants {}", height_px, options.instants_per_row);
-  std::vector<RowWindow> rows = row_windows(timing, stamp, height_px, options);
+  return schedule_of_windows(row_windows(timing, stamp, height_px, options), options.instants_per_row);
+}
+
+RowSchedule schedule_of_windows(std::vector<RowWindow> rows, int instants_per_row) {
+  SEAM_CHECK(!rows.empty() && instants_per_row >= 1 && instants_per_row <= kMaxInstantsPerRow,
+             "height {}, instants {}", rows.size(), instants_per_row);
+  const int height_px = static_cast<int>(rows.size());
   const int64_t exposure_ns = (rows[0].end - rows[0].start).ns();
-  if (options.instants_per_row == 1 || exposure_ns < options.instants_per_row) {
-    return one_instant_a_row(std::move(rows));
-  }
-  const int64_t step_ns = exposure_ns / options.instants_per_row;
+  if (instants_per_row == 1 || exposure_ns < instants_per_row) return one_instant_a_row(std::move(rows));
+  const int64_t step_ns = exposure_ns / instants_per_row;
   std::vector<int> in_time_order(height_px);
   for (int row = 0; row < height_px; ++row) in_time_order[row] = row;
   std::stable_sort(in_time_order.begin(), in_time_order.end(),

@@ -33,4 +33,7 @@ inline constexpr int kMaxInstantsPerRow = 4096;
 RowSchedule make_row_schedule(const Timing& timing, SimTime stamp, int height_px,
                               const RowScheduleOptions& options = {});
 
+// The same for given windows, all equally long; rows may start at any times.
+RowSchedule schedule_of_windows(std::vector<RowWindow> rows, int instants_per_row);
+
 }  // namespace seam::effects

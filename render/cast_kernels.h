@@ -1,0 +1,65 @@
+// The inner loops of the ray caster: one analytic primitive against a run of rays of one row.
+//
+// Plain loops without branches, which compilers turn into vector instructions. They use IEEE
+// additions, multiplications, divisions, square roots and comparisons alone, element by element,
+// so every vector width gives the same bits. Files that include `cast_kernels.inc` are compiled for
+// one width each; `cast_kernels()` picks the widest that this machine has.
+#pragma once
+
+#include <cstdint>
+
+namespace seam::render {
+
+// A primitive prepared for one instant. The object's frame O is that of `Primitive::X_WO`.
+struct CastShape {
+  float R_OC[9];     // Row-major: maps a direction in the camera's frame into the object's.
+  float origin_O[3]; // The camera in the object's frame, metres.
+  float centre_C[3]; // The object's origin in the camera's frame, metres.
+  float size[3];     // Rectangle, box: half edges. Others: radius in [0], height in [2]. Metres.
+  float light_O[3];  // Direction towards the light in the object's frame, times `diffuse`.
+  float ambient;
+  int32_t id;        // What a hit writes; the primitive's place in its instant.
+};
+
+// Directions of the rays of one row in the camera's frame.
+struct RayRow {
+  const float* x;
+  const float* y;
+  const float* z;
+};
+
+// What the rays have met so far: the multiple of the direction at which, and the primitive.
+struct HitRow {
+  float* depth;
+  int32_t* id;
+};
+
+struct CastKernels {
+  using Cast = void (*)(const CastShape&, RayRow, int begin, int end, HitRow);
+  // The factor on the primitive's rgb at hits of columns [begin, end) under Lambert's law.
+  using Shade = void (*)(const CastShape&, RayRow, const float* depth, int begin, int end, float* factor);
+  Cast cast[5];    // By Shape.
+  Shade shade[5];  // By Shape.
+  // Rays of one row at offsets (du, dv) from the pixels' centres: base + du * along_u + dv * along_v,
+  // with du = frac(tile_u[i] + phase_u) - 1/2 and dv alike.
+  void (*offset_rays)(const float* const base_u_v[3], const float* tile_u, const float* tile_v,
+                      float phase_u, float phase_v, int count, float* out);
+  // sum[i] += weight * (a value that is the same over a run).
+  void (*add_constant)(float value, int begin, int end, float* sum);
+  // sum[i] += value * factor[i].
+  void (*add_shaded)(float value, const float* factor, int begin, int end, float* sum);
+  const char* name;
+};
+
+// A hit nearer than this is not seen (the lens is in front of it), metres along the ray.
+inline constexpr float kNear = 1e-3f;
+inline constexpr float kFar = 1e30f;
+// Of surfaces this close in depth, the later primitive is seen: lines are painted on the carpet.
+inline constexpr float kCoplanar = 1.00001f;
+
+const CastKernels& cast_kernels();
+
+// Every set that this machine can run, the narrowest first; for tests of equal bits.
+int cast_kernel_sets(const CastKernels* sets[3]);
+
+}  // namespace seam::render

@@ -1,0 +1,10 @@
+// Labels, depth and optical flow from the same rays and primitives as the image.
+#pragma once
+
+#include "render/light_integrator.h"
+
+namespace seam::render {
+
+GroundTruth make_ground_truth(const FrameJob& job, const RayTable& rays, const effects::Projection& projection);
+
+}  // namespace seam::render

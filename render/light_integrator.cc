@@ -1,0 +1,116 @@
+#include "render/light_integrator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/row_schedule.h"
+#include "render/parallel.h"
+#include "sim_core/error.h"
+
+namespace seam::render {
+namespace {
+
+// A frame never gets more instants a row than this by motion alone.
+constexpr int kMaxRefinedInstants = 512;
+
+double focal_px(const RayTable& rays) {
+  // Pixels per unit of x and y are the inverse of the rays' steps.
+  double least = 1e30;
+  for (size_t i = 0; i < rays.base[0].size(); ++i) {
+    const auto length2 = [&](const std::vector<float>(&along)[3]) {
+      double sum = 0;
+      for (const std::vector<float>& component : along) sum += static_cast<double>(component[i]) * component[i];
+      return sum;
+    };
+    least = std::min({least, length2(rays.along_u), length2(rays.along_v)});
+  }
+  return 1 / std::sqrt(least);
+}
+
+int divide_up(int a, int b) { return (a + b - 1) / b; }
+
+int fewest_instants(const RowSchedule& schedule) {
+  size_t fewest = schedule.weights[0].size();
+  for (const auto& weights : schedule.weights) fewest = std::min(fewest, weights.size());
+  return static_cast<int>(fewest);
+}
+
+// How many instants a row needs so that nothing moves further than allowed between two.
+int instants_wanted(const FrameJob& job, const RayTable& rays, const RendererOptions& options) {
+  const int given = fewest_instants(job.schedule);
+  const SimDuration exposure = job.schedule.rows[0].end - job.schedule.rows[0].start;
+  if (given < 2 || job.instants.size() < 2 || exposure.ns() == 0) return given;
+  const double focal = focal_px(rays);
+  double fastest_px = 0;  // In the time between two instants of a row.
+  const double step_ns = static_cast<double>(exposure.ns()) / given;
+  for (size_t k = 0; k + 1 < job.instants.size(); ++k) {
+    const double span_ns = static_cast<double>((job.instants[k + 1].time - job.instants[k].time).ns());
+    const double motion = image_motion_px(job.instants[k], job.instants[k + 1], focal);
+    if (span_ns > 0) fastest_px = std::max(fastest_px, motion * step_ns / span_ns);
+  }
+  const double factor = std::ceil(fastest_px / options.max_motion_px - 1e-9);
+  if (!(factor > 1)) return given;
+  return static_cast<int>(std::min<double>(factor * given, std::max(kMaxRefinedInstants, given)));
+}
+
+SceneInstant scene_at(const FrameJob& job, SimTime time) {
+  const auto after = std::lower_bound(job.instants.begin(), job.instants.end(), time,
+                                      [](const SceneInstant& a, SimTime t) { return a.time < t; });
+  const auto b = std::clamp(after, job.instants.begin() + 1, job.instants.end() - 1);
+  return interpolate(*(b - 1), *b, time);
+}
+
+}  // namespace
+
+SamplingPlan plan_sampling(const FrameJob& job, const RayTable& rays, const RendererOptions& options) {
+  SEAM_CHECK(job.instants.size() == job.schedule.instants.size() && !job.instants.empty(), "{} {}",
+             job.instants.size(), job.schedule.instants.size());
+  SEAM_CHECK(static_cast<int>(job.schedule.rows.size()) == rays.height_px, "{}", job.schedule.rows.size());
+  SamplingPlan plan;
+  const int wanted = instants_wanted(job, rays, options);
+  const bool refine = wanted > fewest_instants(job.schedule);
+  plan.schedule = refine ? effects::schedule_of_windows(job.schedule.rows, wanted) : job.schedule;
+  plan.scenes.resize(plan.schedule.instants.size());
+  split_over_threads(options.threads, static_cast<int>(plan.scenes.size()), [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      if (refine) {
+        prepare(scene_at(job, plan.schedule.instants[k]), job.lighting, rays, plan.scenes[k]);
+      } else {
+        prepare(job.instants[k], job.lighting, rays, plan.scenes[k]);
+      }
+    }
+  });
+  return plan;
+}
+
+void integrate_light(const SamplingPlan& plan, const RayTable& rays, const FrameJob& job,
+                     const RendererOptions& options, int channel, LinearImage& image) {
+  const int columns = rays.columns();
+  const SamplePattern pattern(columns);
+  split_over_threads(options.threads, rays.rows(), [&](int begin, int end) {
+    // Every row holds nearly as many instants as any other; all refine their edges alike.
+    const int instants_a_row = fewest_instants(plan.schedule);
+    const int first_look = instants_a_row * divide_up(options.samples_per_pixel, instants_a_row);
+    RowCaster caster(pattern, job.background, job.lighting.lambert, columns,
+                     divide_up(options.edge_samples_per_pixel, first_look));
+    std::vector<RowSample> samples;
+    for (int row = begin; row < end; ++row) {
+      const int image_row = std::clamp(row - rays.border_px, 0, rays.height_px - 1);
+      const std::vector<double>& weights = plan.schedule.weights[image_row];
+      const int instants = static_cast<int>(weights.size());
+      const int each = divide_up(options.samples_per_pixel, instants);
+      samples.clear();
+      for (int k = 0; k < instants; ++k) {
+        const auto& scene = plan.scenes[plan.schedule.first_instant[image_row] + k];
+        for (int s = 0; s < each; ++s) {
+          samples.push_back({&scene, static_cast<float>(weights[k] / each), k * each + s});
+        }
+      }
+      float* const sums[3] = {&image.planes[0][rays.at(row)], &image.planes[1][rays.at(row)],
+                              &image.planes[2][rays.at(row)]};
+      caster.add_row(rays, row, samples, sums, channel);
+    }
+  });
+}
+
+}  // namespace seam::render

@@ -1,0 +1,265 @@
+#include "render/prepared_scene.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace seam::render {
+namespace {
+
+// Bounds on the plane z = 1.
+struct Bounds {
+  double x_min = 1e30, x_max = -1e30, y_min = 1e30, y_max = -1e30;
+  void add(double x, double y) {
+    x_min = std::min(x_min, x), x_max = std::max(x_max, x);
+    y_min = std::min(y_min, y), y_max = std::max(y_max, y);
+  }
+  void add(const Bounds& other) { add(other.x_min, other.y_min), add(other.x_max, other.y_max); }
+  static Bounds everything() { return {-1e30, 1e30, -1e30, 1e30}; }
+};
+
+struct BoundingSphere {
+  Vec3 centre_O;
+  double radius;
+};
+
+BoundingSphere bounding_sphere(const Primitive& primitive) {
+  const Vec3& size = primitive.size;
+  switch (primitive.shape) {
+    case Shape::rectangle: return {Vec3(0), 0.5 * std::sqrt(size.x * size.x + size.y * size.y)};
+    case Shape::sphere: return {Vec3(0), size.x};
+    case Shape::cylinder:
+      return {{0, 0, 0.5 * size.z}, std::sqrt(size.x * size.x + 0.25 * size.z * size.z)};
+    case Shape::capsule: return {{0, 0, 0.5 * size.z}, size.x + 0.5 * size.z};
+    case Shape::box: return {Vec3(0), 0.5 * std::sqrt(glm::dot(size, size))};
+  }
+  return {Vec3(0), 0};
+}
+
+// Nothing of the sphere lies inside the pyramid of the table's rays.
+bool outside_view(const Vec3& centre_C, double radius, const RayTable& rays) {
+  if (!rays.perspective) return false;
+  if (centre_C.z < -radius) return true;
+  const auto beyond = [&](double along, double limit) {
+    // Distance from the plane along = limit * z, whose normal has the length sqrt(1 + limit^2).
+    const double distance = along - limit * centre_C.z;
+    return distance > 0 && distance * distance > radius * radius * (1 + limit * limit);
+  };
+  return beyond(centre_C.x, rays.x_max) || beyond(-centre_C.x, -rays.x_min) ||
+         beyond(centre_C.y, rays.row_y_max.back()) || beyond(-centre_C.y, -rays.row_y_min.front());
+}
+
+// The tangent planes through the camera that hold a sphere between them, on one axis.
+bool sphere_interval(double along, double z, double radius, double& low, double& high) {
+  const double below = z * z - radius * radius;
+  if (z <= radius || below <= 0) return false;
+  const double half = radius * std::sqrt(along * along + below);
+  low = (along * z - half) / below;
+  high = (along * z + half) / below;
+  return true;
+}
+
+Bounds sphere_bounds(const Vec3& centre_C, double radius) {
+  Bounds bounds;
+  if (!sphere_interval(centre_C.x, centre_C.z, radius, bounds.x_min, bounds.x_max) ||
+      !sphere_interval(centre_C.y, centre_C.z, radius, bounds.y_min, bounds.y_max)) {
+    return Bounds::everything();
+  }
+  return bounds;
+}
+
+// Of a box given by its corners in the object's frame.
+Bounds box_bounds(const Pose& X_CO, const Vec3& low, const Vec3& high) {
+  Bounds bounds;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p_C = X_CO * Vec3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
+    if (p_C.z < kNear) return Bounds::everything();
+    bounds.add(p_C.x / p_C.z, p_C.y / p_C.z);
+  }
+  return bounds;
+}
+
+// The rectangle's outline, cut off at the near plane.
+Bounds rectangle_bounds(const Pose& X_CO, const Vec3& size, std::vector<OutlineEdge>& edges) {
+  const Vec3 a = 0.5 * size.x * X_CO.R[0], b = 0.5 * size.y * X_CO.R[1];
+  const Vec3 corners[4] = {X_CO.p - a - b, X_CO.p + a - b, X_CO.p + a + b, X_CO.p - a + b};
+  Vec3 outline[8];
+  int count = 0;
+  for (int k = 0; k < 4; ++k) {
+    const Vec3& from = corners[k];
+    const Vec3& to = corners[(k + 1) % 4];
+    if (from.z >= kNear) outline[count++] = from;
+    if ((from.z >= kNear) != (to.z >= kNear)) {
+      outline[count] = from + (kNear - from.z) / (to.z - from.z) * (to - from);
+      outline[count++].z = kNear;
+    }
+  }
+  Bounds bounds;
+  for (int k = 0; k < count; ++k) {
+    const Vec3& p = outline[k];
+    const Vec3& q = outline[(k + 1) % count];
+    bounds.add(p.x / p.z, p.y / p.z);
+    OutlineEdge edge{static_cast<float>(p.x / p.z), static_cast<float>(p.y / p.z), static_cast<float>(q.x / q.z),
+                     static_cast<float>(q.y / q.z)};
+    if (edge.y0 > edge.y1) std::swap(edge.x0, edge.x1), std::swap(edge.y0, edge.y1);
+    edges.push_back(edge);
+  }
+  return bounds;
+}
+
+Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, std::vector<OutlineEdge>& edges) {
+  const Vec3& size = primitive.size;
+  switch (primitive.shape) {
+    case Shape::rectangle: return rectangle_bounds(X_CO, size, edges);
+    case Shape::sphere: return sphere_bounds(X_CO.p, size.x);
+    case Shape::cylinder: return box_bounds(X_CO, {-size.x, -size.x, 0}, {size.x, size.x, size.z});
+    case Shape::capsule: {
+      Bounds bounds = sphere_bounds(X_CO.p, size.x);
+      bounds.add(sphere_bounds(X_CO * Vec3(0, 0, size.z), size.x));
+      return bounds;
+    }
+    case Shape::box: return box_bounds(X_CO, -0.5 * size, 0.5 * size);
+  }
+  return Bounds::everything();
+}
+
+Footprint footprint_of(const Bounds& bounds, const RayTable& rays) {
+  constexpr float kSlack = 1e-5f;
+  Footprint footprint;
+  if (!rays.perspective) {
+    footprint.last_row = rays.rows() - 1;
+    footprint.x_min = -1e30f, footprint.x_max = 1e30f;
+    return footprint;
+  }
+  const auto& y_max = rays.row_y_max;
+  const auto& y_min = rays.row_y_min;
+  footprint.first_row = static_cast<int>(
+      std::lower_bound(y_max.begin(), y_max.end(), static_cast<float>(bounds.y_min) - kSlack) - y_max.begin());
+  footprint.last_row = static_cast<int>(
+      std::upper_bound(y_min.begin(), y_min.end(), static_cast<float>(bounds.y_max) + kSlack) - y_min.begin()) - 1;
+  footprint.x_min = static_cast<float>(bounds.x_min) - kSlack;
+  footprint.x_max = static_cast<float>(bounds.x_max) + kSlack;
+  if (footprint.x_max < rays.x_min || footprint.x_min > rays.x_max) footprint.last_row = -1;
+  return footprint;
+}
+
+CastShape cast_shape(const Primitive& primitive, const Pose& X_CO, const Vec3& light_C, const Lighting& lighting) {
+  CastShape shape{};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < 3; ++k) shape.R_OC[3 * axis + k] = static_cast<float>(X_CO.R[axis][k]);
+    shape.origin_O[axis] = static_cast<float>(-glm::dot(X_CO.R[axis], X_CO.p));
+    shape.centre_C[axis] = static_cast<float>(X_CO.p[axis]);
+    shape.light_O[axis] = static_cast<float>(lighting.diffuse * glm::dot(X_CO.R[axis], light_C));
+    const bool half_edges = primitive.shape == Shape::rectangle || primitive.shape == Shape::box;
+    shape.size[axis] = static_cast<float>(half_edges ? 0.5 * primitive.size[axis] : primitive.size[axis]);
+  }
+  shape.ambient = static_cast<float>(lighting.ambient);
+  return shape;
+}
+
+uint32_t signature_of(const Primitive& primitive, size_t source, const Lighting& lighting) {
+  if (lighting.lambert) return static_cast<uint32_t>(source) + 1;
+  uint32_t mixed = 0x9e3779b9u;
+  for (const double channel : primitive.rgb) {
+    mixed = (mixed ^ std::bit_cast<uint32_t>(static_cast<float>(channel))) * 0x85ebca6bu;
+    mixed ^= mixed >> 13;
+  }
+  return mixed | 1u;
+}
+
+double angle_between(const Mat3& a, const Mat3& b) {
+  // |R_a - R_b| (Frobenius) is sqrt(8) sin(angle / 2); the arc is at most pi/2 times its chord.
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) sum += glm::dot(a[k] - b[k], a[k] - b[k]);
+  const double chord = std::sqrt(sum / 2);
+  return chord < 0.5 ? chord * 1.011 : chord * 1.571;
+}
+
+Pose between(const Pose& a, const Pose& b, double fraction) {
+  Pose pose{a.R, a.p + fraction * (b.p - a.p)};
+  if (a.R == b.R) return pose;
+  Vec3 x = a.R[0] + fraction * (b.R[0] - a.R[0]);
+  Vec3 y = a.R[1] + fraction * (b.R[1] - a.R[1]);
+  x /= std::sqrt(glm::dot(x, x));
+  y -= glm::dot(x, y) * x;
+  y /= std::sqrt(glm::dot(y, y));
+  pose.R = Mat3(x, y, glm::cross(x, y));
+  return pose;
+}
+
+}  // namespace
+
+void PreparedInstant::clear() {
+  shapes.clear(), kinds.clear(), footprints.clear(), colours.clear(), signatures.clear();
+  sources.clear(), outline_edges.clear();
+}
+
+void prepare(const SceneInstant& instant, const Lighting& lighting, const RayTable& rays, PreparedInstant& out) {
+  out.clear();
+  const Pose X_CW = instant.X_WC.inverse();
+  const Vec3 light_C = X_CW.R * lighting.direction_W;
+  for (size_t source = 0; source < instant.primitives.size(); ++source) {
+    const Primitive& primitive = instant.primitives[source];
+    const BoundingSphere around = bounding_sphere(primitive);
+    if (outside_view(X_CW * (primitive.X_WO * around.centre_O), around.radius, rays)) continue;
+    const Pose X_CO = X_CW * primitive.X_WO;
+    const size_t first_edge = out.outline_edges.size();
+    Footprint footprint = footprint_of(bounds_of(primitive, X_CO, out.outline_edges), rays);
+    if (footprint.last_row < footprint.first_row) {
+      out.outline_edges.resize(first_edge);
+      continue;
+    }
+    footprint.first_edge = static_cast<int>(first_edge);
+    footprint.edges = rays.perspective ? static_cast<int>(out.outline_edges.size() - first_edge) : 0;
+    CastShape shape = cast_shape(primitive, X_CO, light_C, lighting);
+    shape.id = static_cast<int32_t>(out.shapes.size());
+    out.shapes.push_back(shape);
+    out.kinds.push_back(static_cast<uint8_t>(primitive.shape));
+    out.footprints.push_back(footprint);
+    out.colours.push_back({static_cast<float>(primitive.rgb[0]), static_cast<float>(primitive.rgb[1]),
+                           static_cast<float>(primitive.rgb[2])});
+    out.signatures.push_back(signature_of(primitive, source, lighting));
+    out.sources.push_back(static_cast<int>(source));
+  }
+}
+
+SceneInstant interpolate(const SceneInstant& a, const SceneInstant& b, SimTime time) {
+  const double span = static_cast<double>((b.time - a.time).ns());
+  const double fraction = span == 0 ? 0 : static_cast<double>((time - a.time).ns()) / span;
+  SceneInstant scene = fraction < 0.5 ? a : b;
+  scene.time = time;
+  scene.X_WC = between(a.X_WC, b.X_WC, fraction);
+  // A primitive that exists at one of the instants alone stays as the nearer instant has it.
+  if (a.primitives.size() != b.primitives.size()) return scene;
+  for (size_t i = 0; i < scene.primitives.size(); ++i) {
+    const Primitive& from = a.primitives[i];
+    const Primitive& to = b.primitives[i];
+    if (from.shape == to.shape && from.object_id == to.object_id) {
+      scene.primitives[i].X_WO = between(from.X_WO, to.X_WO, fraction);
+    }
+  }
+  return scene;
+}
+
+double image_motion_px(const SceneInstant& a, const SceneInstant& b, double focal_px) {
+  const double turned = angle_between(a.X_WC.R, b.X_WC.R);
+  const Vec3 camera_step = b.X_WC.p - a.X_WC.p;
+  // Nothing is seen closer than this: the robot's own nose is.
+  constexpr double kNearest_m = 0.1;
+  double shifted = std::sqrt(glm::dot(camera_step, camera_step)) / kNearest_m;
+  const size_t count = std::min(a.primitives.size(), b.primitives.size());
+  for (size_t i = 0; i < count; ++i) {
+    const Pose& X_WA = a.primitives[i].X_WO;
+    const Pose& X_WB = b.primitives[i].X_WO;
+    if (X_WA.p == X_WB.p && X_WA.R == X_WB.R) continue;
+    const BoundingSphere around = bounding_sphere(a.primitives[i]);
+    const Vec3 step = X_WB * around.centre_O - X_WA * around.centre_O - camera_step;
+    const Vec3 from_camera = X_WA * around.centre_O - a.X_WC.p;
+    const double distance = std::max(std::sqrt(glm::dot(from_camera, from_camera)) - around.radius, kNearest_m);
+    const double moved = std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * around.radius;
+    shifted = std::max(shifted, moved / distance);
+  }
+  return focal_px * (turned + shifted);
+}
+
+}  // namespace seam::render

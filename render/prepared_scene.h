@@ -1,0 +1,53 @@
+// A scene at one instant, made ready for the ray caster: primitives in the camera's frame, with
+// conservative bounds of where the image can show them.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "render/cast_kernels.h"
+#include "render/ray_table.h"
+#include "sim_core/scene.h"
+
+namespace seam::render {
+
+// An edge of a flat primitive's outline on the plane z = 1, from the smaller to the greater y.
+struct OutlineEdge {
+  float x0, y0, x1, y1;
+};
+
+// Where a primitive can be seen: rows [first_row, last_row] of the ray table, and in these its
+// x (on the plane z = 1) within [x_min, x_max], or tighter inside its outline, if it has one.
+struct Footprint {
+  int first_row = 0;
+  int last_row = -1;
+  float x_min = 0;
+  float x_max = 0;
+  int first_edge = 0;
+  int edges = 0;
+};
+
+struct PreparedInstant {
+  std::vector<CastShape> shapes;  // Visible ones, in the scene's order; CastShape::id is the place here.
+  std::vector<uint8_t> kinds;     // Shape of each, as the kernels count them.
+  std::vector<Footprint> footprints;
+  std::vector<std::array<float, 3>> colours;
+  // Equal for hits that look the same: of one colour, or with Lambert's law of one primitive. Not 0.
+  std::vector<uint32_t> signatures;
+  std::vector<int> sources;       // Places in SceneInstant::primitives.
+  std::vector<OutlineEdge> outline_edges;
+
+  void clear();
+};
+
+void prepare(const SceneInstant& instant, const Lighting& lighting, const RayTable& rays, PreparedInstant& out);
+
+// The scene at `time` between (or a little beyond) two instants: poses are interpolated, which is
+// exact for constant velocities and good to the third power of the angle turned in between.
+SceneInstant interpolate(const SceneInstant& a, const SceneInstant& b, SimTime time);
+
+// An upper bound of how far any visible point moves in the image from a to b, pixels; focal_px is
+// the greatest number of pixels per unit of x or y.
+double image_motion_px(const SceneInstant& a, const SceneInstant& b, double focal_px);
+
+}  // namespace seam::render

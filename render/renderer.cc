@@ -1,0 +1,223 @@
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+
+#include "effects/geometry.h"
+#include "effects/optics.h"
+#include "effects/sensor.h"
+#include "render/colour_space.h"
+#include "render/ground_truth.h"
+#include "render/light_integrator.h"
+#include "render/optics_filter.h"
+#include "render/point_spread.h"
+#include "sim_core/error.h"
+#include "sim_core/hash.h"
+
+namespace seam::render {
+namespace {
+
+using effects::GainField;
+
+bool colours_differ(const effects::Projection& projection) {
+  for (const Vec3& direction : {Vec3(0.1, 0.07, 1), Vec3(-0.3, 0.2, 1)}) {
+    const auto green = projection.project(direction, 0, 0, 1);
+    for (const int channel : {0, 2}) {
+      const auto other = projection.project(direction, 0, 0, channel);
+      if (other.u != green.u || other.v != green.v) return true;
+    }
+  }
+  return false;
+}
+
+uint64_t fingerprint_of(const Frame& frame) {
+  Hasher hasher;
+  hasher.add(static_cast<int64_t>(frame.width_px));
+  hasher.add(static_cast<int64_t>(frame.height_px));
+  hasher.add(frame.stamp.ns());
+  for (const RowWindow& row : frame.rows) hasher.add(row.start.ns()), hasher.add(row.end.ns());
+  hasher.add_bytes(frame.rgb);
+  return hasher.digest();
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  effects::Model model;
+  RendererOptions options;
+  int width_px, height_px;
+  effects::Projection projection;
+  effects::Optics optics;
+  GainField gain_field;
+  effects::SensorChain sensor;
+  std::vector<float> kernel;
+  int border_px;
+  bool moving_lens;       // The geometry depends on time: tables are made for each frame.
+  bool colour_fringes;    // Red and blue have rays of their own.
+  std::vector<RayTable> tables;                // One, or one for each channel.
+  std::array<std::vector<float>, 3> gain;      // Of the gain field; empty where it is uniform.
+  mutable std::mutex patterns_mutex;
+  mutable std::map<std::pair<uint64_t, uint64_t>, std::unique_ptr<effects::FixedPattern>> patterns;
+
+  Impl(const effects::Model& m, int width, int height, const RendererOptions& o)
+      : model(m), options(o), width_px(width), height_px(height), projection(m, width, height),
+        optics(effects::optics_of(m)), gain_field(m, effects::Stage::radiometry, width, height),
+        sensor(effects::sensor_of(m)), kernel(point_spread(optics.blur_sigma_px)),
+        border_px(point_spread_radius(optics.blur_sigma_px)), moving_lens(geometry_varies_with_time(projection)),
+        colour_fringes(colours_differ(projection)) {
+    tables = make_tables(0);
+    if (!gain_field.uniform()) gain = gain_planes(0);
+  }
+
+  std::vector<RayTable> make_tables(double t_s) const {
+    std::vector<RayTable> made;
+    for (int channel = colour_fringes ? 0 : 1; channel < (colour_fringes ? 3 : 2); ++channel) {
+      made.push_back(make_ray_table(projection, model.name(), border_px, channel, t_s));
+    }
+    return made;
+  }
+
+  std::array<std::vector<float>, 3> gain_planes(double t_s) const {
+    std::array<std::vector<float>, 3> planes;
+    for (int c = 0; c < 3; ++c) {
+      for (int v = 0; v < height_px; ++v) {
+        for (int u = 0; u < width_px; ++u) planes[c].push_back(static_cast<float>(gain_field.at(u, v, t_s, c)));
+      }
+    }
+    return planes;
+  }
+
+  double seconds(SimTime time) const { return (time - options.reference).s(); }
+
+  // Light on an ideal lens's image, border included.
+  LinearImage bordered_scene(const FrameJob& job) const {
+    std::vector<RayTable> own;
+    if (moving_lens) own = make_tables(seconds(job.schedule.rows[height_px / 2].start));
+    const std::vector<RayTable>& rays = moving_lens ? own : tables;
+    LinearImage image{.width_px = rays[0].columns(), .height_px = rays[0].rows()};
+    for (auto& plane : image.planes) plane.assign(static_cast<size_t>(image.width_px) * image.height_px, 0.0f);
+    for (size_t k = 0; k < rays.size(); ++k) {
+      const SamplingPlan plan = plan_sampling(job, rays[k], options);
+      integrate_light(plan, rays[k], job, options, colour_fringes ? static_cast<int>(k) : -1, image);
+    }
+    return image;
+  }
+
+  std::vector<float> lamp_factors(const FrameJob& job) const {
+    std::vector<float> factors;
+    for (const RowWindow& row : job.schedule.rows) {
+      const effects::LightWindow window{seconds(row.start), (row.end - row.start).s()};
+      factors.push_back(static_cast<float>(effects::lamp_brightness(model, window)));
+    }
+    return factors;
+  }
+
+  const effects::FixedPattern& pattern_of(RandomStream camera) const {
+    const std::lock_guard lock(patterns_mutex);
+    auto& pattern = patterns[{camera.seed, camera.stream}];
+    if (!pattern) {
+      pattern = std::make_unique<effects::FixedPattern>(
+          effects::fixed_pattern(sensor, width_px, height_px, 3, camera));
+    }
+    return *pattern;
+  }
+
+  effects::SensorExposure exposure_of(const FrameJob& job) const {
+    const RowWindow& row = job.schedule.rows[0];
+    return {.exposure_s = (row.end - row.start).s(), .t_s = seconds(job.stamp)};
+  }
+
+  // Calls see(name, image) after each stage up to the sensor.
+  template <typename See>
+  LinearImage light_on_sensor(const FrameJob& job, See&& see) const {
+    LinearImage bordered = bordered_scene(job);
+    if (!kernel.empty()) see("scene", without_border(bordered, border_px));
+    LinearImage image = kernel.empty() ? std::move(bordered) : blurred(bordered, border_px, kernel);
+    see(kernel.empty() ? "scene" : "blur", image);
+    if (effects::lamps_flicker(model)) {
+      scale_rows(image, lamp_factors(job));
+      see("flicker", image);
+    }
+    if (!gain_field.uniform()) {
+      apply_gain(image, gain);
+      see("vignetting", image);
+    }
+    if (optics.glare_fraction > 0) {
+      add_glare(image, optics.glare_fraction);
+      see("glare", image);
+    }
+    return image;
+  }
+
+  std::vector<uint8_t> expose(const FrameJob& job, const LinearImage& light) const {
+    const size_t pixels = static_cast<size_t>(width_px) * height_px;
+    std::vector<double> illumination(pixels * 3);
+    for (size_t i = 0; i < pixels; ++i) {
+      for (int c = 0; c < 3; ++c) illumination[3 * i + c] = light.planes[c][i];
+    }
+    const Image image = effects::expose(sensor, pattern_of(job.camera_noise), illumination, exposure_of(job),
+                                        job.frame_noise);
+    return {image.samples.begin(), image.samples.end()};
+  }
+};
+
+Renderer::Renderer(const effects::Model& model, int width_px, int height_px, const RendererOptions& options) {
+  if (width_px < 1 || height_px < 1 || width_px > 8192 || height_px > 8192) {
+    throw InputError(fmt::format("model '{}': found an image of {}x{} pixels, expected 1 to 8192", model.name(),
+                                 width_px, height_px));
+  }
+  impl_ = std::make_unique<Impl>(model, width_px, height_px, options);
+}
+
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+int Renderer::width_px() const { return impl_->width_px; }
+int Renderer::height_px() const { return impl_->height_px; }
+const effects::Model& Renderer::model() const { return impl_->model; }
+
+LinearImage Renderer::render_scene(const FrameJob& job) const {
+  return without_border(impl_->bordered_scene(job), impl_->border_px);
+}
+
+LinearImage Renderer::render_linear(const FrameJob& job) const {
+  return impl_->light_on_sensor(job, [](const char*, const LinearImage&) {});
+}
+
+Frame Renderer::render(const FrameJob& job) const {
+  Frame frame{.robot = job.robot, .frame_index = job.frame_index, .stamp = job.stamp,
+              .width_px = impl_->width_px, .height_px = impl_->height_px, .rows = job.schedule.rows};
+  frame.rgb = impl_->expose(job, render_linear(job));
+  frame.ycrcb.resize(frame.rgb.size());
+  rgb_to_ycrcb(frame.rgb, frame.ycrcb);
+  frame.fingerprint = fingerprint_of(frame);
+  return frame;
+}
+
+GroundTruth Renderer::ground_truth(const FrameJob& job) const {
+  const RayTable& green = impl_->tables[impl_->colour_fringes ? 1 : 0];
+  return make_ground_truth(job, green, impl_->projection);
+}
+
+std::vector<StageImage> Renderer::stages(const FrameJob& job) const {
+  std::vector<StageImage> stages;
+  const LinearImage light = impl_->light_on_sensor(
+      job, [&](const char* name, const LinearImage& image) { stages.push_back({name, image}); });
+  const auto bytes_stage = [&](const char* name, const std::vector<uint8_t>& bytes) {
+    StageImage stage{name, {.width_px = impl_->width_px, .height_px = impl_->height_px}};
+    for (size_t i = 0; i < bytes.size(); ++i) {
+      stage.image.planes[i % 3].push_back(static_cast<float>(bytes[i]) / 255.0f);
+    }
+    stages.push_back(std::move(stage));
+  };
+  const std::vector<uint8_t> rgb = impl_->expose(job, light);
+  bytes_stage("sensor", rgb);
+  std::vector<uint8_t> ycrcb(rgb.size());
+  rgb_to_ycrcb(rgb, ycrcb);
+  bytes_stage("ycrcb", ycrcb);
+  return stages;
+}
+
+}  // namespace seam::render

@@ -1,0 +1,44 @@
+// From a client's observations to percepts: the colour image of each frame with the head's angles
+// at the moment each row was exposed, odometry steps, and team messages.
+#pragma once
+
+#include <deque>
+#include <string>
+
+#include "robot_sdk/robot.h"
+#include "robot_sdk/team/world_model.h"
+
+namespace seam::sdk {
+
+struct PerceptionOptions {
+  CameraBelief camera;
+  NeckBelief neck;
+  int image_width_px = 178;  // To which `camera` refers; a smaller colour image is scaled.
+  // True: the head's angles are taken at the middle of each row's exposure. False: one angle for
+  // the whole frame, at its stamp, as a program without knowledge of the rolling shutter does.
+  bool row_times = true;
+};
+
+class Perception {
+ public:
+  explicit Perception(const PerceptionOptions& options = {}) : options_(options) {}
+
+  // Call it once for each observation, in order.
+  Percepts look(const Observation& seen);
+  // The head's angles at a time, from the encoder log (straight between readings).
+  HeadAngles head_at(int64_t time_ns) const;
+
+ private:
+  void look_at_frame(const Frame& frame, Percepts& percepts) const;
+
+  PerceptionOptions options_;
+  std::deque<JointAngles> joints_;  // The last second.
+  Odometry last_odometry_;
+  bool has_odometry_ = false;
+};
+
+// One line of text for the radio, and back; a message that does not parse has player -1.
+std::string encode(const TeamMessage& message);
+TeamMessage decode_team_message(const std::string& payload);
+
+}  // namespace seam::sdk
