@@ -78,7 +78,7 @@ Image read_png(const std::filesystem::path& path) {
   return image;
 }
 
-void write_png(const std::filesystem::path& path, const Image& image) {
+std::string encode_png(const Image& image) {
   SEAM_CHECK(image.samples.size() == static_cast<size_t>(image.width_px) * image.height_px * image.channels,
              "{} samples", image.samples.size());
   std::string encoded, message;
@@ -87,7 +87,8 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   png_infop info = png_create_info_struct(png);
   if (setjmp(png_jmpbuf(png)) != 0) {
     png_destroy_write_struct(&png, &info);
-    throw InputError(fmt::format("{}: cannot be encoded as PNG: {}", path.string(), message));
+    throw InputError(fmt::format("a picture of {} x {} pixels cannot be encoded as PNG: {}",
+                                 image.width_px, image.height_px, message));
   }
   png_set_write_fn(png, &encoded, write_bytes, nullptr);
   png_set_compression_level(png, 3);
@@ -111,7 +112,11 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   }
   png_write_end(png, nullptr);
   png_destroy_write_struct(&png, &info);
-  write_file_atomically(path, encoded);
+  return encoded;
+}
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+  write_file_atomically(path, encode_png(image));
 }
 
 }  // namespace seam

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace seam {
@@ -26,6 +27,9 @@ struct Image {
 // Grey or RGB, 8 or 16 bits; throws InputError for anything else, damaged files, or more than
 // 64 million pixels.
 Image read_png(const std::filesystem::path& path);
+
+// The bytes of a PNG file.
+std::string encode_png(const Image& image);
 
 // Written to a temporary, then renamed.
 void write_png(const std::filesystem::path& path, const Image& image);

@@ -257,6 +257,10 @@ std::vector<std::string> World::section_names() const {
   return names;
 }
 
+void World::visit(StateVisitor& visitor) const {
+  impl_->for_each_section([&](const std::string&, const auto& visit) { visit(visitor); });
+}
+
 uint64_t World::hash() const {
   Hasher hasher;
   for (const uint64_t section : section_hashes()) hasher.add(section);

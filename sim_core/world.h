@@ -96,6 +96,8 @@ class World {
   // One hash a section, in the order of `sections()`, without its cost.
   std::vector<uint64_t> section_hashes() const;
   std::vector<std::string> section_names() const;
+  // All fields in the order of `sections()`, for visitors that read only.
+  void visit(StateVisitor& visitor) const;
   // Over the section hashes in order.
   uint64_t hash() const;
 

@@ -1,0 +1,28 @@
+// Two bits of each field's hash: too few to prove that fields are equal, which the fingerprint of
+// the whole state does, but enough to name the one that differs once something does.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sim_core/state.h"
+
+namespace seam::scheduler {
+
+// Gathers the bits of the fields visited, four fields a byte, the lowest bits first.
+class FieldChecks final : public StateVisitor {
+ public:
+  using StateVisitor::field;
+  void field(std::string_view name, double& value) override;
+  void field(std::string_view name, int64_t& value) override;
+
+  const std::string& bits() const { return bits_; }
+
+ private:
+  void add(uint64_t value);
+
+  std::string bits_;
+  int filled_ = 4;  // Fields in the last byte.
+};
+
+}  // namespace seam::scheduler

@@ -1,0 +1,156 @@
+#include "scheduler/recorder.h"
+
+#include <algorithm>
+
+#include "scheduler/field_checks.h"
+#include "scheduler/foxglove.h"
+#include "scheduler/log.h"
+#include "sim_core/hash.h"
+#include "sim_core/image.h"
+
+namespace seam::scheduler {
+namespace {
+
+mcap::WriterOptions writer_options(const RecorderOptions& options) {
+  return {.profile = std::string(kLogFormat), .zstd_level = options.zstd_level};
+}
+
+}  // namespace
+
+uint64_t step_fingerprint(std::span<const uint64_t> section_hashes) {
+  Hasher hasher;
+  for (const uint64_t hash : section_hashes) hasher.add(hash);
+  return hasher.digest();
+}
+
+std::vector<float> poses_of(const World& world) {
+  const SimTime time = world.start();
+  std::vector<float> poses;
+  for (size_t robot = 0; robot < world.scenario().robots.size(); ++robot) {
+    const RobotTruth truth = world.robot(robot, time);
+    for (const double value : {truth.pose.x_m, truth.pose.y_m, truth.pose.theta_rad,
+                               truth.joints_rad[kTilt], truth.joints_rad[kPan],
+                               truth.joints_rad[kRoll]}) {
+      poses.push_back(static_cast<float>(value));
+    }
+  }
+  const Vec3 ball = world.ball(time).p_W;
+  for (const double value : {ball.x, ball.y, ball.z}) poses.push_back(static_cast<float>(value));
+  return poses;
+}
+
+StepRecord step_record(const World& world, SimTime time, uint64_t step,
+                       std::span<const uint64_t> section_hashes) {
+  StepRecord record{time, step, step_fingerprint(section_hashes), {}, {}, {}};
+  for (const uint64_t hash : section_hashes) {
+    record.section_hashes.push_back(static_cast<uint32_t>(hash));
+  }
+  FieldChecks checks;
+  world.visit(checks);
+  record.field_checks = checks.bits();
+  if (step % kPoseEverySteps == 0) record.poses = poses_of(world);
+  return record;
+}
+
+Recorder::Recorder(mcap::Output& output, const World& world, const RecorderOptions& options)
+    : world_(world), options_(options), writer_(output, writer_options(options)) {}
+
+uint16_t Recorder::add_channel(const std::string& topic, std::string_view message_name) {
+  auto schema = schemas_.find(message_name);
+  if (schema == schemas_.end()) {
+    const std::string name(message_name);
+    schema = schemas_.emplace(name, writer_.add_schema(name, "protobuf", descriptor_set_of(name)))
+                 .first;
+  }
+  return writer_.add_channel(schema->second, topic, "protobuf");
+}
+
+void Recorder::on_start(const RunHeader& header) {
+  robots_ = header.robots;
+  for (int i = 0; i < kTopics; ++i) {
+    const Topic topic{static_cast<uint8_t>(i)};
+    channels_.push_back(add_channel(std::string(topic_name(topic)), schema_name(topic)));
+  }
+  for (const std::string& robot : robots_) {
+    if (!options_.pictures) break;
+    picture_channels_[robot] = add_channel(picture_topic(robot), kCompressedImage);
+  }
+  if (options_.transforms) transforms_channel_ = add_channel("/tf", kFrameTransforms);
+  if (options_.scene) scene_channel_ = add_channel("/scene", kSceneUpdate);
+
+  // The run's inputs as attachments too: one damaged place must not cost them, and any MCAP tool
+  // can take them out.
+  writer_.attach({.name = "scenario.yaml", .media_type = "application/yaml",
+                  .data = header.scenario_text});
+  for (const auto& [name, text] : header.files) {
+    writer_.attach({.name = "files/" + name, .media_type = "text/plain", .data = text});
+  }
+  write(Topic::header, SimTime(), header);
+  writer_.flush();  // From the first moment on the log says what it is of.
+}
+
+void Recorder::write(Topic topic, SimTime time, const LogRecord& record) {
+  // A chunk ends before the record that would make it too long, so that what is on disk is never
+  // older than one period.
+  if (time - chunk_start_ >= options_.chunk_period) {
+    writer_.flush();
+    chunk_start_ = time;
+  }
+  writer_.write(channels_[static_cast<size_t>(topic)], log_time(time), encode(record, robots_));
+}
+
+void Recorder::on_turn(SimTime time, const Turn& turn) {
+  write(Topic::turn, time, TurnRecord{time, turn});
+}
+
+void Recorder::on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) {
+  ++steps_;
+  write(Topic::step, time, step_record(world_, time, step, section_hashes));
+  if (!last_snapshot_ || time - *last_snapshot_ >= options_.snapshot_period) {
+    write_snapshot(time, step);
+    last_snapshot_ = time;
+  }
+  if (step % kPoseEverySteps == 0) write_foxglove(time);
+}
+
+void Recorder::write_snapshot(SimTime time, uint64_t step) {
+  writer_.repeat_definitions();
+  write(Topic::snapshot, time, SnapshotRecord{time, step, world_.snapshot()});
+}
+
+void Recorder::write_foxglove(SimTime time) {
+  if (transforms_channel_ != 0) {
+    writer_.write(transforms_channel_, log_time(time), frame_transforms(world_, time));
+  }
+  if (scene_channel_ != 0) {
+    // What stands still is written once and stays.
+    writer_.write(scene_channel_, log_time(time), scene_update(world_, time, !scene_written_));
+    scene_written_ = true;
+  }
+}
+
+void Recorder::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
+  ++frames_;
+  const auto robot = std::find(robots_.begin(), robots_.end(), frame.robot) - robots_.begin();
+  write(Topic::frame, time, FrameRecord{time, static_cast<int>(robot), frame.frame_index,
+                                        frame.stamp, frame.fingerprint});
+  if (const auto channel = picture_channels_.find(frame.robot);
+      channel != picture_channels_.end()) {
+    const Image image{.width_px = frame.width_px, .height_px = frame.height_px, .channels = 3,
+                      .samples = {frame.rgb.begin(), frame.rgb.end()}};
+    writer_.write(channel->second, log_time(time), log_time(frame.stamp),
+                  compressed_image(frame.stamp, frame.robot + "/camera", encode_png(image)));
+  }
+}
+
+void Recorder::on_event(const SimulationEvent& event) {
+  if (event.kind == EventKind::debug) return;  // Stands in the decision that brought it.
+  write(Topic::event, event.time, event);
+}
+
+void Recorder::on_end(SimTime time, EndReason reason, uint64_t fingerprint) {
+  write(Topic::end, time, EndRecord{time, reason, fingerprint, steps_, frames_});
+  writer_.finish();
+}
+
+}  // namespace seam::scheduler

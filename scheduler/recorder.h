@@ -1,0 +1,72 @@
+// Writes the log of a run as it goes: everything that a re-run needs, and hashes to check it by.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mcap/io.h"
+#include "mcap/writer.h"
+#include "scheduler/log_records.h"
+#include "scheduler/observer.h"
+#include "sim_core/world.h"
+
+namespace seam::scheduler {
+
+struct RecorderOptions {
+  SimDuration snapshot_period = SimDuration::from_ns(10'000'000'000);
+  // At most this much simulated time is lost when the process dies.
+  SimDuration chunk_period = SimDuration::from_ns(500'000'000);
+  bool pictures = false;    // Each frame as a PNG.
+  bool transforms = false;  // Poses of bodies and heads as foxglove.FrameTransforms.
+  bool scene = false;       // Field, ball and robots as foxglove.SceneUpdate.
+  int zstd_level = 3;
+};
+
+class Recorder final : public SimulationObserver {
+ public:
+  // `output` and `world` (the one that the run advances) must outlive the recorder.
+  Recorder(mcap::Output& output, const World& world, const RecorderOptions& options = {});
+
+  void on_start(const RunHeader& header) override;
+  void on_turn(SimTime time, const Turn& turn) override;
+  void on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) override;
+  void on_frame(SimTime time, const FrameJob& job, const Frame& frame) override;
+  void on_event(const SimulationEvent& event) override;
+  void on_end(SimTime time, EndReason reason, uint64_t fingerprint) override;
+
+  uint64_t bytes_written() const { return writer_.bytes_written(); }
+
+ private:
+  uint16_t add_channel(const std::string& topic, std::string_view message_name);
+  void write(Topic topic, SimTime time, const LogRecord& record);
+  void write_foxglove(SimTime time);
+  void write_snapshot(SimTime time, uint64_t step);
+
+  const World& world_;
+  RecorderOptions options_;
+  mcap::Writer writer_;
+  std::vector<std::string> robots_;
+  std::map<std::string, uint16_t, std::less<>> schemas_;  // By message name.
+  std::vector<uint16_t> channels_;                        // By Topic.
+  std::map<std::string, uint16_t> picture_channels_;      // By robot.
+  uint16_t transforms_channel_ = 0;
+  uint16_t scene_channel_ = 0;
+  bool scene_written_ = false;
+  SimTime chunk_start_;
+  std::optional<SimTime> last_snapshot_;
+  uint64_t steps_ = 0;
+  uint64_t frames_ = 0;
+};
+
+// The poses of a step record, from the world at its current step.
+std::vector<float> poses_of(const World& world);
+// The poses are recorded on each of these steps.
+inline constexpr uint64_t kPoseEverySteps = 4;
+// Over 64-bit section hashes in order, and their lower halves.
+uint64_t step_fingerprint(std::span<const uint64_t> section_hashes);
+StepRecord step_record(const World& world, SimTime time, uint64_t step,
+                       std::span<const uint64_t> section_hashes);
+
+}  // namespace seam::scheduler

@@ -1,0 +1,76 @@
+// Compares a re-run with its log, step by step, and latches the first divergence.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "scheduler/log.h"
+#include "scheduler/observer.h"
+#include "scheduler/run_control.h"
+#include "sim_core/world.h"
+
+namespace seam::scheduler {
+
+// Where two runs first differ. A value, never an error.
+struct Divergence {
+  SimTime time;
+  std::string section;  // "robot/red1", "ball", "frame/red1", "events", "end".
+  std::string field;    // "x_m"; empty where the log does not tell.
+  std::string detail;   // For people.
+};
+
+// What fields of a state are called, by their number over all sections.
+class FieldNames {
+ public:
+  explicit FieldNames(const World& world);
+  // The first field of a section that differs by its check bits; nothing where none shows it.
+  std::optional<std::string> first_difference(size_t section, std::string_view logged_checks,
+                                              std::string_view checks) const;
+
+ private:
+  std::vector<size_t> first_;  // Number of each section's first field, and the end.
+  std::vector<std::string> names_;
+};
+
+class Verifier final : public SimulationObserver {
+ public:
+  // `control` is told to stop once everything is known. All must outlive the verifier.
+  Verifier(const Log& log, const World& world, RunControl& control);
+
+  void on_start(const RunHeader& header) override;
+  void on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) override;
+  void on_frame(SimTime time, const FrameJob& job, const Frame& frame) override;
+  void on_event(const SimulationEvent& event) override;
+  void on_end(SimTime time, EndReason reason, uint64_t fingerprint) override;
+
+  // Frames are not made in this re-run, so those of the log are passed over.
+  void ignore_frames() { ignore_frames_ = true; }
+
+  const std::optional<Divergence>& divergence() const { return divergence_; }
+  uint64_t steps() const { return steps_; }
+  uint64_t frames() const { return frames_; }
+  // Time of the last step or frame that was compared.
+  SimTime verified_until() const { return verified_until_; }
+
+ private:
+  std::optional<LogRecord> next_expected();
+  void diverge(SimTime time, std::string section, std::string field, std::string detail);
+  void compare_step(const StepRecord& logged, SimTime time, uint64_t step,
+                    std::span<const uint64_t> section_hashes);
+  void look_for_field(const StepRecord& logged);
+
+  const Log& log_;
+  const World& world_;
+  RunControl& control_;
+  LogCursor cursor_;
+  bool ignore_frames_ = false;
+  bool exhausted_ = false;
+  std::optional<Divergence> divergence_;
+  std::optional<size_t> field_wanted_in_;  // Section whose differing field is not yet known.
+  int steps_looked_ = 0;
+  uint64_t steps_ = 0;
+  uint64_t frames_ = 0;
+  SimTime verified_until_;
+};
+
+}  // namespace seam::scheduler
