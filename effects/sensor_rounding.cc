@@ -55,8 +55,8 @@ Moments file_moments(const SensorChain& chain, Moments value, int file_bits) {
   // Many steps a sigma: rounding is 1/12, clipping is that of a censored Gaussian.
   const double low = -0.5, high = std::min(top + 0.5, chain.full_dn);
   const double a = (low - value.mean_dn) / sigma, b = (high - value.mean_dn) / sigma;
-  const double phi_a = std::exp(-0.5 * a * a) * 0.3989422804014327;
-  const double phi_b = std::exp(-0.5 * b * b) * 0.3989422804014327;
+  const double phi_a = maths::exp(-0.5 * a * a) * 0.3989422804014327;
+  const double phi_b = maths::exp(-0.5 * b * b) * 0.3989422804014327;
   const double below = normal_cdf(a), inside = normal_cdf(b) - below, above = 1 - normal_cdf(b);
   const double z0 = std::max(a, -40.0), z1 = std::min(b, 40.0);
   const double m1 = below * z0 + (phi_a - phi_b) + above * z1;

@@ -8,6 +8,7 @@ namespace seam::sdk {
 namespace {
 
 constexpr int64_t kMemory_ns = 1'000'000'000;
+constexpr double kTurn_rad = 6.283185307179586;
 
 HeadAngles angles_of(const JointAngles& joints) {
   return {static_cast<float>(joints.tilt_rad), static_cast<float>(joints.pan_rad), static_cast<float>(joints.roll_rad)};
@@ -64,8 +65,8 @@ Percepts Perception::look(const Observation& seen) {
     const float s = std::sin(static_cast<float>(last_odometry_.heading_rad));
     const float dx = static_cast<float>(now.x_m - last_odometry_.x_m);
     const float dy = static_cast<float>(now.y_m - last_odometry_.y_m);
-    percepts.odometry_step = {c * dx + s * dy, -s * dx + c * dy,
-                              static_cast<float>(std::remainder(now.heading_rad - last_odometry_.heading_rad, 6.283185307179586))};
+    const double turn = std::remainder(now.heading_rad - last_odometry_.heading_rad, kTurn_rad);
+    percepts.odometry_step = {c * dx + s * dy, -s * dx + c * dy, static_cast<float>(turn)};
   }
   last_odometry_ = now;
   has_odometry_ = true;

@@ -17,8 +17,8 @@ WorldModel placed_at(const FieldPose& truth, int player = 2) {
   std::vector<LandmarkSighting> sightings;
   for (const LandmarkPosition& landmark : standard_landmarks()) {
     const float dx = landmark.x_m - truth.x_m, dy = landmark.y_m - truth.y_m;
-    sightings.push_back({.kind = landmark.kind, .bearing_rad = std::remainder(std::atan2(dy, dx) - truth.theta_rad, 6.2831853f),
-                         .range_m = std::sqrt(dx * dx + dy * dy), .bearing_sigma_rad = 0.01f, .range_sigma_m = 0.05f});
+    const float bearing = std::remainder(std::atan2(dy, dx) - truth.theta_rad, 6.2831853f);
+    sightings.push_back({.kind = landmark.kind, .bearing_rad = bearing, .range_m = std::sqrt(dx * dx + dy * dy), .bearing_sigma_rad = 0.01f, .range_sigma_m = 0.05f});
   }
   for (int i = 0; i < 80; ++i) world.update({.time_s = 0.04f * i, .landmarks = {sightings[i % sightings.size()]}});
   return world;
@@ -35,7 +35,8 @@ TEST(WorldModel, BallStaysInPlaceWhileTheBodyTurns) {
 
 TEST(WorldModel, BelievesATeamMateWhenTheBallIsOutOfSight) {
   WorldModel world = placed_at({0, 0, 0});
-  world.update({.time_s = 10, .messages = {{.player = 1, .sees_ball = true, .ball_x_m = 1, .ball_y_m = 0, .ball_distance_m = 0.4f}}});
+  const TeamMessage told{.player = 1, .sees_ball = true, .ball_x_m = 1, .ball_y_m = 0, .ball_distance_m = 0.4f};
+  world.update({.time_s = 10, .messages = {told}});
   EXPECT_TRUE(world.ball().told);
   EXPECT_NEAR(world.ball().distance_m(), 1, 0.15f);
   EXPECT_FALSE(world.is_nearest_to_ball());
