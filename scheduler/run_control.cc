@@ -78,8 +78,10 @@ void RunControl::serve() {
 }
 
 bool RunControl::poll(SimTime now, SimTime next) {
-  time_ns_.store(now.ns(), std::memory_order_relaxed);
-  if (!wanted()) return true;
+  if (!wanted()) {
+    time_ns_.store(next.ns(), std::memory_order_relaxed);
+    return true;
+  }
   std::unique_lock lock(mutex_);
   while (true) {
     serve_all(tasks_, lock, true);
@@ -87,19 +89,21 @@ bool RunControl::poll(SimTime now, SimTime next) {
     if (!paused_) {
       step_asked_ = {};
       wanted_ = !tasks_when_standing_.empty();
-      return true;
+      break;
     }
     if (step_asked_.ns() > 0) {
       run_until_ = run_until_.value_or(now) + step_asked_;
       step_asked_ = {};
     }
-    if (run_until_ && next <= *run_until_) return true;
+    if (run_until_ && next <= *run_until_) break;
     if (!tasks_when_standing_.empty()) {
       serve_all(tasks_when_standing_, lock, true);
       continue;  // Much may have changed meanwhile.
     }
     changed_.wait(lock);
   }
+  time_ns_.store(next.ns(), std::memory_order_relaxed);
+  return true;
 }
 
 void RunControl::set_waker(std::function<void()> waker) {

@@ -36,8 +36,8 @@ class RunControl {
 
   // ---- From the loop ----
 
-  // Serves what was posted, and blocks while paused before `next`, the time of the next event.
-  // False when the run is to stop. Cheap when nobody wants anything.
+  // Serves what was posted, and blocks while paused before `next`, the time of the next event,
+  // which then becomes time(). False when the run is to stop. Cheap when nobody wants anything.
   bool poll(SimTime now, SimTime next);
   // Serves what was posted without blocking; for whoever blocks the loop's thread otherwise.
   void serve();

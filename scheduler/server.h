@@ -1,0 +1,52 @@
+// The gRPC server of a run: robots' streams, the supervisor's calls, health and reflection.
+// proto/seam/v1/simulation.proto is the contract.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scheduler/client_hub.h"
+#include "scheduler/run_control.h"
+#include "sim_core/scenario.h"
+#include "sim_core/world.h"
+
+namespace seam::scheduler {
+
+// PEM texts. Clients must show a certificate that the same CA signed.
+struct TlsTexts {
+  std::string ca;
+  std::string certificate;
+  std::string key;
+};
+
+struct ServerOptions {
+  // "unix:/path" or "host:port"; port 0 is a free one. Without TLS only Unix sockets and loopback
+  // are allowed (UsageError).
+  std::vector<std::string> addresses;
+  std::optional<TlsTexts> tls;
+  std::string supervisor_token;
+};
+
+class Server {
+ public:
+  // Listens when it returns; throws InputError when an address cannot be had. The world is read on
+  // the loop's thread only (RunControl::post).
+  Server(const ServerOptions& options, const Scenario& scenario, const World& world, ClientHub& hub,
+         RunControl& control);
+  // Streams that are still open get a second to take their Goodbye.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  // As asked for, with the ports that were given.
+  const std::vector<std::string>& addresses() const { return addresses_; }
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+  std::vector<std::string> addresses_;
+};
+
+}  // namespace seam::scheduler

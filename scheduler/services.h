@@ -1,0 +1,20 @@
+// The two gRPC services; only server.cc and the services' own files include this.
+#pragma once
+
+#include <memory>
+
+#include "scheduler/client_hub.h"
+#include "scheduler/run_control.h"
+#include "sim_core/world.h"
+
+namespace grpc {
+class Service;
+}
+
+namespace seam::scheduler {
+
+std::unique_ptr<grpc::Service> make_robot_service(const Scenario& scenario, ClientHub& hub);
+std::unique_ptr<grpc::Service> make_supervisor_service(const World& world, std::string token,
+                                                       ClientHub& hub, RunControl& control);
+
+}  // namespace seam::scheduler
