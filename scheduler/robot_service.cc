@@ -1,5 +1,6 @@
 // The robots' streams: one session a stream. A session turns wire messages into calls of the hub;
 // nothing that a client sends goes anywhere else.
+#include <fmt/format.h>
 #include <grpcpp/alarm.h>
 #include <grpcpp/grpcpp.h>
 

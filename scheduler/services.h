@@ -1,15 +1,13 @@
 // The two gRPC services; only server.cc and the services' own files include this.
 #pragma once
 
+#include <grpcpp/impl/service_type.h>
+
 #include <memory>
 
 #include "scheduler/client_hub.h"
 #include "scheduler/run_control.h"
 #include "sim_core/world.h"
-
-namespace grpc {
-class Service;
-}
 
 namespace seam::scheduler {
 

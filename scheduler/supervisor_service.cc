@@ -1,4 +1,5 @@
 // The supervisor's calls: each is checked, then served on the loop's thread.
+#include <fmt/format.h>
 #include <grpcpp/grpcpp.h>
 
 #include <algorithm>
