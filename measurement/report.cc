@@ -61,8 +61,7 @@ fs::path find_report_template() {
   if (const char* share = std::getenv("SEAM_SHARE")) places.emplace_back(share);
   std::error_code error;
   if (fs::path program = fs::read_symlink("/proc/self/exe", error); !error) {
-    places.push_back(program.parent_path() / "share");
-    places.push_back(program.parent_path().parent_path() / "share");
+    places.push_back(program.parent_path() / "share/seam");
     places.push_back(program.parent_path().parent_path() / "share/seam");
   }
   for (const fs::path& place : places) {

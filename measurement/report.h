@@ -8,7 +8,7 @@
 
 namespace seam::measurement {
 
-// The page's template `share/report.html`, beside the running program or one folder above it (as
+// The page's template `share/seam/report.html`, beside the running program or one folder above it (as
 // for test programs and installed trees), or in $SEAM_SHARE; empty where it was not built.
 std::filesystem::path find_report_template();
 

@@ -27,4 +27,6 @@ for page in report viewer; do
   SEAM_WEB_OUT=$out npx --no-install vite build --mode "$page" --logLevel warn >"$log" 2>&1 ||
     { cat "$log" >&2; exit 1; }
 done
+mkdir -p "$out/viewer"
+mv "$out/viewer.html" "$out/viewer/index.html"  # Where `seam view` looks (docs/viewer_api.md).
 touch "$stamp"

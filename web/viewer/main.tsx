@@ -1,4 +1,13 @@
 import { render } from "preact";
 import "../shared/theme.css";
+import { App } from "./app";
+import { startPlayer } from "./player";
+import { load, problem } from "./store";
+import "./viewer.css";
 
-render(<main>The viewer.</main>, document.getElementById("app")!);
+render(<App />, document.getElementById("app")!);
+load()
+  .then(startPlayer)
+  .catch((error: Error) => {
+    problem.value = error.message;
+  });

@@ -1,0 +1,206 @@
+// The viewer, driven as a person would: open, play, seek, step, switch robot, compare two. With an
+// address (`viewer.test.mjs SHARE http://127.0.0.1:PORT/`) it drives a real server instead of the mock.
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+import { launch, openPage, skip } from "./browser.mjs";
+import { serve } from "./mock_server.mjs";
+
+const [share, real] = process.argv.slice(2);
+const pagePath = join(share, "viewer/index.html");
+if (!real && !existsSync(pagePath)) skip(`${pagePath} was not built`);
+const shots = process.env.SEAM_SCREENSHOTS;
+
+const clockText = async (page) => page.getByLabel("Time", { exact: true }).inputValue();
+
+/** The moment shown, in seconds. */
+async function moment(page) {
+  return (await clockText(page)).split(":").map(Number).reduce((sum, part) => sum * 60 + part, 0);
+}
+
+async function canvasHash(page, name) {
+  return page.locator(`canvas[data-name="${name}"]`).evaluate((canvas) => {
+    // Read from a copy: reading the page's own canvas would change how it is drawn.
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const context = copy.getContext("2d", { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const data = context.getImageData(0, 0, copy.width, copy.height).data;
+    let hash = 0;
+    const colours = new Set();
+    for (let i = 0; i < data.length; i += 4) {
+      hash = (Math.imul(hash, 31) + data[i] + 256 * data[i + 1] + 65536 * data[i + 2]) | 0;
+      if (i % 404 === 0) colours.add(`${data[i]} ${data[i + 1]} ${data[i + 2]}`);
+    }
+    return { hash, colours: colours.size };
+  });
+}
+
+async function until(what, condition, timeout = 8000) {
+  const stop = Date.now() + timeout;
+  for (;;) {
+    const value = await condition();
+    if (value) return value;
+    if (Date.now() > stop) assert.fail(`not within ${timeout} ms: ${what}`);
+    await new Promise((done) => setTimeout(done, 50));
+  }
+}
+
+const drawn = (page, name, colours) => until(`${name} is drawn`, async () =>
+  (await canvasHash(page, name)).colours >= colours);
+
+async function shot(page, name) {
+  if (shots) await page.screenshot({ path: join(shots, `${name}.png`) });
+}
+
+async function open(page, url, query = "") {
+  await page.goto(url + query);
+  await page.locator("canvas[data-name=timeline]").waitFor();
+  await drawn(page, "field a", 4);
+  await drawn(page, "camera a", 8);
+}
+
+async function seekAndStep(page) {
+  await page.getByLabel("Time", { exact: true }).fill("5");
+  await page.keyboard.press("Enter");
+  await until("the time typed is shown", async () => Math.abs(await moment(page) - 5) < 1e-3);
+  await page.locator("h1").click();
+  const step = 0.008;
+  await page.keyboard.press("ArrowRight");
+  await until("one step on", async () => {
+    const t = await moment(page);
+    return t > 5 && t <= 5 + 4 * step + 1e-3;
+  });
+  const field = await canvasHash(page, "field a");
+  const box = await page.locator("canvas[data-name=timeline]").boundingBox();
+  await page.mouse.click(box.x + 72 + (box.width - 80) / 2, box.y + 30);
+  await until("a click on the timeline seeks", async () => await moment(page) > 5.1);
+  await until("the field has moved", async () => (await canvasHash(page, "field a")).hash !== field.hash);
+}
+
+async function playAndPause(page) {
+  const before = await moment(page);
+  await page.getByRole("button", { name: "Play", exact: true }).click();
+  await until("time runs", async () => await moment(page) > before + 0.3);
+  await page.getByRole("button", { name: "Pause" }).click();
+  const paused = await moment(page);
+  await page.waitForTimeout(300);
+  assert.equal(await moment(page), paused, "a paused match stands still");
+  await page.getByLabel("Speed").selectOption("8");
+  await page.locator("h1").click();
+  await page.keyboard.press("Space");
+  await until("eight times as fast", async () => await moment(page) > paused + 1.5);
+  await page.keyboard.press("Space");
+  await page.getByLabel("Speed").selectOption("1");
+}
+
+async function switchRobotAndStage(page) {
+  const robots = page.getByRole("group", { name: "Robot" }).getByRole("button");
+  if (await robots.count() > 1) {
+    await page.locator("h1").click();
+    await page.keyboard.press("2");
+    await until("the second robot is chosen", async () =>
+      (await robots.nth(1).getAttribute("aria-pressed")) === "true");
+  }
+  const stages = page.getByRole("group", { name: /Stage/ }).getByRole("button");
+  const before = await canvasHash(page, "camera a");
+  if (await stages.count() > 1) {
+    await stages.last().click();
+    await until("another stage is another picture", async () =>
+      (await canvasHash(page, "camera a")).hash !== before.hash);
+    await stages.first().click();
+  }
+  await until("row times are drawn", async () => (await canvasHash(page, "rows a")).colours >= 2);
+}
+
+async function readPanels(page) {
+  await page.getByRole("tab", { name: "State" }).click();
+  await page.locator(".state details").first().waitFor();
+  assert.match(await page.locator(".state").first().innerText(), /step \d+/);
+  await page.getByRole("tab", { name: "Events" }).click();
+  await page.keyboard.press("?");
+  await page.getByRole("dialog", { name: "Keys" }).waitFor();
+  await page.keyboard.press("Escape");
+  await until("the keys are gone", async () => (await page.getByRole("dialog").count()) === 0);
+  const series = page.locator("[data-series] canvas");
+  assert.ok(await series.count() >= 4, "four plots");
+  const size = await series.first().boundingBox();
+  assert.ok(size.width > 150 && size.height > 50, "the plots have a size");
+}
+
+/** Stepping by events and a link to a moment: what the mock holds is known. */
+async function eventsOfTheMock(page, url) {
+  await open(page, url, "?t=50&robot=blue1");
+  assert.ok(Math.abs(await moment(page) - 50) < 1e-6, "?t= opens at that moment");
+  await page.keyboard.press("Shift+ArrowRight");
+  await until("the next event", async () => Math.abs(await moment(page) - 80) < 1e-6);
+  await page.keyboard.press("Shift+ArrowLeft");
+  await until("the event before", async () => Math.abs(await moment(page) - 47) < 1e-6);
+  await page.locator(".events .fault button").first().click();
+  await until("a click on a fault goes there", async () => Math.abs(await moment(page) - 312.4) < 1e-6);
+  await page.keyboard.press("End");
+  await until("the end of twenty minutes", async () => await moment(page) === 1200);
+  await until("the address names the moment", async () => page.url().includes("t=1200.000"));
+  await page.getByRole("tab", { name: "Client" }).click();
+  await until("the client's values", async () =>
+    (await page.locator(".client").innerText()).includes("ball distance"));
+  await page.mouse.move(700, 740);
+  await page.mouse.wheel(0, -1500);
+  await shot(page, "viewer_end");
+}
+
+async function compareTwo(browser) {
+  const server = await serve(pagePath, 2);
+  const { page, errors } = await openPage(browser);
+  await open(page, server.url);
+  await drawn(page, "field b", 4);
+  await drawn(page, "camera b", 8);
+  await page.getByRole("button", { name: /First difference/ }).click();
+  await until("the first difference", async () => Math.abs(await moment(page) - 100.008) < 1e-6);
+  await page.getByLabel("Time", { exact: true }).fill("110");
+  await page.keyboard.press("Enter");
+  await until("both fields are drawn, and differ", async () =>
+    (await canvasHash(page, "field a")).hash !== (await canvasHash(page, "field b")).hash);
+  await shot(page, "viewer_two_1280");
+  await page.setViewportSize({ width: 1920, height: 1080 });
+  await page.waitForTimeout(500);
+  await shot(page, "viewer_two_1920");
+  await page.getByLabel("Time", { exact: true }).fill("1000");
+  await page.keyboard.press("Enter");
+  await page.locator("[data-side=b] .ended").waitFor();
+  assert.deepEqual(errors, [], "console");
+  await page.close();
+  server.close();
+}
+
+/** The whole fits the window: nothing to scroll to, no text cut off at the right. */
+async function fits(page, width, height) {
+  await page.setViewportSize({ width, height });
+  await page.waitForTimeout(300);
+  const over = await page.evaluate(() => [document.documentElement.scrollWidth - innerWidth,
+    document.documentElement.scrollHeight - innerHeight]);
+  assert.deepEqual(over.map((n) => Math.max(0, n)), [0, 0], `fits ${width} x ${height}`);
+  await shot(page, `viewer_one_${width}`);
+}
+
+const browser = await launch();
+const server = real ? { url: real, close() {} } : await serve(pagePath, 1);
+try {
+  const { page, errors } = await openPage(browser);
+  await open(page, server.url);
+  await seekAndStep(page);
+  await playAndPause(page);
+  await switchRobotAndStage(page);
+  await readPanels(page);
+  await fits(page, 1280, 800);
+  await fits(page, 1920, 1080);
+  await page.setViewportSize({ width: 1280, height: 800 });
+  if (!real) await eventsOfTheMock(page, server.url);
+  assert.deepEqual(errors, [], "console");
+  if (!real) await compareTwo(browser);
+  console.log("the viewer was driven");
+} finally {
+  await browser.close();
+  server.close();
+}
+process.exit(0);
