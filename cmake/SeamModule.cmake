@@ -22,6 +22,29 @@ if(SEAM_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${SEAM_CCACHE})
 endif()
 
+# seam_vector_kernels(): loops of this folder that are compiled once for each vector width
+# (*_kernels_base.cc, _avx2, _avx512) and chosen when the program starts. None may fuse a multiply
+# and an add, which would change bits: -ffp-contract=off (seam_flags) forbids it. Unoptimised
+# builds stay so.
+function(seam_vector_kernels)
+  set(flags -fno-trapping-math)
+  if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    list(APPEND flags -O3)
+  endif()
+  file(GLOB sources CONFIGURE_DEPENDS *_kernels_base.cc *_kernels_avx2.cc *_kernels_avx512.cc)
+  foreach(source ${sources})
+    set(width_flags)
+    if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+      if(source MATCHES "_avx2\\.cc$")
+        set(width_flags -mavx2 -mno-fma)
+      elseif(source MATCHES "_avx512\\.cc$")
+        set(width_flags -mavx512f -mavx512vl -mavx512dq -mavx512bw -mprefer-vector-width=512)
+      endif()
+    endif()
+    set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${flags};${width_flags}")
+  endforeach()
+endfunction()
+
 # seam_module(NAME [LINK targets...]): the library of this folder and, if it has *.test.cc, its test program.
 function(seam_module name)
   cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})

@@ -9,8 +9,6 @@
 namespace seam::effects {
 namespace {
 
-int colour_of(int channel, int channels) { return channels == 1 ? 1 : channel; }
-
 // Gamma, white balance, black and maps of a signal after photon noise.
 double respond(const SensorChain& chain, double signal, int colour, double t_s) {
   double value = signal;
@@ -73,17 +71,6 @@ double signal_dn(const SensorChain& chain, double illumination, const SensorExpo
   return chain.gain_dn * illumination * exposure.exposure_ratio * exposure.gain;
 }
 
-double sample_response(const SensorChain& chain, double signal, int channel,
-                       const SensorExposure& exposure, RandomStream shot, uint64_t sample) {
-  const double dark = chain.dark_electrons_per_s * exposure.exposure_s;
-  if (!chain.has_shot_noise()) {
-    return respond(chain, signal + dark * exposure.gain, channel, exposure.t_s);
-  }
-  const double electrons = signal * chain.electrons_per_dn / exposure.gain + dark;
-  const auto counted = static_cast<double>(poisson(shot, sample, electrons));
-  return respond(chain, counted * exposure.gain / chain.electrons_per_dn, channel, exposure.t_s);
-}
-
 Moments response_moments(const SensorChain& chain, double signal, int channel,
                          const SensorExposure& exposure) {
   const double dark = chain.dark_electrons_per_s * exposure.exposure_s;
@@ -119,25 +106,25 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
                            RandomStream camera_noise) {
   FixedPattern pattern{.width_px = width_px, .height_px = height_px, .channels = channels};
   const auto samples = static_cast<size_t>(width_px) * height_px * channels;
-  pattern.gain.assign(samples, 1.0);
-  pattern.offset_dn.assign(samples, 0.0);
+  pattern.gain.assign(samples, 1.0f);
+  pattern.offset_dn.assign(samples, 0.0f);
   if (chain.pixel_gain_sigma > 0) {
     const RandomStream stream = camera_noise.child("pixel_gain_spread");
     for (size_t i = 0; i < samples; ++i) {
       // A gain below zero has no meaning.
-      pattern.gain[i] = std::max(0.0, 1 + chain.pixel_gain_sigma * normal(stream, i));
+      pattern.gain[i] = static_cast<float>(std::max(0.0, 1 + chain.pixel_gain_sigma * normal(stream, i)));
     }
   }
   if (chain.pixel_offset_sigma_dn > 0) {
     const RandomStream stream = camera_noise.child("pixel_offset_spread");
     for (size_t i = 0; i < samples; ++i) {
-      pattern.offset_dn[i] += chain.pixel_offset_sigma_dn * normal(stream, i);
+      pattern.offset_dn[i] += static_cast<float>(chain.pixel_offset_sigma_dn * normal(stream, i));
     }
   }
   if (chain.column_sigma_dn > 0) {
     const RandomStream stream = camera_noise.child("column_offsets");
     for (int u = 0; u < width_px; ++u) {
-      const double offset = chain.column_sigma_dn * normal(stream, static_cast<uint64_t>(u));
+      const auto offset = static_cast<float>(chain.column_sigma_dn * normal(stream, static_cast<uint64_t>(u)));
       for (size_t i = static_cast<size_t>(u) * channels; i < samples;
            i += static_cast<size_t>(width_px) * channels) {
         for (int c = 0; c < channels; ++c) pattern.offset_dn[i + c] += offset;
@@ -147,44 +134,10 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
   if (chain.hot_fraction > 0) {
     const RandomStream stream = camera_noise.child("hot_pixels");
     for (size_t i = 0; i < samples; ++i) {
-      if (uniform(stream, i) < chain.hot_fraction) pattern.offset_dn[i] += chain.hot_level_dn;
+      if (uniform(stream, i) < chain.hot_fraction) pattern.offset_dn[i] += static_cast<float>(chain.hot_level_dn);
     }
   }
   return pattern;
-}
-
-Image expose(const SensorChain& chain, const FixedPattern& pattern,
-             std::span<const double> illumination, const SensorExposure& exposure,
-             RandomStream frame_noise, bool noise) {
-  Image image{.width_px = pattern.width_px, .height_px = pattern.height_px,
-              .channels = pattern.channels, .bits = exposure.file_bits};
-  const size_t row_samples = static_cast<size_t>(pattern.width_px) * pattern.channels;
-  SEAM_CHECK(illumination.size() == row_samples * pattern.height_px, "{}", illumination.size());
-  image.samples.resize(illumination.size());
-  const RandomStream shot = frame_noise.child("shot_noise");
-  const RandomStream row_stream = frame_noise.child("row_noise");
-  const RandomStream read = frame_noise.child("read_noise");
-  for (int v = 0; v < pattern.height_px; ++v) {
-    const double row_offset = noise && chain.row_sigma_dn > 0
-                                  ? chain.row_sigma_dn * normal(row_stream, static_cast<uint64_t>(v))
-                                  : 0;
-    for (size_t k = 0; k < row_samples; ++k) {
-      const size_t i = v * row_samples + k;
-      const int colour = colour_of(static_cast<int>(k % pattern.channels), pattern.channels);
-      const double signal = signal_dn(chain, illumination[i], exposure);
-      double value = 0;
-      if (noise) {
-        value = sample_response(chain, signal * pattern.gain[i], colour, exposure, shot, i);
-        value += pattern.offset_dn[i];
-        value += row_offset;
-        if (chain.read_sigma_dn > 0) value += chain.read_sigma_dn * normal(read, i);
-      } else {
-        value = response_moments(chain, signal, colour, exposure).mean_dn;
-      }
-      image.samples[i] = to_file(chain, value, exposure.file_bits);
-    }
-  }
-  return image;
 }
 
 }  // namespace seam::effects

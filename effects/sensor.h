@@ -14,6 +14,7 @@
 //   fixed:     camera_noise.child(effect), index = sample, or the column
 //   per frame: camera_noise.child("frame").child(frame_index).child(effect), index = sample, or row
 // with sample = (v * width + u) * channels + channel. Row and column offsets are shared by channels.
+// Photon and read noise of a sample are `sample_normal` of these streams (sensor_kernels.h).
 #pragma once
 
 #include <array>
@@ -71,12 +72,8 @@ struct Moments {
 // DN above black that this light gives on a pixel of nominal gain.
 double signal_dn(const SensorChain& chain, double illumination, const SensorExposure& exposure);
 
-// Value after photon noise, gamma, white balance, black and maps, before offsets and read noise.
-// `signal` includes the pixel's own gain.
-double sample_response(const SensorChain& chain, double signal, int channel,
-                       const SensorExposure& exposure, RandomStream shot, uint64_t sample);
-
-// Mean and variance of the same over photon noise.
+// Mean and variance over photon noise of the value after gamma, white balance, black and maps, before
+// offsets and read noise. `signal` includes the pixel's own gain.
 Moments response_moments(const SensorChain& chain, double signal, int channel,
                          const SensorExposure& exposure);
 
@@ -93,17 +90,20 @@ struct FixedPattern {
   int width_px = 0;
   int height_px = 0;
   int channels = 1;
-  std::vector<double> gain;       // 1 + PRNU, a factor for each sample.
-  std::vector<double> offset_dn;  // Pixel, column and hot offsets for each sample (without black).
+  std::vector<float> gain;       // 1 + PRNU, a factor for each sample.
+  std::vector<float> offset_dn;  // Pixel, column and hot offsets for each sample (without black).
 };
 FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px, int channels,
                            RandomStream camera_noise);
+
+// The standard normal that read noise and photon noise draw for a sample.
+float sample_normal(RandomStream stream, uint64_t sample);
 
 // One frame: `illumination` has width * height * channels values, row-major, interleaved. With one
 // channel the white balance's gain of green (1) applies. `noise` false: means without any noise or
 // fixed pattern, rounded to the file.
 Image expose(const SensorChain& chain, const FixedPattern& pattern,
-             std::span<const double> illumination, const SensorExposure& exposure,
+             std::span<const float> illumination, const SensorExposure& exposure,
              RandomStream frame_noise, bool noise = true);
 
 }  // namespace seam::effects

@@ -25,7 +25,7 @@ Sampled sample(const SensorChain& chain, double light, const SensorExposure& exp
                int frames = 12) {
   const RandomStream camera{.seed = 7, .stream = 1};
   const FixedPattern pattern = fixed_pattern(chain, 100, 100, 1, camera);
-  const std::vector<double> illumination(10000, light);
+  const std::vector<float> illumination(10000, static_cast<float>(light));
   double n = 0, sum = 0, square = 0;
   for (int frame = 0; frame < frames; ++frame) {
     const auto noise = camera.child("frame").child(static_cast<uint64_t>(frame));
@@ -101,7 +101,7 @@ TEST(Sensor, EffectsDrawFromStreamsOfTheirOwn) {
       "linear_response: {gain_dn: 30000, black_dn: 9000}, read_noise: {sigma_dn: 40}, "
       "pixel_offset_spread: {sigma_dn: 50}, row_noise: {sigma_dn: 60}";
   const RandomStream camera{.seed = 3, .stream = 9};
-  const std::vector<double> light(64 * 48, 0.4);
+  const std::vector<float> light(64 * 48, 0.4f);
   const auto render = [&](const std::string& effects) {
     const SensorChain chain = sensor_of(model_of(effects));
     return expose(chain, fixed_pattern(chain, 64, 48, 1, camera), light, {.file_bits = 16},
@@ -120,7 +120,7 @@ TEST(Sensor, EffectsDrawFromStreamsOfTheirOwn) {
 TEST(Sensor, NeutralSensorIsTheScaledLight) {
   const SensorChain chain = sensor_of(model_of(""));
   const FixedPattern pattern = fixed_pattern(chain, 4, 1, 1, {});
-  const std::vector<double> light = {0, 0.5, 1, 2};
+  const std::vector<float> light = {0, 0.5f, 1, 2};
   const Image image = expose(chain, pattern, light, {}, {});
   EXPECT_EQ(image.samples, (std::vector<uint16_t>{0, 128, 255, 255}));
 }

@@ -152,7 +152,7 @@ struct Renderer::Impl {
 
   std::vector<uint8_t> expose(const FrameJob& job, const LinearImage& light) const {
     const size_t pixels = static_cast<size_t>(width_px) * height_px;
-    std::vector<double> illumination(pixels * 3);
+    std::vector<float> illumination(pixels * 3);
     for (size_t i = 0; i < pixels; ++i) {
       for (int c = 0; c < 3; ++c) illumination[3 * i + c] = light.planes[c][i];
     }

@@ -1,0 +1,2 @@
+#define SEAM_KERNEL_SET sensor_kernels_base
+#include "effects/sensor_kernels.inc"
