@@ -85,6 +85,7 @@ void Recorder::on_start(const RunHeader& header) {
   for (const auto& [name, text] : header.files) {
     writer_.attach({.name = "files/" + name, .media_type = "text/plain", .data = text});
   }
+  header_bytes_ = encode(header, robots_);
   write(Topic::header, SimTime(), header);
   writer_.flush();  // From the first moment on the log says what it is of.
 }
@@ -114,7 +115,10 @@ void Recorder::on_step(SimTime time, uint64_t step, std::span<const uint64_t> se
 }
 
 void Recorder::write_snapshot(SimTime time, uint64_t step) {
+  // With the definitions and the header, so that a file with a damaged start can be re-run from
+  // its first whole snapshot on.
   writer_.repeat_definitions();
+  writer_.write(channels_[static_cast<size_t>(Topic::header)], log_time(time), header_bytes_);
   write(Topic::snapshot, time, SnapshotRecord{time, step, world_.snapshot()});
 }
 

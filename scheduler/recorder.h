@@ -48,6 +48,7 @@ class Recorder final : public SimulationObserver {
   RecorderOptions options_;
   mcap::Writer writer_;
   std::vector<std::string> robots_;
+  std::string header_bytes_;
   std::map<std::string, uint16_t, std::less<>> schemas_;  // By message name.
   std::vector<uint16_t> channels_;                        // By Topic.
   std::map<std::string, uint16_t> picture_channels_;      // By robot.
