@@ -34,20 +34,38 @@ struct HitRow {
   int32_t* id;
 };
 
+// Red, green, blue, and one unused.
+struct alignas(16) Colour {
+  float rgb[4];
+};
+
+// One component of a row's rays and its derivatives along u and v.
+struct RaySlopes {
+  const float* base;
+  const float* along_u;
+  const float* along_v;
+};
+
 struct CastKernels {
   using Cast = void (*)(const CastShape&, RayRow, int begin, int end, HitRow);
   // The factor on the primitive's rgb at hits of columns [begin, end) under Lambert's law.
   using Shade = void (*)(const CastShape&, RayRow, const float* depth, int begin, int end, float* factor);
   Cast cast[5];    // By Shape.
   Shade shade[5];  // By Shape.
-  // Rays of one row at offsets (du, dv) from the pixels' centres: base + du * along_u + dv * along_v,
-  // with du = frac(tile_u[i] + phase_u) - 1/2 and dv alike.
-  void (*offset_rays)(const float* const base_u_v[3], const float* tile_u, const float* tile_v,
-                      float phase_u, float phase_v, int count, float* out);
-  // sum[i] += weight * (a value that is the same over a run).
-  void (*add_constant)(float value, int begin, int end, float* sum);
-  // sum[i] += value * factor[i].
-  void (*add_shaded)(float value, const float* factor, int begin, int end, float* sum);
+  // One component of the rays of one row, at offsets from the pixels' centres:
+  // base + du * along_u + dv * along_v, with du = frac(tile_u[i] + phase_u) - 1/2 and dv alike.
+  void (*offset_rays)(const RaySlopes&, const float* tile_u, const float* tile_v, float phase_u, float phase_v,
+                      int count, float* out);
+  // The same for some columns alone, `each` rays a column, ray j of a column with phase j.
+  void (*edge_rays)(const RaySlopes&, const float* tile_u, const float* tile_v, const int32_t* columns, int count,
+                    const float* phase_u, const float* phase_v, int each, float* out);
+  // sum[i] += weight * factor[i] * colours[id[i] + 1]; signature[i] = signatures[id[i] + 1].
+  void (*add_row)(const Colour* colours, const uint32_t* signatures, const int32_t* id, const float* factor,
+                  float weight, int count, Colour* sum, uint32_t* signature);
+  // Adds `weight` times the mean colour of the `each` rays of every column, less that of the one ray
+  // that the column had in `first_id`, `first_factor` (by column).
+  void (*replace)(const Colour* colours, const int32_t* id, const float* factor, const int32_t* columns, int count,
+                  int each, const int32_t* first_id, const float* first_factor, float weight, Colour* sum);
   const char* name;
 };
 

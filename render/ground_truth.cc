@@ -80,7 +80,7 @@ ImagePosition follow(const FrameJob& job, const SceneInTime& scenes, const effec
 
 }  // namespace
 
-GroundTruth make_ground_truth(const FrameJob& job, const RayTable& rays, const effects::Projection& projection) {
+GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays, const effects::Projection& projection) {
   GroundTruth truth{.width_px = rays.width_px, .height_px = rays.height_px};
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   truth.label.assign(pixels, static_cast<uint8_t>(Label::background));
@@ -90,14 +90,15 @@ GroundTruth make_ground_truth(const FrameJob& job, const RayTable& rays, const e
   truth.flow_v_px.assign(pixels, 0);
   const SceneInTime scenes(job);
   const SamplePattern pattern(rays.columns());
-  RowCaster caster(pattern, job.background, false, rays.columns(), 1);
+  RowCaster caster(rays, pattern, false, 1);
+  const RayTable& green = rays.table(1);
   PreparedInstant prepared;
   for (int v = 0; v < rays.height_px; ++v) {
     const RowWindow& window = job.schedule.rows[v];
     const SceneInstant scene = scenes.at(window.start + (window.end - window.start) / 2);
-    prepare(scene, job.lighting, rays, prepared);
+    prepare(scene, job.lighting, job.background, rays, prepared);
     const int table_row = v + rays.border_px;
-    const RowCaster::Seen seen = caster.see_centres(rays, table_row, prepared);
+    const RowCaster::Seen seen = caster.see_centres(table_row, prepared);
     for (int u = 0; u < rays.width_px; ++u) {
       const int column = u + rays.border_px;
       if (seen.id[column] < 0) continue;
@@ -106,7 +107,7 @@ GroundTruth make_ground_truth(const FrameJob& job, const RayTable& rays, const e
       const Primitive& primitive = scene.primitives[source];
       const size_t ray = rays.at(table_row) + column;
       const Vec3 p_C = static_cast<double>(seen.depth[column]) *
-                       Vec3(rays.base[0][ray], rays.base[1][ray], rays.base[2][ray]);
+                       Vec3(green.base[0][ray], green.base[1][ray], green.base[2][ray]);
       truth.label[i] = static_cast<uint8_t>(primitive.label);
       truth.object_id[i] = primitive.object_id;
       truth.depth_m[i] = static_cast<float>(p_C.z);

@@ -13,16 +13,17 @@ namespace {
 // A frame never gets more instants a row than this by motion alone.
 constexpr int kMaxRefinedInstants = 512;
 
-double focal_px(const RayTable& rays) {
+double focal_px(const CameraRays& rays) {
   // Pixels per unit of x and y are the inverse of the rays' steps.
   double least = 1e30;
-  for (size_t i = 0; i < rays.base[0].size(); ++i) {
+  const RayTable& green = rays.table(1);
+  for (size_t i = 0; i < green.base[0].size(); ++i) {
     const auto length2 = [&](const std::vector<float>(&along)[3]) {
       double sum = 0;
       for (const std::vector<float>& component : along) sum += static_cast<double>(component[i]) * component[i];
       return sum;
     };
-    least = std::min({least, length2(rays.along_u), length2(rays.along_v)});
+    least = std::min({least, length2(green.along_u), length2(green.along_v)});
   }
   return 1 / std::sqrt(least);
 }
@@ -36,7 +37,7 @@ int fewest_instants(const RowSchedule& schedule) {
 }
 
 // How many instants a row needs so that nothing moves further than allowed between two.
-int instants_wanted(const FrameJob& job, const RayTable& rays, const RendererOptions& options) {
+int instants_wanted(const FrameJob& job, const CameraRays& rays, const RendererOptions& options) {
   const int given = fewest_instants(job.schedule);
   const SimDuration exposure = job.schedule.rows[0].end - job.schedule.rows[0].start;
   if (given < 2 || job.instants.size() < 2 || exposure.ns() == 0) return given;
@@ -62,7 +63,7 @@ SceneInstant scene_at(const FrameJob& job, SimTime time) {
 
 }  // namespace
 
-SamplingPlan plan_sampling(const FrameJob& job, const RayTable& rays, const RendererOptions& options) {
+SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays, const RendererOptions& options) {
   SEAM_CHECK(job.instants.size() == job.schedule.instants.size() && !job.instants.empty(), "{} {}",
              job.instants.size(), job.schedule.instants.size());
   SEAM_CHECK(static_cast<int>(job.schedule.rows.size()) == rays.height_px, "{}", job.schedule.rows.size());
@@ -74,25 +75,23 @@ SamplingPlan plan_sampling(const FrameJob& job, const RayTable& rays, const Rend
   split_over_threads(options.threads, static_cast<int>(plan.scenes.size()), [&](int begin, int end) {
     for (int k = begin; k < end; ++k) {
       if (refine) {
-        prepare(scene_at(job, plan.schedule.instants[k]), job.lighting, rays, plan.scenes[k]);
+        prepare(scene_at(job, plan.schedule.instants[k]), job.lighting, job.background, rays, plan.scenes[k]);
       } else {
-        prepare(job.instants[k], job.lighting, rays, plan.scenes[k]);
+        prepare(job.instants[k], job.lighting, job.background, rays, plan.scenes[k]);
       }
     }
   });
   return plan;
 }
 
-void integrate_light(const SamplingPlan& plan, const RayTable& rays, const FrameJob& job,
-                     const RendererOptions& options, int channel, LinearImage& image) {
-  const int columns = rays.columns();
-  const SamplePattern pattern(columns);
+void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const FrameJob& job,
+                     const RendererOptions& options, LinearImage& image) {
+  const SamplePattern pattern(rays.columns());
   split_over_threads(options.threads, rays.rows(), [&](int begin, int end) {
     // Every row holds nearly as many instants as any other; all refine their edges alike.
     const int instants_a_row = fewest_instants(plan.schedule);
     const int first_look = instants_a_row * divide_up(options.samples_per_pixel, instants_a_row);
-    RowCaster caster(pattern, job.background, job.lighting.lambert, columns,
-                     divide_up(options.edge_samples_per_pixel, first_look));
+    RowCaster caster(rays, pattern, job.lighting.lambert, divide_up(options.edge_samples_per_pixel, first_look));
     std::vector<RowSample> samples;
     for (int row = begin; row < end; ++row) {
       const int image_row = std::clamp(row - rays.border_px, 0, rays.height_px - 1);
@@ -106,9 +105,11 @@ void integrate_light(const SamplingPlan& plan, const RayTable& rays, const Frame
           samples.push_back({&scene, static_cast<float>(weights[k] / each), k * each + s});
         }
       }
-      float* const sums[3] = {&image.planes[0][rays.at(row)], &image.planes[1][rays.at(row)],
-                              &image.planes[2][rays.at(row)]};
-      caster.add_row(rays, row, samples, sums, channel);
+      const std::vector<Colour>& light = caster.cast_row(row, samples);
+      for (int c = 0; c < 3; ++c) {
+        float* const plane = &image.planes[c][rays.at(row)];
+        for (int column = 0; column < rays.columns(); ++column) plane[column] = light[column].rgb[c];
+      }
     }
   });
 }

@@ -13,12 +13,12 @@ struct SamplingPlan {
   std::vector<PreparedInstant> scenes;  // One for each of schedule.instants.
 };
 
-SamplingPlan plan_sampling(const FrameJob& job, const RayTable& rays, const RendererOptions& options);
+SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays, const RendererOptions& options);
 
-// Adds the light of the plan to the image, which is as large as the ray table (border included).
+// The light of the plan as an image, which is as large as the table of rays (border included).
 // Rows of the border see what the nearest row of the image sees, at its times: the lens, not the
-// shutter, brings their light into the image. With `channel` 0 to 2 only that plane is made.
-void integrate_light(const SamplingPlan& plan, const RayTable& rays, const FrameJob& job,
-                     const RendererOptions& options, int channel, LinearImage& image);
+// shutter, brings their light into the image.
+void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const FrameJob& job,
+                     const RendererOptions& options, LinearImage& image);
 
 }  // namespace seam::render

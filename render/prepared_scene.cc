@@ -37,7 +37,7 @@ BoundingSphere bounding_sphere(const Primitive& primitive) {
 }
 
 // Nothing of the sphere lies inside the pyramid of the table's rays.
-bool outside_view(const Vec3& centre_C, double radius, const RayTable& rays) {
+bool outside_view(const Vec3& centre_C, double radius, const CameraRays& rays) {
   if (!rays.perspective) return false;
   if (centre_C.z < -radius) return true;
   const auto beyond = [&](double along, double limit) {
@@ -123,7 +123,7 @@ Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, std::vector<Outli
   return Bounds::everything();
 }
 
-Footprint footprint_of(const Bounds& bounds, const RayTable& rays) {
+Footprint footprint_of(const Bounds& bounds, const CameraRays& rays) {
   constexpr float kSlack = 1e-5f;
   Footprint footprint;
   if (!rays.perspective) {
@@ -155,6 +155,10 @@ CastShape cast_shape(const Primitive& primitive, const Pose& X_CO, const Vec3& l
   }
   shape.ambient = static_cast<float>(lighting.ambient);
   return shape;
+}
+
+Colour colour_of(const Rgb& rgb) {
+  return {{static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 0.0f}};
 }
 
 uint32_t signature_of(const Primitive& primitive, size_t source, const Lighting& lighting) {
@@ -194,8 +198,11 @@ void PreparedInstant::clear() {
   sources.clear(), outline_edges.clear();
 }
 
-void prepare(const SceneInstant& instant, const Lighting& lighting, const RayTable& rays, PreparedInstant& out) {
+void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background, const CameraRays& rays,
+             PreparedInstant& out) {
   out.clear();
+  out.colours.push_back(colour_of(background));
+  out.signatures.push_back(0);
   const Pose X_CW = instant.X_WC.inverse();
   const Vec3 light_C = X_CW.R * lighting.direction_W;
   for (size_t source = 0; source < instant.primitives.size(); ++source) {
@@ -216,8 +223,7 @@ void prepare(const SceneInstant& instant, const Lighting& lighting, const RayTab
     out.shapes.push_back(shape);
     out.kinds.push_back(static_cast<uint8_t>(primitive.shape));
     out.footprints.push_back(footprint);
-    out.colours.push_back({static_cast<float>(primitive.rgb[0]), static_cast<float>(primitive.rgb[1]),
-                           static_cast<float>(primitive.rgb[2])});
+    out.colours.push_back(colour_of(primitive.rgb));
     out.signatures.push_back(signature_of(primitive, source, lighting));
     out.sources.push_back(static_cast<int>(source));
   }

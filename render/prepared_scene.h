@@ -2,7 +2,6 @@
 // conservative bounds of where the image can show them.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "render/cast_kernels.h"
@@ -16,7 +15,7 @@ struct OutlineEdge {
   float x0, y0, x1, y1;
 };
 
-// Where a primitive can be seen: rows [first_row, last_row] of the ray table, and in these its
+// Where a primitive can be seen: rows [first_row, last_row] of the camera's rays, and in these its
 // x (on the plane z = 1) within [x_min, x_max], or tighter inside its outline, if it has one.
 struct Footprint {
   int first_row = 0;
@@ -31,8 +30,9 @@ struct PreparedInstant {
   std::vector<CastShape> shapes;  // Visible ones, in the scene's order; CastShape::id is the place here.
   std::vector<uint8_t> kinds;     // Shape of each, as the kernels count them.
   std::vector<Footprint> footprints;
-  std::vector<std::array<float, 3>> colours;
-  // Equal for hits that look the same: of one colour, or with Lambert's law of one primitive. Not 0.
+  // Place 0 is the background; a hit's id + 1 is its place.
+  std::vector<Colour> colours;
+  // Equal for hits that look the same: of one colour, or with Lambert's law of one primitive.
   std::vector<uint32_t> signatures;
   std::vector<int> sources;       // Places in SceneInstant::primitives.
   std::vector<OutlineEdge> outline_edges;
@@ -40,7 +40,8 @@ struct PreparedInstant {
   void clear();
 };
 
-void prepare(const SceneInstant& instant, const Lighting& lighting, const RayTable& rays, PreparedInstant& out);
+void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background, const CameraRays& rays,
+             PreparedInstant& out);
 
 // The scene at `time` between (or a little beyond) two instants: poses are interpolated, which is
 // exact for constant velocities and good to the third power of the angle turned in between.

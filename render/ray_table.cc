@@ -122,79 +122,116 @@ void check_image_has_rays(const RayGrid& grid, const Projection& projection, int
   }
 }
 
-// How far a pixel's samples lie from its centre, in x (component 0) or y (1).
-float reach_of(const RayTable& table, int component, size_t i) {
-  return 0.5f * (std::abs(table.along_u[component][i]) + std::abs(table.along_v[component][i])) + 1e-6f;
-}
-
-void bound_rows(RayTable& table) {
-  table.row_y_min.assign(table.rows(), 1e30f);
-  table.row_y_max.assign(table.rows(), -1e30f);
-  for (int row = 0; row < table.rows(); ++row) {
-    for (size_t i = table.at(row); i < table.at(row + 1); ++i) {
-      table.row_y_min[row] = std::min(table.row_y_min[row], table.base[1][i] - reach_of(table, 1, i));
-      table.row_y_max[row] = std::max(table.row_y_max[row], table.base[1][i] + reach_of(table, 1, i));
+RayTable make_table(const Projection& projection, const std::string& model_name, int border, int channel, double t_s,
+                    bool& perspective) {
+  const RayGrid grid = find_rays(projection, border, channel, t_s);
+  check_image_has_rays(grid, projection, border, model_name);
+  RayTable table;
+  for (int k = 0; k < 3; ++k) {
+    for (auto* values : {&table.base[k], &table.along_u[k], &table.along_v[k]}) values->resize(grid.size());
+  }
+  const int columns = projection.width_px() + 2 * border;
+  for (size_t i = 0; i < grid.size(); ++i) {
+    const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
+    const RayWithSlopes ray = grid[i] ? *grid[i] : extrapolated(grid, projection, border, column, row);
+    if (ray.ray.z != 1) perspective = false;
+    for (int k = 0; k < 3; ++k) {
+      table.base[k][i] = static_cast<float>(ray.ray[k]);
+      table.along_u[k][i] = static_cast<float>(ray.along_u[k]);
+      table.along_v[k][i] = static_cast<float>(ray.along_v[k]);
     }
   }
-  for (int row = 1; row < table.rows(); ++row) {
-    table.row_y_max[row] = std::max(table.row_y_max[row], table.row_y_max[row - 1]);
+  return table;
+}
+
+// The least and greatest x (component 0) or y (1) of the samples of a pixel.
+struct Reach {
+  float low, high;
+};
+
+Reach reach_of(const CameraRays& rays, int component, size_t i) {
+  Reach reach{1e30f, -1e30f};
+  for (const RayTable& table : rays.tables) {
+    const float half = 0.5f * (std::abs(table.along_u[component][i]) + std::abs(table.along_v[component][i])) + 1e-6f;
+    reach.low = std::min(reach.low, table.base[component][i] - half);
+    reach.high = std::max(reach.high, table.base[component][i] + half);
   }
-  for (int row = table.rows() - 2; row >= 0; --row) {
-    table.row_y_min[row] = std::min(table.row_y_min[row], table.row_y_min[row + 1]);
+  return reach;
+}
+
+void bound_rows(CameraRays& rays) {
+  rays.row_y_min.assign(rays.rows(), 1e30f);
+  rays.row_y_max.assign(rays.rows(), -1e30f);
+  for (int row = 0; row < rays.rows(); ++row) {
+    for (size_t i = rays.at(row); i < rays.at(row + 1); ++i) {
+      const Reach reach = reach_of(rays, 1, i);
+      rays.row_y_min[row] = std::min(rays.row_y_min[row], reach.low);
+      rays.row_y_max[row] = std::max(rays.row_y_max[row], reach.high);
+    }
+  }
+  for (int row = 1; row < rays.rows(); ++row) {
+    rays.row_y_max[row] = std::max(rays.row_y_max[row], rays.row_y_max[row - 1]);
+  }
+  for (int row = rays.rows() - 2; row >= 0; --row) {
+    rays.row_y_min[row] = std::min(rays.row_y_min[row], rays.row_y_min[row + 1]);
   }
 }
 
-void bound_columns(RayTable& table) {
-  constexpr int kBins = RayTable::kColumnBins;
-  table.x_min = 1e30f, table.x_max = -1e30f;
-  for (size_t i = 0; i < table.base[0].size(); ++i) {
-    table.x_min = std::min(table.x_min, table.base[0][i] - reach_of(table, 0, i));
-    table.x_max = std::max(table.x_max, table.base[0][i] + reach_of(table, 0, i));
+void bound_columns(CameraRays& rays) {
+  constexpr int kBins = CameraRays::kColumnBins;
+  const int columns = rays.columns();
+  std::vector<Reach> reaches(rays.at(rays.rows()));
+  rays.x_min = 1e30f, rays.x_max = -1e30f;
+  for (size_t i = 0; i < reaches.size(); ++i) {
+    reaches[i] = reach_of(rays, 0, i);
+    rays.x_min = std::min(rays.x_min, reaches[i].low);
+    rays.x_max = std::max(rays.x_max, reaches[i].high);
   }
-  table.bins_per_x = kBins / (table.x_max - table.x_min);
-  table.first_column.resize(static_cast<size_t>(table.rows()) * kBins);
-  table.last_column.resize(table.first_column.size());
+  rays.bins_per_x = kBins / (rays.x_max - rays.x_min);
+  rays.first_column.resize(static_cast<size_t>(rays.rows()) * kBins);
+  rays.last_column.resize(rays.first_column.size());
   // A bin is taken a little wider than it is, for the rounding of `columns_between`.
-  const float slack = 1e-3f / table.bins_per_x;
-  for (int row = 0; row < table.rows(); ++row) {
-    for (int bin = 0; bin < kBins; ++bin) {
-      const float begin = table.x_min + static_cast<float>(bin) / table.bins_per_x - slack;
-      const float end = table.x_min + static_cast<float>(bin + 1) / table.bins_per_x + slack;
-      const size_t offset = table.at(row);
-      int first = 0, last = table.columns() - 1;
-      while (first < table.columns() && table.base[0][offset + first] + reach_of(table, 0, offset + first) < begin) ++first;
-      while (last >= 0 && table.base[0][offset + last] - reach_of(table, 0, offset + last) > end) --last;
-      table.first_column[static_cast<size_t>(row) * kBins + bin] = static_cast<int16_t>(first);
-      table.last_column[static_cast<size_t>(row) * kBins + bin] = static_cast<int16_t>(last);
+  const float slack = 1e-3f / rays.bins_per_x;
+  for (int row = 0; row < rays.rows(); ++row) {
+    const Reach* reach = &reaches[rays.at(row)];
+    const size_t offset = static_cast<size_t>(row) * kBins;
+    // Both ends only move one way as the bins ascend.
+    for (int bin = 0, first = 0; bin < kBins; ++bin) {
+      const float begin = rays.x_min + static_cast<float>(bin) / rays.bins_per_x - slack;
+      while (first < columns && reach[first].high < begin) ++first;
+      rays.first_column[offset + bin] = static_cast<int16_t>(first);
+    }
+    for (int bin = kBins - 1, last = columns - 1; bin >= 0; --bin) {
+      const float end = rays.x_min + static_cast<float>(bin + 1) / rays.bins_per_x + slack;
+      while (last >= 0 && reach[last].low > end) --last;
+      rays.last_column[offset + bin] = static_cast<int16_t>(last);
     }
   }
 }
 
 }  // namespace
 
-RayTable make_ray_table(const Projection& projection, const std::string& model_name, int border_px, int channel,
-                        double t_s) {
-  const RayGrid grid = find_rays(projection, border_px, channel, t_s);
-  check_image_has_rays(grid, projection, border_px, model_name);
-  RayTable table{.width_px = projection.width_px(), .height_px = projection.height_px(), .border_px = border_px};
-  for (int k = 0; k < 3; ++k) {
-    for (auto* values : {&table.base[k], &table.along_u[k], &table.along_v[k]}) values->resize(grid.size());
+CameraRays make_camera_rays(const Projection& projection, const std::string& model_name, int border_px, double t_s) {
+  CameraRays rays{.width_px = projection.width_px(), .height_px = projection.height_px(), .border_px = border_px,
+                  .tables = {}, .row_y_min = {}, .row_y_max = {}, .first_column = {}, .last_column = {}};
+  const bool apart = colours_have_own_rays(projection);
+  for (int channel = apart ? 0 : 1; channel < (apart ? 3 : 2); ++channel) {
+    rays.tables.push_back(make_table(projection, model_name, border_px, channel, t_s, rays.perspective));
   }
-  for (int row = 0; row < table.rows(); ++row) {
-    for (int column = 0; column < table.columns(); ++column) {
-      const size_t i = table.at(row) + column;
-      const RayWithSlopes ray = grid[i] ? *grid[i] : extrapolated(grid, projection, border_px, column, row);
-      if (ray.ray.z != 1) table.perspective = false;
-      for (int k = 0; k < 3; ++k) {
-        table.base[k][i] = static_cast<float>(ray.ray[k]);
-        table.along_u[k][i] = static_cast<float>(ray.along_u[k]);
-        table.along_v[k][i] = static_cast<float>(ray.along_v[k]);
-      }
+  bound_rows(rays);
+  bound_columns(rays);
+  return rays;
+}
+
+bool colours_have_own_rays(const Projection& projection) {
+  for (const Vec3& direction : {Vec3(0.1, 0.07, 1), Vec3(-0.3, 0.2, 1)}) {
+    const ImagePoint green = projection.project(direction, 0, 0, 1);
+    for (const int channel : {0, 2}) {
+      const ImagePoint other = projection.project(direction, 0, 0, channel);
+      if (other.u != green.u || other.v != green.v) return true;
     }
   }
-  bound_rows(table);
-  bound_columns(table);
-  return table;
+  return false;
 }
 
 bool geometry_varies_with_time(const Projection& projection) {

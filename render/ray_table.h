@@ -14,19 +14,26 @@ namespace seam::render {
 // derivatives along u and v, which serve the samples inside the pixel (the lens's curvature over
 // half a pixel is below 1e-4 px). Perspective rays have z = 1 and unit-free x, y.
 struct RayTable {
-  int width_px = 0;   // Of the image alone.
-  int height_px = 0;
-  int border_px = 0;  // Columns and rows beyond each edge.
-  bool perspective = true;  // All rays have z = 1.
   // Row-major over (height + 2 border) x (width + 2 border); component 0 x, 1 y, 2 z.
   std::vector<float> base[3];
   std::vector<float> along_u[3];
   std::vector<float> along_v[3];
+};
+
+// The rays of a camera: one table, or, where colours have rays of their own, one each for red, green
+// and blue; with bounds that hold for all of them.
+struct CameraRays {
+  int width_px = 0;   // Of the image alone.
+  int height_px = 0;
+  int border_px = 0;  // Columns and rows beyond each edge.
+  bool perspective = true;  // All rays have z = 1.
+  std::vector<RayTable> tables;
+
   // Bounds of the samples inside the pixels, for culling. row_y_max[r] is the greatest y of rows up
   // to r, row_y_min[r] the least of rows from r on, so both ascend with r.
   std::vector<float> row_y_min;
   std::vector<float> row_y_max;
-  float x_min = 0, x_max = 0;  // Over the whole table.
+  float x_min = 0, x_max = 0;
 
   // For each row and each of kColumnBins even bins of [x_min, x_max]: the first column with a sample
   // at the bin's begin or beyond, and the last one with a sample at its end or before.
@@ -35,6 +42,8 @@ struct RayTable {
   std::vector<int16_t> last_column;
   float bins_per_x = 0;
 
+  const RayTable& table(int channel) const { return tables[tables.size() == 1 ? 0 : channel]; }
+  bool colours_apart() const { return tables.size() > 1; }
   int columns() const { return width_px + 2 * border_px; }
   int rows() const { return height_px + 2 * border_px; }
   size_t at(int row) const { return static_cast<size_t>(row) * columns(); }
@@ -54,8 +63,11 @@ struct RayTable {
 // Throws InputError, naming the model, when the lens maps no ray to a pixel of the image: the
 // calibration is outside the invertible range of its distortion. Rays of the border that do not
 // exist are those of the nearest pixel that has one.
-RayTable make_ray_table(const effects::Projection& projection, const std::string& model_name, int border_px,
-                        int channel, double t_s);
+CameraRays make_camera_rays(const effects::Projection& projection, const std::string& model_name, int border_px,
+                            double t_s);
+
+// Whether red and blue are seen elsewhere than green.
+bool colours_have_own_rays(const effects::Projection& projection);
 
 // Whether the image of a direction depends on the time or the row given to `project` (an
 // expression effect), so that each frame needs a table of its own.

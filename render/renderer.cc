@@ -20,17 +20,6 @@ namespace {
 
 using effects::GainField;
 
-bool colours_differ(const effects::Projection& projection) {
-  for (const Vec3& direction : {Vec3(0.1, 0.07, 1), Vec3(-0.3, 0.2, 1)}) {
-    const auto green = projection.project(direction, 0, 0, 1);
-    for (const int channel : {0, 2}) {
-      const auto other = projection.project(direction, 0, 0, channel);
-      if (other.u != green.u || other.v != green.v) return true;
-    }
-  }
-  return false;
-}
-
 uint64_t fingerprint_of(const Frame& frame) {
   Hasher hasher;
   hasher.add(static_cast<int64_t>(frame.width_px));
@@ -54,8 +43,7 @@ struct Renderer::Impl {
   std::vector<float> kernel;
   int border_px;
   bool moving_lens;       // The geometry depends on time: tables are made for each frame.
-  bool colour_fringes;    // Red and blue have rays of their own.
-  std::vector<RayTable> tables;                // One, or one for each channel.
+  CameraRays rays;
   std::array<std::vector<float>, 3> gain;      // Of the gain field; empty where it is uniform.
   mutable std::mutex patterns_mutex;
   mutable std::map<std::pair<uint64_t, uint64_t>, std::unique_ptr<effects::FixedPattern>> patterns;
@@ -65,17 +53,8 @@ struct Renderer::Impl {
         optics(effects::optics_of(m)), gain_field(m, effects::Stage::radiometry, width, height),
         sensor(effects::sensor_of(m)), kernel(point_spread(optics.blur_sigma_px)),
         border_px(point_spread_radius(optics.blur_sigma_px)), moving_lens(geometry_varies_with_time(projection)),
-        colour_fringes(colours_differ(projection)) {
-    tables = make_tables(0);
+        rays(make_camera_rays(projection, m.name(), border_px, 0)) {
     if (!gain_field.uniform()) gain = gain_planes(0);
-  }
-
-  std::vector<RayTable> make_tables(double t_s) const {
-    std::vector<RayTable> made;
-    for (int channel = colour_fringes ? 0 : 1; channel < (colour_fringes ? 3 : 2); ++channel) {
-      made.push_back(make_ray_table(projection, model.name(), border_px, channel, t_s));
-    }
-    return made;
   }
 
   std::array<std::vector<float>, 3> gain_planes(double t_s) const {
@@ -92,15 +71,14 @@ struct Renderer::Impl {
 
   // Light on an ideal lens's image, border included.
   LinearImage bordered_scene(const FrameJob& job) const {
-    std::vector<RayTable> own;
-    if (moving_lens) own = make_tables(seconds(job.schedule.rows[height_px / 2].start));
-    const std::vector<RayTable>& rays = moving_lens ? own : tables;
-    LinearImage image{.width_px = rays[0].columns(), .height_px = rays[0].rows()};
-    for (auto& plane : image.planes) plane.assign(static_cast<size_t>(image.width_px) * image.height_px, 0.0f);
-    for (size_t k = 0; k < rays.size(); ++k) {
-      const SamplingPlan plan = plan_sampling(job, rays[k], options);
-      integrate_light(plan, rays[k], job, options, colour_fringes ? static_cast<int>(k) : -1, image);
+    CameraRays own;
+    if (moving_lens) {
+      own = make_camera_rays(projection, model.name(), border_px, seconds(job.schedule.rows[height_px / 2].start));
     }
+    const CameraRays& used = moving_lens ? own : rays;
+    LinearImage image{.width_px = used.columns(), .height_px = used.rows()};
+    for (auto& plane : image.planes) plane.resize(static_cast<size_t>(image.width_px) * image.height_px);
+    integrate_light(plan_sampling(job, used, options), used, job, options, image);
     return image;
   }
 
@@ -197,8 +175,7 @@ Frame Renderer::render(const FrameJob& job) const {
 }
 
 GroundTruth Renderer::ground_truth(const FrameJob& job) const {
-  const RayTable& green = impl_->tables[impl_->colour_fringes ? 1 : 0];
-  return make_ground_truth(job, green, impl_->projection);
+  return make_ground_truth(job, impl_->rays, impl_->projection);
 }
 
 std::vector<StageImage> Renderer::stages(const FrameJob& job) const {

@@ -43,33 +43,32 @@ float SamplePattern::phase_v(int row, int sample) { return fraction(row * kRowV 
 void RowCaster::Batch::resize(int rays) {
   count = rays;
   if (static_cast<int>(x.size()) >= rays) return;
-  for (auto* values : {&x, &y, &z, &depth, &factor}) values->resize(rays);
+  for (auto* values : {&x, &y, &depth}) values->resize(rays);
+  // The third component stays 1 for perspective rays, the factor stays 1 without Lambert's law.
+  z.resize(rays, 1.0f);
+  factor.resize(rays, 1.0f);
   id.resize(rays);
 }
 
-RowCaster::RowCaster(const SamplePattern& pattern, const Rgb& background, bool lambert, int columns,
-                     int edge_samples)
-    : kernels_(cast_kernels()),
-      pattern_(pattern),
-      background_{static_cast<float>(background[0]), static_cast<float>(background[1]),
-                  static_cast<float>(background[2])},
-      lambert_(lambert),
-      columns_(columns),
-      edge_samples_(edge_samples),
-      ones_(columns, 1.0f),
-      varying_(columns) {
-  row_.resize(columns);
-  row_.place.resize(columns + 1);
-  for (int column = 0; column <= columns; ++column) row_.place[column] = column;
-  edges_.place.resize(columns + 1);
+RowCaster::RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool lambert, int edge_samples)
+    : kernels_(cast_kernels()), rays_(rays), pattern_(pattern), lambert_(lambert), columns_(rays.columns()),
+      edge_samples_(edge_samples), sums_(columns_), varying_(columns_), phase_u_(edge_samples),
+      phase_v_(edge_samples) {
+  row_.resize(columns_);
+  row_.place.resize(columns_ + 1);
+  for (int column = 0; column <= columns_; ++column) row_.place[column] = column;
+  edges_.place.resize(columns_ + 1);
 }
 
-void RowCaster::cast(const RayTable& rays, int row, const PreparedInstant& scene, RayRow batch_rays, Batch& batch) {
-  std::fill_n(batch.depth.begin(), batch.count, kFar);
-  std::fill_n(batch.id.begin(), batch.count, -1);
-  const HitRow hits{batch.depth.data(), batch.id.data()};
-  const float y_min = rays.row_y_min[row], y_max = rays.row_y_max[row];
-  for (size_t i = 0; i < scene.shapes.size(); ++i) {
+RaySlopes RowCaster::slopes(int channel, int component, int row) const {
+  const RayTable& table = rays_.table(channel);
+  const size_t offset = rays_.at(row);
+  return {&table.base[component][offset], &table.along_u[component][offset], &table.along_v[component][offset]};
+}
+
+void RowCaster::find_spans(int row, const PreparedInstant& scene) {
+  const float y_min = rays_.row_y_min[row], y_max = rays_.row_y_max[row];
+  for (size_t i = 0; i < scene.footprints.size(); ++i) {
     const Footprint& footprint = scene.footprints[i];
     if (row < footprint.first_row || row > footprint.last_row) continue;
     float low = footprint.x_min, high = footprint.x_max;
@@ -82,61 +81,55 @@ void RowCaster::cast(const RayTable& rays, int row, const PreparedInstant& scene
       if (low > high) continue;
     }
     int first, last;
-    rays.columns_between(row, low, high, first, last);
-    if (first > last) continue;
-    const int begin = batch.place[first], end = batch.place[last + 1];
-    if (begin < end) kernels_.cast[scene.kinds[i]](scene.shapes[i], batch_rays, begin, end, hits);
-  }
-}
-
-void RowCaster::shade(const PreparedInstant& scene, RayRow batch_rays, int begin, int end, Batch& batch) {
-  const int32_t id = batch.id[begin];
-  kernels_.shade[scene.kinds[id]](scene.shapes[id], batch_rays, batch.depth.data(), begin, end, batch.factor.data());
-}
-
-std::array<float, 3> RowCaster::colour(const PreparedInstant& scene, int32_t id, float factor) const {
-  if (id < 0) return background_;
-  const std::array<float, 3>& rgb = scene.colours[id];
-  return lambert_ ? std::array<float, 3>{rgb[0] * factor, rgb[1] * factor, rgb[2] * factor} : rgb;
-}
-
-void RowCaster::add_runs(const PreparedInstant& scene, float weight, RayRow batch_rays, float* const sums[3],
-                         uint32_t* signature) {
-  for (int begin = 0; begin < columns_;) {
-    const int32_t id = row_.id[begin];
-    int end = begin + 1;
-    while (end < columns_ && row_.id[end] == id) ++end;
-    const bool shaded = lambert_ && id >= 0;
-    if (shaded) shade(scene, batch_rays, begin, end, row_);
-    const std::array<float, 3>& rgb = id < 0 ? background_ : scene.colours[id];
-    for (int c = first_channel_; c <= last_channel_; ++c) {
-      if (shaded) {
-        kernels_.add_shaded(weight * rgb[c], row_.factor.data(), begin, end, sums[c]);
-      } else {
-        kernels_.add_constant(weight * rgb[c], begin, end, sums[c]);
-      }
+    rays_.columns_between(row, low, high, first, last);
+    if (first <= last) {
+      spans_.push_back({static_cast<int32_t>(i), static_cast<int16_t>(first), static_cast<int16_t>(last)});
     }
-    std::fill(signature + begin, signature + end, id < 0 ? 0u : scene.signatures[id]);
-    begin = end;
   }
 }
 
-void RowCaster::first_look(const RayTable& rays, int row, std::span<const RowSample> samples, float* const sums[3]) {
-  const size_t offset = rays.at(row);
+void RowCaster::cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays, Batch& batch) {
+  std::fill_n(batch.depth.begin(), batch.count, kFar);
+  std::fill_n(batch.id.begin(), batch.count, -1);
+  const HitRow hits{batch.depth.data(), batch.id.data()};
+  for (const Span& span : spans) {
+    const int begin = batch.place[span.first], end = batch.place[span.last + 1];
+    if (begin < end) kernels_.cast[scene.kinds[span.shape]](scene.shapes[span.shape], batch_rays, begin, end, hits);
+  }
+  if (!lambert_) return;
+  for (int begin = 0, end = 0; begin < batch.count; begin = end) {
+    const int32_t id = batch.id[begin];
+    for (end = begin + 1; end < batch.count && batch.id[end] == id;) ++end;
+    if (id < 0) {
+      std::fill(batch.factor.begin() + begin, batch.factor.begin() + end, 1.0f);
+    } else {
+      kernels_.shade[scene.kinds[id]](scene.shapes[id], batch_rays, batch.depth.data(), begin, end,
+                                      batch.factor.data());
+    }
+  }
+}
+
+void RowCaster::first_look(int row, std::span<const RowSample> samples) {
   const size_t count = samples.size() * static_cast<size_t>(columns_);
-  if (ids_.size() < count) ids_.resize(count), signatures_.resize(count), factors_.resize(lambert_ ? count : 0);
+  if (ids_.size() < count) ids_.resize(count), signatures_.resize(count), factors_.resize(lambert_ ? count : columns_, 1.0f);
+  spans_.clear();
+  spans_begin_.assign(1, 0);
   for (size_t s = 0; s < samples.size(); ++s) {
     const RowSample& sample = samples[s];
     const float u = SamplePattern::phase_u(row, sample.place), v = SamplePattern::phase_v(row, sample.place);
+    // Where colours have rays of their own, the samples take them in turn: a pixel whose samples
+    // all look the same is the same in all colours.
+    const int channel = static_cast<int>(s % 3);
     float* const targets[3] = {row_.x.data(), row_.y.data(), row_.z.data()};
-    for (int k = 0; k < (rays.perspective ? 2 : 3); ++k) {
-      const float* const base_u_v[3] = {&rays.base[k][offset], &rays.along_u[k][offset], &rays.along_v[k][offset]};
-      kernels_.offset_rays(base_u_v, pattern_.tile_u(), pattern_.tile_v(), u, v, columns_, targets[k]);
+    for (int k = 0; k < (rays_.perspective ? 2 : 3); ++k) {
+      kernels_.offset_rays(slopes(channel, k, row), pattern_.tile_u(), pattern_.tile_v(), u, v, columns_, targets[k]);
     }
-    const RayRow batch_rays{row_.x.data(), row_.y.data(), rays.perspective ? ones_.data() : row_.z.data()};
-    cast(rays, row, *sample.scene, batch_rays, row_);
+    find_spans(row, *sample.scene);
+    spans_begin_.push_back(spans_.size());
+    cast(*sample.scene, std::span(spans_).subspan(spans_begin_[s]), row_.rays(), row_);
     const size_t place = s * columns_;
-    add_runs(*sample.scene, sample.weight, batch_rays, sums, &signatures_[place]);
+    kernels_.add_row(sample.scene->colours.data(), sample.scene->signatures.data(), row_.id.data(), row_.factor.data(),
+                     sample.weight, columns_, sums_.data(), &signatures_[place]);
     std::copy_n(row_.id.begin(), columns_, &ids_[place]);
     if (lambert_) std::copy_n(row_.factor.begin(), columns_, &factors_[place]);
   }
@@ -163,80 +156,53 @@ void RowCaster::find_edges(int sample) {
   edges_.place[columns_] = static_cast<int>(edge_columns_.size()) * edge_samples_;
 }
 
-void RowCaster::refine(const RayTable& rays, int row, const RowSample& sample, int sample_index,
-                       float* const sums[3]) {
-  const int count = static_cast<int>(edge_columns_.size()) * edge_samples_;
-  edges_.resize(count);
-  const int components = rays.perspective ? 2 : 3;
-  if (static_cast<int>(edge_tile_u_.size()) < count) {
-    edge_tile_u_.resize(count), edge_tile_v_.resize(count);
-    for (int k = 0; k < 3; ++k) edge_base_[k].resize(count), edge_along_u_[k].resize(count), edge_along_v_[k].resize(count);
-    std::fill(edges_.z.begin(), edges_.z.end(), 1.0f);
-  }
-  // Gather the edge pixels' rays, each so many times.
-  const size_t offset = rays.at(row);
-  int ray = 0;
-  for (const int column : edge_columns_) {
-    for (int j = 0; j < edge_samples_; ++j, ++ray) {
-      const int place = sample.place * edge_samples_ + j;
-      const float u = pattern_.tile_u()[column] + SamplePattern::phase_u(row, place);
-      const float v = pattern_.tile_v()[column] + SamplePattern::phase_v(row, place);
-      edge_tile_u_[ray] = u >= 1.0f ? u - 1.0f : u;
-      edge_tile_v_[ray] = v >= 1.0f ? v - 1.0f : v;
-      for (int k = 0; k < components; ++k) {
-        edge_base_[k][ray] = rays.base[k][offset + column];
-        edge_along_u_[k][ray] = rays.along_u[k][offset + column];
-        edge_along_v_[k][ray] = rays.along_v[k][offset + column];
-      }
-    }
+void RowCaster::refine(int row, const RowSample& sample, int sample_index, int channel) {
+  const int count = static_cast<int>(edge_columns_.size());
+  edges_.resize(count * edge_samples_);
+  for (int j = 0; j < edge_samples_; ++j) {
+    phase_u_[j] = SamplePattern::phase_u(row, sample.place * edge_samples_ + j);
+    phase_v_[j] = SamplePattern::phase_v(row, sample.place * edge_samples_ + j);
   }
   float* const targets[3] = {edges_.x.data(), edges_.y.data(), edges_.z.data()};
-  for (int k = 0; k < components; ++k) {
-    const float* const base_u_v[3] = {edge_base_[k].data(), edge_along_u_[k].data(), edge_along_v_[k].data()};
-    kernels_.offset_rays(base_u_v, edge_tile_u_.data(), edge_tile_v_.data(), 0, 0, count, targets[k]);
+  for (int k = 0; k < (rays_.perspective ? 2 : 3); ++k) {
+    kernels_.edge_rays(slopes(channel, k, row), pattern_.tile_u(), pattern_.tile_v(), edge_columns_.data(), count,
+                       phase_u_.data(), phase_v_.data(), edge_samples_, targets[k]);
   }
-  cast(rays, row, *sample.scene, edges_.rays(), edges_);
-  if (lambert_) {
-    for (int begin = 0, end = 0; begin < count; begin = end) {
-      for (end = begin + 1; end < count && edges_.id[end] == edges_.id[begin];) ++end;
-      if (edges_.id[begin] >= 0) shade(*sample.scene, edges_.rays(), begin, end, edges_);
-    }
-  }
-
-  // Put their mean in the place of the one ray of the first look.
-  const float weight = sample.weight / static_cast<float>(edge_samples_);
-  const int32_t* ids = &ids_[static_cast<size_t>(sample_index) * columns_];
-  ray = 0;
-  for (const int column : edge_columns_) {
-    std::array<float, 3> sum{};
-    for (int j = 0; j < edge_samples_; ++j, ++ray) {
-      const std::array<float, 3> rgb = colour(*sample.scene, edges_.id[ray], edges_.factor[ray]);
-      for (int c = 0; c < 3; ++c) sum[c] += rgb[c];
-    }
-    const float factor = lambert_ ? factors_[static_cast<size_t>(sample_index) * columns_ + column] : 1.0f;
-    const std::array<float, 3> first = colour(*sample.scene, ids[column], factor);
-    for (int c = first_channel_; c <= last_channel_; ++c) {
-      sums[c][column] += weight * sum[c] - sample.weight * first[c];
-    }
-  }
+  const size_t begin = spans_begin_[sample_index], end = spans_begin_[sample_index + 1];
+  cast(*sample.scene, std::span(spans_).subspan(begin, end - begin), edges_.rays(), edges_);
+  const size_t place = static_cast<size_t>(sample_index) * columns_;
+  kernels_.replace(sample.scene->colours.data(), edges_.id.data(), edges_.factor.data(), edge_columns_.data(), count,
+                   edge_samples_, &ids_[place], &factors_[lambert_ ? place : 0], sample.weight,
+                   rays_.colours_apart() ? replaced_.data() : sums_.data());
 }
 
-void RowCaster::add_row(const RayTable& rays, int row, std::span<const RowSample> samples, float* const sums[3],
-                        int channel) {
-  first_channel_ = channel < 0 ? 0 : channel;
-  last_channel_ = channel < 0 ? 2 : channel;
-  first_look(rays, row, samples, sums);
-  if (edge_samples_ < 2) return;
+const std::vector<Colour>& RowCaster::cast_row(int row, std::span<const RowSample> samples) {
+  std::fill(sums_.begin(), sums_.end(), Colour{});
+  first_look(row, samples);
+  if (edge_samples_ < 2) return sums_;
   find_varying(static_cast<int>(samples.size()));
   for (size_t s = 0; s < samples.size(); ++s) {
     find_edges(static_cast<int>(s));
-    if (!edge_columns_.empty()) refine(rays, row, samples[s], static_cast<int>(s), sums);
+    if (edge_columns_.empty()) continue;
+    if (!rays_.colours_apart()) {
+      refine(row, samples[s], static_cast<int>(s), 1);
+      continue;
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+      replaced_ = sums_;
+      refine(row, samples[s], static_cast<int>(s), channel);
+      for (const int32_t column : edge_columns_) sums_[column].rgb[channel] = replaced_[column].rgb[channel];
+    }
   }
+  return sums_;
 }
 
-RowCaster::Seen RowCaster::see_centres(const RayTable& rays, int row, const PreparedInstant& scene) {
-  const size_t offset = rays.at(row);
-  cast(rays, row, scene, {&rays.base[0][offset], &rays.base[1][offset], &rays.base[2][offset]}, row_);
+RowCaster::Seen RowCaster::see_centres(int row, const PreparedInstant& scene) {
+  spans_.clear();
+  find_spans(row, scene);
+  const RayTable& green = rays_.table(1);
+  const size_t offset = rays_.at(row);
+  cast(scene, spans_, {&green.base[0][offset], &green.base[1][offset], &green.base[2][offset]}, row_);
   return {row_.depth.data(), row_.id.data()};
 }
 

@@ -1,14 +1,12 @@
 // Light that arrives at one row of pixels: rays of the row's instants against the prepared scenes.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
 #include "render/cast_kernels.h"
 #include "render/prepared_scene.h"
 #include "render/ray_table.h"
-#include "sim_core/scene.h"
 
 namespace seam::render {
 
@@ -39,21 +37,25 @@ struct RowSample {
 // that one: edges get their area right, and flat parts cost no more than they need.
 class RowCaster {
  public:
-  RowCaster(const SamplePattern& pattern, const Rgb& background, bool lambert, int columns, int edge_samples);
+  RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool lambert, int edge_samples);
 
-  // Adds the row's light, red, green and blue, to `sums` (columns() values each). With `channel` 0
-  // to 2 only that one is added (its rays are those of `rays`).
-  void add_row(const RayTable& rays, int row, std::span<const RowSample> samples, float* const sums[3],
-               int channel = -1);
+  // The row's light; rays.columns() values, valid until the next call.
+  const std::vector<Colour>& cast_row(int row, std::span<const RowSample> samples);
 
-  // What rays through the pixels' centres meet; valid until the next call.
+  // What rays through the pixels' centres meet (green's, where colours have their own); valid until
+  // the next call.
   struct Seen {
     const float* depth;  // Multiples of the direction; kFar where nothing is met.
     const int32_t* id;   // Place in the prepared scene, -1 where nothing is met.
   };
-  Seen see_centres(const RayTable& rays, int row, const PreparedInstant& scene);
+  Seen see_centres(int row, const PreparedInstant& scene);
 
  private:
+  // Columns [first, last] of a row in which a primitive can be seen.
+  struct Span {
+    int32_t shape;
+    int16_t first, last;
+  };
   // Rays in ascending columns, and what they meet. `place[c]` is the first ray of column c or later.
   struct Batch {
     std::vector<float> x, y, z, depth, factor;
@@ -64,31 +66,32 @@ class RowCaster {
     RayRow rays() const { return {x.data(), y.data(), z.data()}; }
   };
 
-  void cast(const RayTable& rays, int row, const PreparedInstant& scene, RayRow batch_rays, Batch& batch);
-  void shade(const PreparedInstant& scene, RayRow batch_rays, int begin, int end, Batch& batch);
-  void first_look(const RayTable& rays, int row, std::span<const RowSample> samples, float* const sums[3]);
-  void add_runs(const PreparedInstant& scene, float weight, RayRow batch_rays, float* const sums[3], uint32_t* signature);
+  void find_spans(int row, const PreparedInstant& scene);
+  void cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays, Batch& batch);
+  void first_look(int row, std::span<const RowSample> samples);
   void find_varying(int samples);
   void find_edges(int sample);
-  void refine(const RayTable& rays, int row, const RowSample& sample, int sample_index, float* const sums[3]);
-  std::array<float, 3> colour(const PreparedInstant& scene, int32_t id, float factor) const;
+  void refine(int row, const RowSample& sample, int sample_index, int channel);
+  RaySlopes slopes(int channel, int component, int row) const;
 
   const CastKernels& kernels_;
+  const CameraRays& rays_;
   const SamplePattern& pattern_;
-  std::array<float, 3> background_;
   bool lambert_;
   int columns_;
   int edge_samples_;
-  int first_channel_ = 0, last_channel_ = 2;
+  std::vector<Colour> sums_, replaced_;
   Batch row_, edges_;
-  std::vector<float> ones_;
-  // Of every sample of the row: what was met, its shading, and a number that stands for its colour.
+  // Of every sample of the row: what was met, its shading, a number that stands for its look, and
+  // where primitives can be seen.
   std::vector<int32_t> ids_;
   std::vector<float> factors_;
   std::vector<uint32_t> signatures_;
+  std::vector<Span> spans_;
+  std::vector<size_t> spans_begin_;
   std::vector<uint32_t> varying_;  // Not 0 where a pixel's samples differ.
-  std::vector<int> edge_columns_;
-  std::vector<float> edge_base_[3], edge_along_u_[3], edge_along_v_[3], edge_tile_u_, edge_tile_v_;
+  std::vector<int32_t> edge_columns_;
+  std::vector<float> phase_u_, phase_v_;
 };
 
 }  // namespace seam::render
