@@ -1,0 +1,31 @@
+// Maximum of a smooth log-likelihood of a few parameters inside bounds: Newton's method with
+// derivatives from differences whose steps adapt to half a standard deviation, damped as
+// Levenberg and Marquardt do. Gives the covariance from the curvature at the maximum.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace seam::measurement {
+
+struct SearchParameter {
+  double start = 0;
+  double min = 0;
+  double max = 0;
+  double step = 0.01;      // First step of the differences (relative for logarithmic ones).
+  bool logarithmic = false;  // Sought on a logarithmic scale (positive).
+};
+
+struct Maximum {
+  std::vector<double> value;
+  std::vector<double> sigma;       // Infinite where the function does not depend on it.
+  std::vector<double> covariance;  // Row-major.
+  std::vector<char> at_bound;
+  double log_likelihood = 0;
+  bool converged = false;
+};
+
+Maximum maximise(const std::function<double(const std::vector<double>&)>& log_likelihood,
+                 const std::vector<SearchParameter>& parameters);
+
+}  // namespace seam::measurement

@@ -1,0 +1,119 @@
+// Kind `photometry`: stacks of flat fields and dark frames.
+#include <cmath>
+#include <mutex>
+
+#include "effects/sensor.h"
+#include "effects/timing.h"
+#include "measurement/kinds.h"
+#include "measurement/maximise.h"
+#include "measurement/photometry_problem.h"
+#include "measurement/photometry_structure.h"
+#include "sim_core/error.h"
+
+namespace seam::measurement {
+
+PhotometryProblem::PhotometryProblem(const MeasurementSet& set) : data_(read_photometry(set, facts_)) {
+  set_noise_dn_ = facts_.channels[0].noise;
+}
+
+std::shared_ptr<const PhotometrySums> PhotometryProblem::sums(const Groups& groups) const {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& [key, value] : cache_) {
+    if (key == groups) return value;
+  }
+  auto value = std::make_shared<const PhotometrySums>(sum_frames(data_, groups, facts_.group_of_row));
+  if (cache_.size() > 8) cache_.erase(cache_.begin());
+  cache_.emplace_back(groups, value);
+  return value;
+}
+
+Evaluation PhotometryProblem::evaluate(const Model&, const Groups&, const Evaluation*) const {
+  SEAM_CHECK(false, "photometry has scores and structures of its own");
+}
+
+Score PhotometryProblem::score(const Model& model, const Groups& groups) const {
+  const auto sum = sums(groups);
+  const PhotometryPrediction prediction = predict(data_, *sum, model, set_noise_dn_);
+  const PhotometryScore own = score_photometry(data_, *sum, prediction, channels_share_);
+  Score score{.chi2 = own.chi2, .n = own.values, .nuisances = own.nuisances, .log_likelihood = own.log_likelihood};
+  score.by_group.assign(facts_.groups.size(), 0);
+  for (size_t f = 0; f < data_.frames.size(); ++f) score.by_group[facts_.group_of_row[f]] += own.by_frame[f];
+  score.native = {std::sqrt(own.square / static_cast<double>(std::max<int64_t>(own.values, 1)))};
+  score.native_sum2 = {own.square};
+  score.native_count = {own.values};
+  score.valid = std::isfinite(own.chi2);
+  return score;
+}
+
+namespace {
+
+bool is_logarithmic(const EffectDefinition& effect, const effects::Parameter& parameter) {
+  if (parameter.min < 0) return false;
+  return effect.spread_only || parameter.name == "gamma" || parameter.name == "depth";
+}
+
+}  // namespace
+
+Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+  const auto sum = sums(groups);
+  const PhotometryView view{data_, *sum, set_noise_dn_, channels_share_};
+  std::vector<SearchParameter> parameters;
+  const double span = std::max(1e-3, std::abs(data_.frames.back().time_s - data_.frames.front().time_s));
+  for (const Unknown& unknown : unknowns) {
+    const effects::ModelEffect& effect = *start.find(unknown.effect);
+    const effects::Parameter& parameter = effect.definition->parameters[unknown.parameter];
+    SearchParameter search{.start = effect.parameters[unknown.parameter].value, .min = parameter.min, .max = parameter.max};
+    search.logarithmic = is_logarithmic(*effect.definition, parameter) && search.start > 0;
+    search.step = search.logarithmic ? 0.02 : 2e-3 * parameter.scale;
+    // A lobe of the frequency is as narrow as the set is long.
+    if (parameter.name == "frequency_hz") search.step = 0.01 / span;
+    if (search.logarithmic) search.min = std::max(search.min, 1e-6 * parameter.scale);
+    parameters.push_back(search);
+  }
+  Model model = start;
+  const auto set_all = [&](const std::vector<double>& values) {
+    for (size_t i = 0; i < unknowns.size(); ++i) model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
+  };
+  const Maximum maximum = maximise([&](const std::vector<double>& values) {
+    set_all(values);
+    return log_likelihood(view, model);
+  }, parameters);
+  set_all(maximum.value);
+  return {.model = model, .value = maximum.value, .sigma = maximum.sigma, .at_bound = maximum.at_bound,
+          .covariance = maximum.covariance, .log_likelihood = maximum.log_likelihood, .converged = maximum.converged};
+}
+
+std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model, const EffectDefinition& effect) const {
+  const auto sum = sums(complement(folds().front()));
+  return photometry_starts({data_, *sum, set_noise_dn_, channels_share_}, model, effect);
+}
+
+void PhotometryProblem::check_model(const Model& model) const {
+  if (!model.has("linear_response")) {
+    throw InputError(fmt::format("model '{}': linear_response is missing: a photometry set needs gain_dn and black_dn", model.name()));
+  }
+}
+
+bool PhotometryProblem::acts(const EffectDefinition& effect) const {
+  if (effect.name == "white_balance" && data_.channels != 3) return false;
+  return Problem::acts(effect);
+}
+
+std::vector<Structure> PhotometryProblem::structure(const Model& model, const Groups& groups, int) const {
+  const auto sum = sums(groups);
+  return photometry_structure({data_, *sum, set_noise_dn_, channels_share_}, model);
+}
+
+std::vector<char> PhotometryProblem::find_outliers(const Model&) const { return std::vector<char>(facts_.scalars(), 0); }
+
+std::string PhotometryProblem::not_testable(const Model&, const EffectDefinition&, size_t) const { return ""; }
+
+Kind photometry_kind() {
+  return {.name = "photometry",
+          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
+            return std::make_unique<PhotometryProblem>(set);
+          },
+          .measure = measure_photometry};
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,416 @@
+#include "measurement/photometry_likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_core/maths.h"
+
+namespace seam::measurement {
+namespace {
+
+struct Quadratic {
+  double chi2 = 0;
+  double log_det = 0;
+};
+
+// Changes in time: rows' means from frame to frame, and what is left within rows.
+class TemporalPart {
+ public:
+  TemporalPart(const PhotometryData& data, const PhotometryPrediction& prediction, bool share)
+      : data_(data), prediction_(prediction), share_(share) {}
+
+  Quadratic add(const LevelSums& sum, const LevelPrediction& level, std::vector<double>& by_frame) {
+    Quadratic total;
+    const size_t frames = sum.frames.size();
+    if (frames < 2) return total;
+    const size_t rows = data_.rows();
+    const auto width = static_cast<double>(data_.width_px);
+    std::vector<double> variance(rows, 0), slope2(rows, 0), gain(rows, 0), gain2(rows, 0);
+    for (size_t i = 0; i < level.mean.size(); ++i) {
+      const size_t row = row_of(i);
+      variance[row] += level.variance[i] / width;
+      slope2[row] += level.offset_slope[i] * level.offset_slope[i] / width;
+      gain[row] += level.gain_slope[i] / width;
+      gain2[row] += level.gain_slope[i] * level.gain_slope[i] / width;
+    }
+    const double freedom = static_cast<double>(frames - 1);
+    // Within rows: (frames - 1) (width - 1) degrees of freedom a row. Flicker moves a row's parts
+    // in proportion to their light; what that adds to the scatter is subtracted.
+    const double share = freedom * (width - 1) / width;
+    std::vector<double> moved(rows, 0);
+    if (prediction_.moves) {
+      for (size_t row = 0; row < rows; ++row) {
+        for (const auto& shift : level.row_shift) moved[row] += shift[row] * shift[row];
+        moved[row] /= std::max(gain[row] * gain[row], 1e-9);
+      }
+    }
+    for (size_t i = 0; i < level.mean.size(); ++i) {
+      const double d = level.gain_slope[i] - gain[row_of(i)];
+      total.chi2 += (sum.scatter[i] - moved[row_of(i)] * d * d) / level.variance[i];
+      total.log_det += share * std::log(level.variance[i]);
+    }
+    const double spread = prediction_.chain.row_sigma_dn * prediction_.chain.row_sigma_dn;
+    for (size_t f = 0; f < frames; ++f) {
+      const Quadratic of_frame = frame_rows(sum, level, f, variance, slope2, spread);
+      total.chi2 += of_frame.chi2;
+      total.log_det += of_frame.log_det * freedom / static_cast<double>(frames);
+      by_frame[sum.frames[f]] -= 0.5 * (of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames));
+      own_ += of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames);
+    }
+    return total;
+  }
+
+  double assigned_to_frames() const { return own_; }
+
+ private:
+  size_t row_of(size_t sample) const {
+    return sample / (static_cast<size_t>(data_.width_px) * data_.channels) * data_.channels + sample % data_.channels;
+  }
+
+  Quadratic frame_rows(const LevelSums& sum, const LevelPrediction& level, size_t f,
+                       const std::vector<double>& variance, const std::vector<double>& slope2, double spread) const {
+    Quadratic total;
+    const auto& means = data_.row_mean[sum.frames[f]];
+    const int channels = data_.channels;
+    for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
+      double info = 0, score = 0;
+      for (int c = 0; c < channels; ++c) {
+        const size_t row = v * channels + c;
+        const double own = variance[row] / data_.width_px;
+        const double r = means[row] - sum.row_mean[row] - level.row_shift[f][row];
+        total.chi2 += r * r / own;
+        total.log_det += std::log(variance[row]);
+        const double load2 = spread * slope2[row];
+        if (load2 == 0) continue;
+        info += load2 / own;
+        score += std::sqrt(load2) * r / own;
+        if (share_ && c + 1 < channels) continue;
+        total.chi2 -= score * score / (1 + info);
+        total.log_det += std::log1p(info);
+        info = score = 0;
+      }
+    }
+    return total;
+  }
+
+  const PhotometryData& data_;
+  const PhotometryPrediction& prediction_;
+  bool share_;
+  double own_ = 0;
+};
+
+// Means over time of every sample, with fixed patterns as random effects.
+class PatternPart {
+ public:
+  PatternPart(const PhotometryData& data, const PhotometrySums& sums,
+              const PhotometryPrediction& prediction, bool share)
+      : data_(data), sums_(sums), prediction_(prediction), chain_(prediction.chain), share_(share) {
+    for (size_t l = 0; l < sums.levels.size(); ++l) {
+      if (!sums.levels[l].frames.empty()) present_.push_back(l);
+    }
+    const size_t count = present_.size();
+    for (auto* v : {&r_, &inverse_, &load_offset_, &load_gain_, &solved_, &slope_, &column_}) v->resize(count);
+  }
+
+  Quadratic run() {
+    structured_ = chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
+    if (structured_) average_rows();
+    const size_t groups = share_ ? 1 : data_.channels;
+    columns_.assign(static_cast<size_t>(data_.width_px) * groups, {});
+    if (structured_) row_score_.assign(static_cast<size_t>(data_.height_px) * groups * present_.size(), 0);
+    const size_t samples = data_.samples();
+    size_t i = 0;
+    for (int v = 0; v < data_.height_px; ++v) {
+      for (int u = 0; u < data_.width_px; ++u) {
+        for (int c = 0; c < data_.channels; ++c, ++i) add_sample(i, v, u, c);
+      }
+    }
+    (void)samples;
+    if (chain_.column_sigma_dn > 0) add_columns();
+    if (structured_) add_rows();
+    return total_;
+  }
+
+ private:
+  struct Column {
+    double info = 0, score = 0;
+  };
+
+  size_t unit(int place, int channel) const {
+    return share_ ? static_cast<size_t>(place) : static_cast<size_t>(place) * data_.channels + channel;
+  }
+
+  void average_rows() {
+    const size_t count = present_.size();
+    row_residual_.assign(data_.rows() * count, 0);
+    row_variance_.assign(data_.rows() * count, 0);
+    row_slope_.assign(data_.rows() * count, 0);
+    row_gain_.assign(data_.rows() * count, 0);
+    const double share = 1.0 / data_.width_px;
+    for (size_t k = 0; k < count; ++k) {
+      const LevelSums& sum = sums_.levels[present_[k]];
+      const LevelPrediction& level = prediction_.levels[present_[k]];
+      size_t i = 0;
+      for (int v = 0; v < data_.height_px; ++v) {
+        for (int u = 0; u < data_.width_px; ++u) {
+          for (int c = 0; c < data_.channels; ++c, ++i) {
+            const size_t at = (static_cast<size_t>(v) * data_.channels + c) * count + k;
+            row_residual_[at] += share * (sum.mean[i] - level.mean[i]);
+            row_variance_[at] += share * level.variance[i] / static_cast<double>(sum.frames.size());
+            row_slope_[at] += share * level.offset_slope[i];
+            row_gain_[at] += share * level.gain_slope[i];
+          }
+        }
+      }
+    }
+  }
+
+  void load_sample(size_t i) {
+    for (size_t k = 0; k < present_.size(); ++k) {
+      const LevelSums& sum = sums_.levels[present_[k]];
+      const LevelPrediction& level = prediction_.levels[present_[k]];
+      r_[k] = sum.mean[i] - level.mean[i];
+      inverse_[k] = static_cast<double>(sum.frames.size()) / level.variance[i];
+      slope_[k] = level.offset_slope[i];
+      load_offset_[k] = chain_.pixel_offset_sigma_dn * level.offset_slope[i];
+      load_gain_[k] = chain_.pixel_gain_sigma * level.gain_slope[i];
+    }
+  }
+
+  // Inverse of I + A for the sample's two random effects, as the Woodbury identity needs it.
+  struct Two {
+    double i00 = 1, i01 = 0, i11 = 1, log_det = 0;
+  };
+  Two effects_of_sample() const {
+    double a00 = 1, a01 = 0, a11 = 1;
+    for (size_t k = 0; k < present_.size(); ++k) {
+      a00 += load_offset_[k] * load_offset_[k] * inverse_[k];
+      a01 += load_offset_[k] * load_gain_[k] * inverse_[k];
+      a11 += load_gain_[k] * load_gain_[k] * inverse_[k];
+    }
+    const double det = a00 * a11 - a01 * a01;
+    return {a11 / det, -a01 / det, a00 / det, std::log(det)};
+  }
+
+  // out = Sigma^-1 x of this sample; returns x' Sigma^-1 x.
+  double solve(const Two& two, const std::vector<double>& x, std::vector<double>& out) const {
+    double b0 = 0, b1 = 0;
+    for (size_t k = 0; k < x.size(); ++k) {
+      b0 += load_offset_[k] * inverse_[k] * x[k];
+      b1 += load_gain_[k] * inverse_[k] * x[k];
+    }
+    const double e0 = two.i00 * b0 + two.i01 * b1, e1 = two.i01 * b0 + two.i11 * b1;
+    double sum = 0;
+    for (size_t k = 0; k < x.size(); ++k) {
+      out[k] = inverse_[k] * (x[k] - load_offset_[k] * e0 - load_gain_[k] * e1);
+      sum += out[k] * x[k];
+    }
+    return sum;
+  }
+
+  void add_sample(size_t i, int v, int u, int c) {
+    load_sample(i);
+    const size_t count = present_.size();
+    const Two two = effects_of_sample();
+    double chi2 = solve(two, r_, solved_);
+    if (chain_.hot_fraction > 0) chi2 = choose_hot(i, two, chi2);
+    total_.chi2 += chi2;
+    total_.log_det += two.log_det;
+    for (size_t k = 0; k < count; ++k) total_.log_det -= std::log(inverse_[k]);
+    if (!structured_) return;
+    const size_t row = (static_cast<size_t>(v) * data_.channels + c) * count;
+    const size_t row_unit = unit(v, c) * count;
+    for (size_t k = 0; k < count; ++k) row_score_[row_unit + k] += solved_[k];
+    if (chain_.column_sigma_dn == 0) return;
+    Column& column = columns_[unit(u, c)];
+    const double info = solve(two, slope_, column_);
+    column.info += info;
+    for (size_t k = 0; k < count; ++k) column.score += column_[k] * (r_[k] - row_residual_[row + k]);
+  }
+
+  // A sample is hot where that is likelier; the residual is then taken from the hot mean.
+  double choose_hot(size_t i, const Two& two, double chi2) {
+    const double log_cold = std::log1p(-chain_.hot_fraction), log_hot = std::log(chain_.hot_fraction);
+    cold_ = r_;
+    for (size_t k = 0; k < present_.size(); ++k) {
+      const LevelPrediction& level = prediction_.levels[present_[k]];
+      r_[k] -= level.hot_mean[i] - level.mean[i];
+    }
+    hot_solved_.resize(present_.size());
+    const double hot = solve(two, r_, hot_solved_);
+    const bool is_hot = -0.5 * hot + log_hot > -0.5 * chi2 + log_cold;
+    total_.log_det -= 2 * (is_hot ? log_hot : log_cold);
+    if (is_hot) {
+      solved_ = hot_solved_;
+      return hot;
+    }
+    r_ = cold_;
+    return chi2;
+  }
+
+  void add_columns() {
+    const double variance = chain_.column_sigma_dn * chain_.column_sigma_dn;
+    // Their mean over columns is taken with the rows.
+    const double share = (data_.width_px - 1.0) / data_.width_px;
+    for (const Column& column : columns_) {
+      const double info = variance * column.info;
+      total_.chi2 -= variance * column.score * column.score / (1 + info);
+      total_.log_det += share * std::log1p(info);
+    }
+  }
+
+  // Row noise that is left in the means, and the mean of the columns' offsets.
+  void add_rows() {
+    const size_t count = present_.size();
+    const size_t groups = share_ ? 1 : data_.channels;
+    const double mean_column2 = chain_.column_sigma_dn * chain_.column_sigma_dn / data_.width_px;
+    const double row2 = chain_.row_sigma_dn * chain_.row_sigma_dn;
+    std::vector<double> info(groups, 0), score(groups, 0);
+    std::vector<double> slope(count), matrix(count * count), x(count), y(count);
+    for (int v = 0; v < data_.height_px; ++v) {
+      for (size_t g = 0; g < groups; ++g) {
+        precision_of_row(v, static_cast<int>(g), matrix, slope);
+        const double* b = &row_score_[(static_cast<size_t>(v) * groups + g) * count];
+        // (I + K P) s = b, P the diagonal of the row noise in the means.
+        std::vector<double> p(count);
+        for (size_t k = 0; k < count; ++k) {
+          p[k] = row2 * slope[k] * slope[k] / static_cast<double>(sums_.levels[present_[k]].frames.size());
+        }
+        std::vector<double> system(count * count);
+        for (size_t i = 0; i < count; ++i) {
+          for (size_t k = 0; k < count; ++k) system[i * count + k] = (i == k) + matrix[i * count + k] * p[k];
+        }
+        std::copy(b, b + count, x.begin());
+        for (size_t i = 0; i < count; ++i) {
+          y[i] = 0;
+          for (size_t k = 0; k < count; ++k) y[i] += matrix[i * count + k] * slope[k];
+        }
+        if (row2 > 0) total_.log_det += eliminate(system, x, y);
+        for (size_t k = 0; k < count; ++k) {
+          total_.chi2 -= b[k] * p[k] * x[k];
+          score[g] += slope[k] * x[k];
+          info[g] += slope[k] * y[k];
+        }
+      }
+    }
+    for (size_t g = 0; g < groups; ++g) {
+      total_.chi2 -= mean_column2 * score[g] * score[g] / (1 + mean_column2 * info[g]);
+      total_.log_det += std::log1p(mean_column2 * info[g]);
+    }
+  }
+
+  // Sum over a row's samples of Sigma^-1, from the row's average sample.
+  void precision_of_row(int v, int group, std::vector<double>& matrix, std::vector<double>& slope) {
+    const size_t count = present_.size();
+    std::fill(matrix.begin(), matrix.end(), 0);
+    std::fill(slope.begin(), slope.end(), 0);
+    const int first = share_ ? 0 : group, last = share_ ? data_.channels - 1 : group;
+    for (int c = first; c <= last; ++c) {
+      const size_t at = (static_cast<size_t>(v) * data_.channels + c) * count;
+      for (size_t k = 0; k < count; ++k) {
+        inverse_[k] = 1 / row_variance_[at + k];
+        load_offset_[k] = chain_.pixel_offset_sigma_dn * row_slope_[at + k];
+        load_gain_[k] = chain_.pixel_gain_sigma * row_gain_[at + k];
+        slope[k] += row_slope_[at + k] / (last - first + 1);
+      }
+      const Two two = effects_of_sample();
+      for (size_t i = 0; i < count; ++i) {
+        for (size_t k = 0; k < count; ++k) {
+          const double oi = load_offset_[i] * inverse_[i], gi = load_gain_[i] * inverse_[i];
+          const double ok = load_offset_[k] * inverse_[k], gk = load_gain_[k] * inverse_[k];
+          matrix[i * count + k] += data_.width_px * ((i == k) * inverse_[i] - oi * (two.i00 * ok + two.i01 * gk) -
+                                                     gi * (two.i01 * ok + two.i11 * gk));
+        }
+      }
+    }
+  }
+
+  // Solves system x = x and system y = y in place; returns log of the determinant.
+  static double eliminate(std::vector<double>& a, std::vector<double>& x, std::vector<double>& y) {
+    const size_t n = x.size();
+    double log_det = 0;
+    for (size_t i = 0; i < n; ++i) {
+      size_t pivot = i;
+      for (size_t k = i + 1; k < n; ++k) {
+        if (std::abs(a[k * n + i]) > std::abs(a[pivot * n + i])) pivot = k;
+      }
+      if (pivot != i) {
+        for (size_t k = 0; k < n; ++k) std::swap(a[i * n + k], a[pivot * n + k]);
+        std::swap(x[i], x[pivot]);
+        std::swap(y[i], y[pivot]);
+      }
+      log_det += std::log(std::abs(a[i * n + i]));
+      for (size_t row = i + 1; row < n; ++row) {
+        const double factor = a[row * n + i] / a[i * n + i];
+        if (factor == 0) continue;
+        for (size_t k = i; k < n; ++k) a[row * n + k] -= factor * a[i * n + k];
+        x[row] -= factor * x[i];
+        y[row] -= factor * y[i];
+      }
+    }
+    for (size_t i = n; i-- > 0;) {
+      for (size_t k = i + 1; k < n; ++k) x[i] -= a[i * n + k] * x[k], y[i] -= a[i * n + k] * y[k];
+      x[i] /= a[i * n + i];
+      y[i] /= a[i * n + i];
+    }
+    return log_det;
+  }
+
+  const PhotometryData& data_;
+  const PhotometrySums& sums_;
+  const PhotometryPrediction& prediction_;
+  const effects::SensorChain& chain_;
+  bool share_;
+  bool structured_ = false;
+  std::vector<size_t> present_;  // Levels with frames.
+  std::vector<double> r_, inverse_, load_offset_, load_gain_, solved_, slope_, column_, cold_, hot_solved_;
+  std::vector<double> row_residual_, row_variance_, row_slope_, row_gain_, row_score_;
+  std::vector<Column> columns_;
+  Quadratic total_;
+};
+
+}  // namespace
+
+PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySums& sums,
+                                 const PhotometryPrediction& prediction, bool channels_share) {
+  PhotometryScore score{.values = sums.values, .nuisances = prediction.nuisances};
+  score.by_frame.assign(data.frames.size(), 0);
+  const bool share = channels_share || data.channels == 1;
+  TemporalPart temporal(data, prediction, share);
+  Quadratic total;
+  double frames = 0;
+  for (size_t l = 0; l < sums.levels.size(); ++l) {
+    const LevelSums& sum = sums.levels[l];
+    if (sum.frames.empty()) continue;
+    const Quadratic part = temporal.add(sum, prediction.levels[l], score.by_frame);
+    total.chi2 += part.chi2;
+    total.log_det += part.log_det;
+    const auto count = static_cast<double>(sum.frames.size());
+    frames += count;
+    // log det of the means' variances s^2 / F and of the contrasts' s^2 differ from that of the
+    // values by constants, which cancel between models.
+    for (size_t i = 0; i < sum.mean.size(); ++i) {
+      const double r = sum.mean[i] - prediction.levels[l].mean[i];
+      score.square += count * r * r + sum.scatter[i];
+    }
+    for (const int frame : sum.frames) {
+      for (size_t row = 0; row < data.rows(); ++row) {
+        const double d = data.row_mean[frame][row] - sum.row_mean[row];
+        score.square += data.width_px * d * d;
+      }
+    }
+  }
+  const Quadratic pattern = PatternPart(data, sums, prediction, share).run();
+  total.chi2 += pattern.chi2;
+  total.log_det += pattern.log_det;
+  score.chi2 = total.chi2;
+  score.log_likelihood = -0.5 * (total.chi2 + total.log_det + static_cast<double>(sums.values) * std::log(2 * maths::kPi));
+  double assigned = 0;
+  for (const double own : score.by_frame) assigned += own;
+  for (const LevelSums& sum : sums.levels) {
+    for (const int frame : sum.frames) score.by_frame[frame] += (score.log_likelihood - assigned) / frames;
+  }
+  return score;
+}
+
+}  // namespace seam::measurement

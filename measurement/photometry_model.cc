@@ -1,0 +1,318 @@
+#include "measurement/photometry_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/optics.h"
+#include "effects/timing.h"
+
+namespace seam::measurement {
+namespace {
+
+using effects::Moments;
+using effects::SensorChain;
+using effects::SensorExposure;
+
+// Statistics of a value in the file as a function of the signal, at one level and colour.
+struct Response {
+  double mean = 0, variance = 0, offset_slope = 0, gain_slope = 0, hot_mean = 0;
+};
+
+class ResponseTable {
+ public:
+  ResponseTable(const SensorChain& chain, const SensorExposure& exposure, int colour,
+                double set_noise_dn, double low, double high)
+      : chain_(chain), exposure_(exposure), colour_(colour), noise2_(set_noise_dn * set_noise_dn) {
+    const double step = effects::quantisation_step(chain, exposure.file_bits);
+    low_ = low;
+    const int cells = high > low ? std::clamp(static_cast<int>(16 * (high - low) / step), 32, 4096) : 0;
+    width_ = cells ? (high - low) / cells : 1;
+    for (int i = 0; i <= cells; ++i) entries_.push_back(compute(low + i * width_));
+  }
+
+  Response at(double signal) const {
+    if (entries_.size() == 1) return entries_[0];
+    const double place = std::clamp((signal - low_) / width_, 0.0, entries_.size() - 1.0 - 1e-9);
+    const auto i = static_cast<size_t>(place);
+    const double w = place - static_cast<double>(i);
+    const Response &a = entries_[i], &b = entries_[i + 1];
+    const auto mix = [w](double x, double y) { return x + w * (y - x); };
+    return {mix(a.mean, b.mean), mix(a.variance, b.variance), mix(a.offset_slope, b.offset_slope),
+            mix(a.gain_slope, b.gain_slope), mix(a.hot_mean, b.hot_mean)};
+  }
+
+ private:
+  Response compute(double signal) const {
+    const Moments response = effects::response_moments(chain_, signal, colour_, exposure_);
+    const double h = 1e-3 * std::max(std::abs(signal), 1e-3 * chain_.gain_dn);
+    const double slope = (effects::response_moments(chain_, signal + h, colour_, exposure_).mean_dn -
+                          effects::response_moments(chain_, signal - h, colour_, exposure_).mean_dn) / (2 * h);
+    const double log_slope = slope * signal;
+    const double read2 = chain_.read_sigma_dn * chain_.read_sigma_dn;
+    const double temporal2 = response.variance_dn2 + read2;
+    const auto square = [](double x) { return x * x; };
+    const double pattern2 = square(chain_.pixel_gain_sigma * log_slope) +
+                            square(chain_.pixel_offset_sigma_dn) + square(chain_.column_sigma_dn);
+    const double row2 = square(chain_.row_sigma_dn);
+    const auto file = [&](double mean, double variance) {
+      return effects::file_moments(chain_, {mean, variance}, exposure_.file_bits);
+    };
+    const Moments all = file(response.mean_dn, temporal2 + pattern2 + row2);
+    const double top = std::min(chain_.full_dn, static_cast<double>((1u << exposure_.file_bits) - 1));
+    const double step = effects::quantisation_step(chain_, exposure_.file_bits);
+    const double reach = 7 * std::sqrt(temporal2 + pattern2 + row2) + step;
+    const bool clipped = response.mean_dn < reach || response.mean_dn + reach > top;
+    Response out{.mean = all.mean_dn, .offset_slope = 1};
+    if (!clipped && temporal2 > step * step) {
+      out.variance = temporal2 + step * step / 12 + noise2_;
+    } else {
+      // Averages over the fixed patterns, which move the value against steps and clipping.
+      static constexpr double kNode[] = {-2.856970013872806, -1.355626179974266, 0, 1.355626179974266, 2.856970013872806};
+      static constexpr double kWeight[] = {0.011257411327721, 0.222075922005613, 0.533333333333333, 0.222075922005613, 0.011257411327721};
+      const double sd = std::sqrt(pattern2 + row2);
+      const double d = 0.5 * std::sqrt(temporal2 + pattern2 + row2) + 1e-3;
+      for (int i = 0; i < 5; ++i) {
+        out.variance += kWeight[i] * file(response.mean_dn + sd * kNode[i], temporal2).variance_dn2;
+        if (sd == 0) { out.variance /= kWeight[0]; break; }
+      }
+      out.variance += noise2_;
+      out.offset_slope = (file(response.mean_dn + d, temporal2 + pattern2 + row2).mean_dn -
+                          file(response.mean_dn - d, temporal2 + pattern2 + row2).mean_dn) / (2 * d);
+    }
+    // No value is exactly certain: a constant field with rounding off by one.
+    out.variance = std::max(out.variance, 1e-4);
+    out.gain_slope = log_slope * out.offset_slope;
+    if (chain_.hot_fraction > 0) {
+      out.hot_mean = file(response.mean_dn + chain_.hot_level_dn, temporal2 + pattern2 + row2).mean_dn;
+    }
+    return out;
+  }
+
+  SensorChain chain_;
+  SensorExposure exposure_;
+  int colour_;
+  double noise2_;
+  double low_ = 0, width_ = 1;
+  std::vector<Response> entries_;
+};
+
+// Whether gain fields or sensor maps change with time (only formulas of users can).
+bool depends_on_time(const effects::Model& model) {
+  for (const auto& effect : model.effects()) {
+    const bool user = !effects::expression_source(*effect.definition).empty();
+    if (user && (effect.definition->gain || effect.definition->sensor)) return true;
+  }
+  return false;
+}
+
+class LevelPredictor {
+ public:
+  LevelPredictor(const PhotometryData& data, const effects::Model& model, const SensorChain& chain,
+                 const PhotometryLevel& level, const LevelSums& sum, double set_noise_dn)
+      : data_(data), model_(model), chain_(chain), level_(level), sum_(sum), noise_(set_noise_dn) {
+    for (const int frame : sum.frames) mean_time_ += time_of(frame) / static_cast<double>(sum.frames.size());
+  }
+
+  LevelPrediction run(const std::vector<double>& light, bool moving_light) {
+    std::vector<std::vector<double>> lamps;
+    if (effects::lamps_flicker(model_)) {
+      for (const int frame : sum_.frames) lamps.push_back(lamp_rows(data_, frame, level_.exposure_s, model_));
+    }
+    std::vector<double> row_light(data_.height_px, 1);
+    for (int v = 0; v < data_.height_px && !lamps.empty(); ++v) {
+      double mean = 0;
+      for (const auto& frame : lamps) mean += frame[v];
+      row_light[v] = mean / static_cast<double>(lamps.size());
+    }
+    const bool blank = std::isnan(level_.illumination);
+    LevelPrediction out;
+    out.illumination = level_.illumination;
+    if (blank) {
+      out.illumination = first_guess();
+      for (int step = 0; step < 4; ++step) {
+        fill(out, light, row_light);
+        correct_illumination(out, step == 3);
+      }
+    } else {
+      fill(out, light, row_light);
+    }
+    shift_rows(out, lamps, row_light);
+    if (moving_light) drift_rows(out);
+    return out;
+  }
+
+ private:
+  double time_of(int frame) const { return data_.frames[frame].time_s - data_.frames[0].time_s; }
+  SensorExposure exposure(double t_s) const {
+    return {.exposure_s = level_.exposure_s, .exposure_ratio = level_.exposure_ratio,
+            .gain = level_.gain, .t_s = t_s, .file_bits = data_.file_bits};
+  }
+
+  double first_guess() const {
+    double mean = 0;
+    for (const double value : sum_.mean) mean += value;
+    mean /= static_cast<double>(sum_.mean.size());
+    const double per_light = effects::signal_dn(chain_, 1, exposure(0));
+    return std::max(1e-6, (mean - chain_.black_dn) / per_light);
+  }
+
+  void fill(LevelPrediction& out, const std::vector<double>& light, const std::vector<double>& row_light) {
+    const size_t samples = data_.samples();
+    const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
+    for (auto* v : {&out.mean, &out.variance, &out.offset_slope, &out.gain_slope}) v->resize(samples);
+    if (chain_.hot_fraction > 0) out.hot_mean.resize(samples);
+    std::vector<ResponseTable> tables;
+    const size_t row_samples = static_cast<size_t>(data_.width_px) * data_.channels;
+    for (int c = 0; c < data_.channels; ++c) {
+      double low = 1e300, high = -1e300;
+      for (size_t i = c; i < samples; i += data_.channels) {
+        const double value = scale * light[i] * row_light[i / row_samples];
+        low = std::min(low, value), high = std::max(high, value);
+      }
+      tables.emplace_back(chain_, exposure(mean_time_), data_.colour(c), noise_, low, high);
+    }
+    for (size_t i = 0; i < samples; ++i) {
+      const Response response = tables[i % data_.channels].at(scale * light[i] * row_light[i / row_samples]);
+      out.mean[i] = response.mean;
+      out.variance[i] = response.variance;
+      out.offset_slope[i] = response.offset_slope;
+      out.gain_slope[i] = response.gain_slope;
+      if (chain_.hot_fraction > 0) out.hot_mean[i] = response.hot_mean;
+    }
+  }
+
+  // One step towards the illumination that fits the level's mean best.
+  void correct_illumination(LevelPrediction& out, bool shift_mean) {
+    double slope2 = 0, slope_residual = 0;
+    for (size_t i = 0; i < out.mean.size(); ++i) {
+      const double w = out.gain_slope[i] / out.variance[i];
+      slope2 += w * out.gain_slope[i];
+      slope_residual += w * (sum_.mean[i] - out.mean[i]);
+    }
+    if (!(slope2 > 0)) return;
+    const double relative = std::clamp(slope_residual / slope2, -0.5, 1.0);
+    out.illumination *= 1 + relative;
+    if (!shift_mean) return;
+    for (size_t i = 0; i < out.mean.size(); ++i) out.mean[i] += out.gain_slope[i] * relative;
+  }
+
+  void shift_rows(LevelPrediction& out, const std::vector<std::vector<double>>& lamps,
+                  const std::vector<double>& row_light) {
+    out.row_shift.assign(sum_.frames.size(), std::vector<double>(data_.rows(), 0));
+    if (lamps.empty()) return;
+    std::vector<double> slope(data_.rows(), 0);
+    for (size_t i = 0; i < out.mean.size(); ++i) slope[row_of(i)] += out.gain_slope[i] / data_.width_px;
+    for (size_t f = 0; f < lamps.size(); ++f) {
+      for (size_t row = 0; row < data_.rows(); ++row) {
+        const size_t v = row / data_.channels;
+        out.row_shift[f][row] = slope[row] * (lamps[f][v] / std::max(row_light[v], 1e-6) - 1);
+      }
+    }
+  }
+
+  // Users' formulas of time: the change of each row's mean from the level's mean time.
+  void drift_rows(LevelPrediction& out) {
+    const effects::GainField lens(model_, effects::Stage::radiometry, data_.width_px, data_.height_px);
+    const effects::GainField lamps(model_, effects::Stage::light, data_.width_px, data_.height_px);
+    const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
+    const auto row_value = [&](int v, int colour, double t) {
+      double sum = 0;
+      constexpr int kPlaces = 5;
+      for (int k = 0; k < kPlaces; ++k) {
+        const double u = (k + 0.5) / kPlaces * data_.width_px - 0.5;
+        const double light = std::max(0.0, lens.at(u, v, t, colour) * lamps.at(u, v, t, colour));
+        sum += effects::response_moments(chain_, scale * light, colour, exposure(t)).mean_dn;
+      }
+      return sum / kPlaces;
+    };
+    std::vector<double> mean_shift(data_.rows(), 0);
+    for (size_t row = 0; row < data_.rows(); ++row) {
+      const int v = static_cast<int>(row) / data_.channels;
+      const int colour = data_.colour(static_cast<int>(row) % data_.channels);
+      const double at_mean = row_value(v, colour, mean_time_);
+      for (size_t f = 0; f < sum_.frames.size(); ++f) {
+        const double shift = row_value(v, colour, time_of(sum_.frames[f])) - at_mean;
+        out.row_shift[f][row] += shift;
+        mean_shift[row] += shift / static_cast<double>(sum_.frames.size());
+      }
+      for (auto& frame : out.row_shift) frame[row] -= mean_shift[row];
+    }
+    for (size_t i = 0; i < out.mean.size(); ++i) out.mean[i] += mean_shift[row_of(i)];
+  }
+
+  size_t row_of(size_t sample) const {
+    return sample / (static_cast<size_t>(data_.width_px) * data_.channels) * data_.channels + sample % data_.channels;
+  }
+
+  const PhotometryData& data_;
+  const effects::Model& model_;
+  const SensorChain& chain_;
+  const PhotometryLevel& level_;
+  const LevelSums& sum_;
+  double noise_;
+  double mean_time_ = 0;
+};
+
+}  // namespace
+
+std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model, double t_s) {
+  const effects::GainField lens(model, effects::Stage::radiometry, data.width_px, data.height_px);
+  const effects::GainField lamps(model, effects::Stage::light, data.width_px, data.height_px);
+  std::vector<double> light(data.samples(), 1);
+  if (lens.uniform() && lamps.uniform()) return light;
+  size_t i = 0;
+  for (int v = 0; v < data.height_px; ++v) {
+    for (int u = 0; u < data.width_px; ++u) {
+      for (int c = 0; c < data.channels; ++c, ++i) {
+        light[i] = std::max(0.0, lens.at(u, v, t_s, data.colour(c)) * lamps.at(u, v, t_s, data.colour(c)));
+      }
+    }
+  }
+  const double glare = effects::optics_of(model).glare_fraction;
+  if (glare > 0) {
+    double mean[3] = {0, 0, 0};
+    for (size_t k = 0; k < light.size(); ++k) mean[k % data.channels] += light[k];
+    const double pixels = static_cast<double>(data.width_px) * data.height_px;
+    for (size_t k = 0; k < light.size(); ++k) {
+      light[k] = (1 - glare) * light[k] + glare * mean[k % data.channels] / pixels;
+    }
+  }
+  return light;
+}
+
+std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s, const effects::Model& model) {
+  const effects::Timing timing = effects::timing_of(model);
+  std::vector<double> brightness;
+  const double stamp = data.frames[frame].time_s;
+  for (int v = 0; v < data.height_px; ++v) {
+    const double start = stamp + timing.row_start_after_stamp_s(v, stamp - data.frames[0].time_s);
+    brightness.push_back(effects::lamp_brightness(model, {.start_s = start, .exposure_s = exposure_s}));
+  }
+  return brightness;
+}
+
+PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& sums,
+                             const effects::Model& model, double set_noise_dn) {
+  PhotometryPrediction out{.chain = effects::sensor_of(model)};
+  const bool moving = depends_on_time(model);
+  out.moves = moving || effects::lamps_flicker(model);
+  std::vector<double> light;
+  if (!moving) light = relative_light(data, model, 0);
+  for (size_t l = 0; l < data.levels.size(); ++l) {
+    if (sums.levels[l].frames.empty()) {
+      out.levels.emplace_back();
+      continue;
+    }
+    if (moving) {
+      double t = 0;
+      for (const int frame : sums.levels[l].frames) t += data.frames[frame].time_s - data.frames[0].time_s;
+      light = relative_light(data, model, t / static_cast<double>(sums.levels[l].frames.size()));
+    }
+    out.levels.push_back(LevelPredictor(data, model, out.chain, data.levels[l], sums.levels[l], set_noise_dn)
+                             .run(light, moving));
+    out.nuisances += std::isnan(data.levels[l].illumination);
+  }
+  return out;
+}
+
+}  // namespace seam::measurement
