@@ -28,6 +28,18 @@ HeadAngles Perception::head_at(int64_t time_ns) const {
           a.roll_rad + t * (b.roll_rad - a.roll_rad)};
 }
 
+int64_t Perception::row_time_ns(const Frame& frame, float row) const {
+  const float rows_per_row = static_cast<float>(frame.height_px) / static_cast<float>(frame.colours_height_px);
+  const int v = std::clamp(static_cast<int>((row + 0.5f) * rows_per_row), 0, frame.height_px - 1);
+  return frame.row_middle_ns(v);
+}
+
+float Perception::pan_rate_at(const Frame& frame, float row) const {
+  constexpr int64_t kHalfStep_ns = 4'000'000;
+  const int64_t time_ns = row_time_ns(frame, row);
+  return (head_at(time_ns + kHalfStep_ns).pan_rad - head_at(time_ns - kHalfStep_ns).pan_rad) / (2e-9f * kHalfStep_ns);
+}
+
 void Perception::look_at_frame(const Frame& frame, Percepts& percepts) const {
   if (frame.colours.empty()) return;
   const ColourMask mask{frame.colours_width_px, frame.colours_height_px,
@@ -38,11 +50,8 @@ void Perception::look_at_frame(const Frame& frame, Percepts& percepts) const {
   camera.fx_px *= scale, camera.fy_px *= scale;
   camera.cx_px = (camera.cx_px + 0.5f) * scale - 0.5f;
   camera.cy_px = (camera.cy_px + 0.5f) * scale - 0.5f;
-  const float rows_per_row = static_cast<float>(frame.height_px) / static_cast<float>(mask.height_px);
   const HeadAtRow head = [&](float row) {
-    if (!options_.row_times) return head_at(frame.stamp_ns);
-    const int v = std::clamp(static_cast<int>(row * rows_per_row), 0, frame.height_px - 1);
-    return head_at(frame.row_middle_ns(v));
+    return head_at(options_.row_times ? row_time_ns(frame, row) : frame.stamp_ns);
   };
   percepts.has_frame = true;
   percepts.ball = find_ball(mask, head, camera, options_.neck);

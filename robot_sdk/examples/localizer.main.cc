@@ -45,6 +45,7 @@ int main(int argc, char** argv) {
         robot.log_value(name + ".bearing_rad", sighting.bearing_rad);
         robot.log_value(name + ".range_m", sighting.range_m);
         robot.log_value(name + ".row", sighting.row);
+        robot.log_value(name + ".pan_rate", perception.pan_rate_at(seen.frames.back(), sighting.row));
       }
       const PoseEstimate estimate = filter.estimate();
       robot.log_value("x_m", estimate.mean.x_m);

@@ -1,0 +1,26 @@
+// The founding paper's experiments, each a command of `seam experiment`.
+#pragma once
+
+#include <filesystem>
+
+namespace seam::tools {
+
+struct ExperimentOptions {
+  std::filesystem::path folder;     // Runs, tables and plots go here.
+  std::filesystem::path json_file;  // Empty: no JSON.
+  int seeds = 3;
+  int parallel = 2;
+  bool quick = false;  // A small form that shows that everything works.
+};
+
+// Section 5.1: mean and standard deviation of the measured distance, with and without camera
+// effects.
+void ball_distance_experiment(const ExperimentOptions& options);
+
+// Section 5.2 and Table 1: Monte Carlo localisation at 36 poses.
+void localization_experiment(const ExperimentOptions& options);
+
+// What locking frames to the head's swing does to bearings and positions, and why.
+void head_swing_bias_experiment(const ExperimentOptions& options);
+
+}  // namespace seam::tools

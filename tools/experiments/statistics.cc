@@ -1,0 +1,40 @@
+#include "tools/experiments/statistics.h"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+namespace seam::tools {
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (double value : values) sum += value;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+double deviation_of(const std::vector<double>& values) {
+  if (values.size() < 2) return 0;
+  const double mean = mean_of(values);
+  double sum = 0;
+  for (double value : values) sum += (value - mean) * (value - mean);
+  return std::sqrt(sum / static_cast<double>(values.size() - 1));
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0;
+  for (double value : values) sum += value * value;
+  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
+Interval interval_of(const std::vector<double>& values) {
+  const double n = static_cast<double>(values.size());
+  if (n < 2) return {mean_of(values), 0};
+  const boost::math::students_t t(n - 1);
+  return {mean_of(values), boost::math::quantile(t, 0.975) * deviation_of(values) / std::sqrt(n)};
+}
+
+}  // namespace seam::tools

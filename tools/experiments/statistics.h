@@ -1,0 +1,21 @@
+// The few statistics that the experiments report.
+#pragma once
+
+#include <vector>
+
+namespace seam::tools {
+
+double mean_of(const std::vector<double>& values);
+// Sample standard deviation (n - 1); 0 for fewer than two values.
+double deviation_of(const std::vector<double>& values);
+double root_mean_square(const std::vector<double>& values);
+double largest(const std::vector<double>& values);
+
+// A mean and the half width of its 95 % interval (Student's t over independent values).
+struct Interval {
+  double mean = 0;
+  double half_width = 0;  // 0 where there is but one value.
+};
+Interval interval_of(const std::vector<double>& values);
+
+}  // namespace seam::tools
