@@ -37,7 +37,8 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol, cons
   const effects::SensorChain chain = effects::sensor_of(truth);
   const RandomStream camera = RandomStream{.seed = options.seed}.child("photometry");
   const auto pattern = effects::fixed_pattern(chain, data.width_px, data.height_px, data.channels, camera);
-  std::vector<double> light, illumination(data.samples());
+  std::vector<double> light;
+  std::vector<float> illumination(data.samples());
   for (size_t row = 0; row < table.rows(); ++row) {
     const PhotometryFrame& frame = data.frames[row];
     const PhotometryLevel& level = data.levels[frame.level];
@@ -46,7 +47,7 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol, cons
     const auto lamps = lamp_rows(data, static_cast<int>(row), level.exposure_s, truth);
     const size_t row_samples = static_cast<size_t>(data.width_px) * data.channels;
     for (size_t i = 0; i < illumination.size(); ++i) {
-      illumination[i] = level.illumination * light[i] * lamps[i / row_samples];
+      illumination[i] = static_cast<float>(level.illumination * light[i] * lamps[i / row_samples]);
     }
     const effects::SensorExposure exposure{.exposure_s = level.exposure_s, .exposure_ratio = level.exposure_ratio,
                                            .gain = level.gain, .t_s = t, .file_bits = data.file_bits};
