@@ -5,6 +5,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { palette } from "../shared/palette";
 import { Rich } from "../shared/rich";
+import { savePlot } from "./save";
 
 export interface FigureProps {
   name: string;
@@ -46,6 +47,8 @@ export function Figure({ name, title, sentence, draw, wide }: FigureProps) {
   }, [draw, name]);
   return (
     <figure class={wide ? "figure wide" : "figure"} data-plot={name}>
+      <button type="button" class="save" title="Save this plot as SVG"
+        onClick={() => savePlot(holder.current!, name)}>SVG</button>
       {title && <h3>{title}</h3>}
       <div class="plot" ref={holder} />
       <figcaption><Rich text={sentence} /></figcaption>

@@ -1,6 +1,7 @@
 // What to do next, what this data cannot say, what was left out, and how to make this page again.
 import { number } from "../shared/format";
 import { outlierList, type Report } from "./data";
+import { save } from "./save";
 
 export function Advice({ report }: { report: Report }) {
   const { advice, suggestion } = report.result;
@@ -106,14 +107,8 @@ export function Tables({ report }: { report: Report }) {
 }
 
 export function Reproduce({ report }: { report: Report }) {
-  const save = () => {
-    const blob = new Blob([JSON.stringify(report.result, null, 1)], { type: "application/json" });
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(blob);
-    link.download = "result.json";
-    link.click();
-    URL.revokeObjectURL(link.href);
-  };
+  const saveNumbers = () =>
+    save(JSON.stringify(report.result, null, 1), "application/json", "result.json");
   return (
     <footer id="reproduce">
       {report.command && <pre class="command">{report.command}</pre>}
@@ -121,7 +116,7 @@ export function Reproduce({ report }: { report: Report }) {
         {report.version && <>SEAM {report.version}. </>}
         {report.data?.fingerprint && <>Data <code>{report.data.fingerprint}</code>. </>}
         Error is the square root of r′ S⁻¹ r / N over held-out residuals: 1 is the noise.{" "}
-        <button type="button" onClick={save}>Save the numbers as JSON</button>
+        <button type="button" onClick={saveNumbers}>Save the numbers as JSON</button>
       </p>
     </footer>
   );

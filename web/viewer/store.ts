@@ -24,7 +24,8 @@ export const view = signal<[number, number]>([0, 1]);
 const plotView = computed<[number, number]>(() => {
   const [low, high] = view.value;
   if (high - low <= 60) return [low, high];
-  const from = start.value + Math.floor((time.value - start.value) / plotPage_s) * plotPage_s;
+  const page = Math.floor((time.value - start.value) / plotPage_s) * plotPage_s;
+  const from = Math.min(start.value + page, end.value - plotPage_s);
   return [from, from + plotPage_s];
 });
 
