@@ -9,7 +9,8 @@ namespace seam::tools {
 // One line a command; `tools/<name>.cc` defines add_<name>.
 #define SEAM_COMMANDS(X) \
   X(check)      \
-  X(experiment)
+  X(experiment) \
+  X(report)
 
 #define SEAM_DECLARE(name) void add_##name(CLI::App& app);
 SEAM_COMMANDS(SEAM_DECLARE)
