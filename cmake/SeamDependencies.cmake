@@ -1,6 +1,7 @@
 # Every library comes from Debian 12 by package name; scripts/dependencies.sh installs them.
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
+find_package(OpenSSL REQUIRED)
 find_package(Protobuf REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(fmt REQUIRED)

@@ -25,6 +25,7 @@ constexpr size_t kMaxFaults = 1000;
 ClientHub::ClientHub(std::vector<HubRobot> robots, RunControl& control) : control_(control) {
   for (HubRobot& robot : robots) {
     slots_.emplace_back();
+    slots_.back().frozen = !robot.expected;
     slots_.back().robot = std::move(robot);
   }
   control_.set_waker([this] {

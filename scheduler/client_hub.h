@@ -35,6 +35,7 @@ struct HubRobot {
   SilencePolicy policy = SilencePolicy::wait;
   double limit_s = 1;          // Wall time after which freeze and abort act.
   double connect_limit_s = 60; // The same before the client's first connection.
+  bool expected = true;        // False: the clock does not wait until a client has come.
 };
 
 struct HubRobotStatus {

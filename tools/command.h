@@ -8,9 +8,12 @@ namespace seam::tools {
 
 // One line a command; `tools/<name>.cc` defines add_<name>.
 #define SEAM_COMMANDS(X) \
+  X(certs)      \
   X(check)      \
   X(experiment) \
-  X(report)
+  X(report)     \
+  X(run)        \
+  X(serve)
 
 #define SEAM_DECLARE(name) void add_##name(CLI::App& app);
 SEAM_COMMANDS(SEAM_DECLARE)

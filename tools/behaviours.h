@@ -1,0 +1,61 @@
+// The processes of a scenario's behaviours: started, watched, and always ended and reaped.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace seam::tools {
+
+struct BehaviourProcess {
+  std::string robot;
+  std::vector<std::string> command;                // argv[0] a program's full path.
+  std::map<std::string, std::string> environment;  // Added to ours.
+};
+
+// The program that a scenario means by `name`: with a slash the path itself, else in the folder
+// `behaviours/` beside this program, else in PATH. Throws InputError where there is none.
+std::string find_behaviour(const std::string& name, const std::string& robot);
+
+// Blocks SIGINT, SIGTERM and SIGCHLD in the calling thread and all that it starts later, so that
+// only `SignalWatch` takes them. Call it before any thread is started.
+void block_signals();
+
+class Behaviours {
+ public:
+  Behaviours() = default;
+  ~Behaviours();  // Ends what still runs: asks (SIGTERM), waits a moment, kills, reaps.
+  Behaviours(const Behaviours&) = delete;
+  Behaviours& operator=(const Behaviours&) = delete;
+
+  void start(const BehaviourProcess& process);
+  // Reaps those that have ended, and tells of each: robot, and how it ended.
+  void reap(const std::function<void(const std::string&, const std::string&)>& ended);
+  // Gives all of them this long to end by themselves.
+  void wait_for_end(double limit_s);
+  bool any_running() const { return !running_.empty(); }
+
+ private:
+  std::map<pid_t, std::string> running_;  // Robot by process.
+};
+
+// Waits for signals on a thread of its own: `stop` on the first SIGINT or SIGTERM, `child` on
+// SIGCHLD and every 100 ms. A second SIGINT ends the program at once.
+class SignalWatch {
+ public:
+  SignalWatch(std::function<void()> stop, std::function<void()> child);
+  ~SignalWatch();
+  bool interrupted() const { return interrupted_; }
+
+ private:
+  std::atomic<bool> ending_ = false;
+  std::atomic<bool> interrupted_ = false;
+  std::thread thread_;
+};
+
+}  // namespace seam::tools
