@@ -1,9 +1,11 @@
 #include "scheduler/server.h"
 
+#include <grpc/support/log.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
+#include <cstdlib>
 #include <mutex>
 
 #include "scheduler/services.h"
@@ -46,6 +48,9 @@ void enable_plugins() {
   static std::once_flag once;
   std::call_once(once, [] {
     grpc::EnableDefaultHealthCheckService(true);
+    // Errors come to our users as ours, in one line; GRPC_VERBOSITY brings gRPC's own log back.
+    if (std::getenv("GRPC_VERBOSITY") == nullptr)
+      gpr_set_log_verbosity(static_cast<gpr_log_severity>(GPR_LOG_SEVERITY_ERROR + 1));
     grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   });
 }
