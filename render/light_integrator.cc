@@ -93,16 +93,18 @@ void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const Fra
     const int first_look = instants_a_row * divide_up(options.samples_per_pixel, instants_a_row);
     RowCaster caster(rays, pattern, job.lighting.lambert, divide_up(options.edge_samples_per_pixel, first_look));
     std::vector<RowSample> samples;
+    std::vector<int> order;
     for (int row = begin; row < end; ++row) {
       const int image_row = std::clamp(row - rays.border_px, 0, rays.height_px - 1);
       const std::vector<double>& weights = plan.schedule.weights[image_row];
       const int instants = static_cast<int>(weights.size());
       const int each = divide_up(options.samples_per_pixel, instants);
+      if (order.size() != static_cast<size_t>(instants * each)) order = SamplePattern::scattered_order(instants * each);
       samples.clear();
       for (int k = 0; k < instants; ++k) {
         const auto& scene = plan.scenes[plan.schedule.first_instant[image_row] + k];
         for (int s = 0; s < each; ++s) {
-          samples.push_back({&scene, static_cast<float>(weights[k] / each), k * each + s});
+          samples.push_back({&scene, static_cast<float>(weights[k] / each), order[k * each + s]});
         }
       }
       const std::vector<Colour>& light = caster.cast_row(row, samples);

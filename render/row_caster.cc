@@ -6,11 +6,15 @@
 namespace seam::render {
 namespace {
 
-// Powers of the roots of x^3 = x + 1 and x^5 = x + 1: successive samples of one pixel fill its
-// square evenly, and so do those of neighbouring pixels.
-constexpr double kSampleU = 0.7548776662466927, kSampleV = 0.5698402909980532;
+// Neighbouring pixels: a rank-1 lattice with the fractions of the generalised golden ratio.
 constexpr double kColumnU = 0.8566748838545029, kColumnV = 0.6287067210378087;
 constexpr double kRowU = 0.7338918566271260, kRowV = 0.5385972572236101;
+// Shades that differ by more than this meet at an edge.
+constexpr float kShadeStep = 0.03f;
+// A sliver of something in a pixel is often met by the rays of a pixel so near in the row alone.
+constexpr int kSliver = 1;
+// Samples of one pixel: the same in two dimensions.
+constexpr double kSampleU = 0.7548776662466927, kSampleV = 0.5698402909980532;
 
 float fraction(double value) {
   const auto part = static_cast<float>(value - std::floor(value));
@@ -40,6 +44,19 @@ SamplePattern::SamplePattern(int columns) : tile_u_(columns), tile_v_(columns) {
 float SamplePattern::phase_u(int row, int sample) { return fraction(row * kRowU + sample * kSampleU); }
 float SamplePattern::phase_v(int row, int sample) { return fraction(row * kRowV + sample * kSampleV); }
 
+std::vector<int> SamplePattern::scattered_order(int count) {
+  std::vector<int> by_mirror(count), place(count);
+  for (int k = 0; k < count; ++k) by_mirror[k] = k;
+  const auto mirrored = [](int k) {
+    uint32_t bits = 0;
+    for (int bit = 0; bit < 32; ++bit) bits |= ((static_cast<uint32_t>(k) >> bit) & 1u) << (31 - bit);
+    return bits;
+  };
+  std::sort(by_mirror.begin(), by_mirror.end(), [&](int a, int b) { return mirrored(a) < mirrored(b); });
+  for (int rank = 0; rank < count; ++rank) place[by_mirror[rank]] = rank;
+  return place;
+}
+
 void RowCaster::Batch::resize(int rays) {
   count = rays;
   if (static_cast<int>(x.size()) >= rays) return;
@@ -52,7 +69,7 @@ void RowCaster::Batch::resize(int rays) {
 
 RowCaster::RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool lambert, int edge_samples)
     : kernels_(cast_kernels()), rays_(rays), pattern_(pattern), lambert_(lambert), columns_(rays.columns()),
-      edge_samples_(edge_samples), sums_(columns_), varying_(columns_), phase_u_(edge_samples),
+      edge_samples_(edge_samples), sums_(columns_), varying_(columns_), near_varying_(columns_), phase_u_(edge_samples),
       phase_v_(edge_samples) {
   row_.resize(columns_);
   row_.place.resize(columns_ + 1);
@@ -141,6 +158,27 @@ void RowCaster::find_varying(int samples) {
     const uint32_t* here = &signatures_[static_cast<size_t>(s) * columns_];
     for (int column = 0; column < columns_; ++column) varying_[column] |= here[column] ^ signatures_[column];
   }
+  if (!lambert_) return;
+  // The faces of a box are one primitive, but differ in shade, in the pixel or from its neighbour.
+  for (int s = 0; s < samples; ++s) {
+    const float* here = &factors_[static_cast<size_t>(s) * columns_];
+    for (int column = 0; column < columns_; ++column) {
+      const float right = here[column + 1 < columns_ ? column + 1 : column];
+      const bool differs = std::abs(here[column] - factors_[column]) > kShadeStep ||
+                           std::abs(here[column] - right) > kShadeStep;
+      varying_[column] |= differs ? 1u : 0u;
+    }
+  }
+}
+
+void RowCaster::widen_varying() {
+  for (int column = 0; column < columns_; ++column) {
+    uint32_t near = 0;
+    for (int other = std::max(0, column - kSliver); other <= std::min(columns_ - 1, column + kSliver); ++other) {
+      near |= varying_[other];
+    }
+    near_varying_[column] = near;
+  }
 }
 
 void RowCaster::find_edges(int sample) {
@@ -151,7 +189,7 @@ void RowCaster::find_edges(int sample) {
     const uint32_t own = here[column];
     const uint32_t left = here[column > 0 ? column - 1 : 0];
     const uint32_t right = here[column + 1 < columns_ ? column + 1 : column];
-    if (((own ^ left) | (own ^ right) | varying_[column]) != 0) edge_columns_.push_back(column);
+    if (((own ^ left) | (own ^ right) | near_varying_[column]) != 0) edge_columns_.push_back(column);
   }
   edges_.place[columns_] = static_cast<int>(edge_columns_.size()) * edge_samples_;
 }
@@ -181,6 +219,7 @@ const std::vector<Colour>& RowCaster::cast_row(int row, std::span<const RowSampl
   first_look(row, samples);
   if (edge_samples_ < 2) return sums_;
   find_varying(static_cast<int>(samples.size()));
+  widen_varying();
   for (size_t s = 0; s < samples.size(); ++s) {
     find_edges(static_cast<int>(s));
     if (edge_columns_.empty()) continue;

@@ -10,8 +10,8 @@
 
 namespace seam::render {
 
-// Places inside a pixel's square, spread evenly over neighbouring pixels and successive samples: a
-// rank-1 lattice over (column, row, sample) with the fractions of the generalised golden ratio.
+// Places inside a pixel's square, spread evenly over neighbouring pixels and over the samples of one
+// pixel: rank-1 lattices.
 class SamplePattern {
  public:
   explicit SamplePattern(int columns);
@@ -20,6 +20,10 @@ class SamplePattern {
   // What to add (modulo 1) to the tiles for this row and sample.
   static float phase_u(int row, int sample);
   static float phase_v(int row, int sample);
+  // The places in the pattern of samples that follow each other in time: scattered (ranked by their
+  // mirrored bits), for an edge that moves in step with the pattern would always be seen from the
+  // same side.
+  static std::vector<int> scattered_order(int count);
 
  private:
   std::vector<float> tile_u_, tile_v_;
@@ -70,6 +74,7 @@ class RowCaster {
   void cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays, Batch& batch);
   void first_look(int row, std::span<const RowSample> samples);
   void find_varying(int samples);
+  void widen_varying();
   void find_edges(int sample);
   void refine(int row, const RowSample& sample, int sample_index, int channel);
   RaySlopes slopes(int channel, int component, int row) const;
@@ -89,7 +94,8 @@ class RowCaster {
   std::vector<uint32_t> signatures_;
   std::vector<Span> spans_;
   std::vector<size_t> spans_begin_;
-  std::vector<uint32_t> varying_;  // Not 0 where a pixel's samples differ.
+  std::vector<uint32_t> varying_;  // Not 0 where a pixel's samples differ; or a near pixel's.
+  std::vector<uint32_t> near_varying_;
   std::vector<int32_t> edge_columns_;
   std::vector<float> phase_u_, phase_v_;
 };
