@@ -13,6 +13,7 @@ namespace seam::effects {
 // What radiometry effects add up to besides the gain field.
 struct Optics {
   double blur_sigma_px = 0;   // Gaussian point spread, one sigma.
+  int blur_window_px = 0;     // Width of the convolution's square; 0: to at least 4 sigma.
   double glare_fraction = 0;  // The image's light becomes (1 - f) L + f mean(L).
 };
 

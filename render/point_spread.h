@@ -3,14 +3,16 @@
 
 #include <vector>
 
+#include "effects/optics.h"
+
 namespace seam::render {
 
-// Weights from -radius to +radius, sum 1. A sampled Gaussian to at least 4 sigma; below 0.7 px, where
-// samples no longer describe it, five weights with the Gaussian's second and fourth moments, exact
-// for light that is a cubic over them. Empty for sigma 0.
-std::vector<float> point_spread(double sigma_px);
+// Below this sigma, samples of a Gaussian no longer describe it.
+inline constexpr double kLeastSampledSigma_px = 0.7;
 
-// The radius of the above.
-int point_spread_radius(double sigma_px);
+// Weights from -radius to +radius, sum 1. A sampled Gaussian to at least 4 sigma, or over the window
+// that the model asks for (the paper's 5x5); below kLeastSampledSigma_px five weights with the
+// Gaussian's second and fourth moments, exact for light that is a cubic over them. Empty for sigma 0.
+std::vector<float> point_spread(const effects::Optics& optics);
 
 }  // namespace seam::render

@@ -7,11 +7,11 @@
 #include "effects/geometry.h"
 #include "effects/optics.h"
 #include "effects/sensor.h"
+#include "render/camera_filter.h"
 #include "render/colour_space.h"
 #include "render/ground_truth.h"
 #include "render/light_integrator.h"
 #include "render/optics_filter.h"
-#include "render/point_spread.h"
 #include "sim_core/error.h"
 #include "sim_core/hash.h"
 
@@ -40,32 +40,17 @@ struct Renderer::Impl {
   effects::Optics optics;
   GainField gain_field;
   effects::SensorChain sensor;
-  std::vector<float> kernel;
-  int border_px;
+  CameraFilter filter;
   bool moving_lens;       // The geometry depends on time: tables are made for each frame.
   CameraRays rays;
-  std::array<std::vector<float>, 3> gain;      // Of the gain field; empty where it is uniform.
   mutable std::mutex patterns_mutex;
   mutable std::map<std::pair<uint64_t, uint64_t>, std::unique_ptr<effects::FixedPattern>> patterns;
 
   Impl(const effects::Model& m, int width, int height, const RendererOptions& o)
       : model(m), options(o), width_px(width), height_px(height), projection(m, width, height),
         optics(effects::optics_of(m)), gain_field(m, effects::Stage::radiometry, width, height),
-        sensor(effects::sensor_of(m)), kernel(point_spread(optics.blur_sigma_px)),
-        border_px(point_spread_radius(optics.blur_sigma_px)), moving_lens(geometry_varies_with_time(projection)),
-        rays(make_camera_rays(projection, m.name(), border_px, 0)) {
-    if (!gain_field.uniform()) gain = gain_planes(0);
-  }
-
-  std::array<std::vector<float>, 3> gain_planes(double t_s) const {
-    std::array<std::vector<float>, 3> planes;
-    for (int c = 0; c < 3; ++c) {
-      for (int v = 0; v < height_px; ++v) {
-        for (int u = 0; u < width_px; ++u) planes[c].push_back(static_cast<float>(gain_field.at(u, v, t_s, c)));
-      }
-    }
-    return planes;
-  }
+        sensor(effects::sensor_of(m)), filter(optics, gain_field, width, height), moving_lens(geometry_varies_with_time(projection)),
+        rays(make_camera_rays(projection, m.name(), filter.border_px(), 0)) {}
 
   double seconds(SimTime time) const { return (time - options.reference).s(); }
 
@@ -73,7 +58,7 @@ struct Renderer::Impl {
   LinearImage bordered_scene(const FrameJob& job) const {
     CameraRays own;
     if (moving_lens) {
-      own = make_camera_rays(projection, model.name(), border_px, seconds(job.schedule.rows[height_px / 2].start));
+      own = make_camera_rays(projection, model.name(), filter.border_px(), seconds(job.schedule.rows[height_px / 2].start));
     }
     const CameraRays& used = moving_lens ? own : rays;
     LinearImage image{.width_px = used.columns(), .height_px = used.rows()};
@@ -106,18 +91,30 @@ struct Renderer::Impl {
     return {.exposure_s = (row.end - row.start).s(), .t_s = seconds(job.stamp)};
   }
 
-  // Calls see(name, image) after each stage up to the sensor.
+  // Light on the sensor, interleaved.
+  std::vector<float> illumination(const FrameJob& job) const {
+    std::vector<float> light;
+    filter.apply(bordered_scene(job), row_motion(job, rays, optics.blur_sigma_px), lamp_factors(job), light);
+    return light;
+  }
+
+  // The same in separate passes; calls see(name, image) after each.
   template <typename See>
-  LinearImage light_on_sensor(const FrameJob& job, See&& see) const {
-    LinearImage bordered = bordered_scene(job);
-    if (!kernel.empty()) see("scene", without_border(bordered, border_px));
-    LinearImage image = kernel.empty() ? std::move(bordered) : blurred(bordered, border_px, kernel);
-    see(kernel.empty() ? "scene" : "blur", image);
+  void see_optics(const FrameJob& job, See&& see) const {
+    const LinearImage bordered = bordered_scene(job);
+    LinearImage image = without_border(bordered, filter.border_px());
+    see("scene", image);
+    if (filter.border_px() > 0) {
+      image = filter.blurred(bordered, row_motion(job, rays, optics.blur_sigma_px));
+      see("blur", image);
+    }
     if (effects::lamps_flicker(model)) {
       scale_rows(image, lamp_factors(job));
       see("flicker", image);
     }
     if (!gain_field.uniform()) {
+      std::array<std::vector<float>, 3> gain;
+      for (size_t i = 0; i < filter.gain().size(); ++i) gain[i % 3].push_back(filter.gain()[i]);
       apply_gain(image, gain);
       see("vignetting", image);
     }
@@ -125,17 +122,11 @@ struct Renderer::Impl {
       add_glare(image, optics.glare_fraction);
       see("glare", image);
     }
-    return image;
   }
 
-  std::vector<uint8_t> expose(const FrameJob& job, const LinearImage& light) const {
-    const size_t pixels = static_cast<size_t>(width_px) * height_px;
-    std::vector<float> illumination(pixels * 3);
-    for (size_t i = 0; i < pixels; ++i) {
-      for (int c = 0; c < 3; ++c) illumination[3 * i + c] = light.planes[c][i];
-    }
-    const Image image = effects::expose(sensor, pattern_of(job.camera_noise), illumination, exposure_of(job),
-                                        job.frame_noise);
+  std::vector<uint8_t> expose(const FrameJob& job, const std::vector<float>& light) const {
+    const Image image =
+        effects::expose(sensor, pattern_of(job.camera_noise), light, exposure_of(job), job.frame_noise);
     return {image.samples.begin(), image.samples.end()};
   }
 };
@@ -157,17 +148,23 @@ int Renderer::height_px() const { return impl_->height_px; }
 const effects::Model& Renderer::model() const { return impl_->model; }
 
 LinearImage Renderer::render_scene(const FrameJob& job) const {
-  return without_border(impl_->bordered_scene(job), impl_->border_px);
+  return without_border(impl_->bordered_scene(job), impl_->filter.border_px());
 }
 
 LinearImage Renderer::render_linear(const FrameJob& job) const {
-  return impl_->light_on_sensor(job, [](const char*, const LinearImage&) {});
+  const std::vector<float> light = impl_->illumination(job);
+  LinearImage image{.width_px = impl_->width_px, .height_px = impl_->height_px};
+  for (int c = 0; c < 3; ++c) {
+    image.planes[c].resize(light.size() / 3);
+    for (size_t i = 0; i < image.planes[c].size(); ++i) image.planes[c][i] = light[3 * i + c];
+  }
+  return image;
 }
 
 Frame Renderer::render(const FrameJob& job) const {
   Frame frame{.robot = job.robot, .frame_index = job.frame_index, .stamp = job.stamp,
               .width_px = impl_->width_px, .height_px = impl_->height_px, .rows = job.schedule.rows};
-  frame.rgb = impl_->expose(job, render_linear(job));
+  frame.rgb = impl_->expose(job, impl_->illumination(job));
   frame.ycrcb.resize(frame.rgb.size());
   rgb_to_ycrcb(frame.rgb, frame.ycrcb);
   frame.fingerprint = fingerprint_of(frame);
@@ -180,8 +177,7 @@ GroundTruth Renderer::ground_truth(const FrameJob& job) const {
 
 std::vector<StageImage> Renderer::stages(const FrameJob& job) const {
   std::vector<StageImage> stages;
-  const LinearImage light = impl_->light_on_sensor(
-      job, [&](const char* name, const LinearImage& image) { stages.push_back({name, image}); });
+  impl_->see_optics(job, [&](const char* name, const LinearImage& image) { stages.push_back({name, image}); });
   const auto bytes_stage = [&](const char* name, const std::vector<uint8_t>& bytes) {
     StageImage stage{name, {.width_px = impl_->width_px, .height_px = impl_->height_px}};
     for (size_t i = 0; i < bytes.size(); ++i) {
@@ -189,7 +185,7 @@ std::vector<StageImage> Renderer::stages(const FrameJob& job) const {
     }
     stages.push_back(std::move(stage));
   };
-  const std::vector<uint8_t> rgb = impl_->expose(job, light);
+  const std::vector<uint8_t> rgb = impl_->expose(job, impl_->illumination(job));
   bytes_stage("sensor", rgb);
   std::vector<uint8_t> ycrcb(rgb.size());
   rgb_to_ycrcb(rgb, ycrcb);

@@ -1,0 +1,156 @@
+#include "render/camera_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/filter_kernels.h"
+#include "render/optics_filter.h"
+#include "render/point_spread.h"
+#include "sim_core/error.h"
+
+namespace seam::render {
+namespace {
+
+// Below this many pixels a row the motion changes no digit of a frame.
+constexpr double kStillPx = 1e-3;
+// Faster turning than this (pixels a row) is clipped: the expansion holds no further.
+constexpr double kFastestPx = 0.6;
+
+// The camera's turning in its own frame, rad/s, about the time of a row: the antisymmetric part of
+// the change of its rotation.
+Vec3 turning(const FrameJob& job, SimTime time) {
+  const auto after = std::lower_bound(job.instants.begin(), job.instants.end(), time,
+                                      [](const SceneInstant& a, SimTime t) { return a.time < t; });
+  const auto b = std::clamp(after, job.instants.begin() + 1, job.instants.end() - 1);
+  const auto a = b - 1;
+  const Mat3 change = glm::transpose(a->X_WC.R) * b->X_WC.R;
+  const double span_s = (b->time - a->time).s();
+  return Vec3(change[1][2] - change[2][1], change[2][0] - change[0][2], change[0][1] - change[1][0]) * (0.5 / span_s);
+}
+
+}  // namespace
+
+RowMotion row_motion(const FrameJob& job, const CameraRays& rays, double sigma_px) {
+  RowMotion motion;
+  if (sigma_px < kLeastSampledSigma_px || job.instants.size() < 2 || rays.height_px < 2) return motion;
+  const auto middle = [](const RowWindow& row) { return row.start + (row.end - row.start) / 2; };
+  const std::vector<RowWindow>& rows = job.schedule.rows;
+  const double line_delay_s = (rows.back().start - rows.front().start).s() / (rays.height_px - 1);
+  if (line_delay_s == 0) return motion;
+  const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
+  motion.shear.resize(pixels), motion.stretch.resize(pixels);
+  const RayTable& green = rays.table(1);
+  for (int v = 0; v < rays.height_px; ++v) {
+    const Vec3 omega_C = turning(job, middle(rows[v]));
+    for (int u = 0; u < rays.width_px; ++u) {
+      const size_t i = rays.at(v + rays.border_px) + u + rays.border_px;
+      const Vec3 d(green.base[0][i], green.base[1][i], green.base[2][i]);
+      // A point at rest moves by -omega x d in the turning camera; back onto the plane z = 1, then to pixels.
+      const Vec3 moved = glm::cross(d, omega_C);
+      const double dx = moved.x - d.x * moved.z / d.z, dy = moved.y - d.y * moved.z / d.z;
+      const double a = green.along_u[0][i], b = green.along_v[0][i];
+      const double c = green.along_u[1][i], e = green.along_v[1][i];
+      const double scale = line_delay_s / (a * e - b * c);
+      const double shear = std::clamp((e * dx - b * dy) * scale, -kFastestPx, kFastestPx);
+      const double down = std::clamp((a * dy - c * dx) * scale, -kFastestPx, kFastestPx);
+      const size_t pixel = static_cast<size_t>(v) * rays.width_px + u;
+      motion.shear[pixel] = static_cast<float>(shear);
+      motion.stretch[pixel] = static_cast<float>(0.5 * sigma_px * sigma_px * (1 / ((1 - down) * (1 - down)) - 1));
+      if (std::abs(shear) > kStillPx || std::abs(down) > kStillPx) motion.still = false;
+    }
+  }
+  return motion;
+}
+
+CameraFilter::CameraFilter(const effects::Optics& optics, const effects::GainField& gain, int width_px, int height_px)
+    : optics_(optics), width_px_(width_px), height_px_(height_px), kernel_(point_spread(optics)) {
+  gain_.reserve(static_cast<size_t>(width_px) * height_px * 3);
+  for (int v = 0; v < height_px; ++v) {
+    for (int u = 0; u < width_px; ++u) {
+      for (int c = 0; c < 3; ++c) gain_.push_back(static_cast<float>(gain.at(u, v, 0, c)));
+    }
+  }
+}
+
+template <typename Take>
+void CameraFilter::blur(const LinearImage& image, const RowMotion& motion, const Take& take) const {
+  const FilterKernels& kernels = filter_kernels();
+  const int radius = border_px(), taps = static_cast<int>(kernel_.size());
+  SEAM_CHECK(image.width_px == width_px_ + 2 * radius && image.height_px == height_px_ + 2 * radius, "{} {}",
+             image.width_px, image.height_px);
+  if (radius == 0) {
+    for (int c = 0; c < 3; ++c) {
+      for (int v = 0; v < height_px_; ++v) take(c, v, &image.planes[c][static_cast<size_t>(v) * width_px_]);
+    }
+    return;
+  }
+  // One column more on each side for the slopes of `moving_blur`, whose kernel there is cut off.
+  const int wide = width_px_ + 2;
+  const size_t stride = static_cast<size_t>(wide) + 14;
+  std::vector<float> along(stride * image.height_px), padded(static_cast<size_t>(image.width_px) + 2);
+  std::vector<float> sums(4 * stride), light(width_px_);
+  const RowMoments moments{&sums[0], &sums[stride], &sums[2 * stride], &sums[3 * stride]};
+  for (int c = 0; c < 3; ++c) {
+    for (int v = 0; v < image.height_px; ++v) {
+      const float* row = &image.planes[c][static_cast<size_t>(v) * image.width_px];
+      std::copy_n(row, image.width_px, padded.begin() + 1);
+      padded.front() = row[0], padded.back() = row[image.width_px - 1];
+      kernels.blur_along_row(padded.data(), kernel_.data(), taps, wide, &along[v * stride]);
+    }
+    for (int v = 0; v < height_px_; ++v) {
+      std::fill(sums.begin(), sums.end(), 0.0f);
+      for (int k = 0; k < taps; ++k) {
+        const float* row = &along[(v + k) * stride];
+        if (motion.still) {
+          kernels.add_row(row, kernel_[k], wide, moments.s0);
+        } else {
+          // Rows beyond the image are exposed with its first or last row.
+          const int distance = std::clamp(v + k - radius, 0, height_px_ - 1) - v;
+          kernels.add_moments(row, kernel_[k], static_cast<float>(distance), wide, moments);
+        }
+      }
+      if (motion.still) {
+        take(c, v, moments.s0 + 1);
+      } else {
+        const size_t pixel = static_cast<size_t>(v) * width_px_;
+        kernels.moving_blur(moments, &motion.shear[pixel], &motion.stretch[pixel],
+                            static_cast<float>(optics_.blur_sigma_px), width_px_, light.data());
+        take(c, v, light.data());
+      }
+    }
+  }
+}
+
+void CameraFilter::apply(const LinearImage& image, const RowMotion& motion, std::span<const float> lamps,
+                         std::vector<float>& illumination) const {
+  const FilterKernels& kernels = filter_kernels();
+  const size_t row_samples = static_cast<size_t>(width_px_) * 3;
+  illumination.resize(row_samples * height_px_);
+  blur(image, motion, [&](int channel, int row, const float* light) {
+    kernels.interleave(light, &gain_[row * row_samples], lamps[row], channel, width_px_, &illumination[row * row_samples]);
+  });
+  if (optics_.glare_fraction <= 0) return;
+  double sum[3] = {0, 0, 0};
+  for (size_t i = 0; i < illumination.size(); i += 3) {
+    for (int c = 0; c < 3; ++c) sum[c] += illumination[i + c];
+  }
+  const auto kept = static_cast<float>(1 - optics_.glare_fraction);
+  float everywhere[3];
+  for (int c = 0; c < 3; ++c) {
+    everywhere[c] = static_cast<float>(optics_.glare_fraction * sum[c] / (static_cast<double>(width_px_) * height_px_));
+  }
+  for (size_t i = 0; i < illumination.size(); i += 3) {
+    for (int c = 0; c < 3; ++c) illumination[i + c] = kept * illumination[i + c] + everywhere[c];
+  }
+}
+
+LinearImage CameraFilter::blurred(const LinearImage& image, const RowMotion& motion) const {
+  LinearImage result{.width_px = width_px_, .height_px = height_px_};
+  for (auto& plane : result.planes) plane.resize(static_cast<size_t>(width_px_) * height_px_);
+  blur(image, motion, [&](int channel, int row, const float* light) {
+    std::copy_n(light, width_px_, result.planes[channel].begin() + static_cast<ptrdiff_t>(row) * width_px_);
+  });
+  return result;
+}
+
+}  // namespace seam::render
