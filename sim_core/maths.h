@@ -6,6 +6,8 @@
 // alone. sqrt, fma, floor and the basic operations are exact in IEEE and need no replacement.
 #pragma once
 
+#include <cmath>
+
 namespace seam::maths {
 
 inline constexpr double kPi = 3.14159265358979323846;
@@ -22,6 +24,9 @@ double expm1(double x);
 double log(double x);
 double log1p(double x);
 double pow(double x, double y);
+
+// Length of the vector (x, y); hypot's last bit differs between machines.
+inline double length(double x, double y) { return std::sqrt(x * x + y * y); }
 
 // Angle wrapped into (-pi, pi].
 double wrap_angle(double angle_rad);

@@ -3,9 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim_core/error.h"
 #include "sim_core/maths.h"
 
 namespace seam {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr double kPawContact = 2e-3;  // A paw this near the ground presses its switch, m.
+
+}  // namespace
+
+Pose2 moved(const Pose2& from, const BodyVelocity& v, double duration_s) {
+  const double half_turn = 0.5 * v.omega_radps * duration_s;
+  const double chord = std::abs(half_turn) < 1e-9 ? duration_s : duration_s * maths::sin(half_turn) / half_turn;
+  const double c = maths::cos(from.theta_rad + half_turn), s = maths::sin(from.theta_rad + half_turn);
+  return {from.x_m + chord * (c * v.vx_mps - s * v.vy_mps), from.y_m + chord * (s * v.vx_mps + c * v.vy_mps),
+          from.theta_rad + 2 * half_turn};
+}
 
 Pose2 PlanarTrack::at(double fraction) const {
   const size_t pieces = points.size() - 1;
@@ -35,6 +50,8 @@ Robot::Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream
   }
   locomotion_ = parts.locomotion(spec, stream.child("locomotion"));
   track.points.assign(substeps + 1, spec.pose);
+  dead_reckoning_.points.assign(substeps + 1, Pose2{});
+  origin_.fill(body_pose(spec.pose, SimTime()).p);
 }
 
 double Robot::top_speed(int joint) const {
@@ -58,18 +75,32 @@ void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_en
     walk_ = {command.walk->vx_mps / share, command.walk->vy_mps / share, command.walk->omega_radps / share};
     legs_commanded_ = false;
   }
-  if (command.kick != Kick::none) kick_ = command.kick;
   for (const JointFrame& frame : command.joints) {
     for (const JointTarget& target : frame.targets) {
+      if (kicks_with(target.joint, time + frame.offset)) continue;
       // A new decision replaces what an earlier one had planned for this joint.
       if (&frame == &command.joints.front()) {
         std::erase_if(pending_, [&](const Pending& p) { return p.joint == target.joint && p.time >= time; });
       }
       if (target.joint >= kHeadJoints) legs_commanded_ = true;
-      const Pending next{time + frame.offset, target.joint, target.angle_rad, target.speed_radps};
-      const auto behind = [&](const Pending& p) { return p.time > next.time; };
-      pending_.insert(std::find_if(pending_.begin(), pending_.end(), behind), next);
+      plan({time + frame.offset, target.joint, target.angle_rad, target.speed_radps});
     }
+  }
+  give_due(interval_end);
+}
+
+void Robot::plan(const Pending& next) {
+  const auto behind = [&](const Pending& p) { return p.time > next.time; };
+  pending_.insert(std::find_if(pending_.begin(), pending_.end(), behind), next);
+}
+
+void Robot::begin_kick(const KickSpec& kick, SimTime time, SimTime interval_end) {
+  kick_joints_ = 0;
+  kick_end_ = time + SimDuration::from_s(kick.duration_s);
+  for (const KickMotion& motion : kick.motion) kick_joints_ |= int64_t{1} << motion.joint;
+  std::erase_if(pending_, [&](const Pending& p) { return kicks_with(static_cast<int>(p.joint), p.time); });
+  for (const KickMotion& motion : kick.motion) {
+    plan({time + SimDuration::from_s(motion.at_s), static_cast<int64_t>(motion.joint), motion.angle_rad, 0});
   }
   give_due(interval_end);
 }
@@ -77,7 +108,6 @@ void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_en
 void Robot::freeze(SimTime time) {
   pending_.clear();
   walk_ = {};
-  kick_ = Kick::none;
   for (int j = 0; j < kHeadJoints; ++j) command_joint(time, j, joint_angle(j, time), 0);
 }
 
@@ -92,6 +122,9 @@ void Robot::give_due(SimTime end) {
 
 void Robot::begin_interval(SimTime start, SimTime end) {
   for (const auto& joint : joints_) joint->forget_before(start);
+  track.points.front() = track.points.back();
+  track.points.front().theta_rad = maths::wrap_angle(track.points.front().theta_rad);
+  dead_reckoning_.points.front() = dead_reckoning_.points.back();
   if (!legs_commanded_) command_gait(start, end);
   give_due(end);
 }
@@ -109,12 +142,19 @@ void Robot::command_gait(SimTime start, SimTime end) {
   JointAngles target{};
   gait_angles(spec_->body, gait_phase_, stride_, target);
   for (int j = kHeadJoints; j < kJoints; ++j) {
+    if (kicks_with(j, start)) continue;
     const double way = std::abs(target[static_cast<size_t>(j)] - joint_angle(j, start));
     if (way > 0) command_joint(start, j, target[static_cast<size_t>(j)], way / h);
   }
 }
 
-BodyVelocity Robot::drive(SimTime start, SimDuration step) { return locomotion_->velocity(walk_, start, step); }
+BodyVelocity Robot::drive(size_t k, SimTime start, SimDuration step, bool may_walk) {
+  const BodyVelocity told = may_walk ? walk_ : BodyVelocity{};
+  dead_reckoning_.points[k + 1] = moved(dead_reckoning_.points[k], told, step.s());
+  return locomotion_->velocity(told, start, step);
+}
+
+void Robot::end_interval(SimTime end) { origin_ = {origin_[1], origin_[2], body_pose(track.points.back(), end).p}; }
 
 JointAngles Robot::joint_angles(SimTime time) const {
   JointAngles angles;
@@ -122,18 +162,37 @@ JointAngles Robot::joint_angles(SimTime time) const {
   return angles;
 }
 
-Pose Robot::body_pose(const Pose2& place, SimTime time) const {
+std::array<Vec3, kLegs> Robot::paws(SimTime time) const {
   const JointAngles joints = joint_angles(time);
   std::array<Vec3, kLegs> paws;
   for (int leg = 0; leg < kLegs; ++leg) paws[static_cast<size_t>(leg)] = leg_pose(spec_->body, leg, joints).p_BPaw;
-  const Attitude attitude = attitude_on_paws(spec_->body, paws);
+  return paws;
+}
+
+SensorTruth Robot::sense(SimTime time, double fraction, SimDuration interval) const {
+  SensorTruth truth;
+  for (int j = 0; j < kJoints; ++j) truth.encoders_rad[static_cast<size_t>(j)] = encoder(j, time);
+  truth.dead_reckoning = dead_reckoning_.at(fraction);
+  const Pose X_WB = body_pose(track.at(fraction), time);
+  const double h = interval.s();
+  const Vec3 acceleration_W = (origin_[2] - 2.0 * origin_[1] + origin_[0]) / (h * h);
+  truth.specific_force_B = glm::transpose(X_WB.R) * (acceleration_W + Vec3(0, 0, kGravity));
+  const auto paws_B = paws(time);
+  for (size_t i = 0; i < kLegs; ++i) {
+    truth.paw_contact[i] = (X_WB * paws_B[i]).z - spec_->body.paw_radius_m < kPawContact;
+  }
+  return truth;
+}
+
+Pose Robot::body_pose(const Pose2& place, SimTime time) const {
+  const Attitude attitude = attitude_on_paws(spec_->body, paws(time));
   return {rotation_zyx(attitude.roll_rad, attitude.pitch_rad, place.theta_rad),
           {place.x_m, place.y_m, attitude.height_m}};
 }
 
-void Robot::place(const Pose2& pose) {
+void Robot::place(const Pose2& pose, SimTime time) {
   for (Pose2& point : track.points) point = pose;
-  velocity = {};
+  origin_.fill(body_pose(pose, time).p);
 }
 
 void Robot::Pending::visit(StateVisitor& visitor) {
@@ -145,7 +204,12 @@ void Robot::Pending::visit(StateVisitor& visitor) {
 
 void Robot::visit(StateVisitor& visitor) {
   track.visit(visitor);
-  velocity.visit(visitor);
+  dead_reckoning_.visit(visitor);
+  for (Vec3& origin : origin_) {
+    visitor.field("origin_x_m", origin.x);
+    visitor.field("origin_y_m", origin.y);
+    visitor.field("origin_z_m", origin.z);
+  }
   for (size_t j = 0; j < kJoints; ++j) {
     visitor.scope(kJointNames[j]);
     joints_[j]->visit(visitor);
@@ -154,8 +218,12 @@ void Robot::visit(StateVisitor& visitor) {
   locomotion_->visit(visitor);
   visitor.scope("");
   visitor.list("pending", pending_);
+  for (const Pending& p : pending_) {
+    if (p.joint < 0 || p.joint >= kJoints) throw InputError("snapshot: a command to an unknown joint");
+  }
   walk_.visit(visitor);
-  visitor.field("kick", kick_);
+  visitor.field("kick_joints", kick_joints_);
+  visitor.field("kick_end", kick_end_);
   visitor.field("gait_phase", gait_phase_);
   stride_.visit(visitor);
   visitor.field("legs_commanded", legs_commanded_);

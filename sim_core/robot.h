@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim_core/kinematics.h"
+#include "sim_core/sensors.h"
 #include "sim_core/world.h"
 
 namespace seam {
@@ -18,6 +19,9 @@ struct PlanarTrack {
   void visit(StateVisitor& visitor);
 };
 
+// Where a body with constant body-frame velocity is after this time: an arc, exactly.
+Pose2 moved(const Pose2& from, const BodyVelocity& velocity, double duration_s);
+
 class Robot {
  public:
   Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream, size_t substeps);
@@ -25,10 +29,14 @@ class Robot {
   const RobotSpec& spec() const { return *spec_; }
   void apply(const RobotCommand& command, SimTime time, SimTime interval_end);
   void freeze(SimTime time);
+  // The joints of this kick follow its motion until it is over, whatever else is commanded.
+  void begin_kick(const KickSpec& kick, SimTime time, SimTime interval_end);
   // Drops history before `start` and gives the joints what is due in [start, end).
   void begin_interval(SimTime start, SimTime end);
-  // The body's velocity over a physics step.
-  BodyVelocity drive(SimTime start, SimDuration step);
+  // The body's velocity over physics step `k` of the interval; stands where it may not walk.
+  BodyVelocity drive(size_t k, SimTime start, SimDuration step, bool may_walk);
+  // After the interval's physics: the body's origin at its end.
+  void end_interval(SimTime end);
 
   JointAngles joint_angles(SimTime time) const;
   double joint_angle(int joint, SimTime time) const { return joints_[static_cast<size_t>(joint)]->angle(time); }
@@ -36,12 +44,14 @@ class Robot {
   // Height, pitch and sway of the body on its paws, over its place on the ground.
   Pose body_pose(const Pose2& place, SimTime time) const;
 
-  void place(const Pose2& pose);
-  PlanarTrack track;
-  BodyVelocity velocity;  // Over the last physics step.
-  const BodyVelocity& walk() const { return walk_; }
-  Kick take_kick() { return std::exchange(kick_, Kick::none); }
+  void place(const Pose2& pose, SimTime time);
+  // Where the paws are in the body's frame.
+  std::array<Vec3, kLegs> paws(SimTime time) const;
+  // What the sensors would measure, at `fraction` of the interval.
+  SensorTruth sense(SimTime time, double fraction, SimDuration interval) const;
   void visit(StateVisitor& visitor);
+
+  PlanarTrack track;            // Where the body truly is.
 
  private:
   struct Pending {
@@ -53,6 +63,8 @@ class Robot {
   };
   void command_joint(SimTime time, int joint, double angle_rad, double speed_radps);
   void give_due(SimTime end);
+  void plan(const Pending& next);
+  bool kicks_with(int joint, SimTime time) const { return time < kick_end_ && (kick_joints_ >> joint & 1) != 0; }
   void command_gait(SimTime start, SimTime end);
   double top_speed(int joint) const;
 
@@ -60,8 +72,11 @@ class Robot {
   std::vector<std::unique_ptr<JointActuator>> joints_;
   std::unique_ptr<LocomotionModel> locomotion_;
   std::vector<Pending> pending_;  // Ascending in time.
+  PlanarTrack dead_reckoning_;  // Where the legs were told to go.
+  std::array<Vec3, 3> origin_{};  // The body's origin one interval ago, at the start, at the end.
   BodyVelocity walk_;
-  Kick kick_ = Kick::none;
+  int64_t kick_joints_ = 0;     // Bit j: joint j follows a kick until kick_end_.
+  SimTime kick_end_;
   double gait_phase_ = 0;     // Strides, from 0 to 1.
   BodyVelocity stride_;       // The walk that the legs show: follows walk_ with the gait's time constant.
   bool legs_commanded_ = false;  // Joint-level commands hold the legs until the next walk command.

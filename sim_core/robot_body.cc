@@ -41,6 +41,35 @@ void describe_gait(ConfigTable& table, Gait& gait) {
   table.number({"settle_s", "Time constant with which strides grow and fade, s."}, gait.settle_s, {0.001, 5});
 }
 
+void describe_reach(ConfigTable& table, Reach& reach) {
+  const Range range{-1, 1};
+  table.number({"min_x_m", "Hindmost, m.", true}, reach.min_x_m, range);
+  table.number({"max_x_m", "Foremost, m.", true}, reach.max_x_m, range);
+  table.number({"min_y_m", "Rightmost, m.", true}, reach.min_y_m, range);
+  table.number({"max_y_m", "Leftmost, m.", true}, reach.max_y_m, range);
+}
+
+void describe_motion(ConfigTable& table, KickMotion& motion) {
+  std::vector<std::string> names(kJointNames.begin(), kJointNames.end());
+  table.number({"at_s", "After the kick's start, s.", true}, motion.at_s, {0, 10});
+  table.choice({"joint", "Which joint.", true}, motion.joint, names);
+  table.number({"angle_rad", "Where it goes, rad.", true}, motion.angle_rad, kAngle);
+}
+
+void describe_kick(ConfigTable& table, KickSpec& kick) {
+  table.number({"duration_s", "How long the robot stands still for it, s.", true}, kick.duration_s, {0.001, 10});
+  table.number({"impact_s", "When the ball is hit, s.", true}, kick.impact_s, {0, 10});
+  table.object({"reach", "Where the ball's centre must be then, in the body's frame.", true},
+               [&](ConfigTable& t) { describe_reach(t, kick.reach); });
+  table.number({"speed_mps", "What the ball gets, m/s.", true}, kick.speed_mps, {0, 20});
+  table.number({"direction_rad", "From straight ahead, counter-clockwise, rad."}, kick.direction_rad, kAngle);
+  table.number({"speed_sigma", "Spread of the speed, relative."}, kick.speed_sigma, {0, 1});
+  table.number({"direction_sigma_rad", "Spread of the direction, rad."}, kick.direction_sigma_rad, {0, 3});
+  table.list({"motion", "What the joints do, in order of time."}, kick.motion.size(), 100,
+             [&](size_t count) { kick.motion.resize(count); },
+             [&](ConfigTable& t, size_t i) { describe_motion(t, kick.motion[i]); });
+}
+
 void describe_legs(ConfigTable& table, RobotBody& body) {
   table.number({"shoulder_x_m", "Shoulders at +- this along the body, m."}, body.shoulder_x_m, kMetres);
   table.number({"shoulder_y_m", "Shoulders at +- this across the body, m."}, body.shoulder_y_m, kMetres);
@@ -52,6 +81,12 @@ void describe_legs(ConfigTable& table, RobotBody& body) {
 }
 
 }  // namespace
+
+const KickSpec& RobotBody::kick(Kick kick) const {
+  static const KickSpec kNone;
+  const auto index = static_cast<size_t>(kick);
+  return index >= 1 && index <= kicks.size() ? kicks[index - 1] : kNone;
+}
 
 void describe(ConfigTable& table, RobotBody& body) {
   table.format("seam-robot/1");
@@ -75,6 +110,14 @@ void describe(ConfigTable& table, RobotBody& body) {
     box.number({"width_m", "Across the body."}, body.footprint_width_m, {0.01, 2});
     box.number({"x_m", "Its centre, forward of the body's origin."}, body.footprint_x_m, {-1, 1});
   });
+  table.object({"kicks", "Kicks by name."}, [&](ConfigTable& kicks) {
+    for (size_t i = 0; i < body.kicks.size(); ++i) {
+      const std::string name = to_string(static_cast<Kick>(i + 1));
+      kicks.object({name.c_str(), "A kick."}, [&](ConfigTable& t) { describe_kick(t, body.kicks[i]); });
+    }
+  });
+  table.object({"grab", "Where a ball can be grabbed."}, [&](ConfigTable& t) { describe_reach(t, body.grab); });
+  table.number({"hold_x_m", "Where a held ball's centre is, forward of the body's origin, m."}, body.hold_x_m, {-1, 1});
   table.numbers({"body_rgb", "The robot's own colour, linear 0 to 1."}, body.body_rgb);
   table.numbers({"red_rgb", "The red uniform, linear 0 to 1."}, body.red_rgb);
   table.numbers({"blue_rgb", "The dark blue uniform, linear 0 to 1."}, body.blue_rgb);

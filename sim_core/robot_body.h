@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim_core/actuator.h"
+#include "sim_core/command.h"
 #include "sim_core/config_table.h"
 #include "sim_core/joints.h"
 #include "sim_core/scene.h"
@@ -44,6 +45,30 @@ struct Gait {
   double settle_s = 0.15;         // Time constant with which strides grow and fade.
 };
 
+// A box in the body's frame, seen from above.
+struct Reach {
+  double min_x_m = 0, max_x_m = 0;
+  double min_y_m = 0, max_y_m = 0;
+};
+
+// From `at_s` after the kick's start, this joint goes to this angle.
+struct KickMotion {
+  double at_s = 0;
+  size_t joint = 0;  // joints.h
+  double angle_rad = 0;
+};
+
+struct KickSpec {
+  double duration_s = 0;       // The robot stands still for so long.
+  double impact_s = 0;         // When the ball is hit.
+  Reach reach;                 // Where the ball's centre must be then.
+  double speed_mps = 0;        // What the ball gets.
+  double direction_rad = 0;    // From straight ahead, counter-clockwise.
+  double speed_sigma = 0;      // Relative.
+  double direction_sigma_rad = 0;
+  std::vector<KickMotion> motion;
+};
+
 struct RobotBody {
   std::string name = "robot";
   double mass_kg = 1.5;
@@ -62,10 +87,16 @@ struct RobotBody {
   double lower_hind_m = 0.0676;
   double paw_radius_m = 0.01395;
   Gait gait;
-  // Footprint for collisions: a box about the body's centre with rounded ends is not needed.
+  // For collisions: a box.
   double footprint_length_m = 0.2;
   double footprint_width_m = 0.154;
   double footprint_x_m = 0.0;  // Centre of the footprint, forward of the body's origin.
+  // Kicks by Kick - 1: leg_forward, leg_left, leg_right, head_left, head_right.
+  std::array<KickSpec, 5> kicks;
+  Reach grab;              // Where a ball can be grabbed.
+  double hold_x_m = 0.15;  // Where a held ball's centre is, forward of the body's origin.
+  // The kick's values; those of no duration for `none`, `grab` and `release`.
+  const KickSpec& kick(Kick kick) const;
   Rgb body_rgb{0.5, 0.5, 0.52};
   Rgb red_rgb{0.55, 0.02, 0.03};
   Rgb blue_rgb{0.02, 0.03, 0.3};

@@ -130,6 +130,8 @@ void describe_referee(ConfigTable& table, RefereeSpec& referee) {
   table.seconds({"ready_s", "Time for robots to walk to their places, s."}, referee.ready, {0, 1000});
   table.seconds({"set_s", "Time of standing still before play, s."}, referee.set, {0, 1000});
   table.seconds({"penalty_s", "Time off the field, s."}, referee.penalty, {0, 1000});
+  table.seconds({"holding_s", "Longest hold of the ball, s."}, referee.holding, {0, 1000});
+  table.seconds({"stuck_s", "A ball that nobody moves for so long is put into the middle, s."}, referee.stuck, {1, 1e5});
   table.choice_of({"kick_off", "Who has the first kick-off."}, referee.kick_off, {"red", "blue"});
 }
 
@@ -199,6 +201,11 @@ void describe_scenario(ConfigTable& table, Scenario& scenario, bool with_default
   table.integer({"seed", "Of all randomness."}, scenario.seed, 0, std::numeric_limits<int64_t>::max());
   table.seconds({"step_s", "World step, s."}, scenario.step, {0.0001, 0.1});
   table.integer({"physics_substeps", "Physics steps in each world step."}, scenario.physics_substeps, 1, 1000);
+  const SimDuration substep = scenario.step / scenario.physics_substeps;
+  table.require(substep * scenario.physics_substeps == scenario.step, "physics_substeps",
+                "expected a divisor of the step in nanoseconds");
+  table.require(substep <= SimDuration::from_ns(2'500'000), "physics_substeps",
+                "expected so many that a physics step is at most 2.5 ms");
   describe_surroundings(table, scenario);
   RobotSpec defaults;
   if (with_defaults) {

@@ -108,6 +108,8 @@ struct RefereeSpec {
   SimDuration ready = SimDuration::from_ns(15'000'000'000);  // Robots walk to their places.
   SimDuration set = SimDuration::from_ns(5'000'000'000);
   SimDuration penalty = SimDuration::from_ns(30'000'000'000);
+  SimDuration holding = SimDuration::from_ns(3'000'000'000);   // Longest hold of the ball.
+  SimDuration stuck = SimDuration::from_ns(20'000'000'000);    // Longest time without the ball moving.
   Team kick_off = Team::red;
 };
 

@@ -4,7 +4,6 @@
 
 #include "sim_core/error.h"
 #include "sim_core/files.h"
-#include "sim_core/world.h"
 
 namespace seam {
 namespace {
@@ -51,22 +50,7 @@ TEST(Scenario, SchemaFileIsCurrent) {
   } catch (const InputError&) {
   }
   if (current != checked_in) write_file_atomically(path + ".new", current);
-  EXPECT_EQ(current, checked_in) << "compare " << path << " with " << path << ".new";
-}
-
-TEST(World, SnapshotContinuesToTheSameBits) {
-  const Scenario scenario = Scenario::from_file(kSource + "/scenarios/head_swing.yaml");
-  World whole(scenario), resumed(scenario);
-  RobotCommand command;
-  command.joints = {{SimDuration(), {{kPan, 1.0, 0}}}, {SimDuration::from_s(0.5), {{kPan, -1.0, 0}}}};
-  command.walk = BodyVelocity{0.1, 0, 0.5};
-  whole.apply(0, command, SimTime());
-  for (int i = 0; i < 50; ++i) whole.step();
-  resumed.restore(whole.snapshot());
-  EXPECT_EQ(whole.hash(), resumed.hash());
-  for (int i = 0; i < 50; ++i) whole.step(), resumed.step();
-  EXPECT_EQ(whole.hash(), resumed.hash());
-  EXPECT_FALSE(first_difference(whole.sections(), resumed.sections()).found);
+  EXPECT_TRUE(current == checked_in) << "compare " << path << " with " << path << ".new";
 }
 
 }  // namespace

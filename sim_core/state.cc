@@ -14,6 +14,19 @@ constexpr size_t kMaxListLength = 1 << 20;
 
 }  // namespace
 
+void StateVisitor::text(std::string_view name, std::string& value) {
+  value.resize(list_size(name, value.size()));
+  for (size_t begin = 0; begin < value.size(); begin += 8) {
+    const size_t count = std::min<size_t>(8, value.size() - begin);
+    uint64_t bits = 0;
+    for (size_t i = 0; i < count; ++i) bits |= static_cast<uint64_t>(static_cast<uint8_t>(value[begin + i])) << (8 * i);
+    auto number = static_cast<int64_t>(bits);
+    field(name, number);
+    bits = static_cast<uint64_t>(number);
+    for (size_t i = 0; i < count; ++i) value[begin + i] = static_cast<char>(bits >> (8 * i));
+  }
+}
+
 size_t StateVisitor::list_size(std::string_view name, size_t size) {
   auto number = static_cast<int64_t>(size);
   field(name, number);

@@ -42,6 +42,8 @@ class StateVisitor {
     field(name, number);
     value = static_cast<Enum>(number);
   }
+  // Bytes: the length, then 8 bytes a field.
+  void text(std::string_view name, std::string& value);
   // Names of the fields that follow start with this and a dot, until the next call.
   virtual void scope(std::string_view) {}
   // A list whose items have `void visit(StateVisitor&)`.

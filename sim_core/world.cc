@@ -6,25 +6,30 @@
 #include "sim_core/error.h"
 #include "sim_core/hash.h"
 #include "sim_core/maths.h"
-#include "sim_core/robot.h"
+#include "sim_core/world_impl.h"
 
 namespace seam {
 namespace {
 
-constexpr uint16_t kBallId = 1;
-constexpr uint16_t kFirstRobotId = 2;
-constexpr uint16_t kFirstObjectId = 100;
 constexpr uint16_t kFirstFieldId = 2000;
+constexpr double kLimbDistance = 0.45;  // Paws and heads of robots nearer to the ball can push it, m.
+// The front of the head, in its frame, as a disc seen from above.
+constexpr double kNoseForward = 0.045;
+constexpr double kNoseRadius = 0.03;
 
-Label uniform_label(Team team) { return team == Team::red ? Label::robot_red : Label::robot_blue; }
-
-// Turns the z axis to the normal, keeping the x axis horizontal.
-Mat3 facing(const Vec3& normal) {
-  const Vec3 z = glm::normalize(normal);
-  if (std::abs(z.z) > 1 - 1e-12) return z.z > 0 ? Mat3(1.0) : Mat3(1, 0, 0, 0, -1, 0, 0, 0, -1);
-  const Vec3 x = glm::normalize(glm::cross(Vec3(0, 0, 1), z));
-  return Mat3(x, glm::cross(z, x), z);
+std::vector<std::string> ids_of(const Scenario& scenario) {
+  std::vector<std::string> ids;
+  for (const RobotSpec& robot : scenario.robots) ids.push_back(robot.id);
+  return ids;
 }
+
+std::vector<Team> teams_of(const Scenario& scenario) {
+  std::vector<Team> teams;
+  for (const RobotSpec& robot : scenario.robots) teams.push_back(robot.team);
+  return teams;
+}
+
+RandomStream root_of(const Scenario& scenario) { return {static_cast<uint64_t>(scenario.seed), 0}; }
 
 }  // namespace
 
@@ -36,125 +41,185 @@ std::unique_ptr<LocomotionModel> RobotPartsFactory::locomotion(const RobotSpec&,
   return std::make_unique<IdealLocomotion>();
 }
 
-struct BallState {
-  std::vector<Vec3> points;  // At the ends of the interval's physics steps.
-  Vec3 v{0.0};               // At the interval's end.
+World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
+    : scenario(given),
+      physics(scenario),
+      ball_play(scenario, root_of(scenario).child("kicks")),
+      referee(scenario),
+      radio(scenario.radio, ids_of(scenario), teams_of(scenario), root_of(scenario).child("radio")) {
+  const auto substeps = static_cast<size_t>(scenario.physics_substeps);
+  for (const RobotSpec& spec : scenario.robots) {
+    const RandomStream stream = root_of(scenario).child("robot").child(std::string_view(spec.id));
+    robots.emplace_back(spec, parts, stream, substeps);
+    sensors.emplace_back(spec.sensors, stream.child("sensors"));
+    sampled_until.push_back(SimTime::from_ns(-1));
+    bodies.robots.push_back({spec.pose.x_m, spec.pose.y_m, spec.pose.theta_rad});
+  }
+  const BallSpec& ball = scenario.ball;
+  bodies.ball = {ball.x_m, ball.y_m, 0, ball.vx_mps, ball.vy_mps, 0};
+  ball_points.assign(substeps + 1, Vec3(ball.x_m, ball.y_m, 0.5 * ball.diameter_m));
+  if (scenario.has_field) fixed = field_primitives(scenario.field, kFirstFieldId);
+}
 
-  void visit(StateVisitor& visitor) {
-    for (Vec3& point : points) {
-      visitor.field("x_m", point.x);
-      visitor.field("y_m", point.y);
+double World::Impl::fraction(SimTime time) const {
+  if (end == start) return 1;
+  return static_cast<double>((time - start).ns()) / static_cast<double>((end - start).ns());
+}
+
+Vec3 World::Impl::ball_at(SimTime time) const {
+  const size_t pieces = ball_points.size() - 1;
+  const double scaled = std::clamp(fraction(time), 0.0, 1.0) * static_cast<double>(pieces);
+  const size_t i = std::min(static_cast<size_t>(scaled), pieces - 1);
+  return ball_points[i] + (scaled - static_cast<double>(i)) * (ball_points[i + 1] - ball_points[i]);
+}
+
+std::vector<Pose2> World::Impl::places(SimTime time) const {
+  std::vector<Pose2> places;
+  for (const Robot& robot : robots) places.push_back(robot.track.at(fraction(time)));
+  return places;
+}
+
+void World::Impl::sample_sensors(size_t i, SimTime time) {
+  if (time <= sampled_until[i]) return;
+  for (const SimTime tick : sensors[i].sampling_times(sampled_until[i], time)) {
+    sensors[i].sample(tick, robots[i].sense(tick, fraction(tick), scenario.step));
+  }
+  sampled_until[i] = time;
+}
+
+void World::Impl::step() {
+  for (size_t i = 0; i < robots.size(); ++i) sample_sensors(i, end);
+  follow_referee();
+  start = end;
+  end = start + scenario.step;
+  for (Robot& robot : robots) robot.begin_interval(start, end);
+  for (size_t i = 0; i < robots.size(); ++i) bodies.robots[i].theta_rad = robots[i].track.points.front().theta_rad;
+  ball_points.front() = ball_points.back();
+  find_limbs();
+  const SimDuration h = scenario.step / scenario.physics_substeps;
+  const Physics::Hooks hooks = {
+      .before =
+          [&](int64_t k, PhysicsState&) {
+            drive_robots(k, start + h * k, h);
+            move_limbs(start + h * k, h);
+            ball_play.act(start + h * k, h, bodies, events);
+          },
+      .after =
+          [&](int64_t k, const PhysicsState&) {
+            const auto point = static_cast<size_t>(k) + 1;
+            for (size_t i = 0; i < robots.size(); ++i) {
+              const PlanarBody& body = bodies.robots[i];
+              robots[i].track.points[point] = {body.x_m, body.y_m, body.theta_rad};
+            }
+            ball_points[point].x = bodies.ball.x_m;
+            ball_points[point].y = bodies.ball.y_m;
+          }};
+  physics.advance(bodies, h.s(), scenario.physics_substeps, hooks);
+  for (Robot& robot : robots) robot.end_interval(end);
+  note_touches();
+}
+
+void World::Impl::follow_referee() {
+  RefereeView view{.time = end, .ball_x_m = bodies.ball.x_m, .ball_y_m = bodies.ball.y_m, .robots = places(end),
+                   .ball_holder = ball_play.holder()};
+  const RefereeOrders orders = referee.judge(view);
+  for (const auto& placement : orders.robots) {
+    place_robot(placement.robot, placement.pose, placement.on_field);
+  }
+  if (orders.place_ball) place_ball(orders.ball_x_m, orders.ball_y_m, 0, 0);
+  for (const auto& event : orders.events) {
+    events.push_back({end, event.kind, event.robot, event.detail, WorldEvent::Source::referee});
+  }
+}
+
+// Robots go where their legs carry them; Box2D keeps them apart.
+void World::Impl::drive_robots(int64_t substep, SimTime time, SimDuration h) {
+  for (size_t i = 0; i < robots.size(); ++i) {
+    PlanarBody& body = bodies.robots[i];
+    const bool may_walk = referee.may_move(i) && !ball_play.busy(i, time);
+    const BodyVelocity v = robots[i].drive(static_cast<size_t>(substep), time, h, may_walk);
+    const Pose2 from{body.x_m, body.y_m, body.theta_rad};
+    const Pose2 to = moved(from, v, h.s());
+    body.vx_mps = (to.x_m - from.x_m) / h.s();
+    body.vy_mps = (to.y_m - from.y_m) / h.s();
+    body.omega_radps = v.omega_radps;
+  }
+}
+
+// Front paws and lowered heads of robots near the ball.
+void World::Impl::find_limbs() {
+  bodies.limbs.clear();
+  if (!scenario.ball.present || !bodies.ball.solid) return;
+  for (size_t i = 0; i < robots.size(); ++i) {
+    const double dx = bodies.robots[i].x_m - bodies.ball.x_m, dy = bodies.robots[i].y_m - bodies.ball.y_m;
+    if (!bodies.robots[i].solid || dx * dx + dy * dy > kLimbDistance * kLimbDistance) continue;
+    const Pose X_WB = robots[i].body_pose(robots[i].track.points.front(), start);
+    const auto paws = robots[i].paws(start);
+    for (size_t paw = 0; paw < 2; ++paw) {
+      const Vec3 p = X_WB * paws[paw];
+      bodies.limbs.push_back({i, p.x, p.y, 0, 0, robots[i].spec().body.paw_radius_m});
     }
-    visitor.field("vx_mps", v.x);
-    visitor.field("vy_mps", v.y);
+    const JointAngles joints = robots[i].joint_angles(start);
+    const Vec3 nose = X_WB * head_pose(robots[i].spec().body, joints[kTilt], joints[kPan], joints[kRoll]) *
+                      Vec3(kNoseForward, 0, 0);
+    const bool low = nose.z - kNoseRadius < scenario.ball.diameter_m;
+    if (low) bodies.limbs.push_back({i, nose.x, nose.y, 0, 0, kNoseRadius});
   }
-};
+}
 
-class World::Impl {
- public:
-  Impl(const Scenario& s, const RobotPartsFactory& parts) : scenario(s) {
-    const RandomStream root{static_cast<uint64_t>(s.seed), 0};
-    const auto substeps = static_cast<size_t>(s.physics_substeps);
-    for (const RobotSpec& spec : scenario.robots) {
-      robots.emplace_back(spec, parts, root.child("robot").child(std::string_view(spec.id)), substeps);
+// Gives each limb the velocity that takes it to where its robot has it at the end of the substep.
+void World::Impl::move_limbs(SimTime time, SimDuration h) {
+  size_t of_robot = 0;  // Which limb of its robot: two paws, then the nose.
+  for (size_t l = 0; l < bodies.limbs.size(); ++l) {
+    Limb& limb = bodies.limbs[l];
+    of_robot = l > 0 && bodies.limbs[l - 1].robot == limb.robot ? of_robot + 1 : 0;
+    const PlanarBody& body = bodies.robots[limb.robot];
+    const Robot& robot = robots[limb.robot];
+    const Pose2 place{body.x_m + h.s() * body.vx_mps, body.y_m + h.s() * body.vy_mps,
+                      body.theta_rad + h.s() * body.omega_radps};
+    const Pose X_WB = robot.body_pose(place, time + h);
+    Vec3 p;
+    if (of_robot < 2) {
+      p = X_WB * robot.paws(time + h)[of_robot];
+    } else {
+      const JointAngles joints = robot.joint_angles(time + h);
+      p = X_WB * head_pose(robot.spec().body, joints[kTilt], joints[kPan], joints[kRoll]) * Vec3(kNoseForward, 0, 0);
     }
-    const Vec3 place{s.ball.x_m, s.ball.y_m, 0.5 * s.ball.diameter_m};
-    ball.points.assign(substeps + 1, place);
-    ball.v = {s.ball.vx_mps, s.ball.vy_mps, 0};
-    if (s.has_field) fixed = field_primitives(s.field, kFirstFieldId);
+    limb.vx_mps = (p.x - limb.x_m) / h.s();
+    limb.vy_mps = (p.y - limb.y_m) / h.s();
   }
+}
 
-  double fraction(SimTime time) const {
-    if (end == start) return 1;
-    return static_cast<double>((time - start).ns()) / static_cast<double>((end - start).ns());
+void World::Impl::note_touches() {
+  for (const BallContact& contact : physics.ball_contacts()) {
+    const auto robot = static_cast<int64_t>(contact.robot);
+    if (robot == last_touch) continue;
+    last_touch = robot;
+    events.push_back({end, "ball_touched", static_cast<int>(robot), ""});
   }
+}
 
-  Vec3 ball_at(SimTime time) const {
-    const size_t pieces = ball.points.size() - 1;
-    const double scaled = std::clamp(fraction(time), 0.0, 1.0) * static_cast<double>(pieces);
-    const size_t i = std::min(static_cast<size_t>(scaled), pieces - 1);
-    return ball.points[i] + (scaled - static_cast<double>(i)) * (ball.points[i + 1] - ball.points[i]);
-  }
+void World::Impl::place_robot(size_t i, const Pose2& pose, bool on_field) {
+  robots[i].place(pose, end);
+  bodies.robots[i] = {pose.x_m, pose.y_m, pose.theta_rad};
+  bodies.robots[i].solid = on_field;
+  ball_play.let_go(i);
+}
 
-  void step() {
-    start = end;
-    end = start + scenario.step;
-    for (Robot& robot : robots) robot.begin_interval(start, end);
-    const SimDuration h = scenario.step / scenario.physics_substeps;
-    ball.points.front() = ball.points.back();
-    for (Robot& robot : robots) robot.track.points.front() = robot.track.points.back();
-    for (int64_t k = 0; k < scenario.physics_substeps; ++k) move(start + h * k, h, static_cast<size_t>(k) + 1);
-  }
+void World::Impl::place_ball(double x_m, double y_m, double vx_mps, double vy_mps) {
+  for (Vec3& point : ball_points) point = {x_m, y_m, point.z};
+  bodies.ball = {x_m, y_m, 0, vx_mps, vy_mps, 0};
+  for (size_t i = 0; i < robots.size(); ++i) ball_play.let_go(i);
+}
 
-  void move(SimTime time, SimDuration h, size_t point) {
-    for (Robot& robot : robots) {
-      const Pose2& from = robot.track.points[point - 1];
-      robot.velocity = robot.drive(time, h);
-      const double middle = from.theta_rad + 0.5 * robot.velocity.omega_radps * h.s();
-      const double c = maths::cos(middle), s = maths::sin(middle);
-      const BodyVelocity& v = robot.velocity;
-      robot.track.points[point] = {from.x_m + h.s() * (c * v.vx_mps - s * v.vy_mps),
-                                   from.y_m + h.s() * (s * v.vx_mps + c * v.vy_mps), from.theta_rad + h.s() * v.omega_radps};
-    }
-    const double speed = glm::length(ball.v);
-    const double slower = std::max(0.0, speed - scenario.ball.rolling_deceleration_mps2 * h.s());
-    const Vec3 before = ball.v;
-    if (speed > 0) ball.v *= slower / speed;
-    ball.points[point] = ball.points[point - 1] + 0.5 * h.s() * (before + ball.v);
+void World::Impl::visit_ball(StateVisitor& visitor) {
+  bodies.ball.visit(visitor);
+  for (Vec3& point : ball_points) {
+    visitor.field("track_x_m", point.x);
+    visitor.field("track_y_m", point.y);
   }
-
-  void add_robot(const Robot& robot, uint16_t id, SimTime time, bool is_viewer, std::vector<Primitive>& out) const {
-    const RobotBody& body = robot.spec().body;
-    const Pose X_WB = robot.body_pose(robot.track.at(fraction(time)), time);
-    const auto X_BLinks = link_poses(body, robot.joint_angles(time));
-    const Rgb& uniform = robot.spec().team == Team::red ? body.red_rgb : body.blue_rgb;
-    for (const BodyPart& part : body.parts) {
-      if (is_viewer && (part.link == Link::head || part.link == Link::neck)) continue;
-      const Pose X_LP = {rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z), part.centre_m};
-      const bool team = part.paint == Paint::team;
-      out.push_back({.shape = part.shape,
-                     .label = team ? uniform_label(robot.spec().team) : Label::robot_body,
-                     .object_id = id,
-                     .X_WO = X_WB * X_BLinks[static_cast<size_t>(part.link)] * X_LP,
-                     .size = part.size_m,
-                     .rgb = team ? uniform : body.body_rgb});
-    }
-  }
-
-  void add_objects(SimTime time, std::vector<Primitive>& out) const {
-    uint16_t id = kFirstObjectId;
-    for (const ObjectSpec& object : scenario.objects) {
-      const Mat3 R = object.shape == Shape::rectangle ? facing(object.normal) : Mat3(1.0);
-      out.push_back({.shape = object.shape,
-                     .label = object.label,
-                     .object_id = id++,
-                     .X_WO = {rotation_zyx(0, 0, object.yaw_rad) * R, object.centre_m + time.s() * object.velocity_mps},
-                     .size = object.size_m,
-                     .rgb = object.rgb});
-    }
-  }
-
-  void visit_clock(StateVisitor& visitor) {
-    visitor.field("start", start);
-    visitor.field("end", end);
-  }
-  // Calls `section(name, visit)` for each part of the state, in the stated order.
-  template <class Section>
-  void for_each_section(Section section) {
-    section("clock", [&](StateVisitor& v) { visit_clock(v); });
-    section("ball", [&](StateVisitor& v) { ball.visit(v); });
-    for (Robot& robot : robots) {
-      section("robot/" + robot.spec().id, [&](StateVisitor& v) { robot.visit(v); });
-    }
-  }
-
-  Scenario scenario;
-  SimTime start, end;
-  std::vector<Robot> robots;
-  BallState ball;
-  std::vector<Primitive> fixed;  // Field.
-  std::vector<WorldEvent> events;
-};
+  visitor.field("last_touch", last_touch);
+}
 
 World::World(const Scenario& scenario, const RobotPartsFactory& parts) : impl_(std::make_unique<Impl>(scenario, parts)) {}
 World::~World() = default;
@@ -167,65 +232,64 @@ SimTime World::end() const { return impl_->end; }
 
 void World::apply(size_t robot, const RobotCommand& command, SimTime time) {
   SEAM_CHECK(time >= start() && time <= end(), "{} outside [{}, {}]", time.ns(), start().ns(), end().ns());
-  impl_->robots.at(robot).apply(command, time, impl_->end);
+  Robot& commanded = impl_->robots.at(robot);
+  commanded.apply(command, time, impl_->end);
+  if (command.kick == Kick::none || !impl_->referee.may_move(robot)) return;
+  if (impl_->ball_play.request(robot, command.kick, time)) {
+    commanded.begin_kick(commanded.spec().body.kick(command.kick), time, impl_->end);
+  }
 }
 
 void World::freeze(size_t robot, SimTime time) { impl_->robots.at(robot).freeze(time); }
 
 void World::step() { impl_->step(); }
 
-void World::place_robot(size_t robot, const Pose2& pose) { impl_->robots.at(robot).place(pose); }
+void World::place_robot(size_t robot, const Pose2& pose) {
+  SEAM_CHECK(robot < impl_->robots.size(), "robot {}", robot);
+  impl_->place_robot(robot, pose, true);
+}
 
 void World::place_ball(double x_m, double y_m, double vx_mps, double vy_mps) {
-  for (Vec3& point : impl_->ball.points) point = {x_m, y_m, point.z};
-  impl_->ball.v = {vx_mps, vy_mps, 0};
+  impl_->place_ball(x_m, y_m, vx_mps, vy_mps);
 }
 
-Pose World::camera_link_pose(size_t index, SimTime time) const {
-  const Robot& robot = impl_->robots.at(index);
-  return robot.body_pose(robot.track.at(impl_->fraction(time)), time) *
-         seam::camera_link_pose(robot.spec().body, robot.joint_angle(kTilt, time), robot.joint_angle(kPan, time),
-                                robot.joint_angle(kRoll, time));
+RobotSensors World::take_sensors(size_t robot, SimTime time) {
+  impl_->sample_sensors(robot, time);
+  return impl_->sensors.at(robot).take(time);
 }
 
-void World::primitives_at(SimTime time, std::vector<Primitive>& out, std::optional<size_t> viewer) const {
-  out.insert(out.end(), impl_->fixed.begin(), impl_->fixed.end());
-  impl_->add_objects(time, out);
-  const BallSpec& ball = impl_->scenario.ball;
-  if (ball.present) {
-    out.push_back({.shape = Shape::sphere,
-                   .label = Label::ball,
-                   .object_id = kBallId,
-                   .X_WO = translation(impl_->ball_at(time)),
-                   .size = {0.5 * ball.diameter_m, 0, 0},
-                   .rgb = impl_->scenario.field.colours.orange});
-  }
-  for (size_t i = 0; i < impl_->robots.size(); ++i) {
-    impl_->add_robot(impl_->robots[i], static_cast<uint16_t>(kFirstRobotId + i), time, viewer == i, out);
+void World::send_radio(size_t from, const std::string& payload, SimTime time) {
+  for (const auto& [to, fate] : impl_->radio.send(from, payload, time, impl_->places(time))) {
+    static constexpr std::array<const char*, 4> kFates = {"on its way", "lost", "out of range", "queue full"};
+    impl_->events.push_back({time, fate == RadioFate::on_its_way ? "radio_sent" : "radio_lost", static_cast<int>(from),
+                             fmt::format("to {}: {} bytes, {}", impl_->scenario.robots[to].id, payload.size(),
+                                         kFates[static_cast<size_t>(fate)]),
+                             WorldEvent::Source::radio});
   }
 }
 
-SensorReading World::sensors(size_t index, SimTime time) const {
-  const Robot& robot = impl_->robots.at(index);
-  SensorReading reading;
-  reading.time = reading.joints_time = reading.odometry_time = reading.accelerometer_time = reading.paws_time = time;
-  for (int j = 0; j < kJoints; ++j) reading.joints_rad[static_cast<size_t>(j)] = robot.encoder(j, time);
-  const Pose2 now = robot.track.at(impl_->fraction(time));
-  const Pose2& first = robot.spec().pose;
-  const double c = maths::cos(first.theta_rad), s = maths::sin(first.theta_rad);
-  const double dx = now.x_m - first.x_m, dy = now.y_m - first.y_m;
-  reading.odometry = {c * dx + s * dy, -s * dx + c * dy, maths::wrap_angle(now.theta_rad - first.theta_rad)};
-  reading.acceleration_B_mps2 = {0, 0, 9.81};
-  reading.paw_contact = {true, true, true, true};
-  return reading;
+std::vector<RadioMessage> World::take_radio(size_t to, SimTime time) { return impl_->radio.take(to, time); }
+
+GameState World::game_state(size_t robot, SimTime time) const { return impl_->referee.game_state(robot, time); }
+
+void World::set_play_state(PlayState state) {
+  impl_->referee.set_state(state, impl_->end);
+  impl_->events.push_back({impl_->end, to_string(state), -1, "by the supervisor", WorldEvent::Source::referee});
 }
 
-BallTruth World::ball(SimTime time) const { return {impl_->ball_at(time), impl_->ball.v}; }
+int World::score(Team team) const { return impl_->referee.score(team); }
+
+BallTruth World::ball(SimTime time) const {
+  return {impl_->ball_at(time), {impl_->bodies.ball.vx_mps, impl_->bodies.ball.vy_mps, 0}};
+}
 
 RobotTruth World::robot(size_t index, SimTime time) const {
   const Robot& robot = impl_->robots.at(index);
+  const PlanarBody& body = impl_->bodies.robots[index];
   const Pose2 place = robot.track.at(impl_->fraction(time));
-  return {place, robot.velocity, robot.body_pose(place, time), robot.joint_angles(time)};
+  const double c = maths::cos(place.theta_rad), s = maths::sin(place.theta_rad);
+  const BodyVelocity velocity{c * body.vx_mps + s * body.vy_mps, c * body.vy_mps - s * body.vx_mps, body.omega_radps};
+  return {place, velocity, body.solid, robot.body_pose(place, time), robot.joint_angles(time)};
 }
 
 std::vector<WorldEvent> World::take_events() { return std::exchange(impl_->events, {}); }
@@ -269,13 +333,13 @@ uint64_t World::hash() const {
 
 std::string World::snapshot() const {
   SnapshotWriter writer;
-  impl_->for_each_section([&](const std::string&, const auto& visit) { visit(writer); });
+  visit(writer);
   return writer.take();
 }
 
 void World::restore(std::string_view bytes) {
   SnapshotReader reader(bytes);
-  impl_->for_each_section([&](const std::string&, const auto& visit) { visit(reader); });
+  visit(reader);
   reader.finish();
 }
 

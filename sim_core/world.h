@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "sim_core/command.h"
+#include "sim_core/radio.h"
+#include "sim_core/referee.h"
 #include "sim_core/scenario.h"
 #include "sim_core/scene.h"
 #include "sim_core/sensors.h"
@@ -40,6 +42,7 @@ struct BallTruth {
 struct RobotTruth {
   Pose2 pose;             // The body's origin on the ground.
   BodyVelocity velocity;  // In the body's frame.
+  bool on_field = true;   // False: penalised, beside the field.
   Pose X_WB;              // With height, pitch and sway.
   JointAngles joints_rad{};
 };
@@ -47,8 +50,11 @@ struct RobotTruth {
 // Something that happened in the world, for the log and the referee.
 struct WorldEvent {
   SimTime time;
-  std::string kind;    // "kick", "grab", "release", "ball_hits_robot", ...
-  std::string robot;   // Whose; empty for none.
+  std::string kind;    // World: "kick", "grab", "release", "ball_lost", "ball_touched". Referee: see
+                       // referee.h. Radio: "radio_sent", "radio_lost".
+  int robot = -1;      // Whose; -1: nobody's.
+  std::string detail;  // For people.
+  enum class Source : uint8_t { world, referee, radio } source = Source::world;
 };
 
 class World {
@@ -70,7 +76,7 @@ class World {
   void freeze(size_t robot, SimTime time);
   void step();
 
-  // For the supervisor and the referee; act from end() on.
+  // For the supervisor; act from end() on.
   void place_robot(size_t robot, const Pose2& pose);
   void place_ball(double x_m, double y_m, double vx_mps, double vy_mps);
 
@@ -83,7 +89,18 @@ class World {
   Rgb background() const { return scenario().background_rgb; }
   Lighting lighting() const { return scenario().lighting; }
 
-  SensorReading sensors(size_t robot, SimTime time) const;
+  // What the robot's sensors have delivered by this time; moves the robot's joint log on, so each
+  // encoder reading is told once. Times must not go back.
+  RobotSensors take_sensors(size_t robot, SimTime time);
+
+  // The radio: to all team mates; refused by length with `max_message_bytes` elsewhere.
+  void send_radio(size_t from, const std::string& payload, SimTime time);
+  // What has arrived by this time, each message once.
+  std::vector<RadioMessage> take_radio(size_t to, SimTime time);
+
+  GameState game_state(size_t robot, SimTime time) const;
+  void set_play_state(PlayState state);  // The supervisor's word; acts from end() on.
+  int score(Team team) const;
 
   // Ground truth, for the supervisor, the log and tests.
   BallTruth ball(SimTime time) const;
