@@ -10,36 +10,12 @@
 
 #include "sim_core/command.h"
 #include "sim_core/frame.h"
+#include "sim_core/radio.h"
+#include "sim_core/referee.h"
 #include "sim_core/sensors.h"
 #include "sim_core/time.h"
 
 namespace seam::scheduler {
-
-// What a team mate sent.
-struct RadioMessage {
-  int from = 0;  // The robot's number.
-  std::string from_id;
-  SimTime sent;
-  SimTime arrived;
-  std::string payload;
-};
-
-// What the referee tells one robot; the numbers are those of the RoboCup game controller.
-struct GameState {
-  uint32_t state = 3;  // 0 initial, 1 ready, 2 set, 3 playing, 4 finished.
-  bool first_half = true;
-  std::string kick_off_team;
-  int32_t own_score = 0;
-  int32_t opponent_score = 0;
-  SimDuration remaining;
-  uint32_t penalty = 0;
-  SimDuration penalty_remaining;
-};
-
-struct JointReading {
-  SimTime time;
-  JointAngles joints_rad{};
-};
 
 // Which frames of its camera a robot wants.
 struct FrameRequest {
@@ -126,8 +102,7 @@ struct Observation {
   int robot = 0;
   uint64_t sequence = 0;  // 1, 2, ... for each robot.
   SimTime time;
-  SensorReading sensors;
-  std::vector<JointReading> joint_log;  // Encoders since the last observation, in order of time.
+  RobotSensors sensors;  // Its joint log: encoders since the last observation.
   std::vector<std::shared_ptr<const Frame>> frames;  // Finished since the last observation.
   std::vector<RadioMessage> messages;                // Arrived since the last observation.
   GameState game;

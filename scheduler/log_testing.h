@@ -20,7 +20,7 @@ inline Decision busy_behaviour(const Observation& seen) {
   const double pan = 0.4 * static_cast<double>((seen.sequence + seen.robot) % 3) - 0.4;
   decision.command.joints = {{SimDuration::from_ns(1'000'000 * seen.robot), {{kPan, pan, 3.0}}}};
   if (seen.sequence % 4 == 1)
-    decision.command.walk = BodyVelocity{0.1, 0, 0.2 * seen.sensors.joints_rad[kPan]};
+    decision.command.walk = BodyVelocity{0.1, 0, 0.2 * seen.sensors.joints.rad[kPan]};
   if (seen.sequence == 1) decision.frame_requests = {{.which = FrameRequest::Which::all}};
   if (seen.sequence % 5 == 0) decision.debug = {{.name = "sequence", .value = 1.0}};
   return decision;

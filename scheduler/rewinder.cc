@@ -1,5 +1,6 @@
 #include "scheduler/rewinder.h"
 
+#include "scheduler/world_actions.h"
 #include "sim_core/error.h"
 
 namespace seam::scheduler {
@@ -99,14 +100,7 @@ void Rewinder::apply_due(SimTime until) {
 
 void Rewinder::apply(const Due& due, SimTime time) {
   if (due.action) {
-    const SupervisorAction& action = *due.action;
-    if (action.kind == SupervisorAction::Kind::place_ball) {
-      world_.place_ball(action.position_m.x, action.position_m.y, action.velocity_m_s.x,
-                        action.velocity_m_s.y);
-    } else if (action.kind == SupervisorAction::Kind::place_robot) {
-      world_.place_robot(static_cast<size_t>(action.robot),
-                         {action.position_m.x, action.position_m.y, action.heading_rad});
-    }
+    act_on_world(world_, *due.action);
     return;
   }
   const Answer& answer = *due.answer;
@@ -114,7 +108,7 @@ void Rewinder::apply(const Due& due, SimTime time) {
   if (answer.outcome == Outcome::frozen) {
     world_.freeze(robot, time);
   } else if (answer.outcome == Outcome::decided || answer.outcome == Outcome::resumed) {
-    world_.apply(robot, answer.decision.command, time);
+    act_on_world(world_, robot, answer.decision, time);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "scheduler/event_queue.h"
 #include "scheduler/frame_pipeline.h"
 #include "sim_core/error.h"
+#include "scheduler/world_actions.h"
 #include "sim_core/hash.h"
 
 namespace seam::scheduler {
@@ -37,7 +38,7 @@ class Simulation::Loop {
     uint64_t actions = 0;
     std::map<uint64_t, Action> pending;  // By the sequence number of their event.
     std::vector<std::shared_ptr<const Frame>> frames;  // Finished, not yet delivered.
-    std::vector<JointReading> joint_log;
+    SimTime told_until = SimTime::from_ns(-1);  // Of the last observation.
   };
 
   void start();
@@ -186,7 +187,7 @@ void Simulation::Loop::apply_decision(int robot, uint64_t sequence) {
     return;
   }
   const Decision& decision = action.answer.decision;
-  parts_.world.apply(static_cast<size_t>(robot), decision.command, now_);
+  act_on_world(parts_.world, static_cast<size_t>(robot), decision, now_);
   if (pipeline_)
     for (const FrameRequest& request : decision.frame_requests)
       pipeline_->request(robot, request, now_);
@@ -194,36 +195,18 @@ void Simulation::Loop::apply_decision(int robot, uint64_t sequence) {
 
 void Simulation::Loop::apply_supervisor() {
   const auto node = supervisor_.extract(now_);
-  for (const SupervisorAction& action : node.mapped()) {
-    switch (action.kind) {
-      case SupervisorAction::Kind::place_ball:
-        parts_.world.place_ball(action.position_m.x, action.position_m.y, action.velocity_m_s.x,
-                                action.velocity_m_s.y);
-        break;
-      case SupervisorAction::Kind::place_robot:
-        parts_.world.place_robot(static_cast<size_t>(action.robot),
-                                 {action.position_m.x, action.position_m.y, action.heading_rad});
-        break;
-      case SupervisorAction::Kind::set_game_state: break;
-    }
-  }
+  for (const SupervisorAction& action : node.mapped()) act_on_world(parts_.world, action);
 }
 
 void Simulation::Loop::step_world() {
   parts_.world.step();
   ++steps_;
   queue_.push({parts_.world.end(), Phase::step_world, 0, steps_});
-  for (size_t i = 0; i < robots_.size(); ++i) {
-    const SensorReading reading = parts_.world.sensors(i, now_);
-    std::vector<JointReading>& log = robots_[i].joint_log;
-    if (log.empty() || log.back().time < reading.joints_time)
-      log.push_back({reading.joints_time, reading.joints_rad});
-  }
   const std::vector<uint64_t> hashes = parts_.world.section_hashes();
   for (const uint64_t hash : hashes) chain(hash);
   for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, hashes);
   for (const WorldEvent& event : parts_.world.take_events())
-    tell({event.time, EventKind::world, event.robot, event.kind, ""});
+    tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind, event.detail});
 }
 
 void Simulation::Loop::deliver(int robot) {
@@ -233,8 +216,11 @@ void Simulation::Loop::deliver(int robot) {
   observation->robot = robot;
   observation->sequence = ++state.observations;
   observation->time = now_;
-  observation->sensors = parts_.world.sensors(static_cast<size_t>(robot), now_);
-  observation->joint_log = std::exchange(state.joint_log, {});
+  const auto index = static_cast<size_t>(robot);
+  observation->sensors = parts_.world.sensors(index, now_, state.told_until);
+  observation->messages = parts_.world.radio_received(index, now_, state.told_until);
+  observation->game = parts_.world.game_state(index, now_);
+  state.told_until = now_;
   observation->frames = std::exchange(state.frames, {});
   for (SimulationObserver* observer : parts_.observers) observer->on_observation(*observation);
   if (due_.empty())

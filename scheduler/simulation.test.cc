@@ -17,7 +17,7 @@ Decision busy(const Observation& seen) {
   const double pan = 0.4 * ((seen.sequence + seen.robot) % 3) - 0.4;
   decision.command.joints = {{SimDuration::from_ns(1'000'000 * seen.robot), {{kPan, pan, 3.0}}}};
   if (seen.sequence % 4 == 1)
-    decision.command.walk = BodyVelocity{0.1, 0, 0.2 * seen.sensors.joints_rad[kPan]};
+    decision.command.walk = BodyVelocity{0.1, 0, 0.2 * seen.sensors.joints.rad[kPan]};
   if (seen.sequence == 1) decision.frame_requests = {{.which = FrameRequest::Which::all}};
   return decision;
 }

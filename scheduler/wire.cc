@@ -155,14 +155,14 @@ void joints_to(SimTime time, const JointAngles& joints_rad, v1::JointAngles& wir
 }
 
 void sensors_to(const Observation& observation, v1::Sensors& wire) {
-  const SensorReading& reading = observation.sensors;
-  joints_to(reading.joints_time, reading.joints_rad, *wire.mutable_joints());
-  for (const JointReading& joints : observation.joint_log)
-    joints_to(joints.time, joints.joints_rad, *wire.add_joint_log());
+  const RobotSensors& reading = observation.sensors;
+  joints_to(reading.joints.time, reading.joints.rad, *wire.mutable_joints());
+  for (const JointReading& joints : reading.joint_log)
+    joints_to(joints.time, joints.rad, *wire.add_joint_log());
   v1::Vector3& acceleration = *wire.mutable_acceleration_m_s2();
-  acceleration.set_x(reading.acceleration_B_mps2.x);
-  acceleration.set_y(reading.acceleration_B_mps2.y);
-  acceleration.set_z(reading.acceleration_B_mps2.z);
+  acceleration.set_x(reading.acceleration_m_s2.x);
+  acceleration.set_y(reading.acceleration_m_s2.y);
+  acceleration.set_z(reading.acceleration_m_s2.z);
   v1::Pose2& odometry = *wire.mutable_odometry();
   odometry.set_x_m(reading.odometry.x_m);
   odometry.set_y_m(reading.odometry.y_m);
@@ -274,20 +274,20 @@ void observation_to_wire(const Observation& observation, v1::Observation& wire) 
   for (const auto& frame : observation.frames) frame_to(*frame, *wire.add_frames());
   for (const RadioMessage& message : observation.messages) {
     v1::RadioMessage& out = *wire.add_messages();
-    out.set_from(message.from_id);
+    out.set_from(message.from);
     out.set_sent_ns(message.sent.ns());
     out.set_arrived_ns(message.arrived.ns());
     out.set_payload(message.payload);
   }
   const GameState& game = observation.game;
   v1::GameState& out = *wire.mutable_game();
-  out.set_state(game.state);
+  out.set_state(static_cast<uint32_t>(game.state));
   out.set_first_half(game.first_half);
-  out.set_kick_off_team(game.kick_off_team);
+  out.set_kick_off_team(game.kick_off_team == Team::red ? "red" : "blue");
   out.set_own_score(game.own_score);
   out.set_opponent_score(game.opponent_score);
   out.set_remaining_ns(game.remaining.ns());
-  out.set_penalty(game.penalty);
+  out.set_penalty(static_cast<uint32_t>(game.penalty));
   out.set_penalty_remaining_ns(game.penalty_remaining.ns());
 }
 

@@ -28,8 +28,8 @@ double energy(const Scenario& s, const PhysicsState& state) {
   double sum = part(state.ball, s.ball.mass_kg, 0);
   for (size_t i = 0; i < state.robots.size(); ++i) {
     const RobotBody& body = s.robots[i].body;
-    const double inertia = body.mass_kg *
-                           (body.footprint_length_m * body.footprint_length_m + body.footprint_width_m * body.footprint_width_m) / 12;
+    const double length = body.footprint_length_m, width = body.footprint_width_m;
+    const double inertia = body.mass_kg * (length * length + width * width) / 12;
     sum += part(state.robots[i], body.mass_kg, inertia);
   }
   return sum;

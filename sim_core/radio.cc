@@ -44,19 +44,22 @@ std::vector<std::pair<size_t, RadioFate>> Radio::send(size_t from, const std::st
     const auto before = [](const InFlight& a, const InFlight& b) {
       return std::tie(a.arrives, a.from, a.sequence, a.to) < std::tie(b.arrives, b.from, b.sequence, b.to);
     };
-    in_flight_.insert(std::upper_bound(in_flight_.begin(), in_flight_.end(), message, before), message);
+    messages_.insert(std::upper_bound(messages_.begin(), messages_.end(), message, before), message);
   }
   return fates;
 }
 
-std::vector<RadioMessage> Radio::take(size_t to, SimTime time) {
+std::vector<RadioMessage> Radio::received(size_t to, SimTime time, SimTime since) const {
   std::vector<RadioMessage> messages;
-  std::erase_if(in_flight_, [&](InFlight& m) {
-    if (m.to != static_cast<int64_t>(to) || m.arrives > time) return false;
-    messages.push_back({ids_[static_cast<size_t>(m.from)], m.sent, m.arrives, std::move(m.payload)});
-    return true;
-  });
+  for (const InFlight& m : messages_) {
+    if (m.to != static_cast<int64_t>(to) || m.arrives > time || m.arrives <= since) continue;
+    messages.push_back({ids_[static_cast<size_t>(m.from)], m.sent, m.arrives, m.payload});
+  }
   return messages;
+}
+
+void Radio::forget_before(SimTime time) {
+  std::erase_if(messages_, [&](const InFlight& m) { return m.arrives < time; });
 }
 
 void Radio::InFlight::visit(StateVisitor& visitor) {
@@ -75,8 +78,8 @@ void Radio::Sender::visit(StateVisitor& visitor) {
 
 void Radio::visit(StateVisitor& visitor) {
   for (Sender& sender : senders_) sender.visit(visitor);
-  visitor.list("in_flight", in_flight_);
-  for (const InFlight& m : in_flight_) {
+  visitor.list("messages", messages_);
+  for (const InFlight& m : messages_) {
     const auto known = [&](int64_t robot) { return robot >= 0 && robot < static_cast<int64_t>(ids_.size()); };
     if (!known(m.from) || !known(m.to)) throw InputError("snapshot: a radio message of an unknown robot");
   }

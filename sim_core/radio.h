@@ -31,9 +31,10 @@ class Radio {
   // what becomes of it for each robot that is a team mate, in order of robots.
   std::vector<std::pair<size_t, RadioFate>> send(size_t from, const std::string& payload, SimTime time,
                                                  const std::vector<Pose2>& places);
-  // Messages that have arrived by this time, in the order (arrival, sender, sequence); each is
-  // given once.
-  std::vector<RadioMessage> take(size_t to, SimTime time);
+  // Messages that arrived after `since` and by `time`, in the order (arrival, sender, sequence).
+  std::vector<RadioMessage> received(size_t to, SimTime time, SimTime since) const;
+  // No message that arrived before this time will be asked for any more.
+  void forget_before(SimTime time);
   void visit(StateVisitor& visitor);
 
  private:
@@ -56,7 +57,7 @@ class Radio {
   std::vector<Team> teams_;
   RandomStream stream_;
   std::vector<Sender> senders_;
-  std::vector<InFlight> in_flight_;  // In the order (arrives, from, sequence, to).
+  std::vector<InFlight> messages_;  // On their way or arrived lately, in the order (arrives, from, sequence, to).
 };
 
 }  // namespace seam

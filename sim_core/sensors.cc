@@ -33,12 +33,13 @@ bool samples_at(const SensorSpec& sensor, SimTime time) { return time.ns() % sen
 
 }  // namespace
 
-SensorSuite::SensorSuite(const SensorsSpec& spec, RandomStream stream) : spec_(&spec), stream_(stream) {
+SensorSuite::SensorSuite(const SensorsSpec& spec, SimDuration memory, RandomStream stream)
+    : spec_(&spec), memory_(memory), stream_(stream) {
   joints_.resize(1);
   odometry_.resize(1);
   accelerations_.resize(1);
   paws_.resize(1);
-  joints_taken_ = SimTime::from_ns(-1);
+  joints_[0].reading.time = SimTime::from_ns(-(int64_t{1} << 60));  // Before any log.
 }
 
 std::vector<SimTime> SensorSuite::sampling_times(SimTime after, SimTime until) const {
@@ -99,19 +100,17 @@ void SensorSuite::forget_old(SimTime time) {
   forget(odometry_, spec_->odometry.latency, time, kTime);
   forget(accelerations_, spec_->accelerometer.latency, time, kTime);
   forget(paws_, spec_->paws.latency, time, kTime);
-  // Joint readings are kept for the log until they are taken, at most a second's worth.
-  constexpr size_t kLongestLog = 1024;
-  if (joints_.size() > kLongestLog) joints_.erase(joints_.begin());
+  forget(joints_, spec_->joints.latency + memory_, time, kJointTime);
 }
 
-RobotSensors SensorSuite::read(SimTime time) const {
+RobotSensors SensorSuite::read(SimTime time, SimTime since) const {
   RobotSensors sensors;
   sensors.time = time;
   const SimDuration latency = spec_->joints.latency;
   sensors.joints = newest(joints_, latency, time, kJointTime).reading;
   for (const Joints& joints : joints_) {
-    const SimTime taken = joints.reading.time;
-    if (taken > joints_taken_ && taken + latency <= time) sensors.joint_log.push_back(joints.reading);
+    const SimTime delivered = joints.reading.time + latency;
+    if (delivered > since && delivered <= time) sensors.joint_log.push_back(joints.reading);
   }
   const Odometry& odometry = newest(odometry_, spec_->odometry.latency, time, kTime);
   sensors.odometry_time = odometry.time;
@@ -122,13 +121,6 @@ RobotSensors SensorSuite::read(SimTime time) const {
   const Paws& paws = newest(paws_, spec_->paws.latency, time, kTime);
   sensors.paws_time = paws.time;
   sensors.paw_contact = paws.value;
-  return sensors;
-}
-
-RobotSensors SensorSuite::take(SimTime time) {
-  RobotSensors sensors = read(time);
-  if (!sensors.joint_log.empty()) joints_taken_ = sensors.joint_log.back().time;
-  forget(joints_, spec_->joints.latency, time, kJointTime);
   return sensors;
 }
 
@@ -164,7 +156,6 @@ void SensorSuite::visit(StateVisitor& visitor) {
   if (joints_.empty() || odometry_.empty() || accelerations_.empty() || paws_.empty()) {
     throw InputError("snapshot: a sensor without readings");
   }
-  visitor.field("joints_taken", joints_taken_);
   visitor.field("odometry_error_x_m", odometry_error_.x_m);
   visitor.field("odometry_error_y_m", odometry_error_.y_m);
   visitor.field("odometry_error_theta_rad", odometry_error_.theta_rad);

@@ -24,7 +24,7 @@ struct RobotSensors {
   SimTime time;  // When this was asked for.
 
   JointReading joints;                  // The newest delivered.
-  std::vector<JointReading> joint_log;  // All delivered since the last call of World::take_sensors.
+  std::vector<JointReading> joint_log;  // All delivered since the time that was asked for.
 
   SimTime odometry_time;
   Pose2 odometry;  // Dead reckoning of what the legs were told, in the frame of the first pose.
@@ -49,15 +49,15 @@ struct SensorTruth {
 // The readings of one robot's sensors.
 class SensorSuite {
  public:
-  SensorSuite(const SensorsSpec& spec, RandomStream stream);
+  // Joint readings are kept until `memory` after their delivery.
+  SensorSuite(const SensorsSpec& spec, SimDuration memory, RandomStream stream);
 
   // Instants after `after`, up to and including `until`, at which some sensor samples, ascending.
   std::vector<SimTime> sampling_times(SimTime after, SimTime until) const;
   // The truth at one of these instants.
   void sample(SimTime time, const SensorTruth& truth);
-  // What has arrived by `time`; `joint_log` holds what arrived since `take` was last called.
-  RobotSensors read(SimTime time) const;
-  RobotSensors take(SimTime time);
+  // What has arrived by `time`; `joint_log` holds what arrived after `since`.
+  RobotSensors read(SimTime time, SimTime since) const;
   void visit(StateVisitor& visitor);
 
  private:
@@ -83,13 +83,13 @@ class SensorSuite {
   void forget_old(SimTime time);
 
   const SensorsSpec* spec_;
+  SimDuration memory_;
   RandomStream stream_;
   // Readings still needed: those not delivered yet, and the newest delivered one. Ascending.
   std::vector<Joints> joints_;
   std::vector<Odometry> odometry_;
   std::vector<Acceleration> accelerations_;
   std::vector<Paws> paws_;
-  SimTime joints_taken_;       // Joint readings up to this one were in an earlier log.
   Pose2 odometry_error_;       // What noise has added up to.
   Pose2 last_dead_reckoning_;
 };

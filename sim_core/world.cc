@@ -29,6 +29,12 @@ std::vector<Team> teams_of(const Scenario& scenario) {
   return teams;
 }
 
+// No two observations of a robot lie farther apart.
+SimDuration longest_turn_of(const ClockSpec& clock) {
+  return SimDuration::from_s(clock.period.s() * (1 + std::abs(clock.drift_ppm) * 1e-6)) + clock.jitter_sigma * 16 +
+         SimDuration::from_ns(1'000'000);
+}
+
 RandomStream root_of(const Scenario& scenario) { return {static_cast<uint64_t>(scenario.seed), 0}; }
 
 }  // namespace
@@ -51,8 +57,9 @@ World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
   for (const RobotSpec& spec : scenario.robots) {
     const RandomStream stream = root_of(scenario).child("robot").child(std::string_view(spec.id));
     robots.emplace_back(spec, parts, stream, substeps);
-    sensors.emplace_back(spec.sensors, stream.child("sensors"));
-    sampled_until.push_back(SimTime::from_ns(-1));
+    const SimDuration turn = longest_turn_of(spec.behaviour.clock);
+    sensors.emplace_back(spec.sensors, turn, stream.child("sensors"));
+    longest_turn = std::max(longest_turn, turn);
     bodies.robots.push_back({spec.pose.x_m, spec.pose.y_m, spec.pose.theta_rad});
   }
   const BallSpec& ball = scenario.ball;
@@ -79,16 +86,15 @@ std::vector<Pose2> World::Impl::places(SimTime time) const {
   return places;
 }
 
-void World::Impl::sample_sensors(size_t i, SimTime time) {
-  if (time <= sampled_until[i]) return;
-  for (const SimTime tick : sensors[i].sampling_times(sampled_until[i], time)) {
-    sensors[i].sample(tick, robots[i].sense(tick, fraction(tick), scenario.step));
+void World::Impl::sample(SensorSuite& suite, size_t robot, SimTime time, SimTime since) const {
+  for (const SimTime tick : suite.sampling_times(since, time)) {
+    suite.sample(tick, robots[robot].sense(tick, fraction(tick), scenario.step));
   }
-  sampled_until[i] = time;
 }
 
 void World::Impl::step() {
-  for (size_t i = 0; i < robots.size(); ++i) sample_sensors(i, end);
+  for (size_t i = 0; i < robots.size(); ++i) sample(sensors[i], i, end, sampled_until());
+  radio.forget_before(end - longest_turn);
   follow_referee();
   start = end;
   end = start + scenario.step;
@@ -253,9 +259,13 @@ void World::place_ball(double x_m, double y_m, double vx_mps, double vy_mps) {
   impl_->place_ball(x_m, y_m, vx_mps, vy_mps);
 }
 
-RobotSensors World::take_sensors(size_t robot, SimTime time) {
-  impl_->sample_sensors(robot, time);
-  return impl_->sensors.at(robot).take(time);
+RobotSensors World::sensors(size_t robot, SimTime time, SimTime since) const {
+  const SensorSuite& suite = impl_->sensors.at(robot);
+  const SimTime sampled = impl_->sampled_until();
+  if (suite.sampling_times(sampled, time).empty()) return suite.read(time, since);
+  SensorSuite ahead = suite;  // Of the current interval; the world itself samples it at its end.
+  impl_->sample(ahead, robot, time, sampled);
+  return ahead.read(time, since);
 }
 
 void World::send_radio(size_t from, const std::string& payload, SimTime time) {
@@ -268,7 +278,9 @@ void World::send_radio(size_t from, const std::string& payload, SimTime time) {
   }
 }
 
-std::vector<RadioMessage> World::take_radio(size_t to, SimTime time) { return impl_->radio.take(to, time); }
+std::vector<RadioMessage> World::radio_received(size_t to, SimTime time, SimTime since) const {
+  return impl_->radio.received(to, time, since);
+}
 
 GameState World::game_state(size_t robot, SimTime time) const { return impl_->referee.game_state(robot, time); }
 

@@ -89,14 +89,14 @@ class World {
   Rgb background() const { return scenario().background_rgb; }
   Lighting lighting() const { return scenario().lighting; }
 
-  // What the robot's sensors have delivered by this time; moves the robot's joint log on, so each
-  // encoder reading is told once. Times must not go back.
-  RobotSensors take_sensors(size_t robot, SimTime time);
+  // What the robot's sensors have delivered by `time`; `joint_log` holds the encoder readings that
+  // were delivered after `since`, which must not lie farther back than its behaviour's period.
+  RobotSensors sensors(size_t robot, SimTime time, SimTime since) const;
 
   // The radio: to all team mates; refused by length with `max_message_bytes` elsewhere.
   void send_radio(size_t from, const std::string& payload, SimTime time);
-  // What has arrived by this time, each message once.
-  std::vector<RadioMessage> take_radio(size_t to, SimTime time);
+  // What arrived after `since`, not farther back than the behaviour's period, and by `time`.
+  std::vector<RadioMessage> radio_received(size_t to, SimTime time, SimTime since) const;
 
   GameState game_state(size_t robot, SimTime time) const;
   void set_play_state(PlayState state);  // The supervisor's word; acts from end() on.

@@ -41,8 +41,6 @@ void play(World& world, uint64_t from, uint64_t to) {
     for (size_t i = 0; i < world.scenario().robots.size(); ++i) {
       world.apply(i, random_command(i, k), time);
       world.send_radio(i, "hello", time);
-      world.take_sensors(i, time);
-      world.take_radio(i, time);
     }
   }
 }
@@ -180,7 +178,7 @@ TEST(World, WalksAsCommandedOnAnArc) {
   const Pose2 pose = world.robot(0, world.end()).pose;
   EXPECT_NEAR(pose.x_m, std::cos(0.3) * x - std::sin(0.3) * y, 2e-5);
   EXPECT_NEAR(pose.y_m, std::sin(0.3) * x + std::cos(0.3) * y, 2e-5);
-  const RobotSensors sensors = world.take_sensors(0, world.end());
+  const RobotSensors sensors = world.sensors(0, world.end(), SimTime());
   EXPECT_NEAR(sensors.odometry.x_m, x, 1e-9);
   EXPECT_NEAR(sensors.odometry.y_m, y, 1e-9);
 }

@@ -22,8 +22,10 @@ class World::Impl {
   void step();
   void place_robot(size_t robot, const Pose2& pose, bool on_field);
   void place_ball(double x_m, double y_m, double vx_mps, double vy_mps);
-  // Lets robot i's sensors sample all that is due up to this time.
-  void sample_sensors(size_t robot, SimTime time);
+  // Lets the sensors of a robot sample all that is due after `since` and up to `time`.
+  void sample(SensorSuite& suite, size_t robot, SimTime time, SimTime since) const;
+  // Ticks up to and including start() have been sampled; none before the first step.
+  SimTime sampled_until() const { return end == start ? SimTime::from_ns(-1) : start; }
   std::vector<Pose2> places(SimTime time) const;
 
   void add_objects(SimTime time, std::vector<Primitive>& out) const;
@@ -46,10 +48,7 @@ class World::Impl {
         bodies.robots[i].visit(v);
         robots[i].visit(v);
       });
-      section("sensors/" + robots[i].spec().id, [&](StateVisitor& v) {
-        v.field("sampled_until", sampled_until[i]);
-        sensors[i].visit(v);
-      });
+      section("sensors/" + robots[i].spec().id, [&](StateVisitor& v) { sensors[i].visit(v); });
     }
   }
 
@@ -57,7 +56,7 @@ class World::Impl {
   SimTime start, end;
   std::vector<Robot> robots;
   std::vector<SensorSuite> sensors;
-  std::vector<SimTime> sampled_until;
+  SimDuration longest_turn;          // Between a robot's observations, at most.
   PhysicsState bodies;               // At `end`.
   std::vector<Vec3> ball_points;     // At the ends of the interval's physics steps.
   int64_t last_touch = -1;           // Robot that touched the ball last.
