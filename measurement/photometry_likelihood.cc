@@ -13,6 +13,26 @@ struct Quadratic {
   double log_det = 0;
 };
 
+// Sum of logarithms, one call of log for several values.
+class LogSum {
+ public:
+  void add(double value) {
+    product_ *= value;
+    if (product_ > 1e100 || product_ < 1e-100) flush();
+  }
+  double total() {
+    flush();
+    return sum_;
+  }
+
+ private:
+  void flush() {
+    sum_ += std::log(product_);
+    product_ = 1;
+  }
+  double product_ = 1, sum_ = 0;
+};
+
 // Changes in time: rows' means from frame to frame, and what is left within rows.
 class TemporalPart {
  public:
@@ -22,17 +42,21 @@ class TemporalPart {
   Quadratic add(const LevelSums& sum, const LevelPrediction& level, std::vector<double>& by_frame) {
     Quadratic total;
     const size_t frames = sum.frames.size();
+    // Of the means over time, whose patterns PatternPart adds, and of the changes.
+    LogSum logs;
+    for (const double v : level.variance) logs.add(v);
+    const double log_variance = logs.total();
+    total.log_det = log_variance;
     if (frames < 2) return total;
     const size_t rows = data_.rows();
     const auto width = static_cast<double>(data_.width_px);
-    std::vector<double> variance(rows, 0), slope2(rows, 0), gain(rows, 0), gain2(rows, 0);
-    for (size_t i = 0; i < level.mean.size(); ++i) {
-      const size_t row = row_of(i);
-      variance[row] += level.variance[i] / width;
-      slope2[row] += level.offset_slope[i] * level.offset_slope[i] / width;
-      gain[row] += level.gain_slope[i] / width;
-      gain2[row] += level.gain_slope[i] * level.gain_slope[i] / width;
-    }
+    std::vector<double> variance(rows, 0), slope2(rows, 0), gain(rows, 0);
+    const double part = 1 / width;
+    each_sample([&](size_t i, size_t row) {
+      variance[row] += level.variance[i] * part;
+      slope2[row] += level.offset_slope[i] * level.offset_slope[i] * part;
+      gain[row] += level.gain_slope[i] * part;
+    });
     const double freedom = static_cast<double>(frames - 1);
     // Within rows: (frames - 1) (width - 1) degrees of freedom a row. Flicker moves a row's parts
     // in proportion to their light; what that adds to the scatter is subtracted.
@@ -44,11 +68,11 @@ class TemporalPart {
         moved[row] /= std::max(gain[row] * gain[row], 1e-9);
       }
     }
-    for (size_t i = 0; i < level.mean.size(); ++i) {
-      const double d = level.gain_slope[i] - gain[row_of(i)];
-      total.chi2 += (sum.scatter[i] - moved[row_of(i)] * d * d) / level.variance[i];
-      total.log_det += share * std::log(level.variance[i]);
-    }
+    total.log_det += share * log_variance;
+    each_sample([&](size_t i, size_t row) {
+      const double d = level.gain_slope[i] - gain[row];
+      total.chi2 += (sum.scatter[i] - moved[row] * d * d) / level.variance[i];
+    });
     const double spread = prediction_.chain.row_sigma_dn * prediction_.chain.row_sigma_dn;
     for (size_t f = 0; f < frames; ++f) {
       const Quadratic of_frame = frame_rows(sum, level, f, variance, slope2, spread);
@@ -63,13 +87,20 @@ class TemporalPart {
   double assigned_to_frames() const { return own_; }
 
  private:
-  size_t row_of(size_t sample) const {
-    return sample / (static_cast<size_t>(data_.width_px) * data_.channels) * data_.channels + sample % data_.channels;
+  template <typename F>
+  void each_sample(F&& f) const {
+    size_t i = 0;
+    for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
+      for (int u = 0; u < data_.width_px; ++u) {
+        for (int c = 0; c < data_.channels; ++c, ++i) f(i, v * data_.channels + c);
+      }
+    }
   }
 
   Quadratic frame_rows(const LevelSums& sum, const LevelPrediction& level, size_t f,
                        const std::vector<double>& variance, const std::vector<double>& slope2, double spread) const {
     Quadratic total;
+    LogSum logs;
     const auto& means = data_.row_mean[sum.frames[f]];
     const int channels = data_.channels;
     for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
@@ -79,7 +110,7 @@ class TemporalPart {
         const double own = variance[row] / data_.width_px;
         const double r = means[row] - sum.row_mean[row] - level.row_shift[f][row];
         total.chi2 += r * r / own;
-        total.log_det += std::log(variance[row]);
+        logs.add(variance[row]);
         const double load2 = spread * slope2[row];
         if (load2 == 0) continue;
         info += load2 / own;
@@ -90,6 +121,7 @@ class TemporalPart {
         info = score = 0;
       }
     }
+    total.log_det += logs.total();
     return total;
   }
 
@@ -113,19 +145,18 @@ class PatternPart {
   }
 
   Quadratic run() {
+    if (!has_patterns()) return plain();
     structured_ = chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
     if (structured_) average_rows();
     const size_t groups = share_ ? 1 : data_.channels;
     columns_.assign(static_cast<size_t>(data_.width_px) * groups, {});
     if (structured_) row_score_.assign(static_cast<size_t>(data_.height_px) * groups * present_.size(), 0);
-    const size_t samples = data_.samples();
     size_t i = 0;
     for (int v = 0; v < data_.height_px; ++v) {
       for (int u = 0; u < data_.width_px; ++u) {
         for (int c = 0; c < data_.channels; ++c, ++i) add_sample(i, v, u, c);
       }
     }
-    (void)samples;
     if (chain_.column_sigma_dn > 0) add_columns();
     if (structured_) add_rows();
     return total_;
@@ -135,6 +166,26 @@ class PatternPart {
   struct Column {
     double info = 0, score = 0;
   };
+
+  bool has_patterns() const {
+    return chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0 || chain_.hot_fraction > 0 ||
+           chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
+  }
+
+  Quadratic plain() const {
+    Quadratic total;
+    for (const size_t l : present_) {
+      const LevelSums& sum = sums_.levels[l];
+      const LevelPrediction& level = prediction_.levels[l];
+      double chi2 = 0;
+      for (size_t i = 0; i < sum.mean.size(); ++i) {
+        const double r = sum.mean[i] - level.mean[i];
+        chi2 += r * r / level.variance[i];
+      }
+      total.chi2 += chi2 * static_cast<double>(sum.frames.size());
+    }
+    return total;
+  }
 
   size_t unit(int place, int channel) const {
     return share_ ? static_cast<size_t>(place) : static_cast<size_t>(place) * data_.channels + channel;
@@ -182,6 +233,7 @@ class PatternPart {
     double i00 = 1, i01 = 0, i11 = 1, log_det = 0;
   };
   Two effects_of_sample() const {
+    if (chain_.pixel_offset_sigma_dn == 0 && chain_.pixel_gain_sigma == 0) return {};
     double a00 = 1, a01 = 0, a11 = 1;
     for (size_t k = 0; k < present_.size(); ++k) {
       a00 += load_offset_[k] * load_offset_[k] * inverse_[k];
@@ -216,7 +268,6 @@ class PatternPart {
     if (chain_.hot_fraction > 0) chi2 = choose_hot(i, two, chi2);
     total_.chi2 += chi2;
     total_.log_det += two.log_det;
-    for (size_t k = 0; k < count; ++k) total_.log_det -= std::log(inverse_[k]);
     if (!structured_) return;
     const size_t row = (static_cast<size_t>(v) * data_.channels + c) * count;
     const size_t row_unit = unit(v, c) * count;
