@@ -48,7 +48,7 @@ class Search {
       gained = best_value - here;
       z_ = best;
       here = best_value;
-      if (!accepted || gained < 1e-4) {
+      if (!accepted || gained < 0.01) {
         // Once more with steps that fit the curvature, unless they did already.
         if (settled_ || iteration > 20) {
           out.converged = true;
