@@ -1,4 +1,5 @@
 // Kind `photometry`: stacks of flat fields and dark frames.
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 
@@ -27,8 +28,11 @@ std::shared_ptr<const PhotometrySums> PhotometryProblem::sums(const Groups& grou
   return value;
 }
 
+// Photometry has scores, fits and structures of its own; there are no residual vectors.
 Evaluation PhotometryProblem::evaluate(const Model&, const Groups&, const Evaluation*) const {
-  SEAM_CHECK(false, "photometry has scores and structures of its own");
+  Evaluation none;
+  none.valid = false;
+  return none;
 }
 
 Score PhotometryProblem::score(const Model& model, const Groups& groups) const {
@@ -106,7 +110,23 @@ std::vector<Structure> PhotometryProblem::structure(const Model& model, const Gr
 
 std::vector<char> PhotometryProblem::find_outliers(const Model&) const { return std::vector<char>(facts_.scalars(), 0); }
 
-std::string PhotometryProblem::not_testable(const Model&, const EffectDefinition&, size_t) const { return ""; }
+std::string PhotometryProblem::not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const {
+  const effects::Parameter& definition = effect.parameters[parameter];
+  if (definition.integer) return "";
+  if (effect.name == "lamp_flicker") {
+    const bool lit = std::any_of(data_.levels.begin(), data_.levels.end(), [](const PhotometryLevel& level) { return !(level.illumination == 0); });
+    return lit ? "" : "no frame has light";
+  }
+  const double here = model.find(effect.name)->parameters[parameter].value;
+  const double size = 0.1 * definition.scale;
+  const double moved = here + size <= definition.max ? here + size : here - size;
+  Model other = model;
+  other.set_value(effect.name, parameter, moved);
+  const auto sum = sums(complement(folds().front()));
+  const PhotometryView view{data_, *sum, set_noise_dn_, channels_share_};
+  const double change = log_likelihood(view, other) - log_likelihood(view, model);
+  return std::abs(change) < 1e-3 ? "it does not change the prediction of these data" : "";
+}
 
 Kind photometry_kind() {
   return {.name = "photometry",

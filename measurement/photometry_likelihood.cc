@@ -8,6 +8,9 @@
 namespace seam::measurement {
 namespace {
 
+// Variance below which a value is certain, DN^2.
+constexpr double kCertain = 2e-3;
+
 struct Quadratic {
   double chi2 = 0;
   double log_det = 0;
@@ -147,6 +150,7 @@ class PatternPart {
   Quadratic run() {
     if (!has_patterns()) return plain();
     structured_ = chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
+    if (chain_.hot_fraction > 0) choose_hot();
     if (structured_) average_rows();
     const size_t groups = share_ ? 1 : data_.channels;
     columns_.assign(static_cast<size_t>(data_.width_px) * groups, {});
@@ -206,7 +210,7 @@ class PatternPart {
         for (int u = 0; u < data_.width_px; ++u) {
           for (int c = 0; c < data_.channels; ++c, ++i) {
             const size_t at = (static_cast<size_t>(v) * data_.channels + c) * count + k;
-            row_residual_[at] += share * (sum.mean[i] - level.mean[i]);
+            row_residual_[at] += share * residual(k, i);
             row_variance_[at] += share * level.variance[i] / static_cast<double>(sum.frames.size());
             row_slope_[at] += share * level.offset_slope[i];
             row_gain_[at] += share * level.gain_slope[i];
@@ -220,7 +224,7 @@ class PatternPart {
     for (size_t k = 0; k < present_.size(); ++k) {
       const LevelSums& sum = sums_.levels[present_[k]];
       const LevelPrediction& level = prediction_.levels[present_[k]];
-      r_[k] = sum.mean[i] - level.mean[i];
+      r_[k] = residual(k, i);
       inverse_[k] = static_cast<double>(sum.frames.size()) / level.variance[i];
       slope_[k] = level.offset_slope[i];
       load_offset_[k] = chain_.pixel_offset_sigma_dn * level.offset_slope[i];
@@ -264,9 +268,7 @@ class PatternPart {
     load_sample(i);
     const size_t count = present_.size();
     const Two two = effects_of_sample();
-    double chi2 = solve(two, r_, solved_);
-    if (chain_.hot_fraction > 0) chi2 = choose_hot(i, two, chi2);
-    total_.chi2 += chi2;
+    total_.chi2 += solve(two, r_, solved_);
     total_.log_det += two.log_det;
     if (!structured_) return;
     const size_t row = (static_cast<size_t>(v) * data_.channels + c) * count;
@@ -279,24 +281,26 @@ class PatternPart {
     for (size_t k = 0; k < count; ++k) column.score += column_[k] * (r_[k] - row_residual_[row + k]);
   }
 
-  // A sample is hot where that is likelier; the residual is then taken from the hot mean.
-  double choose_hot(size_t i, const Two& two, double chi2) {
+  // A sample is hot where that is likelier; its residual is then taken from the hot mean.
+  void choose_hot() {
     const double log_cold = std::log1p(-chain_.hot_fraction), log_hot = std::log(chain_.hot_fraction);
-    cold_ = r_;
-    for (size_t k = 0; k < present_.size(); ++k) {
-      const LevelPrediction& level = prediction_.levels[present_[k]];
-      r_[k] -= level.hot_mean[i] - level.mean[i];
+    is_hot_.assign(data_.samples(), 0);
+    for (size_t i = 0; i < is_hot_.size(); ++i) {
+      load_sample(i);
+      const Two two = effects_of_sample();
+      const double cold = solve(two, r_, solved_);
+      is_hot_[i] = 1;
+      load_sample(i);
+      const double hot = solve(two, r_, solved_);
+      is_hot_[i] = -0.5 * hot + log_hot > -0.5 * cold + log_cold;
+      total_.log_det -= 2 * (is_hot_[i] ? log_hot : log_cold);
     }
-    hot_solved_.resize(present_.size());
-    const double hot = solve(two, r_, hot_solved_);
-    const bool is_hot = -0.5 * hot + log_hot > -0.5 * chi2 + log_cold;
-    total_.log_det -= 2 * (is_hot ? log_hot : log_cold);
-    if (is_hot) {
-      solved_ = hot_solved_;
-      return hot;
-    }
-    r_ = cold_;
-    return chi2;
+  }
+
+  double residual(size_t k, size_t i) const {
+    const LevelPrediction& level = prediction_.levels[present_[k]];
+    const bool hot = !is_hot_.empty() && is_hot_[i];
+    return sums_.levels[present_[k]].mean[i] - (hot ? level.hot_mean[i] : level.mean[i]);
   }
 
   void add_columns() {
@@ -414,7 +418,8 @@ class PatternPart {
   bool share_;
   bool structured_ = false;
   std::vector<size_t> present_;  // Levels with frames.
-  std::vector<double> r_, inverse_, load_offset_, load_gain_, solved_, slope_, column_, cold_, hot_solved_;
+  std::vector<double> r_, inverse_, load_offset_, load_gain_, solved_, slope_, column_;
+  std::vector<char> is_hot_;
   std::vector<double> row_residual_, row_variance_, row_slope_, row_gain_, row_score_;
   std::vector<Column> columns_;
   Quadratic total_;
@@ -442,6 +447,8 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
     // values by constants, which cancel between models.
     for (size_t i = 0; i < sum.mean.size(); ++i) {
       const double r = sum.mean[i] - prediction.levels[l].mean[i];
+      // Values that are certain (a field clipped whole) say nothing of the error when they fit.
+      if (prediction.levels[l].variance[i] < kCertain) score.values -= static_cast<int64_t>(sum.frames.size());
       score.square += count * r * r + sum.scatter[i];
     }
     for (const int frame : sum.frames) {

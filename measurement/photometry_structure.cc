@@ -404,7 +404,8 @@ std::vector<Test> spread_tests(const PhotometryView& view, const PhotometryPredi
     std::vector<double> z(level.mean.size());
     double square = 0, mean = 0;
     for (size_t i = 0; i < z.size(); ++i) {
-      z[i] = sum.scatter[i] / (freedom * level.variance[i]) - 1;
+      // Clipped values have too little variance left to test.
+      z[i] = level.variance[i] < 0.05 ? 0 : sum.scatter[i] / (freedom * level.variance[i]) - 1;
       mean += z[i], square += z[i] * z[i];
       mean_variance += level.variance[i], count += 1;
     }
