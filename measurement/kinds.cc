@@ -5,7 +5,8 @@
 #include "sim_core/error.h"
 
 // One line a kind; `measurement/<name>.cc` defines <name>_kind().
-#define SEAM_KINDS(X)
+#define SEAM_KINDS(X) \
+  X(points)
 
 namespace seam::measurement {
 

@@ -44,6 +44,14 @@ struct Covariate {
   bool in_products = true;     // Whether `a*b` with the other covariates is looked at.
 };
 
+// A residual made of two channels of a row, such as that along the radius; its weights are of unit
+// length, so that it has the noise of its parts.
+struct CombinedChannel {
+  std::string name;
+  int channel_a = 0, channel_b = 1;
+  std::vector<double> weight_a, weight_b;  // By row.
+};
+
 // What never changes: filled by the kind when it reads the set.
 struct Facts {
   std::string kind;
@@ -62,8 +70,7 @@ struct Facts {
   std::vector<int> row_of;      // By scalar.
   std::vector<int> channel_of;  // By scalar.
   std::vector<Covariate> covariates;
-  // Products to be looked at beside those of `in_products` pairs, as names "row*pan_rate".
-  std::vector<std::string> products;
+  std::vector<CombinedChannel> combined;  // Looked at by the structure tests beside the channels.
 
   size_t scalars() const { return row_of.size(); }
   size_t rows() const { return line_of_row.size(); }
@@ -161,9 +168,11 @@ class Problem {
   // Values from which fits of a candidate start (all are tried, the best is kept). Default: a
   // small step from neutral in each direction.
   virtual std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const;
-  // Rows or scalars far from their neighbours' residuals under this model. Default: 6 robust
-  // sigmas from the running median of the series, both coordinates of a row together.
+  // By scalar: rows in which a residual is more than 6 robust sigmas from the median of its
+  // neighbours' under this model.
   virtual std::vector<char> find_outliers(const Model& model) const;
+  // Rows whose residuals should be like this one's. Default: the nearest in time of its series.
+  virtual std::vector<int> neighbours(size_t row) const;
   // What measurement would separate two effects or give an untestable one leverage; may be empty.
   virtual std::string advice(const std::string& effect, const std::string& other) const;
 
@@ -182,6 +191,8 @@ class Problem {
  private:
   std::vector<char> left_out_;
   mutable std::vector<Groups> folds_;
+  mutable std::vector<int> series_order_;  // Rows by series and time, and each row's place in it.
+  mutable std::vector<int> series_place_;
 };
 
 Groups complement(const Groups& groups);

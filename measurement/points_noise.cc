@@ -1,0 +1,124 @@
+#include "measurement/points_noise.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/robust.h"
+
+namespace seam::measurement {
+namespace {
+
+// Residuals of the least-squares fit of y by the columns of A, scaled by 1 / sqrt(1 - leverage) so
+// that each has the variance of the noise.
+Eigen::VectorXd studentised(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
+  const Eigen::MatrixXd Q = Eigen::MatrixXd(qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), qr.rank()));
+  Eigen::VectorXd r = y - Q * (Q.transpose() * y);
+  for (Eigen::Index i = 0; i < r.size(); ++i) r[i] /= std::sqrt(std::max(0.05, 1 - Q.row(i).squaredNorm()));
+  return r;
+}
+
+// Products of powers of the given coordinates up to a total degree.
+Eigen::MatrixXd monomials(const std::vector<std::vector<double>>& coordinates, int degree) {
+  const size_t n = coordinates.front().size();
+  std::vector<std::vector<double>> columns{std::vector<double>(n, 1)};
+  std::vector<std::pair<size_t, int>> last{{0, 0}};  // Last coordinate used, degree.
+  for (size_t c = 0; c < columns.size(); ++c) {
+    if (last[c].second == degree) continue;
+    for (size_t k = last[c].first; k < coordinates.size(); ++k) {
+      std::vector<double> column(n);
+      for (size_t i = 0; i < n; ++i) column[i] = columns[c][i] * coordinates[k][i];
+      columns.push_back(std::move(column));
+      last.emplace_back(k, last[c].second + 1);
+    }
+  }
+  Eigen::MatrixXd A(n, columns.size());
+  for (size_t c = 0; c < columns.size(); ++c) A.col(c) = Eigen::Map<Eigen::VectorXd>(columns[c].data(), n);
+  return A;
+}
+
+std::vector<double> standardised(std::vector<double> x) {
+  const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  const double middle = 0.5 * (*low + *high), half = std::max(0.5 * (*high - *low), 1e-300);
+  for (double& value : x) value = (value - middle) / half;
+  return x;
+}
+
+std::array<double, 2> noise_by_frames(const PointsData& data) {
+  std::array<std::vector<double>, 2> left;
+  for (const std::vector<int>& rows : data.rows_of_frame) {
+    std::vector<std::vector<double>> coordinates(3);
+    std::array<Eigen::VectorXd, 2> y{Eigen::VectorXd(rows.size()), Eigen::VectorXd(rows.size())};
+    for (size_t i = 0; i < rows.size(); ++i) {
+      for (int c = 0; c < 3; ++c) coordinates[c].push_back(data.p_W[rows[i]][c]);
+      y[0][i] = data.u_px[rows[i]];
+      y[1][i] = data.v_px[rows[i]];
+    }
+    std::erase_if(coordinates, [](const std::vector<double>& x) {
+      return *std::max_element(x.begin(), x.end()) - *std::min_element(x.begin(), x.end()) < 1e-9;
+    });
+    if (coordinates.empty()) continue;
+    for (auto& x : coordinates) x = standardised(x);
+    // As flexible as half of the frame's points allow, at most of degree 8.
+    int degree = 8;
+    while (degree > 1 && static_cast<size_t>(monomials({coordinates.begin(), coordinates.end()}, degree).cols()) * 2 > rows.size()) --degree;
+    const Eigen::MatrixXd A = monomials(coordinates, degree);
+    if (static_cast<size_t>(A.cols()) + 4 > rows.size()) continue;
+    for (int c = 0; c < 2; ++c) {
+      const Eigen::VectorXd r = studentised(A, y[c]);
+      left[c].insert(left[c].end(), r.begin(), r.end());
+    }
+  }
+  return {robust_sigma(left[0]), robust_sigma(left[1])};
+}
+
+// Directions of the points in the frame of a camera that hangs on the logged joints, and whatever
+// else may move the image: rates and time.
+std::array<double, 2> noise_by_directions(const PointsData& data) {
+  const Model none = Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));
+  const Rig::Motion motion = data.rig.motion(none);
+  std::vector<std::vector<double>> direction(2);
+  std::vector<std::vector<double>> state;
+  for (size_t i = 0; i < data.p_W.size(); ++i) {
+    const Vec3 p_C = motion.X_WC(data.stamp_s[i]).inverse() * data.p_W[i];
+    const double depth = std::max(p_C.z, 0.05 * glm::length(p_C));
+    direction[0].push_back(p_C.x / depth);
+    direction[1].push_back(p_C.y / depth);
+  }
+  for (auto& x : direction) x = standardised(x);
+  for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {
+    std::vector<double> angle, rate;
+    for (const double t : data.stamp_s) angle.push_back(data.rig.logged(j).value(t)), rate.push_back(data.rig.logged(j).rate(t));
+    state.push_back(standardised(angle));
+    state.push_back(standardised(rate));
+  }
+  state.push_back(standardised(data.stamp_s));
+  const Eigen::MatrixXd field = monomials(direction, 7);
+  const Eigen::MatrixXd low = monomials(direction, 3);
+  const Eigen::MatrixXd modulation = monomials(state, 3).rightCols(monomials(state, 3).cols() - 1);
+  const Eigen::MatrixXd low_modulation = monomials(state, 1).rightCols(state.size());
+  const Eigen::Index n = field.rows();
+  Eigen::MatrixXd A(n, field.cols() + modulation.cols() + low_modulation.cols() * (low.cols() - 1));
+  A.leftCols(field.cols()) = field;
+  A.middleCols(field.cols(), modulation.cols()) = modulation;
+  Eigen::Index at = field.cols() + modulation.cols();
+  for (Eigen::Index m = 0; m < low_modulation.cols(); ++m) {
+    for (Eigen::Index k = 1; k < low.cols(); ++k) A.col(at++) = low_modulation.col(m).cwiseProduct(low.col(k));
+  }
+  std::array<double, 2> sigma{1, 1};
+  for (int c = 0; c < 2; ++c) {
+    const Eigen::VectorXd y = Eigen::Map<const Eigen::VectorXd>((c ? data.v_px : data.u_px).data(), n);
+    const Eigen::VectorXd r = studentised(A, y);
+    sigma[c] = robust_sigma({r.begin(), r.end()});
+  }
+  return sigma;
+}
+
+}  // namespace
+
+std::array<double, 2> estimate_points_noise(const PointsData& data) {
+  return data.rig.type() == Rig::Type::unknown ? noise_by_frames(data) : noise_by_directions(data);
+}
+
+}  // namespace seam::measurement

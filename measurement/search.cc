@@ -1,0 +1,269 @@
+#include "measurement/search.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/registry.h"
+
+namespace seam::measurement {
+namespace {
+
+constexpr size_t kMostSteps = 8;
+
+class Searcher {
+ public:
+  Searcher(Problem& problem, const Model& model, const EffectList& own, const Progress& progress)
+      : problem_(problem), model_(model), own_(own), progress_(progress) {}
+
+  SearchResult run();
+
+ private:
+  Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
+  void forward(SearchResult& result);
+  bool prune(Grown& grown);
+  bool exchange(Grown& grown);
+  std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
+  void order_steps(SearchResult& result);
+
+  Problem& problem_;
+  const Model& model_;
+  const EffectList& own_;
+  const Progress& progress_;
+  Grown base_;
+  double looks_ = 1;
+  std::vector<std::string> promising_;  // Significant in some look, best first.
+};
+
+std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& name) const {
+  if (auto found = effects::find_effect(name)) return found;
+  for (const auto& effect : own_) {
+    if (effect->name == name) return effect;
+  }
+  return nullptr;
+}
+
+// Drops effects that the others have made unnecessary.
+bool Searcher::prune(Grown& grown) {
+  bool changed = false;
+  for (bool again = true; again && grown.added.size() > 1;) {
+    again = false;
+    std::vector<std::optional<Grown>> without(grown.added.size());
+    parallel_for(grown.added.size(), [&](size_t i) {
+      Model model = grown.assessment.model;
+      model.remove(grown.added[i]);
+      Grown smaller{.added = grown.added};
+      smaller.added.erase(smaller.added.begin() + static_cast<long>(i));
+      std::vector<Unknown> unknowns = grown.assessment.unknowns;
+      std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == grown.added[i]; });
+      smaller.assessment = assess(problem_, model, unknowns);
+      if (smaller.assessment.valid) without[i] = std::move(smaller);
+    });
+    size_t best = grown.added.size();
+    for (size_t i = 0; i < without.size(); ++i) {
+      if (!without[i]) continue;
+      Candidate back{.effect = definition(grown.added[i]), .grown = grown};
+      for (const Unknown& unknown : grown.assessment.unknowns) {
+        if (unknown.effect == grown.added[i]) back.free.push_back(unknown.parameter);
+      }
+      judge(problem_, *without[i], looks_, back);
+      if (back.significant) continue;
+      if (best == without.size() || merit_of(problem_, *without[i]) > merit_of(problem_, *without[best])) best = i;
+    }
+    if (best < without.size()) {
+      grown = std::move(*without[best]);
+      changed = again = true;
+    }
+  }
+  return changed;
+}
+
+// Exchanges one added effect for another where the whole becomes clearly better.
+bool Searcher::exchange(Grown& grown) {
+  if (grown.added.size() < 2) return false;
+  std::vector<std::pair<size_t, std::string>> moves;
+  for (size_t i = 0; i < grown.added.size(); ++i) {
+    for (const std::string& name : promising_) {
+      if (std::find(grown.added.begin(), grown.added.end(), name) == grown.added.end()) moves.emplace_back(i, name);
+    }
+  }
+  std::vector<std::optional<Grown>> tried(moves.size());
+  parallel_for(moves.size(), [&](size_t m) {
+    Grown smaller{.added = grown.added};
+    const std::string& out = grown.added[moves[m].first];
+    smaller.added.erase(smaller.added.begin() + static_cast<long>(moves[m].first));
+    Model model = grown.assessment.model;
+    model.remove(out);
+    std::vector<Unknown> unknowns = grown.assessment.unknowns;
+    std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
+    smaller.assessment = {.model = model, .unknowns = unknowns};
+    smaller.assessment.total_ll = -1e300;
+    std::vector<NotTestable> reasons;
+    auto candidate = try_effect(problem_, smaller, definition(moves[m].second), reasons);
+    if (candidate) tried[m] = std::move(candidate->grown);
+  });
+  double best_merit = merit_of(problem_, grown) + 0.25 * tie_width(grown.assessment.error);
+  size_t best = moves.size();
+  for (size_t m = 0; m < moves.size(); ++m) {
+    if (!tried[m] || tried[m]->assessment.held_ll() < grown.assessment.held_ll()) continue;
+    const double merit = merit_of(problem_, *tried[m]);
+    if (merit > best_merit) best_merit = merit, best = m;
+  }
+  if (best == moves.size()) return false;
+  grown = std::move(*tried[best]);
+  return true;
+}
+
+void Searcher::forward(SearchResult& result) {
+  Grown grown = base_;
+  for (size_t step = 0; step < kMostSteps; ++step) {
+    progress_("step " + std::to_string(step + 1) + ": trying effects");
+    Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_));
+    looks_ = std::max<double>(looks_, static_cast<double>(looks.candidates.size()));
+    if (step == 0) result.first = looks;
+    for (const Candidate& candidate : looks.candidates) {
+      const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) != promising_.end();
+      if (candidate.significant && !known && promising_.size() < 8) promising_.push_back(candidate.effect->name);
+    }
+    if (looks.candidates.empty() || !looks.candidates.front().significant) break;
+    const double before = merit_of(problem_, grown);
+    grown = std::move(looks.candidates.front().grown);
+    for (int round = 0; round < 4; ++round) {
+      const bool pruned = prune(grown);
+      const bool exchanged = exchange(grown);
+      if (!pruned && !exchanged) break;
+    }
+    if (!(merit_of(problem_, grown) > before)) break;
+  }
+  result.best = std::move(grown);
+}
+
+// The effects found, in the order in which each helps most.
+void Searcher::order_steps(SearchResult& result) {
+  result.steps.clear();
+  Grown grown = base_;
+  std::vector<std::string> left = result.best.added;
+  while (!left.empty()) {
+    std::vector<std::optional<Candidate>> tried(left.size());
+    parallel_for(left.size(), [&](size_t i) {
+      std::vector<NotTestable> reasons;
+      tried[i] = try_effect(problem_, grown, definition(left[i]), reasons);
+    });
+    size_t best = left.size();
+    for (size_t i = 0; i < left.size(); ++i) {
+      if (tried[i] && (best == left.size() || tried[i]->grown.assessment.total_ll > tried[best]->grown.assessment.total_ll)) best = i;
+    }
+    if (best == left.size()) break;
+    Step step{.effect = left[best], .error_before = grown.assessment.error};
+    grown = std::move(tried[best]->grown);
+    step.after = grown.assessment;
+    step.error_after = grown.assessment.error;
+    result.steps.push_back(std::move(step));
+    left.erase(left.begin() + static_cast<long>(best));
+  }
+  if (grown.assessment.valid && !result.steps.empty() && grown.assessment.total_ll >= result.best.assessment.total_ll - 0.5) {
+    result.best = grown;
+  }
+  // Which others could stand in the place of each step.
+  std::vector<std::vector<std::string>> ties(result.steps.size());
+  std::vector<std::pair<size_t, std::string>> moves;
+  for (size_t s = 0; s < result.steps.size(); ++s) {
+    for (const std::string& name : promising_) {
+      if (!result.best.assessment.model.has(name)) moves.emplace_back(s, name);
+    }
+  }
+  std::vector<char> tied(moves.size(), 0);
+  parallel_for(moves.size(), [&](size_t m) {
+    const std::string& out = result.steps[moves[m].first].effect;
+    Grown smaller{.added = result.best.added};
+    std::erase(smaller.added, out);
+    Model model = result.best.assessment.model;
+    model.remove(out);
+    std::vector<Unknown> unknowns = result.best.assessment.unknowns;
+    std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
+    smaller.assessment = {.model = model, .unknowns = unknowns};
+    smaller.assessment.total_ll = -1e300;
+    std::vector<NotTestable> reasons;
+    const auto candidate = try_effect(problem_, smaller, definition(moves[m].second), reasons);
+    if (!candidate) return;
+    const double difference = result.best.assessment.total_ll - candidate->grown.assessment.total_ll;
+    tied[m] = std::abs(difference) < tie_width(result.best.assessment.error);
+  });
+  for (size_t m = 0; m < moves.size(); ++m) {
+    auto& names = result.steps[moves[m].first].indistinguishable_from;
+    if (tied[m] && names.size() < 3) names.push_back(moves[m].second);
+  }
+}
+
+SearchResult Searcher::run() {
+  SearchResult result;
+  problem_.leave_out({});
+  mark_outliers(problem_, model_, result);
+  for (int round = 0; round < 3; ++round) {
+    promising_.clear();
+    base_ = base();
+    forward(result);
+    // Outliers are those of the best model; with others the search is run again.
+    if (!mark_outliers(problem_, result.best.assessment.model, result)) break;
+  }
+  base_ = base();
+  result.base = base_;
+  order_steps(result);
+  progress_("testing what structure remains");
+  result.base_structure = significant_structure(problem_, result.base);
+  result.remaining = result.steps.empty() ? result.base_structure : significant_structure(problem_, result.best);
+  const bool first_found = !result.first.candidates.empty() && result.first.candidates.front().significant;
+  if (!result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found)) {
+    result.verdict = "unexplained_structure";
+  } else {
+    result.verdict = result.steps.empty() ? "adequate" : "missing_effect";
+  }
+  // The first step is one of the effects that the whole explanation needs: others only stood in
+  // for several of them at once.
+  auto& candidates = result.first.candidates;
+  const auto needed = [&](const Candidate& c) {
+    return std::any_of(result.steps.begin(), result.steps.end(), [&](const Step& s) { return s.effect == c.effect->name; });
+  };
+  if (!result.steps.empty()) {
+    const auto found = std::find_if(candidates.begin(), candidates.end(), needed);
+    if (found != candidates.end()) std::rotate(candidates.begin(), found, found + 1);
+  }
+  return result;
+}
+
+}  // namespace
+
+bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
+  std::vector<char> outliers = problem.find_outliers(model);
+  const size_t count = static_cast<size_t>(std::count(outliers.begin(), outliers.end(), 1));
+  result.outlier_share = static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, outliers.size()));
+  result.outliers.clear();
+  if (result.outlier_share > 0.1 || count == 0) outliers.clear();
+  const bool changed = outliers != problem.left_out();
+  problem.leave_out(std::move(outliers));
+  if (count == 0 || result.outlier_share > 0.1) return changed;
+  const Evaluation evaluation = problem.evaluate(model, problem.all_groups());
+  for (size_t i = 0; i < problem.left_out().size(); ++i) {
+    if (!problem.left_out()[i]) continue;
+    const int row = problem.facts().row_of[i];
+    result.outliers.push_back({.line = problem.facts().line_of_row[row], .scalar = i, .residual = evaluation.residual[i]});
+  }
+  return changed;
+}
+
+std::vector<Structure> significant_structure(const Problem& problem, const Grown& grown) {
+  std::vector<Structure> structure = problem.structure(grown.assessment.model, problem.all_groups(),
+                                                       static_cast<int>(grown.assessment.unknowns.size()));
+  std::erase_if(structure, [](const Structure& s) { return s.p_value >= kStructureAlarm; });
+  return structure;
+}
+
+bool has_mean_structure(const std::vector<Structure>& structure) {
+  return std::any_of(structure.begin(), structure.end(), [](const Structure& s) { return s.moment == "mean"; });
+}
+
+SearchResult search(Problem& problem, const Model& model, const EffectList& own, const Progress& progress) {
+  problem.check_model(model);
+  return Searcher(problem, model, own, progress).run();
+}
+
+}  // namespace seam::measurement
