@@ -13,7 +13,14 @@ namespace seam::tools {
   X(experiment) \
   X(report)     \
   X(run)        \
-  X(serve)
+  X(serve)      \
+  X(compare)    \
+  X(diagnose)   \
+  X(discover)   \
+  X(add)        \
+  X(fit)        \
+  X(measure)    \
+  X(history)
 
 #define SEAM_DECLARE(name) void add_##name(CLI::App& app);
 SEAM_COMMANDS(SEAM_DECLARE)
