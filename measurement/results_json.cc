@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "measurement/results.h"
+#include "sim_core/error.h"
 
 namespace seam::measurement {
 namespace {

@@ -1,5 +1,6 @@
 // `seam add`: fits one effect and adds it to a model.
 #include "measurement/kinds.h"
+#include "sim_core/error.h"
 #include "tools/analysis.h"
 #include "tools/command.h"
 
