@@ -131,7 +131,7 @@ struct Connection {
   // A directory with ca.pem, client.pem and client.key (as `seam certs` makes it): TLS. Empty:
   // plain, which the server accepts on a Unix socket or loopback only.
   std::string certificates;
-  double give_up_s = 10;  // Wall time for connecting, and for reconnecting after a lost connection.
+  double give_up_s = 60;  // Wall time for connecting, and for reconnecting after a lost connection.
 
   // From --address, --robot, --token, --certs, or else the environment SEAM_ADDRESS, SEAM_ROBOT,
   // SEAM_TOKEN, SEAM_CERTS (as `seam run` sets it). Other arguments are left alone.
