@@ -41,6 +41,9 @@ void PlanarTrack::visit(StateVisitor& visitor) {
 }
 
 Robot::Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream, size_t substeps) : spec_(&spec) {
+  for (const BodyPart& part : spec.body.parts) {
+    part_poses_.push_back({rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z), part.centre_m});
+  }
   JointAngles initial{};
   gait_angles(spec.body, 0, {}, initial);
   for (size_t j = 0; j < kHeadJoints; ++j) initial[j] = spec.head_rad[j];
@@ -51,7 +54,8 @@ Robot::Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream
   locomotion_ = parts.locomotion(spec, stream.child("locomotion"));
   track.points.assign(substeps + 1, spec.pose);
   dead_reckoning_.points.assign(substeps + 1, Pose2{});
-  origin_.fill(body_pose(spec.pose, SimTime()).p);
+  attitude_.fill(attitude_on_paws(spec.body, paws(SimTime())));
+  origin_.fill(body_pose(spec.pose, 1).p);
 }
 
 double Robot::top_speed(int joint) const {
@@ -83,13 +87,14 @@ void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_en
         std::erase_if(pending_, [&](const Pending& p) { return p.joint == target.joint && p.time >= time; });
       }
       if (target.joint >= kHeadJoints) legs_commanded_ = true;
-      plan({time + frame.offset, target.joint, target.angle_rad, target.speed_radps});
+      plan({time + frame.offset, target.joint, target.angle_rad, target.speed_radps}, interval_end);
     }
   }
   give_due(interval_end);
 }
 
-void Robot::plan(const Pending& next) {
+void Robot::plan(Pending next, SimTime interval_end) {
+  if (next.joint >= kHeadJoints) next.time = std::max(next.time, interval_end);
   const auto behind = [&](const Pending& p) { return p.time > next.time; };
   pending_.insert(std::find_if(pending_.begin(), pending_.end(), behind), next);
 }
@@ -100,7 +105,8 @@ void Robot::begin_kick(const KickSpec& kick, SimTime time, SimTime interval_end)
   for (const KickMotion& motion : kick.motion) kick_joints_ |= int64_t{1} << motion.joint;
   std::erase_if(pending_, [&](const Pending& p) { return kicks_with(static_cast<int>(p.joint), p.time); });
   for (const KickMotion& motion : kick.motion) {
-    plan({time + SimDuration::from_s(motion.at_s), static_cast<int64_t>(motion.joint), motion.angle_rad, 0});
+    plan({time + SimDuration::from_s(motion.at_s), static_cast<int64_t>(motion.joint), motion.angle_rad, 0},
+         interval_end);
   }
   give_due(interval_end);
 }
@@ -127,6 +133,7 @@ void Robot::begin_interval(SimTime start, SimTime end) {
   dead_reckoning_.points.front() = dead_reckoning_.points.back();
   if (!legs_commanded_) command_gait(start, end);
   give_due(end);
+  attitude_ = {attitude_[1], attitude_on_paws(spec_->body, paws(end))};
 }
 
 // Legs go evenly to where the gait wants them at the interval's end.
@@ -154,7 +161,7 @@ BodyVelocity Robot::drive(size_t k, SimTime start, SimDuration step, bool may_wa
   return locomotion_->velocity(told, start, step);
 }
 
-void Robot::end_interval(SimTime end) { origin_ = {origin_[1], origin_[2], body_pose(track.points.back(), end).p}; }
+void Robot::end_interval() { origin_ = {origin_[1], origin_[2], body_pose(track.points.back(), 1).p}; }
 
 JointAngles Robot::joint_angles(SimTime time) const {
   JointAngles angles;
@@ -173,7 +180,7 @@ SensorTruth Robot::sense(SimTime time, double fraction, SimDuration interval) co
   SensorTruth truth;
   for (int j = 0; j < kJoints; ++j) truth.encoders_rad[static_cast<size_t>(j)] = encoder(j, time);
   truth.dead_reckoning = dead_reckoning_.at(fraction);
-  const Pose X_WB = body_pose(track.at(fraction), time);
+  const Pose X_WB = body_pose(track.at(fraction), fraction);
   const double h = interval.s();
   const Vec3 acceleration_W = (origin_[2] - 2.0 * origin_[1] + origin_[0]) / (h * h);
   truth.specific_force_B = glm::transpose(X_WB.R) * (acceleration_W + Vec3(0, 0, kGravity));
@@ -184,15 +191,23 @@ SensorTruth Robot::sense(SimTime time, double fraction, SimDuration interval) co
   return truth;
 }
 
-Pose Robot::body_pose(const Pose2& place, SimTime time) const {
-  const Attitude attitude = attitude_on_paws(spec_->body, paws(time));
-  return {rotation_zyx(attitude.roll_rad, attitude.pitch_rad, place.theta_rad),
-          {place.x_m, place.y_m, attitude.height_m}};
+Pose Robot::body_pose(const Pose2& place, double fraction) const {
+  const double f = std::clamp(fraction, 0.0, 1.0);
+  const auto between = [f](double a, double b) { return a + f * (b - a); };
+  const Attitude &a = attitude_[0], &b = attitude_[1];
+  return {rotation_zyx(between(a.roll_rad, b.roll_rad), between(a.pitch_rad, b.pitch_rad), place.theta_rad),
+          {place.x_m, place.y_m, between(a.height_m, b.height_m)}};
 }
 
-void Robot::place(const Pose2& pose, SimTime time) {
+void Robot::place(const Pose2& pose) {
   for (Pose2& point : track.points) point = pose;
-  origin_.fill(body_pose(pose, time).p);
+  origin_.fill(body_pose(pose, 1).p);
+}
+
+void Attitude::visit(StateVisitor& visitor) {
+  visitor.field("height_m", height_m);
+  visitor.field("pitch_rad", pitch_rad);
+  visitor.field("roll_rad", roll_rad);
 }
 
 void Robot::Pending::visit(StateVisitor& visitor) {
@@ -205,6 +220,7 @@ void Robot::Pending::visit(StateVisitor& visitor) {
 void Robot::visit(StateVisitor& visitor) {
   track.visit(visitor);
   dead_reckoning_.visit(visitor);
+  for (Attitude& attitude : attitude_) attitude.visit(visitor);
   for (Vec3& origin : origin_) {
     visitor.field("origin_x_m", origin.x);
     visitor.field("origin_y_m", origin.y);

@@ -38,8 +38,10 @@ size_t StateVisitor::list_size(std::string_view name, size_t size) {
 }
 
 uint64_t StateSection::hash() const {
-  Hasher hasher;
-  for (const Field& field : fields) std::visit([&](auto value) { hasher.add(value); }, field.value);
+  StateHasher hasher;
+  for (const Field& field : fields) {
+    std::visit([&](auto value) { hasher.field("", value); }, field.value);
+  }
   return hasher.digest();
 }
 
@@ -91,8 +93,22 @@ void StateLister::field(std::string_view name, double& value) { fields_.push_bac
 
 void StateLister::field(std::string_view name, int64_t& value) { fields_.push_back({scope_ + std::string(name), value}); }
 
-void StateHasher::field(std::string_view, double& value) { hasher_.add(value); }
+void StateHasher::field(std::string_view, double& value) {
+  auto bits = static_cast<int64_t>(std::bit_cast<uint64_t>(value == 0 ? 0.0 : value));
+  field("", bits);
+}
 
-void StateHasher::field(std::string_view, int64_t& value) { hasher_.add(value); }
+void StateHasher::field(std::string_view, int64_t& value) {
+  const size_t end = bytes_.size();
+  bytes_.resize(end + 8);
+  const auto bits = static_cast<uint64_t>(value);
+  for (size_t i = 0; i < 8; ++i) bytes_[end + i] = static_cast<uint8_t>(bits >> (8 * i));
+}
+
+uint64_t StateHasher::digest() const {
+  Hasher hasher;
+  hasher.add_bytes(bytes_);
+  return hasher.digest();
+}
 
 }  // namespace seam

@@ -117,17 +117,16 @@ class StateLister final : public StateVisitor {
   std::vector<StateSection::Field> fields_;
 };
 
-class Hasher;
-// Adds values to a hash: the same digest as StateSection::hash, without the names.
+// The hash of the values in order: that of StateSection, without the names. -0.0 counts as 0.0.
 class StateHasher final : public StateVisitor {
  public:
   using StateVisitor::field;
-  explicit StateHasher(Hasher& hasher) : hasher_(hasher) {}
   void field(std::string_view name, double& value) override;
   void field(std::string_view name, int64_t& value) override;
+  uint64_t digest() const;
 
  private:
-  Hasher& hasher_;
+  std::vector<uint8_t> bytes_;
 };
 
 }  // namespace seam

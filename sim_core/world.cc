@@ -121,7 +121,7 @@ void World::Impl::step() {
             ball_points[point].y = bodies.ball.y_m;
           }};
   physics.advance(bodies, h.s(), scenario.physics_substeps, hooks);
-  for (Robot& robot : robots) robot.end_interval(end);
+  for (Robot& robot : robots) robot.end_interval();
   note_touches();
 }
 
@@ -159,7 +159,7 @@ void World::Impl::find_limbs() {
   for (size_t i = 0; i < robots.size(); ++i) {
     const double dx = bodies.robots[i].x_m - bodies.ball.x_m, dy = bodies.robots[i].y_m - bodies.ball.y_m;
     if (!bodies.robots[i].solid || dx * dx + dy * dy > kLimbDistance * kLimbDistance) continue;
-    const Pose X_WB = robots[i].body_pose(robots[i].track.points.front(), start);
+    const Pose X_WB = robots[i].body_pose(robots[i].track.points.front(), 0);
     const auto paws = robots[i].paws(start);
     for (size_t paw = 0; paw < 2; ++paw) {
       const Vec3 p = X_WB * paws[paw];
@@ -183,7 +183,7 @@ void World::Impl::move_limbs(SimTime time, SimDuration h) {
     const Robot& robot = robots[limb.robot];
     const Pose2 place{body.x_m + h.s() * body.vx_mps, body.y_m + h.s() * body.vy_mps,
                       body.theta_rad + h.s() * body.omega_radps};
-    const Pose X_WB = robot.body_pose(place, time + h);
+    const Pose X_WB = robot.body_pose(place, fraction(time + h));
     Vec3 p;
     if (of_robot < 2) {
       p = X_WB * robot.paws(time + h)[of_robot];
@@ -206,7 +206,7 @@ void World::Impl::note_touches() {
 }
 
 void World::Impl::place_robot(size_t i, const Pose2& pose, bool on_field) {
-  robots[i].place(pose, end);
+  robots[i].place(pose);
   bodies.robots[i] = {pose.x_m, pose.y_m, pose.theta_rad};
   bodies.robots[i].solid = on_field;
   ball_play.let_go(i);
@@ -301,7 +301,7 @@ RobotTruth World::robot(size_t index, SimTime time) const {
   const Pose2 place = robot.track.at(impl_->fraction(time));
   const double c = maths::cos(place.theta_rad), s = maths::sin(place.theta_rad);
   const BodyVelocity velocity{c * body.vx_mps + s * body.vy_mps, c * body.vy_mps - s * body.vx_mps, body.omega_radps};
-  return {place, velocity, body.solid, robot.body_pose(place, time), robot.joint_angles(time)};
+  return {place, velocity, body.solid, robot.body_pose(place, impl_->fraction(time)), robot.joint_angles(time)};
 }
 
 std::vector<WorldEvent> World::take_events() { return std::exchange(impl_->events, {}); }
@@ -319,9 +319,8 @@ std::vector<StateSection> World::sections() const {
 std::vector<uint64_t> World::section_hashes() const {
   std::vector<uint64_t> hashes;
   impl_->for_each_section([&](const std::string&, const auto& visit) {
-    Hasher hasher;
-    StateHasher visitor(hasher);
-    visit(visitor);
+    StateHasher hasher;
+    visit(hasher);
     hashes.push_back(hasher.digest());
   });
   return hashes;

@@ -3,8 +3,8 @@
 //
 // Use: at each multiple of the step, `apply` the commands due, then `step()`. The first `step()`
 // makes the interval [0, step], the next [step, 2 step], and so on. Between, `apply` may be called
-// with times inside the interval (joints follow at once, legs and body from the next step), and the
-// state may be asked for any time in [start(), end()].
+// with times inside the interval (the head follows at once, legs and body from the next step), and
+// the state may be asked for any time in [start(), end()].
 #pragma once
 
 #include <memory>
@@ -84,7 +84,7 @@ class World {
   // camera's pose is X_WC = X_WL * effects::mount_of(model).
   Pose camera_link_pose(size_t robot, SimTime time) const;
   // Field, objects, ball and robots, in this order, appended to `out`. Of the robot whose camera
-  // looks, the head is left out: the camera sits in it.
+  // looks, the head is left out: the camera sits in it. Robots behind that camera are left out, too.
   void primitives_at(SimTime time, std::vector<Primitive>& out, std::optional<size_t> viewer = {}) const;
   Rgb background() const { return scenario().background_rgb; }
   Lighting lighting() const { return scenario().lighting; }

@@ -31,6 +31,7 @@ class World::Impl {
   void add_objects(SimTime time, std::vector<Primitive>& out) const;
   void add_ball(SimTime time, std::vector<Primitive>& out) const;
   void add_robot(size_t robot, SimTime time, bool is_viewer, std::vector<Primitive>& out) const;
+  bool behind(const Pose& X_WL, size_t robot, SimTime time) const;
 
   // Calls `section(name, visit)` for each part of the state, in the stated order.
   template <class Section>
