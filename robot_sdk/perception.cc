@@ -44,18 +44,23 @@ void Perception::look_at_frame(const Frame& frame, Percepts& percepts) const {
   if (frame.colours.empty()) return;
   const ColourMask mask{frame.colours_width_px, frame.colours_height_px,
                         {reinterpret_cast<const uint8_t*>(frame.colours.data()), frame.colours.size()}};
-  // The colour image may be smaller than the camera's; pixel centres are at whole numbers.
-  const float scale = static_cast<float>(mask.width_px) / static_cast<float>(options_.image_width_px);
+  // The colour image may be smaller by a whole factor, taken about the frame's centre; pixel centres
+  // are at whole numbers.
+  const int factor = std::max(1, frame.width_px / mask.width_px);
+  const float k = static_cast<float>(factor);
+  const auto shrunk = [&](float centre_px, int full_px, int small_px) {
+    return (centre_px - 0.5f * static_cast<float>(full_px - factor * small_px) - 0.5f * (k - 1)) / k;
+  };
   CameraBelief camera = options_.camera;
-  camera.fx_px *= scale, camera.fy_px *= scale;
-  camera.cx_px = (camera.cx_px + 0.5f) * scale - 0.5f;
-  camera.cy_px = (camera.cy_px + 0.5f) * scale - 0.5f;
+  camera.cx_px = shrunk(camera.cx_px, frame.width_px, mask.width_px);
+  camera.cy_px = shrunk(camera.cy_px, frame.height_px, mask.height_px);
+  camera.fx_px /= k, camera.fy_px /= k;
   const HeadAtRow head = [&](float row) {
     return head_at(options_.row_times ? row_time_ns(frame, row) : frame.stamp_ns);
   };
   percepts.has_frame = true;
-  percepts.ball = find_ball(mask, head, camera, options_.neck);
-  for (const LandmarkSighting& sighting : find_landmarks(mask, head, camera, options_.neck)) {
+  percepts.ball = find_ball(mask, head, camera, options_.neck, factor > 1 ? 3 : 6);
+  for (const LandmarkSighting& sighting : find_landmarks(mask, head, camera, options_.neck, factor > 1 ? 4 : 12)) {
     percepts.landmarks.push_back(sighting);
   }
 }

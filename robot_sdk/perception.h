@@ -11,9 +11,8 @@
 namespace seam::sdk {
 
 struct PerceptionOptions {
-  CameraBelief camera;
+  CameraBelief camera;  // Of the full image.
   NeckBelief neck;
-  int image_width_px = 178;  // To which `camera` refers; a smaller colour image is scaled.
   // True: the head's angles are taken at the middle of each row's exposure. False: one angle for
   // the whole frame, at its stamp, as a program without knowledge of the rolling shutter does.
   bool row_times = true;

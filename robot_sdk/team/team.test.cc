@@ -8,7 +8,8 @@ namespace seam::sdk {
 namespace {
 
 Percepts ball_at(float time_s, float distance_m, float bearing_rad) {
-  return {.time_s = time_s, .ball = BallSighting{.distance_m = distance_m, .bearing_rad = bearing_rad}, .has_frame = true};
+  const BallSighting ball{.distance_m = distance_m, .bearing_rad = bearing_rad};
+  return {.time_s = time_s, .ball = ball, .has_frame = true};
 }
 
 // A player that has looked at the landmarks long enough to know where it is.
@@ -18,7 +19,8 @@ WorldModel placed_at(const FieldPose& truth, int player = 2) {
   for (const LandmarkPosition& landmark : standard_landmarks()) {
     const float dx = landmark.x_m - truth.x_m, dy = landmark.y_m - truth.y_m;
     const float bearing = std::remainder(std::atan2(dy, dx) - truth.theta_rad, 6.2831853f);
-    sightings.push_back({.kind = landmark.kind, .bearing_rad = bearing, .range_m = std::sqrt(dx * dx + dy * dy), .bearing_sigma_rad = 0.01f, .range_sigma_m = 0.05f});
+    sightings.push_back({.kind = landmark.kind, .bearing_rad = bearing, .range_m = std::sqrt(dx * dx + dy * dy),
+                         .bearing_sigma_rad = 0.01f, .range_sigma_m = 0.05f});
   }
   for (int i = 0; i < 80; ++i) world.update({.time_s = 0.04f * i, .landmarks = {sightings[i % sightings.size()]}});
   return world;

@@ -9,7 +9,7 @@ namespace seam::sdk {
 
 // The channels of the robot's colour detection table; each is one bit of a pixel, and a pixel can
 // carry several.
-enum class Colour : uint8_t { orange, yellow, skyblue, pink, green, white, red, darkblue };
+enum class Colour : uint8_t { orange, yellow, skyblue, pink, green, carpet, red, darkblue };
 
 // One byte a pixel, bit c set where the pixel has colour c. Row-major; borrowed.
 struct ColourMask {

@@ -101,7 +101,7 @@ TEST(LandmarkDetector, NamesAndMeasuresABeacon) {
     const World world = cast(head, [&](const BodyRay& ray) -> std::optional<Colour> {
       const auto height = height_on_post(ray, x, y);
       if (!height || *height < 0 || *height > 0.4f) return std::nullopt;
-      if (*height < 0.2f) return Colour::white;
+      if (*height < 0.2f) return std::nullopt;  // White.
       return (*height < 0.3f) == pink_low ? Colour::pink : Colour::skyblue;
     });
     const auto found = find_landmarks(world.mask(), [&](float) { return head; }, kCamera, kNeck);

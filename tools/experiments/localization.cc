@@ -60,12 +60,15 @@ struct PaperRow {
 constexpr PaperRow kRealRobot[] = {{"x", 186, 393, 580, 61}, {"y", 141, 375, 395, 58}, {"theta", 6.5, 16, 19, 67},
                                    {"xy", 233, 393, -1, 47}, {"xytheta", -1, -1, -1, 47}};
 
+constexpr char kHeader[] =
+    "| | Error (root mean square) | Largest | Mean width | Truth inside |\n|---|---|---|---|---|\n";
+
 std::string cell(double value, const char* format = "{:.0f}") {
   return value < 0 ? "/" : fmt::format(fmt::runtime(format), value);
 }
 
 std::string markdown(const std::string& title, const TableOfMode& table) {
-  std::string out = fmt::format("**{}**\n\n| | Error (root mean square) | Largest | Mean width | Truth inside |\n|---|---|---|---|---|\n", title);
+  std::string out = fmt::format("**{}**\n\n", title) + kHeader;
   for (const Row* row : table.rows()) {
     const bool has_error = row->quantity != "xytheta";
     const char* format = row->unit == "deg" ? "{:.1f} deg" : "{:.0f} mm";
@@ -78,8 +81,7 @@ std::string markdown(const std::string& title, const TableOfMode& table) {
 }
 
 std::string markdown_of_paper() {
-  std::string out =
-      "**Real robot, the paper's Table 1(a)**\n\n| | Error (root mean square) | Largest | Mean width | Truth inside |\n|---|---|---|---|---|\n";
+  std::string out = std::string("**Real robot, the paper's Table 1(a)**\n\n") + kHeader;
   for (const PaperRow& row : kRealRobot) {
     const char* format = std::string(row.quantity) == "theta" ? "{:.1f} deg" : "{:.0f} mm";
     out += fmt::format("| {} | {} | {} | {} | {:.0f} % |\n", row.quantity, cell(row.error, format), cell(row.largest, format),
