@@ -1,0 +1,246 @@
+#!/usr/bin/env python3
+"""The real programs, as a user runs them: `seam run`, `seam serve`, behaviours as processes.
+
+Usage: end_to_end_test.py BUILD_DIR SOURCE_DIR [unittest arguments]
+"""
+import csv
+import json
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+BUILD = pathlib.Path(sys.argv[1]).resolve()
+SOURCE = pathlib.Path(sys.argv[2]).resolve()
+SEAM = BUILD / "seam"
+GOLDEN = SOURCE / "tests" / "golden" / "fingerprints.json"
+LIMIT_S = 120  # A hang is a failure.
+
+
+def scenario(robots=2, duration_s=1.0, frames=True, behaviour="head_swing, --rate, '200'", extra="", step_extra=""):
+    text = (f"format: seam-scenario/1\nname: end-to-end\nduration_s: {duration_s}\nseed: 5\n{step_extra}"
+            f"field: {SOURCE}/models/field_2002.yaml\nball: {{x_m: 0.4, y_m: 0.1, vx_mps: 0.3}}\nrobots:\n")
+    for i in range(robots):
+        text += (f"  - id: r{i}\n    team: {'red' if i % 2 == 0 else 'blue'}\n"
+                 f"    pose: {{x_m: {-0.9 + 0.6 * i}, y_m: {0.4 - 0.5 * i}, theta_rad: {0.3 * i}}}\n"
+                 f"    body: {SOURCE}/models/robot_ers210.yaml\n"
+                 f"    camera: {{model: {SOURCE}/models/ers210.yaml, every_frame: {str(frames).lower()}, "
+                 f"clock: {{phase_s: {0.01 * i}, jitter_sigma_s: 1.0e-4}}}}\n"
+                 f"    behaviour: {{command: [{behaviour}]{extra}}}\n")
+    return text
+
+
+def behaviours_of(parent):
+    """Process ids of the parent's children, by robot."""
+    found = {}
+    for task in pathlib.Path(f"/proc/{parent}/task").glob("*/children"):
+        try:
+            for pid in map(int, task.read_text().split()):
+                environment = pathlib.Path(f"/proc/{pid}/environ").read_bytes().split(b"\0")
+                for entry in environment:
+                    if entry.startswith(b"SEAM_ROBOT="):
+                        found[entry[11:].decode()] = pid
+        except OSError:
+            pass
+    return found
+
+
+def is_running(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def wait_until(condition, limit_s=30):
+    end = time.monotonic() + limit_s
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.01)
+    raise AssertionError("waited in vain")
+
+
+class EndToEnd(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.here = pathlib.Path(self.folder.name)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def write(self, text, name="s.yaml"):
+        path = self.here / name
+        path.write_text(text)
+        return path
+
+    def seam(self, *arguments):
+        return subprocess.run([SEAM, *map(str, arguments)], capture_output=True, text=True, timeout=LIMIT_S)
+
+    def start(self, *arguments):
+        process = subprocess.Popen([SEAM, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: process.poll() is None and process.kill())
+        return process
+
+    def run_json(self, *arguments):
+        out = self.here / "summary.json"
+        done = self.seam("run", *arguments, "--json", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(out.read_text())
+
+    def verify(self, log):
+        if " replay " not in self.seam("--help").stdout:
+            self.skipTest("this build has no `seam replay`")
+        done = self.seam("replay", "verify", log)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def check_golden(self, name, fingerprint):
+        """After a change of results that was meant: look at the .new file, then move it over the golden one."""
+        known = json.loads(GOLDEN.read_text()) if GOLDEN.exists() else {}
+        if known.get(name) == fingerprint:
+            return
+        new = GOLDEN.with_suffix(".json.new")
+        changed = json.loads(new.read_text()) if new.exists() else dict(known)
+        changed[name] = fingerprint
+        new.write_text(json.dumps(changed, indent=2, sort_keys=True) + "\n")
+        self.fail(f"{name}: fingerprint {fingerprint}, expected {known.get(name)}; compare {GOLDEN} with {new}")
+
+    def test_the_same_bits_again_on_any_number_of_threads(self):
+        path = self.write(scenario())
+        first = self.run_json(path)
+        for key in ("sim_s", "wall_s", "real_time_factor", "frames", "fingerprint"):
+            self.assertIn(key, first)
+        self.assertEqual(first["sim_s"], 1.0)
+        self.assertGreater(first["frames"], 40)
+        for threads in (1, 2, 3):
+            self.assertEqual(self.run_json(path, "--render-threads", threads)["fingerprint"], first["fingerprint"])
+        self.assertNotEqual(self.run_json(path, "--seed", 6)["fingerprint"], first["fingerprint"])
+
+    @unittest.skipUnless(GOLDEN.exists(), f"no {GOLDEN.name}")
+    def test_the_golden_fingerprints(self):
+        self.check_golden("end-to-end", self.run_json(self.write(scenario()))["fingerprint"])
+        self.check_golden("head_swing", self.run_json(SOURCE / "scenarios" / "head_swing.yaml")["fingerprint"])
+
+    def test_stopped_and_continued_clients_change_nothing(self):
+        path = self.write(scenario(frames=False, duration_s=4))
+        reference = self.run_json(path)["fingerprint"]
+        out = self.here / "slow.json"
+        process = self.start("run", path, "--json", out)
+        pids = wait_until(lambda: behaviours_of(process.pid))
+        dice = random.Random(3)
+        for _ in range(6):
+            if process.poll() is not None:
+                break
+            victim = dice.choice(list(pids.values()))
+            try:
+                os.kill(victim, signal.SIGSTOP)
+                time.sleep(dice.random() * 0.2)
+                os.kill(victim, signal.SIGCONT)
+            except ProcessLookupError:
+                break
+        self.assertEqual(process.wait(LIMIT_S), 0, process.stderr.read())
+        self.assertEqual(json.loads(out.read_text())["fingerprint"], reference)
+
+    def test_frames_and_their_table(self):
+        frames = self.here / "frames"
+        summary = self.run_json(self.write(scenario(robots=1, duration_s=0.3)), "--frames", frames)
+        pictures = sorted(p.name for p in frames.glob("*.png"))
+        self.assertEqual(len(pictures), summary["frames"])
+        self.assertEqual(pictures[0], "r0_000000.png")
+        with open(frames / "frames.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 144 * len(pictures))
+        self.assertEqual({row["file"] for row in rows}, set(pictures))
+        first, second = rows[0], rows[1]
+        self.assertEqual(int(second["row_start_ns"]) - int(first["row_start_ns"]), 278000)
+        self.assertEqual(int(first["row_end_ns"]) - int(first["row_start_ns"]), 5000000)
+        quaternion = [float(first[k]) for k in ("qw", "qx", "qy", "qz")]
+        self.assertAlmostEqual(sum(q * q for q in quaternion), 1, 12)
+
+    def test_bad_scenarios_are_refused_with_file_and_key(self):
+        good = scenario(robots=1)
+        cases = [
+            (good.replace("seed:", "sede:"), "sede"),
+            (good.replace("field_2002.yaml", "nowhere.yaml"), "nowhere.yaml"),
+            (good.replace("duration_s: 1.0", "duration_s: -3"), "duration_s"),
+            (scenario(robots=2).replace("id: r1", "id: r0"), "r0"),
+            (good.replace("head_swing", "no_such_behaviour"), "no_such_behaviour"),
+            (good.replace("ers210.yaml, every", "unknown.yaml, every"), "unknown.yaml"),
+            ("format: seam-scenario/1\n: [", "bad.yaml"),
+        ]
+        for text, word in cases:
+            done = self.seam("run", self.write(text, "bad.yaml"))
+            self.assertEqual(done.returncode, 1, word)
+            self.assertIn(word, done.stderr)
+            self.assertLessEqual(len(done.stderr.strip().splitlines()), 2, done.stderr)
+        self.assertEqual(self.seam("run", self.here / "missing.yaml").returncode, 1)
+
+    def test_wrong_use_is_exit_code_2(self):
+        path = self.write(scenario(robots=1))
+        for arguments in (["run"], ["run", path, "--no-such-option"], ["run", path, "--model", f"nobody={path}"],
+                          ["serve", path, "--listen", "0.0.0.0:0"], ["no-such-command"]):
+            self.assertEqual(self.seam(*arguments).returncode, 2, arguments)
+
+    def test_a_killed_client_under_each_policy(self):
+        for policy, code in (("wait", 1), ("abort", 1), ("freeze", 0)):
+            log = self.here / f"{policy}.mcap"
+            path = self.write(scenario(robots=3, duration_s=30 if policy != "freeze" else 6, frames=False,
+                                       extra=f", silence: {policy}, wall_limit_s: 1"))
+            process = self.start("run", path, "--log", log)
+            pids = wait_until(lambda: len(behaviours_of(process.pid)) == 3 and behaviours_of(process.pid))
+            time.sleep(0.2)
+            os.kill(pids["r1"], signal.SIGKILL)
+            self.assertEqual(process.wait(LIMIT_S), code, policy)
+            errors = process.stderr.read()
+            self.assertIn("r1", errors)
+            self.assertIn("signal 9", errors)
+            self.assertFalse(any(is_running(pid) for pid in pids.values()), policy)
+            self.verify(log)
+
+    def test_interrupt_ends_cleanly_with_a_whole_log(self):
+        log = self.here / "stopped.mcap"
+        process = self.start("run", self.write(scenario(duration_s=1000)), "--log", log, "--frames", self.here / "f")
+        pids = wait_until(lambda: len(behaviours_of(process.pid)) == 2 and behaviours_of(process.pid))
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(20), 0)
+        self.assertIn("stopped", process.stdout.read())
+        self.assertFalse(any(is_running(pid) for pid in pids.values()))
+        self.verify(log)
+
+    def test_behaviours_die_with_a_killed_server(self):
+        process = self.start("run", self.write(scenario(duration_s=1000, frames=False)))
+        pids = wait_until(lambda: len(behaviours_of(process.pid)) == 2 and behaviours_of(process.pid))
+        process.kill()
+        process.wait()
+        wait_until(lambda: not any(is_running(pid) for pid in pids.values()))
+
+    def test_clients_over_tls_with_tokens(self):
+        path = self.write(scenario(robots=1))
+        reference = self.run_json(path)["fingerprint"]
+        certificates, tokens, out = self.here / "certs", self.here / "tokens.yaml", self.here / "served.json"
+        self.assertEqual(self.seam("certs", certificates).returncode, 0)
+        server = self.start("serve", path, "--listen", "127.0.0.1:0", "--certs", certificates, "--tokens", tokens,
+                            "--json", out)
+        address = server.stdout.readline().split()[-1]
+        token = next(line.split()[1] for line in tokens.read_text().splitlines() if "r0:" in line)
+        self.assertEqual(tokens.stat().st_mode & 0o077, 0)
+        client = [BUILD / "behaviours" / "head_swing", "--rate", "200", "--address", address, "--robot", "r0"]
+        secure = dict(os.environ, SEAM_CERTS=str(certificates))
+        wrong = subprocess.run([*client, "--token", "guess"], env=secure, capture_output=True, text=True, timeout=60)
+        self.assertEqual(wrong.returncode, 1)
+        self.assertIn("token", wrong.stderr)
+        right = subprocess.run([*client, "--token", token], env=secure, timeout=LIMIT_S)
+        self.assertEqual(right.returncode, 0)
+        self.assertEqual(server.wait(LIMIT_S), 0)
+        self.assertEqual(json.loads(out.read_text())["fingerprint"], reference)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
