@@ -8,38 +8,35 @@
 namespace seam {
 namespace {
 
-// Paws this far above the lowest one carry a third of its weight; small enough for the swinging
-// paws to carry little, large enough for the body to move smoothly as weight shifts.
-constexpr double kContactScale = 2e-3;
-// Keeps the plane level where only one diagonal carries, m^2.
-constexpr double kLevelling = 4e-4;
+// Rounds the change from one diagonal to the other, m.
+constexpr double kSettling = 5e-4;
 
 }  // namespace
 
+// Four paws are never in one plane but for a twist: one diagonal is as far above their common plane
+// as the other is below it. The body has the tilt of the plane and stands on the lower diagonal.
 Attitude attitude_on_paws(const RobotBody& body, const std::array<Vec3, kLegs>& paws_B) {
-  double lowest = paws_B[0].z;
-  for (const Vec3& paw : paws_B) lowest = std::min(lowest, paw.z);
-  // Weighted least squares for the plane z = a x + b y + c under the paws.
-  double sum = 0;
   Vec3 mean{0.0};
-  std::array<double, kLegs> weight{};
-  for (size_t i = 0; i < kLegs; ++i) {
-    weight[i] = maths::exp(-(paws_B[i].z - lowest) / kContactScale);
-    sum += weight[i];
-    mean += weight[i] * paws_B[i];
-  }
-  mean /= sum;
-  double xx = kLevelling, yy = kLevelling, xy = 0, xz = 0, yz = 0;
-  for (size_t i = 0; i < kLegs; ++i) {
-    const Vec3 d = paws_B[i] - mean;
-    const double w = weight[i] / sum;
-    xx += w * d.x * d.x, yy += w * d.y * d.y, xy += w * d.x * d.y;
-    xz += w * d.x * d.z, yz += w * d.y * d.z;
+  for (const Vec3& paw : paws_B) mean += 0.25 * paw;
+  // Least squares for the plane z = a x + b y + c.
+  double xx = 0, yy = 0, xy = 0, xz = 0, yz = 0;
+  for (const Vec3& paw : paws_B) {
+    const Vec3 d = paw - mean;
+    xx += d.x * d.x, yy += d.y * d.y, xy += d.x * d.y, xz += d.x * d.z, yz += d.y * d.z;
   }
   const double determinant = xx * yy - xy * xy;
-  const double a = (xz * yy - yz * xy) / determinant;
-  const double b = (yz * xx - xz * xy) / determinant;
-  const double c = mean.z - a * mean.x - b * mean.y;
+  // Paws in a line carry no plane: the body stays level.
+  const bool plane = determinant > 1e-3 * xx * yy;
+  const double a = plane ? (xz * yy - yz * xy) / determinant : 0;
+  const double b = plane ? (yz * xx - xz * xy) / determinant : 0;
+  double twist2 = 0;
+  for (const Vec3& paw : paws_B) {
+    const Vec3 d = paw - mean;
+    const double above = d.z - a * d.x - b * d.y;
+    twist2 += 0.25 * above * above;
+  }
+  const double lower = std::sqrt(twist2 + kSettling * kSettling) - kSettling;
+  const double c = mean.z - a * mean.x - b * mean.y - lower;
   const double norm = std::sqrt(1 + a * a + b * b);
   // World's up in the body's frame is n = (-a, -b, 1) / norm = the third row of Ry(pitch) Rx(roll).
   return {.height_m = -c / norm + body.paw_radius_m,
