@@ -6,7 +6,8 @@
 
 // One line a kind; `measurement/<name>.cc` defines <name>_kind().
 #define SEAM_KINDS(X) \
-  X(points)
+  X(points)            \
+  X(photometry)
 
 namespace seam::measurement {
 
