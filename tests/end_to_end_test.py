@@ -209,6 +209,7 @@ class EndToEnd(unittest.TestCase):
         pids = wait_until(lambda: len(behaviours_of(process.pid)) == 2 and behaviours_of(process.pid))
         time.sleep(0.5)
         process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGINT)  # As `timeout -s INT` does.
         self.assertEqual(process.wait(20), 0)
         self.assertIn("stopped", process.stdout.read())
         self.assertFalse(any(is_running(pid) for pid in pids.values()))

@@ -127,11 +127,19 @@ SignalWatch::SignalWatch(std::function<void()> stop, std::function<void()> child
     : thread_([this, stop, child] {
         const sigset_t set = our_signals();
         const timespec tick{0, 100'000'000};
+        // `timeout` and terminals may send a signal twice at once; that is one wish to stop.
+        constexpr std::chrono::seconds kImpatient{1};
+        std::chrono::steady_clock::time_point first;
         while (!ending_) {
           const int signal = sigtimedwait(&set, nullptr, &tick);
           if (signal == SIGINT || signal == SIGTERM) {
-            if (interrupted_.exchange(true)) _exit(130);  // PDEATHSIG ends the behaviours.
-            stop();
+            const auto now = std::chrono::steady_clock::now();
+            if (!interrupted_.exchange(true)) {
+              first = now;
+              stop();
+            } else if (now - first > kImpatient) {
+              _exit(130);  // PDEATHSIG ends the behaviours.
+            }
           }
           child();
         }

@@ -45,7 +45,7 @@ class Behaviours {
 };
 
 // Waits for signals on a thread of its own: `stop` on the first SIGINT or SIGTERM, `child` on
-// SIGCHLD and every 100 ms. A second SIGINT ends the program at once.
+// SIGCHLD and every 100 ms. Another SIGINT a second later ends the program at once.
 class SignalWatch {
  public:
   SignalWatch(std::function<void()> stop, std::function<void()> child);
