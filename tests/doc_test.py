@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Runs the commands of a document and checks what it promises: doc_test.py FILE.md SEAM.
+
+Every fenced block marked `sh` is run in order, in a copy of the folder beside the document (docs/x.md:
+docs/x/). After a block, comments such as
+    <!-- check: diagnose.json verdict == missing_effect -->
+    <!-- check: fitted.json error_after < 1.05 -->
+    <!-- check: exists report.html -->
+look at the files it wrote. The document's words are for people; these are for this test.
+"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+PIECE = re.compile(r"^```sh\n(?P<sh>.*?)^```$|^<!-- check: (?P<check>.*?) -->$", re.M | re.S)
+
+
+def look_up(document, path):
+    """candidates.0.effect, parameters.k.value"""
+    for name in path.split("."):
+        document = document[int(name)] if isinstance(document, list) else document[name]
+    return document
+
+
+def holds(folder, check):
+    words = check.split()
+    if words[0] == "exists":
+        return (folder / words[1]).is_file(), "a file"
+    file, path, relation, *rest = words
+    found = look_up(json.loads((folder / file).read_text(encoding="utf-8")), path)
+    expected = " ".join(rest)
+    if relation == "==":
+        return str(found) == expected, found
+    if relation == "contains":
+        return expected in json.dumps(found), found
+    if relation == "within":  # value within TOLERANCE of EXPECTED
+        tolerance, wanted = float(rest[0]), float(rest[2])
+        return abs(found - wanted) <= tolerance, found
+    number = float(expected)
+    return {"<": found < number, ">": found > number}[relation], found
+
+
+def main():
+    document = pathlib.Path(sys.argv[1]).resolve()
+    seam = pathlib.Path(sys.argv[2]).resolve()
+    environment = dict(os.environ, PATH=f"{seam.parent}:{os.environ['PATH']}")
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name) / "work"
+        material = document.with_suffix("")
+        if material.is_dir():
+            shutil.copytree(material, folder)
+        else:
+            folder.mkdir()
+        done = checks = 0
+        for piece in PIECE.finditer(document.read_text(encoding="utf-8")):
+            if piece["sh"]:
+                done += 1
+                script = "set -euo pipefail\n" + piece["sh"]
+                run = subprocess.run(["bash", "-c", script], cwd=folder, env=environment, capture_output=True, text=True)
+                print(f"$ {piece['sh']}{run.stdout}{run.stderr}")
+                if run.returncode != 0:
+                    return f"{document.name}: the block above ended with exit code {run.returncode}"
+            else:
+                checks += 1
+                true, found = holds(folder, piece["check"])
+                if not true:
+                    return f"{document.name}: promised {piece['check']}, found {found}"
+        if not done or not checks:
+            return f"{document.name}: nothing was run or nothing was checked"
+        print(f"{document.name}: {done} blocks run, {checks} promises kept")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
