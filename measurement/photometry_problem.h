@@ -19,6 +19,7 @@ class PhotometryProblem : public Problem {
   Score score(const Model& model, const Groups& groups) const override;
   Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
   std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const override;
+  ResidualView residual_view(const Model& model, const Groups& groups) const override;
   void check_model(const Model& model) const override;
   bool acts(const EffectDefinition& effect) const override;
   std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;

@@ -136,6 +136,8 @@ struct Outlier {
   double residual = 0;
 };
 
+struct ResidualView;
+
 class Problem {
  public:
   virtual ~Problem() = default;
@@ -156,6 +158,9 @@ class Problem {
   // Tests of mean and spread against every covariate and product, strongest first. Holds all tests
   // that are significant; `fitted` parameters were estimated from these data.
   virtual std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const;
+
+  // Residuals beside their covariates, for plots. Default: those of `evaluate`.
+  virtual ResidualView residual_view(const Model& model, const Groups& groups) const;
 
   // Whether a model can be held against this set at all; throws InputError with the reason (a
   // points set needs a projection, ...).

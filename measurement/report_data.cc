@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -60,20 +61,25 @@ json data_json(const Problem& problem, const Assessment& before, const std::stri
 void append_stage(const Problem& problem, const Assessment& assessment, const std::string& stage,
                   const std::vector<Structure>& structures, json& plots) {
   const ResidualView view = problem.residual_view(assessment.model, shown_groups(problem));
+  // One cause shows in many places: a few plots of each residual tell more than many of one.
   std::set<std::string> drawn;
+  std::map<std::string, int> of_residual;
   for (const Structure& structure : structures) {
     if (drawn.size() == 8) break;
     const std::string key = structure.residual + structure.covariate + structure.moment;
-    if (drawn.contains(key)) continue;
+    const bool label = structure.covariate == "frame" || structure.covariate == "point";
+    int& same = of_residual[structure.residual + structure.moment];
+    if (drawn.contains(key) || label || same == 3) continue;
     json plot = residual_plot(view, structure, stage);
     if (plot.is_null()) continue;
     drawn.insert(key);
+    ++same;
     plots["residuals"].push_back(std::move(plot));
   }
   if (json arrows = arrow_plot(view, stage); !arrows.is_null()) plots["arrows"].push_back(std::move(arrows));
   if (json map = image_map(view, stage); !map.is_null()) plots["maps"].push_back(std::move(map));
   if (!plots.contains("histograms")) plots["histograms"] = json::array();
-  append_histograms(view, stage, plots["histograms"]);
+  append_histograms(view, problem.facts().channels.size(), stage, plots["histograms"]);
 }
 
 // The error without each effect that was fitted or added, the rest refitted.

@@ -38,7 +38,9 @@ size_t stride(size_t count, size_t most) { return std::max<size_t>(1, (count + m
 }  // namespace
 
 json residual_plot(const ResidualView& view, const Structure& structure, const std::string& stage) {
-  const ResidualView::Channel* channel = view.channel(structure.residual);
+  // Where the mean was averaged over repeats, single values show the spread.
+  const ResidualView::Channel* channel = structure.moment == "spread" ? view.channel(structure.residual + " spread") : nullptr;
+  if (!channel) channel = view.channel(structure.residual);
   const std::vector<double> covariate = view.covariate(structure.covariate);
   if (!channel || covariate.empty()) return nullptr;
   std::vector<size_t> order;
@@ -118,10 +120,11 @@ json image_map(const ResidualView& view, const std::string& stage) {
           {"width_px", width}, {"height_px", height}, {"values", std::move(values)}};
 }
 
-void append_histograms(const ResidualView& view, const std::string& stage, json& list) {
+void append_histograms(const ResidualView& view, size_t channels, const std::string& stage, json& list) {
   constexpr double kReach = 6, kWidth = 0.25;
   constexpr int kBins = static_cast<int>(2 * kReach / kWidth);
-  for (const ResidualView::Channel& channel : view.channels) {
+  for (size_t c = 0; c < std::min(channels, view.channels.size()); ++c) {
+    const ResidualView::Channel& channel = view.channels[c];
     if (channel.residual.size() < 20) continue;
     std::vector<int> counts(kBins, 0);
     for (size_t i = 0; i < channel.residual.size(); ++i) {

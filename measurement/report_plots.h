@@ -19,7 +19,7 @@ nlohmann::json arrow_plot(const ResidualView& view, const std::string& stage);
 // Mean residual of pixel values in cells over the image; null for other residuals.
 nlohmann::json image_map(const ResidualView& view, const std::string& stage);
 
-// Residuals over their own sigma, one histogram a channel.
-void append_histograms(const ResidualView& view, const std::string& stage, nlohmann::json& list);
+// Residuals over their own sigma: one histogram for each of the first `channels`.
+void append_histograms(const ResidualView& view, size_t channels, const std::string& stage, nlohmann::json& list);
 
 }  // namespace seam::measurement

@@ -36,6 +36,10 @@ std::vector<double> ResidualView::covariate(const std::string& name) const {
   return a;
 }
 
+ResidualView Problem::residual_view(const Model& model, const Groups& groups) const {
+  return view_of(facts_, evaluate(model, groups));
+}
+
 ResidualView view_of(const Facts& facts, const Evaluation& evaluation) {
   ResidualView view;
   for (const Covariate& covariate : facts.covariates) view.covariates.emplace_back(covariate.name, covariate.values);

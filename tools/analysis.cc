@@ -25,6 +25,12 @@ void tell(const AnalysisFlags& flags, const std::string& text, const std::string
   if (!flags.json.empty()) write_file_atomically(flags.json, json);
 }
 
+measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags) {
+  return {.command = fmt::format("seam {} --model {} --data {} --report {}", command, flags.model, flags.data, flags.report),
+          .model_file = flags.model,
+          .data_folder = flags.data};
+}
+
 measurement::Progress progress_to_terminal() {
   const bool watched = isatty(STDERR_FILENO) != 0;
   return [watched](const std::string& what) {

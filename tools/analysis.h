@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "measurement/report_data.h"
 #include "measurement/results.h"
 
 namespace seam::tools {
@@ -23,6 +24,9 @@ effects::Model read_model(const std::string& path);
 
 // Prints the text; writes the JSON where the user asked for it.
 void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json);
+
+// What a report says of where it comes from: `seam <command> --model M --data D`.
+measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags);
 
 // Progress to standard error when a person watches.
 measurement::Progress progress_to_terminal();

@@ -1,5 +1,6 @@
 // `seam compare`: residuals of a model on held-out groups, and where they fail.
 #include "measurement/kinds.h"
+#include "measurement/report.h"
 #include "tools/analysis.h"
 #include "tools/command.h"
 
@@ -15,6 +16,9 @@ void add_compare(CLI::App& app) {
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::compare(*problem, model);
     tell(*flags, measurement::compare_text(*problem, result), measurement::compare_json(*problem, result));
+    if (!flags->report.empty()) {
+      measurement::write_report(flags->report, measurement::compare_report(*problem, result, report_header("compare", *flags)));
+    }
   });
 }
 

@@ -1,5 +1,6 @@
 // `seam diagnose`: which effect is missing from a model.
 #include "measurement/kinds.h"
+#include "measurement/report.h"
 #include "tools/analysis.h"
 #include "tools/command.h"
 
@@ -18,6 +19,9 @@ void add_diagnose(CLI::App& app) {
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::search(*problem, model, own, progress_to_terminal());
     tell(*flags, measurement::diagnose_text(*problem, result), measurement::diagnose_json(*problem, result));
+    if (!flags->report.empty()) {
+      measurement::write_report(flags->report, measurement::diagnose_report(*problem, result, report_header("diagnose", *flags)));
+    }
   });
 }
 

@@ -1,5 +1,6 @@
 // `seam discover`: adds effects until nothing more is supported by the data.
 #include "measurement/kinds.h"
+#include "measurement/report.h"
 #include "tools/analysis.h"
 #include "tools/command.h"
 
@@ -21,6 +22,9 @@ void add_discover(CLI::App& app) {
     const auto result = measurement::search(*problem, model, own, progress_to_terminal());
     measurement::discovered_model(*problem, model, result).write(*out);
     tell(*flags, measurement::discover_text(*problem, result), measurement::discover_json(*problem, result));
+    if (!flags->report.empty()) {
+      measurement::write_report(flags->report, measurement::discover_report(*problem, result, report_header("discover", *flags)));
+    }
   });
 }
 

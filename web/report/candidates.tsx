@@ -16,10 +16,14 @@ export function ParameterList({ parameters }: { parameters?: Parameters }) {
   );
 }
 
+const helps = (c: Candidate) => (c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01;
+
 export function Candidates({ report }: { report: Report }) {
   const candidates = [...(report.result.candidates ?? [])].sort((a, b) => a.rank - b.rank);
   if (candidates.length === 0) return null;
-  const helpful = candidates.filter((c) => (c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01);
+  // What helps, and a few of the others to see the distance.
+  const first = Math.max(6, Math.min(10, candidates.filter(helps).length + 2));
+  const helpful = candidates.filter(helps);
   return (
     <section id="candidates">
       <h2>Candidates</h2>
@@ -31,23 +35,35 @@ export function Candidates({ report }: { report: Report }) {
             : `${helpful.length} effects bring a gain that noise cannot explain; they may share one cause, ` +
               "so only the first is to be believed before it is added."}
       </p>
-      <div class="scroll">
-        <table class="data candidates">
-          <thead>
-            <tr>
-              <th class="r">#</th><th>Effect</th><th>Gain, held out</th><th class="r">Error</th>
-              <th class="r">p</th><th>Parameters, ± 1 σ</th><th>Why</th>
-            </tr>
-          </thead>
-          <tbody>{candidates.map((c) => <Row key={c.effect} candidate={c} />)}</tbody>
-        </table>
-      </div>
+      <Table candidates={candidates.slice(0, first)} />
+      {candidates.length > first && (
+        <details class="more">
+          <summary>and {candidates.length - first} that bring less</summary>
+          <Table candidates={candidates.slice(first)} />
+        </details>
+      )}
     </section>
   );
 }
 
+function Table({ candidates }: { candidates: Candidate[] }) {
+  return (
+    <div class="scroll">
+      <table class="data candidates">
+        <thead>
+          <tr>
+            <th class="r">#</th><th>Effect</th><th>Gain, held out</th><th class="r">Error</th>
+            <th class="r">p</th><th>Parameters, ± 1 σ</th><th>Why</th>
+          </tr>
+        </thead>
+        <tbody>{candidates.map((c) => <Row key={c.effect} candidate={c} />)}</tbody>
+      </table>
+    </div>
+  );
+}
+
 function Row({ candidate: c }: { candidate: Candidate }) {
-  const significant = (c.p_value ?? 1) < 0.01 && (c.gain ?? 0) > 0;
+  const significant = helps(c);
   return (
     <tr class={significant ? "" : "weak"}>
       <td class="r num">{c.rank}</td>
@@ -65,7 +81,7 @@ function Row({ candidate: c }: { candidate: Candidate }) {
       <td class="r num">{number(c.error, 4)}</td>
       <td class="r num nowrap"><Rich text={pValue(c.p_value)} /></td>
       <td><ParameterList parameters={c.parameters} /></td>
-      <td class="why">{c.why ? words(c.why).replaceAll(" x ", " × ") : ""}</td>
+      <td class="why">{c.why ? words(c.why.split("; without it")[0]).replaceAll(" x ", " × ") : ""}</td>
     </tr>
   );
 }

@@ -17,14 +17,28 @@ export function Structure({ report }: { report: Report }) {
             What the held-out residuals depend on. Strength is the root mean square of what a smooth
             curve explains; p is corrected for the number of looks. One cause can show in several rows.
           </p>
-          <table class="data structure">
-            <thead>
-              <tr><th>Residual</th><th>of its</th><th>depends on</th><th>Strength</th><th class="r">p</th></tr>
-            </thead>
-            <tbody>{all.map((item, i) => <Row key={i} item={item} all={all} />)}</tbody>
-          </table>
+          <Rows items={all.slice(0, shownFirst)} all={all} />
+          {all.length > shownFirst && (
+            <details class="more">
+              <summary>and {all.length - shownFirst} weaker ones</summary>
+              <Rows items={all.slice(shownFirst)} all={all} />
+            </details>
+          )}
         </>}
     </section>
+  );
+}
+
+const shownFirst = 12;
+
+function Rows({ items, all }: { items: Item[]; all: Item[] }) {
+  return (
+    <table class="data structure">
+      <thead>
+        <tr><th>Residual</th><th>of its</th><th>depends on</th><th>Strength</th><th class="r">p</th></tr>
+      </thead>
+      <tbody>{items.map((item, i) => <Row key={i} item={item} all={all} />)}</tbody>
+    </table>
   );
 }
 
