@@ -242,6 +242,39 @@ class EndToEnd(unittest.TestCase):
         self.assertEqual(server.wait(LIMIT_S), 0)
         self.assertEqual(json.loads(out.read_text())["fingerprint"], reference)
 
+    def test_clients_on_another_network_namespace(self):
+        a, b = f"seam-a-{os.getpid()}", f"seam-b-{os.getpid()}"
+
+        def ip(*arguments):
+            return subprocess.run(["ip", *arguments], capture_output=True, text=True).returncode == 0
+
+        if not (ip("netns", "add", a) and ip("netns", "add", b)):
+            self.skipTest("network namespaces need rights that this user has not")
+        self.addCleanup(lambda: [ip("netns", "del", name) for name in (a, b)])
+        link = f"v{os.getpid() % 100000}"
+        if not ip("link", "add", link + "a", "netns", a, "type", "veth", "peer", "name", link + "b", "netns", b):
+            self.skipTest("no virtual network links here")
+        for name, end, address in ((a, "a", "10.77.0.1/24"), (b, "b", "10.77.0.2/24")):
+            ip("-n", name, "addr", "add", address, "dev", link + end)
+            ip("-n", name, "link", "set", link + end, "up")
+        path = self.write(scenario(robots=2, frames=False))
+        reference = self.run_json(path)["fingerprint"]
+        certificates, tokens, out = self.here / "certs", self.here / "tokens.yaml", self.here / "served.json"
+        self.assertEqual(self.seam("certs", certificates, "--host", "10.77.0.1").returncode, 0)
+        server = subprocess.Popen(["ip", "netns", "exec", a, SEAM, "serve", path, "--listen", "10.77.0.1:7210",
+                                   "--certs", certificates, "--tokens", tokens, "--json", out],
+                                  stdout=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: server.poll() is None and server.kill())
+        server.stdout.readline()
+        secret = dict(line.strip().split(": ") for line in tokens.read_text().splitlines() if line.startswith("  "))
+        clients = [subprocess.Popen(["ip", "netns", "exec", b, BUILD / "behaviours" / "head_swing", "--rate", "200",
+                                     "--address", "10.77.0.1:7210", "--robot", robot, "--token", secret[robot]],
+                                    env=dict(os.environ, SEAM_CERTS=str(certificates))) for robot in ("r0", "r1")]
+        for client in clients:
+            self.assertEqual(client.wait(LIMIT_S), 0)
+        self.assertEqual(server.wait(LIMIT_S), 0)
+        self.assertEqual(json.loads(out.read_text())["fingerprint"], reference)
+
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)

@@ -177,6 +177,9 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
     summary.fingerprint = simulation.fingerprint();
     summary.waiting_s = hub.wall_waiting_s();
     summary.abort_reason = aborted.text;
+    summary.has_score = scenario.referee.enabled;
+    summary.red_score = simulator.world.score(Team::red);
+    summary.blue_score = simulator.world.score(Team::blue);
   }
   behaviours.wait_for_end(2);
   return summary;
@@ -191,14 +194,20 @@ int report(const SessionSummary& summary, const SessionOptions& options) {
               static_cast<unsigned long long>(summary.frames),
               static_cast<unsigned long long>(summary.decisions),
               to_hex(summary.fingerprint).c_str());
+  std::string score;
+  if (summary.has_score) {
+    std::printf("score red %d, blue %d\n", summary.red_score, summary.blue_score);
+    score = fmt::format(",\n  \"score\": {{\"red\": {}, \"blue\": {}}}", summary.red_score,
+                        summary.blue_score);
+  }
   if (!options.json.empty())
     write_file_atomically(
         options.json,
         fmt::format("{{\n  \"format\": \"seam-run/1\",\n  \"sim_s\": {},\n  \"wall_s\": {},\n"
                     "  \"real_time_factor\": {},\n  \"frames\": {},\n  \"fingerprint\": \"{}\",\n"
-                    "  \"decisions\": {},\n  \"waiting_s\": {},\n  \"end\": \"{}\"\n}}\n",
+                    "  \"decisions\": {},\n  \"waiting_s\": {},\n  \"end\": \"{}\"{}\n}}\n",
                     summary.sim_s, summary.wall_s, summary.real_time_factor(), summary.frames,
-                    to_hex(summary.fingerprint), summary.decisions, summary.waiting_s, end));
+                    to_hex(summary.fingerprint), summary.decisions, summary.waiting_s, end, score));
   if (summary.end != scheduler::EndReason::aborted) return 0;
   std::fprintf(stderr, "seam: the run was aborted: %s\n", summary.abort_reason.c_str());
   return 1;

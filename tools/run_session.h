@@ -38,6 +38,8 @@ struct SessionSummary {
   uint64_t frames = 0;
   uint64_t decisions = 0;
   uint64_t fingerprint = 0;
+  bool has_score = false;  // A referee kept it.
+  int red_score = 0, blue_score = 0;
   scheduler::EndReason end = scheduler::EndReason::finished;
   std::string abort_reason;
 
