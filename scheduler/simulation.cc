@@ -54,7 +54,7 @@ class Simulation::Loop {
   void tell_policy(const Answer& answer);
   void tell_debug(const Answer& answer);
   void tell(SimulationEvent event);
-  void chain(uint64_t value);
+  void chain(std::span<const uint64_t> values);
   SimTime acts_at(int robot) const;
   void push_tick(int robot);
   const std::string& id(int robot) const { return parts_.scenario.robots[robot].id; }
@@ -88,7 +88,7 @@ Simulation::Loop::Loop(SimulationParts parts, const SimulationOptions& options)
   if (parts_.renderer != nullptr)
     pipeline_ = std::make_unique<FramePipeline>(
         parts_.world, *parts_.renderer, queue_, options.camera_at_rows, [this](FinishedFrame done) {
-          chain(done.frame->fingerprint);
+          chain({&done.frame->fingerprint, 1});
           ++frames_;
           for (SimulationObserver* observer : parts_.observers)
             observer->on_frame(done.time, *done.job, *done.frame);
@@ -96,10 +96,10 @@ Simulation::Loop::Loop(SimulationParts parts, const SimulationOptions& options)
         });
 }
 
-void Simulation::Loop::chain(uint64_t value) {
+void Simulation::Loop::chain(std::span<const uint64_t> values) {
   Hasher hasher;
   hasher.add(fingerprint_);
-  hasher.add(value);
+  for (const uint64_t value : values) hasher.add(value);
   fingerprint_ = hasher.digest();
 }
 
@@ -203,7 +203,7 @@ void Simulation::Loop::step_world() {
   ++steps_;
   queue_.push({parts_.world.end(), Phase::step_world, 0, steps_});
   const std::vector<uint64_t> hashes = parts_.world.section_hashes();
-  for (const uint64_t hash : hashes) chain(hash);
+  chain(hashes);
   for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, hashes);
   for (const WorldEvent& event : parts_.world.take_events())
     tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind, event.detail});

@@ -99,10 +99,11 @@ void StateHasher::field(std::string_view, double& value) {
 }
 
 void StateHasher::field(std::string_view, int64_t& value) {
-  const size_t end = bytes_.size();
-  bytes_.resize(end + 8);
   const auto bits = static_cast<uint64_t>(value);
-  for (size_t i = 0; i < 8; ++i) bytes_[end + i] = static_cast<uint8_t>(bits >> (8 * i));
+  uint8_t bytes[8];
+  for (size_t i = 0; i < 8; ++i) bytes[i] = static_cast<uint8_t>(bits >> (8 * i));
+  if (bytes_.capacity() == 0) bytes_.reserve(1024);
+  bytes_.insert(bytes_.end(), bytes, bytes + 8);
 }
 
 uint64_t StateHasher::digest() const {
