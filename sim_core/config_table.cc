@@ -48,6 +48,12 @@ class Reader final : public ConfigTable {
     const auto read = found->numbers(value.size());
     std::copy(read.begin(), read.end(), value.begin());
   }
+  void sizes(ConfigKey key, Vec3& value, size_t count) override {
+    numbers(key, std::span<double>(&value.x, count));
+    for (size_t i = 0; i < count; ++i) {
+      require((&value.x)[i] > 0, key.key, fmt::format("expected {} lengths of more than 0 metres", count));
+    }
+  }
   void choice(ConfigKey key, size_t& value, const std::vector<std::string>& words) override {
     if (const auto found = find(key)) value = found->choice(words);
   }
@@ -128,6 +134,7 @@ class Writer final : public ConfigTable {
     for (const double item : value) out_ << fmt::format("{}", item);
     out_ << YAML::EndSeq;
   }
+  void sizes(ConfigKey key, Vec3& value, size_t count) override { numbers(key, std::span<double>(&value.x, count)); }
   void choice(ConfigKey key, size_t& value, const std::vector<std::string>& words) override {
     put(key) << words.at(value);
   }
@@ -192,6 +199,10 @@ class Schema final : public ConfigTable {
     add(key, fmt::format(R"("type": "array", "items": {{"type": "number"}}, "minItems": {0}, "maxItems": {0})",
                          value.size()));
   }
+  void sizes(ConfigKey key, Vec3&, size_t) override {
+    add(key, R"("type": "array", "items": {"type": "number", "exclusiveMinimum": 0}, "minItems": 2, "maxItems": 3)");
+  }
+  bool names_alternatives() const override { return true; }
   void choice(ConfigKey key, size_t&, const std::vector<std::string>& words) override {
     std::string list;
     for (const std::string& word : words) list += (list.empty() ? "" : ", ") + quoted(word);

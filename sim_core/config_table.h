@@ -34,6 +34,8 @@ class ConfigTable {
   virtual void text(ConfigKey key, std::string& value) = 0;
   virtual void texts(ConfigKey key, std::vector<std::string>& value) = 0;
   virtual void numbers(ConfigKey key, std::span<double> value) = 0;
+  // The first `count` of a size's three numbers.
+  virtual void sizes(ConfigKey key, Vec3& value, size_t count) = 0;
   virtual void choice(ConfigKey key, size_t& value, const std::vector<std::string>& words) = 0;
   virtual void object(ConfigKey key, const Describe& describe) = 0;
   // A map in place, or the path of a YAML file (relative to this file) that holds it.
@@ -46,6 +48,9 @@ class ConfigTable {
                     const std::function<void(ConfigTable&, size_t)>& describe_item) = 0;
   // A condition on what was read; the message says what was found and what was expected.
   virtual void require(bool condition, const char* key, const std::string& message) = 0;
+
+  // A description whose keys depend on a choice names all of them where this is true.
+  virtual bool names_alternatives() const { return false; }
 
   // Seconds in the file, nanoseconds in memory.
   void seconds(ConfigKey key, SimDuration& value, Range range_s) {

@@ -184,8 +184,8 @@ TEST(Sensors, ReadingsKeepTheirClockLatencyAndNoise) {
   Scenario s = match();
   s.robots.resize(1);
   s.referee.enabled = false;
-  s.robots[0].sensors.joints = {SimDuration::from_s(0.008), SimDuration::from_s(0.004), 0.01};
-  s.robots[0].sensors.accelerometer = {SimDuration::from_s(0.01), SimDuration(), 0.3};
+  s.robots[0].sensors.joints = {SimDuration::from_s(0.008), SimDuration(), SimDuration::from_s(0.004), 0.01};
+  s.robots[0].sensors.accelerometer = {SimDuration::from_s(0.01), SimDuration::from_s(0.002), SimDuration(), 0.3};
   World world(s);
   double sum = 0, squares = 0, gravity = 0;
   int count = 0;
@@ -196,7 +196,7 @@ TEST(Sensors, ReadingsKeepTheirClockLatencyAndNoise) {
     if (i < 5) continue;
     EXPECT_EQ(sensors.joints.time, world.start() - SimDuration::from_s(0.008));  // Newest with 4 ms latency.
     EXPECT_EQ(sensors.joint_log.size(), 4u);
-    EXPECT_EQ(sensors.acceleration_time.ns() % 10'000'000, 0);
+    EXPECT_EQ(sensors.acceleration_time.ns() % 10'000'000, 2'000'000);
     EXPECT_LT((now - sensors.acceleration_time).ns(), 10'000'000);
     const double noise = sensors.joints.rad[kPan];
     sum += noise, squares += noise * noise, ++count;

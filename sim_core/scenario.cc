@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 
@@ -52,6 +53,7 @@ void describe_behaviour(ConfigTable& table, BehaviourSpec& behaviour) {
 
 void describe_sensor(ConfigTable& table, SensorSpec& sensor) {
   table.seconds({"period_s", "Time between readings, s."}, sensor.period, {0.001, 100});
+  table.seconds({"phase_s", "Time of the first reading, s."}, sensor.phase, {0, 100});
   table.seconds({"latency_s", "From a reading to its delivery, s."}, sensor.latency, {0, 1});
   table.number({"sigma", "One sigma of its noise, in the sensor's unit."}, sensor.sigma, {0, 100});
 }
@@ -150,17 +152,29 @@ void describe_object(ConfigTable& table, ObjectSpec& object) {
       "background",   "carpet",         "line",         "wall",         "ball",      "goal_yellow", "goal_skyblue", "beacon_pink",
       "beacon_yellow", "beacon_skyblue", "beacon_green", "beacon_white", "robot_red", "robot_blue",  "robot_body",   "other"};
   table.choice_of({"shape", "Its shape.", true}, object.shape, {"rectangle", "sphere", "cylinder", "capsule", "box"});
-  table.vec3({"centre_m", "Its centre; of cylinders and capsules the middle of the base, m.", true}, object.centre_m);
-  table.vec3({"velocity_mps", "It is at centre_m at time 0 and moves at this velocity, m/s."}, object.velocity_mps);
-  table.vec3({"size_m", "Box: edges. Rectangle: sides. Sphere: radius first. Cylinder, capsule: radius, 0, height.", true},
-             object.size_m);
-  table.vec3({"normal", "Of a rectangle."}, object.normal);
-  table.number({"yaw_rad", "Turn about z, rad."}, object.yaw_rad, kAngle);
+  const auto has = [&](std::initializer_list<Shape> shapes) {
+    return table.names_alternatives() || std::find(shapes.begin(), shapes.end(), object.shape) != shapes.end();
+  };
+  const bool always = !table.names_alternatives();
+  const bool upright = has({Shape::cylinder, Shape::capsule}), flat = object.shape == Shape::rectangle;
+  if (has({Shape::rectangle, Shape::sphere, Shape::box})) {
+    table.vec3({"centre_m", "Of a rectangle, sphere or box: its centre, m.", always}, object.centre_m);
+  }
+  if (upright) table.vec3({"base_m", "Of a cylinder or capsule: the middle of its base, m.", always}, object.centre_m);
+  if (has({Shape::rectangle, Shape::box})) {
+    table.sizes({"size_m", "Of a rectangle its two sides, of a box its three edges, m.", always}, object.size_m, flat ? 2 : 3);
+  }
+  const Range length{1e-6, 1e6};
+  if (upright || has({Shape::sphere})) {
+    table.number({"radius_m", "Of a sphere, cylinder or capsule, m.", always}, object.size_m.x, length);
+  }
+  if (upright) table.number({"height_m", "Of a cylinder or capsule, m.", always}, object.size_m.z, length);
+  if (has({Shape::rectangle})) table.vec3({"normal", "Of a rectangle; (0, 0, 1) where not given."}, object.normal);
+  if (has({Shape::box})) table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, kAngle);
+  table.vec3({"velocity_mps", "It is at the stated place at time 0 and moves at this velocity, m/s."}, object.velocity_mps);
   table.numbers({"rgb", "Linear radiance, 0 to 1.", true}, object.rgb);
   table.choice_of({"label", "Ground-truth class."}, object.label, labels);
   table.require(glm::length(object.normal) > 0, "normal", "expected a direction, found no length");
-  const bool positive = object.size_m.x > 0 && object.size_m.y >= 0 && object.size_m.z >= 0;
-  table.require(positive, "size_m", "expected positive sizes");
 }
 
 void require_ids(ConfigTable& table, const std::vector<RobotSpec>& robots) {

@@ -58,6 +58,7 @@ struct BehaviourSpec {
 // A sensor's clock and quality. A reading of time t reaches the behaviour at t + latency.
 struct SensorSpec {
   SimDuration period = SimDuration::from_ns(8'000'000);
+  SimDuration phase;  // Of the first reading.
   SimDuration latency;
   double sigma = 0;  // In the sensor's unit.
 };
@@ -113,14 +114,14 @@ struct RefereeSpec {
   Team kick_off = Team::red;
 };
 
-// An extra object, as in seam-scene/1.
+// An extra object, with the keys of seam-scene/1.
 struct ObjectSpec {
   Shape shape = Shape::box;
-  Vec3 centre_m{0.0};  // Cylinders and capsules: the middle of the base.
+  Vec3 centre_m{0.0};    // Of a cylinder the middle of its base.
   Vec3 velocity_mps{0.0};
-  Vec3 size_m{0.1};    // As Primitive::size.
-  Vec3 normal{0, 0, 1};  // Rectangles.
-  double yaw_rad = 0;
+  Vec3 size_m{0.1};      // As Primitive::size.
+  Vec3 normal{0, 0, 1};  // Of a rectangle.
+  double yaw_rad = 0;    // Of a box.
   Rgb rgb{0.5, 0.5, 0.5};
   Label label = Label::other;
 };

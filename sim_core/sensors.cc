@@ -28,8 +28,11 @@ void forget(std::vector<Reading>& readings, SimDuration latency, SimTime time, T
 constexpr auto kTime = [](const auto& reading) { return reading.time; };
 constexpr auto kJointTime = [](const auto& joints) { return joints.reading.time; };
 
-// Whether a sensor of this period samples at `time`: its clock ticks at multiples of the period.
-bool samples_at(const SensorSpec& sensor, SimTime time) { return time.ns() % sensor.period.ns() == 0; }
+// Whether a sensor samples at `time`: its clock ticks at phase + i * period.
+bool samples_at(const SensorSpec& sensor, SimTime time) {
+  const int64_t since_first = time.ns() - sensor.phase.ns();
+  return since_first >= 0 && since_first % sensor.period.ns() == 0;
+}
 
 }  // namespace
 
@@ -45,8 +48,8 @@ SensorSuite::SensorSuite(const SensorsSpec& spec, SimDuration memory, RandomStre
 std::vector<SimTime> SensorSuite::sampling_times(SimTime after, SimTime until) const {
   std::vector<SimTime> times;
   for (const SensorSpec* sensor : {&spec_->joints, &spec_->odometry, &spec_->accelerometer, &spec_->paws}) {
-    const int64_t period = sensor->period.ns();
-    int64_t tick = after.ns() < 0 ? 0 : (after.ns() / period + 1) * period;
+    const int64_t period = sensor->period.ns(), first = sensor->phase.ns();
+    int64_t tick = after.ns() < first ? first : first + ((after.ns() - first) / period + 1) * period;
     for (; tick <= until.ns(); tick += period) times.push_back(SimTime::from_ns(tick));
   }
   std::sort(times.begin(), times.end());
