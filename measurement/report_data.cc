@@ -52,7 +52,7 @@ json data_json(const Problem& problem, const Assessment& before, const std::stri
     estimated = estimated || channel.estimated;
   }
   return {{"folder", folder}, {"title", facts.title}, {"kind", facts.kind}, {"fingerprint", facts.fingerprint},
-          {"n", before.held.n > static_cast<int64_t>(count_used(problem)) ? before.held.n : static_cast<int64_t>(count_used(problem))},
+          {"n", std::max(before.held.n, static_cast<int64_t>(count_used(problem)))},
           {"groups", facts.groups.size()}, {"held_out_n", before.held.n},
           {"held_out_groups", std::count(shown.begin(), shown.end(), 1)},
           {"noise", std::move(noise)}, {"noise_from", estimated ? "estimated" : "file"}};
@@ -88,7 +88,8 @@ json leave_one_out(const Problem& problem, const Assessment& whole, const std::v
   json list = json::array();
   for (const effects::ModelEffect& effect : whole.model.effects()) {
     const std::string& name = effect.definition->name;
-    const bool fitted = std::any_of(whole.unknowns.begin(), whole.unknowns.end(), [&](const Unknown& u) { return u.effect == name; });
+    const bool fitted = std::any_of(whole.unknowns.begin(), whole.unknowns.end(),
+                                    [&](const Unknown& u) { return u.effect == name; });
     const bool new_here = std::find(added.begin(), added.end(), name) != added.end();
     if ((!fitted && !new_here) || list.size() == kMost) continue;
     Model without = whole.model;
