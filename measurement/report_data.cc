@@ -58,23 +58,36 @@ json data_json(const Problem& problem, const Assessment& before, const std::stri
           {"noise", std::move(noise)}, {"noise_from", estimated ? "estimated" : "file"}};
 }
 
+// One cause shows in many places: of each residual two plots against a covariate and two against a
+// product tell more than many of one; residuals made of two others come last.
+std::vector<Structure> chosen_for_plots(const Facts& facts, const std::vector<Structure>& structures) {
+  constexpr size_t kMost = 8;
+  std::vector<Structure> chosen;
+  std::set<std::string> seen;
+  std::map<std::string, int> alike;
+  for (const bool combined : {false, true}) {
+    for (const Structure& structure : structures) {
+      const bool native = std::any_of(facts.channels.begin(), facts.channels.end(),
+                                      [&](const Channel& channel) { return channel.name == structure.residual; });
+      // Labels have no order to be plotted along.
+      if (native == combined || structure.covariate == "frame" || structure.covariate == "point") continue;
+      const bool product = structure.covariate.find('*') != std::string::npos;
+      int& same = alike[structure.residual + structure.moment + (product ? "*" : "")];
+      if (chosen.size() == kMost || same == (combined ? 1 : 2)) continue;
+      if (!seen.insert(structure.residual + " " + structure.covariate + " " + structure.moment).second) continue;
+      chosen.push_back(structure);
+      ++same;
+    }
+  }
+  return chosen;
+}
+
 void append_stage(const Problem& problem, const Assessment& assessment, const std::string& stage,
                   const std::vector<Structure>& structures, json& plots) {
   const ResidualView view = problem.residual_view(assessment.model, shown_groups(problem));
-  // One cause shows in many places: a few plots of each residual tell more than many of one.
-  std::set<std::string> drawn;
-  std::map<std::string, int> of_residual;
-  for (const Structure& structure : structures) {
-    if (drawn.size() == 8) break;
-    const std::string key = structure.residual + structure.covariate + structure.moment;
-    const bool label = structure.covariate == "frame" || structure.covariate == "point";
-    int& same = of_residual[structure.residual + structure.moment];
-    if (drawn.contains(key) || label || same == 3) continue;
+  for (const Structure& structure : chosen_for_plots(problem.facts(), structures)) {
     json plot = residual_plot(view, structure, stage);
-    if (plot.is_null()) continue;
-    drawn.insert(key);
-    ++same;
-    plots["residuals"].push_back(std::move(plot));
+    if (!plot.is_null()) plots["residuals"].push_back(std::move(plot));
   }
   if (json arrows = arrow_plot(view, stage); !arrows.is_null()) plots["arrows"].push_back(std::move(arrows));
   if (json map = image_map(view, stage); !map.is_null()) plots["maps"].push_back(std::move(map));

@@ -37,7 +37,7 @@ export function ErrorFalling({ report }: { report: Report }) {
     height: 270, marginLeft: 52, marginBottom: 44, marginRight: 40, marginTop: 24,
     x: { type: "point", domain: points.map((p) => p.i), label: null, tickSize: 0, padding: 0.4,
       tickFormat: (i: number) => shorten(points[i].label, width / points.length) },
-    y: { label: "error (1 = the noise)", grid: true, nice: true, tickSize: 4, ticks: 5,
+    y: { label: "error (1 = the noise)", grid: true, nice: !spans, tickSize: 4, ticks: 5,
       ...(spans ? { type: "log", tickFormat: "~g", domain: [0.7 * lowest, 1.3 * highest] }
         : { zero: true }) },
     marks: [
@@ -173,14 +173,16 @@ function Distribution({ name, sets }: { name: string; sets: Histogram[] }) {
     const x = (i / 60 - 1) * Math.min(reach, 6);
     return { x, y: Math.exp(-x * x / 2) / Math.sqrt(2 * Math.PI) };
   });
+  // What lies far outside is counted in the last bins: they must not flatten the rest.
+  const highest = Math.max(0.46, 1.08 * Math.max(...densities(shown).slice(1, -1).map((d) => d.density)));
   const draw = (_width: number): Plot.PlotOptions => ({
     height: 220, marginLeft: 46, marginBottom: 38,
     x: { label: `${words(name)}: residual / its stated error`, ticks: 7, tickSize: 4 },
-    y: { label: "density", ticks: 4, tickSize: 4, grid: true },
+    y: { label: "density", ticks: 4, tickSize: 4, grid: true, domain: [0, highest] },
     marks: [
       ...[[before, palette.before], [after, palette.after]].flatMap(([set, colour]) => set
         ? [Plot.rect(densities(set as Histogram), { x1: "low", x2: "high", y1: 0, y2: "density",
-            fill: colour as string, fillOpacity: after && set === before ? 0.35 : 0.6, inset: 0.3 })]
+            fill: colour as string, fillOpacity: after && set === before ? 0.35 : 0.6, inset: 0.3, clip: true })]
         : []),
       Plot.line(normal, { x: "x", y: "y", stroke: palette.ink, strokeWidth: 1.5 }),
       Plot.ruleY([0], { stroke: palette.ink2 }),

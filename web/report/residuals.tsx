@@ -1,7 +1,7 @@
 // Residual against each guilty covariate: bin means with their formal error, the actual scatter of
 // the single residuals, and the scatter that the model states.
 import * as Plot from "@observablehq/plot";
-import { number, pValue, splitUnit, words } from "../shared/format";
+import { covariateUnit, number, pValue, splitUnit, words } from "../shared/format";
 import { palette } from "../shared/palette";
 import { noiseOf, type Bin, type Report, type ResidualPlot } from "./data";
 import { Figure, Key } from "./figure";
@@ -68,7 +68,7 @@ function ResidualFigure({ pair, report }: { pair: Pair; report: Report }) {
     height: Math.round(Math.min(300, Math.max(210, width * 0.52))),
     marginLeft: 52,
     marginBottom: 38,
-    x: { label: axisLabel(covariate.name, plot.x_unit ?? covariate.unit), ticks: 6, tickSize: 4 },
+    x: { label: axisLabel(covariate.name, plot.x_unit ?? (covariate.unit || covariateUnit(plot.covariate))), ticks: 6, tickSize: 4 },
     y: {
       label: axisLabel(spread ? `spread of ${residual.name}` : `${residual.name} residual`,
         residual.unit),

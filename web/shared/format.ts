@@ -69,6 +69,16 @@ export function splitUnit(name: string): { name: string; unit: string } {
   return { name, unit: "" };
 }
 
+/** The unit of the covariates that every kind of measurement knows; "" for others. */
+export function covariateUnit(name: string): string {
+  if (name.includes("*") || name.startsWith("sign(")) return "";
+  if (["row", "column"].includes(name)) return "px";
+  if (name === "time") return "s";
+  if (name === "range") return "m";
+  if (["tilt", "pan", "roll", "bearing", "heading"].includes(name)) return "rad";
+  return /^(tilt|pan|roll)_rate$/.test(name) ? "rad/s" : "";
+}
+
 /** A residual or covariate for a person: `row*pan_rate` -> `row × pan rate`. */
 export function words(name: string): string {
   return name.replaceAll("*", " × ").replaceAll("_", " ");
