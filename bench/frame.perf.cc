@@ -4,7 +4,13 @@
 
 #include <thread>
 
+#ifdef SEAM_HAVE_OPENCV
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#endif
+
 #include "bench/match_frames.h"
+#include "render/camera_filter.h"
 #include "render/renderer.h"
 
 namespace seam::bench {
@@ -13,7 +19,8 @@ namespace {
 constexpr int kFrames = 8;
 
 effects::Model model_scaled(const char* file, double scale) {
-  effects::Model model = effects::Model::from_file(std::string(SEAM_SOURCE_DIR) + "/models/" + file);
+  effects::Model model =
+      effects::Model::from_file(std::string(SEAM_SOURCE_DIR) + "/models/" + file);
   if (scale == 1) return model;
   const effects::ModelEffect pinhole = *model.find("pinhole");
   for (size_t i = 0; i < 4; ++i) model.set_value("pinhole", i, pinhole.values()[i] * scale);
@@ -33,18 +40,24 @@ effects::Model instant_model(double scale) {
   return model;
 }
 
-void run(benchmark::State& state, const effects::Model& model, int width, int height, int instants) {
+void run(benchmark::State& state, const effects::Model& model, int width, int height,
+         int instants) {
   const std::vector<FrameJob> jobs = match_jobs(model, height, instants, kFrames);
   const render::Renderer renderer(model, width, height);
   size_t next = 0;
-  for (auto _ : state) benchmark::DoNotOptimize(renderer.render(jobs[next++ % kFrames]).fingerprint);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(renderer.render(jobs[next++ % kFrames]).fingerprint);
   state.SetItemsProcessed(state.iterations());
 }
 
-void frame_instant(benchmark::State& state) { run(state, instant_model(1), 178, 144, 1); }
+void frame_instant(benchmark::State& state) {
+  run(state, instant_model(1), 178, 144, 1);
+}
 BENCHMARK(frame_instant)->Name("frame_instant/178x144")->Unit(benchmark::kMillisecond);
 
-void frame_full(benchmark::State& state) { run(state, model_scaled("ers210_full.yaml", 1), 178, 144, 8); }
+void frame_full(benchmark::State& state) {
+  run(state, model_scaled("ers210_full.yaml", 1), 178, 144, 8);
+}
 BENCHMARK(frame_full)->Name("frame_full/178x144")->Unit(benchmark::kMillisecond);
 
 void frame_full_parallel(benchmark::State& state) {
@@ -66,9 +79,13 @@ void frame_full_parallel(benchmark::State& state) {
   // Seconds a frame stand beside the time of a batch of 32 frames.
   state.counters["s_per_frame"] = benchmark::Counter(
       4 * kFrames, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-  state.counters["frames_per_s"] = benchmark::Counter(4 * kFrames, benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["frames_per_s"] =
+      benchmark::Counter(4 * kFrames, benchmark::Counter::kIsIterationInvariantRate);
 }
-BENCHMARK(frame_full_parallel)->Name("frame_full_parallel/178x144")->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(frame_full_parallel)
+    ->Name("frame_full_parallel/178x144")
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 void frame_full_large(benchmark::State& state) {
   run(state, model_scaled("ers210_full.yaml", 640.0 / 178), 640, 480, 8);
@@ -79,9 +96,88 @@ template <int kInstants>
 void frame_full_instants(benchmark::State& state) {
   run(state, model_scaled("ers210_full.yaml", 1), 178, 144, kInstants);
 }
-BENCHMARK(frame_full_instants<1>)->Name("frame_full/178x144/instants:1")->Unit(benchmark::kMillisecond);
-BENCHMARK(frame_full_instants<8>)->Name("frame_full/178x144/instants:8")->Unit(benchmark::kMillisecond);
-BENCHMARK(frame_full_instants<32>)->Name("frame_full/178x144/instants:32")->Unit(benchmark::kMillisecond);
+BENCHMARK(frame_full_instants<1>)
+    ->Name("frame_full/178x144/instants:1")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(frame_full_instants<8>)
+    ->Name("frame_full/178x144/instants:8")
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(frame_full_instants<32>)
+    ->Name("frame_full/178x144/instants:32")
+    ->Unit(benchmark::kMillisecond);
+
+// The camera's filter on a finished pinhole image: distortion, blur 5x5, vignetting, noise, 8 bits.
+effects::Model filter_model() {
+  return effects::Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\nname: filter\neffects:\n"
+                            "  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n"
+                            "  radial_distortion: {kappa: -0.05}\n"
+                            "  lens_blur: {sigma_px: 1.0, window_px: 5}\n"
+                            "  vignetting: {a2: 0.25, a4: 0.05}\n"
+                            "  read_noise: {sigma_dn: 2}\n",
+                            "filter"));
+}
+
+render::LinearImage ideal_image() {
+  const effects::Model pinhole = instant_model(1);
+  return render::Renderer(pinhole, 178, 144).render_scene(match_jobs(pinhole, 144, 1, 1)[0]);
+}
+
+void filter_fused(benchmark::State& state) {
+  const render::LinearImage ideal = ideal_image();
+  const render::ImageFilter filter(filter_model(), 178, 144, {});
+  std::vector<uint8_t> rgb;
+  uint64_t frame = 0;
+  for (auto _ : state) {
+    filter.apply(ideal, RandomStream{}.child(frame++), rgb);
+    benchmark::DoNotOptimize(rgb.data());
+  }
+}
+BENCHMARK(filter_fused)->Name("filter_fused/178x144")->Unit(benchmark::kMillisecond);
+
+void filter_passes(benchmark::State& state) {
+  const render::LinearImage ideal = ideal_image();
+  const render::ImageFilter filter(filter_model(), 178, 144, {});
+  std::vector<uint8_t> rgb;
+  uint64_t frame = 0;
+  for (auto _ : state) {
+    filter.apply_in_passes(ideal, RandomStream{}.child(frame++), rgb);
+    benchmark::DoNotOptimize(rgb.data());
+  }
+}
+BENCHMARK(filter_passes)->Name("filter_passes/178x144")->Unit(benchmark::kMillisecond);
+
+#ifdef SEAM_HAVE_OPENCV
+void opencv_passes(benchmark::State& state) {
+  cv::setNumThreads(1);
+  constexpr int kWidth = 178, kHeight = 144;
+  const render::LinearImage ideal = ideal_image();
+  cv::Mat image(kHeight, kWidth, CV_32FC3), map_u(kHeight, kWidth, CV_32F),
+      map_v(kHeight, kWidth, CV_32F);
+  cv::Mat gain(kHeight, kWidth, CV_32FC3), noise(kHeight, kWidth, CV_32FC3), bent, soft, shaded,
+      noisy, bytes;
+  for (int v = 0; v < kHeight; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      map_u.at<float>(v, u) = static_cast<float>(u) * 1.01f,
+                         map_v.at<float>(v, u) = static_cast<float>(v) * 1.01f;
+      for (int c = 0; c < 3; ++c) {
+        image.at<cv::Vec3f>(v, u)[c] = 255 * ideal.planes[c][static_cast<size_t>(v) * kWidth + u];
+        gain.at<cv::Vec3f>(v, u)[c] = 0.9f;
+      }
+    }
+  }
+  for (auto _ : state) {
+    cv::remap(image, bent, map_u, map_v, cv::INTER_LINEAR);
+    cv::GaussianBlur(bent, soft, cv::Size(5, 5), 1.0);
+    cv::multiply(soft, gain, shaded);
+    cv::randn(noise, 0, 2.0);
+    cv::add(shaded, noise, noisy);
+    noisy.convertTo(bytes, CV_8U);
+    benchmark::DoNotOptimize(bytes.data);
+  }
+}
+BENCHMARK(opencv_passes)->Name("opencv_passes/178x144")->Unit(benchmark::kMillisecond);
+#endif
 
 }  // namespace
 }  // namespace seam::bench

@@ -16,11 +16,14 @@ namespace seam::bench {
 
 inline Scenario match_scenario() {
   const std::string models = std::string(SEAM_SOURCE_DIR) + "/models/";
-  std::string yaml = "format: seam-scenario/1\nname: bench\nduration_s: 100\nfield: '" + models +
-                     "field_2002.yaml'\nball: {x_m: 0.2, y_m: 0.1, vx_mps: 0.4, vy_mps: 0.6}\nrobots:\n";
+  std::string yaml =
+      "format: seam-scenario/1\nname: bench\nduration_s: 100\nfield: '" + models +
+      "field_2002.yaml'\nball: {x_m: 0.2, y_m: 0.1, vx_mps: 0.4, vy_mps: 0.6}\nrobots:\n";
   const auto robot = [&](const char* id, const char* team, double x, double y, double theta) {
-    yaml += fmt::format("  - {{id: {}, team: {}, pose: {{x_m: {}, y_m: {}, theta_rad: {}}}, body: '{}robot_ers210.yaml'}}\n",
-                        id, team, x, y, theta, models);
+    yaml += fmt::format(
+        "  - {{id: {}, team: {}, pose: {{x_m: {}, y_m: {}, theta_rad: {}}}, body: "
+        "'{}robot_ers210.yaml'}}\n",
+        id, team, x, y, theta, models);
   };
   robot("viewer", "red", -0.9, 0.0, 0.1);
   robot("a", "blue", 0.1, 0.35, 2.0);
@@ -31,7 +34,8 @@ inline Scenario match_scenario() {
 }
 
 // `count` frames, 40 ms apart, of the viewer's camera.
-inline std::vector<FrameJob> match_jobs(const effects::Model& model, int height_px, int instants_per_row, int count) {
+inline std::vector<FrameJob> match_jobs(const effects::Model& model, int height_px,
+                                        int instants_per_row, int count) {
   const Scenario scenario = match_scenario();
   World world(scenario);
   for (size_t robot = 1; robot < 5; ++robot) {
@@ -59,19 +63,23 @@ inline std::vector<FrameJob> match_jobs(const effects::Model& model, int height_
     job.frame_noise = job.camera_noise.child("frame").child(job.frame_index);
     for (const SimTime time : job.schedule.instants) samples.push_back({time, &job});
   }
-  std::stable_sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.time < b.time; });
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& a, const Sample& b) { return a.time < b.time; });
   int swing = 0;
   for (const Sample& sample : samples) {
     while (world.end() < sample.time) {
       if (++swing % 60 == 1) {
         RobotCommand look;
-        look.joints.push_back({.targets = {{.joint = kPan, .angle_rad = swing % 120 == 1 ? 0.6 : -0.6},
-                                           {.joint = kTilt, .angle_rad = -0.15}}});
+        look.joints.push_back(
+            {.targets = {{.joint = kPan, .angle_rad = swing % 120 == 1 ? 0.6 : -0.6},
+                         {.joint = kTilt, .angle_rad = -0.15}}});
         world.apply(0, look, world.end());
       }
       world.step();
     }
-    SceneInstant instant{.time = sample.time, .X_WC = world.camera_link_pose(0, sample.time) * X_LC, .primitives = {}};
+    SceneInstant instant{.time = sample.time,
+                         .X_WC = world.camera_link_pose(0, sample.time) * X_LC,
+                         .primitives = {}};
     world.primitives_at(sample.time, instant.primitives, 0);
     sample.job->instants.push_back(std::move(instant));
   }

@@ -14,7 +14,9 @@ struct GridRange {
   int64_t last = 0;
 };
 
-int64_t floor_divide(int64_t a, int64_t b) { return a / b - ((a % b != 0) && ((a < 0) != (b < 0))); }
+int64_t floor_divide(int64_t a, int64_t b) {
+  return a / b - ((a % b != 0) && ((a < 0) != (b < 0)));
+}
 
 std::vector<RowWindow> row_windows(const Timing& timing, SimTime stamp, int height_px,
                                    const RowScheduleOptions& options) {
@@ -90,7 +92,8 @@ RowSchedule one_instant_a_row(std::vector<RowWindow> rows) {
 
 RowSchedule make_row_schedule(const Timing& timing, SimTime stamp, int height_px,
                               const RowScheduleOptions& options) {
-  return schedule_of_windows(row_windows(timing, stamp, height_px, options), options.instants_per_row);
+  return schedule_of_windows(row_windows(timing, stamp, height_px, options),
+                             options.instants_per_row);
 }
 
 RowSchedule schedule_of_windows(std::vector<RowWindow> rows, int instants_per_row) {
@@ -98,7 +101,8 @@ RowSchedule schedule_of_windows(std::vector<RowWindow> rows, int instants_per_ro
              "height {}, instants {}", rows.size(), instants_per_row);
   const int height_px = static_cast<int>(rows.size());
   const int64_t exposure_ns = (rows[0].end - rows[0].start).ns();
-  if (instants_per_row == 1 || exposure_ns < instants_per_row) return one_instant_a_row(std::move(rows));
+  if (instants_per_row == 1 || exposure_ns < instants_per_row)
+    return one_instant_a_row(std::move(rows));
   const int64_t step_ns = exposure_ns / instants_per_row;
   std::vector<int> in_time_order(height_px);
   for (int row = 0; row < height_px; ++row) in_time_order[row] = row;
@@ -120,13 +124,13 @@ RowSchedule schedule_of_windows(std::vector<RowWindow> rows, int instants_per_ro
       schedule.instants.push_back(SimTime::from_ns(grid_ns + next_place * step_ns));
     }
     const int64_t count = range.last - range.first + 1;
-    schedule.first_instant[row] =
-        static_cast<int>(static_cast<int64_t>(schedule.instants.size()) - (next_place - range.first));
+    schedule.first_instant[row] = static_cast<int>(static_cast<int64_t>(schedule.instants.size()) -
+                                                   (next_place - range.first));
     const double step = static_cast<double>(step_ns);
-    schedule.weights[row] = euler_maclaurin_weights(
-        count, static_cast<double>(range.first * step_ns - start_ns) / step,
-        static_cast<double>(end_ns - range.last * step_ns) / step,
-        static_cast<double>(exposure_ns) / step);
+    schedule.weights[row] =
+        euler_maclaurin_weights(count, static_cast<double>(range.first * step_ns - start_ns) / step,
+                                static_cast<double>(end_ns - range.last * step_ns) / step,
+                                static_cast<double>(exposure_ns) / step);
   }
   schedule.rows = std::move(rows);
   return schedule;

@@ -28,7 +28,8 @@ class RowScheduleCases : public testing::TestWithParam<Case> {};
 
 TEST_P(RowScheduleCases, WeightsAreExactForLinearMotionInEveryRow) {
   const Case c = GetParam();
-  const Timing timing{.line_delay_s = c.line_delay_s, .exposure_s = c.exposure_s, .latency_s = 1e-3};
+  const Timing timing{
+      .line_delay_s = c.line_delay_s, .exposure_s = c.exposure_s, .latency_s = 1e-3};
   const SimTime stamp = SimTime::from_ns(123'456'789);
   const RowSchedule schedule =
       make_row_schedule(timing, stamp, 144, {.instants_per_row = c.instants});
@@ -67,7 +68,8 @@ TEST(RowSchedule, ErrorForSmoothLightFallsWithTheThirdPowerOfTheStep) {
   const auto light = [](double t_s) { return std::sin(400 * t_s); };
   const auto worst_error = [&](int instants) {
     const Timing timing{.line_delay_s = 2.78e-4, .exposure_s = 5e-3};
-    const RowSchedule schedule = make_row_schedule(timing, SimTime(), 144, {.instants_per_row = instants});
+    const RowSchedule schedule =
+        make_row_schedule(timing, SimTime(), 144, {.instants_per_row = instants});
     double worst = 0;
     for (int row = 0; row < 144; ++row) {
       const double a = schedule.rows[row].start.s(), b = schedule.rows[row].end.s();

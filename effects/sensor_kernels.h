@@ -24,10 +24,12 @@ struct SensorKernels {
   // Standard normals of samples [64 first_group, 64 (first_group + groups)).
   void (*normals)(uint64_t seed, uint64_t stream, uint64_t first_group, size_t groups, float* out);
   // out[i] = illumination[i] * scale * gain[i].
-  void (*signal)(const float* illumination, float scale, const float* gain, size_t count, float* out);
-  // value[i] becomes electrons (value * electrons_per_value + dark), then their random count. Counts of
-  // fewer than kManyElectrons are left as their mean; returns how many there are.
-  size_t (*count_electrons)(const float* normal, float electrons_per_value, float dark, size_t count, float* value);
+  void (*signal)(const float* illumination, float scale, const float* gain, size_t count,
+                 float* out);
+  // value[i] becomes electrons (value * electrons_per_value + dark), then their random count.
+  // Counts of fewer than kManyElectrons are left as their mean; returns how many there are.
+  size_t (*count_electrons)(const float* normal, float electrons_per_value, float dark,
+                            size_t count, float* value);
   // value[i] = value[i] * scale.
   void (*scale)(float scale, size_t count, float* value);
   // value[i] = full * (value[i] / full)^gamma, 0 for value <= 0.
@@ -44,8 +46,5 @@ struct SensorKernels {
 };
 
 const SensorKernels& sensor_kernels();
-
-// Every set that this machine can run, the narrowest first; for tests of equal bits.
-int sensor_kernel_sets(const SensorKernels* sets[3]);
 
 }  // namespace seam::effects

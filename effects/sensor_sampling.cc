@@ -1,5 +1,5 @@
-// Samples of the sensor chain, by vector kernels: chunks of a frame pass through them while they are
-// in the processor's first cache.
+// Samples of the sensor chain, by vector kernels: chunks of a frame pass through them while they
+// are in the processor's first cache.
 #include <algorithm>
 #include <cmath>
 
@@ -25,8 +25,8 @@ struct Chunk {
   std::vector<float> scratch = std::vector<float>(kChunk);
 
   const float* normals_of(const SensorKernels& kernels, RandomStream stream) {
-    kernels.normals(stream.seed, stream.stream, first / kNormalGroup, (count + kNormalGroup - 1) / kNormalGroup,
-                    scratch.data());
+    kernels.normals(stream.seed, stream.stream, first / kNormalGroup,
+                    (count + kNormalGroup - 1) / kNormalGroup, scratch.data());
     return scratch.data();
   }
 };
@@ -35,11 +35,18 @@ class Exposing {
  public:
   Exposing(const SensorChain& chain, const FixedPattern& pattern, const SensorExposure& exposure,
            RandomStream frame_noise)
-      : kernels_(sensor_kernels()), chain_(chain), pattern_(pattern), exposure_(exposure),
-        shot_(frame_noise.child("shot_noise")), few_(shot_.child("few")), row_(frame_noise.child("row_noise")),
-        read_(frame_noise.child("read_noise")), channel_gain_(kChunk) {
+      : kernels_(sensor_kernels()),
+        chain_(chain),
+        pattern_(pattern),
+        exposure_(exposure),
+        shot_(frame_noise.child("shot_noise")),
+        few_(shot_.child("few")),
+        row_(frame_noise.child("row_noise")),
+        read_(frame_noise.child("read_noise")),
+        channel_gain_(kChunk) {
     for (size_t i = 0; i < kChunk; ++i) {
-      channel_gain_[i] = static_cast<float>(chain.channel_gain[static_cast<size_t>(colour_of(i, pattern.channels))]);
+      channel_gain_[i] = static_cast<float>(
+          chain.channel_gain[static_cast<size_t>(colour_of(i, pattern.channels))]);
     }
   }
 
@@ -47,11 +54,13 @@ class Exposing {
     count_light(chunk, illumination);
     float* value = chunk.value.data();
     if (chain_.gamma != 1) {
-      kernels_.gamma(static_cast<float>(chain_.gain_dn), static_cast<float>(chain_.gamma), chunk.count, value);
+      kernels_.gamma(static_cast<float>(chain_.gain_dn), static_cast<float>(chain_.gamma),
+                     chunk.count, value);
     }
     kernels_.balance(channel_gain_.data(), static_cast<float>(chain_.black_dn), chunk.count, value);
     for (const auto& map : chain_.maps) {
-      for (size_t i = 0; i < chunk.count; ++i) value[i] = static_cast<float>(map(value[i], exposure_.t_s));
+      for (size_t i = 0; i < chunk.count; ++i)
+        value[i] = static_cast<float>(map(value[i], exposure_.t_s));
     }
     kernels_.add(&pattern_.offset_dn[chunk.first], chunk.count, value);
     if (chain_.row_sigma_dn > 0) add_row_noise(chunk);
@@ -80,17 +89,22 @@ class Exposing {
     }
     const float* normal = chunk.normals_of(kernels_, shot_);
     const auto electrons = static_cast<float>(chain_.electrons_per_dn / exposure_.gain);
-    const size_t few = kernels_.count_electrons(normal, electrons, static_cast<float>(dark), chunk.count, value);
+    const size_t few =
+        kernels_.count_electrons(normal, electrons, static_cast<float>(dark), chunk.count, value);
     if (few > 0) {
       for (size_t i = 0; i < chunk.count; ++i) {
-        // Counts of the others are whole numbers of at least kManyElectrons - 7 sqrt(kManyElectrons);
-        // whether a sample is one of the few is told by its mean alone.
-        const float mean = std::max(illumination[i] * scale * pattern_.gain[chunk.first + i] * electrons +
-                                        static_cast<float>(dark), 0.0f);
-        if (mean < kManyElectrons) value[i] = static_cast<float>(poisson(few_, chunk.first + i, mean));
+        // Counts of the others are whole numbers of at least kManyElectrons - 7
+        // sqrt(kManyElectrons); whether a sample is one of the few is told by its mean alone.
+        const float mean =
+            std::max(illumination[i] * scale * pattern_.gain[chunk.first + i] * electrons +
+                         static_cast<float>(dark),
+                     0.0f);
+        if (mean < kManyElectrons)
+          value[i] = static_cast<float>(poisson(few_, chunk.first + i, mean));
       }
     }
-    kernels_.scale(static_cast<float>(exposure_.gain / chain_.electrons_per_dn), chunk.count, value);
+    kernels_.scale(static_cast<float>(exposure_.gain / chain_.electrons_per_dn), chunk.count,
+                   value);
   }
 
   void add_row_noise(Chunk& chunk) {
@@ -119,16 +133,20 @@ float sample_normal(RandomStream stream, uint64_t sample) {
   return group[sample % kNormalGroup];
 }
 
-Image expose(const SensorChain& chain, const FixedPattern& pattern, std::span<const float> illumination,
-             const SensorExposure& exposure, RandomStream frame_noise, bool noise) {
-  Image image{.width_px = pattern.width_px, .height_px = pattern.height_px,
-              .channels = pattern.channels, .bits = exposure.file_bits};
+Image expose(const SensorChain& chain, const FixedPattern& pattern,
+             std::span<const float> illumination, const SensorExposure& exposure,
+             RandomStream frame_noise, bool noise) {
+  Image image{.width_px = pattern.width_px,
+              .height_px = pattern.height_px,
+              .channels = pattern.channels,
+              .bits = exposure.file_bits};
   SEAM_CHECK(illumination.size() == pattern.gain.size(), "{}", illumination.size());
   image.samples.resize(illumination.size());
   if (!noise) {
     for (size_t i = 0; i < illumination.size(); ++i) {
       const double signal = signal_dn(chain, illumination[i], exposure);
-      const Moments value = response_moments(chain, signal, colour_of(i, pattern.channels), exposure);
+      const Moments value =
+          response_moments(chain, signal, colour_of(i, pattern.channels), exposure);
       image.samples[i] = to_file(chain, value.mean_dn, exposure.file_bits);
     }
     return image;

@@ -25,14 +25,17 @@ Vec3 turning(const FrameJob& job, SimTime time) {
   const auto a = b - 1;
   const Mat3 change = glm::transpose(a->X_WC.R) * b->X_WC.R;
   const double span_s = (b->time - a->time).s();
-  return Vec3(change[1][2] - change[2][1], change[2][0] - change[0][2], change[0][1] - change[1][0]) * (0.5 / span_s);
+  return Vec3(change[1][2] - change[2][1], change[2][0] - change[0][2],
+              change[0][1] - change[1][0]) *
+         (0.5 / span_s);
 }
 
 }  // namespace
 
 RowMotion row_motion(const FrameJob& job, const CameraRays& rays, double sigma_px) {
   RowMotion motion;
-  if (sigma_px < kLeastSampledSigma_px || job.instants.size() < 2 || rays.height_px < 2) return motion;
+  if (sigma_px < kLeastSampledSigma_px || job.instants.size() < 2 || rays.height_px < 2)
+    return motion;
   const auto middle = [](const RowWindow& row) { return row.start + (row.end - row.start) / 2; };
   const std::vector<RowWindow>& rows = job.schedule.rows;
   const double line_delay_s = (rows.back().start - rows.front().start).s() / (rays.height_px - 1);
@@ -45,7 +48,8 @@ RowMotion row_motion(const FrameJob& job, const CameraRays& rays, double sigma_p
     for (int u = 0; u < rays.width_px; ++u) {
       const size_t i = rays.at(v + rays.border_px) + u + rays.border_px;
       const Vec3 d(green.base[0][i], green.base[1][i], green.base[2][i]);
-      // A point at rest moves by -omega x d in the turning camera; back onto the plane z = 1, then to pixels.
+      // A point at rest moves by -omega x d in the turning camera; back onto the plane z = 1, then
+      // to pixels.
       const Vec3 moved = glm::cross(d, omega_C);
       const double dx = moved.x - d.x * moved.z / d.z, dy = moved.y - d.y * moved.z / d.z;
       const double a = green.along_u[0][i], b = green.along_v[0][i];
@@ -55,14 +59,16 @@ RowMotion row_motion(const FrameJob& job, const CameraRays& rays, double sigma_p
       const double down = std::clamp((a * dy - c * dx) * scale, -kFastestPx, kFastestPx);
       const size_t pixel = static_cast<size_t>(v) * rays.width_px + u;
       motion.shear[pixel] = static_cast<float>(shear);
-      motion.stretch[pixel] = static_cast<float>(0.5 * sigma_px * sigma_px * (1 / ((1 - down) * (1 - down)) - 1));
+      motion.stretch[pixel] =
+          static_cast<float>(0.5 * sigma_px * sigma_px * (1 / ((1 - down) * (1 - down)) - 1));
       if (std::abs(shear) > kStillPx || std::abs(down) > kStillPx) motion.still = false;
     }
   }
   return motion;
 }
 
-CameraFilter::CameraFilter(const effects::Optics& optics, const effects::GainField& gain, int width_px, int height_px)
+CameraFilter::CameraFilter(const effects::Optics& optics, const effects::GainField& gain,
+                           int width_px, int height_px)
     : optics_(optics), width_px_(width_px), height_px_(height_px), kernel_(point_spread(optics)) {
   gain_.reserve(static_cast<size_t>(width_px) * height_px * 3);
   for (int v = 0; v < height_px; ++v) {
@@ -76,18 +82,20 @@ template <typename Take>
 void CameraFilter::blur(const LinearImage& image, const RowMotion& motion, const Take& take) const {
   const FilterKernels& kernels = filter_kernels();
   const int radius = border_px(), taps = static_cast<int>(kernel_.size());
-  SEAM_CHECK(image.width_px == width_px_ + 2 * radius && image.height_px == height_px_ + 2 * radius, "{} {}",
-             image.width_px, image.height_px);
+  SEAM_CHECK(image.width_px == width_px_ + 2 * radius && image.height_px == height_px_ + 2 * radius,
+             "{} {}", image.width_px, image.height_px);
   if (radius == 0) {
     for (int c = 0; c < 3; ++c) {
-      for (int v = 0; v < height_px_; ++v) take(c, v, &image.planes[c][static_cast<size_t>(v) * width_px_]);
+      for (int v = 0; v < height_px_; ++v)
+        take(c, v, &image.planes[c][static_cast<size_t>(v) * width_px_]);
     }
     return;
   }
   // One column more on each side for the slopes of `moving_blur`, whose kernel there is cut off.
   const int wide = width_px_ + 2;
   const size_t stride = static_cast<size_t>(wide) + 14;
-  std::vector<float> along(stride * image.height_px), padded(static_cast<size_t>(image.width_px) + 2);
+  std::vector<float> along(stride * image.height_px),
+      padded(static_cast<size_t>(image.width_px) + 2);
   std::vector<float> sums(4 * stride), light(width_px_);
   const RowMoments moments{&sums[0], &sums[stride], &sums[2 * stride], &sums[3 * stride]};
   for (int c = 0; c < 3; ++c) {
@@ -121,13 +129,14 @@ void CameraFilter::blur(const LinearImage& image, const RowMotion& motion, const
   }
 }
 
-void CameraFilter::apply(const LinearImage& image, const RowMotion& motion, std::span<const float> lamps,
-                         std::vector<float>& illumination) const {
+void CameraFilter::apply(const LinearImage& image, const RowMotion& motion,
+                         std::span<const float> lamps, std::vector<float>& illumination) const {
   const FilterKernels& kernels = filter_kernels();
   const size_t row_samples = static_cast<size_t>(width_px_) * 3;
   illumination.resize(row_samples * height_px_);
   blur(image, motion, [&](int channel, int row, const float* light) {
-    kernels.interleave(light, &gain_[row * row_samples], lamps[row], channel, width_px_, &illumination[row * row_samples]);
+    kernels.interleave(light, &gain_[row * row_samples], lamps[row], channel, width_px_,
+                       &illumination[row * row_samples]);
   });
   if (optics_.glare_fraction <= 0) return;
   double sum[3] = {0, 0, 0};
@@ -137,7 +146,8 @@ void CameraFilter::apply(const LinearImage& image, const RowMotion& motion, std:
   const auto kept = static_cast<float>(1 - optics_.glare_fraction);
   float everywhere[3];
   for (int c = 0; c < 3; ++c) {
-    everywhere[c] = static_cast<float>(optics_.glare_fraction * sum[c] / (static_cast<double>(width_px_) * height_px_));
+    everywhere[c] = static_cast<float>(optics_.glare_fraction * sum[c] /
+                                       (static_cast<double>(width_px_) * height_px_));
   }
   for (size_t i = 0; i < illumination.size(); i += 3) {
     for (int c = 0; c < 3; ++c) illumination[i + c] = kept * illumination[i + c] + everywhere[c];
@@ -148,7 +158,8 @@ LinearImage CameraFilter::blurred(const LinearImage& image, const RowMotion& mot
   LinearImage result{.width_px = width_px_, .height_px = height_px_};
   for (auto& plane : result.planes) plane.resize(static_cast<size_t>(width_px_) * height_px_);
   blur(image, motion, [&](int channel, int row, const float* light) {
-    std::copy_n(light, width_px_, result.planes[channel].begin() + static_cast<ptrdiff_t>(row) * width_px_);
+    std::copy_n(light, width_px_,
+                result.planes[channel].begin() + static_cast<ptrdiff_t>(row) * width_px_);
   });
   return result;
 }

@@ -18,10 +18,10 @@ namespace seam::render {
 // (`shear`) by which what it shows has moved when the next row is exposed, and the growth of the
 // point spread's variance along columns in the assembled image over two, px^2 (`stretch`).
 //
-// A lens blurs each instant's image; rows are assembled later. Blurring the assembled image with the
-// lens's own kernel is therefore wrong while the camera turns: a row's neighbours were exposed at
-// other times. The kernel that is right in the assembled image is the lens's, sheared and stretched
-// by the motion between rows. With shear k and downwards motion b (pixels a row) it is
+// A lens blurs each instant's image; rows are assembled later. Blurring the assembled image with
+// the lens's own kernel is therefore wrong while the camera turns: a row's neighbours were exposed
+// at other times. The kernel that is right in the assembled image is the lens's, sheared and
+// stretched by the motion between rows. With shear k and downwards motion b (pixels a row) it is
 //   (1 - b) g((1 - b) dv) g(du - k dv).
 struct RowMotion {
   bool still = true;
@@ -35,14 +35,16 @@ RowMotion row_motion(const FrameJob& job, const CameraRays& rays, double sigma_p
 
 class CameraFilter {
  public:
-  CameraFilter(const effects::Optics& optics, const effects::GainField& gain, int width_px, int height_px);
+  CameraFilter(const effects::Optics& optics, const effects::GainField& gain, int width_px,
+               int height_px);
 
   int border_px() const { return static_cast<int>(kernel_.size() / 2); }
   const std::vector<float>& kernel() const { return kernel_; }
   // Gain of each sample, interleaved.
   const std::vector<float>& gain() const { return gain_; }
 
-  // `image` has this filter's border. `lamps`: a factor for each row. Result: interleaved, row-major.
+  // `image` has this filter's border. `lamps`: a factor for each row. Result: interleaved,
+  // row-major.
   void apply(const LinearImage& image, const RowMotion& motion, std::span<const float> lamps,
              std::vector<float>& illumination) const;
   // The blur alone.
@@ -68,7 +70,8 @@ class ImageFilter {
   // Interleaved RGB, 8 bits.
   void apply(const LinearImage& ideal, RandomStream frame_noise, std::vector<uint8_t>& rgb) const;
   // The same in separate passes over the image, with plain loops.
-  void apply_in_passes(const LinearImage& ideal, RandomStream frame_noise, std::vector<uint8_t>& rgb) const;
+  void apply_in_passes(const LinearImage& ideal, RandomStream frame_noise,
+                       std::vector<uint8_t>& rgb) const;
 
  private:
   CameraFilter filter_;

@@ -12,13 +12,13 @@ namespace seam::render {
 
 // A primitive prepared for one instant. The object's frame O is that of `Primitive::X_WO`.
 struct CastShape {
-  float R_OC[9];     // Row-major: maps a direction in the camera's frame into the object's.
-  float origin_O[3]; // The camera in the object's frame, metres.
-  float centre_C[3]; // The object's origin in the camera's frame, metres.
-  float size[3];     // Rectangle, box: half edges. Others: radius in [0], height in [2]. Metres.
-  float light_O[3];  // Direction towards the light in the object's frame, times `diffuse`.
+  float R_OC[9];      // Row-major: maps a direction in the camera's frame into the object's.
+  float origin_O[3];  // The camera in the object's frame, metres.
+  float centre_C[3];  // The object's origin in the camera's frame, metres.
+  float size[3];      // Rectangle, box: half edges. Others: radius in [0], height in [2]. Metres.
+  float light_O[3];   // Direction towards the light in the object's frame, times `diffuse`.
   float ambient;
-  int32_t id;        // What a hit writes; the primitive's place in its instant.
+  int32_t id;  // What a hit writes; the primitive's place in its instant.
 };
 
 // Directions of the rays of one row in the camera's frame.
@@ -49,23 +49,26 @@ struct RaySlopes {
 struct CastKernels {
   using Cast = void (*)(const CastShape&, RayRow, int begin, int end, HitRow);
   // The factor on the primitive's rgb at hits of columns [begin, end) under Lambert's law.
-  using Shade = void (*)(const CastShape&, RayRow, const float* depth, int begin, int end, float* factor);
+  using Shade = void (*)(const CastShape&, RayRow, const float* depth, int begin, int end,
+                         float* factor);
   Cast cast[5];    // By Shape.
   Shade shade[5];  // By Shape.
   // One component of the rays of one row, at offsets from the pixels' centres:
   // base + du * along_u + dv * along_v, with du = frac(tile_u[i] + phase_u) - 1/2 and dv alike.
-  void (*offset_rays)(const RaySlopes&, const float* tile_u, const float* tile_v, float phase_u, float phase_v,
-                      int count, float* out);
+  void (*offset_rays)(const RaySlopes&, const float* tile_u, const float* tile_v, float phase_u,
+                      float phase_v, int count, float* out);
   // The same for some columns alone, `each` rays a column, ray j of a column with phase j.
-  void (*edge_rays)(const RaySlopes&, const float* tile_u, const float* tile_v, const int32_t* columns, int count,
-                    const float* phase_u, const float* phase_v, int each, float* out);
+  void (*edge_rays)(const RaySlopes&, const float* tile_u, const float* tile_v,
+                    const int32_t* columns, int count, const float* phase_u, const float* phase_v,
+                    int each, float* out);
   // sum[i] += weight * factor[i] * colours[id[i] + 1]; signature[i] = signatures[id[i] + 1].
-  void (*add_row)(const Colour* colours, const uint32_t* signatures, const int32_t* id, const float* factor,
-                  float weight, int count, Colour* sum, uint32_t* signature);
-  // Adds `weight` times the mean colour of the `each` rays of every column, less that of the one ray
-  // that the column had in `first_id`, `first_factor` (by column).
-  void (*replace)(const Colour* colours, const int32_t* id, const float* factor, const int32_t* columns, int count,
-                  int each, const int32_t* first_id, const float* first_factor, float weight, Colour* sum);
+  void (*add_row)(const Colour* colours, const uint32_t* signatures, const int32_t* id,
+                  const float* factor, float weight, int count, Colour* sum, uint32_t* signature);
+  // Adds `weight` times the mean colour of the `each` rays of every column, less that of the one
+  // ray that the column had in `first_id`, `first_factor` (by column).
+  void (*replace)(const Colour* colours, const int32_t* id, const float* factor,
+                  const int32_t* columns, int count, int each, const int32_t* first_id,
+                  const float* first_factor, float weight, Colour* sum);
   const char* name;
 };
 
@@ -76,8 +79,5 @@ inline constexpr float kFar = 1e30f;
 inline constexpr float kCoplanar = 1.00001f;
 
 const CastKernels& cast_kernels();
-
-// Every set that this machine can run, the narrowest first; for tests of equal bits.
-int cast_kernel_sets(const CastKernels* sets[3]);
 
 }  // namespace seam::render

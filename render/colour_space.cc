@@ -7,10 +7,14 @@
 namespace seam::render {
 namespace {
 
-uint8_t to_byte(int value) { return static_cast<uint8_t>(std::clamp(value, 0, 255)); }
+uint8_t to_byte(int value) {
+  return static_cast<uint8_t>(std::clamp(value, 0, 255));
+}
 
 // Rounded division by 100, halves away from zero.
-int hundredths(int value) { return (value >= 0 ? value + 50 : value - 50) / 100; }
+int hundredths(int value) {
+  return (value >= 0 ? value + 50 : value - 50) / 100;
+}
 
 }  // namespace
 

@@ -25,16 +25,16 @@ struct FilterKernels {
   // The row's blurred light from its sums, which begin one column before the first:
   // s0 + shear * d(s1)/du + shear^2/2 * d2(s2)/du2 + stretch * (s2 / sigma^4 - s0 / sigma^2)
   //    + stretch^2/2 * (s4 / sigma^8 - 6 s2 / sigma^6 + 3 s0 / sigma^4).
-  void (*moving_blur)(RowMoments sums, const float* shear, const float* stretch, float sigma, int count, float* out);
+  void (*moving_blur)(RowMoments sums, const float* shear, const float* stretch, float sigma,
+                      int count, float* out);
   // out[3 i + channel] = in[i] * gain[3 i + channel] * factor.
-  void (*interleave)(const float* in, const float* gain, float factor, int channel, int count, float* out);
+  void (*interleave)(const float* in, const float* gain, float factor, int channel, int count,
+                     float* out);
   // Bilinear samples: in[at[i]] and its right, lower and lower right neighbours.
-  void (*remap)(const float* in, int stride, const int32_t* at, const float* right, const float* down, int count,
-                float* out);
+  void (*remap)(const float* in, int stride, const int32_t* at, const float* right,
+                const float* down, int count, float* out);
   const char* name;
 };
 
 const FilterKernels& filter_kernels();
-int filter_kernel_sets(const FilterKernels* sets[3]);
-
 }  // namespace seam::render

@@ -19,7 +19,8 @@ using namespace testing;
 
 std::filesystem::path measurements() {
   const char* given = std::getenv("SEAM_MEASUREMENTS");
-  return given ? std::filesystem::path(given) : std::filesystem::path(SEAM_SOURCE_DIR) / "../shared/measurements";
+  return given ? std::filesystem::path(given)
+               : std::filesystem::path(SEAM_SOURCE_DIR) / "../shared/measurements";
 }
 
 std::vector<std::vector<std::string>> csv_rows(const std::filesystem::path& path) {
@@ -85,7 +86,8 @@ TEST(FramesA, AnswerAddedLeavesTheNoiseAlone) {
   size_t count = 0;
   for (const auto& row : csv_rows(folder / "frames.csv")) {
     const Image truth = read_png(folder / row[1]);
-    const LinearImage light = renderer.render_linear(job_of(scene, model, 144, std::stod(row[2]), 16));
+    const LinearImage light =
+        renderer.render_linear(job_of(scene, model, 144, std::stod(row[2]), 16));
     for (size_t i = 0; i < truth.samples.size(); ++i) {
       const double residual = truth.samples[i] - 255.0 * light.planes[i % 3][i / 3];
       // Dark values are clipped at 0, which no residual of an unclipped mean can follow.

@@ -39,8 +39,9 @@ class SceneInTime {
  private:
   using Place = std::vector<SceneInstant>::const_iterator;
   std::pair<Place, Place> around(SimTime time) const {
-    const auto after = std::lower_bound(job_.instants.begin(), job_.instants.end(), time,
-                                        [](const SceneInstant& a, SimTime t) { return a.time < t; });
+    const auto after =
+        std::lower_bound(job_.instants.begin(), job_.instants.end(), time,
+                         [](const SceneInstant& a, SimTime t) { return a.time < t; });
     const Place b = std::clamp(after, job_.instants.begin() + 1, job_.instants.end() - 1);
     return {b - 1, b};
   }
@@ -54,8 +55,9 @@ struct ImagePosition {
 
 // Where a point fixed to a primitive is seen when the row that shows it is at `fraction` of its
 // window: the row depends on the image point and the image point on the row's time.
-ImagePosition follow(const FrameJob& job, const SceneInTime& scenes, const effects::Projection& projection,
-                     size_t primitive, const Vec3& p_O, double fraction, double row) {
+ImagePosition follow(const FrameJob& job, const SceneInTime& scenes,
+                     const effects::Projection& projection, size_t primitive, const Vec3& p_O,
+                     double fraction, double row) {
   ImagePosition seen{0, row, false};
   const auto last_row = static_cast<double>(job.schedule.rows.size() - 1);
   for (int step = 0; step < 4; ++step) {
@@ -67,10 +69,11 @@ ImagePosition follow(const FrameJob& job, const SceneInTime& scenes, const effec
              fraction * static_cast<double>((window.end - window.start).ns());
     };
     const double between = clamped - static_cast<double>(below);
-    const double after_ns =
-        (1 - between) * time_in(job.schedule.rows[below]) + between * time_in(job.schedule.rows[above]);
+    const double after_ns = (1 - between) * time_in(job.schedule.rows[below]) +
+                            between * time_in(job.schedule.rows[above]);
     Pose X_WC, X_WO;
-    scenes.poses_at(job.stamp + SimDuration::from_ns(std::llround(after_ns)), primitive, X_WC, X_WO);
+    scenes.poses_at(job.stamp + SimDuration::from_ns(std::llround(after_ns)), primitive, X_WC,
+                    X_WO);
     const effects::ImagePoint point = projection.project(X_WC.inverse() * (X_WO * p_O), 0, clamped);
     seen = {point.u, point.v, point.visible};
     if (!point.visible) return seen;
@@ -80,7 +83,8 @@ ImagePosition follow(const FrameJob& job, const SceneInTime& scenes, const effec
 
 }  // namespace
 
-GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays, const effects::Projection& projection) {
+GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays,
+                              const effects::Projection& projection) {
   GroundTruth truth{.width_px = rays.width_px, .height_px = rays.height_px};
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   truth.label.assign(pixels, static_cast<uint8_t>(Label::background));

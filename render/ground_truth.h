@@ -5,6 +5,7 @@
 
 namespace seam::render {
 
-GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays, const effects::Projection& projection);
+GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays,
+                              const effects::Projection& projection);
 
 }  // namespace seam::render

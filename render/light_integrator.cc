@@ -20,7 +20,8 @@ double focal_px(const CameraRays& rays) {
   for (size_t i = 0; i < green.base[0].size(); ++i) {
     const auto length2 = [&](const std::vector<float>(&along)[3]) {
       double sum = 0;
-      for (const std::vector<float>& component : along) sum += static_cast<double>(component[i]) * component[i];
+      for (const std::vector<float>& component : along)
+        sum += static_cast<double>(component[i]) * component[i];
       return sum;
     };
     least = std::min({least, length2(green.along_u), length2(green.along_v)});
@@ -28,7 +29,9 @@ double focal_px(const CameraRays& rays) {
   return 1 / std::sqrt(least);
 }
 
-int divide_up(int a, int b) { return (a + b - 1) / b; }
+int divide_up(int a, int b) {
+  return (a + b - 1) / b;
+}
 
 int fewest_instants(const RowSchedule& schedule) {
   size_t fewest = schedule.weights[0].size();
@@ -45,7 +48,8 @@ int instants_wanted(const FrameJob& job, const CameraRays& rays, const RendererO
   double fastest_px = 0;  // In the time between two instants of a row.
   const double step_ns = static_cast<double>(exposure.ns()) / given;
   for (size_t k = 0; k + 1 < job.instants.size(); ++k) {
-    const double span_ns = static_cast<double>((job.instants[k + 1].time - job.instants[k].time).ns());
+    const double span_ns =
+        static_cast<double>((job.instants[k + 1].time - job.instants[k].time).ns());
     const double motion = image_motion_px(job.instants[k], job.instants[k + 1], focal);
     if (span_ns > 0) fastest_px = std::max(fastest_px, motion * step_ns / span_ns);
   }
@@ -63,24 +67,28 @@ SceneInstant scene_at(const FrameJob& job, SimTime time) {
 
 }  // namespace
 
-SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays, const RendererOptions& options) {
+SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,
+                           const RendererOptions& options) {
   SEAM_CHECK(job.instants.size() == job.schedule.instants.size() && !job.instants.empty(), "{} {}",
              job.instants.size(), job.schedule.instants.size());
-  SEAM_CHECK(static_cast<int>(job.schedule.rows.size()) == rays.height_px, "{}", job.schedule.rows.size());
+  SEAM_CHECK(static_cast<int>(job.schedule.rows.size()) == rays.height_px, "{}",
+             job.schedule.rows.size());
   SamplingPlan plan;
   const int wanted = instants_wanted(job, rays, options);
   const bool refine = wanted > fewest_instants(job.schedule);
   plan.schedule = refine ? effects::schedule_of_windows(job.schedule.rows, wanted) : job.schedule;
   plan.scenes.resize(plan.schedule.instants.size());
-  split_over_threads(options.threads, static_cast<int>(plan.scenes.size()), [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      if (refine) {
-        prepare(scene_at(job, plan.schedule.instants[k]), job.lighting, job.background, rays, plan.scenes[k]);
-      } else {
-        prepare(job.instants[k], job.lighting, job.background, rays, plan.scenes[k]);
-      }
-    }
-  });
+  split_over_threads(
+      options.threads, static_cast<int>(plan.scenes.size()), [&](int begin, int end) {
+        for (int k = begin; k < end; ++k) {
+          if (refine) {
+            prepare(scene_at(job, plan.schedule.instants[k]), job.lighting, job.background, rays,
+                    plan.scenes[k]);
+          } else {
+            prepare(job.instants[k], job.lighting, job.background, rays, plan.scenes[k]);
+          }
+        }
+      });
   return plan;
 }
 
@@ -91,7 +99,8 @@ void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const Fra
     // Every row holds nearly as many instants as any other; all refine their edges alike.
     const int instants_a_row = fewest_instants(plan.schedule);
     const int first_look = instants_a_row * divide_up(options.samples_per_pixel, instants_a_row);
-    RowCaster caster(rays, pattern, job.lighting.lambert, divide_up(options.edge_samples_per_pixel, first_look));
+    RowCaster caster(rays, pattern, job.lighting.lambert,
+                     divide_up(options.edge_samples_per_pixel, first_look));
     std::vector<RowSample> samples;
     std::vector<int> order;
     for (int row = begin; row < end; ++row) {
@@ -99,7 +108,8 @@ void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const Fra
       const std::vector<double>& weights = plan.schedule.weights[image_row];
       const int instants = static_cast<int>(weights.size());
       const int each = divide_up(options.samples_per_pixel, instants);
-      if (order.size() != static_cast<size_t>(instants * each)) order = SamplePattern::scattered_order(instants * each);
+      if (order.size() != static_cast<size_t>(instants * each))
+        order = SamplePattern::scattered_order(instants * each);
       samples.clear();
       for (int k = 0; k < instants; ++k) {
         const auto& scene = plan.scenes[plan.schedule.first_instant[image_row] + k];
@@ -110,7 +120,8 @@ void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const Fra
       const std::vector<Colour>& light = caster.cast_row(row, samples);
       for (int c = 0; c < 3; ++c) {
         float* const plane = &image.planes[c][rays.at(row)];
-        for (int column = 0; column < rays.columns(); ++column) plane[column] = light[column].rgb[c];
+        for (int column = 0; column < rays.columns(); ++column)
+          plane[column] = light[column].rgb[c];
       }
     }
   });

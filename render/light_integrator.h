@@ -13,7 +13,8 @@ struct SamplingPlan {
   std::vector<PreparedInstant> scenes;  // One for each of schedule.instants.
 };
 
-SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays, const RendererOptions& options);
+SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,
+                           const RendererOptions& options);
 
 // The light of the plan as an image, which is as large as the table of rays (border included).
 // Rows of the border see what the nearest row of the image sees, at its times: the lens, not the

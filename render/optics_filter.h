@@ -12,7 +12,8 @@ namespace seam::render {
 // Cuts off the border.
 LinearImage without_border(const LinearImage& image, int border_px);
 
-// Convolves with the separable kernel (odd length, radius at most border_px) and cuts off the border.
+// Convolves with the separable kernel (odd length, radius at most border_px) and cuts off the
+// border.
 LinearImage blurred(const LinearImage& image, int border_px, const std::vector<float>& kernel);
 
 // Multiplies row r by factors[r].

@@ -14,7 +14,9 @@ void split_over_threads(int threads, int count, const Work& work) {
   threads = std::clamp(threads, 1, std::max(count, 1));
   std::vector<std::jthread> helpers;
   for (int part = 1; part < threads; ++part) {
-    helpers.emplace_back([&work, part, threads, count] { work(count * part / threads, count * (part + 1) / threads); });
+    helpers.emplace_back([&work, part, threads, count] {
+      work(count * part / threads, count * (part + 1) / threads);
+    });
   }
   work(0, count / threads);
 }

@@ -17,10 +17,11 @@ std::vector<float> point_spread(const effects::Optics& optics) {
     const double w1 = variance / 2 - 4 * w2;
     weights = {w2, w1, 1 - 2 * (w1 + w2), w1, w2};
   } else {
-    const int radius =
-        optics.blur_window_px > 0 ? optics.blur_window_px / 2 : static_cast<int>(std::ceil(4 * sigma));
+    const int radius = optics.blur_window_px > 0 ? optics.blur_window_px / 2
+                                                 : static_cast<int>(std::ceil(4 * sigma));
     double sum = 0;
-    for (int k = -radius; k <= radius; ++k) sum += weights.emplace_back(maths::exp(-k * k / (2 * variance)));
+    for (int k = -radius; k <= radius; ++k)
+      sum += weights.emplace_back(maths::exp(-k * k / (2 * variance)));
     for (double& weight : weights) weight /= sum;
   }
   return {weights.begin(), weights.end()};

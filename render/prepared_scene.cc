@@ -26,12 +26,16 @@ struct BoundingSphere {
 BoundingSphere bounding_sphere(const Primitive& primitive) {
   const Vec3& size = primitive.size;
   switch (primitive.shape) {
-    case Shape::rectangle: return {Vec3(0), 0.5 * std::sqrt(size.x * size.x + size.y * size.y)};
-    case Shape::sphere: return {Vec3(0), size.x};
+    case Shape::rectangle:
+      return {Vec3(0), 0.5 * std::sqrt(size.x * size.x + size.y * size.y)};
+    case Shape::sphere:
+      return {Vec3(0), size.x};
     case Shape::cylinder:
       return {{0, 0, 0.5 * size.z}, std::sqrt(size.x * size.x + 0.25 * size.z * size.z)};
-    case Shape::capsule: return {{0, 0, 0.5 * size.z}, size.x + 0.5 * size.z};
-    case Shape::box: return {Vec3(0), 0.5 * std::sqrt(glm::dot(size, size))};
+    case Shape::capsule:
+      return {{0, 0, 0.5 * size.z}, size.x + 0.5 * size.z};
+    case Shape::box:
+      return {Vec3(0), 0.5 * std::sqrt(glm::dot(size, size))};
   }
   return {Vec3(0), 0};
 }
@@ -72,7 +76,8 @@ Bounds sphere_bounds(const Vec3& centre_C, double radius) {
 Bounds box_bounds(const Pose& X_CO, const Vec3& low, const Vec3& high) {
   Bounds bounds;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p_C = X_CO * Vec3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
+    const Vec3 p_C = X_CO * Vec3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                                 corner & 4 ? high.z : low.z);
     if (p_C.z < kNear) return Bounds::everything();
     bounds.add(p_C.x / p_C.z, p_C.y / p_C.z);
   }
@@ -99,8 +104,8 @@ Bounds rectangle_bounds(const Pose& X_CO, const Vec3& size, std::vector<OutlineE
     const Vec3& p = outline[k];
     const Vec3& q = outline[(k + 1) % count];
     bounds.add(p.x / p.z, p.y / p.z);
-    OutlineEdge edge{static_cast<float>(p.x / p.z), static_cast<float>(p.y / p.z), static_cast<float>(q.x / q.z),
-                     static_cast<float>(q.y / q.z)};
+    OutlineEdge edge{static_cast<float>(p.x / p.z), static_cast<float>(p.y / p.z),
+                     static_cast<float>(q.x / q.z), static_cast<float>(q.y / q.z)};
     if (edge.y0 > edge.y1) std::swap(edge.x0, edge.x1), std::swap(edge.y0, edge.y1);
     edges.push_back(edge);
   }
@@ -110,15 +115,19 @@ Bounds rectangle_bounds(const Pose& X_CO, const Vec3& size, std::vector<OutlineE
 Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, std::vector<OutlineEdge>& edges) {
   const Vec3& size = primitive.size;
   switch (primitive.shape) {
-    case Shape::rectangle: return rectangle_bounds(X_CO, size, edges);
-    case Shape::sphere: return sphere_bounds(X_CO.p, size.x);
-    case Shape::cylinder: return box_bounds(X_CO, {-size.x, -size.x, 0}, {size.x, size.x, size.z});
+    case Shape::rectangle:
+      return rectangle_bounds(X_CO, size, edges);
+    case Shape::sphere:
+      return sphere_bounds(X_CO.p, size.x);
+    case Shape::cylinder:
+      return box_bounds(X_CO, {-size.x, -size.x, 0}, {size.x, size.x, size.z});
     case Shape::capsule: {
       Bounds bounds = sphere_bounds(X_CO.p, size.x);
       bounds.add(sphere_bounds(X_CO * Vec3(0, 0, size.z), size.x));
       return bounds;
     }
-    case Shape::box: return box_bounds(X_CO, -0.5 * size, 0.5 * size);
+    case Shape::box:
+      return box_bounds(X_CO, -0.5 * size, 0.5 * size);
   }
   return Bounds::everything();
 }
@@ -134,16 +143,21 @@ Footprint footprint_of(const Bounds& bounds, const CameraRays& rays) {
   const auto& y_max = rays.row_y_max;
   const auto& y_min = rays.row_y_min;
   footprint.first_row = static_cast<int>(
-      std::lower_bound(y_max.begin(), y_max.end(), static_cast<float>(bounds.y_min) - kSlack) - y_max.begin());
-  footprint.last_row = static_cast<int>(
-      std::upper_bound(y_min.begin(), y_min.end(), static_cast<float>(bounds.y_max) + kSlack) - y_min.begin()) - 1;
+      std::lower_bound(y_max.begin(), y_max.end(), static_cast<float>(bounds.y_min) - kSlack) -
+      y_max.begin());
+  footprint.last_row =
+      static_cast<int>(
+          std::upper_bound(y_min.begin(), y_min.end(), static_cast<float>(bounds.y_max) + kSlack) -
+          y_min.begin()) -
+      1;
   footprint.x_min = static_cast<float>(bounds.x_min) - kSlack;
   footprint.x_max = static_cast<float>(bounds.x_max) + kSlack;
   if (footprint.x_max < rays.x_min || footprint.x_min > rays.x_max) footprint.last_row = -1;
   return footprint;
 }
 
-CastShape cast_shape(const Primitive& primitive, const Pose& X_CO, const Vec3& light_C, const Lighting& lighting) {
+CastShape cast_shape(const Primitive& primitive, const Pose& X_CO, const Vec3& light_C,
+                     const Lighting& lighting) {
   CastShape shape{};
   for (int axis = 0; axis < 3; ++axis) {
     for (int k = 0; k < 3; ++k) shape.R_OC[3 * axis + k] = static_cast<float>(X_CO.R[axis][k]);
@@ -151,14 +165,16 @@ CastShape cast_shape(const Primitive& primitive, const Pose& X_CO, const Vec3& l
     shape.centre_C[axis] = static_cast<float>(X_CO.p[axis]);
     shape.light_O[axis] = static_cast<float>(lighting.diffuse * glm::dot(X_CO.R[axis], light_C));
     const bool half_edges = primitive.shape == Shape::rectangle || primitive.shape == Shape::box;
-    shape.size[axis] = static_cast<float>(half_edges ? 0.5 * primitive.size[axis] : primitive.size[axis]);
+    shape.size[axis] =
+        static_cast<float>(half_edges ? 0.5 * primitive.size[axis] : primitive.size[axis]);
   }
   shape.ambient = static_cast<float>(lighting.ambient);
   return shape;
 }
 
 Colour colour_of(const Rgb& rgb) {
-  return {{static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 0.0f}};
+  return {
+      {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 0.0f}};
 }
 
 uint32_t signature_of(const Primitive& primitive, size_t source, const Lighting& lighting) {
@@ -198,8 +214,8 @@ void PreparedInstant::clear() {
   sources.clear(), outline_edges.clear();
 }
 
-void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background, const CameraRays& rays,
-             PreparedInstant& out) {
+void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
+             const CameraRays& rays, PreparedInstant& out) {
   out.clear();
   out.colours.push_back(colour_of(background));
   out.signatures.push_back(0);
@@ -217,7 +233,8 @@ void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& b
       continue;
     }
     footprint.first_edge = static_cast<int>(first_edge);
-    footprint.edges = rays.perspective ? static_cast<int>(out.outline_edges.size() - first_edge) : 0;
+    footprint.edges =
+        rays.perspective ? static_cast<int>(out.outline_edges.size() - first_edge) : 0;
     CastShape shape = cast_shape(primitive, X_CO, light_C, lighting);
     shape.id = static_cast<int32_t>(out.shapes.size());
     out.shapes.push_back(shape);
@@ -261,8 +278,10 @@ double image_motion_px(const SceneInstant& a, const SceneInstant& b, double foca
     const BoundingSphere around = bounding_sphere(a.primitives[i]);
     const Vec3 step = X_WB * around.centre_O - X_WA * around.centre_O - camera_step;
     const Vec3 from_camera = X_WA * around.centre_O - a.X_WC.p;
-    const double distance = std::max(std::sqrt(glm::dot(from_camera, from_camera)) - around.radius, kNearest_m);
-    const double moved = std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * around.radius;
+    const double distance =
+        std::max(std::sqrt(glm::dot(from_camera, from_camera)) - around.radius, kNearest_m);
+    const double moved =
+        std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * around.radius;
     shifted = std::max(shifted, moved / distance);
   }
   return focal_px * (turned + shifted);

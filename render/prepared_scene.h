@@ -27,21 +27,22 @@ struct Footprint {
 };
 
 struct PreparedInstant {
-  std::vector<CastShape> shapes;  // Visible ones, in the scene's order; CastShape::id is the place here.
-  std::vector<uint8_t> kinds;     // Shape of each, as the kernels count them.
+  std::vector<CastShape>
+      shapes;  // Visible ones, in the scene's order; CastShape::id is the place here.
+  std::vector<uint8_t> kinds;  // Shape of each, as the kernels count them.
   std::vector<Footprint> footprints;
   // Place 0 is the background; a hit's id + 1 is its place.
   std::vector<Colour> colours;
   // Equal for hits that look the same: of one colour, or with Lambert's law of one primitive.
   std::vector<uint32_t> signatures;
-  std::vector<int> sources;       // Places in SceneInstant::primitives.
+  std::vector<int> sources;  // Places in SceneInstant::primitives.
   std::vector<OutlineEdge> outline_edges;
 
   void clear();
 };
 
-void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background, const CameraRays& rays,
-             PreparedInstant& out);
+void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
+             const CameraRays& rays, PreparedInstant& out);
 
 // The scene at `time` between (or a little beyond) two instants: poses are interpolated, which is
 // exact for constant velocities and good to the third power of the angle turned in between.

@@ -66,7 +66,9 @@ class RayFinder {
     return std::nullopt;
   }
 
-  ImagePoint at(double x, double y, double v) const { return projection_.project({x, y, 1}, t_s_, v, channel_); }
+  ImagePoint at(double x, double y, double v) const {
+    return projection_.project({x, y, 1}, t_s_, v, channel_);
+  }
 
   const Projection& projection_;
   int channel_;
@@ -77,7 +79,8 @@ using RayGrid = std::vector<std::optional<RayWithSlopes>>;
 
 // From the middle row outwards, so that a ray's neighbour is known.
 RayGrid find_rays(const Projection& projection, int border, int channel, double t_s) {
-  const int columns = projection.width_px() + 2 * border, rows = projection.height_px() + 2 * border;
+  const int columns = projection.width_px() + 2 * border,
+            rows = projection.height_px() + 2 * border;
   const RayFinder finder(projection, channel, t_s);
   RayGrid grid(static_cast<size_t>(columns) * rows);
   const auto cell = [&](int column, int row) -> std::optional<RayWithSlopes>& {
@@ -85,55 +88,65 @@ RayGrid find_rays(const Projection& projection, int border, int channel, double 
   };
   const auto fill = [&](int column, int row, int from_column, int from_row) {
     const auto& neighbour = cell(from_column, from_row);
-    cell(column, row) = finder.find(column - border, row - border, neighbour ? &*neighbour : nullptr);
+    cell(column, row) =
+        finder.find(column - border, row - border, neighbour ? &*neighbour : nullptr);
   };
   const int middle_row = rows / 2, middle_column = columns / 2;
   const auto fill_row = [&](int row) {
-    for (int column = middle_column + 1; column < columns; ++column) fill(column, row, column - 1, row);
+    for (int column = middle_column + 1; column < columns; ++column)
+      fill(column, row, column - 1, row);
     for (int column = middle_column - 1; column >= 0; --column) fill(column, row, column + 1, row);
   };
   fill(middle_column, middle_row, middle_column, middle_row);
   fill_row(middle_row);
-  for (int row = middle_row + 1; row < rows; ++row) fill(middle_column, row, middle_column, row - 1), fill_row(row);
-  for (int row = middle_row - 1; row >= 0; --row) fill(middle_column, row, middle_column, row + 1), fill_row(row);
+  for (int row = middle_row + 1; row < rows; ++row)
+    fill(middle_column, row, middle_column, row - 1), fill_row(row);
+  for (int row = middle_row - 1; row >= 0; --row)
+    fill(middle_column, row, middle_column, row + 1), fill_row(row);
   return grid;
 }
 
 // The nearest image pixel's ray continued by its slopes.
-RayWithSlopes extrapolated(const RayGrid& grid, const Projection& projection, int border, int column, int row) {
+RayWithSlopes extrapolated(const RayGrid& grid, const Projection& projection, int border,
+                           int column, int row) {
   const int columns = projection.width_px() + 2 * border;
   const int u = std::clamp(column - border, 0, projection.width_px() - 1);
   const int v = std::clamp(row - border, 0, projection.height_px() - 1);
   RayWithSlopes ray = *grid[static_cast<size_t>(v + border) * columns + u + border];
-  ray.ray += static_cast<double>(column - border - u) * ray.along_u + static_cast<double>(row - border - v) * ray.along_v;
+  ray.ray += static_cast<double>(column - border - u) * ray.along_u +
+             static_cast<double>(row - border - v) * ray.along_v;
   return ray;
 }
 
-void check_image_has_rays(const RayGrid& grid, const Projection& projection, int border, const std::string& model) {
+void check_image_has_rays(const RayGrid& grid, const Projection& projection, int border,
+                          const std::string& model) {
   const int columns = projection.width_px() + 2 * border;
   for (int v = 0; v < projection.height_px(); ++v) {
     for (int u = 0; u < projection.width_px(); ++u) {
       if (grid[static_cast<size_t>(v + border) * columns + u + border]) continue;
-      throw InputError(fmt::format(
-          "model '{}': effects of stage geometry: no ray leads to pixel ({}, {}) of {}x{}, expected a calibration "
-          "that can be inverted over the whole image (is a distortion too strong?)",
-          model, u, v, projection.width_px(), projection.height_px()));
+      throw InputError(
+          fmt::format("model '{}': effects of stage geometry: no ray leads to pixel ({}, {}) of "
+                      "{}x{}, expected a calibration "
+                      "that can be inverted over the whole image (is a distortion too strong?)",
+                      model, u, v, projection.width_px(), projection.height_px()));
     }
   }
 }
 
-RayTable make_table(const Projection& projection, const std::string& model_name, int border, int channel, double t_s,
-                    bool& perspective) {
+RayTable make_table(const Projection& projection, const std::string& model_name, int border,
+                    int channel, double t_s, bool& perspective) {
   const RayGrid grid = find_rays(projection, border, channel, t_s);
   check_image_has_rays(grid, projection, border, model_name);
   RayTable table;
   for (int k = 0; k < 3; ++k) {
-    for (auto* values : {&table.base[k], &table.along_u[k], &table.along_v[k]}) values->resize(grid.size());
+    for (auto* values : {&table.base[k], &table.along_u[k], &table.along_v[k]})
+      values->resize(grid.size());
   }
   const int columns = projection.width_px() + 2 * border;
   for (size_t i = 0; i < grid.size(); ++i) {
     const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
-    const RayWithSlopes ray = grid[i] ? *grid[i] : extrapolated(grid, projection, border, column, row);
+    const RayWithSlopes ray =
+        grid[i] ? *grid[i] : extrapolated(grid, projection, border, column, row);
     if (ray.ray.z != 1) perspective = false;
     for (int k = 0; k < 3; ++k) {
       table.base[k][i] = static_cast<float>(ray.ray[k]);
@@ -152,7 +165,9 @@ struct Reach {
 Reach reach_of(const CameraRays& rays, int component, size_t i) {
   Reach reach{1e30f, -1e30f};
   for (const RayTable& table : rays.tables) {
-    const float half = 0.5f * (std::abs(table.along_u[component][i]) + std::abs(table.along_v[component][i])) + 1e-6f;
+    const float half =
+        0.5f * (std::abs(table.along_u[component][i]) + std::abs(table.along_v[component][i])) +
+        1e-6f;
     reach.low = std::min(reach.low, table.base[component][i] - half);
     reach.high = std::max(reach.high, table.base[component][i] + half);
   }
@@ -211,12 +226,20 @@ void bound_columns(CameraRays& rays) {
 
 }  // namespace
 
-CameraRays make_camera_rays(const Projection& projection, const std::string& model_name, int border_px, double t_s) {
-  CameraRays rays{.width_px = projection.width_px(), .height_px = projection.height_px(), .border_px = border_px,
-                  .tables = {}, .row_y_min = {}, .row_y_max = {}, .first_column = {}, .last_column = {}};
+CameraRays make_camera_rays(const Projection& projection, const std::string& model_name,
+                            int border_px, double t_s) {
+  CameraRays rays{.width_px = projection.width_px(),
+                  .height_px = projection.height_px(),
+                  .border_px = border_px,
+                  .tables = {},
+                  .row_y_min = {},
+                  .row_y_max = {},
+                  .first_column = {},
+                  .last_column = {}};
   const bool apart = colours_have_own_rays(projection);
   for (int channel = apart ? 0 : 1; channel < (apart ? 3 : 2); ++channel) {
-    rays.tables.push_back(make_table(projection, model_name, border_px, channel, t_s, rays.perspective));
+    rays.tables.push_back(
+        make_table(projection, model_name, border_px, channel, t_s, rays.perspective));
   }
   bound_rows(rays);
   bound_columns(rays);

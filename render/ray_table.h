@@ -20,12 +20,12 @@ struct RayTable {
   std::vector<float> along_v[3];
 };
 
-// The rays of a camera: one table, or, where colours have rays of their own, one each for red, green
-// and blue; with bounds that hold for all of them.
+// The rays of a camera: one table, or, where colours have rays of their own, one each for red,
+// green and blue; with bounds that hold for all of them.
 struct CameraRays {
-  int width_px = 0;   // Of the image alone.
+  int width_px = 0;  // Of the image alone.
   int height_px = 0;
-  int border_px = 0;  // Columns and rows beyond each edge.
+  int border_px = 0;        // Columns and rows beyond each edge.
   bool perspective = true;  // All rays have z = 1.
   std::vector<RayTable> tables;
 
@@ -35,8 +35,8 @@ struct CameraRays {
   std::vector<float> row_y_max;
   float x_min = 0, x_max = 0;
 
-  // For each row and each of kColumnBins even bins of [x_min, x_max]: the first column with a sample
-  // at the bin's begin or beyond, and the last one with a sample at its end or before.
+  // For each row and each of kColumnBins even bins of [x_min, x_max]: the first column with a
+  // sample at the bin's begin or beyond, and the last one with a sample at its end or before.
   static constexpr int kColumnBins = 512;
   std::vector<int16_t> first_column;
   std::vector<int16_t> last_column;
@@ -63,8 +63,8 @@ struct CameraRays {
 // Throws InputError, naming the model, when the lens maps no ray to a pixel of the image: the
 // calibration is outside the invertible range of its distortion. Rays of the border that do not
 // exist are those of the nearest pixel that has one.
-CameraRays make_camera_rays(const effects::Projection& projection, const std::string& model_name, int border_px,
-                            double t_s);
+CameraRays make_camera_rays(const effects::Projection& projection, const std::string& model_name,
+                            int border_px, double t_s);
 
 // Whether red and blue are seen elsewhere than green.
 bool colours_have_own_rays(const effects::Projection& projection);

@@ -41,15 +41,22 @@ struct Renderer::Impl {
   GainField gain_field;
   effects::SensorChain sensor;
   CameraFilter filter;
-  bool moving_lens;       // The geometry depends on time: tables are made for each frame.
+  bool moving_lens;  // The geometry depends on time: tables are made for each frame.
   CameraRays rays;
   mutable std::mutex patterns_mutex;
   mutable std::map<std::pair<uint64_t, uint64_t>, std::unique_ptr<effects::FixedPattern>> patterns;
 
   Impl(const effects::Model& m, int width, int height, const RendererOptions& o)
-      : model(m), options(o), width_px(width), height_px(height), projection(m, width, height),
-        optics(effects::optics_of(m)), gain_field(m, effects::Stage::radiometry, width, height),
-        sensor(effects::sensor_of(m)), filter(optics, gain_field, width, height), moving_lens(geometry_varies_with_time(projection)),
+      : model(m),
+        options(o),
+        width_px(width),
+        height_px(height),
+        projection(m, width, height),
+        optics(effects::optics_of(m)),
+        gain_field(m, effects::Stage::radiometry, width, height),
+        sensor(effects::sensor_of(m)),
+        filter(optics, gain_field, width, height),
+        moving_lens(geometry_varies_with_time(projection)),
         rays(make_camera_rays(projection, m.name(), filter.border_px(), 0)) {}
 
   double seconds(SimTime time) const { return (time - options.reference).s(); }
@@ -58,11 +65,13 @@ struct Renderer::Impl {
   LinearImage bordered_scene(const FrameJob& job) const {
     CameraRays own;
     if (moving_lens) {
-      own = make_camera_rays(projection, model.name(), filter.border_px(), seconds(job.schedule.rows[height_px / 2].start));
+      own = make_camera_rays(projection, model.name(), filter.border_px(),
+                             seconds(job.schedule.rows[height_px / 2].start));
     }
     const CameraRays& used = moving_lens ? own : rays;
     LinearImage image{.width_px = used.columns(), .height_px = used.rows()};
-    for (auto& plane : image.planes) plane.resize(static_cast<size_t>(image.width_px) * image.height_px);
+    for (auto& plane : image.planes)
+      plane.resize(static_cast<size_t>(image.width_px) * image.height_px);
     integrate_light(plan_sampling(job, used, options), used, job, options, image);
     return image;
   }
@@ -94,7 +103,8 @@ struct Renderer::Impl {
   // Light on the sensor, interleaved.
   std::vector<float> illumination(const FrameJob& job) const {
     std::vector<float> light;
-    filter.apply(bordered_scene(job), row_motion(job, rays, optics.blur_sigma_px), lamp_factors(job), light);
+    filter.apply(bordered_scene(job), row_motion(job, rays, optics.blur_sigma_px),
+                 lamp_factors(job), light);
     return light;
   }
 
@@ -125,16 +135,17 @@ struct Renderer::Impl {
   }
 
   std::vector<uint8_t> expose(const FrameJob& job, const std::vector<float>& light) const {
-    const Image image =
-        effects::expose(sensor, pattern_of(job.camera_noise), light, exposure_of(job), job.frame_noise);
+    const Image image = effects::expose(sensor, pattern_of(job.camera_noise), light,
+                                        exposure_of(job), job.frame_noise);
     return {image.samples.begin(), image.samples.end()};
   }
 };
 
-Renderer::Renderer(const effects::Model& model, int width_px, int height_px, const RendererOptions& options) {
+Renderer::Renderer(const effects::Model& model, int width_px, int height_px,
+                   const RendererOptions& options) {
   if (width_px < 1 || height_px < 1 || width_px > 8192 || height_px > 8192) {
-    throw InputError(fmt::format("model '{}': found an image of {}x{} pixels, expected 1 to 8192", model.name(),
-                                 width_px, height_px));
+    throw InputError(fmt::format("model '{}': found an image of {}x{} pixels, expected 1 to 8192",
+                                 model.name(), width_px, height_px));
   }
   impl_ = std::make_unique<Impl>(model, width_px, height_px, options);
 }
@@ -143,9 +154,15 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
-int Renderer::width_px() const { return impl_->width_px; }
-int Renderer::height_px() const { return impl_->height_px; }
-const effects::Model& Renderer::model() const { return impl_->model; }
+int Renderer::width_px() const {
+  return impl_->width_px;
+}
+int Renderer::height_px() const {
+  return impl_->height_px;
+}
+const effects::Model& Renderer::model() const {
+  return impl_->model;
+}
 
 LinearImage Renderer::render_scene(const FrameJob& job) const {
   return without_border(impl_->bordered_scene(job), impl_->filter.border_px());
@@ -162,8 +179,12 @@ LinearImage Renderer::render_linear(const FrameJob& job) const {
 }
 
 Frame Renderer::render(const FrameJob& job) const {
-  Frame frame{.robot = job.robot, .frame_index = job.frame_index, .stamp = job.stamp,
-              .width_px = impl_->width_px, .height_px = impl_->height_px, .rows = job.schedule.rows};
+  Frame frame{.robot = job.robot,
+              .frame_index = job.frame_index,
+              .stamp = job.stamp,
+              .width_px = impl_->width_px,
+              .height_px = impl_->height_px,
+              .rows = job.schedule.rows};
   frame.rgb = impl_->expose(job, impl_->illumination(job));
   frame.ycrcb.resize(frame.rgb.size());
   rgb_to_ycrcb(frame.rgb, frame.ycrcb);
@@ -177,7 +198,9 @@ GroundTruth Renderer::ground_truth(const FrameJob& job) const {
 
 std::vector<StageImage> Renderer::stages(const FrameJob& job) const {
   std::vector<StageImage> stages;
-  impl_->see_optics(job, [&](const char* name, const LinearImage& image) { stages.push_back({name, image}); });
+  impl_->see_optics(job, [&](const char* name, const LinearImage& image) {
+    stages.push_back({name, image});
+  });
   const auto bytes_stage = [&](const char* name, const std::vector<uint8_t>& bytes) {
     StageImage stage{name, {.width_px = impl_->width_px, .height_px = impl_->height_px}};
     for (size_t i = 0; i < bytes.size(); ++i) {

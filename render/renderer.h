@@ -26,7 +26,8 @@ struct RendererOptions {
   double max_motion_px = 1;
   // One frame may be split over so many threads (the same bits for any number).
   int threads = 1;
-  // Time of the set's (or run's) start: what flicker, drift and time-dependent expressions count from.
+  // Time of the set's (or run's) start: what flicker, drift and time-dependent expressions count
+  // from.
   SimTime reference;
 };
 
@@ -41,9 +42,9 @@ struct LinearImage {
 struct GroundTruth {
   int width_px = 0;
   int height_px = 0;
-  std::vector<uint8_t> label;      // seam::Label.
+  std::vector<uint8_t> label;  // seam::Label.
   std::vector<uint16_t> object_id;
-  std::vector<float> depth_m;      // Along the optical axis; infinite where nothing is met.
+  std::vector<float> depth_m;  // Along the optical axis; infinite where nothing is met.
   // Where the point seen moves in the image from the start of its row's window to the end, pixels
   // (the rolling shutter's own displacement: a point is followed to the row that then shows it).
   std::vector<float> flow_u_px, flow_v_px;
@@ -58,7 +59,8 @@ struct StageImage {
 class Renderer {
  public:
   // Throws InputError when the model has no projection or cannot be inverted over the image.
-  Renderer(const effects::Model& model, int width_px, int height_px, const RendererOptions& options = {});
+  Renderer(const effects::Model& model, int width_px, int height_px,
+           const RendererOptions& options = {});
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;

@@ -26,7 +26,8 @@ void widen(const OutlineEdge& edge, float y_min, float y_max, float& low, float&
   if (edge.y1 < y_min || edge.y0 > y_max) return;
   const float dy = edge.y1 - edge.y0;
   const float slope = dy > 1e-12f ? (edge.x1 - edge.x0) / dy : 0.0f;
-  const float first = edge.y0 < y_min && dy > 1e-12f ? edge.x0 + (y_min - edge.y0) * slope : edge.x0;
+  const float first =
+      edge.y0 < y_min && dy > 1e-12f ? edge.x0 + (y_min - edge.y0) * slope : edge.x0;
   const float last = edge.y1 > y_max && dy > 1e-12f ? edge.x0 + (y_max - edge.y0) * slope : edge.x1;
   low = std::min(low, std::min(first, last));
   high = std::max(high, std::max(first, last));
@@ -41,18 +42,24 @@ SamplePattern::SamplePattern(int columns) : tile_u_(columns), tile_v_(columns) {
   }
 }
 
-float SamplePattern::phase_u(int row, int sample) { return fraction(row * kRowU + sample * kSampleU); }
-float SamplePattern::phase_v(int row, int sample) { return fraction(row * kRowV + sample * kSampleV); }
+float SamplePattern::phase_u(int row, int sample) {
+  return fraction(row * kRowU + sample * kSampleU);
+}
+float SamplePattern::phase_v(int row, int sample) {
+  return fraction(row * kRowV + sample * kSampleV);
+}
 
 std::vector<int> SamplePattern::scattered_order(int count) {
   std::vector<int> by_mirror(count), place(count);
   for (int k = 0; k < count; ++k) by_mirror[k] = k;
   const auto mirrored = [](int k) {
     uint32_t bits = 0;
-    for (int bit = 0; bit < 32; ++bit) bits |= ((static_cast<uint32_t>(k) >> bit) & 1u) << (31 - bit);
+    for (int bit = 0; bit < 32; ++bit)
+      bits |= ((static_cast<uint32_t>(k) >> bit) & 1u) << (31 - bit);
     return bits;
   };
-  std::sort(by_mirror.begin(), by_mirror.end(), [&](int a, int b) { return mirrored(a) < mirrored(b); });
+  std::sort(by_mirror.begin(), by_mirror.end(),
+            [&](int a, int b) { return mirrored(a) < mirrored(b); });
   for (int rank = 0; rank < count; ++rank) place[by_mirror[rank]] = rank;
   return place;
 }
@@ -67,9 +74,18 @@ void RowCaster::Batch::resize(int rays) {
   id.resize(rays);
 }
 
-RowCaster::RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool lambert, int edge_samples)
-    : kernels_(cast_kernels()), rays_(rays), pattern_(pattern), lambert_(lambert), columns_(rays.columns()),
-      edge_samples_(edge_samples), sums_(columns_), varying_(columns_), near_varying_(columns_), phase_u_(edge_samples),
+RowCaster::RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool lambert,
+                     int edge_samples)
+    : kernels_(cast_kernels()),
+      rays_(rays),
+      pattern_(pattern),
+      lambert_(lambert),
+      columns_(rays.columns()),
+      edge_samples_(edge_samples),
+      sums_(columns_),
+      varying_(columns_),
+      near_varying_(columns_),
+      phase_u_(edge_samples),
       phase_v_(edge_samples) {
   row_.resize(columns_);
   row_.place.resize(columns_ + 1);
@@ -80,7 +96,8 @@ RowCaster::RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool 
 RaySlopes RowCaster::slopes(int channel, int component, int row) const {
   const RayTable& table = rays_.table(channel);
   const size_t offset = rays_.at(row);
-  return {&table.base[component][offset], &table.along_u[component][offset], &table.along_v[component][offset]};
+  return {&table.base[component][offset], &table.along_u[component][offset],
+          &table.along_v[component][offset]};
 }
 
 void RowCaster::find_spans(int row, const PreparedInstant& scene) {
@@ -100,18 +117,22 @@ void RowCaster::find_spans(int row, const PreparedInstant& scene) {
     int first, last;
     rays_.columns_between(row, low, high, first, last);
     if (first <= last) {
-      spans_.push_back({static_cast<int32_t>(i), static_cast<int16_t>(first), static_cast<int16_t>(last)});
+      spans_.push_back(
+          {static_cast<int32_t>(i), static_cast<int16_t>(first), static_cast<int16_t>(last)});
     }
   }
 }
 
-void RowCaster::cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays, Batch& batch) {
+void RowCaster::cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays,
+                     Batch& batch) {
   std::fill_n(batch.depth.begin(), batch.count, kFar);
   std::fill_n(batch.id.begin(), batch.count, -1);
   const HitRow hits{batch.depth.data(), batch.id.data()};
   for (const Span& span : spans) {
     const int begin = batch.place[span.first], end = batch.place[span.last + 1];
-    if (begin < end) kernels_.cast[scene.kinds[span.shape]](scene.shapes[span.shape], batch_rays, begin, end, hits);
+    if (begin < end)
+      kernels_.cast[scene.kinds[span.shape]](scene.shapes[span.shape], batch_rays, begin, end,
+                                             hits);
   }
   if (!lambert_) return;
   for (int begin = 0, end = 0; begin < batch.count; begin = end) {
@@ -128,25 +149,30 @@ void RowCaster::cast(const PreparedInstant& scene, std::span<const Span> spans, 
 
 void RowCaster::first_look(int row, std::span<const RowSample> samples) {
   const size_t count = samples.size() * static_cast<size_t>(columns_);
-  if (ids_.size() < count) ids_.resize(count), signatures_.resize(count), factors_.resize(lambert_ ? count : columns_, 1.0f);
+  if (ids_.size() < count)
+    ids_.resize(count), signatures_.resize(count),
+        factors_.resize(lambert_ ? count : columns_, 1.0f);
   spans_.clear();
   spans_begin_.assign(1, 0);
   for (size_t s = 0; s < samples.size(); ++s) {
     const RowSample& sample = samples[s];
-    const float u = SamplePattern::phase_u(row, sample.place), v = SamplePattern::phase_v(row, sample.place);
+    const float u = SamplePattern::phase_u(row, sample.place),
+                v = SamplePattern::phase_v(row, sample.place);
     // Where colours have rays of their own, the samples take them in turn: a pixel whose samples
     // all look the same is the same in all colours.
     const int channel = static_cast<int>(s % 3);
     float* const targets[3] = {row_.x.data(), row_.y.data(), row_.z.data()};
     for (int k = 0; k < (rays_.perspective ? 2 : 3); ++k) {
-      kernels_.offset_rays(slopes(channel, k, row), pattern_.tile_u(), pattern_.tile_v(), u, v, columns_, targets[k]);
+      kernels_.offset_rays(slopes(channel, k, row), pattern_.tile_u(), pattern_.tile_v(), u, v,
+                           columns_, targets[k]);
     }
     find_spans(row, *sample.scene);
     spans_begin_.push_back(spans_.size());
     cast(*sample.scene, std::span(spans_).subspan(spans_begin_[s]), row_.rays(), row_);
     const size_t place = s * columns_;
-    kernels_.add_row(sample.scene->colours.data(), sample.scene->signatures.data(), row_.id.data(), row_.factor.data(),
-                     sample.weight, columns_, sums_.data(), &signatures_[place]);
+    kernels_.add_row(sample.scene->colours.data(), sample.scene->signatures.data(), row_.id.data(),
+                     row_.factor.data(), sample.weight, columns_, sums_.data(),
+                     &signatures_[place]);
     std::copy_n(row_.id.begin(), columns_, &ids_[place]);
     if (lambert_) std::copy_n(row_.factor.begin(), columns_, &factors_[place]);
   }
@@ -156,7 +182,8 @@ void RowCaster::find_varying(int samples) {
   std::fill(varying_.begin(), varying_.end(), 0u);
   for (int s = 1; s < samples; ++s) {
     const uint32_t* here = &signatures_[static_cast<size_t>(s) * columns_];
-    for (int column = 0; column < columns_; ++column) varying_[column] |= here[column] ^ signatures_[column];
+    for (int column = 0; column < columns_; ++column)
+      varying_[column] |= here[column] ^ signatures_[column];
   }
   if (!lambert_) return;
   // The faces of a box are one primitive, but differ in shade, in the pixel or from its neighbour.
@@ -174,7 +201,8 @@ void RowCaster::find_varying(int samples) {
 void RowCaster::widen_varying() {
   for (int column = 0; column < columns_; ++column) {
     uint32_t near = 0;
-    for (int other = std::max(0, column - kSliver); other <= std::min(columns_ - 1, column + kSliver); ++other) {
+    for (int other = std::max(0, column - kSliver);
+         other <= std::min(columns_ - 1, column + kSliver); ++other) {
       near |= varying_[other];
     }
     near_varying_[column] = near;
@@ -189,7 +217,8 @@ void RowCaster::find_edges(int sample) {
     const uint32_t own = here[column];
     const uint32_t left = here[column > 0 ? column - 1 : 0];
     const uint32_t right = here[column + 1 < columns_ ? column + 1 : column];
-    if (((own ^ left) | (own ^ right) | near_varying_[column]) != 0) edge_columns_.push_back(column);
+    if (((own ^ left) | (own ^ right) | near_varying_[column]) != 0)
+      edge_columns_.push_back(column);
   }
   edges_.place[columns_] = static_cast<int>(edge_columns_.size()) * edge_samples_;
 }
@@ -203,14 +232,16 @@ void RowCaster::refine(int row, const RowSample& sample, int sample_index, int c
   }
   float* const targets[3] = {edges_.x.data(), edges_.y.data(), edges_.z.data()};
   for (int k = 0; k < (rays_.perspective ? 2 : 3); ++k) {
-    kernels_.edge_rays(slopes(channel, k, row), pattern_.tile_u(), pattern_.tile_v(), edge_columns_.data(), count,
-                       phase_u_.data(), phase_v_.data(), edge_samples_, targets[k]);
+    kernels_.edge_rays(slopes(channel, k, row), pattern_.tile_u(), pattern_.tile_v(),
+                       edge_columns_.data(), count, phase_u_.data(), phase_v_.data(), edge_samples_,
+                       targets[k]);
   }
   const size_t begin = spans_begin_[sample_index], end = spans_begin_[sample_index + 1];
   cast(*sample.scene, std::span(spans_).subspan(begin, end - begin), edges_.rays(), edges_);
   const size_t place = static_cast<size_t>(sample_index) * columns_;
-  kernels_.replace(sample.scene->colours.data(), edges_.id.data(), edges_.factor.data(), edge_columns_.data(), count,
-                   edge_samples_, &ids_[place], &factors_[lambert_ ? place : 0], sample.weight,
+  kernels_.replace(sample.scene->colours.data(), edges_.id.data(), edges_.factor.data(),
+                   edge_columns_.data(), count, edge_samples_, &ids_[place],
+                   &factors_[lambert_ ? place : 0], sample.weight,
                    rays_.colours_apart() ? replaced_.data() : sums_.data());
 }
 
@@ -230,7 +261,8 @@ const std::vector<Colour>& RowCaster::cast_row(int row, std::span<const RowSampl
     for (int channel = 0; channel < 3; ++channel) {
       replaced_ = sums_;
       refine(row, samples[s], static_cast<int>(s), channel);
-      for (const int32_t column : edge_columns_) sums_[column].rgb[channel] = replaced_[column].rgb[channel];
+      for (const int32_t column : edge_columns_)
+        sums_[column].rgb[channel] = replaced_[column].rgb[channel];
     }
   }
   return sums_;
@@ -241,7 +273,8 @@ RowCaster::Seen RowCaster::see_centres(int row, const PreparedInstant& scene) {
   find_spans(row, scene);
   const RayTable& green = rays_.table(1);
   const size_t offset = rays_.at(row);
-  cast(scene, spans_, {&green.base[0][offset], &green.base[1][offset], &green.base[2][offset]}, row_);
+  cast(scene, spans_, {&green.base[0][offset], &green.base[1][offset], &green.base[2][offset]},
+       row_);
   return {row_.depth.data(), row_.id.data()};
 }
 

@@ -10,8 +10,8 @@
 
 namespace seam::render {
 
-// Places inside a pixel's square, spread evenly over neighbouring pixels and over the samples of one
-// pixel: rank-1 lattices.
+// Places inside a pixel's square, spread evenly over neighbouring pixels and over the samples of
+// one pixel: rank-1 lattices.
 class SamplePattern {
  public:
   explicit SamplePattern(int columns);
@@ -60,7 +60,8 @@ class RowCaster {
     int32_t shape;
     int16_t first, last;
   };
-  // Rays in ascending columns, and what they meet. `place[c]` is the first ray of column c or later.
+  // Rays in ascending columns, and what they meet. `place[c]` is the first ray of column c or
+  // later.
   struct Batch {
     std::vector<float> x, y, z, depth, factor;
     std::vector<int32_t> id;
@@ -71,7 +72,8 @@ class RowCaster {
   };
 
   void find_spans(int row, const PreparedInstant& scene);
-  void cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays, Batch& batch);
+  void cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays,
+            Batch& batch);
   void first_look(int row, std::span<const RowSample> samples);
   void find_varying(int samples);
   void widen_varying();

@@ -21,8 +21,8 @@ inline SceneInstant instant_at(const MovingScene& scene, SimTime time) {
   return {.time = time, .X_WC = scene.camera(time.s()), .primitives = scene.primitives(time.s())};
 }
 
-inline FrameJob job_of(const MovingScene& scene, const effects::Model& model, int height_px, double stamp_s,
-                       int instants_per_row = 8) {
+inline FrameJob job_of(const MovingScene& scene, const effects::Model& model, int height_px,
+                       double stamp_s, int instants_per_row = 8) {
   FrameJob job{.robot = "test", .stamp = SimTime::from_s(stamp_s)};
   job.schedule = effects::make_row_schedule(effects::timing_of(model), job.stamp, height_px,
                                             {.instants_per_row = instants_per_row});
@@ -35,29 +35,36 @@ inline FrameJob job_of(const MovingScene& scene, const effects::Model& model, in
 }
 
 inline effects::Model model_of(const std::string& effects) {
-  return effects::Model::from_config(
-      ConfigNode::from_text("format: seam-model/1\nname: test\neffects:\n" + effects, "test model"));
+  return effects::Model::from_config(ConfigNode::from_text(
+      "format: seam-model/1\nname: test\neffects:\n" + effects, "test model"));
 }
 
 // Looks along the link's +x: pan to the left, tilt upwards, both about the axes' crossing at
 // `height_m`, the camera `lever_m` ahead.
 inline Pose head_camera(double height_m, double pan_rad, double tilt_up_rad, double lever_m) {
   return translation({0, 0, height_m}) * rotation(rotation_about({0, -1, 0}, tilt_up_rad)) *
-         rotation(rotation_about({0, 0, 1}, pan_rad)) * translation({lever_m, 0, 0}) * rotation(link_to_camera_axes());
+         rotation(rotation_about({0, 0, 1}, pan_rad)) * translation({lever_m, 0, 0}) *
+         rotation(link_to_camera_axes());
 }
 
 inline Primitive sphere(const Vec3& centre, double radius, Rgb rgb) {
   return {.shape = Shape::sphere, .X_WO = translation(centre), .size = {radius, 0, 0}, .rgb = rgb};
 }
 inline Primitive upright_cylinder(const Vec3& base, double radius, double height, Rgb rgb) {
-  return {.shape = Shape::cylinder, .X_WO = translation(base), .size = {radius, 0, height}, .rgb = rgb};
+  return {
+      .shape = Shape::cylinder, .X_WO = translation(base), .size = {radius, 0, height}, .rgb = rgb};
 }
 inline Primitive ground(const Vec3& centre, double length, double width, Rgb rgb) {
-  return {.shape = Shape::rectangle, .X_WO = translation(centre), .size = {length, width, 0}, .rgb = rgb};
+  return {.shape = Shape::rectangle,
+          .X_WO = translation(centre),
+          .size = {length, width, 0},
+          .rgb = rgb};
 }
 inline Primitive box(const Vec3& centre, const Vec3& size, double yaw_rad, Rgb rgb) {
-  return {.shape = Shape::box, .X_WO = translation(centre) * rotation(rotation_about({0, 0, 1}, yaw_rad)),
-          .size = size, .rgb = rgb};
+  return {.shape = Shape::box,
+          .X_WO = translation(centre) * rotation(rotation_about({0, 0, 1}, yaw_rad)),
+          .size = size,
+          .rgb = rgb};
 }
 inline Primitive capsule(const Vec3& from, const Vec3& to, double radius, Rgb rgb) {
   const Vec3 along = to - from;
@@ -66,7 +73,10 @@ inline Primitive capsule(const Vec3& from, const Vec3& to, double radius, Rgb rg
   const Vec3 helper = std::abs(z.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
   Vec3 x = glm::cross(helper, z);
   x /= std::sqrt(glm::dot(x, x));
-  return {.shape = Shape::capsule, .X_WO = {Mat3(x, glm::cross(z, x), z), from}, .size = {radius, 0, length}, .rgb = rgb};
+  return {.shape = Shape::capsule,
+          .X_WO = {Mat3(x, glm::cross(z, x), z), from},
+          .size = {radius, 0, length},
+          .rgb = rgb};
 }
 
 }  // namespace seam::render::testing

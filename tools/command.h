@@ -8,19 +8,22 @@ namespace seam::tools {
 
 // One line a command; `tools/<name>.cc` defines add_<name>.
 #define SEAM_COMMANDS(X) \
-  X(certs)      \
-  X(check)      \
+  X(add) \
+  X(certs) \
+  X(check) \
+  X(colour_table) \
+  X(compare) \
+  X(contact_sheet) \
+  X(diagnose) \
+  X(discover) \
   X(experiment) \
-  X(report)     \
-  X(run)        \
-  X(serve)      \
-  X(compare)    \
-  X(diagnose)   \
-  X(discover)   \
-  X(add)        \
-  X(fit)        \
-  X(measure)    \
-  X(history)
+  X(fit) \
+  X(frame) \
+  X(history) \
+  X(measure) \
+  X(report) \
+  X(run) \
+  X(serve)
 
 #define SEAM_DECLARE(name) void add_##name(CLI::App& app);
 SEAM_COMMANDS(SEAM_DECLARE)
