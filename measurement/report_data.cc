@@ -73,7 +73,9 @@ std::vector<Structure> chosen_for_plots(const Facts& facts, const std::vector<St
       if (native == combined || structure.covariate == "frame" || structure.covariate == "point") continue;
       const bool product = structure.covariate.find('*') != std::string::npos;
       int& same = alike[structure.residual + structure.moment + (product ? "*" : "")];
-      if (chosen.size() == kMost || same == (combined ? 1 : 2)) continue;
+      // What moves the mean widens the spread too: one plot of it is enough.
+      const bool spread = structure.moment == "spread";
+      if (chosen.size() == kMost || same == (combined || spread ? 1 : 2)) continue;
       if (!seen.insert(structure.residual + " " + structure.covariate + " " + structure.moment).second) continue;
       chosen.push_back(structure);
       ++same;
