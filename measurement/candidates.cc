@@ -125,9 +125,8 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
     if (!grown.assessment.valid) continue;
     if (!best || grown.assessment.total_ll > best->assessment.total_ll) best = std::move(grown);
     // Two starts are the two directions of a smooth effect, which meet at the same optimum.
-    const bool improved = best->assessment.total_ll > base.assessment.total_ll + 2;
     const bool stuck = std::find(best->assessment.fit.at_bound.begin(), best->assessment.fit.at_bound.end(), 1) != best->assessment.fit.at_bound.end();
-    if (starts.size() == 2 && !counts && improved && !stuck && effect->has_neutral) break;
+    if (starts.size() == 2 && !counts && best->assessment.fit.converged && !stuck && effect->has_neutral) break;
   }
   return best;
 }
@@ -234,7 +233,8 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   const double misfit = std::max(1.0, after.error * after.error);
   const double ratio = 2 * candidate.total_gain_ll / misfit;
   const double freedom = static_cast<double>(std::max<size_t>(1, candidate.free.size()));
-  candidate.p_value = std::clamp(chi2_tail(ratio, freedom) * looks, 1e-300, 1.0);
+  const double tail = chi2_tail(ratio, freedom);
+  candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
   candidate.significant = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
   candidate.merit = merit_of(problem, candidate.grown);
 }

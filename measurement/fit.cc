@@ -44,6 +44,7 @@ class Fitter {
     for (size_t i = 0; i < unknowns.size(); ++i) {
       (is_spread(start, unknowns[i]) ? spread_ : mean_).push_back(i);
     }
+    count_ = static_cast<size_t>(std::count(here_.used.begin(), here_.used.end(), 1));
   }
 
   Fit run() {
@@ -72,6 +73,7 @@ class Fitter {
   Model model_;
   Evaluation here_;
   double value_ = 0;  // Negative log-likelihood.
+  size_t count_ = 0;  // Residuals.
   std::vector<size_t> mean_;
   std::vector<size_t> spread_;
 };
@@ -106,6 +108,9 @@ bool Fitter::fit_mean() {
     const Eigen::MatrixXd hessian = jacobian.transpose() * jacobian;
     const Eigen::VectorXd gradient = jacobian.transpose() * z;
     const double before = value_;
+    // A gain of this much log-likelihood moves no estimate by more than a few hundredths of its
+    // sigma; where the model misses more than the noise, it is worth less in proportion.
+    const double enough = 1e-3 * std::max(1.0, z.squaredNorm() / static_cast<double>(std::max<size_t>(1, count_)));
     double predicted = 0;
     bool accepted = false;
     for (int attempt = 0; attempt < 12 && !accepted; ++attempt) {
@@ -138,12 +143,12 @@ bool Fitter::fit_mean() {
         const double moved = value_of(model_, unknown) + step[a] / std::sqrt(hessian(moving[a], moving[a]));
         set_value(candidate, unknown, std::clamp(moved, parameter.min, parameter.max));
       }
-      if (predicted < 1e-7) return true;
+      if (predicted < 0.1 * enough) return true;
       accepted = try_model(candidate);
       damping = accepted ? damping * 0.1 : std::max(damping * 10, 1e-4);
     }
-    if (!accepted) return predicted < 1e-2;
-    if (before - value_ < 1e-5) return true;
+    if (!accepted) return predicted < 10 * enough;
+    if (before - value_ < 0.1 * enough) return true;
   }
   return false;
 }
@@ -181,7 +186,7 @@ void Fitter::newton_spread(const Unknown& unknown) {
     const double before = value_;
     bool accepted = try_model(at(next));
     for (int half = 0; half < 6 && !accepted; ++half) accepted = try_model(at(square + (next - square) * std::pow(0.4, half + 1)));
-    if (!accepted || before - value_ < 1e-4) break;
+    if (!accepted || before - value_ < 1e-3) break;
   }
 }
 

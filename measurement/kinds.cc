@@ -6,8 +6,9 @@
 
 // One line a kind; `measurement/<name>.cc` defines <name>_kind().
 #define SEAM_KINDS(X) \
-  X(points)            \
-  X(photometry)
+  X(points)           \
+  X(photometry)       \
+  X(landmarks)
 
 namespace seam::measurement {
 

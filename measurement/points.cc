@@ -82,12 +82,17 @@ class PointsProblem : public Problem {
     }
   }
 
+  void prepare(const Model& model) override {
+    const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
+    if (evaluation.valid) place_covariates(data_, evaluation.residual, facts_);
+  }
+
   void check_model(const Model& model) const override {
     effects::Projection(model, data_.camera.width_px, data_.camera.height_px);
   }
 
   Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation* warm) const override {
-    return data_.rig.type() == Rig::Type::unknown ? evaluate_unknown(model, groups, warm) : evaluate_rig(model, groups);
+    return data_.rig.type() == Rig::Type::unknown ? evaluate_unknown(model, groups, warm) : evaluate_rig(model, groups, warm);
   }
 
   std::vector<std::vector<double>> jacobian(const Model& model, const std::vector<Unknown>& unknowns,
@@ -98,9 +103,16 @@ class PointsProblem : public Problem {
   std::string advice(const std::string& effect, const std::string& other) const override;
 
  private:
-  Evaluation evaluate_rig(const Model& model, const Groups& groups) const;
+  Evaluation evaluate_rig(const Model& model, const Groups& groups, const Evaluation* warm) const;
   Evaluation evaluate_unknown(const Model& model, const Groups& groups, const Evaluation* warm) const;
-  void whiten_frames(const Predictor& predictor, const Groups& groups, Evaluation& evaluation) const;
+  // Derivatives of each row's image by latency and by each joint's angle: (u, v) pairs.
+  struct Slopes {
+    size_t width = 2;
+    std::vector<double> by_row;
+    std::vector<double> instant_s;
+  };
+  Slopes slopes_of(const Predictor& predictor, const Groups& groups) const;
+  void whiten_frames(const Predictor& predictor, const Groups& groups, const Slopes& slopes, Evaluation& evaluation) const;
   Evaluation blank() const;
   std::vector<int> neighbours(size_t row) const override;
   std::vector<Sighting> sightings(int frame, std::vector<int>& rows) const;
@@ -132,10 +144,13 @@ Evaluation PointsProblem::blank() const {
   return evaluation;
 }
 
-Evaluation PointsProblem::evaluate_rig(const Model& model, const Groups& groups) const {
-  const Predictor predictor(data_, model);
+Evaluation PointsProblem::evaluate_rig(const Model& model, const Groups& groups, const Evaluation* warm) const {
   Evaluation evaluation = blank();
-  for (size_t row = 0; row < data_.p_W.size(); ++row) {
+  evaluation.mean_key = mean_parameters(model);
+  const bool reuse = warm && warm->valid && warm->mean_key == evaluation.mean_key;
+  const Predictor predictor(data_, model);
+  if (reuse) evaluation.residual = warm->residual;
+  for (size_t row = 0; row < data_.p_W.size() && !reuse; ++row) {
     if (!groups[facts_.group_of_row[row]]) continue;
     const effects::ImagePoint point = predictor.image(row);
     if (!point.visible && !(left_out(2 * row) && left_out(2 * row + 1))) evaluation.valid = false;
@@ -143,53 +158,77 @@ Evaluation PointsProblem::evaluate_rig(const Model& model, const Groups& groups)
     evaluation.residual[2 * row + 1] = point.visible ? data_.v_px[row] - point.v : 0;
   }
   whiten_diagonal(*this, groups, evaluation);
-  if (predictor.timing().jitter_sigma_s > 0 || predictor.motion().quantisation_step_rad > 0) {
-    whiten_frames(predictor, groups, evaluation);
+  const bool shared_causes = predictor.timing().jitter_sigma_s > 0 || predictor.motion().quantisation_step_rad > 0;
+  if (!shared_causes) return evaluation;
+  if (reuse && warm->reusable) {
+    evaluation.reusable = warm->reusable;
+  } else {
+    evaluation.reusable = std::make_shared<const Slopes>(slopes_of(predictor, groups));
   }
+  whiten_frames(predictor, groups, *static_cast<const Slopes*>(evaluation.reusable.get()), evaluation);
   return evaluation;
+}
+
+PointsProblem::Slopes PointsProblem::slopes_of(const Predictor& predictor, const Groups& groups) const {
+  const size_t joints = data_.rig.type() == Rig::Type::chain ? data_.rig.joint_names().size() : 0;
+  Slopes slopes{.width = 2 * (1 + joints)};
+  slopes.by_row.assign(data_.p_W.size() * slopes.width, 0);
+  slopes.instant_s.assign(data_.p_W.size(), 0);
+  for (size_t row = 0; row < data_.p_W.size(); ++row) {
+    if (!groups[facts_.group_of_row[row]]) continue;
+    const effects::ImagePoint here = predictor.image(row);
+    slopes.instant_s[row] = predictor.instant(data_.stamp_s[row], here.v);
+    for (size_t cause = 0; cause < 1 + joints; ++cause) {
+      std::vector<double> errors(joints, 0);
+      const double by = cause == 0 ? 1e-5 : 1e-6;
+      if (cause > 0) errors[cause - 1] = by;
+      const effects::ImagePoint there = predictor.image(row, cause == 0 ? by : 0, errors.empty() ? nullptr : errors.data());
+      if (!there.visible || !here.visible) continue;
+      slopes.by_row[row * slopes.width + 2 * cause] = (there.u - here.u) / by;
+      slopes.by_row[row * slopes.width + 2 * cause + 1] = (there.v - here.v) / by;
+    }
+  }
+  return slopes;
 }
 
 // Jitter moves all points of a frame together; rounding of the encoder moves those seen between
 // the same two samples of its log together.
-void PointsProblem::whiten_frames(const Predictor& predictor, const Groups& groups, Evaluation& evaluation) const {
+void PointsProblem::whiten_frames(const Predictor& predictor, const Groups& groups, const Slopes& slopes,
+                                  Evaluation& evaluation) const {
   const double jitter = predictor.timing().jitter_sigma_s;
   const double step = predictor.motion().quantisation_step_rad / std::sqrt(12.0);
-  const size_t joints = step > 0 ? data_.rig.joint_names().size() : 0;
+  const size_t joints = step > 0 ? slopes.width / 2 - 1 : 0;
+  const std::vector<double>& log = data_.rig.log_times();
   for (const std::vector<int>& rows : data_.rows_of_frame) {
     if (!groups[facts_.group_of_row[rows.front()]]) continue;
     std::vector<size_t> scalars;
+    double early = 1e300, late = -1e300;
     for (const int row : rows) {
       for (size_t c = 0; c < 2; ++c) {
         if (evaluation.used[2 * row + c]) scalars.push_back(2 * row + c);
       }
+      early = std::min(early, slopes.instant_s[row]), late = std::max(late, slopes.instant_s[row]);
     }
     if (scalars.empty()) continue;
-    const std::vector<double>& log = data_.rig.log_times();
-    const double early = predictor.instant(data_.stamp_s[rows.front()], 0);
-    const double late = predictor.instant(data_.stamp_s[rows.front()], data_.camera.height_px);
-    size_t first = std::upper_bound(log.begin(), log.end(), std::min(early, late)) - log.begin();
-    first = first > 0 ? first - 1 : 0;
-    const size_t last = std::min<size_t>(std::upper_bound(log.begin(), log.end(), std::max(early, late)) - log.begin(),
-                                         log.empty() ? 0 : log.size() - 1);
-    const size_t nodes = joints > 0 ? last - first + 1 : 0;
-    Eigen::MatrixXd causes = Eigen::MatrixXd::Zero(scalars.size(), (jitter > 0 ? 1 : 0) + nodes * joints);
+    size_t first = 0, nodes = 0;
+    if (joints > 0) {
+      first = std::upper_bound(log.begin(), log.end(), early) - log.begin();
+      first = first > 0 ? first - 1 : 0;
+      const size_t last = std::min<size_t>(std::upper_bound(log.begin(), log.end(), late) - log.begin(), log.size() - 1);
+      nodes = last - first + 1;
+    }
+    Eigen::MatrixXd causes = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(scalars.size()),
+                                                   static_cast<Eigen::Index>((jitter > 0 ? 1 : 0) + nodes * joints));
     for (size_t k = 0; k < scalars.size(); ++k) {
       const size_t row = scalars[k] / 2;
-      const bool is_u = scalars[k] % 2 == 0;
-      const effects::ImagePoint here = predictor.image(row);
-      const auto slope = [&](const effects::ImagePoint& there, double by) {
-        return there.visible && here.visible ? ((is_u ? there.u - here.u : there.v - here.v) / by) : 0.0;
-      };
-      size_t column = 0;
-      if (jitter > 0) causes(k, column++) = jitter * slope(predictor.image(row, 1e-5), 1e-5);
+      const double* slope = &slopes.by_row[row * slopes.width + scalars[k] % 2];
+      Eigen::Index column = 0;
+      if (jitter > 0) causes(static_cast<Eigen::Index>(k), column++) = jitter * slope[0];
       for (size_t j = 0; j < joints; ++j) {
-        std::vector<double> errors(joints, 0);
-        errors[j] = 1e-6;
-        const double effect = step * slope(predictor.image(row, 0, errors.data()), 1e-6);
-        const double t = predictor.instant(data_.stamp_s[row], here.v);
-        for (size_t node = first; node <= last; ++node, ++column) {
+        const double t = slopes.instant_s[row];
+        for (size_t node = first; node < first + nodes; ++node, ++column) {
           const double width = t < log[node] ? (node > 0 ? log[node] - log[node - 1] : 1) : (node + 1 < log.size() ? log[node + 1] - log[node] : 1);
-          causes(k, column) = effect * std::max(0.0, 1 - std::abs(t - log[node]) / width);
+          causes(static_cast<Eigen::Index>(k), column) = step * slope[2 * (1 + j)] * std::max(0.0, 1 - std::abs(t - log[node]) / width);
         }
       }
     }

@@ -63,19 +63,16 @@ PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
   return data;
 }
 
-void add_points_covariates(const PointsData& data, const CsvTable& table, Facts& facts) {
-  auto& all = facts.covariates;
-  all.push_back(named("row", data.v_px));
-  all.push_back(named("column", data.u_px));
-  std::vector<double> radius;
-  for (size_t i = 0; i < data.u_px.size(); ++i) {
-    radius.push_back(effects::rho(data.u_px[i], data.v_px[i], data.camera.width_px, data.camera.height_px));
-  }
-  all.push_back(named("radius", std::move(radius)));
+void place_covariates(const PointsData& data, const std::vector<double>& residual, Facts& facts) {
+  const size_t n = data.u_px.size();
+  std::vector<double> row(n), column(n), radius(n);
   // Along the radius and across it: lenses push points along it.
   CombinedChannel along{.name = "radial_px"}, across{.name = "tangential_px"};
-  for (size_t i = 0; i < data.u_px.size(); ++i) {
-    const double du = data.u_px[i] - 0.5 * (data.camera.width_px - 1), dv = data.v_px[i] - 0.5 * (data.camera.height_px - 1);
+  for (size_t i = 0; i < n; ++i) {
+    column[i] = data.u_px[i] - residual[2 * i];
+    row[i] = data.v_px[i] - residual[2 * i + 1];
+    radius[i] = effects::rho(column[i], row[i], data.camera.width_px, data.camera.height_px);
+    const double du = column[i] - 0.5 * (data.camera.width_px - 1), dv = row[i] - 0.5 * (data.camera.height_px - 1);
     const double length = std::sqrt(du * du + dv * dv);
     along.weight_a.push_back(length > 0 ? du / length : 1);
     along.weight_b.push_back(length > 0 ? dv / length : 0);
@@ -83,6 +80,15 @@ void add_points_covariates(const PointsData& data, const CsvTable& table, Facts&
     across.weight_b.push_back(along.weight_a.back());
   }
   facts.combined = {std::move(along), std::move(across)};
+  facts.covariates[0].values = std::move(row);
+  facts.covariates[1].values = std::move(column);
+  facts.covariates[2].values = std::move(radius);
+}
+
+void add_points_covariates(const PointsData& data, const CsvTable& table, Facts& facts) {
+  auto& all = facts.covariates;
+  for (const char* name : {"row", "column", "radius"}) all.push_back(named(name, {}));
+  place_covariates(data, std::vector<double>(2 * data.u_px.size(), 0), facts);
   const auto [first, last] = std::minmax_element(data.stamp_s.begin(), data.stamp_s.end());
   if (*last > *first) all.push_back(named("time", data.stamp_s));
   for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {

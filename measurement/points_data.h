@@ -24,6 +24,10 @@ struct PointsData {
 // protocol, whose u_px and v_px need not exist.
 PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts);
 
+// Sets row, column, radius and the directions along it from the predicted places (observed less
+// residual).
+void place_covariates(const PointsData& data, const std::vector<double>& residual, Facts& facts);
+
 // Covariates of definitions.md for points.
 void add_points_covariates(const PointsData& data, const CsvTable& table, Facts& facts);
 

@@ -13,6 +13,16 @@ double Score::error() const {
   return freedom > 0 ? std::sqrt(chi2 / freedom) : std::numeric_limits<double>::quiet_NaN();
 }
 
+std::vector<double> mean_parameters(const Model& model) {
+  std::vector<double> key;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (effect.definition->spread_only) continue;
+    key.push_back(static_cast<double>(std::hash<std::string>{}(effect.definition->name) >> 12));
+    for (const double value : effect.values()) key.push_back(value);
+  }
+  return key;
+}
+
 Groups complement(const Groups& groups) {
   Groups other(groups.size());
   for (size_t i = 0; i < groups.size(); ++i) other[i] = !groups[i];

@@ -93,7 +93,14 @@ struct Evaluation {
   int64_t nuisances = 0;         // Fitted on these groups.
   std::vector<double> nuisance_values;  // For a warm start; layout is the kind's own.
   bool valid = true;  // False where the model cannot predict an observation (no image point).
+  // For a kind's own use: what it need not compute again when only spreads change (`mean_key` holds
+  // the parameters of the mean).
+  std::vector<double> mean_key;
+  std::shared_ptr<const void> reusable;
 };
+
+// The parameters of a model that act on the mean, in order.
+std::vector<double> mean_parameters(const Model& model);
 
 // How well a model does on some groups.
 struct Score {
@@ -161,6 +168,11 @@ class Problem {
 
   // Residuals beside their covariates, for plots. Default: those of `evaluate`.
   virtual ResidualView residual_view(const Model& model, const Groups& groups) const;
+
+  // Called once with the model that the user gave, before anything else: covariates that stand for
+  // a place in the image are taken from its prediction, since a measured place holds the very noise
+  // that stands in the residual.
+  virtual void prepare(const Model&) {}
 
   // Whether a model can be held against this set at all; throws InputError with the reason (a
   // points set needs a projection, ...).

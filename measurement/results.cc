@@ -56,6 +56,7 @@ std::string structure_text(const std::vector<Structure>& structure) {
 
 CompareResult compare(Problem& problem, const Model& model) {
   problem.check_model(model);
+  problem.prepare(model);
   CompareResult result;
   SearchResult marks;
   problem.leave_out({});

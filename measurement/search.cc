@@ -263,6 +263,7 @@ bool has_mean_structure(const std::vector<Structure>& structure) {
 
 SearchResult search(Problem& problem, const Model& model, const EffectList& own, const Progress& progress) {
   problem.check_model(model);
+  problem.prepare(model);
   return Searcher(problem, model, own, progress).run();
 }
 

@@ -126,22 +126,35 @@ class Tester {
       test_order(signal);
       test_spread(signal);
     }
-    for (Structure& found : found_) found.p_value = std::clamp(found.p_value * looks_, 1e-300, 1.0);
+    for (Structure& found : found_) {
+      found.p_value = found.p_value <= 1e-297 ? 1e-300 : std::min(1.0, found.p_value * looks_);
+    }
     std::erase_if(found_, [](const Structure& s) { return s.p_value > 0.05; });
     std::stable_sort(found_.begin(), found_.end(), [](const Structure& a, const Structure& b) {
       return std::pair(a.p_value, -a.explained) < std::pair(b.p_value, -b.explained);
     });
+    keep_strongest();
     return found_;
   }
 
  private:
+  // One line for each residual, moment and covariate.
+  void keep_strongest() {
+    std::vector<Structure> kept;
+    for (const Structure& s : found_) {
+      const auto same = [&](const Structure& k) { return k.residual == s.residual && k.moment == s.moment && k.covariate == s.covariate; };
+      if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(s);
+    }
+    found_ = std::move(kept);
+  }
+
   void note(const Signal& signal, const std::string& moment, const std::string& covariate, const NestedTest& test,
             double rms, double looks = 1) {
     looks_ += looks;
     double total = 0;
     for (const double z : signal.z) total += z * z;
     found_.push_back({.residual = signal.name, .moment = moment, .covariate = covariate, .strength = rms * signal.sigma,
-                      .p_value = std::min(1.0, test.p_value * looks),
+                      .p_value = test.p_value <= 1e-297 ? 1e-300 : std::min(1.0, test.p_value * looks),
                       .explained = moment == "mean" && total > 0 ? test.explained / total : 0});
   }
 
