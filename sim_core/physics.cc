@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "sim_core/box2d_maths.h"
+#include "sim_core/error.h"
 #include "sim_core/maths.h"
 
 namespace seam {
@@ -53,7 +55,9 @@ void PlanarBody::visit(StateVisitor& visitor) {
 
 class Physics::Impl {
  public:
-  explicit Impl(const Scenario& s) : scenario(s) {}
+  explicit Impl(const Scenario& s) : scenario(s) {
+    SEAM_CHECK(box2d_sine(0) == 0);  // Links the sine and cosine that Box2D is to use.
+  }
 
   void advance(PhysicsState& state, double h_s, int64_t substeps, const Hooks& hooks) {
     log.contacts.clear();

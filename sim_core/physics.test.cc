@@ -1,5 +1,6 @@
 #include "sim_core/physics.h"
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,6 +34,17 @@ double energy(const Scenario& s, const PhysicsState& state) {
     sum += part(state.robots[i], body.mass_kg, inertia);
   }
   return sum;
+}
+
+// The dynamic linker gives Box2D our functions instead of libm's, whose bits depend on the CPU.
+TEST(Physics, Box2dUsesOurSineAndCosine) {
+  EXPECT_EQ(dlsym(RTLD_DEFAULT, "sinf"), reinterpret_cast<void*>(static_cast<float (*)(float)>(&::sinf)));
+  EXPECT_EQ(dlsym(RTLD_DEFAULT, "cosf"), reinterpret_cast<void*>(static_cast<float (*)(float)>(&::cosf)));
+  for (const char* name : {"sinf", "cosf", "sincosf"}) {
+    Dl_info info;
+    ASSERT_NE(dladdr(dlsym(RTLD_DEFAULT, name), &info), 0);
+    EXPECT_EQ(std::string(info.dli_fname).find("libm"), std::string::npos) << name << " is from " << info.dli_fname;
+  }
 }
 
 TEST(Physics, BallRollsAsFarAsConstantDecelerationSays) {

@@ -37,8 +37,8 @@ TEST(SceneFile, ObjectsMoveFromTheirPlaceAtTimeZero) {
 }
 
 TEST(SceneFile, RectanglesStandUprightWithALevelFirstSide) {
-  const auto source = scene("  - {shape: rectangle, centre_m: [0, 0, 0], size_m: [4.2, 2.7], normal: [0, 0, 1], rgb: [1, 0, 0]}\n"
-                            "  - {shape: rectangle, centre_m: [0, 0, 0], size_m: [4.2, 2.7], normal: [2, 0, 0], rgb: [1, 0, 0]}\n");
+  const std::string rectangle = "  - {shape: rectangle, centre_m: [0, 0, 0], size_m: [4.2, 2.7], rgb: [1, 0, 0], normal: ";
+  const auto source = scene(rectangle + "[0, 0, 1]}\n" + rectangle + "[2, 0, 0]}\n");
   std::vector<Primitive> now;
   source->primitives_at(SimTime(), now);
   EXPECT_DOUBLE_EQ(now[0].X_WO.R[0].x, 1);
@@ -50,9 +50,11 @@ TEST(SceneFile, RectanglesStandUprightWithALevelFirstSide) {
 
 TEST(SceneFile, BadInputIsNamed) {
   EXPECT_THAT(message_of("  - {shape: ball}\n"), testing::HasSubstr("sphere"));
-  EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2, 3], radius_m: -1, rgb: [1, 0, 0]}\n"), testing::HasSubstr("radius_m"));
+  EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2, 3], radius_m: -1, rgb: [1, 0, 0]}\n"),
+              testing::HasSubstr("radius_m"));
   EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2], radius_m: 1, rgb: [1, 0, 0]}\n"), testing::HasSubstr("centre_m"));
-  EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2, 3], radius_m: 1, colour: red, rgb: [1, 0, 0]}\n"), testing::HasSubstr("colour"));
+  EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2, 3], radius_m: 1, colour: red, rgb: [1, 0, 0]}\n"),
+              testing::HasSubstr("colour"));
   EXPECT_THAT(message_of("  []\n", "shading: lambert\n"), testing::HasSubstr("light"));
 }
 

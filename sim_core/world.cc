@@ -31,7 +31,7 @@ std::vector<Team> teams_of(const Scenario& scenario) {
 
 // No two observations of a robot lie farther apart.
 SimDuration longest_turn_of(const ClockSpec& clock) {
-  return SimDuration::from_s(clock.period.s() * (1 + std::abs(clock.drift_ppm) * 1e-6)) + clock.jitter_sigma * 16 +
+  return SimDuration::from_s(clock.period.s() * (1 + std::abs(clock.drift_ppm) * 1e-6)) + clock.jitter_sigma * 18 +
          SimDuration::from_ns(1'000'000);
 }
 
@@ -268,14 +268,14 @@ RobotSensors World::sensors(size_t robot, SimTime time, SimTime since) const {
   return ahead.read(time, since);
 }
 
+// One event a message: who is to get it and who will not.
 void World::send_radio(size_t from, const std::string& payload, SimTime time) {
+  static constexpr std::array<const char*, 4> kFates = {"", " (lost)", " (out of range)", " (queue full)"};
+  std::string detail = fmt::format("{} bytes to", payload.size());
   for (const auto& [to, fate] : impl_->radio.send(from, payload, time, impl_->places(time))) {
-    static constexpr std::array<const char*, 4> kFates = {"on its way", "lost", "out of range", "queue full"};
-    impl_->events.push_back({time, fate == RadioFate::on_its_way ? "radio_sent" : "radio_lost", static_cast<int>(from),
-                             fmt::format("to {}: {} bytes, {}", impl_->scenario.robots[to].id, payload.size(),
-                                         kFates[static_cast<size_t>(fate)]),
-                             WorldEvent::Source::radio});
+    detail += fmt::format(" {}{}", impl_->scenario.robots[to].id, kFates[static_cast<size_t>(fate)]);
   }
+  impl_->events.push_back({time, "radio_sent", static_cast<int>(from), detail, WorldEvent::Source::radio});
 }
 
 std::vector<RadioMessage> World::radio_received(size_t to, SimTime time, SimTime since) const {

@@ -51,7 +51,7 @@ struct RobotTruth {
 struct WorldEvent {
   SimTime time;
   std::string kind;    // World: "kick", "grab", "release", "ball_lost", "ball_touched". Referee: see
-                       // referee.h. Radio: "radio_sent", "radio_lost".
+                       // referee.h. Radio: "radio_sent".
   int robot = -1;      // Whose; -1: nobody's.
   std::string detail;  // For people.
   enum class Source : uint8_t { world, referee, radio } source = Source::world;
@@ -93,7 +93,8 @@ class World {
   // were delivered after `since`, which must not lie farther back than its behaviour's period.
   RobotSensors sensors(size_t robot, SimTime time, SimTime since) const;
 
-  // The radio: to all team mates; refused by length with `max_message_bytes` elsewhere.
+  // Over the radio to all team mates. Whoever calls this has refused longer messages than the
+  // scenario's `max_message_bytes`.
   void send_radio(size_t from, const std::string& payload, SimTime time);
   // What arrived after `since`, not farther back than the behaviour's period, and by `time`.
   std::vector<RadioMessage> radio_received(size_t to, SimTime time, SimTime since) const;

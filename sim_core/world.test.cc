@@ -150,10 +150,13 @@ TEST(World, NothingJumps) {
   }
 }
 
-TEST(World, RobotsStayInsideTheWallsAndApart) {
+TEST(World, RobotsAndBallStayInsideTheWallsAndApart) {
   World world(match());
   for (uint64_t k = 0; k < 1000; ++k) {
     play(world, k, k + 1);
+    const Vec3 ball = world.ball(world.end()).p_W;
+    ASSERT_LT(std::abs(ball.x), (std::abs(ball.y) < 0.3 ? 2.4 : 2.1) - 0.04) << k;
+    ASSERT_LT(std::abs(ball.y), 1.35 - 0.04) << k;
     for (size_t i = 0; i < 8; ++i) {
       const Pose2 a = world.robot(i, world.end()).pose;
       const bool in_goal = std::abs(a.y_m) < 0.3;
