@@ -146,6 +146,13 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
     if (address != socket.address()) std::printf("listening on %s\n", address.c_str());
   std::fflush(stdout);
 
+  // Whatever ends the run, also an error of an observer (a full disk): calls that wait for the loop
+  // are answered before the server goes.
+  const struct Closer {
+    scheduler::RunControl& control;
+    ~Closer() { control.close(); }
+  } closer{control};
+
   Behaviours behaviours;
   for (BehaviourProcess& process : processes) {
     const auto& robot = robots[static_cast<size_t>(hub.robot_number(process.robot))];
