@@ -1,5 +1,6 @@
 #include "effects/effect.h"
 #include "effects/joint_track.h"
+#include "effects/servo.h"
 
 namespace seam::effects {
 
@@ -25,6 +26,7 @@ EffectDefinition backlash() {
           if (joint.role == JointRole::roll) apply_play(p[2], joint.q_rad);
         }
       },
+      .servo = [](Values p, ServoModel& servo) { servo.backlash_rad += p[0]; },
   };
 }
 

@@ -25,6 +25,8 @@ struct Detection;      // detector.h
 struct Locomotion;     // locomotion.h
 struct VelocitySample; // locomotion.h
 
+enum class JointRole;   // joint_track.h
+
 enum class Stage { timing, joint, mount, geometry, radiometry, light, sensor, detector, locomotion };
 std::string to_string(Stage stage);
 
@@ -69,6 +71,8 @@ struct EffectDefinition {
   // The hooks; an effect sets those of its stage and leaves the others empty.
   std::function<void(Values, Timing&)> timing;          // Contributes to row times.
   std::function<void(Values, JointTrack&)> encoder;     // Encoder log to true angle, in place.
+  // The inverse, pointwise: what the encoder of one joint logs at a true angle.
+  std::function<double(Values, JointRole, double)> logged;
   std::function<void(Values, ServoModel&)> servo;       // Command to angle.
   std::function<double(Values, const JointSample&)> joint_map;  // A formula on the angle.
   std::function<void(Values, Pose&)> mount;             // X_LC of the camera in its last link.

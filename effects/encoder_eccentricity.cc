@@ -28,6 +28,9 @@ EffectDefinition encoder_eccentricity() {
           }
         }
       },
+      .logged = [](Values p, JointRole role, double q) {
+        return role == JointRole::pan ? q - p[0] * maths::sin(q + p[1]) : q;
+      },
   };
 }
 

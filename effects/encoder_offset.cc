@@ -26,6 +26,9 @@ EffectDefinition encoder_offset() {
           for (double& q : joint.q_rad) q += value;
         }
       },
+      .logged = [](Values p, JointRole role, double q) {
+        return role == JointRole::other ? q : q - p[static_cast<int>(role)];
+      },
   };
 }
 

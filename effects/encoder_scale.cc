@@ -26,6 +26,9 @@ EffectDefinition encoder_scale() {
           for (double& q : joint.q_rad) q *= 1 + value;
         }
       },
+      .logged = [](Values p, JointRole role, double q) {
+        return role == JointRole::other ? q : q / (1 + p[static_cast<int>(role)]);
+      },
   };
 }
 

@@ -9,7 +9,7 @@ namespace seam::effects {
 namespace {
 
 // After this many time constants the lag is over to double precision of a millimetre.
-constexpr double kLagIsOver = 40;
+constexpr double kLagIsOver = 30;
 
 BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& v) {
   return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale), v.omega_radps * (1 + walk.omega_scale)};
@@ -41,18 +41,20 @@ Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkSt
   return {c * v.vx_mps - s * v.vy_mps, s * v.vx_mps + c * v.vy_mps, v.omega_radps, speed(v)};
 }
 
-// Fourth-order Runge-Kutta steps fine enough for lag, turn and formula.
+// Fourth-order Runge-Kutta steps fine enough for lag, turn and formula; they grow as the lag fades.
 void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
   const double turn = std::abs(command.omega_radps) + std::abs(state.followed.omega_radps) +
                       std::abs(walk.heading_rad_per_m) * (speed(command) + speed(state.followed));
-  double step = 0.1 / std::max(turn, 1e-3);
-  if (walk.tau_s > 0) step = std::min(step, 0.125 * walk.tau_s);
-  if (!walk.formulas.empty()) step = std::min(step, 0.02);
-  const int steps = static_cast<int>(std::clamp(std::ceil(dt_s / step), 1.0, 10000.0));
-  const double h = dt_s / steps;
+  double longest = 0.1 / std::max(turn, 1e-3);
+  if (!walk.formulas.empty()) longest = std::min(longest, 0.02);
+  longest = std::max(longest, dt_s * 1e-4);
   const WalkState start = state;
-  for (int i = 0; i < steps; ++i) {
-    const double t = h * i;
+  double t = 0;
+  while (t < dt_s) {
+    const double fading = walk.tau_s > 0 ? 0.125 * walk.tau_s + 0.15 * t : longest;
+    double h = std::min(longest, fading);
+    // No sliver at the end.
+    h = t + 1.01 * h >= dt_s ? dt_s - t : h;
     const Rates a = rates_at(walk, command, start, t, state.theta_rad);
     const Rates b = rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * a.theta);
     const Rates c = rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * b.theta);
@@ -61,9 +63,10 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
     state.y_m += h / 6 * (a.y + 2 * b.y + 2 * c.y + d.y);
     state.theta_rad += h / 6 * (a.theta + 2 * b.theta + 2 * c.theta + d.theta);
     state.path_m += h / 6 * (a.path + 2 * b.path + 2 * c.path + d.path);
+    t = t + 1.01 * h >= dt_s ? dt_s : t + h;
   }
   state.followed = followed_after(walk, command, start, dt_s);
-  state.t_s += dt_s;
+  state.t_s = start.t_s + dt_s;
 }
 
 }  // namespace

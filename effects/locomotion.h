@@ -6,15 +6,9 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "sim_core/locomotion.h"
 
 namespace seam::effects {
-
-// Velocity in the body's frame: forward, left, turning left.
-struct BodyVelocity {
-  double vx_mps = 0;
-  double vy_mps = 0;
-  double omega_radps = 0;
-};
 
 // What a locomotion formula (an expression effect) reads and changes.
 struct VelocitySample {

@@ -113,16 +113,7 @@ Model Model::from_config(const ConfigNode& root) {
     const ConfigNode node = effects.at(name);
     if (node.is_map() && node.has("stage")) {
       const auto definition = expression_effect(name, node);
-      std::vector<ParameterValue> values;
-      const auto parameters = node.find("parameters");
-      for (const Parameter& parameter : definition->parameters) {
-        const ConfigNode given = parameters->at(parameter.name);
-        ParameterValue value{.value = given.number_or("value", parameter.neutral, {parameter.min, parameter.max})};
-        if (const auto sigma = given.find("sigma")) value.sigma = sigma->number({0, 1e300});
-        value.free = given.boolean_or("free", false);
-        given.finish();
-        values.push_back(value);
-      }
+      std::vector<ParameterValue> values = expression_values(*definition, node);
       model.set(definition, std::move(values));
       continue;
     }

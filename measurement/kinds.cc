@@ -6,9 +6,11 @@
 
 // One line a kind; `measurement/<name>.cc` defines <name>_kind().
 #define SEAM_KINDS(X) \
-  X(points)           \
-  X(photometry)       \
-  X(landmarks)
+  X(points) \
+  X(photometry) \
+  X(landmarks) \
+  X(joints) \
+  X(odometry)
 
 namespace seam::measurement {
 

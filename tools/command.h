@@ -16,11 +16,13 @@ namespace seam::tools {
   X(contact_sheet) \
   X(diagnose) \
   X(discover) \
+  X(effects) \
   X(experiment) \
   X(fit) \
   X(frame) \
   X(history) \
   X(measure) \
+  X(new_effect) \
   X(report) \
   X(run) \
   X(serve)

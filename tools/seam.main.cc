@@ -1,9 +1,11 @@
 // The `seam` command.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
 #include "sim_core/error.h"
 #include "tools/command.h"
+#include "tools/plugins.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"SEAM: simulator of environment and measurement", "seam"};
@@ -13,7 +15,10 @@ int main(int argc, char** argv) {
   SEAM_COMMANDS(SEAM_ADD)
 #undef SEAM_ADD
   try {
-    app.parse(argc, argv);
+    // CLI11 takes the arguments last to first.
+    std::vector<std::string> arguments = seam::tools::load_plugins({argv + 1, argv + argc});
+    std::reverse(arguments.begin(), arguments.end());
+    app.parse(arguments);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const seam::tools::ExitCode& exit) {

@@ -1,5 +1,8 @@
 #include "tools/simulator.h"
 
+#include <map>
+
+#include "effects/robot_parts.h"
 #include "sim_core/error.h"
 #include "sim_core/files.h"
 
@@ -60,7 +63,9 @@ Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions
 Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
   std::vector<effects::Model> models;
   for (const RobotSpec& robot : scenario.robots) models.push_back(model_of(robot));
-  World world(scenario);
+  std::map<std::string, effects::Model> by_robot;
+  for (size_t i = 0; i < models.size(); ++i) by_robot.emplace(scenario.robots[i].id, models[i]);
+  World world(scenario, effects::ModelParts(std::move(by_robot)));
   auto renderer = std::make_unique<CameraRenderer>(scenario, models, options.render_workers,
                                                    options.rendering);
   scheduler::RunHeader header;

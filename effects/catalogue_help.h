@@ -1,0 +1,19 @@
+// Text for people about effects: the help of one, the list of all, and the catalogue page.
+#pragma once
+
+#include <string>
+
+#include "effects/effect.h"
+
+namespace seam::effects {
+
+// Everything about one effect: formula, parameters with units and bounds, signature, example.
+std::string effect_help(const EffectDefinition& effect);
+// One line an effect, by stage.
+std::string catalogue_list();
+// docs/effects.md: made by `seam effects --markdown`, and compared with it by a test.
+std::string catalogue_markdown();
+// The words for the kinds of measurement of an effect.
+std::string kinds_text(unsigned kinds);
+
+}  // namespace seam::effects

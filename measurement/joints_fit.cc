@@ -1,0 +1,80 @@
+// Fits of servo models, and what measurement would tell servo effects apart.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "measurement/joints.h"
+#include "measurement/wide_fit.h"
+
+namespace seam::measurement {
+
+Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+  return wide_fit(*this, start, unknowns, groups);
+}
+
+std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model, const std::vector<Unknown>& unknowns,
+                                                         const Groups& groups, const Evaluation&) const {
+  return wide_jacobian(*this, model, unknowns, groups);
+}
+
+// A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
+// likelihood has several valleys (a speed limit that never binds, a latency of another row). The
+// best of it comes first, then a small effect, from which other parameters can make way.
+std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const EffectDefinition& effect) const {
+  if (effect.spread_only) return {{0.5 * effect.parameters[0].scale}};
+  if (effect.parameters.empty() || (!effect.servo && !effect.logged)) return Problem::starts(model, effect);
+  const effects::Parameter& first = effect.parameters[0];
+  std::vector<double> neutral;
+  for (const effects::Parameter& parameter : effect.parameters) neutral.push_back(parameter.neutral);
+  std::vector<std::vector<double>> grid;
+  for (double factor = 0.03; factor < 40; factor *= 1.5) {
+    for (const double sign : {1.0, -1.0}) {
+      std::vector<double> values = neutral;
+      if (effect.logged && effect.name != "encoder_eccentricity") {
+        // One parameter a joint: small in all, either sign; encoders are smooth.
+        for (double& value : values) value = sign * 0.1 * first.scale;
+        if (factor < 0.04) grid.push_back(values);
+        continue;
+      }
+      values[0] = sign * factor * first.scale;
+      if (values[0] < first.min || values[0] > first.max) continue;
+      grid.push_back(values);
+      if (effect.name != "encoder_eccentricity") continue;
+      for (const double phase : {1.5, 3.0, -1.5}) {
+        values[1] = phase;
+        grid.push_back(values);
+      }
+    }
+  }
+  const Groups training = folds().size() == 1 ? complement(folds()[0]) : all_groups();
+  Model trial = model;
+  trial.add_neutral(std::make_shared<EffectDefinition>(effect));
+  double best = std::numeric_limits<double>::infinity();
+  std::vector<double> best_values = grid.front();
+  for (const auto& values : grid) {
+    for (size_t i = 0; i < values.size(); ++i) trial.set_value(effect.name, i, values[i]);
+    const Evaluation evaluation = evaluate(trial, training, nullptr);
+    const double cost = evaluation.valid ? -score_of(*this, evaluation).log_likelihood : best;
+    if (cost < best) best = cost, best_values = values;
+  }
+  std::vector<double> small = neutral;
+  small[0] = first.fit_reciprocal ? 10 * first.scale : 0.2 * first.scale;
+  return {best_values, small};
+}
+
+std::string JointsProblem::advice(const std::string& effect, const std::string& other) const {
+  const auto pair = [&](const char* a, const char* b) {
+    return (effect == a && other == b) || (effect == b && other == a);
+  };
+  if (pair("servo_lag", "servo_latency")) return "steps of the command, sampled several times within the delay: a lag rounds them, a latency moves them";
+  if (pair("backlash", "stiction")) return "small moves in one direction, one after the other: play is taken up once, a dead band stops each of them";
+  if (pair("speed_limit", "acceleration_limit")) return "steps of different heights: the time of a ramp grows with the height, that of a rounded one with its root";
+  if (pair("speed_limit", "servo_lag")) return "steps of different heights: a lag takes the same time for each";
+  if (pair("encoder_offset", "gravity_sag")) return "a wide range of angles: an offset is the same at each";
+  if (effect == "speed_limit") return "steps larger and faster than the joint can follow";
+  if (effect == "acceleration_limit") return "large steps and quick reversals";
+  if (effect == "gravity_sag") return "slow moves over the whole range of angles";
+  return "";
+}
+
+}  // namespace seam::measurement

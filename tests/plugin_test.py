@@ -1,0 +1,38 @@
+#!/usr/bin/env python3
+"""An effect outside the tree: `seam new-effect` for every stage, built against the headers, tested,
+and loaded with --plugin.  plugin_test.py SEAM HEADERS CXX [--quick]"""
+import os
+import subprocess
+import sys
+import tempfile
+
+STAGES = ["timing", "joint", "mount", "geometry", "radiometry", "light", "sensor", "detector", "locomotion"]
+
+
+def run(*command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        sys.exit(f"{' '.join(command)}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def main():
+    seam, headers, cxx = sys.argv[1:4]
+    stages = STAGES[1:2] if "--quick" in sys.argv else STAGES
+    with tempfile.TemporaryDirectory() as folder:
+        for stage in stages:
+            name = f"my_{stage}"
+            out = os.path.join(folder, name)
+            run(seam, "new-effect", name, "--stage", stage, "--out", out)
+            run("cmake", "-S", out, "-B", f"{out}/build", f"-DSEAM_INCLUDE={headers}", f"-DCMAKE_CXX_COMPILER={cxx}")
+            run("cmake", "--build", f"{out}/build")
+            run("ctest", "--test-dir", f"{out}/build", "--output-on-failure")
+            text = run(seam, "--plugin", f"{out}/build/{name}.so", "effects", name)
+            if f"{name} (stage {stage})" not in text:
+                sys.exit(f"seam effects {name} says:\n{text}")
+        broken = subprocess.run([seam, "effects", "--plugin", __file__], capture_output=True, text=True)
+        if broken.returncode != 1 or "plugin_test.py" not in broken.stderr:
+            sys.exit(f"a file that is no plugin: exit code {broken.returncode}, {broken.stderr}")
+
+
+main()
