@@ -13,6 +13,9 @@
 namespace seam::scheduler {
 
 inline constexpr std::string_view kLogFormat = "seam-log/1";
+// Counts up whenever the world's behaviour or its fields change, so that no log is re-run by a
+// program for which it means something else. Stands in RunHeader::versions as "state".
+inline constexpr std::string_view kStateVersion = "1";
 
 struct TurnRecord {
   SimTime time;
