@@ -8,23 +8,25 @@ namespace seam::tools {
 
 // One line a command; `tools/<name>.cc` defines add_<name>.
 #define SEAM_COMMANDS(X) \
-  X(add) \
-  X(certs) \
-  X(check) \
-  X(colour_table) \
-  X(compare) \
-  X(contact_sheet) \
-  X(diagnose) \
-  X(discover) \
-  X(effects) \
-  X(experiment) \
-  X(fit) \
-  X(frame) \
-  X(history) \
-  X(measure) \
-  X(new_effect) \
-  X(report) \
-  X(run) \
+  X(add)            \
+  X(certs)          \
+  X(check)          \
+  X(colour_table)   \
+  X(compare)        \
+  X(contact_sheet)  \
+  X(diagnose)       \
+  X(diff)           \
+  X(discover)       \
+  X(effects)        \
+  X(experiment)     \
+  X(fit)            \
+  X(frame)          \
+  X(history)        \
+  X(measure)        \
+  X(new_effect)     \
+  X(replay)         \
+  X(report)         \
+  X(run)            \
   X(serve)
 
 #define SEAM_DECLARE(name) void add_##name(CLI::App& app);

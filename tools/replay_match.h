@@ -9,10 +9,9 @@
 #include "scheduler/log.h"
 #include "scheduler/rewinder.h"
 #include "sim_core/world.h"
+#include "tools/camera_renderer.h"
 
 namespace seam::tools {
-
-class CameraRenderer;
 
 struct ReplayOptions {
   // `[ROBOT=]MODEL` as given to --model: other models than the log's.

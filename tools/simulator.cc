@@ -4,6 +4,7 @@
 
 #include "effects/robot_parts.h"
 #include "sim_core/error.h"
+#include "scheduler/log_records.h"
 #include "sim_core/files.h"
 
 namespace seam::tools {
@@ -72,7 +73,9 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
   header.scenario_text = scenario.to_yaml();
   header.scenario_name = scenario.name;
   header.seed = static_cast<uint64_t>(scenario.seed);
-  header.versions = {{"seam", SEAM_VERSION}};
+  header.versions = {{"seam", SEAM_VERSION},
+                     {"log", std::string(scheduler::kLogFormat)},
+                     {"state", std::string(scheduler::kStateVersion)}};
   for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
   header.sections = world.section_names();
   return {std::move(scenario), std::move(models), std::move(world), std::move(renderer),
