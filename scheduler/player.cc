@@ -48,11 +48,11 @@ std::optional<Turn> LogSource::decide(
 std::optional<Turn> MixedSource::decide(
     SimTime now, std::span<const std::shared_ptr<const Observation>> observations) {
   std::optional<Turn> live = live_.decide(now, observations);
-  if (!live) return std::nullopt;
-  if (live_since_ && options_.live_robots.empty()) return live;
+  if (!live || log_is_over_) return live;
   std::optional<Turn> logged = turns_.turn(now, observations);
   if (!logged) {
-    if (!live_since_) live_since_ = now;
+    log_is_over_ = true;
+    if (!report_.live_since) report_.live_since = now;
     return live;
   }
   std::vector<std::string> robots;
@@ -60,18 +60,22 @@ std::optional<Turn> MixedSource::decide(
     robots.resize(std::max<size_t>(robots.size(), static_cast<size_t>(answer.robot) + 1), "r");
   }
   for (size_t i = 0; i < logged->answers.size(); ++i) {
-    Answer& answer = logged->answers[i];
-    if (now >= options_.live_from && options_.live_robots.contains(answer.robot)) {
-      answer = std::move(live->answers[i]);
-      if (!live_since_) live_since_ = now;
-    } else if (answer.outcome == Outcome::decided &&
-               live->answers[i].outcome == Outcome::decided) {
-      ++compared_;
-      different_ += !same_decision(answer, live->answers[i], robots);
-    }
+    mix(now, logged->answers[i], live->answers[i], robots);
   }
   for (SupervisorAction& action : live->actions) logged->actions.push_back(std::move(action));
   return logged;
+}
+
+// Replaces the log's answer where the live client drives; else compares the two.
+void MixedSource::mix(SimTime now, Answer& logged, Answer& live,
+                      const std::vector<std::string>& robots) {
+  if (now >= options_.live_from && options_.live_robots.contains(logged.robot)) {
+    logged = std::move(live);
+    if (!report_.live_since) report_.live_since = now;
+  } else if (logged.outcome == Outcome::decided && live.outcome == Outcome::decided) {
+    ++report_.compared_decisions;
+    report_.different_decisions += !same_decision(logged, live, robots);
+  }
 }
 
 }  // namespace seam::scheduler

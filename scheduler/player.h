@@ -42,36 +42,40 @@ struct MixedSourceOptions {
   // decisions.
   std::set<int> live_robots;
   SimTime live_from;
-  // Supervisor actions of the log are repeated.
+};
+
+// What came of it.
+struct MixedReport {
+  // While the log decided: how many live decisions there were, and how many of them were others
+  // than those of the log. A behaviour that does not repeat itself cannot be resumed exactly.
+  uint64_t compared_decisions = 0;
+  uint64_t different_decisions = 0;
+  // The first instant at which a live decision took effect.
+  std::optional<SimTime> live_since;
 };
 
 // Decisions from a log as far as it goes, then from live clients. The live clients are told every
 // observation from the start, so that they come to know what they would have known; what they
-// decide while the log decides has no effect.
+// decide while the log decides has no effect. The supervisor's actions of the log are repeated.
 class MixedSource final : public DecisionSource {
  public:
-  MixedSource(const Log& log, DecisionSource& live, MixedSourceOptions options = {})
-      : turns_(log), live_(live), options_(std::move(options)) {}
+  MixedSource(const Log& log, DecisionSource& live, MixedReport& report,
+              MixedSourceOptions options = {})
+      : turns_(log), live_(live), report_(report), options_(std::move(options)) {}
 
   std::optional<Turn> decide(
       SimTime now, std::span<const std::shared_ptr<const Observation>> observations) override;
   std::vector<SimulationEvent> take_faults() override { return live_.take_faults(); }
   void finish(SimTime now, const std::string& reason) override { live_.finish(now, reason); }
 
-  // While the log decided: how many live decisions there were, and how many of them were others
-  // than those of the log. A behaviour that does not repeat itself cannot be resumed exactly.
-  uint64_t compared_decisions() const { return compared_; }
-  uint64_t different_decisions() const { return different_; }
-  // The first instant that the log did not decide.
-  std::optional<SimTime> live_since() const { return live_since_; }
-
  private:
+  void mix(SimTime now, Answer& logged, Answer& live, const std::vector<std::string>& robots);
+
   TurnReader turns_;
   DecisionSource& live_;
+  MixedReport& report_;
   MixedSourceOptions options_;
-  std::optional<SimTime> live_since_;
-  uint64_t compared_ = 0;
-  uint64_t different_ = 0;
+  bool log_is_over_ = false;
 };
 
 }  // namespace seam::scheduler

@@ -27,7 +27,8 @@ namespace seam::tools {
   X(replay)         \
   X(report)         \
   X(run)            \
-  X(serve)
+  X(serve)          \
+  X(view)
 
 #define SEAM_DECLARE(name) void add_##name(CLI::App& app);
 SEAM_COMMANDS(SEAM_DECLARE)

@@ -81,4 +81,22 @@ std::string to_json(const scheduler::LogDifference& difference) {
   return json.dump(2);
 }
 
+std::string to_view_json(const scheduler::LogDifference& difference) {
+  nlohmann::ordered_json json = {{"equal", difference.equal()},
+                                 {"header", difference.header},
+                                 {"compared_until_s", difference.compared_until.s()},
+                                 {"first", nullptr},
+                                 {"spread", nlohmann::ordered_json::array()}};
+  if (difference.first) {
+    const auto& first = *difference.first;
+    json["first"] = {{"t", first.time.s()},     {"time_ns", std::to_string(first.time.ns())},
+                     {"section", first.section}, {"field", first.field},
+                     {"a", first.a},             {"b", first.b}};
+  }
+  for (const auto& step : difference.spread) {
+    json["spread"].push_back({{"t", step.time.s()}, {"section", step.section}});
+  }
+  return json.dump();
+}
+
 }  // namespace seam::tools

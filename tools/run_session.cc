@@ -9,7 +9,6 @@
 #include <filesystem>
 
 #include "mcap/io.h"
-#include "scheduler/recorder.h"
 #include "sim_core/error.h"
 #include "sim_core/files.h"
 #include "sim_core/hash.h"
@@ -125,7 +124,7 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
   std::optional<scheduler::Recorder> recorder;
   if (!options.log.empty()) {
     log = mcap::create_file(options.log);
-    recorder.emplace(*log, simulator.world);
+    recorder.emplace(*log, simulator.world, options.recording);
   }
   AbortReason aborted;
   observers.push_back(&aborted);
@@ -223,6 +222,13 @@ int report(const SessionSummary& summary, const SessionOptions& options) {
 void add_session_options(CLI::App& command, SessionOptions& session, SimulatorOptions& simulator) {
   command.add_option("--seed", simulator.seed, "Replaces the scenario's seed");
   command.add_option("--log", session.log, "Writes the replay log (MCAP) here");
+  command.add_flag("--log-frames", session.recording.pictures,
+                   "The log also holds each frame as a picture (foxglove.CompressedImage)");
+  command.add_flag_function(
+      "--log-poses",
+      [&session](int64_t) { session.recording.transforms = session.recording.scene = true; },
+      "The log also holds poses and the scene for other MCAP tools (foxglove.FrameTransforms,\n"
+      "foxglove.SceneUpdate)");
   command.add_option("--frames", session.frames,
                      "Writes each frame as ROBOT_NNNNNN.png and frames.csv into this folder");
   command.add_option("--json", session.json, "Writes the summary here");

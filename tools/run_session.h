@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scheduler/client_hub.h"
+#include "scheduler/recorder.h"
 #include "scheduler/server.h"
 #include "scheduler/simulation.h"
 #include "tools/simulator.h"
@@ -22,6 +23,7 @@ namespace seam::tools {
 
 struct SessionOptions {
   std::string log;     // Empty: none.
+  scheduler::RecorderOptions recording;
   std::string frames;  // Folder; empty: none.
   std::string json;    // Summary; empty: none.
   bool start_behaviours = true;
