@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "scheduler/field_checks.h"
 #include "scheduler/recorder.h"
 #include "sim_core/error.h"
@@ -12,6 +14,8 @@ namespace {
 
 // A field whose bits agree by chance shows up within these steps, if ever.
 constexpr int kStepsToLookForField = 64;
+// How often missing frames and events are looked for.
+constexpr uint64_t kStepsBetweenLooks = 128;
 
 // Events that follow from the state; the others come from outside.
 bool repeats(EventKind kind) {
@@ -46,7 +50,18 @@ Verifier::Verifier(const Log& log, const World& world, RunControl& control)
     : log_(log),
       world_(world),
       control_(control),
-      cursor_(log, {Topic::step, Topic::frame, Topic::event, Topic::end}) {}
+      end_(log.end()),
+      steps_expected_(log, {Topic::step}),
+      frames_expected_(
+          log, Topic::frame,
+          [](const FrameRecord& frame) { return std::pair(frame.robot, frame.index); },
+          [](const FrameRecord&) { return true; }),
+      events_expected_(
+          log, Topic::event,
+          [](const SimulationEvent& event) {
+            return EventKey(event.time, event.kind, event.robot, event.name, event.detail);
+          },
+          [](const SimulationEvent& event) { return repeats(event.kind); }) {}
 
 void Verifier::on_start(const RunHeader& header) {
   const RunHeader& logged = log_.header();
@@ -56,18 +71,28 @@ void Verifier::on_start(const RunHeader& header) {
                       fmt::join(logged.sections, ", "), fmt::join(header.sections, ", ")));
 }
 
-// The next record that a re-run repeats; nothing at the end of the log.
-std::optional<LogRecord> Verifier::next_expected() {
-  if (exhausted_) return std::nullopt;
-  while (std::optional<LogRecord> record = cursor_.next()) {
-    const auto* event = std::get_if<SimulationEvent>(&*record);
-    if (event != nullptr && !repeats(event->kind)) continue;
-    if (ignore_frames_ && std::holds_alternative<FrameRecord>(*record)) continue;
-    return record;
+void Verifier::stop_at_open_end() {
+  over_ = true;
+  control_.stop();
+}
+
+std::optional<StepRecord> Verifier::next_step() {
+  std::optional<LogRecord> record = steps_expected_.next();
+  if (!record) return std::nullopt;
+  return std::get<StepRecord>(std::move(*record));
+}
+
+// Frames and events of the log that the re-run should have made long ago.
+void Verifier::find_missing(SimTime time) {
+  if (const FrameRecord* frame = ignore_frames_ ? nullptr : frames_expected_.overdue(time)) {
+    diverge(frame->time, "frame/" + log_.header().robots[static_cast<size_t>(frame->robot)],
+            "index", fmt::format("the log has frame {}, the re-run does not make it", frame->index));
   }
-  exhausted_ = true;
-  control_.stop();  // A log without an end: its writer was killed here.
-  return std::nullopt;
+  if (const SimulationEvent* event = events_expected_.overdue(time)) {
+    diverge(event->time, "events", event->name,
+            fmt::format("the log has the event '{}' {} {}, the re-run does not", event->name,
+                        event->robot, event->detail));
+  }
 }
 
 void Verifier::diverge(SimTime time, std::string section, std::string field, std::string detail) {
@@ -77,21 +102,21 @@ void Verifier::diverge(SimTime time, std::string section, std::string field, std
 }
 
 void Verifier::on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) {
-  if (divergence_ && !field_wanted_in_) return;
-  std::optional<LogRecord> expected = next_expected();
-  if (divergence_) {  // Only the field is still unknown; other records no longer matter.
-    while (expected && !std::holds_alternative<StepRecord>(*expected)) expected = next_expected();
-    if (expected) look_for_field(std::get<StepRecord>(*expected));
+  if (over_ || (divergence_ && !field_wanted_in_)) return;
+  const std::optional<StepRecord> logged = next_step();
+  if (divergence_) {  // Only the field is still unknown.
+    if (logged) look_for_field(*logged);
     return;
   }
-  if (!expected) return;
-  if (const auto* logged = std::get_if<StepRecord>(&*expected)) {
+  if (logged) {
     compare_step(*logged, time, step, section_hashes);
+  } else if (!end_) {
+    stop_at_open_end();
   } else {
-    diverge(time, "events", "order",
-            fmt::format("the log has another record at {} ns where the re-run steps",
-                        time_of(*expected).ns()));
+    diverge(time, "clock", "step",
+            fmt::format("the re-run has step {} at {} ns, the log ended", step, time.ns()));
   }
+  if (!divergence_ && step % kStepsBetweenLooks == 0) find_missing(time);
 }
 
 void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t step,
@@ -131,21 +156,24 @@ void Verifier::look_for_field(const StepRecord& logged) {
 }
 
 void Verifier::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
-  if (divergence_ || ignore_frames_) return;
-  const std::optional<LogRecord> expected = next_expected();
-  if (!expected) return;
+  if (over_ || divergence_ || ignore_frames_) return;
   const std::string section = "frame/" + frame.robot;
-  const auto* logged = std::get_if<FrameRecord>(&*expected);
-  if (logged == nullptr || logged->time != time || logged->index != frame.frame_index ||
-      log_.header().robots[static_cast<size_t>(logged->robot)] != frame.robot) {
+  const auto& robots = log_.header().robots;
+  const int robot = static_cast<int>(std::find(robots.begin(), robots.end(), frame.robot) -
+                                     robots.begin());
+  const auto logged = frames_expected_.take({robot, frame.frame_index}, time);
+  if (!logged) {
+    if (!end_ && frames_expected_.exhausted()) return;  // Made, but not yet written when killed.
     return diverge(time, section, "index",
-                   fmt::format("the re-run made frame {}, which the log does not have here",
+                   fmt::format("the re-run made frame {}, which the log does not have",
                                frame.frame_index));
   }
-  if (logged->stamp != frame.stamp) {
+  if (logged->stamp != frame.stamp || logged->time != time) {
     return diverge(time, section, "stamp_ns",
-                   fmt::format("frame {}: the log has the stamp {} ns, the re-run {} ns",
-                               frame.frame_index, logged->stamp.ns(), frame.stamp.ns()));
+                   fmt::format("frame {}: the log has the stamp {} ns and ends at {} ns, the re-run "
+                               "{} ns and {} ns",
+                               frame.frame_index, logged->stamp.ns(), logged->time.ns(),
+                               frame.stamp.ns(), time.ns()));
   }
   if (logged->fingerprint != frame.fingerprint) {
     return diverge(time, section, "pixels",
@@ -154,39 +182,32 @@ void Verifier::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
                                to_hex(frame.fingerprint)));
   }
   ++frames_;
-  verified_until_ = time;
+  verified_until_ = std::max(verified_until_, time);
 }
 
 void Verifier::on_event(const SimulationEvent& event) {
-  if (divergence_ || !repeats(event.kind)) return;
-  const std::optional<LogRecord> expected = next_expected();
-  if (!expected) return;
-  const auto* logged = std::get_if<SimulationEvent>(&*expected);
-  if (logged != nullptr && logged->time == event.time && logged->kind == event.kind &&
-      logged->robot == event.robot && logged->name == event.name &&
-      logged->detail == event.detail) {
-    return;
-  }
+  if (over_ || divergence_ || !repeats(event.kind)) return;
+  const EventKey key(event.time, event.kind, event.robot, event.name, event.detail);
+  if (events_expected_.take(key, event.time)) return;
+  if (!end_ && events_expected_.exhausted()) return;
   diverge(event.time, "events", event.name,
-          fmt::format("the re-run has the event '{}' {} {}, which the log does not have here",
+          fmt::format("the re-run has the event '{}' {} {}, which the log does not have",
                       event.name, event.robot, event.detail));
 }
 
 void Verifier::on_end(SimTime time, EndReason reason, uint64_t fingerprint) {
-  if (divergence_ || exhausted_) return;
-  const std::optional<LogRecord> expected = next_expected();
-  if (!expected) return;
-  const auto* logged = std::get_if<EndRecord>(&*expected);
-  if (logged == nullptr) {
+  if (over_ || divergence_ || !end_) return;
+  if (const std::optional<StepRecord> more = next_step()) {
     return diverge(time, "end", "time_ns",
-                   fmt::format("the re-run ended at {} ns, the log goes on", time.ns()));
+                   fmt::format("the re-run ended at {} ns, the log goes on at {} ns", time.ns(),
+                               more->time.ns()));
   }
   // A run that was stopped from outside may have ended between two events of one instant.
-  if (logged->reason != EndReason::finished || ignore_frames_) return;
-  if (reason != logged->reason || logged->fingerprint != fingerprint) {
+  if (end_->reason != EndReason::finished || ignore_frames_) return;
+  if (reason != end_->reason || end_->fingerprint != fingerprint) {
     diverge(time, "end", "fingerprint",
-            fmt::format("the log has the fingerprint {}, the re-run {}",
-                        to_hex(logged->fingerprint), to_hex(fingerprint)));
+            fmt::format("the log has the fingerprint {}, the re-run {}", to_hex(end_->fingerprint),
+                        to_hex(fingerprint)));
   }
 }
 

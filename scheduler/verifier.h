@@ -3,7 +3,9 @@
 
 #include <optional>
 #include <string>
+#include <tuple>
 
+#include "scheduler/expected_records.h"
 #include "scheduler/log.h"
 #include "scheduler/observer.h"
 #include "scheduler/run_control.h"
@@ -53,7 +55,12 @@ class Verifier final : public SimulationObserver {
   SimTime verified_until() const { return verified_until_; }
 
  private:
-  std::optional<LogRecord> next_expected();
+  using EventKey = std::tuple<SimTime, EventKind, std::string, std::string, std::string>;
+
+  std::optional<StepRecord> next_step();
+  void find_missing(SimTime time);
+  // The log ends here without an end: its writer was killed, and nothing more can be compared.
+  void stop_at_open_end();
   void diverge(SimTime time, std::string section, std::string field, std::string detail);
   void compare_step(const StepRecord& logged, SimTime time, uint64_t step,
                     std::span<const uint64_t> section_hashes);
@@ -62,9 +69,12 @@ class Verifier final : public SimulationObserver {
   const Log& log_;
   const World& world_;
   RunControl& control_;
-  LogCursor cursor_;
+  std::optional<EndRecord> end_;
+  LogCursor steps_expected_;
+  ExpectedRecords<FrameRecord, std::pair<int, uint64_t>> frames_expected_;
+  ExpectedRecords<SimulationEvent, EventKey> events_expected_;
   bool ignore_frames_ = false;
-  bool exhausted_ = false;
+  bool over_ = false;
   std::optional<Divergence> divergence_;
   std::optional<size_t> field_wanted_in_;  // Section whose differing field is not yet known.
   int steps_looked_ = 0;

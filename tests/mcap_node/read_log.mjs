@@ -54,7 +54,7 @@ async function readIndexed(path) {
 
 // From the first byte to the last, with every CRC checked.
 function readStream(path) {
-  const reader = new McapStreamReader({ decompressHandlers, validateCrcs: true });
+  const reader = new McapStreamReader({ decompressHandlers, validateCrcs: true, includeChunks: true });
   reader.append(readFileSync(path));
   const records = {};
   for (let record; (record = reader.nextRecord());) {

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# fuzz.sh SECONDS [NAME...]: builds the fuzzers (clang, a build of their own) and runs each for so
+# long from its corpus. A finding ends it with the input's place. New inputs are not kept: a corpus
+# grows only by what somebody looked at (fuzz/corpus).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+seconds=${1:?usage: scripts/fuzz.sh SECONDS [NAME...]}
+shift
+names=("$@")
+[ ${#names[@]} -gt 0 ] || names=(log scenario model measurement wire)
+if ! command -v clang++ >/dev/null; then
+  echo "fuzz.sh: clang++ is not installed (apt-get install clang)" >&2
+  exit 1
+fi
+[ -f build-fuzz/build.ninja ] || cmake --preset fuzz >/dev/null
+cmake --build build-fuzz --target "${names[@]/#/fuzz_}"
+for name in "${names[@]}"; do
+  echo "fuzz: $name for $seconds s"
+  work=$(mktemp -d)
+  mkdir "$work/new"
+  build-fuzz/fuzz_"$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 \
+    -max_len=200000 -artifact_prefix=build-fuzz/ -print_final_stats=0 -verbosity=0 \
+    "$work/new" "fuzz/corpus/$name"
+  rm -rf "$work"
+done

@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""The whole way of a log: recorded by a real run, read by the independent MCAP reader, verified, broken,
+cut, recovered, resumed, compared, exported. Usage: replay_test.py SEAM NODE_FOLDER"""
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SEAM = pathlib.Path(sys.argv[1]).resolve()
+NODE = pathlib.Path(sys.argv[2]).resolve()
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+KILLS = int(os.environ.get("SEAM_KILLS", "3"))  # test.sh --all asks for 50.
+SCENARIO = f"""format: seam-scenario/1
+name: replay_test
+duration_s: 3
+seed: 5
+field: {ROOT}/models/field_2002.yaml
+ball: {{x_m: 0.3, y_m: 0.2, vx_mps: 0.4}}
+robots:
+  - id: red1
+    team: red
+    pose: {{x_m: -0.8, y_m: 0.1}}
+    body: {ROOT}/models/robot_ers210.yaml
+    camera: {{model: {ROOT}/models/ers210.yaml, width_px: 178, height_px: 144, every_frame: true,
+              clock: {{period_s: 0.2}}}}
+    behaviour: {{command: [ball_watcher]}}
+  - id: blue1
+    team: blue
+    pose: {{x_m: 0.9, y_m: -0.2, theta_rad: 3.1}}
+    body: {ROOT}/models/robot_ers210.yaml
+    behaviour: {{command: [head_swing, --rate, "2", --amplitude, "0.5"]}}
+"""
+
+
+def seam(*arguments, check=None):
+    done = subprocess.run([SEAM, *map(str, arguments)], capture_output=True, text=True, timeout=280)
+    if check is not None and done.returncode != check:
+        raise AssertionError(f"seam {' '.join(map(str, arguments))}: exit {done.returncode}, expected {check}\n"
+                             f"{done.stdout}\n{done.stderr}")
+    return done
+
+
+def node(script, *arguments):
+    return subprocess.run(["node", NODE / script, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+
+
+class Replay(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="seam-replay-"))
+        cls.scenario = cls.folder / "scenario.yaml"
+        cls.scenario.write_text(SCENARIO)
+        cls.log = cls.folder / "whole.mcap"
+        seam("run", cls.scenario, "--log", cls.log, "--log-frames", "--log-poses", "--json",
+             cls.folder / "run.json", check=0)
+        cls.fingerprint = json.loads((cls.folder / "run.json").read_text())["fingerprint"]
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def verify(self, log, code):
+        out = self.folder / "verify.json"
+        seam("replay", "verify", log, "--json", out, check=code)
+        result = json.loads(out.read_text())
+        self.assertEqual(result["format"], "seam-verify/1")
+        self.assertEqual(result["ok"], code == 0)
+        return result["first_divergence"]
+
+    def need_node(self):
+        if not (NODE / "node_modules" / "@mcap").exists():
+            self.skipTest("tests/mcap_node has no packages: npm ci could not reach its registry")
+
+    def test_verifies(self):
+        self.assertIsNone(self.verify(self.log, 0))
+
+    def test_the_independent_reader_agrees(self):
+        self.need_node()
+        done = node("read_log.mjs", self.log)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = json.loads(done.stdout)
+        shown = self.folder / "show.json"
+        seam("replay", "show", self.log, "--json", shown, check=0)
+        ours = json.loads(shown.read_text())
+        for topic, count in ours["messages"].items():
+            self.assertEqual(found["counts"].get(topic), count, topic)
+        self.assertEqual(found["chunks"], ours["chunks"])
+        for schema in ("foxglove.CompressedImage", "foxglove.FrameTransforms", "foxglove.SceneUpdate",
+                       "seam.v1.LogStep", "seam.v1.Turn"):
+            self.assertIn(schema, found["schemas"])
+        self.assertIn("scenario.yaml", found["attachments"])
+
+    def test_a_broken_byte_of_a_command_is_named(self):
+        self.need_node()
+        broken = self.folder / "broken.mcap"
+        done = node("edit_log.mjs", "break-command", self.log, broken)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        changed = json.loads(done.stdout)
+        first = self.verify(broken, 1)
+        robot = ("red1", "blue1")[changed["robot"]]
+        self.assertEqual(first["section"], f"robot/{robot}")
+        self.assertNotEqual(first["field"], "")
+        self.assertGreaterEqual(first["time_ns"], changed["time_ns"])
+        self.assertLess(first["time_ns"], changed["time_ns"] + 50_000_000)
+        seam("diff", self.log, broken, "--json", self.folder / "diff.json", check=1)
+        diff = json.loads((self.folder / "diff.json").read_text())
+        self.assertEqual(diff["first_decision"]["robot"], robot)
+        self.assertEqual(diff["first_decision"]["time_ns"], changed["time_ns"])
+
+    def test_other_writers_and_older_logs_verify(self):
+        self.need_node()
+        for mode in ("same", "older"):
+            copy = self.folder / f"{mode}.mcap"
+            done = node("edit_log.mjs", mode, self.log, copy)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIsNone(self.verify(copy, 0), mode)
+
+    def test_damage_is_told_and_mended(self):
+        whole = self.log.read_bytes()
+        draw = random.Random(1)
+        cuts = [len(whole) // 3, len(whole) // 2, len(whole) - 5000] + [draw.randrange(20000, len(whole)) for _ in range(3)]
+        for cut in cuts:
+            damaged = self.folder / "damaged.mcap"
+            damaged.write_bytes(whole[:cut])
+            out = self.folder / "mended.mcap"
+            done = seam("replay", "recover", damaged, "--out", out)
+            self.assertIn(done.returncode, (0, 3), (cut, done.stderr))
+            if done.returncode == 3:
+                self.assertIn("lost", done.stdout)
+            seam("replay", "show", out, check=0)
+        self.verify(out, 0)
+        seam("replay", "recover", self.log, "--out", out, check=0)
+        nothing = self.folder / "nothing.mcap"
+        nothing.write_bytes(whole[:40])
+        seam("replay", "recover", nothing, "--out", out, check=1)
+        corrupted = self.folder / "corrupted.mcap"
+        middle = len(whole) // 2
+        corrupted.write_bytes(whole[:middle] + bytes([whole[middle] ^ 0x55]) + whole[middle + 1:])
+        self.verify(corrupted, 1)
+        seam("replay", "recover", corrupted, "--out", out, check=3)
+
+    def test_killed_runs_resume_to_the_same_end(self):
+        draw = random.Random(2)
+        for number in range(KILLS):
+            log = self.folder / f"killed{number}.mcap"
+            run = subprocess.Popen([SEAM, "run", self.scenario, "--log", log, "--log-frames", "--log-poses"],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+            started = time.monotonic()
+            while not log.exists() or log.stat().st_size < 30000:
+                self.assertLess(time.monotonic() - started, 60)
+                time.sleep(0.002)
+                if run.poll() is not None:
+                    break
+            time.sleep(draw.uniform(0, 0.5))
+            os.killpg(run.pid, signal.SIGKILL)
+            run.wait()
+            resumed = self.folder / "resumed.mcap"
+            summary = self.folder / "resumed.json"
+            seam("replay", "resume", log, "--log", resumed, "--json", summary, check=0)
+            self.assertEqual(json.loads(summary.read_text())["fingerprint"], self.fingerprint)
+
+    def test_frames_are_those_of_the_run(self):
+        eyes = self.folder / "eyes"
+        seam("replay", "frames", self.log, "--robot", "red1", "--from", "1", "--to", "1.5", "--out", eyes, check=0)
+        export = self.folder / "export"
+        seam("replay", "export", self.log, "--out", export, check=0)
+        made = sorted(path.name for path in eyes.glob("*.png"))
+        self.assertGreaterEqual(len(made), 2)
+        for name in made:
+            self.assertEqual((eyes / name).read_bytes(), (export / name).read_bytes(), name)
+
+    def test_what_if_shows_what_follows(self):
+        out = self.folder / "whatif.json"
+        seam("replay", "whatif", self.log, "--robot", "blue1", "--client", "head_swing --rate 1 --amplitude 0.2",
+             "--from", "1", "--json", out, check=0)
+        diff = json.loads(out.read_text())
+        self.assertFalse(diff["equal"])
+        self.assertGreaterEqual(diff["first"]["time_ns"], 1_000_000_000)
+        self.assertEqual(diff["first"]["section"], "robot/blue1")
+
+    def test_wrong_use_says_so(self):
+        seam("replay", "verify", check=2)
+        seam("replay", "frames", self.log, "--robot", "nobody", "--out", self.folder / "x", check=2)
+        seam("replay", "verify", self.folder / "missing.mcap", check=1)
+        done = seam("replay", "show", self.scenario, check=1)
+        self.assertIn("not an MCAP file", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], "-v"])
