@@ -11,12 +11,12 @@ void FieldChecks::field(std::string_view, double& value) {
 void FieldChecks::field(std::string_view, int64_t& value) { add(static_cast<uint64_t>(value)); }
 
 void FieldChecks::add(uint64_t value) {
-  // The finaliser of MurmurHash3: every input bit reaches the top two.
+  // The finaliser of MurmurHash3: every input bit reaches the top ones.
   value ^= value >> 33;
   value *= 0xff51afd7ed558ccdULL;
   value ^= value >> 33;
   value *= 0xc4ceb9fe1a85ec53ULL;
-  const auto check = static_cast<unsigned>(value >> 62);
+  const auto check = static_cast<unsigned>(value >> shift_) & 3;
   if (filled_ == 4) {
     bits_.push_back('\0');
     filled_ = 0;

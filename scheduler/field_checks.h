@@ -1,5 +1,6 @@
 // Two bits of each field's hash: too few to prove that fields are equal, which the fingerprint of
-// the whole state does, but enough to name the one that differs once something does.
+// the whole state does, but enough to name the one that differs once something does. Four steps in a
+// row take other bits, so that a field that stays as it is shows up within them (all but 1 of 256).
 #pragma once
 
 #include <string>
@@ -13,6 +14,7 @@ namespace seam::scheduler {
 class FieldChecks final : public StateVisitor {
  public:
   using StateVisitor::field;
+  explicit FieldChecks(uint64_t step) : shift_(static_cast<int>(56 + 2 * (step % 4))) {}
   void field(std::string_view name, double& value) override;
   void field(std::string_view name, int64_t& value) override;
 
@@ -21,6 +23,7 @@ class FieldChecks final : public StateVisitor {
  private:
   void add(uint64_t value);
 
+  int shift_;
   std::string bits_;
   int filled_ = 4;  // Fields in the last byte.
 };

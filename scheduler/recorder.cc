@@ -45,7 +45,7 @@ StepRecord step_record(const World& world, SimTime time, uint64_t step,
   for (const uint64_t hash : section_hashes) {
     record.section_hashes.push_back(static_cast<uint32_t>(hash));
   }
-  FieldChecks checks;
+  FieldChecks checks(step);
   world.visit(checks);
   record.field_checks = checks.bits();
   if (step % kPoseEverySteps == 0) record.poses = poses_of(world);

@@ -144,7 +144,7 @@ void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t ste
 }
 
 void Verifier::look_for_field(const StepRecord& logged) {
-  FieldChecks checks;
+  FieldChecks checks(logged.step);
   world_.visit(checks);
   const auto field = FieldNames(world_).first_difference(*field_wanted_in_, logged.field_checks,
                                                          checks.bits());
