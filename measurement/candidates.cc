@@ -189,6 +189,7 @@ double merit_of(const Problem& problem, const Grown& grown) {
 std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons) {
+  if (is_radial(effect->name) && base.assessment.model.has("fisheye")) return std::nullopt;
   const std::vector<std::vector<double>> starts = problem.starts(base.assessment.model, *effect);
   if (starts.empty()) return std::nullopt;
   const Model probe = with_effect(base.assessment.model, effect, starts.front());

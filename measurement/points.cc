@@ -39,13 +39,13 @@ class Predictor {
     double v = data_.v_px[row];
     if (timing_.line_delay_s == 0) {
       const double t = instant(data_.stamp_s[row], v) + late_s;
-      return projection_.project(motion_.X_WC(t, joint_errors).inverse() * p_W, t, v);
+      return projection_.project(motion_.to_camera(t, p_W, joint_errors), t, v);
     }
     effects::ImagePoint point;
     double previous_v = v, previous_f = 0;
     for (int step = 0; step < 30; ++step) {
       const double t = instant(data_.stamp_s[row], v) + late_s;
-      point = projection_.project(motion_.X_WC(t, joint_errors).inverse() * p_W, t, v);
+      point = projection_.project(motion_.to_camera(t, p_W, joint_errors), t, v);
       if (!point.visible) return point;
       // The row at which the point is seen is the fixed point of v -> image row; secant steps.
       const double f = point.v - v;

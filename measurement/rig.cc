@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numeric>
 
 #include "effects/geometry.h"
@@ -224,6 +225,20 @@ Rig::Motion Rig::motion(const effects::Model& model) const {
   for (const effects::JointSeries& joint : track.joints) motion.joints_.emplace_back(track.time_s, joint.q_rad);
   motion.quantisation_step_rad = track.quantisation_step_rad;
   return motion;
+}
+
+Vec3 Rig::Motion::to_camera(double t_s, const Vec3& p_W, const double* joint_errors) const {
+  if (rig_->type_ != Type::chain) return X_WC(t_s).inverse() * p_W;
+  Vec3 p = p_W;
+  for (const Link& link : rig_->links_) {
+    p = (p - link.fixed.p) * link.fixed.R;  // v * R is R' v.
+    if (link.joint < 0) continue;
+    const double angle = joints_[link.joint].value(t_s) + (joint_errors ? joint_errors[link.joint] : 0);
+    const double s = std::sin(angle), c = std::cos(angle);
+    // Rodrigues' formula for the rotation by -angle.
+    p = c * p - s * glm::cross(link.axis, p) + (1 - c) * glm::dot(link.axis, p) * link.axis;
+  }
+  return (p - X_LC_.p) * X_LC_.R;
 }
 
 Pose Rig::Motion::X_WC(double t_s, const double* joint_errors) const {

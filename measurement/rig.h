@@ -54,6 +54,9 @@ class Rig {
    public:
     // `joint_errors` are added to the true angles, one a joint; empty: none.
     Pose X_WC(double t_s, const double* joint_errors = nullptr) const;
+    // A point of the world in the camera's frame: the same as X_WC(t).inverse() * p_W, but link by
+    // link, which is several times faster (fits spend most of their time here).
+    Vec3 to_camera(double t_s, const Vec3& p_W, const double* joint_errors = nullptr) const;
     double quantisation_step_rad = 0;
 
    private:
