@@ -131,7 +131,8 @@ TEST(CataloguePage, IsTheProgramsOwn) {
   text << file.rdbuf();
   if (text.str() == catalogue_markdown()) return;
   std::ofstream(path + ".new") << catalogue_markdown();
-  ADD_FAILURE() << path << " differs from the program; the right page is " << path << ".new (or: seam effects --markdown > docs/effects.md)";
+  ADD_FAILURE() << path << " differs from the program; the right page is "
+                << path << ".new (or: seam effects --markdown > docs/effects.md)";
 }
 
 }  // namespace

@@ -8,7 +8,10 @@
 namespace seam::effects {
 namespace {
 
-std::string bound_text(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : value > 0 ? "infinite" : "-infinite"; }
+std::string bound_text(double value) {
+  if (std::isfinite(value)) return fmt::format("{:.4g}", value);
+  return value > 0 ? "infinite" : "-infinite";
+}
 
 std::string range_text(const Parameter& parameter) {
   std::string text = parameter.required ? "must be given" : "neutral " + bound_text(parameter.neutral);
@@ -30,8 +33,10 @@ std::string kinds_text(unsigned kinds) {
 }
 
 std::string effect_help(const EffectDefinition& effect) {
-  std::string text = fmt::format("{} (stage {})\n\n{}\n\nFormula:    {}\nSignature:  {}\nActs on:    {}\n", effect.name,
-                                 to_string(effect.stage), effect.help, effect.formula, effect.signature, kinds_text(effect.kinds));
+  std::string text = fmt::format("{} (stage {})\n\n{}\n\nFormula:    {}\nSignature:  {}\nActs on:    {}\n",
+                                 effect.name,
+                                 to_string(effect.stage), effect.help, effect.formula, effect.signature,
+                                 kinds_text(effect.kinds));
   if (effect.spread_only) text += "Changes the spread of measurements, not their mean.\n";
   text += effect.parameters.empty() ? "Parameters: none\n" : "Parameters:\n";
   for (const Parameter& parameter : effect.parameters) {

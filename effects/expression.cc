@@ -90,7 +90,8 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
     case Stage::geometry:
       effect.image_map = [program](Values p, ImagePoint& at) {
         Outputs out = {at.u, at.v};
-        program->run(std::array{at.x, at.y, at.x * at.x + at.y * at.y, at.u, at.v, at.cx, at.cy, at.fx, at.fy, at.t_s, at.row}, p, out);
+        const double r2 = at.x * at.x + at.y * at.y;
+        program->run(std::array{at.x, at.y, r2, at.u, at.v, at.cx, at.cy, at.fx, at.fy, at.t_s, at.row}, p, out);
         at.u = out[0], at.v = out[1];
       };
       break;
@@ -207,13 +208,17 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
       texts.emplace_back(static_cast<int>(i), node.at(stage.outputs[i]).text());
       if (stage.stage != Stage::joint) continue;
       for (const std::string& used : Formula::names_in(texts.back().second)) {
-        const auto known = [&](const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), used) != list.end(); };
+        const auto known = [&](const std::vector<std::string>& list) {
+          return std::find(list.begin(), list.end(), used) != list.end();
+        };
         if (!known(inputs) && !known(parameter_names)) effect->columns.push_back(used), inputs.push_back(used);
       }
     }
     if (texts.empty()) node.fail(fmt::format("no formula, expected one for {}", fmt::join(stage.outputs, " or ")));
     inputs.insert(inputs.end(), parameter_names.begin(), parameter_names.end());
-    if (inputs.size() > kMostInputs) node.fail(fmt::format("{} variables and parameters, at most {}", inputs.size(), kMostInputs));
+    if (inputs.size() > kMostInputs) {
+      node.fail(fmt::format("{} variables and parameters, at most {}", inputs.size(), kMostInputs));
+    }
     for (const auto& [output, text] : texts) {
       program->formulas.emplace_back(text, inputs);
       program->output.push_back(output);
@@ -252,7 +257,8 @@ std::vector<ParameterValue> expression_values(const EffectDefinition& definition
   return values;
 }
 
-std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> expression_effects(const ConfigNode& root) {
+std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> expression_effects(
+    const ConfigNode& root) {
   // A file of candidates: a map of names, or a model whose effects are all expressions.
   const ConfigNode effects = root.has("effects") ? root.at("effects") : root;
   std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> all;

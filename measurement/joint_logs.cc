@@ -74,7 +74,9 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
     }
     const size_t i = found->second;
     JointLog& log = set.logs[i];
-    if (times[row] <= last_ns[i]) table.fail(row, "time_s", table.cell(row, "time_s"), "a later time than the row before it in its run");
+    if (times[row] <= last_ns[i]) {
+      table.fail(row, "time_s", table.cell(row, "time_s"), "a later time than the row before it in its run");
+    }
     last_ns[i] = times[row];
     log.rows.push_back(row);
     log.time_s.push_back(static_cast<double>(times[row] - first_ns[i]) * 1e-9);

@@ -50,6 +50,7 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   set_ = read_joint_logs(table, set.group, true);
   describe(set, table);
   add_covariates();
+  look_for_steps();
 }
 
 void JointsProblem::describe(const MeasurementSet& set, const CsvTable& table) {
@@ -61,7 +62,6 @@ void JointsProblem::describe(const MeasurementSet& set, const CsvTable& table) {
   facts_.group_of_row = number_groups(table.texts(set.group), facts_.groups);
   facts_.time_of_row.resize(table.rows());
   facts_.series_of_row.resize(table.rows());
-  log_of_row_.resize(table.rows());
   for (size_t row = 0; row < table.rows(); ++row) {
     facts_.line_of_row.push_back(table.line(row));
     facts_.row_of.push_back(static_cast<int>(row));
@@ -73,7 +73,6 @@ void JointsProblem::describe(const MeasurementSet& set, const CsvTable& table) {
     for (size_t k = 0; k < log.rows.size(); ++k) {
       facts_.time_of_row[log.rows[k]] = log.time_s[k];
       facts_.series_of_row[log.rows[k]] = static_cast<int>(i);
-      log_of_row_[log.rows[k]] = static_cast<int>(i);
       const int group = facts_.group_of_row[log.rows[k]];
       if (group != facts_.group_of_row[log.rows[0]]) {
         table.fail(log.rows[k], set.group, table.cell(log.rows[k], set.group), "one group a run");
@@ -181,7 +180,7 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups, con
   evaluation.residual.assign(n, 0);
   effects::JointTrack track;
   effects::apply_encoder_effects(model, track);
-  const double step = track.quantisation_step_rad, noise = facts_.channels[0].noise;
+  const double step = std::min(track.quantisation_step_rad, largest_step_rad_), noise = facts_.channels[0].noise;
   const double sigma = step == 0 ? noise : std::sqrt(noise * noise + step * step / 12);
   evaluation.sigma.assign(n, sigma);
   for (const JointLog& log : set_.logs) {
@@ -190,6 +189,7 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups, con
     ++evaluation.nuisances;
   }
   for (const double r : evaluation.residual) evaluation.valid &= std::isfinite(r);
+  if (lattice_rad_ > 0 && step > 0.99 * lattice_rad_ && noise < lattice_rad_) round_to_lattice(noise, evaluation);
   whiten_diagonal(*this, groups, evaluation);
   return evaluation;
 }

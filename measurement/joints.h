@@ -51,6 +51,7 @@ class JointsProblem : public Problem {
   Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
   std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
   void check_model(const Model& model) const override;
+  bool acts(const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
   std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;
   std::string advice(const std::string& effect, const std::string& other) const override;
@@ -61,8 +62,13 @@ class JointsProblem : public Problem {
   // Fits the log's true start; writes residuals; returns the start minus the first measurement.
   double evaluate_log(const Model& model, const JointLog& log, double sigma_rad, std::vector<double>& residual) const;
 
+  void look_for_steps();
+  // Turns residuals of the angle into those of the rounded angle, with their sigmas.
+  void round_to_lattice(double sigma_rad, Evaluation& evaluation) const;
+
   JointLogs set_;
-  std::vector<int> log_of_row_;
+  double lattice_rad_ = 0;       // All measured angles are multiples of this; 0: of nothing coarse.
+  double largest_step_rad_ = 0;  // Of an encoder, that the scatter of neighbours allows.
 };
 
 // Makes the log that the model would give (`seam measure`): the joint starts at rest at its first

@@ -21,7 +21,7 @@ std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model, con
 // likelihood has several valleys (a speed limit that never binds, a latency of another row). The
 // best of it comes first, then a small effect, from which other parameters can make way.
 std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const EffectDefinition& effect) const {
-  if (effect.spread_only) return {{0.5 * effect.parameters[0].scale}};
+  if (effect.spread_only) return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
   if (effect.parameters.empty() || (!effect.servo && !effect.logged)) return Problem::starts(model, effect);
   const effects::Parameter& first = effect.parameters[0];
   std::vector<double> neutral;
@@ -66,9 +66,15 @@ std::string JointsProblem::advice(const std::string& effect, const std::string& 
   const auto pair = [&](const char* a, const char* b) {
     return (effect == a && other == b) || (effect == b && other == a);
   };
-  if (pair("servo_lag", "servo_latency")) return "steps of the command, sampled several times within the delay: a lag rounds them, a latency moves them";
-  if (pair("backlash", "stiction")) return "small moves in one direction, one after the other: play is taken up once, a dead band stops each of them";
-  if (pair("speed_limit", "acceleration_limit")) return "steps of different heights: the time of a ramp grows with the height, that of a rounded one with its root";
+  if (pair("servo_lag", "servo_latency")) {
+    return "steps of the command, sampled several times within the delay: a lag rounds them, a latency moves them";
+  }
+  if (pair("backlash", "stiction")) {
+    return "small moves in one direction, one after the other: play is taken up once, a dead band stops each of them";
+  }
+  if (pair("speed_limit", "acceleration_limit")) {
+    return "steps of different heights: the time of a ramp grows with the height, that of a rounded one with its root";
+  }
   if (pair("speed_limit", "servo_lag")) return "steps of different heights: a lag takes the same time for each";
   if (pair("encoder_offset", "gravity_sag")) return "a wide range of angles: an offset is the same at each";
   if (effect == "speed_limit") return "steps larger and faster than the joint can follow";

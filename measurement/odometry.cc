@@ -101,7 +101,8 @@ void OdometryProblem::add_covariates(const CsvTable& table, const std::string& g
     }
   }
   // Errors of a step are along or across the body, whatever its heading in the room.
-  CombinedChannel along{.name = "along_m", .channel_a = 0, .channel_b = 1}, across{.name = "across_m", .channel_a = 0, .channel_b = 1};
+  CombinedChannel along{.name = "along_m", .channel_a = 0, .channel_b = 1};
+  CombinedChannel across{.name = "across_m", .channel_a = 0, .channel_b = 1};
   for (const double h : heading) {
     along.weight_a.push_back(maths::cos(h)), along.weight_b.push_back(maths::sin(h));
     across.weight_a.push_back(-maths::sin(h)), across.weight_b.push_back(maths::cos(h));

@@ -21,7 +21,8 @@ std::vector<std::vector<double>> third_differences(const std::vector<WalkRun>& r
   for (const WalkRun& run : runs) {
     std::vector<double> found;
     for (size_t k = 3; k < run.pose.size(); ++k) {
-      const bool same = same_command(run.command[k - 3], run.command[k - 2]) && same_command(run.command[k - 2], run.command[k - 1]);
+      const bool same = same_command(run.command[k - 3], run.command[k - 2]) &&
+                        same_command(run.command[k - 2], run.command[k - 1]);
       if (one_command && !same) {
         found.push_back(NAN);
         continue;
@@ -108,7 +109,9 @@ std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& gr
       last_ns.push_back(times[row] - 1);
     }
     const size_t i = found->second;
-    if (times[row] <= last_ns[i]) table.fail(row, "time_s", table.cell(row, "time_s"), "a later time than the row before it in its run");
+    if (times[row] <= last_ns[i]) {
+      table.fail(row, "time_s", table.cell(row, "time_s"), "a later time than the row before it in its run");
+    }
     last_ns[i] = times[row];
     WalkRun& run = runs[i];
     run.rows.push_back(row);

@@ -137,6 +137,9 @@ Eigen::MatrixXd WideFitter::jacobian() {
   for (size_t i = 0; i < coordinates_.size(); ++i) {
     Coordinate& c = coordinates_[i];
     if (!free_[i] || c.spread) continue;
+    // A step that the residuals noticed, in case a narrower one slips between their steps.
+    double noticed = 0;
+    Vector noticed_column;
     for (int attempt = 0; attempt < 12; ++attempt) {
       const Vector up = moved(i, c.step), down = moved(i, -c.step);
       const double span = up[i] - down[i];
@@ -148,6 +151,12 @@ Eigen::MatrixXd WideFitter::jacobian() {
       }
       for (size_t k = 0; k < n; ++k) jacobian(k, i) = (a.whitened[k] - b.whitened[k]) / span;
       const double norm = jacobian.col(i).norm();
+      if (norm == 0 && noticed > 0) {
+        c.step = noticed;
+        jacobian.col(i) = noticed_column;
+        break;
+      }
+      if (norm > 0) noticed = c.step, noticed_column = jacobian.col(i);
       const double wish = norm > 0 ? 0.5 / norm : kInfinity;
       if (c.step < 0.2 * wish && c.step < 0.25 * (c.max - c.min)) {
         c.step = std::min({wish, 8 * c.step, 0.25 * (c.max - c.min)});

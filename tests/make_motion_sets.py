@@ -40,7 +40,7 @@ def servo(p, times, commands, q0, load_of_row, h=1e-4):
             if abs(e) < effective_band or e == 0:
                 v = 0.0
             else:
-                want = e / tau if tau else e / dt
+                want = e * -math.expm1(-dt / tau) / dt if tau else e / dt
                 want = max(-vmax, min(vmax, want))
                 if amax < math.inf:
                     brake = math.sqrt(2 * amax * abs(e))
