@@ -177,6 +177,9 @@ void frame_to(const Frame& frame, v1::Frame& wire) {
   wire.set_height_px(static_cast<uint32_t>(frame.height_px));
   wire.set_rgb(frame.rgb.data(), frame.rgb.size());
   wire.set_ycrcb(frame.ycrcb.data(), frame.ycrcb.size());
+  wire.set_colours(frame.colours.data(), frame.colours.size());
+  wire.set_colours_width_px(static_cast<uint32_t>(frame.colours_width_px));
+  wire.set_colours_height_px(static_cast<uint32_t>(frame.colours_height_px));
   for (const RowWindow& row : frame.rows) {
     wire.add_row_start_ns(row.start.ns());
     wire.add_row_end_ns(row.end.ns());

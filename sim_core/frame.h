@@ -51,6 +51,10 @@ struct Frame {
   std::vector<RowWindow> rows;
   std::vector<uint8_t> rgb;     // Row-major, interleaved, 8 bits: what the sensor's ADC gives.
   std::vector<uint8_t> ycrcb;   // The same as OPEN-R's Y, Cr, Cb.
+  // The colour detection table's output, a bit a channel; empty where the camera has no table.
+  std::vector<uint8_t> colours;
+  int colours_width_px = 0;
+  int colours_height_px = 0;
   uint64_t fingerprint = 0;     // Over size, stamp, row windows and rgb, in that order.
 };
 

@@ -26,6 +26,8 @@ void describe_clock(ConfigTable& table, ClockSpec& clock) {
 void describe_camera(ConfigTable& table, CameraSpec& camera) {
   table.file_or_yaml({"model", "Effects of this robot's camera, joints and gait: a seam-model/1 file or its content."},
                      camera.model_yaml, camera.model_name);
+  table.file_or_yaml({"colour_table", "The colour detection table: a seam-colour-table/1 file or its content."},
+                     camera.colour_table_yaml, camera.colour_table_name);
   table.integer({"width_px", "Image width."}, camera.width_px, 8, 4096);
   table.integer({"height_px", "Image height."}, camera.height_px, 8, 4096);
   table.object({"clock", "The camera's own clock."}, [&](ConfigTable& clock) { describe_clock(clock, camera.clock); });

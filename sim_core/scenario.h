@@ -32,6 +32,8 @@ struct ClockSpec {
 struct CameraSpec {
   std::string model_yaml;  // A seam-model/1 file's text: effects of camera, joints and locomotion.
   std::string model_name;  // Where it came from, for messages. Empty: no model was given.
+  std::string colour_table_yaml;  // A seam-colour-table/1 file's text. Empty: no colour layer.
+  std::string colour_table_name;
   int64_t width_px = 178;
   int64_t height_px = 144;
   ClockSpec clock;

@@ -38,6 +38,9 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
     camera.renderer = std::make_unique<render::Renderer>(
         models[i], static_cast<int>(robot.camera.width_px),
         static_cast<int>(robot.camera.height_px), options);
+    if (!robot.camera.colour_table_yaml.empty())
+      camera.colours = render::ColourTable::from_config(ConfigNode::from_text(
+          robot.camera.colour_table_yaml, robot.camera.colour_table_name));
     camera.timing = effects::timing_of(models[i]);
     camera.X_LC = effects::mount_of(models[i]);
     camera.jitter = root.child("camera").child(robot.id).child("frame_jitter");
@@ -59,7 +62,15 @@ RowSchedule CameraRenderer::schedule(int robot, uint64_t frame_index, SimTime st
 }
 
 Frame CameraRenderer::render(int robot, const FrameJob& job, int) {
-  return cameras_[robot].renderer->render(job);
+  const Camera& camera = cameras_[robot];
+  Frame frame = camera.renderer->render(job);
+  if (camera.colours) {
+    render::Detections seen = camera.colours->detect(frame.ycrcb, frame.width_px, frame.height_px);
+    frame.colours = std::move(seen.bits);
+    frame.colours_width_px = seen.width_px;
+    frame.colours_height_px = seen.height_px;
+  }
+  return frame;
 }
 
 }  // namespace seam::tools

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "effects/model.h"
 #include "effects/timing.h"
+#include "render/colour_table.h"
 #include "render/renderer.h"
 #include "scheduler/frame_renderer.h"
 #include "sim_core/scenario.h"
@@ -28,6 +30,7 @@ class CameraRenderer final : public scheduler::FrameRenderer {
  private:
   struct Camera {
     std::unique_ptr<render::Renderer> renderer;
+    std::optional<render::ColourTable> colours;
     effects::Timing timing;
     Pose X_LC;
     RandomStream jitter;
