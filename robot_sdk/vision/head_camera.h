@@ -29,7 +29,7 @@ struct NeckBelief {
   float tilt_axis_up_m = 0.050f;
   float neck_m = 0.048f;
   float camera_forward_m = 0.0666f;
-  float body_height_m = 0.130f;  // Body origin above the ground.
+  float body_height_m = 0.1354f;  // Body origin above the ground.
 };
 
 // A ray in the body frame: the camera's position and a unit direction.

@@ -17,6 +17,7 @@ namespace seam::tools {
 namespace {
 
 constexpr int kMeasurements = 100;
+constexpr double kSettled_s = 1.5;  // By then the head has come to rest.
 
 struct Point {
   std::string camera;  // "ideal" or "real".
@@ -89,7 +90,7 @@ void ball_distance_experiment(const ExperimentOptions& options) {
       const LoggedValues values = logged_values(options.folder / "runs" / (run_name(camera, d, 1) + ".mcap"));
       if (const auto found = values.find("distance_m"); found != values.end()) {
         for (const LoggedValue& value : found->second) {
-          if (point.measured_m.size() < kMeasurements && value.time.s() > 0.15) point.measured_m.push_back(value.value);
+          if (point.measured_m.size() < kMeasurements && value.time.s() > kSettled_s) point.measured_m.push_back(value.value);
         }
       }
       csv += table_row(point);
