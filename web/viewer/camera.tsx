@@ -22,6 +22,8 @@ function frameAt(replay: Replay, id: string, t: number): number | undefined {
   const frames = chunks.at(t);
   if (!frames || frames.length === 0) return undefined;
   const i = lastAt({ length: frames.length, at: (k) => frames[k].t }, t);
+  // Before the camera's first frame its first one is shown: there is nothing else to see.
+  if (i < 0 && frames[0].t - t < 0.5) return frames[0].index;
   // Between frames that lie far apart the server renders what the camera would have seen.
   return i >= 0 && t - frames[i].t < 0.5 ? frames[i].index : undefined;
 }

@@ -55,7 +55,8 @@ export function Field({ replay }: { replay: Replay }) {
     if (pose) drawView(context, frame, pose);
     for (const [id, at] of now.robots) {
       const { team, number } = teams.get(id) ?? { team: "", number: 0 };
-      drawRobot(context, frame, at, teamColour(team), String(number + 1), id === chosen);
+      const label = /\d+$/.exec(id)?.[0] ?? String(number + 1);
+      drawRobot(context, frame, at, teamColour(team), label, id === chosen);
     }
     if (now.ball) drawBall(context, frame, now.ball);
     for (const item of recent(replay, chosen, t)) {
