@@ -16,10 +16,12 @@ fi
 cmake --build build-fuzz --target "${names[@]/#/fuzz_}"
 for name in "${names[@]}"; do
   echo "fuzz: $name for $seconds s"
+  corpus=("fuzz/corpus/$name")
+  [ "$name" != log ] || corpus=(replays/corpus)
   work=$(mktemp -d)
   mkdir "$work/new"
   build-fuzz/fuzz_"$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 \
     -max_len=200000 -artifact_prefix=build-fuzz/ -print_final_stats=0 -verbosity=0 \
-    "$work/new" "fuzz/corpus/$name"
+    "$work/new" "${corpus[@]}"
   rm -rf "$work"
 done
