@@ -155,10 +155,11 @@ void OdometryProblem::fit_start(const WalkRun& run, const std::vector<effects::W
     const auto r = missed(run.pose[k], placed(start, path[k]));
     for (int channel = 0; channel < 3; ++channel) {
       const size_t scalar = 3 * run.rows[k] + channel;
+      // Outliers keep their residuals, so that the next look for outliers finds them again.
       evaluation.residual[scalar] = r[channel];
+      evaluation.sigma[scalar] = noise_[channel];
       if (left_out(scalar)) continue;
       evaluation.used[scalar] = 1;
-      evaluation.sigma[scalar] = noise_[channel];
       evaluation.whitened[scalar] = r[channel] / noise_[channel];
     }
   }
@@ -197,7 +198,7 @@ void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run
       if (channel == 2) innovation = maths::wrap_angle(innovation);
       const double variance = P(channel, channel) + noise_[channel] * noise_[channel];
       if (left_out(scalar)) {
-        if (noisy) evaluation.residual[scalar] = innovation;
+        if (noisy) evaluation.residual[scalar] = innovation, evaluation.sigma[scalar] = std::sqrt(variance);
         continue;
       }
       if (k > 0) log_det += std::log(variance);
