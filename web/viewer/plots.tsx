@@ -37,6 +37,13 @@ function namesOf(replay: Replay, id: string): Promise<string[]> {
   return names;
 }
 
+const isCommand = (name: string) => name.startsWith("command.");
+
+/** What was measured first, then what was commanded. */
+function inOrder(names: string[]): string[] {
+  return [...names.filter((n) => !isCommand(n)), ...names.filter(isCommand)];
+}
+
 interface Shown {
   names: string[];
   data: SeriesData[];
@@ -55,7 +62,7 @@ function useSeries(replay: Replay, spec: PlotSpec) {
       clearTimeout(timer);
       timer = setTimeout(async () => {
         try {
-          const names = (await namesOf(replay, id)).filter(spec.wants).slice(0, 7);
+          const names = inOrder((await namesOf(replay, id)).filter(spec.wants)).slice(0, 7);
           const answer = names.length === 0 ? { series: {} as Record<string, SeriesData> }
             : await ask<{ series: Record<string, SeriesData> }>("series",
               { log: replay.info.id, robot: id, names: names.join(","), from, to, points: 1200 });
@@ -121,9 +128,11 @@ export function SeriesPlot({ replay, spec }: { replay: Replay; spec: PlotSpec })
       <figcaption>
         <strong>{spec.title}</strong> {spec.unit && <span class="quiet">{spec.unit}</span>}
         <span class="legend">
-          {shown.value.names.map((name, i) => (
-            <span key={name} style={{ color: colourOf(name, i) }}>{label(name)}</span>
+          {shown.value.names.map((name, i) => (isCommand(name) && !shown.value.names.every(isCommand) ? null
+            : <span key={name} style={{ color: colourOf(name, i) }}>{label(name)}</span>
           ))}
+          {shown.value.names.some(isCommand) && !shown.value.names.every(isCommand) &&
+            <span class="quiet">dashed: commanded</span>}
           {shown.value.names.length === 0 && <span class="quiet">nothing logged</span>}
         </span>
       </figcaption>
