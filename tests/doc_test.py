@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the commands of a document and checks what it promises: doc_test.py FILE.md SEAM [--until HEADING].
+"""Runs the commands of a document and checks what it promises: doc_test.py FILE.md SEAM.
 
 Every fenced block marked `sh` is run in order, in a copy of the folder beside the document (docs/x.md:
 docs/x/). After a block, comments such as
@@ -57,10 +57,7 @@ def main():
         else:
             folder.mkdir()
         done = checks = 0
-        text = document.read_text(encoding="utf-8")
-        if "--until" in sys.argv:
-            text = text[:text.index(sys.argv[sys.argv.index("--until") + 1])]
-        for piece in PIECE.finditer(text):
+        for piece in PIECE.finditer(document.read_text(encoding="utf-8")):
             if piece["sh"]:
                 done += 1
                 script = "set -euo pipefail\n" + piece["sh"]
