@@ -60,7 +60,8 @@ RowLight row_light(const PhotometryView& view, const Model& model, const Photome
       std::vector<double> relative;
       for (int v = 0; v < data.height_px; ++v) {
         double seen = 0;
-        for (int c = 0; c < data.channels; ++c) seen += data.row_mean[frame][static_cast<size_t>(v) * data.channels + c] / data.channels;
+        for (int c = 0; c < data.channels; ++c)
+          seen += data.row_mean[frame][static_cast<size_t>(v) * data.channels + c] / data.channels;
         relative.push_back((seen - mean[v]) / gain[v] - smooth[v]);
       }
       out.frame_time_s.push_back(data.frames[frame].time_s + 0.5 * data.levels[l].exposure_s);

@@ -10,7 +10,8 @@
   X(photometry) \
   X(landmarks) \
   X(joints) \
-  X(odometry)
+  X(odometry) \
+  X(frames)
 
 namespace seam::measurement {
 

@@ -153,7 +153,10 @@ class Search {
       for (int i = 0; i < n_; ++i) if (!free[i]) unit(i, i) = 1;
       const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit);
       const VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-10).cwiseInverse();
-      covariance = scale.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) * scale.asDiagonal();
+      covariance =
+          scale.asDiagonal() *
+          (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
+          scale.asDiagonal();
     }
     for (int i = 0; i < n_; ++i) {
       const SearchParameter& p = parameters_[i];

@@ -15,6 +15,7 @@ namespace seam::measurement {
 
 PhotometryProblem::PhotometryProblem(const MeasurementSet& set) : data_(read_photometry(set, facts_)) {
   set_noise_dn_ = facts_.channels[0].noise;
+  if (data_.channels > 1) channels_share_ = channels_share_offsets(data_, *sums(all_groups()));
 }
 
 std::shared_ptr<const PhotometrySums> PhotometryProblem::sums(const Groups& groups) const {
@@ -58,7 +59,68 @@ bool is_logarithmic(const EffectDefinition& effect, const effects::Parameter& pa
 
 }  // namespace
 
+// What a fit on these groups left at its optimum: the model's values and which of them were sought.
+std::string PhotometryProblem::optimum_key(const Model& model, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+  std::string key(groups.begin(), groups.end());
+  for (const effects::ModelEffect& effect : model.effects()) {
+    key += effect.definition->name;
+    for (const double value : effect.values()) key += fmt::format(",{:a}", value);
+  }
+  for (const Unknown& unknown : unknowns) key += fmt::format(";{}.{}", unknown.effect, unknown.parameter);
+  return key;
+}
+
 Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+  // A candidate beside parameters that are at their optimum already: if it gains nothing alone, the
+  // others need not move.
+  const std::string candidate = unknowns.empty() ? "" : unknowns.back().effect;
+  std::vector<Unknown> others, own;
+  for (const Unknown& unknown : unknowns) (unknown.effect == candidate ? own : others).push_back(unknown);
+  Model without = start;
+  without.remove(candidate);
+  bool beside = false;
+  if (!others.empty()) {
+    const std::scoped_lock lock(mutex_);
+    const std::string key = optimum_key(without, others, groups);
+    beside = std::find(optima_.begin(), optima_.end(), key) != optima_.end();
+  }
+  Fit fit;
+  bool enough = false;
+  if (beside) {
+    const auto sum = sums(groups);
+    const double base = log_likelihood({data_, *sum, set_noise_dn_, channels_share_}, without);
+    const Fit alone = fit_all(start, own, groups);
+    enough = alone.log_likelihood - base < 2;
+    fit = enough ? widened(alone, start, unknowns, others.size()) : fit_all(alone.model, unknowns, groups);
+  } else {
+    fit = fit_all(start, unknowns, groups);
+  }
+  if (!enough) {
+    const std::scoped_lock lock(mutex_);
+    if (optima_.size() > 200) optima_.clear();
+    optima_.push_back(optimum_key(fit.model, unknowns, groups));
+  }
+  return fit;
+}
+
+// A fit of the last unknowns alone, with the others as they stand.
+Fit PhotometryProblem::widened(const Fit& alone, const Model& start, const std::vector<Unknown>& unknowns, size_t fixed) const {
+  Fit fit = alone;
+  fit.value.clear(), fit.sigma.clear(), fit.at_bound.clear();
+  const size_t n = unknowns.size();
+  fit.covariance.assign(n * n, 0);
+  for (size_t i = 0; i < n; ++i) {
+    const auto& value = start.find(unknowns[i].effect)->parameters[unknowns[i].parameter];
+    const bool is_fixed = i < fixed;
+    fit.value.push_back(is_fixed ? value.value : alone.value[i - fixed]);
+    fit.sigma.push_back(is_fixed ? value.sigma.value_or(0) : alone.sigma[i - fixed]);
+    fit.at_bound.push_back(is_fixed ? 0 : alone.at_bound[i - fixed]);
+    fit.covariance[i * n + i] = fit.sigma[i] * fit.sigma[i];
+  }
+  return fit;
+}
+
+Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
   const auto sum = sums(groups);
   const PhotometryView view{data_, *sum, set_noise_dn_, channels_share_};
   std::vector<SearchParameter> parameters;
@@ -94,7 +156,9 @@ std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model, c
 
 void PhotometryProblem::check_model(const Model& model) const {
   if (!model.has("linear_response")) {
-    throw InputError(fmt::format("model '{}': linear_response is missing: a photometry set needs gain_dn and black_dn", model.name()));
+    throw InputError(fmt::format(
+        "model '{}': linear_response is missing: a photometry set needs gain_dn and black_dn",
+        model.name()));
   }
 }
 
@@ -114,7 +178,9 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
   const effects::Parameter& definition = effect.parameters[parameter];
   if (definition.integer) return "";
   if (effect.name == "lamp_flicker") {
-    const bool lit = std::any_of(data_.levels.begin(), data_.levels.end(), [](const PhotometryLevel& level) { return !(level.illumination == 0); });
+    const bool lit =
+        std::any_of(data_.levels.begin(), data_.levels.end(),
+                    [](const PhotometryLevel& level) { return !(level.illumination == 0); });
     return lit ? "" : "no frame has light";
   }
   const double here = model.find(effect.name)->parameters[parameter].value;

@@ -62,6 +62,10 @@ struct PhotometrySums {
   int64_t values = 0;             // dn values that were summed.
 };
 
+// Whether row noise and column offsets are the same in all channels, as far as the images tell;
+// true for grey images and where there is neither.
+bool channels_share_offsets(const PhotometryData& data, const PhotometrySums& all);
+
 PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
                           const std::vector<int>& group_of_frame);
 

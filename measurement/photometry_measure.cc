@@ -23,7 +23,9 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol, cons
   const CsvTable table = protocol.table("frames");
   PhotometryData data = read_photometry_frames(protocol, table);
   if (!truth.has("linear_response")) {
-    throw InputError(fmt::format("model '{}': linear_response is missing: a photometry set needs gain_dn and black_dn", truth.name()));
+    throw InputError(fmt::format(
+        "model '{}': linear_response is missing: a photometry set needs gain_dn and black_dn",
+        truth.name()));
   }
   data.channels = protocol.camera.channels == "rgb" ? 3 : 1;
   data.file_bits = protocol.camera.bits <= 8 ? 8 : 16;

@@ -30,11 +30,15 @@ class PhotometryProblem : public Problem {
 
  private:
   std::shared_ptr<const PhotometrySums> sums(const Groups& groups) const;
+  Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const;
+  Fit widened(const Fit& alone, const Model& start, const std::vector<Unknown>& unknowns, size_t fixed) const;
+  std::string optimum_key(const Model& model, const std::vector<Unknown>& unknowns, const Groups& groups) const;
 
   PhotometryData data_;
   double set_noise_dn_ = 0;
   bool channels_share_ = true;
   mutable std::mutex mutex_;
+  mutable std::vector<std::string> optima_;  // Keys of fits that were done.
   mutable std::vector<std::pair<Groups, std::shared_ptr<const PhotometrySums>>> cache_;
 };
 

@@ -210,7 +210,9 @@ class MeanTests {
     transform.leftCols(count).setIdentity();
     if (fitted > 0) {
       const MatrixXd normal = gram.bottomRightCorner(fitted, fitted);
-      transform.rightCols(fitted) = -normal.completeOrthogonalDecomposition().solve(gram.bottomLeftCorner(fitted, count)).transpose();
+      transform.rightCols(fitted) = -normal.completeOrthogonalDecomposition()
+                                         .solve(gram.bottomLeftCorner(fitted, count))
+                                         .transpose();
     }
     const VectorXd t = transform * statistic;
     const MatrixXd c = transform * covariance * transform.transpose();
@@ -383,7 +385,9 @@ std::vector<Test> spread_tests(const PhotometryView& view, const PhotometryPredi
   const auto levels = static_cast<int>(view.sums.levels.size());
   std::vector<Target> targets;
   if (levels > 1) {
-    targets.push_back({"illumination", levels, [](const Place& p, double, VectorXd& b) { b[static_cast<Eigen::Index>(p.level)] = 1; }});
+    targets.push_back({"illumination", levels, [](const Place& p, double, VectorXd& b) {
+                         b[static_cast<Eigen::Index>(p.level)] = 1;
+                       }});
   }
   const auto polynomial = [](double x, int count, VectorXd& b) { for (int k = 0; k < count; ++k) b[k] = legendre(k + 1, x); };
   targets.push_back({"row", 4, [=](const Place& p, double, VectorXd& b) { polynomial(p.y, 4, b); }});
@@ -448,7 +452,9 @@ std::vector<std::pair<std::string, Basis>> place_bases() {
   const auto series = [](double x, double scale, VectorXd& b) { for (int k = 0; k < 8; ++k) b[k] = scale * legendre(k + 1, x); };
   const auto grid = [](const Place& p, double scale, VectorXd& b) {
     int at = 0;
-    for (int i = 1; i <= 3; ++i) for (int k = 1; k <= 3; ++k) if (i + k <= 5) b[at++] = scale * legendre(i, p.x) * legendre(k, p.y);
+    for (int i = 1; i <= 3; ++i)
+      for (int k = 1; k <= 3; ++k)
+        if (i + k <= 5) b[at++] = scale * legendre(i, p.x) * legendre(k, p.y);
   };
   return {
       {"column", [=](const Place& p, double, VectorXd& b) { series(p.x, 1, b); }},
@@ -475,7 +481,9 @@ std::vector<Structure> photometry_structure(const PhotometryView& view, const Mo
     else for (int k = 0; k < 16; ++k) b[k] = legendre(k, 2.0 * static_cast<double>(p.level) / (levels - 1) - 1);
   }));
   if (view.data.channels == 3) {
-    tests.push_back(means.run("channel", 6, [](const Place& p, double g, VectorXd& b) { b[p.channel] = 1, b[3 + p.channel] = g; }));
+    tests.push_back(means.run("channel", 6, [](const Place& p, double g, VectorXd& b) {
+      b[p.channel] = 1, b[3 + p.channel] = g;
+    }));
   }
   for (const Test& test : TimeTests(view, means.prediction()).run()) tests.push_back(test);
   for (const Test& test : spread_tests(view, means.prediction(), means)) tests.push_back(test);

@@ -5,11 +5,13 @@
 
 #include "sim_core/error.h"
 #include "tools/command.h"
+#include "tools/frame_predictor.h"
 #include "tools/plugins.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"SEAM: simulator of environment and measurement", "seam"};
   app.require_subcommand(1);
+  seam::tools::supply_renderer_to_measurements();
   app.set_version_flag("--version", "seam 0.1.0");
 #define SEAM_ADD(name) seam::tools::add_##name(app);
   SEAM_COMMANDS(SEAM_ADD)

@@ -1,0 +1,59 @@
+// A set of whole images with its rig and scene, and the light that a model puts on them.
+#pragma once
+
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "measurement/frame_predictor.h"
+#include "measurement/problem.h"
+#include "measurement/rig.h"
+#include "measurement/set.h"
+#include "sim_core/scene.h"
+
+namespace seam::measurement {
+
+using LightImage = std::shared_ptr<const std::vector<float>>;
+
+// What was done: camera, rig, scene and stamps.
+class FrameProtocol {
+ public:
+  FrameProtocol(const MeasurementSet& set, const CsvTable& table);
+
+  int width_px() const { return width_px_; }
+  int height_px() const { return height_px_; }
+  size_t frames() const { return stamps_.size(); }
+  SimTime stamp(size_t frame) const { return stamps_[frame]; }
+  SimTime reference() const { return SimTime::from_ns(rig_.reference_ns()); }
+  const Rig& rig() const { return rig_; }
+
+  FrameJob job(size_t frame, const Model& model, const Rig::Motion& motion) const;
+
+ private:
+  int width_px_, height_px_;
+  Rig rig_;
+  std::unique_ptr<SceneSource> scene_;
+  std::vector<SimTime> stamps_;
+};
+
+// Light on the sensor for models, each rendered once: many models of a search differ in their
+// sensor alone.
+class LightStore {
+ public:
+  explicit LightStore(const FrameProtocol& protocol);
+  std::vector<LightImage> light(const Model& model, const std::vector<size_t>& frames) const;
+
+ private:
+  struct Entry {
+    std::string key;
+    std::vector<LightImage> frames;
+  };
+  const FrameProtocol& protocol_;
+  size_t capacity_;
+  mutable std::mutex mutex_;
+  mutable std::list<Entry> entries_;  // Most recently used first.
+};
+
+}  // namespace seam::measurement

@@ -1,0 +1,54 @@
+// Kind `frames` as the engine sees it: residuals are the samples of whole images.
+#pragma once
+
+#include <map>
+#include <mutex>
+
+#include "measurement/frame_data.h"
+#include "measurement/kinds.h"
+#include "sim_core/image.h"
+
+namespace seam::effects {
+struct SensorChain;
+}
+
+namespace seam::measurement {
+
+// Fixed patterns count as spread of each frame (a frame is a group of its own); what rows and
+// columns share is whitened within a frame.
+class FramesProblem : public Problem {
+ public:
+  explicit FramesProblem(const MeasurementSet& set);
+
+  Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation* warm = nullptr) const override;
+  std::vector<std::vector<double>> jacobian(const Model& model, const std::vector<Unknown>& unknowns,
+                                            const Groups& groups, const Evaluation& here) const override;
+  // Gauss-Newton with few renderings: linear steps as long as they promise anything (frames_fit.cc).
+  Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
+  std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const override;
+  void check_model(const Model& model) const override;
+  bool acts(const EffectDefinition& effect) const override;
+  std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
+  std::vector<char> find_outliers(const Model& model) const override;
+
+ private:
+  std::vector<size_t> frames_of(const Groups& groups) const;
+  void evaluate_frame(const Model& model, const effects::SensorChain& chain, size_t frame,
+                      const std::vector<float>& light, Evaluation& out) const;
+  void share(Evaluation& out, size_t first, double ratio, bool rows, double& log_det) const;
+  double find_step(const Model& model, const Unknown& unknown, const Groups& groups) const;
+  double step_of(const Model& model, const Unknown& unknown, const Groups& groups) const;
+
+  CsvTable table_;
+  FrameProtocol protocol_;
+  LightStore store_;
+  std::vector<std::vector<uint16_t>> images_;
+  size_t samples_ = 0;  // Of a frame.
+  mutable std::mutex steps_mutex_;
+  mutable std::map<std::string, double> steps_;  // Of differences, by parameter.
+};
+
+// `seam measure` for this kind (frames_measure.cc).
+void measure_frames(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options);
+
+}  // namespace seam::measurement

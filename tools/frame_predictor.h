@@ -1,0 +1,8 @@
+// Supplies render/'s renderer to measurement sets of kind `frames`.
+#pragma once
+
+namespace seam::tools {
+
+void supply_renderer_to_measurements();
+
+}  // namespace seam::tools
