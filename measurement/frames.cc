@@ -1,7 +1,6 @@
 // Kind `frames`: whole images, predicted by rendering them.
 #include "measurement/frames.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,6 +13,9 @@
 
 namespace seam::measurement {
 namespace {
+
+// A displacement that renderers may differ by: 5 x 5 rays a pixel place an edge to a hundredth.
+constexpr double kRendererShiftPx = 0.01;
 
 bool is_spread(const EffectDefinition& effect) { return effect.spread_only; }
 
@@ -96,7 +98,6 @@ void FramesProblem::evaluate_frame(const Model& model, const effects::SensorChai
                          chain.hot_fraction * (1 - chain.hot_fraction) * chain.hot_level_dn * chain.hot_level_dn;
   const double hot_mean = chain.hot_fraction * chain.hot_level_dn;
   double& log_det = out.log_det[facts_.group_of_row[frame]];
-  double sigma2_mean = 0;
   for (size_t i = 0; i < samples_; ++i) {
     const Response response = tables[i % 3].at(scale * light[i]);
     const double gain = chain.pixel_gain_sigma * response.gain_slope;
@@ -105,19 +106,61 @@ void FramesProblem::evaluate_frame(const Model& model, const effects::SensorChai
     const size_t at = first + i;
     out.residual[at] = images_[frame][i] - response.mean - hot_mean;
     out.sigma[at] = std::sqrt(variance);
-    sigma2_mean += variance / static_cast<double>(samples_);
     if (left_out(at)) continue;
     out.used[at] = 1;
     out.whitened[at] = out.residual[at] / out.sigma[at];
     log_det += std::log(variance);
   }
-  // Row noise and column offsets: projections that commute where the variance is even.
-  share(out, first, chain.row_sigma_dn * chain.row_sigma_dn / sigma2_mean, true, log_det);
-  share(out, first, chain.column_sigma_dn * chain.column_sigma_dn / sigma2_mean, false, log_det);
+  log_det += whiten_shared(chain, frame, out, out.whitened);
+}
+
+// Whitens what the samples of a frame share, in `values` (already over their own sigma): row noise,
+// column offsets (projections that commute where the variance is even), and the renderer's own error,
+// a displacement of the whole image. Returns the logarithm of the determinant.
+double FramesProblem::whiten_shared(const effects::SensorChain& chain, size_t frame, const Evaluation& here,
+                                    std::vector<double>& values) const {
+  const size_t first = frame * samples_;
+  double sigma2 = 0, log_det = 0;
+  for (size_t i = 0; i < samples_; ++i) sigma2 += here.sigma[first + i] * here.sigma[first + i] / static_cast<double>(samples_);
+  share(values, here.used, first, chain.row_sigma_dn * chain.row_sigma_dn / sigma2, true, log_det);
+  share(values, here.used, first, chain.column_sigma_dn * chain.column_sigma_dn / sigma2, false, log_det);
+  const int width = protocol_.width_px(), height = protocol_.height_px();
+  const auto place = [&](int u, int v, int c) {
+    return (static_cast<size_t>(std::clamp(v, 0, height - 1)) * width + std::clamp(u, 0, width - 1)) * 3 + c;
+  };
+  const auto predicted = [&](size_t i) { return images_[frame][i] - here.residual[first + i]; };
+  std::vector<double> across(samples_), down(samples_);
+  double across2 = 0, down2 = 0, both = 0;
+  size_t i = 0;
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      for (int c = 0; c < 3; ++c, ++i) {
+        if (!here.used[first + i]) continue;
+        across[i] = 0.5 * (predicted(place(u + 1, v, c)) - predicted(place(u - 1, v, c))) / here.sigma[first + i];
+        down[i] = 0.5 * (predicted(place(u, v + 1, c)) - predicted(place(u, v - 1, c))) / here.sigma[first + i];
+        across2 += across[i] * across[i], down2 += down[i] * down[i], both += across[i] * down[i];
+      }
+    }
+  }
+  const auto take = [&](const std::vector<double>& direction, double size2) {
+    if (!(size2 > 0)) return;
+    const double stretch = 1 + kRendererShiftPx * kRendererShiftPx * size2;
+    double along = 0;
+    for (size_t k = 0; k < samples_; ++k) along += direction[k] * values[first + k];
+    const double part = (1 - 1 / std::sqrt(stretch)) * along / size2;
+    for (size_t k = 0; k < samples_; ++k) values[first + k] -= part * direction[k];
+    log_det += std::log(stretch);
+  };
+  take(across, across2);
+  const double overlap = across2 > 0 ? both / across2 : 0;
+  for (size_t k = 0; k < samples_; ++k) down[k] -= overlap * across[k];
+  take(down, down2 - overlap * both);
+  return log_det;
 }
 
 // Whitens an offset that the samples of each row (or column) share, of this relative variance.
-void FramesProblem::share(Evaluation& out, size_t first, double ratio, bool rows, double& log_det) const {
+void FramesProblem::share(std::vector<double>& values, const std::vector<char>& used, size_t first, double ratio,
+                          bool rows, double& log_det) const {
   if (ratio <= 0) return;
   const auto width = static_cast<size_t>(protocol_.width_px()), height = static_cast<size_t>(protocol_.height_px());
   const size_t units = rows ? height : width, members = (rows ? width : height) * 3;
@@ -129,9 +172,9 @@ void FramesProblem::share(Evaluation& out, size_t first, double ratio, bool rows
       return first + (rows ? unit * width + place : place * width + unit) * 3 + k % 3;
     };
     double mean = 0;
-    for (size_t k = 0; k < members; ++k) mean += out.whitened[at(k)] / static_cast<double>(members);
+    for (size_t k = 0; k < members; ++k) mean += values[at(k)] / static_cast<double>(members);
     for (size_t k = 0; k < members; ++k) {
-      if (out.used[at(k)]) out.whitened[at(k)] -= shrink * mean;
+      if (used[at(k)]) values[at(k)] -= shrink * mean;
     }
     log_det += std::log(stretch);
   }
@@ -190,6 +233,8 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, con
     if (here.used[i]) chi2 += here.whitened[i] * here.whitened[i], count += 1;
   }
   const bool far = chi2 > 2 * count;
+  const std::vector<size_t> frames = frames_of(groups);
+  const effects::SensorChain chain = effects::sensor_of(model);
   for (const Unknown& unknown : unknowns) {
     const auto& parameter = model.find(unknown.effect)->definition->parameters[unknown.parameter];
     const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
@@ -212,6 +257,7 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, con
       const double rise = central ? (plus.residual[i] - minus.residual[i]) / 2 : plus.residual[i] - here.residual[i];
       column[i] = rise / h / here.sigma[i];
     }
+    for (const size_t frame : frames) whiten_shared(chain, frame, here, column);
     columns.push_back(std::move(column));
   }
   return columns;

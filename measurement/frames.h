@@ -35,7 +35,10 @@ class FramesProblem : public Problem {
   std::vector<size_t> frames_of(const Groups& groups) const;
   void evaluate_frame(const Model& model, const effects::SensorChain& chain, size_t frame,
                       const std::vector<float>& light, Evaluation& out) const;
-  void share(Evaluation& out, size_t first, double ratio, bool rows, double& log_det) const;
+  double whiten_shared(const effects::SensorChain& chain, size_t frame, const Evaluation& here,
+                       std::vector<double>& values) const;
+  void share(std::vector<double>& values, const std::vector<char>& used, size_t first, double ratio, bool rows,
+             double& log_det) const;
   double find_step(const Model& model, const Unknown& unknown, const Groups& groups) const;
   double step_of(const Model& model, const Unknown& unknown, const Groups& groups) const;
 

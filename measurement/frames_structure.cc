@@ -14,9 +14,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Share of the noise below which a structure is the renderer's own error (definitions.md allows a
-// fifth of the noise a pixel; smooth functions of place average nearly all of it away).
-constexpr double kOwnError = 0.03;
+// Share of the noise below which a structure may be the renderer's own error (definitions.md allows
+// a fifth of the noise).
+constexpr double kOwnError = 0.1;
 
 struct Block {
   std::string covariate;
