@@ -51,7 +51,8 @@ FrameJob FrameProtocol::job(size_t frame, const Model& model, const Rig::Motion&
   FrameJob job;
   job.frame_index = frame;
   job.stamp = stamps_[frame];
-  job.schedule = effects::make_row_schedule(effects::timing_of(model), job.stamp, height_px_, {.instants_per_row = 12, .reference = reference()});
+  const effects::RowScheduleOptions options{.instants_per_row = 12, .reference = reference()};
+  job.schedule = effects::make_row_schedule(effects::timing_of(model), job.stamp, height_px_, options);
   job.background = scene_->background();
   job.lighting = scene_->lighting();
   for (const SimTime time : job.schedule.instants) {
