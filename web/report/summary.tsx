@@ -128,7 +128,7 @@ function Numbers({ report }: { report: Report }) {
 
 function noiseText(report: Report, name: string): string {
   const noise = (report.data?.noise ?? report.result.noise)?.[name];
-  if (noise === undefined || noise === null) return "";
+  if (!noise) return "";
   const estimated = report.data?.noise_from === "estimated" ? ", estimated" : "";
   return `one observation's noise ${number(noise)}${estimated}`;
 }
