@@ -124,13 +124,15 @@ void Searcher::forward(SearchResult& result) {
       const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) != promising_.end();
       if (candidate.significant && !known && promising_.size() < 8) promising_.push_back(candidate.effect->name);
     }
-    if (looks.candidates.empty() || !looks.candidates.front().significant) break;
     const double before = merit_of(problem_, grown);
-    grown = std::move(looks.candidates.front().grown);
-    for (int round = 0; round < 4; ++round) {
-      const bool pruned = prune(grown);
-      const bool exchanged = exchange(grown);
-      if (!pruned && !exchanged) break;
+    if (!looks.candidates.empty() && looks.candidates.front().significant) {
+      grown = std::move(looks.candidates.front().grown);
+      prune(grown);
+    } else {
+      // Nothing more to add: exchanges are tried where the search would end, since each costs as
+      // much as a look at the catalogue.
+      if (!exchange(grown)) break;
+      prune(grown);
     }
     if (!(merit_of(problem_, grown) > before)) break;
   }
