@@ -124,8 +124,9 @@ class EndToEnd(unittest.TestCase):
 
     @unittest.skipUnless(GOLDEN.exists(), f"no {GOLDEN.name}")
     def test_the_golden_fingerprints(self):
-        self.check_golden("end-to-end", self.run_json(self.write(scenario()))["fingerprint"])
-        self.check_golden("head_swing", self.run_json(SOURCE / "scenarios" / "head_swing.yaml")["fingerprint"])
+        for name, path in (("end-to-end", self.write(scenario())), ("head_swing", SOURCE / "scenarios" / "head_swing.yaml")):
+            with self.subTest(name):
+                self.check_golden(name, self.run_json(path)["fingerprint"])
 
     def test_stopped_and_continued_clients_change_nothing(self):
         path = self.write(scenario(frames=False, duration_s=4))
