@@ -65,9 +65,12 @@ void JointsProblem::round_to_lattice(double sigma_rad, Evaluation& evaluation) c
       if (!std::isfinite(q)) continue;
       const double nearest = std::round(q / step);
       double weight = 0, mean = 0, square = 0;
-      for (int j = -6; j <= 6; ++j) {
-        const double low = (nearest + j - 0.5) * step - q, high = low + step;
-        const double p = below(high / sigma) - below(low / sigma);
+      // The noise is below a step: four steps to each side hold all of it.
+      double under = below(((nearest - 4.5) * step - q) / sigma);
+      for (int j = -4; j <= 4; ++j) {
+        const double over = below(((nearest + j + 0.5) * step - q) / sigma);
+        const double p = over - under;
+        under = over;
         weight += p, mean += p * j * step, square += p * j * j * step * step;
       }
       mean /= weight;

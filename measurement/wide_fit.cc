@@ -224,9 +224,9 @@ bool WideFitter::pattern_search() {
 
 // Factors on a sigma, wide to narrow.
 void WideFitter::fit_spread(size_t i) {
-  for (const double factor : {4.0, 2.0, 1.4, 1.1, 1.02, 1.005}) {
+  for (const double factor : {3.0, 1.3, 1.05, 1.01}) {
     for (const double by : {factor, 1 / factor}) {
-      for (int repeat = 0; repeat < 12; ++repeat) {
+      for (int repeat = 0; repeat < 6; ++repeat) {
         const double z = std::max(z_[i], 1e-3 * coordinates_[i].parameter->scale);
         const Vector next = moved(i, z * by - z_[i]);
         if (next == z_ || !move_to(next)) break;
