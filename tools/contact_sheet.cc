@@ -1,5 +1,5 @@
 // `seam contact-sheet DIR... --out F`: folders of frames (`seam run --frames`) on one sheet, one
-// row a folder; the frames are those taken near the middle of the camera's swing, where it turns
+// row a folder, or with --by-robot one frame of each robot; the frames are those taken near the middle of the camera's swing, where it turns
 // fastest.
 #include <algorithm>
 #include <charconv>
@@ -21,10 +21,12 @@ struct Settings {
   std::string out;
   int count = 4;
   int enlarge = 2;
+  bool by_robot = false;
 };
 
 struct FilmedFrame {
   std::string file;
+  std::string robot;
   double first_yaw = 0, last_yaw = 0,
          middle_yaw = 0;  // Of the optical axis, at first, last and middle row; rad.
   double seconds = 0;     // Between the first and the last row.
@@ -97,6 +99,7 @@ std::vector<FilmedFrame> read_frames(const std::filesystem::path& folder) {
     size_t end = row;
     while (end < table.rows() && table.text(end, "file") == table.text(row, "file")) ++end;
     FilmedFrame frame{.file = (folder / table.text(row, "file")).string(),
+                      .robot = table.text(row, "robot"),
                       .first_yaw = yaw_of(table, row)};
     frame.middle_yaw =
         frame.first_yaw + maths::wrap_angle(yaw_of(table, (row + end) / 2) - frame.first_yaw);
@@ -111,8 +114,8 @@ std::vector<FilmedFrame> read_frames(const std::filesystem::path& folder) {
   return frames;
 }
 
-std::vector<render::Panel> panels_of(const std::string& folder, const Settings& settings) {
-  std::vector<FilmedFrame> frames = read_frames(folder);
+// Those taken nearest the middle of the swing first.
+void sort_by_distance_from_centre(std::vector<FilmedFrame>& frames) {
   double least = 1e9, most = -1e9;
   for (const FilmedFrame& frame : frames) {
     least = std::min(least, frame.middle_yaw), most = std::max(most, frame.middle_yaw);
@@ -121,22 +124,45 @@ std::vector<render::Panel> panels_of(const std::string& folder, const Settings& 
   std::stable_sort(frames.begin(), frames.end(), [&](const FilmedFrame& a, const FilmedFrame& b) {
     return std::abs(a.middle_yaw - centre) < std::abs(b.middle_yaw - centre);
   });
+}
+
+render::Panel panel_of(const std::string& name, const FilmedFrame& frame, int enlarge) {
+  const double degrees = (frame.last_yaw - frame.first_yaw) * 180 / maths::kPi;
+  const std::string motion = frame.seconds > 0
+                                 ? fmt::format("{:+.0f} deg/s, turned {:+.1f} deg in the frame",
+                                               degrees / frame.seconds, degrees)
+                                 : std::string("all rows at one instant");
+  return {fmt::format("{}: {}", name, motion), render::enlarged(read_png(frame.file), enlarge)};
+}
+
+std::vector<render::Panel> panels_of(const std::string& folder, const Settings& settings) {
+  std::vector<FilmedFrame> frames = read_frames(folder);
   std::vector<render::Panel> panels;
-  for (int i = 0; i < settings.count; ++i) {
-    if (i >= static_cast<int>(frames.size())) {
-      panels.push_back(
-          {"", Image{.width_px = 1, .height_px = 1, .channels = 3, .samples = {245, 245, 245}}});
-      continue;
+  if (settings.by_robot) {
+    std::vector<std::string> robots;
+    std::map<std::string, std::vector<FilmedFrame>> frames_of;
+    for (FilmedFrame& frame : frames) {
+      if (!frames_of.contains(frame.robot)) robots.push_back(frame.robot);
+      // Turning left, or at rest, so that all slant the same way.
+      auto& own = frames_of[frame.robot];
+      if (frame.last_yaw >= frame.first_yaw) own.push_back(std::move(frame));
     }
-    const FilmedFrame& frame = frames[i];
-    const double degrees = (frame.last_yaw - frame.first_yaw) * 180 / maths::kPi;
-    const std::string name = std::filesystem::path(folder).lexically_normal().filename().string();
-    const std::string motion = frame.seconds > 0
-                                   ? fmt::format("{:+.0f} deg/s, turned {:+.1f} deg in the frame",
-                                                 degrees / frame.seconds, degrees)
-                                   : std::string("all rows at one instant");
-    panels.push_back({fmt::format("{}: {}", name.empty() ? folder : name, motion),
-                      render::enlarged(read_png(frame.file), settings.enlarge)});
+    for (const std::string& robot : robots) {
+      auto& own = frames_of[robot];
+      if (own.empty()) continue;
+      sort_by_distance_from_centre(own);
+      panels.push_back(panel_of(robot, own.front(), settings.enlarge));
+    }
+    return panels;
+  }
+  sort_by_distance_from_centre(frames);
+  const std::string name = std::filesystem::path(folder).lexically_normal().filename().string();
+  for (int i = 0; i < settings.count; ++i) {
+    if (i < static_cast<int>(frames.size())) {
+      panels.push_back(panel_of(name.empty() ? folder : name, frames[i], settings.enlarge));
+    } else {
+      panels.push_back({"", Image{.width_px = 1, .height_px = 1, .channels = 3, .samples = {245, 245, 245}}});
+    }
   }
   return panels;
 }
@@ -150,6 +176,7 @@ void add_contact_sheet(CLI::App& app) {
   command->add_option("DIR", settings->folders, "Folders that `seam run --frames` wrote")
       ->required();
   command->add_option("--out", settings->out, "The sheet, a PNG file")->required();
+  command->add_flag("--by-robot", settings->by_robot, "One frame of each robot, in rows of --count");
   command->add_option("--count", settings->count, "Frames of each run")
       ->check(CLI::Range(1, 32))
       ->capture_default_str();
