@@ -7,7 +7,7 @@ packages=(
   libyaml-cpp-dev libfmt-dev libcli11-dev nlohmann-json3-dev libmuparser-dev
   libglm-dev libeigen3-dev libceres-dev libbox2d-dev libsleef-dev librandom123-dev libxxhash-dev
   libboost-math-dev libpng-dev libzstd-dev zlib1g-dev libcpp-httplib-dev libgtest-dev libgmock-dev libbenchmark-dev
-  nodejs npm chromium fonts-dejavu-core iproute2 procps
+  gnuplot-nox nodejs npm chromium fonts-dejavu-core iproute2 procps
 )
 missing=()
 for package in "${packages[@]}"; do

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# The slow matrix of `./test.sh --all`. Each part prints one line; a part that fails does not stop
+# the others, and the exit code tells. The last result stands in docs/matrix.md.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+failed=0
+results=()
+# What only the matrix needs.
+for package in clang libclang-rt-14-dev qemu-user; do
+  [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+done
+[ -z "${missing[*]:-}" ] || apt-get install -y -q --no-install-recommends "${missing[@]}"
+
+part() {  # part NAME COMMAND...: runs it, notes the result.
+  local name=$1; shift
+  echo "== $name"
+  if "$@"; then results+=("| $name | passed |"); else results+=("| $name | FAILED |"); failed=1; fi
+}
+
+# Tests that pin bits: golden fingerprints of maths, world, frames and runs.
+golden='Golden|golden|Maths|end_to_end'
+
+build_and_test() {  # build_and_test PRESET FILTER
+  local folder
+  folder=$(python3 -c "import json,sys; print([p['binaryDir'] for p in json.load(open('CMakePresets.json'))['configurePresets'] if p['name']==sys.argv[1]][0].replace('\${sourceDir}/',''))" "$1")
+  cmake --preset "$1" >/dev/null && cmake --build "$folder" && ctest --test-dir "$folder" -R "$2" --output-on-failure -j "$(nproc)"
+}
+
+part "gcc -O0: golden fingerprints" build_and_test dev "$golden"
+part "clang -O2: golden fingerprints" build_and_test clang "$golden"
+part "AddressSanitizer and UBSan: all tests" build_and_test asan-ubsan .
+part "ThreadSanitizer: scheduler and renderer" build_and_test tsan 'Simulation|Server|Render|Hub|Pool'
+part "other CPUs and vector widths: same frames" scripts/bits_matrix.sh
+part "500 fault runs" env SEAM_FAULT_RUNS=500 build/tests/test_scheduler --gtest_filter='Faults*'
+part "50 kills, resumed" env SEAM_KILLS=50 python3 tests/replay_test.py build/seam tests/mcap_node
+part "fuzzing, 10 minutes each" scripts/fuzz.sh 600
+
+{
+  echo "# Result of the slow matrix"
+  echo
+  echo "\`./test.sh --all\` on $(date -u +%F), commit $(git rev-parse --short HEAD)."
+  echo
+  echo "| Part | Result |"
+  echo "|---|---|"
+  printf '%s\n' "${results[@]}"
+} > docs/matrix.md
+cat docs/matrix.md
+exit "$failed"
