@@ -14,6 +14,8 @@ import random
 
 def servo(p, times, commands, q0, load_of_row, h=1e-4):
     """Angles just before each row's command acts."""
+    if "acceleration_limit" in p:
+        h = 2e-5  # Braking starts and ends at instants that a wide step misses by more than the noise.
     tau = p.get("servo_lag", {}).get("tau_s", 0)
     latency = p.get("servo_latency", {}).get("latency_s", 0)
     vmax = p.get("speed_limit", {}).get("rad_per_s", math.inf)
@@ -35,7 +37,7 @@ def servo(p, times, commands, q0, load_of_row, h=1e-4):
                 command, next_command = commands[next_command], next_command + 1
             if command is None:
                 continue
-            e = command - q
+            e, v_before = command - q, v
             effective_band = band + (friction["rad_per_nm"] * abs(load_of_row[row]) if friction else 0)
             if abs(e) < effective_band or e == 0:
                 v = 0.0
@@ -48,7 +50,7 @@ def servo(p, times, commands, q0, load_of_row, h=1e-4):
                     v += max(-amax * dt, min(amax * dt, want - v))
                 else:
                     v = want
-            q += v * dt
+            q += (0.5 * (v_before + v) if amax < math.inf else v) * dt
             load = max(q - width / 2, min(q + width / 2, load))
             if resonance:
                 w, z = 2 * math.pi * resonance["hz"], resonance["damping"]
