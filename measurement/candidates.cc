@@ -14,10 +14,13 @@ namespace {
 using effects::Parameter;
 using effects::ParameterValue;
 
-bool is_radial(const std::string& name) { return name == "radial_distortion" || name == "radial_polynomial"; }
+bool is_radial(const std::string& name) {
+  return name == "radial_distortion" || name == "radial_polynomial";
+}
 
 // The model with the effect at these values; replacements push out what they replace.
-Model with_effect(Model model, const std::shared_ptr<const EffectDefinition>& effect, const std::vector<double>& values) {
+Model with_effect(Model model, const std::shared_ptr<const EffectDefinition>& effect,
+                  const std::vector<double>& values) {
   if (effect->name == "fisheye") {
     for (const char* name : {"radial_distortion", "radial_polynomial"}) model.remove(name);
   }
@@ -28,13 +31,16 @@ Model with_effect(Model model, const std::shared_ptr<const EffectDefinition>& ef
 }
 
 double column_dot(const std::vector<double>& a, const std::vector<double>& b) {
-  return Eigen::Map<const Eigen::VectorXd>(a.data(), a.size()).dot(Eigen::Map<const Eigen::VectorXd>(b.data(), b.size()));
+  return Eigen::Map<const Eigen::VectorXd>(a.data(), a.size())
+      .dot(Eigen::Map<const Eigen::VectorXd>(b.data(), b.size()));
 }
 
 // Which of the effect's parameters the data can say anything of, beyond what the parameters that
 // are refitted anyway absorb.
-std::vector<size_t> testable_parameters(const Problem& problem, const Model& model, const std::vector<Unknown>& others,
-                                        const EffectDefinition& effect, std::vector<NotTestable>& reasons) {
+std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
+                                        const std::vector<Unknown>& others,
+                                        const EffectDefinition& effect,
+                                        std::vector<NotTestable>& reasons) {
   std::vector<size_t> open;
   for (size_t i = 0; i < effect.parameters.size(); ++i) {
     if (effect.parameters[i].integer) continue;
@@ -67,7 +73,8 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     const double after = std::sqrt(column_dot(column, column));
     const bool candidate = k >= others.size();
     const size_t parameter = unknowns[k].parameter;
-    const double width = candidate ? effect.parameters[parameter].max - effect.parameters[parameter].min : 0;
+    const double width =
+        candidate ? effect.parameters[parameter].max - effect.parameters[parameter].min : 0;
     if (before <= 0 || after < 1e-5 * before) {
       if (candidate) {
         reasons.push_back({effect.name, effect.parameters[parameter].name,
@@ -77,7 +84,8 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
       continue;
     }
     if (candidate && after * width < 2) {
-      reasons.push_back({effect.name, effect.parameters[parameter].name, "these data could not see it at any size in its bounds"});
+      reasons.push_back({effect.name, effect.parameters[parameter].name,
+                         "these data could not see it at any size in its bounds"});
       continue;
     }
     for (double& value : column) value /= after;
@@ -99,16 +107,20 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
       if (!fitted && !effect->parameters[i].integer) start[i] = effect->parameters[i].neutral;
     }
   }
-  const bool counts = std::any_of(effect->parameters.begin(), effect->parameters.end(), [](const Parameter& p) { return p.integer; });
+  const bool counts = std::any_of(effect->parameters.begin(), effect->parameters.end(),
+                                  [](const Parameter& p) { return p.integer; });
   if (counts && starts.size() > 1) {  // Counts are not fitted but tried: the best two go on.
     std::vector<std::pair<double, size_t>> order;
     for (size_t i = 0; i < starts.size(); ++i) {
-      const Score score = problem.score(with_effect(base.assessment.model, effect, starts[i]), problem.all_groups());
-      order.emplace_back(score.valid ? -score.log_likelihood : std::numeric_limits<double>::infinity(), i);
+      const Score score = problem.score(with_effect(base.assessment.model, effect, starts[i]),
+                                        problem.all_groups());
+      order.emplace_back(
+          score.valid ? -score.log_likelihood : std::numeric_limits<double>::infinity(), i);
     }
     std::sort(order.begin(), order.end());
     std::vector<std::vector<double>> best;
-    for (size_t i = 0; i < std::min<size_t>(2, order.size()); ++i) best.push_back(starts[order[i].second]);
+    for (size_t i = 0; i < std::min<size_t>(2, order.size()); ++i)
+      best.push_back(starts[order[i].second]);
     starts = best;
   }
   std::optional<Grown> best;
@@ -125,8 +137,12 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
     if (!grown.assessment.valid) continue;
     if (!best || grown.assessment.total_ll > best->assessment.total_ll) best = std::move(grown);
     // Two starts are the two directions of a smooth effect, which meet at the same optimum.
-    const bool stuck = std::find(best->assessment.fit.at_bound.begin(), best->assessment.fit.at_bound.end(), 1) != best->assessment.fit.at_bound.end();
-    if (starts.size() == 2 && !counts && best->assessment.fit.converged && !stuck && effect->has_neutral) break;
+    const bool stuck =
+        std::find(best->assessment.fit.at_bound.begin(), best->assessment.fit.at_bound.end(), 1) !=
+        best->assessment.fit.at_bound.end();
+    if (starts.size() == 2 && !counts && best->assessment.fit.converged && !stuck &&
+        effect->has_neutral)
+      break;
   }
   return best;
 }
@@ -139,7 +155,8 @@ size_t needed_parameters(const Grown& grown) {
     for (size_t k = 0; k < grown.assessment.unknowns.size(); ++k) {
       const Unknown& unknown = grown.assessment.unknowns[k];
       if (unknown.effect != name) continue;
-      const double away = std::abs(grown.assessment.fit.value[k] - effect->definition->parameters[unknown.parameter].neutral);
+      const double away = std::abs(grown.assessment.fit.value[k] -
+                                   effect->definition->parameters[unknown.parameter].neutral);
       own += away > 2.5 * grown.assessment.fit.sigma[k];
     }
     needed += std::max<size_t>(1, own);
@@ -156,9 +173,8 @@ size_t fitted_parameters(const Grown& grown) {
 }
 
 bool bounded_at_neutral(const EffectDefinition& effect) {
-  return std::any_of(effect.parameters.begin(), effect.parameters.end(), [](const Parameter& p) {
-    return p.min >= p.neutral || p.max <= p.neutral;
-  });
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [](const Parameter& p) { return p.min >= p.neutral || p.max <= p.neutral; });
 }
 
 }  // namespace
@@ -167,7 +183,8 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
   EffectList absent;
   const auto consider = [&](const std::shared_ptr<const EffectDefinition>& effect) {
     if (model.has(effect->name) || effect->parameters.empty()) return;
-    const bool required = std::any_of(effect->parameters.begin(), effect->parameters.end(), [](const Parameter& p) { return p.required; });
+    const bool required = std::any_of(effect->parameters.begin(), effect->parameters.end(),
+                                      [](const Parameter& p) { return p.required; });
     if (required || !problem.acts(*effect)) return;
     if (is_radial(effect->name) && model.has("fisheye")) return;
     absent.push_back(effect);
@@ -177,13 +194,16 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
   return absent;
 }
 
-double tie_width(double error) { return 4.6 * std::max(1.0, error * error); }
+double tie_width(double error) {
+  return 4.6 * std::max(1.0, error * error);
+}
 
 double merit_of(const Problem& problem, const Grown& grown) {
   const double size = std::log(static_cast<double>(std::max<size_t>(count_used(problem), 3)));
   const size_t needed = needed_parameters(grown);
   const size_t fitted = std::max(fitted_parameters(grown), needed);
-  return grown.assessment.total_ll - 0.5 * size * static_cast<double>(needed) - static_cast<double>(fitted - needed);
+  return grown.assessment.total_ll - 0.5 * size * static_cast<double>(needed) -
+         static_cast<double>(fitted - needed);
 }
 
 std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
@@ -195,10 +215,12 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
   const Model probe = with_effect(base.assessment.model, effect, starts.front());
   std::vector<Unknown> others;
   for (const Unknown& unknown : base.assessment.unknowns) {
-    if (probe.has(unknown.effect) && !probe.find(unknown.effect)->definition->spread_only) others.push_back(unknown);
+    if (probe.has(unknown.effect) && !probe.find(unknown.effect)->definition->spread_only)
+      others.push_back(unknown);
   }
   Candidate candidate{.effect = effect};
-  const bool counts = std::any_of(effect->parameters.begin(), effect->parameters.end(), [](const Parameter& p) { return p.integer; });
+  const bool counts = std::any_of(effect->parameters.begin(), effect->parameters.end(),
+                                  [](const Parameter& p) { return p.integer; });
   if (counts) {
     for (size_t i = 0; i < effect->parameters.size(); ++i) {
       const std::string why = problem.not_testable(probe, *effect, i);
@@ -211,7 +233,8 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
   if (candidate.free.empty() && !counts) return std::nullopt;
   auto grown = fit_from_starts(problem, base, effect, candidate.free);
   if (!grown) {
-    reasons.push_back({effect->name, "", "with it the model predicts no image for some observations"});
+    reasons.push_back(
+        {effect->name, "", "with it the model predicts no image for some observations"});
     return std::nullopt;
   }
   candidate.grown = std::move(*grown);
@@ -225,10 +248,12 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   candidate.total_gain_ll = after.total_ll - before.total_ll;
   candidate.at_bound = false;
   for (size_t k = 0; k < after.unknowns.size(); ++k) {
-    if (after.unknowns[k].effect == candidate.effect->name && after.fit.at_bound[k]) candidate.at_bound = true;
+    if (after.unknowns[k].effect == candidate.effect->name && after.fit.at_bound[k])
+      candidate.at_bound = true;
   }
   for (const Parameter& parameter : candidate.effect->parameters) {
-    if (parameter.integer) looks *= static_cast<double>(problem.starts(before.model, *candidate.effect).size());
+    if (parameter.integer)
+      looks *= static_cast<double>(problem.starts(before.model, *candidate.effect).size());
   }
   // Where the model misses more than the noise, likelihood ratios are worth less in proportion.
   const double misfit = std::max(1.0, after.error * after.error);
@@ -241,22 +266,26 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
 }
 
 void rank_candidates(std::vector<Candidate>& candidates) {
-  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    if (a.significant != b.significant) return a.significant;
-    return a.merit > b.merit;
-  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) {
+                     if (a.significant != b.significant) return a.significant;
+                     return a.merit > b.merit;
+                   });
   if (candidates.empty() || !candidates.front().significant) return;
   // Among those as good as the best: fewer parameters, then no bound at neutral.
   const double width = tie_width(candidates.front().grown.assessment.error);
   const double best_merit = candidates.front().merit;
   const double best_total = candidates.front().total_gain_ll;
   const auto tied = [&](const Candidate& c) {
-    return c.significant && best_merit - c.merit < width && std::abs(best_total - c.total_gain_ll) < width;
+    return c.significant && best_merit - c.merit < width &&
+           std::abs(best_total - c.total_gain_ll) < width;
   };
   const auto end = std::stable_partition(candidates.begin(), candidates.end(), tied);
   std::stable_sort(candidates.begin(), end, [](const Candidate& a, const Candidate& b) {
-    if (a.free.size() != b.free.size() && std::abs(a.total_gain_ll - b.total_gain_ll) < 2) return a.free.size() < b.free.size();
-    if (std::abs(a.total_gain_ll - b.total_gain_ll) < 0.5) return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
+    if (a.free.size() != b.free.size() && std::abs(a.total_gain_ll - b.total_gain_ll) < 2)
+      return a.free.size() < b.free.size();
+    if (std::abs(a.total_gain_ll - b.total_gain_ll) < 0.5)
+      return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
     return false;
   });
   for (Candidate& candidate : candidates) {
@@ -264,7 +293,8 @@ void rank_candidates(std::vector<Candidate>& candidates) {
     const double own = tie_width(candidate.grown.assessment.error);
     for (const Candidate& other : candidates) {
       if (&other == &candidate || !other.significant) continue;
-      if (std::abs(other.total_gain_ll - candidate.total_gain_ll) < own && candidate.indistinguishable_from.size() < 3) {
+      if (std::abs(other.total_gain_ll - candidate.total_gain_ll) < own &&
+          candidate.indistinguishable_from.size() < 3) {
         candidate.indistinguishable_from.push_back(other.effect->name);
       }
     }
@@ -274,7 +304,8 @@ void rank_candidates(std::vector<Candidate>& candidates) {
 Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects) {
   std::vector<std::optional<Candidate>> found(effects.size());
   std::vector<std::vector<NotTestable>> reasons(effects.size());
-  parallel_for(effects.size(), [&](size_t i) { found[i] = try_effect(problem, base, effects[i], reasons[i]); });
+  parallel_for(effects.size(),
+               [&](size_t i) { found[i] = try_effect(problem, base, effects[i], reasons[i]); });
   Looks looks;
   double count = 0;
   for (const auto& candidate : found) count += candidate.has_value();

@@ -22,7 +22,9 @@ void set_value(Model& model, const Unknown& unknown, double value) {
   model.set_value(unknown.effect, unknown.parameter, value);
 }
 
-bool is_spread(const Model& model, const Unknown& unknown) { return model.find(unknown.effect)->definition->spread_only; }
+bool is_spread(const Model& model, const Unknown& unknown) {
+  return model.find(unknown.effect)->definition->spread_only;
+}
 
 double step_of(const effects::Parameter& parameter, double value) {
   const double size = std::max(parameter.scale, std::abs(value));
@@ -38,8 +40,13 @@ double objective(const Problem& problem, const Evaluation& evaluation) {
 // The state of one fit.
 class Fitter {
  public:
-  Fitter(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups)
-      : problem_(problem), groups_(groups), unknowns_(unknowns), model_(start), here_(problem.evaluate(start, groups)) {
+  Fitter(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns,
+         const Groups& groups)
+      : problem_(problem),
+        groups_(groups),
+        unknowns_(unknowns),
+        model_(start),
+        here_(problem.evaluate(start, groups)) {
     value_ = objective(problem_, here_);
     for (size_t i = 0; i < unknowns.size(); ++i) {
       (is_spread(start, unknowns[i]) ? spread_ : mean_).push_back(i);
@@ -110,7 +117,8 @@ bool Fitter::fit_mean() {
     const double before = value_;
     // A gain of this much log-likelihood moves no estimate by more than a few hundredths of its
     // sigma; where the model misses more than the noise, it is worth less in proportion.
-    const double enough = 1e-3 * std::max(1.0, z.squaredNorm() / static_cast<double>(std::max<size_t>(1, count_)));
+    const double enough =
+        1e-3 * std::max(1.0, z.squaredNorm() / static_cast<double>(std::max<size_t>(1, count_)));
     double predicted = 0;
     bool accepted = false;
     for (int attempt = 0; attempt < 12 && !accepted; ++attempt) {
@@ -119,7 +127,8 @@ bool Fitter::fit_mean() {
       for (size_t i = 0; i < mean_.size(); ++i) {
         const effects::Parameter& parameter = parameter_of(model_, unknowns_[mean_[i]]);
         const double value = value_of(model_, unknowns_[mean_[i]]);
-        const bool held = (value <= parameter.min && gradient[i] > 0) || (value >= parameter.max && gradient[i] < 0);
+        const bool held = (value <= parameter.min && gradient[i] > 0) ||
+                          (value >= parameter.max && gradient[i] < 0);
         if (hessian(i, i) > 0 && !held) moving.push_back(static_cast<int>(i));
       }
       if (moving.empty()) return true;
@@ -140,7 +149,8 @@ bool Fitter::fit_mean() {
       for (size_t a = 0; a < moving.size(); ++a) {
         const Unknown& unknown = unknowns_[mean_[moving[a]]];
         const effects::Parameter& parameter = parameter_of(model_, unknown);
-        const double moved = value_of(model_, unknown) + step[a] / std::sqrt(hessian(moving[a], moving[a]));
+        const double moved =
+            value_of(model_, unknown) + step[a] / std::sqrt(hessian(moving[a], moving[a]));
         set_value(candidate, unknown, std::clamp(moved, parameter.min, parameter.max));
       }
       if (predicted < 0.1 * enough) return true;
@@ -166,10 +176,13 @@ void Fitter::newton_spread(const Unknown& unknown) {
   const effects::Parameter parameter = parameter_of(model_, unknown);
   const auto at = [&](double square) {
     Model candidate = model_;
-    set_value(candidate, unknown, std::clamp(std::sqrt(std::max(square, 0.0)), parameter.min, parameter.max));
+    set_value(candidate, unknown,
+              std::clamp(std::sqrt(std::max(square, 0.0)), parameter.min, parameter.max));
     return candidate;
   };
-  const auto cost = [&](double square) { return objective(problem_, problem_.evaluate(at(square), groups_, &here_)); };
+  const auto cost = [&](double square) {
+    return objective(problem_, problem_.evaluate(at(square), groups_, &here_));
+  };
   for (int iteration = 0; iteration < 25; ++iteration) {
     const double value = value_of(model_, unknown);
     const double square = value * value;
@@ -185,14 +198,16 @@ void Fitter::newton_spread(const Unknown& unknown) {
     if (next < floor * floor) next = 0;
     const double before = value_;
     bool accepted = try_model(at(next));
-    for (int half = 0; half < 6 && !accepted; ++half) accepted = try_model(at(square + (next - square) * std::pow(0.4, half + 1)));
+    for (int half = 0; half < 6 && !accepted; ++half)
+      accepted = try_model(at(square + (next - square) * std::pow(0.4, half + 1)));
     if (!accepted || before - value_ < 1e-3) break;
   }
 }
 
 Fit Fitter::result(bool converged) {
   const size_t count = unknowns_.size();
-  Fit fit{.model = model_, .log_likelihood = -value_, .converged = converged && std::isfinite(value_)};
+  Fit fit{
+      .model = model_, .log_likelihood = -value_, .converged = converged && std::isfinite(value_)};
   fit.sigma.assign(count, std::numeric_limits<double>::infinity());
   fit.covariance.assign(count * count, 0);
   for (const Unknown& unknown : unknowns_) {
@@ -222,7 +237,8 @@ Fit Fitter::result(bool converged) {
     const double misfit = std::max(1.0, score.error());
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
     const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-13).cwiseInverse();
-    const Eigen::MatrixXd covariance = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+    const Eigen::MatrixXd covariance =
+        eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
     for (size_t a = 0; a < known.size(); ++a) {
       const size_t i = mean_[known[a]];
       for (size_t b = 0; b < known.size(); ++b) {
@@ -243,7 +259,8 @@ Fit Fitter::result(bool converged) {
       set_value(candidate, unknowns_[i], std::clamp(at, parameter.min, parameter.max));
       return objective(problem_, problem_.evaluate(candidate, groups_, &here_));
     };
-    const double curvature = (cost(value + h) - 2 * cost(value) + cost(std::abs(value - h))) / (h * h);
+    const double curvature =
+        (cost(value + h) - 2 * cost(value) + cost(std::abs(value - h))) / (h * h);
     if (curvature > 0) fit.sigma[i] = 1 / std::sqrt(curvature);
     fit.covariance[i * count + i] = fit.sigma[i] * fit.sigma[i];
   }
@@ -252,8 +269,10 @@ Fit Fitter::result(bool converged) {
 
 }  // namespace
 
-std::vector<std::vector<double>> Problem::jacobian(const Model& model, const std::vector<Unknown>& unknowns,
-                                                   const Groups& groups, const Evaluation& here) const {
+std::vector<std::vector<double>> Problem::jacobian(const Model& model,
+                                                   const std::vector<Unknown>& unknowns,
+                                                   const Groups& groups,
+                                                   const Evaluation& here) const {
   std::vector<std::vector<double>> columns;
   for (const Unknown& unknown : unknowns) {
     const double value = value_of(model, unknown);
@@ -275,7 +294,8 @@ std::vector<std::vector<double>> Problem::jacobian(const Model& model, const std
   return columns;
 }
 
-Fit Problem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+Fit Problem::fit(const Model& start, const std::vector<Unknown>& unknowns,
+                 const Groups& groups) const {
   return Fitter(*this, start, unknowns, groups).run();
 }
 

@@ -34,21 +34,26 @@ struct Walk {
 struct LandmarkData {
   std::vector<Walk> walks;
   std::vector<int> walk_of_row;
-  std::vector<double> stamp_s;  // Since the first time of the poses.
+  std::vector<double> stamp_s;                 // Since the first time of the poses.
   std::vector<double> landmark_x, landmark_y;  // By row.
   std::vector<int> landmark_of_row;
   std::vector<double> range_m, bearing_rad;
   std::vector<std::vector<int>> rows_of_frame;  // Seen at the same stamp of the same run.
 };
 
-void read_walks(const MeasurementSet& set, LandmarkData& data, std::vector<std::string>& runs, int64_t& reference_ns) {
+void read_walks(const MeasurementSet& set, LandmarkData& data, std::vector<std::string>& runs,
+                int64_t& reference_ns) {
   const CsvTable table = set.table("poses");
-  if (table.rows() < 2) throw InputError(fmt::format("{}: found {} rows, expected 2 or more", table.file(), table.rows()));
+  if (table.rows() < 2)
+    throw InputError(
+        fmt::format("{}: found {} rows, expected 2 or more", table.file(), table.rows()));
   reference_ns = table.times_ns("time_s").front();
   const bool has_run = table.has("run");
-  const std::vector<int> run_of_row = has_run ? number_groups(table.texts("run"), runs) : std::vector<int>(table.rows(), 0);
+  const std::vector<int> run_of_row =
+      has_run ? number_groups(table.texts("run"), runs) : std::vector<int>(table.rows(), 0);
   if (!has_run) runs = {""};
-  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"), theta = table.numbers("theta_rad");
+  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"),
+                            theta = table.numbers("theta_rad");
   for (size_t run = 0; run < runs.size(); ++run) {
     std::vector<size_t> rows, keep;
     for (size_t row = 0; row < table.rows(); ++row) {
@@ -59,12 +64,15 @@ void read_walks(const MeasurementSet& set, LandmarkData& data, std::vector<std::
     for (const size_t row : keep) {
       px.push_back(x[row]);
       py.push_back(y[row]);
-      heading.push_back(heading.empty() ? theta[row] : heading.back() + maths::wrap_angle(theta[row] - heading.back()));
+      heading.push_back(heading.empty()
+                            ? theta[row]
+                            : heading.back() + maths::wrap_angle(theta[row] - heading.back()));
     }
     std::vector<double> steps;
     for (size_t i = 0; i + 1 < times.size(); ++i) steps.push_back(times[i + 1] - times[i]);
     const double gap = steps.empty() ? 1 : 6 * median_of(steps);
-    data.walks.push_back({Spline(times, px, gap), Spline(times, py, gap), Spline(times, heading, gap)});
+    data.walks.push_back(
+        {Spline(times, px, gap), Spline(times, py, gap), Spline(times, heading, gap)});
   }
 }
 
@@ -75,7 +83,8 @@ std::vector<std::string> time_blocks(const std::vector<double>& stamps) {
   std::vector<std::string> blocks;
   for (const double t : stamps) {
     const double share = *last > *first ? (t - *first) / (*last - *first) : 0;
-    blocks.push_back("block " + std::to_string(std::min(kBlocks - 1, static_cast<int>(share * kBlocks))));
+    blocks.push_back("block " +
+                     std::to_string(std::min(kBlocks - 1, static_cast<int>(share * kBlocks))));
   }
   return blocks;
 }
@@ -106,7 +115,8 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
   std::vector<std::string> labels;
   data.landmark_of_row = number_groups(table.texts("landmark"), labels);
   std::vector<std::string> frames, frame_names;
-  const bool has_run = table.has("run") && runs.size() > 0 && !(runs.size() == 1 && runs[0].empty());
+  const bool has_run =
+      table.has("run") && runs.size() > 0 && !(runs.size() == 1 && runs[0].empty());
   for (size_t row = 0; row < table.rows(); ++row) {
     const std::string run(has_run ? table.cell(row, "run") : "");
     const auto walk = std::find(runs.begin(), runs.end(), run);
@@ -114,7 +124,8 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
     data.walk_of_row.push_back(static_cast<int>(walk - runs.begin()));
     const std::string landmark(table.cell(row, "landmark"));
     const auto found = landmarks.find(landmark);
-    if (found == landmarks.end()) table.fail(row, "landmark", landmark, "a landmark of " + set.files.at("landmarks"));
+    if (found == landmarks.end())
+      table.fail(row, "landmark", landmark, "a landmark of " + set.files.at("landmarks"));
     data.landmark_x.push_back(found->second.first);
     data.landmark_y.push_back(found->second.second);
     data.stamp_s.push_back(1e-9 * static_cast<double>(ns[row] - reference_ns));
@@ -122,7 +133,8 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
     if (data.stamp_s[row] < times.front() - 1 || data.stamp_s[row] > times.back() + 1) {
       table.fail(row, "time_s", table.cell(row, "time_s"), "a time within the poses of its run");
     }
-    if (measured && data.range_m[row] < 0) table.fail(row, "range_m", table.cell(row, "range_m"), "a distance of 0 or more");
+    if (measured && data.range_m[row] < 0)
+      table.fail(row, "range_m", table.cell(row, "range_m"), "a distance of 0 or more");
     frames.push_back(run + "|" + std::to_string(ns[row]));
     facts.line_of_row.push_back(table.line(row));
     for (int channel = 0; channel < 2; ++channel) {
@@ -130,16 +142,19 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
       facts.channel_of.push_back(channel);
     }
   }
-  const std::vector<std::string> groups = table.has(set.group) ? table.texts(set.group) : time_blocks(data.stamp_s);
+  const std::vector<std::string> groups =
+      table.has(set.group) ? table.texts(set.group) : time_blocks(data.stamp_s);
   facts.group_of_row = number_groups(groups, facts.groups);
   // A frame is the same stamp of the same run, within one group.
   for (size_t row = 0; row < frames.size(); ++row) frames[row] += "|" + groups[row];
   const std::vector<int> frame_of_row = number_groups(frames, frame_names);
   data.rows_of_frame.resize(frame_names.size());
-  for (size_t row = 0; row < frames.size(); ++row) data.rows_of_frame[frame_of_row[row]].push_back(static_cast<int>(row));
+  for (size_t row = 0; row < frames.size(); ++row)
+    data.rows_of_frame[frame_of_row[row]].push_back(static_cast<int>(row));
   facts.time_of_row = data.stamp_s;
   for (size_t row = 0; row < table.rows(); ++row) {
-    facts.series_of_row.push_back(data.walk_of_row[row] * static_cast<int>(labels.size()) + data.landmark_of_row[row]);
+    facts.series_of_row.push_back(data.walk_of_row[row] * static_cast<int>(labels.size()) +
+                                  data.landmark_of_row[row]);
   }
   if (measured) {
     for (const std::string& column : table.extra_numeric_columns(kColumns)) {
@@ -173,7 +188,8 @@ class Predictor {
     effects::Detection seen{.range_m = std::hypot(ahead, left),
                             .bearing_rad = maths::wrap_angle(std::atan2(left, ahead) - yaw_rad_),
                             .t_s = t};
-    for (const effects::ModelEffect& effect : detectors_) effect.definition->detector(effect.values(), seen);
+    for (const effects::ModelEffect& effect : detectors_)
+      effect.definition->detector(effect.values(), seen);
     return seen;
   }
 
@@ -192,37 +208,50 @@ class LandmarksProblem : public Problem {
   explicit LandmarksProblem(const MeasurementSet& set) : data_(read_landmarks(set, true, facts_)) {
     facts_.fingerprint = set.fingerprint();
     add_covariates();
-    const Predictor ideal(data_, Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none")));
+    const Predictor ideal(data_, Model::from_config(ConfigNode::from_text(
+                                     "format: seam-model/1\neffects: {}\n", "none")));
     const std::array<const char*, 2> names = {"range_m", "bearing_rad"};
     for (int c = 0; c < 2; ++c) {
       const auto stated = set.noise.find(names[c]);
       const bool known = stated != set.noise.end();
-      facts_.channels.push_back({.name = names[c], .noise = known ? stated->second : estimate_noise(ideal, c), .estimated = !known});
+      facts_.channels.push_back({.name = names[c],
+                                 .noise = known ? stated->second : estimate_noise(ideal, c),
+                                 .estimated = !known});
     }
   }
 
   void check_model(const Model& model) const override {
     for (const effects::ModelEffect& effect : model.effects()) {
       if (!acts(*effect.definition)) {
-        throw InputError(fmt::format("effect '{}' does not act on landmarks, expected a model of their detector", effect.definition->name));
+        throw InputError(
+            fmt::format("effect '{}' does not act on landmarks, expected a model of their detector",
+                        effect.definition->name));
       }
     }
   }
 
   Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation*) const override;
 
-  std::string not_testable(const Model&, const EffectDefinition& effect, size_t parameter) const override {
+  std::string not_testable(const Model&, const EffectDefinition& effect,
+                           size_t parameter) const override {
     const std::string& name = effect.parameters[parameter].name;
-    const bool plane = (effect.name == "mount_misalignment" && name != "yaw_rad") || (effect.name == "mount_offset" && name == "z_m");
+    const bool plane = (effect.name == "mount_misalignment" && name != "yaw_rad") ||
+                       (effect.name == "mount_offset" && name == "z_m");
     return plane ? "ranges and bearings in the plane do not see it" : "";
   }
 
   std::string advice(const std::string& a, const std::string& b) const override {
-    const auto pair = [&](const char* x, const char* y) { return (a == x && b == y) || (a == y && b == x); };
-    if (pair("range_scale", "range_offset")) return "See landmarks from near and from far: a scale grows with the range.";
-    if (pair("mount_misalignment", "frame_latency")) return "Turn both ways: a latency changes its sign with the turn, a mount does not.";
-    if (pair("bearing_scale", "mount_misalignment")) return "See landmarks on both sides: a scale changes its sign, a mount does not.";
-    if (pair("mount_offset", "range_offset")) return "See landmarks in all directions: an offset of the mount turns with the bearing.";
+    const auto pair = [&](const char* x, const char* y) {
+      return (a == x && b == y) || (a == y && b == x);
+    };
+    if (pair("range_scale", "range_offset"))
+      return "See landmarks from near and from far: a scale grows with the range.";
+    if (pair("mount_misalignment", "frame_latency"))
+      return "Turn both ways: a latency changes its sign with the turn, a mount does not.";
+    if (pair("bearing_scale", "mount_misalignment"))
+      return "See landmarks on both sides: a scale changes its sign, a mount does not.";
+    if (pair("mount_offset", "range_offset"))
+      return "See landmarks in all directions: an offset of the mount turns with the bearing.";
     return "";
   }
 
@@ -230,7 +259,8 @@ class LandmarksProblem : public Problem {
   void add_covariates();
   double estimate_noise(const Predictor& ideal, int channel) const;
   double residual(const effects::Detection& seen, size_t row, int channel) const {
-    return channel == 0 ? data_.range_m[row] - seen.range_m : std::remainder(data_.bearing_rad[row] - seen.bearing_rad, 2 * maths::kPi);
+    return channel == 0 ? data_.range_m[row] - seen.range_m
+                        : std::remainder(data_.bearing_rad[row] - seen.bearing_rad, 2 * maths::kPi);
   }
 
   LandmarkData data_;
@@ -239,7 +269,8 @@ class LandmarksProblem : public Problem {
 // From where the robot was, never from what it measured: an observation's noise must not stand on
 // both sides of a regression.
 void LandmarksProblem::add_covariates() {
-  const Predictor ideal(data_, Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none")));
+  const Predictor ideal(data_, Model::from_config(ConfigNode::from_text(
+                                   "format: seam-model/1\neffects: {}\n", "none")));
   const size_t n = data_.stamp_s.size();
   std::vector<double> range(n), bearing(n), heading(n), speed(n), turn(n), sign(n);
   for (size_t row = 0; row < n; ++row) {
@@ -249,12 +280,14 @@ void LandmarksProblem::add_covariates() {
     range[row] = seen.range_m;
     bearing[row] = seen.bearing_rad;
     heading[row] = maths::wrap_angle(walk.theta.value(t));
-    speed[row] = std::cos(walk.theta.value(t)) * walk.x.rate(t) + std::sin(walk.theta.value(t)) * walk.y.rate(t);
+    speed[row] = std::cos(walk.theta.value(t)) * walk.x.rate(t) +
+                 std::sin(walk.theta.value(t)) * walk.y.rate(t);
     turn[row] = walk.theta.rate(t);
     sign[row] = turn[row] > 0 ? 1 : turn[row] < 0 ? -1 : 0;
   }
   auto& all = facts_.covariates;
-  const auto add = [&](const char* name, std::vector<double> values, Covariate::Type type = Covariate::Type::smooth) {
+  const auto add = [&](const char* name, std::vector<double> values,
+                       Covariate::Type type = Covariate::Type::smooth) {
     all.push_back({.name = name, .type = type, .values = std::move(values)});
   };
   add("time", data_.stamp_s);
@@ -264,11 +297,13 @@ void LandmarksProblem::add_covariates() {
   add("speed", std::move(speed));
   add("heading_rate", std::move(turn));
   add("sign(heading_rate)", std::move(sign), Covariate::Type::sign);
-  add("landmark", {data_.landmark_of_row.begin(), data_.landmark_of_row.end()}, Covariate::Type::category);
+  add("landmark", {data_.landmark_of_row.begin(), data_.landmark_of_row.end()},
+      Covariate::Type::category);
   add("run", {facts_.group_of_row.begin(), facts_.group_of_row.end()}, Covariate::Type::category);
 }
 
-Evaluation LandmarksProblem::evaluate(const Model& model, const Groups& groups, const Evaluation*) const {
+Evaluation LandmarksProblem::evaluate(const Model& model, const Groups& groups,
+                                      const Evaluation*) const {
   const Predictor predictor(data_, model);
   Evaluation evaluation;
   evaluation.residual.assign(facts_.scalars(), 0);
@@ -291,9 +326,11 @@ Evaluation LandmarksProblem::evaluate(const Model& model, const Groups& groups, 
     std::vector<size_t> scalars;
     std::vector<double> effect;
     for (const int row : rows) {
-      const effects::Detection early = predictor.detect(row, -1e-3), late = predictor.detect(row, 1e-3);
-      const double slope[2] = {(late.range_m - early.range_m) / 2e-3,
-                               std::remainder(late.bearing_rad - early.bearing_rad, 2 * maths::kPi) / 2e-3};
+      const effects::Detection early = predictor.detect(row, -1e-3),
+                               late = predictor.detect(row, 1e-3);
+      const double slope[2] = {
+          (late.range_m - early.range_m) / 2e-3,
+          std::remainder(late.bearing_rad - early.bearing_rad, 2 * maths::kPi) / 2e-3};
       for (int c = 0; c < 2; ++c) {
         if (!evaluation.used[2 * row + c]) continue;
         scalars.push_back(2 * row + c);
@@ -301,7 +338,8 @@ Evaluation LandmarksProblem::evaluate(const Model& model, const Groups& groups, 
       }
     }
     if (scalars.empty()) continue;
-    const Eigen::MatrixXd causes = Eigen::Map<const Eigen::VectorXd>(effect.data(), static_cast<Eigen::Index>(effect.size()));
+    const Eigen::MatrixXd causes =
+        Eigen::Map<const Eigen::VectorXd>(effect.data(), static_cast<Eigen::Index>(effect.size()));
     whiten_low_rank(scalars, causes, facts_.group_of_row[rows.front()], evaluation);
   }
   return evaluation;
@@ -312,11 +350,14 @@ double LandmarksProblem::estimate_noise(const Predictor& ideal, int channel) con
   const size_t n = data_.stamp_s.size();
   std::vector<int> order(n);
   std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](int row) { return std::pair(facts_.series_of_row[row], data_.stamp_s[row]); };
+  const auto key = [&](int row) {
+    return std::pair(facts_.series_of_row[row], data_.stamp_s[row]);
+  };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
   std::vector<double> steps, second, plain;
   for (size_t i = 0; i + 1 < n; ++i) {
-    if (key(order[i]).first == key(order[i + 1]).first) steps.push_back(key(order[i + 1]).second - key(order[i]).second);
+    if (key(order[i]).first == key(order[i + 1]).first)
+      steps.push_back(key(order[i + 1]).second - key(order[i]).second);
   }
   const double longest = 4 * std::max(median_of(steps), 1e-3);
   std::vector<double> r(n);
@@ -324,8 +365,11 @@ double LandmarksProblem::estimate_noise(const Predictor& ideal, int channel) con
   for (size_t i = 1; i + 1 < n; ++i) {
     const int a = order[i - 1], b = order[i], c = order[i + 1];
     plain.push_back(r[b]);
-    const double before = data_.stamp_s[b] - data_.stamp_s[a], after = data_.stamp_s[c] - data_.stamp_s[b];
-    if (key(a).first != key(c).first || before > longest || after > longest || !(before + after > 0)) continue;
+    const double before = data_.stamp_s[b] - data_.stamp_s[a],
+                 after = data_.stamp_s[c] - data_.stamp_s[b];
+    if (key(a).first != key(c).first || before > longest || after > longest ||
+        !(before + after > 0))
+      continue;
     const double w = after / (before + after);
     second.push_back((r[b] - w * r[a] - (1 - w) * r[c]) / std::sqrt(1 + w * w + (1 - w) * (1 - w)));
   }
@@ -337,14 +381,18 @@ double LandmarksProblem::estimate_noise(const Predictor& ideal, int channel) con
   return std::max(robust_sigma(second), 1e-9);
 }
 
-std::unique_ptr<Problem> open_landmarks(const MeasurementSet& set) { return std::make_unique<LandmarksProblem>(set); }
+std::unique_ptr<Problem> open_landmarks(const MeasurementSet& set) {
+  return std::make_unique<LandmarksProblem>(set);
+}
 
-void measure_landmarks(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options) {
+void measure_landmarks(const Model& truth, const MeasurementSet& protocol,
+                       const MeasureOptions& options) {
   Facts facts;
   const LandmarkData data = read_landmarks(protocol, false, facts);
   const CsvTable table = protocol.table("observations");
   const Predictor predictor(data, truth);
-  const RandomStream stream = RandomStream{.seed = options.seed}.child("measure").child("landmarks");
+  const RandomStream stream =
+      RandomStream{.seed = options.seed}.child("measure").child("landmarks");
   std::vector<std::string> columns = table.columns();
   for (const char* name : {"range_m", "bearing_rad"}) {
     if (!table.has(name)) columns.push_back(name);
@@ -355,18 +403,25 @@ void measure_landmarks(const Model& truth, const MeasurementSet& protocol, const
   }
   CsvWriter out(columns);
   for (size_t row = 0; row < data.stamp_s.size(); ++row) {
-    const double late = options.noise ? predictor.timing().jitter_sigma_s * normal(stream.child("frame_jitter"), frame_of_row[row]) : 0;
+    const double late = options.noise ? predictor.timing().jitter_sigma_s *
+                                            normal(stream.child("frame_jitter"), frame_of_row[row])
+                                      : 0;
     effects::Detection seen = predictor.detect(row, late);
     if (options.noise) {
-      const auto stated = [&](const char* name) { return protocol.noise.contains(name) ? protocol.noise.at(name) : 0.0; };
-      seen.range_m += std::hypot(stated("range_m"), std::sqrt(seen.range_variance)) * normal(stream.child("noise"), 2 * row);
-      seen.bearing_rad += std::hypot(stated("bearing_rad"), std::sqrt(seen.bearing_variance)) * normal(stream.child("noise"), 2 * row + 1);
+      const auto stated = [&](const char* name) {
+        return protocol.noise.contains(name) ? protocol.noise.at(name) : 0.0;
+      };
+      seen.range_m += std::hypot(stated("range_m"), std::sqrt(seen.range_variance)) *
+                      normal(stream.child("noise"), 2 * row);
+      seen.bearing_rad += std::hypot(stated("bearing_rad"), std::sqrt(seen.bearing_variance)) *
+                          normal(stream.child("noise"), 2 * row + 1);
     }
     std::vector<std::string> cells;
     for (const std::string& name : columns) {
-      cells.push_back(name == "range_m"       ? fmt::format("{:.7f}", std::max(0.0, seen.range_m))
-                      : name == "bearing_rad" ? fmt::format("{:.8f}", maths::wrap_angle(seen.bearing_rad))
-                                              : std::string(table.cell(row, name)));
+      cells.push_back(name == "range_m" ? fmt::format("{:.7f}", std::max(0.0, seen.range_m))
+                      : name == "bearing_rad"
+                          ? fmt::format("{:.8f}", maths::wrap_angle(seen.bearing_rad))
+                          : std::string(table.cell(row, name)));
     }
     out.row(cells);
   }
@@ -376,6 +431,8 @@ void measure_landmarks(const Model& truth, const MeasurementSet& protocol, const
 
 }  // namespace
 
-Kind landmarks_kind() { return {.name = "landmarks", .open = open_landmarks, .measure = measure_landmarks}; }
+Kind landmarks_kind() {
+  return {.name = "landmarks", .open = open_landmarks, .measure = measure_landmarks};
+}
 
 }  // namespace seam::measurement

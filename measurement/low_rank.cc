@@ -5,7 +5,8 @@
 
 namespace seam::measurement {
 
-void whiten_low_rank(const std::vector<size_t>& scalars, const Eigen::MatrixXd& causes, int group, Evaluation& evaluation) {
+void whiten_low_rank(const std::vector<size_t>& scalars, const Eigen::MatrixXd& causes, int group,
+                     Evaluation& evaluation) {
   const size_t n = scalars.size();
   Eigen::MatrixXd scaled = causes;
   Eigen::VectorXd z(n);
@@ -25,7 +26,8 @@ void whiten_low_rank(const std::vector<size_t>& scalars, const Eigen::MatrixXd& 
   }
   for (size_t k = 0; k < n; ++k) {
     evaluation.whitened[scalars[k]] = z[k];
-    evaluation.sigma[scalars[k]] = std::sqrt(evaluation.sigma[scalars[k]] * evaluation.sigma[scalars[k]] + causes.row(k).squaredNorm());
+    evaluation.sigma[scalars[k]] = std::sqrt(
+        evaluation.sigma[scalars[k]] * evaluation.sigma[scalars[k]] + causes.row(k).squaredNorm());
   }
 }
 

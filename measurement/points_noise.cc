@@ -13,9 +13,11 @@ namespace {
 // that each has the variance of the noise.
 Eigen::VectorXd studentised(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
-  const Eigen::MatrixXd Q = Eigen::MatrixXd(qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), qr.rank()));
+  const Eigen::MatrixXd Q =
+      Eigen::MatrixXd(qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), qr.rank()));
   Eigen::VectorXd r = y - Q * (Q.transpose() * y);
-  for (Eigen::Index i = 0; i < r.size(); ++i) r[i] /= std::sqrt(std::max(0.05, 1 - Q.row(i).squaredNorm()));
+  for (Eigen::Index i = 0; i < r.size(); ++i)
+    r[i] /= std::sqrt(std::max(0.05, 1 - Q.row(i).squaredNorm()));
   return r;
 }
 
@@ -34,7 +36,8 @@ Eigen::MatrixXd monomials(const std::vector<std::vector<double>>& coordinates, i
     }
   }
   Eigen::MatrixXd A(n, columns.size());
-  for (size_t c = 0; c < columns.size(); ++c) A.col(c) = Eigen::Map<Eigen::VectorXd>(columns[c].data(), n);
+  for (size_t c = 0; c < columns.size(); ++c)
+    A.col(c) = Eigen::Map<Eigen::VectorXd>(columns[c].data(), n);
   return A;
 }
 
@@ -62,7 +65,11 @@ std::array<double, 2> noise_by_frames(const PointsData& data) {
     for (auto& x : coordinates) x = standardised(x);
     // As flexible as half of the frame's points allow, at most of degree 8.
     int degree = 8;
-    while (degree > 1 && static_cast<size_t>(monomials({coordinates.begin(), coordinates.end()}, degree).cols()) * 2 > rows.size()) --degree;
+    while (degree > 1 &&
+           static_cast<size_t>(monomials({coordinates.begin(), coordinates.end()}, degree).cols()) *
+                   2 >
+               rows.size())
+      --degree;
     const Eigen::MatrixXd A = monomials(coordinates, degree);
     if (static_cast<size_t>(A.cols()) + 4 > rows.size()) continue;
     for (int c = 0; c < 2; ++c) {
@@ -76,7 +83,8 @@ std::array<double, 2> noise_by_frames(const PointsData& data) {
 // Directions of the points in the frame of a camera that hangs on the logged joints, and whatever
 // else may move the image: rates and time.
 std::array<double, 2> noise_by_directions(const PointsData& data) {
-  const Model none = Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));
+  const Model none =
+      Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));
   const Rig::Motion motion = data.rig.motion(none);
   std::vector<std::vector<double>> direction(2);
   std::vector<std::vector<double>> state;
@@ -89,7 +97,8 @@ std::array<double, 2> noise_by_directions(const PointsData& data) {
   for (auto& x : direction) x = standardised(x);
   for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {
     std::vector<double> angle, rate;
-    for (const double t : data.stamp_s) angle.push_back(data.rig.logged(j).value(t)), rate.push_back(data.rig.logged(j).rate(t));
+    for (const double t : data.stamp_s)
+      angle.push_back(data.rig.logged(j).value(t)), rate.push_back(data.rig.logged(j).rate(t));
     state.push_back(standardised(angle));
     state.push_back(standardised(rate));
   }
@@ -104,11 +113,13 @@ std::array<double, 2> noise_by_directions(const PointsData& data) {
   A.middleCols(field.cols(), modulation.cols()) = modulation;
   Eigen::Index at = field.cols() + modulation.cols();
   for (Eigen::Index m = 0; m < low_modulation.cols(); ++m) {
-    for (Eigen::Index k = 1; k < low.cols(); ++k) A.col(at++) = low_modulation.col(m).cwiseProduct(low.col(k));
+    for (Eigen::Index k = 1; k < low.cols(); ++k)
+      A.col(at++) = low_modulation.col(m).cwiseProduct(low.col(k));
   }
   std::array<double, 2> sigma{1, 1};
   for (int c = 0; c < 2; ++c) {
-    const Eigen::VectorXd y = Eigen::Map<const Eigen::VectorXd>((c ? data.v_px : data.u_px).data(), n);
+    const Eigen::VectorXd y =
+        Eigen::Map<const Eigen::VectorXd>((c ? data.v_px : data.u_px).data(), n);
     const Eigen::VectorXd r = studentised(A, y);
     sigma[c] = robust_sigma({r.begin(), r.end()});
   }

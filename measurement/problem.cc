@@ -67,24 +67,34 @@ Score score_of(const Problem& problem, const Evaluation& evaluation) {
     score.log_likelihood += score.by_group[group];
   }
   for (size_t c = 0; c < facts.channels.size(); ++c) {
-    score.native.push_back(score.native_count[c] ? std::sqrt(score.native_sum2[c] / score.native_count[c]) : 0);
+    score.native.push_back(
+        score.native_count[c] ? std::sqrt(score.native_sum2[c] / score.native_count[c]) : 0);
   }
   return score;
 }
 
-Score Problem::score(const Model& model, const Groups& groups) const { return score_of(*this, evaluate(model, groups)); }
+Score Problem::score(const Model& model, const Groups& groups) const {
+  return score_of(*this, evaluate(model, groups));
+}
 
-bool Problem::acts(const EffectDefinition& effect) const { return (effect.kinds & facts_.kind_bit) != 0; }
+bool Problem::acts(const EffectDefinition& effect) const {
+  return (effect.kinds & facts_.kind_bit) != 0;
+}
 
-std::string Problem::not_testable(const Model&, const EffectDefinition&, size_t) const { return ""; }
+std::string Problem::not_testable(const Model&, const EffectDefinition&, size_t) const {
+  return "";
+}
 
-std::vector<std::vector<double>> Problem::starts(const Model&, const EffectDefinition& effect) const {
+std::vector<std::vector<double>> Problem::starts(const Model&,
+                                                 const EffectDefinition& effect) const {
   std::vector<std::vector<double>> all;
   for (const double sign : {1.0, -1.0}) {
     std::vector<double> start;
     for (const effects::Parameter& parameter : effect.parameters) {
       const double value = parameter.neutral + sign * 0.05 * parameter.scale;
-      const double inside = value < parameter.min || value > parameter.max ? parameter.neutral - sign * 0.05 * parameter.scale : value;
+      const double inside = value < parameter.min || value > parameter.max
+                                ? parameter.neutral - sign * 0.05 * parameter.scale
+                                : value;
       start.push_back(parameter.integer ? parameter.neutral : inside);
     }
     all.push_back(std::move(start));
@@ -92,7 +102,9 @@ std::vector<std::vector<double>> Problem::starts(const Model&, const EffectDefin
   return all;
 }
 
-std::string Problem::advice(const std::string&, const std::string&) const { return ""; }
+std::string Problem::advice(const std::string&, const std::string&) const {
+  return "";
+}
 
 const std::vector<Groups>& Problem::folds() const {
   if (!folds_.empty()) return folds_;

@@ -31,13 +31,14 @@ PoseTrack::PoseTrack(const std::vector<double>& times, const std::vector<Vec3>& 
 }
 
 Pose PoseTrack::at(double t_s) const {
-  return {rotation_from_quaternion(quaternion_[0].value(t_s), quaternion_[1].value(t_s), quaternion_[2].value(t_s),
-                                   quaternion_[3].value(t_s)),
+  return {rotation_from_quaternion(quaternion_[0].value(t_s), quaternion_[1].value(t_s),
+                                   quaternion_[2].value(t_s), quaternion_[3].value(t_s)),
           {position_[0].value(t_s), position_[1].value(t_s), position_[2].value(t_s)}};
 }
 
-std::vector<double> log_seconds(const CsvTable& table, const std::string& column, int64_t reference_ns,
-                                const std::vector<size_t>& rows, std::vector<size_t>& keep) {
+std::vector<double> log_seconds(const CsvTable& table, const std::string& column,
+                                int64_t reference_ns, const std::vector<size_t>& rows,
+                                std::vector<size_t>& keep) {
   const std::vector<int64_t> ns = table.times_ns(column);
   std::vector<double> seconds;
   for (const size_t row : rows) {
@@ -96,7 +97,9 @@ void Rig::read_chain(const ConfigNode& chain, const MeasurementSet& set) {
     return;
   }
   const CsvTable table = set.table("joints");
-  if (table.rows() < 2) throw InputError(fmt::format("{}: found {} rows, expected 2 or more", table.file(), table.rows()));
+  if (table.rows() < 2)
+    throw InputError(
+        fmt::format("{}: found {} rows, expected 2 or more", table.file(), table.rows()));
   reference_ns_ = table.times_ns("time_s").front();
   std::vector<size_t> rows(table.rows()), keep;
   std::iota(rows.begin(), rows.end(), 0);
@@ -115,18 +118,24 @@ void Rig::read_chain(const ConfigNode& chain, const MeasurementSet& set) {
 
 void Rig::read_poses(const std::filesystem::path& path) {
   const CsvTable table = CsvTable::read(path);
-  if (table.rows() < 2) throw InputError(fmt::format("{}: found {} rows, expected 2 or more", table.file(), table.rows()));
+  if (table.rows() < 2)
+    throw InputError(
+        fmt::format("{}: found {} rows, expected 2 or more", table.file(), table.rows()));
   reference_ns_ = table.times_ns("time_s").front();
   std::vector<size_t> rows(table.rows()), keep;
   std::iota(rows.begin(), rows.end(), 0);
   const std::vector<double> times = log_seconds(table, "time_s", reference_ns_, rows, keep);
-  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"), z = table.numbers("z_m");
-  const std::vector<double> q[4] = {table.numbers("qw"), table.numbers("qx"), table.numbers("qy"), table.numbers("qz")};
+  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"),
+                            z = table.numbers("z_m");
+  const std::vector<double> q[4] = {table.numbers("qw"), table.numbers("qx"), table.numbers("qy"),
+                                    table.numbers("qz")};
   std::vector<Vec3> positions;
   std::vector<std::array<double, 4>> quaternions;
   for (const size_t row : keep) {
-    const double norm = std::sqrt(q[0][row] * q[0][row] + q[1][row] * q[1][row] + q[2][row] * q[2][row] + q[3][row] * q[3][row]);
-    if (std::abs(norm - 1) > 0.01) table.fail(row, "qw", fmt::format("a quaternion of norm {}", norm), "norm 1");
+    const double norm = std::sqrt(q[0][row] * q[0][row] + q[1][row] * q[1][row] +
+                                  q[2][row] * q[2][row] + q[3][row] * q[3][row]);
+    if (std::abs(norm - 1) > 0.01)
+      table.fail(row, "qw", fmt::format("a quaternion of norm {}", norm), "norm 1");
     positions.emplace_back(x[row], y[row], z[row]);
     quaternions.push_back({q[0][row] / norm, q[1][row] / norm, q[2][row] / norm, q[3][row] / norm});
   }
@@ -139,7 +148,8 @@ effects::JointTrack Rig::finer_track() const {
   effects::JointTrack fine;
   const std::vector<double>& times = track_.time_s;
   for (size_t i = 0; i + 1 < times.size(); ++i) {
-    for (size_t k = 0; k < kFiner; ++k) fine.time_s.push_back(times[i] + (times[i + 1] - times[i]) * static_cast<double>(k) / kFiner);
+    for (size_t k = 0; k < kFiner; ++k)
+      fine.time_s.push_back(times[i] + (times[i + 1] - times[i]) * static_cast<double>(k) / kFiner);
   }
   fine.time_s.push_back(times.back());
   for (size_t j = 0; j < track_.joints.size(); ++j) {
@@ -155,7 +165,8 @@ void Rig::find_cycle() {
   size_t busiest = 0;
   double largest = 0;
   for (size_t j = 0; j < logged_.size(); ++j) {
-    const auto [low, high] = std::minmax_element(track_.joints[j].q_rad.begin(), track_.joints[j].q_rad.end());
+    const auto [low, high] =
+        std::minmax_element(track_.joints[j].q_rad.begin(), track_.joints[j].q_rad.end());
     if (*high - *low > largest) largest = *high - *low, busiest = j;
   }
   if (largest <= 1e-6) return;
@@ -176,7 +187,8 @@ void Rig::find_cycle() {
   for (double shift = step; shift < 0.6 * span; shift += step) {
     const double here = mismatch(shift);
     left_start = left_start || here > 0.15;
-    if (!left_start || here > 0.1 || here > mismatch(shift - step) || here > mismatch(shift + step)) continue;
+    if (!left_start || here > 0.1 || here > mismatch(shift - step) || here > mismatch(shift + step))
+      continue;
     double low = shift - step, high = shift + step;  // Golden section.
     for (int i = 0; i < 40; ++i) {
       const double a = high - 0.618034 * (high - low), b = low + 0.618034 * (high - low);
@@ -201,7 +213,8 @@ Rig::Motion Rig::motion(const effects::Model& model) const {
   if (type_ == Type::unknown) return motion;
   const bool memory = model.has("backlash");
   bool any = false;
-  for (const effects::ModelEffect& effect : model.effects()) any = any || effect.definition->encoder || effect.definition->joint_map;
+  for (const effects::ModelEffect& effect : model.effects())
+    any = any || effect.definition->encoder || effect.definition->joint_map;
   if (!any) {
     motion.joints_ = logged_;
     return motion;
@@ -222,7 +235,8 @@ Rig::Motion Rig::motion(const effects::Model& model) const {
       }
     }
   }
-  for (const effects::JointSeries& joint : track.joints) motion.joints_.emplace_back(track.time_s, joint.q_rad);
+  for (const effects::JointSeries& joint : track.joints)
+    motion.joints_.emplace_back(track.time_s, joint.q_rad);
   motion.quantisation_step_rad = track.quantisation_step_rad;
   return motion;
 }
@@ -233,7 +247,8 @@ Vec3 Rig::Motion::to_camera(double t_s, const Vec3& p_W, const double* joint_err
   for (const Link& link : rig_->links_) {
     p = (p - link.fixed.p) * link.fixed.R;  // v * R is R' v.
     if (link.joint < 0) continue;
-    const double angle = joints_[link.joint].value(t_s) + (joint_errors ? joint_errors[link.joint] : 0);
+    const double angle =
+        joints_[link.joint].value(t_s) + (joint_errors ? joint_errors[link.joint] : 0);
     const double s = std::sin(angle), c = std::cos(angle);
     // Rodrigues' formula for the rotation by -angle.
     p = c * p - s * glm::cross(link.axis, p) + (1 - c) * glm::dot(link.axis, p) * link.axis;
@@ -248,7 +263,8 @@ Pose Rig::Motion::X_WC(double t_s, const double* joint_errors) const {
   for (const Link& link : rig_->links_) {
     X_WL = X_WL * link.fixed;
     if (link.joint < 0) continue;
-    const double angle = joints_[link.joint].value(t_s) + (joint_errors ? joint_errors[link.joint] : 0);
+    const double angle =
+        joints_[link.joint].value(t_s) + (joint_errors ? joint_errors[link.joint] : 0);
     X_WL = X_WL * rotation(rotation_about(link.axis, angle));
   }
   return X_WL * X_LC_;

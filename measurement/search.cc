@@ -67,7 +67,9 @@ bool Searcher::prune(Grown& grown) {
       }
       judge(problem_, *without[i], looks_, back);
       if (back.significant) continue;
-      if (best == without.size() || merit_of(problem_, *without[i]) > merit_of(problem_, *without[best])) best = i;
+      if (best == without.size() ||
+          merit_of(problem_, *without[i]) > merit_of(problem_, *without[best]))
+        best = i;
     }
     if (best < without.size()) {
       grown = std::move(*without[best]);
@@ -83,7 +85,8 @@ bool Searcher::exchange(Grown& grown) {
   std::vector<std::pair<size_t, std::string>> moves;
   for (size_t i = 0; i < grown.added.size(); ++i) {
     for (const std::string& name : promising_) {
-      if (std::find(grown.added.begin(), grown.added.end(), name) == grown.added.end()) moves.emplace_back(i, name);
+      if (std::find(grown.added.begin(), grown.added.end(), name) == grown.added.end())
+        moves.emplace_back(i, name);
     }
   }
   std::vector<std::optional<Grown>> tried(moves.size());
@@ -121,8 +124,10 @@ void Searcher::forward(SearchResult& result) {
     looks_ = std::max<double>(looks_, static_cast<double>(looks.candidates.size()));
     if (step == 0) result.first = looks;
     for (const Candidate& candidate : looks.candidates) {
-      const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) != promising_.end();
-      if (candidate.significant && !known && promising_.size() < 8) promising_.push_back(candidate.effect->name);
+      const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) !=
+                         promising_.end();
+      if (candidate.significant && !known && promising_.size() < 8)
+        promising_.push_back(candidate.effect->name);
     }
     const double before = merit_of(problem_, grown);
     if (!looks.candidates.empty() && looks.candidates.front().significant) {
@@ -152,7 +157,9 @@ void Searcher::order_steps(SearchResult& result) {
     });
     size_t best = left.size();
     for (size_t i = 0; i < left.size(); ++i) {
-      if (tried[i] && (best == left.size() || tried[i]->grown.assessment.total_ll > tried[best]->grown.assessment.total_ll)) best = i;
+      if (tried[i] && (best == left.size() || tried[i]->grown.assessment.total_ll >
+                                                  tried[best]->grown.assessment.total_ll))
+        best = i;
     }
     if (best == left.size()) break;
     Step step{.effect = left[best], .error_before = grown.assessment.error};
@@ -162,7 +169,8 @@ void Searcher::order_steps(SearchResult& result) {
     result.steps.push_back(std::move(step));
     left.erase(left.begin() + static_cast<long>(best));
   }
-  if (grown.assessment.valid && !result.steps.empty() && grown.assessment.total_ll >= result.best.assessment.total_ll - 0.5) {
+  if (grown.assessment.valid && !result.steps.empty() &&
+      grown.assessment.total_ll >= result.best.assessment.total_ll - 0.5) {
     result.best = grown;
   }
   // Which others could stand in the place of each step.
@@ -187,7 +195,8 @@ void Searcher::order_steps(SearchResult& result) {
     std::vector<NotTestable> reasons;
     const auto candidate = try_effect(problem_, smaller, definition(moves[m].second), reasons);
     if (!candidate) return;
-    const double difference = result.best.assessment.total_ll - candidate->grown.assessment.total_ll;
+    const double difference =
+        result.best.assessment.total_ll - candidate->grown.assessment.total_ll;
     tied[m] = std::abs(difference) < tie_width(result.best.assessment.error);
   });
   for (size_t m = 0; m < moves.size(); ++m) {
@@ -212,8 +221,10 @@ SearchResult Searcher::run() {
   order_steps(result);
   progress_("testing what structure remains");
   result.base_structure = significant_structure(problem_, result.base);
-  result.remaining = result.steps.empty() ? result.base_structure : significant_structure(problem_, result.best);
-  const bool first_found = !result.first.candidates.empty() && result.first.candidates.front().significant;
+  result.remaining =
+      result.steps.empty() ? result.base_structure : significant_structure(problem_, result.best);
+  const bool first_found =
+      !result.first.candidates.empty() && result.first.candidates.front().significant;
   if (!result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found)) {
     result.verdict = "unexplained_structure";
   } else {
@@ -223,7 +234,8 @@ SearchResult Searcher::run() {
   // for several of them at once.
   auto& candidates = result.first.candidates;
   const auto needed = [&](const Candidate& c) {
-    return std::any_of(result.steps.begin(), result.steps.end(), [&](const Step& s) { return s.effect == c.effect->name; });
+    return std::any_of(result.steps.begin(), result.steps.end(),
+                       [&](const Step& s) { return s.effect == c.effect->name; });
   };
   if (!result.steps.empty()) {
     const auto found = std::find_if(candidates.begin(), candidates.end(), needed);
@@ -237,7 +249,8 @@ SearchResult Searcher::run() {
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
   std::vector<char> outliers = problem.find_outliers(model);
   const size_t count = static_cast<size_t>(std::count(outliers.begin(), outliers.end(), 1));
-  result.outlier_share = static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, outliers.size()));
+  result.outlier_share =
+      static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, outliers.size()));
   result.outliers.clear();
   if (result.outlier_share > 0.1 || count == 0) outliers.clear();
   const bool changed = outliers != problem.left_out();
@@ -247,23 +260,28 @@ bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
   for (size_t i = 0; i < problem.left_out().size(); ++i) {
     if (!problem.left_out()[i]) continue;
     const int row = problem.facts().row_of[i];
-    result.outliers.push_back({.line = problem.facts().line_of_row[row], .scalar = i, .residual = evaluation.residual[i]});
+    result.outliers.push_back({.line = problem.facts().line_of_row[row],
+                               .scalar = i,
+                               .residual = evaluation.residual[i]});
   }
   return changed;
 }
 
 std::vector<Structure> significant_structure(const Problem& problem, const Grown& grown) {
-  std::vector<Structure> structure = problem.structure(grown.assessment.model, problem.all_groups(),
-                                                       static_cast<int>(grown.assessment.unknowns.size()));
+  std::vector<Structure> structure =
+      problem.structure(grown.assessment.model, problem.all_groups(),
+                        static_cast<int>(grown.assessment.unknowns.size()));
   std::erase_if(structure, [](const Structure& s) { return s.p_value >= kStructureAlarm; });
   return structure;
 }
 
 bool has_mean_structure(const std::vector<Structure>& structure) {
-  return std::any_of(structure.begin(), structure.end(), [](const Structure& s) { return s.moment == "mean"; });
+  return std::any_of(structure.begin(), structure.end(),
+                     [](const Structure& s) { return s.moment == "mean"; });
 }
 
-SearchResult search(Problem& problem, const Model& model, const EffectList& own, const Progress& progress) {
+SearchResult search(Problem& problem, const Model& model, const EffectList& own,
+                    const Progress& progress) {
   problem.check_model(model);
   problem.prepare(model);
   return Searcher(problem, model, own, progress).run();

@@ -11,8 +11,10 @@
 namespace seam::measurement {
 namespace {
 
-const std::vector<std::string> kKinds = {"points", "photometry", "joints", "odometry", "landmarks", "ranges", "frames"};
-const std::vector<std::string> kKeys = {"format", "kind", "title", "camera", "noise", "group", "files", "rig", "scene", "detector"};
+const std::vector<std::string> kKinds = {"points",    "photometry", "joints", "odometry",
+                                         "landmarks", "ranges",     "frames"};
+const std::vector<std::string> kKeys = {"format", "kind",  "title", "camera", "noise",
+                                        "group",  "files", "rig",   "scene",  "detector"};
 
 CameraFacts read_camera(const ConfigNode& node) {
   CameraFacts camera;
@@ -53,7 +55,10 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
       if (sigma > 0) set.noise[column] = sigma;
     }
   }
-  set.group = root.text_or("group", set.kind == "ranges" ? "trial" : set.kind == "points" || set.kind == "frames" || set.kind == "photometry" ? "frame" : "run");
+  set.group = root.text_or(
+      "group", set.kind == "ranges"                                                       ? "trial"
+               : set.kind == "points" || set.kind == "frames" || set.kind == "photometry" ? "frame"
+                                                                                          : "run");
   const ConfigNode files = root.at("files");
   for (const std::string& name : files.keys()) set.files[name] = files.at(name).text();
   refuse_misspelt(root, kKeys);
@@ -62,7 +67,8 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
 
 std::filesystem::path MeasurementSet::file(const std::string& name) const {
   const auto found = files.find(name);
-  if (found == files.end()) root.at("files").fail(fmt::format("'{}' is missing: a set of kind {} needs it", name, kind));
+  if (found == files.end())
+    root.at("files").fail(fmt::format("'{}' is missing: a set of kind {} needs it", name, kind));
   return folder / found->second;
 }
 
@@ -87,12 +93,14 @@ std::vector<char> held_out_groups(const std::vector<std::string>& group_ids) {
   }
   std::sort(order.begin(), order.end());
   std::vector<char> held_out(group_ids.size(), 0);
-  const size_t count = static_cast<size_t>(std::ceil(0.3 * static_cast<double>(group_ids.size()) - 1e-9));
+  const size_t count =
+      static_cast<size_t>(std::ceil(0.3 * static_cast<double>(group_ids.size()) - 1e-9));
   for (size_t i = 0; i < count; ++i) held_out[order[i].second] = 1;
   return held_out;
 }
 
-std::vector<int> number_groups(const std::vector<std::string>& values, std::vector<std::string>& names) {
+std::vector<int> number_groups(const std::vector<std::string>& values,
+                               std::vector<std::string>& names) {
   std::unordered_map<std::string, int> number;  // Only looked up, never iterated.
   std::vector<int> groups(values.size());
   for (size_t i = 0; i < values.size(); ++i) {

@@ -28,7 +28,8 @@ struct Column {
 
 std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation) {
   std::vector<Signal> signals;
-  std::vector<std::vector<int>> scalar_of(facts.channels.size(), std::vector<int>(facts.rows(), -1));
+  std::vector<std::vector<int>> scalar_of(facts.channels.size(),
+                                          std::vector<int>(facts.rows(), -1));
   for (size_t i = 0; i < facts.scalars(); ++i) {
     if (evaluation.used[i]) scalar_of[facts.channel_of[i]][facts.row_of[i]] = static_cast<int>(i);
   }
@@ -52,9 +53,11 @@ std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation)
     for (size_t row = 0; row < facts.rows(); ++row) {
       const int a = scalar_of[combined.channel_a][row], b = scalar_of[combined.channel_b][row];
       if (a < 0 || b < 0) continue;
-      signal.z.push_back(combined.weight_a[row] * evaluation.whitened[a] + combined.weight_b[row] * evaluation.whitened[b]);
+      signal.z.push_back(combined.weight_a[row] * evaluation.whitened[a] +
+                         combined.weight_b[row] * evaluation.whitened[b]);
       signal.row.push_back(static_cast<int>(row));
-      sum2 += 0.5 * (evaluation.sigma[a] * evaluation.sigma[a] + evaluation.sigma[b] * evaluation.sigma[b]);
+      sum2 += 0.5 * (evaluation.sigma[a] * evaluation.sigma[a] +
+                     evaluation.sigma[b] * evaluation.sigma[b]);
     }
     if (signal.z.size() < 8) continue;
     signal.sigma = std::sqrt(sum2 / static_cast<double>(signal.z.size()));
@@ -64,7 +67,8 @@ std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation)
 }
 
 // The covariate at the signal's rows, scaled to [-1, 1]; false where it is constant or unknown.
-bool scaled_column(const std::vector<double>& values, const std::vector<int>& rows, std::vector<double>& out) {
+bool scaled_column(const std::vector<double>& values, const std::vector<int>& rows,
+                   std::vector<double>& out) {
   out.resize(rows.size());
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (size_t i = 0; i < rows.size(); ++i) {
@@ -142,23 +146,31 @@ class Tester {
   void keep_strongest() {
     std::vector<Structure> kept;
     for (const Structure& s : found_) {
-      const auto same = [&](const Structure& k) { return k.residual == s.residual && k.moment == s.moment && k.covariate == s.covariate; };
+      const auto same = [&](const Structure& k) {
+        return k.residual == s.residual && k.moment == s.moment && k.covariate == s.covariate;
+      };
       if (std::none_of(kept.begin(), kept.end(), same)) kept.push_back(s);
     }
     found_ = std::move(kept);
   }
 
-  void note(const Signal& signal, const std::string& moment, const std::string& covariate, const NestedTest& test,
-            double rms, double looks = 1) {
+  void note(const Signal& signal, const std::string& moment, const std::string& covariate,
+            const NestedTest& test, double rms, double looks = 1) {
     looks_ += looks;
     double total = 0;
     for (const double z : signal.z) total += z * z;
-    found_.push_back({.residual = signal.name, .moment = moment, .covariate = covariate, .strength = rms * signal.sigma,
-                      .p_value = test.p_value <= 1e-297 ? 1e-300 : std::min(1.0, test.p_value * looks),
-                      .explained = moment == "mean" && total > 0 ? test.explained / total : 0});
+    found_.push_back(
+        {.residual = signal.name,
+         .moment = moment,
+         .covariate = covariate,
+         .strength = rms * signal.sigma,
+         .p_value = test.p_value <= 1e-297 ? 1e-300 : std::min(1.0, test.p_value * looks),
+         .explained = moment == "mean" && total > 0 ? test.explained / total : 0});
   }
 
-  double lost(const Signal& signal) const { return lost_share_ * static_cast<double>(signal.z.size()); }
+  double lost(const Signal& signal) const {
+    return lost_share_ * static_cast<double>(signal.z.size());
+  }
   void test_mean(const Signal& signal);
   void test_products(const Signal& signal);
   void test_order(const Signal& signal);
@@ -213,7 +225,9 @@ void Tester::test_products(const Signal& signal) {
   std::vector<double> a, b, product(signal.z.size()), raw(signal.z.size());
   for (size_t i = 0; i < facts_.covariates.size(); ++i) {
     const Covariate& first = facts_.covariates[i];
-    if (!first.in_products || first.type == Covariate::Type::category || !scaled_column(first.values, signal.row, a)) continue;
+    if (!first.in_products || first.type == Covariate::Type::category ||
+        !scaled_column(first.values, signal.row, a))
+      continue;
     for (size_t j = i + 1; j < facts_.covariates.size(); ++j) {
       const Covariate& second = facts_.covariates[j];
       if (!second.in_products || second.type == Covariate::Type::category) continue;
@@ -236,7 +250,9 @@ void Tester::test_order(const Signal& signal) {
   if (facts_.series_of_row.empty() || facts_.kind == "points") return;
   std::vector<size_t> order(signal.z.size());
   std::iota(order.begin(), order.end(), 0);
-  const auto key = [&](size_t i) { return std::pair(facts_.series_of_row[signal.row[i]], facts_.time_of_row[signal.row[i]]); };
+  const auto key = [&](size_t i) {
+    return std::pair(facts_.series_of_row[signal.row[i]], facts_.time_of_row[signal.row[i]]);
+  };
   std::stable_sort(order.begin(), order.end(), [&](size_t i, size_t j) { return key(i) < key(j); });
   double sum = 0, variance = 0;
   size_t count = 0;
@@ -251,7 +267,8 @@ void Tester::test_order(const Signal& signal) {
   const double score = sum / variance / std::sqrt(static_cast<double>(count));
   const double correlation = std::clamp(sum / variance / static_cast<double>(count), -1.0, 1.0);
   // Estimated nuisances make neighbours slightly opposed: only agreement is a structure.
-  note(signal, "mean", "neighbour", {.p_value = score > 0 ? 0.5 * normal_tail(score) : 1}, std::sqrt(variance * std::max(0.0, correlation)));
+  note(signal, "mean", "neighbour", {.p_value = score > 0 ? 0.5 * normal_tail(score) : 1},
+       std::sqrt(variance * std::max(0.0, correlation)));
 }
 
 // A line in the spectrum over time: the best of many frequencies, counted as that many looks.
@@ -269,7 +286,8 @@ void Tester::test_waves_in_time(const Signal& signal) {
   const double df = 0.5 / span;
   const int count = static_cast<int>(std::min(2000.0, 0.5 / steps[steps.size() / 2] / df));
   if (count < 14) return;
-  double mean = std::accumulate(signal.z.begin(), signal.z.end(), 0.0) / static_cast<double>(signal.z.size());
+  double mean =
+      std::accumulate(signal.z.begin(), signal.z.end(), 0.0) / static_cast<double>(signal.z.size());
   std::vector<double> c(count, 0), s(count, 0);
   for (size_t i = 0; i < times.size(); ++i) {
     const double angle = 2 * maths::kPi * df * (times[i] - distinct.front());
@@ -291,7 +309,8 @@ void Tester::test_waves_in_time(const Signal& signal) {
     const double angle = 2 * maths::kPi * df * (best + 1) * (times[i] - distinct.front());
     wave[0][i] = std::cos(angle), wave[1][i] = std::sin(angle);
   }
-  const NestedTest test = nested_test(signal.z, {std::vector<double>(times.size(), 1)}, wave, lost(signal));
+  const NestedTest test =
+      nested_test(signal.z, {std::vector<double>(times.size(), 1)}, wave, lost(signal));
   note(signal, "mean", "time", test, test.rms, count);
 }
 
@@ -303,8 +322,11 @@ void Tester::test_spread(const Signal& signal) {
   const std::vector<std::vector<double>> constant{std::vector<double>(scores.size(), 1)};
   std::vector<double> x;
   for (const Covariate& covariate : facts_.covariates) {
-    if (covariate.type == Covariate::Type::category || !scaled_column(covariate.values, signal.row, x)) continue;
-    const auto extra = covariate.type == Covariate::Type::sign ? std::vector<std::vector<double>>{x} : slow_basis(x);
+    if (covariate.type == Covariate::Type::category ||
+        !scaled_column(covariate.values, signal.row, x))
+      continue;
+    const auto extra = covariate.type == Covariate::Type::sign ? std::vector<std::vector<double>>{x}
+                                                               : slow_basis(x);
     const NestedTest test = nested_test(scores, constant, extra, lost(signal));
     // A normal score of size s is about a change of the spread by 0.6 s.
     note(signal, "spread", covariate.name, test, 0.6 * test.rms);
@@ -313,7 +335,8 @@ void Tester::test_spread(const Signal& signal) {
 
 }  // namespace
 
-std::vector<Structure> Problem::structure(const Model& model, const Groups& groups, int fitted) const {
+std::vector<Structure> Problem::structure(const Model& model, const Groups& groups,
+                                          int fitted) const {
   const Evaluation evaluation = evaluate(model, groups);
   return Tester(*this, evaluation, fitted).run();
 }

@@ -10,22 +10,28 @@ namespace {
 std::string told(const measurement::AddResult& result) {
   std::string text = result.effect.empty() ? "refitted\n" : "added " + result.effect + "\n";
   for (const auto& [name, value] : result.parameters) {
-    text += fmt::format("  {} = {:.6g}{}\n", name, value.value, value.sigma ? fmt::format(" +- {:.2g}", *value.sigma) : "");
+    text += fmt::format("  {} = {:.6g}{}\n", name, value.value,
+                        value.sigma ? fmt::format(" +- {:.2g}", *value.sigma) : "");
   }
-  return text + fmt::format("error on held-out groups {:.4f} -> {:.4f} (1.0 is the noise)\n", result.error_before, result.error_after);
+  return text + fmt::format("error on held-out groups {:.4f} -> {:.4f} (1.0 is the noise)\n",
+                            result.error_before, result.error_after);
 }
 
 }  // namespace
 
 void add_add(CLI::App& app) {
-  auto* command = app.add_subcommand("add", "Fits an effect to measurements and adds it to a model");
+  auto* command =
+      app.add_subcommand("add", "Fits an effect to measurements and adds it to a model");
   auto flags = std::make_shared<AnalysisFlags>();
   auto effect = std::make_shared<std::string>();
   auto out = std::make_shared<std::string>();
-  command->add_option("EFFECT", *effect, "A name of the catalogue, or a file with effects")->required();
+  command->add_option("EFFECT", *effect, "A name of the catalogue, or a file with effects")
+      ->required();
   add_analysis_flags(*command, *flags, false);
   command->add_option("--out", *out, "The model with the effect")->required();
-  command->footer("Example: seam add rolling_shutter --model nominal.yaml --data sets/points-a --out better.yaml");
+  command->footer(
+      "Example: seam add rolling_shutter --model nominal.yaml --data sets/points-a --out "
+      "better.yaml");
   command->callback([flags, effect, out] {
     const effects::Model model = read_model(flags->model);
     const auto effects = effects_named(*effect);

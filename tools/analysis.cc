@@ -18,7 +18,9 @@ void add_analysis_flags(CLI::App& command, AnalysisFlags& flags, bool with_repor
   if (with_report) command.add_option("--report", flags.report, "Writes the result as a web page");
 }
 
-effects::Model read_model(const std::string& path) { return effects::Model::from_file(path); }
+effects::Model read_model(const std::string& path) {
+  return effects::Model::from_file(path);
+}
 
 void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json) {
   std::fputs(text.c_str(), stdout);
@@ -26,7 +28,8 @@ void tell(const AnalysisFlags& flags, const std::string& text, const std::string
 }
 
 measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags) {
-  return {.command = fmt::format("seam {} --model {} --data {} --report {}", command, flags.model, flags.data, flags.report),
+  return {.command = fmt::format("seam {} --model {} --data {} --report {}", command, flags.model,
+                                 flags.data, flags.report),
           .model_file = flags.model,
           .data_folder = flags.data};
 }
@@ -40,8 +43,11 @@ measurement::Progress progress_to_terminal() {
 
 measurement::EffectList effects_named(const std::string& name_or_file) {
   if (auto effect = effects::find_effect(name_or_file)) return {effect};
-  const bool is_file = name_or_file.find('.') != std::string::npos || name_or_file.find('/') != std::string::npos;
-  if (!is_file) throw InputError(fmt::format("unknown effect '{}'{}", name_or_file, suggestion_for(name_or_file, effects::effect_names())));
+  const bool is_file =
+      name_or_file.find('.') != std::string::npos || name_or_file.find('/') != std::string::npos;
+  if (!is_file)
+    throw InputError(fmt::format("unknown effect '{}'{}", name_or_file,
+                                 suggestion_for(name_or_file, effects::effect_names())));
   const ConfigNode root = ConfigNode::from_file(name_or_file);
   measurement::EffectList list;
   const ConfigNode effects = root.at("effects");
@@ -52,7 +58,8 @@ measurement::EffectList effects_named(const std::string& name_or_file) {
     } else if (auto effect = effects::find_effect(name)) {
       list.push_back(effect);
     } else {
-      effects.fail(fmt::format("unknown effect '{}'{}", name, suggestion_for(name, effects::effect_names())));
+      effects.fail(fmt::format("unknown effect '{}'{}", name,
+                               suggestion_for(name, effects::effect_names())));
     }
   }
   if (list.empty()) effects.fail("found no effects, expected one or more");

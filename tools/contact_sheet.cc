@@ -1,6 +1,6 @@
 // `seam contact-sheet DIR... --out F`: folders of frames (`seam run --frames`) on one sheet, one
-// row a folder, or with --by-robot one frame of each robot; the frames are those taken near the middle of the camera's swing, where it turns
-// fastest.
+// row a folder, or with --by-robot one frame of each robot; the frames are those taken near the
+// middle of the camera's swing, where it turns fastest.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -161,7 +161,8 @@ std::vector<render::Panel> panels_of(const std::string& folder, const Settings& 
     if (i < static_cast<int>(frames.size())) {
       panels.push_back(panel_of(name.empty() ? folder : name, frames[i], settings.enlarge));
     } else {
-      panels.push_back({"", Image{.width_px = 1, .height_px = 1, .channels = 3, .samples = {245, 245, 245}}});
+      panels.push_back(
+          {"", Image{.width_px = 1, .height_px = 1, .channels = 3, .samples = {245, 245, 245}}});
     }
   }
   return panels;
@@ -176,7 +177,8 @@ void add_contact_sheet(CLI::App& app) {
   command->add_option("DIR", settings->folders, "Folders that `seam run --frames` wrote")
       ->required();
   command->add_option("--out", settings->out, "The sheet, a PNG file")->required();
-  command->add_flag("--by-robot", settings->by_robot, "One frame of each robot, in rows of --count");
+  command->add_flag("--by-robot", settings->by_robot,
+                    "One frame of each robot, in rows of --count");
   command->add_option("--count", settings->count, "Frames of each run")
       ->check(CLI::Range(1, 32))
       ->capture_default_str();
