@@ -191,10 +191,12 @@ class EndToEnd(unittest.TestCase):
     def test_a_killed_client_under_each_policy(self):
         for policy, code in (("wait", 1), ("abort", 1), ("freeze", 0)):
             log = self.here / f"{policy}.mcap"
-            path = self.write(scenario(robots=3, duration_s=30 if policy != "freeze" else 6, frames=False,
+            # Long enough that a fast machine is still running when the kill comes.
+            path = self.write(scenario(robots=3, duration_s=100000 if policy != "freeze" else 60, frames=False,
                                        extra=f", silence: {policy}, wall_limit_s: 1"))
             process = self.start("run", path, "--log", log)
             pids = wait_until(lambda: len(behaviours_of(process.pid)) == 3 and behaviours_of(process.pid))
+            os.kill(pids["r1"], signal.SIGSTOP)  # Time stands still now: the kill finds the run in its middle.
             time.sleep(0.2)
             os.kill(pids["r1"], signal.SIGKILL)
             self.assertEqual(process.wait(LIMIT_S), code, policy)
