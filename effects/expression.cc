@@ -14,6 +14,8 @@
 #include "effects/sensor.h"
 #include "sim_core/error.h"
 
+#include <yaml-cpp/yaml.h>
+
 namespace seam::effects {
 namespace {
 

@@ -1,5 +1,7 @@
 #include "effects/model.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "measurement/candidates.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,10 +1,11 @@
 // The default fit: Levenberg-Marquardt on whitened residuals for parameters of the mean, Newton
 // steps on the log-likelihood for parameters of the spread, in turn until neither moves.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "measurement/linear_algebra.h"
 #include "measurement/problem.h"
 
 namespace seam::measurement {
@@ -143,7 +144,7 @@ bool Fitter::fit_mean() {
         }
         scaled(a, a) += damping + 1e-12;
       }
-      const Eigen::VectorXd step = scaled.ldlt().solve(right);
+      const Eigen::VectorXd step = solve_symmetric(scaled, right);
       predicted = 0.5 * step.dot(right);
       Model candidate = model_;
       for (size_t a = 0; a < moving.size(); ++a) {
@@ -235,10 +236,7 @@ Fit Fitter::result(bool converged) {
     // A misfit larger than the noise makes estimates less certain in proportion.
     const Score score = score_of(problem_, here_);
     const double misfit = std::max(1.0, score.error());
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-    const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-13).cwiseInverse();
-    const Eigen::MatrixXd covariance =
-        eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+    const Eigen::MatrixXd covariance = floored_inverse(scaled, 1e-13);
     for (size_t a = 0; a < known.size(); ++a) {
       const size_t i = mean_[known[a]];
       for (size_t b = 0; b < known.size(); ++b) {

@@ -1,11 +1,12 @@
 // The frequency of lamps from rows: each frame's rows give an amplitude at a coarse grid of
 // frequencies; the frames' stamps then sharpen it coherently.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
 #include "effects/timing.h"
+#include "measurement/linear_algebra.h"
 #include "measurement/photometry_starts.h"
 #include "sim_core/maths.h"
 
@@ -55,7 +56,10 @@ RowLight row_light(const PhotometryView& view, const Model& model, const Photome
     }
     const bool waves = timing.line_delay_s != 0;
     Eigen::VectorXd smooth = Eigen::VectorXd::Constant(data.height_px, residual.mean());
-    if (waves) smooth = basis * basis.colPivHouseholderQr().solve(residual);
+    if (waves) {
+      const Eigen::MatrixXd q = column_basis(basis);
+      smooth = q * (q.transpose() * residual);
+    }
     for (const int frame : sum.frames) {
       std::vector<double> relative;
       for (int v = 0; v < data.height_px; ++v) {

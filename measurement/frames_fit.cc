@@ -1,11 +1,12 @@
 // Fits of whole images: renderings are dear, so parameters of the mean take few linear steps, and
 // parameters of the spread, which need none, are sought on the likelihood in between.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "measurement/frames.h"
+#include "measurement/linear_algebra.h"
 #include "measurement/maximise.h"
 
 namespace seam::measurement {
@@ -91,7 +92,7 @@ class FrameFit {
     for (Eigen::Index i = 0; i < count; ++i) scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
     MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
     for (Eigen::Index i = 0; i < count; ++i) unit(i, i) += scale[i] > 0 ? 1e-10 : 1;
-    const MatrixXd covariance = scale.asDiagonal() * unit.inverse() * scale.asDiagonal();
+    const MatrixXd covariance = scale.asDiagonal() * floored_inverse(unit, 1e-13) * scale.asDiagonal();
     for (Eigen::Index i = 0; i < count; ++i) {
       if (scale[i] > 0) fit.sigma[mean_[i]] = std::sqrt(covariance(i, i));
       for (Eigen::Index k = 0; k < count; ++k) fit.covariance[mean_[i] * unknowns_.size() + mean_[k]] = covariance(i, k);
@@ -101,7 +102,7 @@ class FrameFit {
       MatrixXd damped = unit;
       damped.diagonal().array() += damping;
       const VectorXd scaled_right = scale.cwiseProduct(right);
-      const VectorXd scaled = damped.ldlt().solve(scaled_right);
+      const VectorXd scaled = solve_symmetric(damped, scaled_right);
       const double promised = 0.5 * scaled.dot(scaled_right);
       Model candidate = model_;
       for (Eigen::Index i = 0; i < count; ++i) {

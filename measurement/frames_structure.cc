@@ -1,12 +1,13 @@
 // Structure in the residuals of whole images: smooth functions of place, light and time, and of the
 // image's gradients, by which displacement and blur show.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 
 #include "effects/geometry.h"
 #include "measurement/frames.h"
+#include "measurement/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -114,18 +115,20 @@ std::vector<Structure> FramesProblem::structure(const Model& model, const Groups
     VectorXd right = t.segment(block.first, block.count);
     if (fitted > 0) {
       const MatrixXd across = full.block(block.first, features, block.count, fitted);
-      const MatrixXd solved = full.bottomRightCorner(fitted, fitted).completeOrthogonalDecomposition().solve(across.transpose());
+      const MatrixXd solved = solve_any_rank(full.bottomRightCorner(fitted, fitted), across.transpose());
       own -= across * solved;
       right -= solved.transpose() * t.tail(fitted);
     }
-    const auto solver = own.completeOrthogonalDecomposition();
-    judge(block, "mean", right.dot(solver.solve(right)), static_cast<double>(solver.rank()));
+    Eigen::Index rank = 0;
+    const VectorXd solved = solve_any_rank(own, right, &rank);
+    judge(block, "mean", right.dot(solved), static_cast<double>(rank));
   }
   const double scatter = std::max(square / count, 1e-9);
   for (size_t k = 0; k < 4; ++k) {
-    const auto solver = spread.block(blocks[k].first, blocks[k].first, 6, 6).completeOrthogonalDecomposition();
+    Eigen::Index rank = 0;
     const VectorXd right = spread_t.segment(blocks[k].first, 6);
-    judge(blocks[k], "spread", right.dot(solver.solve(right)) / scatter, static_cast<double>(solver.rank()));
+    const VectorXd solved = solve_any_rank(spread.block(blocks[k].first, blocks[k].first, 6, 6), right, &rank);
+    judge(blocks[k], "spread", right.dot(solved) / scatter, static_cast<double>(rank));
   }
   std::stable_sort(found.begin(), found.end(), [](const Structure& a, const Structure& c) { return a.strength > c.strength; });
   return found;

@@ -1,5 +1,5 @@
 // Kind `landmarks`: range and bearing of known landmarks from a moving robot.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <map>

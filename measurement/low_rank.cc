@@ -1,7 +1,9 @@
 #include "measurement/low_rank.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
+
+#include "measurement/linear_algebra.h"
 
 namespace seam::measurement {
 
@@ -16,11 +18,11 @@ void whiten_low_rank(const std::vector<size_t>& scalars, const Eigen::MatrixXd& 
   }
   // With U~ = D^-1/2 U and U~' U~ = V L V': (1 + U~ U~')^-1/2 = 1 - W (1 - (1 + L)^-1/2) W',
   // W = U~ V L^-1/2 orthonormal.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled.transpose() * scaled);
-  for (Eigen::Index c = 0; c < eigen.eigenvalues().size(); ++c) {
-    const double l = eigen.eigenvalues()[c];
+  const SymmetricEigen eigen = symmetric_eigen(scaled.transpose() * scaled);
+  for (Eigen::Index c = 0; c < eigen.values.size(); ++c) {
+    const double l = eigen.values[c];
     if (!(l > 1e-12)) continue;
-    const Eigen::VectorXd w = scaled * eigen.eigenvectors().col(c) / std::sqrt(l);
+    const Eigen::VectorXd w = scaled * eigen.vectors.col(c) / std::sqrt(l);
     z -= w * ((1 - 1 / std::sqrt(1 + l)) * w.dot(z));
     evaluation.log_det[group] += std::log1p(l);
   }

@@ -1,10 +1,12 @@
 #include "measurement/maximise.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "measurement/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -128,13 +130,11 @@ class Search {
         system(i, i) = 1e300;
       }
     }
-    Eigen::LDLT<MatrixXd> solver(system);
-    if (solver.info() != Eigen::Success || !solver.isPositive()) {
-      VectorXd out(n_);
+    VectorXd out(n_);
+    if (!solve_positive(system, gradient_, out)) {
       for (int i = 0; i < n_; ++i) out[i] = gradient_[i] / system(i, i);
-      return out;
     }
-    return solver.solve(gradient_);
+    return out;
   }
 
   void finish(Maximum& out, double here) {
@@ -151,12 +151,7 @@ class Search {
       }
       MatrixXd unit = scale.asDiagonal() * curvature_ * scale.asDiagonal();
       for (int i = 0; i < n_; ++i) if (!free[i]) unit(i, i) = 1;
-      const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit);
-      const VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-10).cwiseInverse();
-      covariance =
-          scale.asDiagonal() *
-          (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) *
-          scale.asDiagonal();
+      covariance = scale.asDiagonal() * floored_inverse(unit, 1e-10) * scale.asDiagonal();
     }
     for (int i = 0; i < n_; ++i) {
       const SearchParameter& p = parameters_[i];

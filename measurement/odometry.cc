@@ -1,9 +1,10 @@
 #include "measurement/odometry.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/linear_algebra.h"
 #include "sim_core/error.h"
 #include "sim_core/maths.h"
 
@@ -146,7 +147,7 @@ void OdometryProblem::fit_start(const WalkRun& run, const std::vector<effects::W
         right += weight * slope * r[channel];
       }
     }
-    const Eigen::Vector3d move = information.ldlt().solve(right);
+    const Eigen::Vector3d move = solve_symmetric(information, right);
     if (!move.allFinite()) break;
     for (int i = 0; i < 3; ++i) start[i] += move[i];
     if (move.squaredNorm() < 1e-20) break;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "effects/registry.h"
+#include "measurement/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -109,7 +110,7 @@ Values linear_start(const PhotometryView& view, const Model& model, const Effect
     }
   }
   for (Eigen::Index k = 0; k < n; ++k) normal(k, k) += 1e-9 * normal(k, k) + 1e-30;
-  const Eigen::VectorXd solution = normal.ldlt().solve(right);
+  const Eigen::VectorXd solution = solve_symmetric(normal, right);
   Values start = neutral;
   for (size_t k = 0; k < neutral.size(); ++k) {
     const auto& p = effect.parameters[k];

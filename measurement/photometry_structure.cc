@@ -4,14 +4,15 @@
 // explain are projected out first, so that estimates made from the same data do not matter.
 #include "measurement/photometry_structure.h"
 
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <functional>
 
 #include "effects/geometry.h"
+#include "measurement/linear_algebra.h"
 #include "sim_core/maths.h"
 
 
@@ -50,14 +51,14 @@ std::pair<double, int> chi2_of(const VectorXd& t, const MatrixXd& c, const Vecto
   for (Eigen::Index i = 0; i < t.size(); ++i) scale[i] = reference[i] > 0 ? 1 / std::sqrt(reference[i]) : 0;
   const MatrixXd unit = scale.asDiagonal() * c * scale.asDiagonal();
   const VectorXd s = scale.cwiseProduct(t);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(unit);
+  const SymmetricEigen eigen = symmetric_eigen(unit);
   double chi2 = 0;
   int freedom = 0;
   for (Eigen::Index i = 0; i < t.size(); ++i) {
     // Directions that the parameters have absorbed are rounding.
-    if (eigen.eigenvalues()[i] < 1e-6) continue;
-    const double along = eigen.eigenvectors().col(i).dot(s);
-    chi2 += along * along / eigen.eigenvalues()[i];
+    if (eigen.values[i] < 1e-6) continue;
+    const double along = eigen.vectors.col(i).dot(s);
+    chi2 += along * along / eigen.values[i];
     ++freedom;
   }
   return {chi2, freedom};
@@ -210,16 +211,14 @@ class MeanTests {
     transform.leftCols(count).setIdentity();
     if (fitted > 0) {
       const MatrixXd normal = gram.bottomRightCorner(fitted, fitted);
-      transform.rightCols(fitted) = -normal.completeOrthogonalDecomposition()
-                                         .solve(gram.bottomLeftCorner(fitted, count))
-                                         .transpose();
+      transform.rightCols(fitted) = -solve_any_rank(normal, gram.bottomLeftCorner(fitted, count)).transpose();
     }
     const VectorXd t = transform * statistic;
     const MatrixXd c = transform * covariance * transform.transpose();
     const auto [chi2, freedom] = chi2_of(t, c, covariance.diagonal().head(count));
     const MatrixXd g = transform * gram * transform.transpose();
     // Explained mean square, without what noise alone explains.
-    const MatrixXd inverse = g.completeOrthogonalDecomposition().pseudoInverse();
+    const MatrixXd inverse = pseudo_inverse(g);
     const double square = std::max(0.0, t.dot(inverse * t) - (inverse * c).trace()) / std::max(weights, 1e-300);
     Test test{.chi2 = chi2, .freedom = freedom};
     test.structure = {.residual = "dn", .moment = "mean", .covariate = covariate, .strength = std::sqrt(square)};

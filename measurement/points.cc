@@ -1,11 +1,12 @@
 // Kind `points`: image positions of known points.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "effects/geometry.h"
 #include "effects/timing.h"
 #include "measurement/kinds.h"
+#include "measurement/linear_algebra.h"
 #include "measurement/low_rank.h"
 #include "measurement/points_data.h"
 #include "measurement/points_noise.h"
@@ -352,8 +353,7 @@ std::vector<std::vector<double>> PointsProblem::jacobian(const Model& model,
     if (!pose_residuals(projection, seen, X_CW, base, &derivatives)) continue;
     const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>> pose(
         derivatives.data(), base.size(), 6);
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(pose);
-    const Eigen::MatrixXd basis = Eigen::MatrixXd(qr.householderQ()).leftCols(qr.rank());
+    const Eigen::MatrixXd basis = column_basis(pose);
     for (size_t p = 0; p < unknowns.size(); ++p) {
       if (!pose_residuals(moved[p], seen, X_CW, there, nullptr)) continue;
       Eigen::VectorXd column(base.size());

@@ -1,9 +1,10 @@
 #include "measurement/points_noise.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/linear_algebra.h"
 #include "measurement/robust.h"
 
 namespace seam::measurement {
@@ -12,9 +13,7 @@ namespace {
 // Residuals of the least-squares fit of y by the columns of A, scaled by 1 / sqrt(1 - leverage) so
 // that each has the variance of the noise.
 Eigen::VectorXd studentised(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
-  const Eigen::MatrixXd Q =
-      Eigen::MatrixXd(qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), qr.rank()));
+  const Eigen::MatrixXd Q = column_basis(A);
   Eigen::VectorXd r = y - Q * (Q.transpose() * y);
   for (Eigen::Index i = 0; i < r.size(); ++i)
     r[i] /= std::sqrt(std::max(0.05, 1 - Q.row(i).squaredNorm()));

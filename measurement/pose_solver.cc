@@ -1,7 +1,9 @@
 #include "measurement/pose_solver.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <cmath>
+
+#include "measurement/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -13,12 +15,8 @@ Pose moved(const Pose& X_CW, const Eigen::Matrix<double, 6, 1>& step) {
   return {R * X_CW.R, R * X_CW.p + Vec3(step[3], step[4], step[5])};
 }
 
-// The nearest rotation to three approximate columns.
-Mat3 nearest_rotation(const Eigen::Matrix3d& m) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
-  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d r = svd.matrixU() * flip * svd.matrixV().transpose();
+Mat3 as_rotation(const Eigen::Matrix3d& approximate) {
+  const Eigen::Matrix3d r = nearest_rotation(approximate);
   Mat3 out;
   for (int c = 0; c < 3; ++c) {
     for (int row = 0; row < 3; ++row) out[c][row] = r(row, c);
@@ -43,8 +41,8 @@ Eigen::Matrix3d homography(const std::vector<Eigen::Vector2d>& plane, const std:
     second << 0, 0, 0, a, b, 1, -y * a, -y * b, -y;
     normal += weight * (first * first.transpose() + second * second.transpose());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(normal);
-  const Eigen::Matrix<double, 9, 1> h = eigen.eigenvectors().col(0);
+  const SymmetricEigen eigen = symmetric_eigen(normal);
+  const Eigen::Matrix<double, 9, 1> h = eigen.vectors.col(0);
   Eigen::Matrix3d H;
   H << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
   return H;
@@ -53,7 +51,7 @@ Eigen::Matrix3d homography(const std::vector<Eigen::Vector2d>& plane, const std:
 Pose from_columns(const Eigen::Matrix3d& R_CP, const Eigen::Vector3d& t, const Eigen::Matrix3d& basis,
                   const Eigen::Vector3d& centre) {
   // X_CW = X_CP * X_PW, the plane's frame P having the basis' columns and the centre as origin.
-  const Mat3 R = nearest_rotation(R_CP * basis.transpose());
+  const Mat3 R = as_rotation(R_CP * basis.transpose());
   const Vec3 c(centre[0], centre[1], centre[2]);
   return {R, Vec3(t[0], t[1], t[2]) - R * c};
 }
@@ -73,14 +71,14 @@ bool initial_pose(const effects::Projection& projection, const std::vector<Sight
   centre /= static_cast<double>(rays.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Ray& ray : rays) scatter += (ray.point - centre) * (ray.point - centre).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
-  const double size = std::sqrt(eigen.eigenvalues()[2] / static_cast<double>(rays.size()));
-  if (!(eigen.eigenvalues()[1] > 1e-9 * eigen.eigenvalues()[2])) return false;  // In a line.
+  const SymmetricEigen eigen = symmetric_eigen(scatter);
+  const double size = std::sqrt(eigen.values[2] / static_cast<double>(rays.size()));
+  if (!(eigen.values[1] > 1e-9 * eigen.values[2])) return false;  // In a line.
   Eigen::Matrix3d basis;
-  basis.col(0) = eigen.eigenvectors().col(2);
-  basis.col(1) = eigen.eigenvectors().col(1);
+  basis.col(0) = eigen.vectors.col(2);
+  basis.col(1) = eigen.vectors.col(1);
   basis.col(2) = basis.col(0).cross(basis.col(1));
-  if (eigen.eigenvalues()[0] < 1e-8 * eigen.eigenvalues()[2]) {
+  if (eigen.values[0] < 1e-8 * eigen.values[2]) {
     std::vector<Eigen::Vector2d> plane;
     for (const Ray& ray : rays) plane.push_back((basis.leftCols<2>().transpose() * (ray.point - centre)) / size);
     Eigen::Matrix3d H = homography(plane, rays);
@@ -104,12 +102,12 @@ bool initial_pose(const effects::Projection& projection, const std::vector<Sight
     second << Eigen::Vector4d::Zero(), p, -ray.y * p;
     normal += first * first.transpose() + second * second.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 12, 12>> dlt(normal);
-  const Eigen::Matrix<double, 12, 1> h = dlt.eigenvectors().col(0);
+  const SymmetricEigen dlt = symmetric_eigen(normal);
+  const Eigen::Matrix<double, 12, 1> h = dlt.vectors.col(0);
   Eigen::Matrix<double, 3, 4> P;
   P << h.segment<4>(0).transpose(), h.segment<4>(4).transpose(), h.segment<4>(8).transpose();
   P.leftCols<3>() /= size;
-  double scale = std::cbrt(std::abs(P.leftCols<3>().determinant()));
+  double scale = std::cbrt(std::abs(P.col(0).cross(P.col(1)).dot(P.col(2))));
   if (!(scale > 0)) return false;
   if (P(2, 3) < 0) scale = -scale;
   P /= scale;
@@ -178,7 +176,7 @@ bool refine_pose(const effects::Projection& projection, const std::vector<Sighti
     for (int attempt = 0; attempt < 10 && !accepted; ++attempt) {
       Eigen::Matrix<double, 6, 6> damped = hessian;
       damped.diagonal() *= 1 + damping;
-      const Eigen::Matrix<double, 6, 1> step = -damped.ldlt().solve(gradient);
+      const Eigen::Matrix<double, 6, 1> step = -solve_symmetric(damped, gradient);
       if (!step.allFinite()) return false;
       const double predicted = -0.5 * step.dot(gradient);
       if (predicted < 1e-11 * (1 + cost)) return true;

@@ -1,12 +1,14 @@
 #include "measurement/regression.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <numeric>
+
+#include "measurement/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -20,12 +22,12 @@ double explained_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& moments,
   if (count == 0) return 0;
   const Eigen::VectorXd scale = gram.diagonal().head(count).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * gram.topLeftCorner(count, count) * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const Eigen::VectorXd along = eigen.eigenvectors().transpose() * (scale.asDiagonal() * moments.head(count));
+  const SymmetricEigen eigen = symmetric_eigen(scaled);
+  const Eigen::VectorXd along = eigen.vectors.transpose() * (scale.asDiagonal() * moments.head(count));
   double sum = 0;
   for (Eigen::Index i = 0; i < count; ++i) {
-    if (eigen.eigenvalues()[i] < 1e-9) continue;
-    sum += along[i] * along[i] / eigen.eigenvalues()[i];
+    if (eigen.values[i] < 1e-9) continue;
+    sum += along[i] * along[i] / eigen.values[i];
     ++rank;
   }
   return sum;

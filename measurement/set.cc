@@ -50,7 +50,7 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
   if (const auto noise = root.find("noise"); noise && noise->is_map()) {
     for (const std::string& column : noise->keys()) {
       const ConfigNode value = noise->at(column);
-      if (value.yaml().IsNull()) continue;
+      if (value.is_null()) continue;
       const double sigma = value.number({0, 1e300});
       if (sigma > 0) set.noise[column] = sigma;
     }

@@ -1,9 +1,11 @@
 #include "measurement/wide_fit.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "measurement/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -194,7 +196,7 @@ void WideFitter::levenberg_marquardt() {
           damped(i, i) *= 1 + damping;
         }
       }
-      const Vector step = damped.ldlt().solve(right);
+      const Vector step = solve_symmetric(damped, right);
       Vector z = z_ + step;
       for (size_t i = 0; i < coordinates_.size(); ++i) z[i] = std::clamp(z[i], coordinates_[i].min, coordinates_[i].max);
       if (!step.allFinite() || z == z_) break;
@@ -322,9 +324,7 @@ Fit WideFitter::result() {
     }
     const Vector scale = information.diagonal().cwiseSqrt();
     const Eigen::MatrixXd unit = scale.cwiseInverse().asDiagonal() * information * scale.cwiseInverse().asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit);
-    const Vector inverse = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-    Eigen::MatrixXd covariance = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+    Eigen::MatrixXd covariance = floored_inverse(unit, 1e-12);
     covariance = scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
     // A misfit larger than the noise makes estimates less certain in proportion.
     const double misfit = std::max(1.0, score_of(problem_, here_).error());

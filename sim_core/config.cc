@@ -1,5 +1,7 @@
 #include "sim_core/config.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -51,12 +53,17 @@ void refuse_hostile_nesting(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-ConfigNode::ConfigNode(YAML::Node node, std::string file, std::string path, int line_of_parent)
-    : node_(std::move(node)),
+ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string path, int line_of_parent)
+    : node_(std::make_shared<const YAML::Node>(node)),
       file_(std::move(file)),
       path_(std::move(path)),
       line_of_parent_(line_of_parent),
       asked_(std::make_shared<std::set<std::string>>()) {}
+
+bool ConfigNode::is_map() const { return node_->IsMap(); }
+bool ConfigNode::is_list() const { return node_->IsSequence(); }
+bool ConfigNode::is_scalar() const { return node_->IsScalar(); }
+bool ConfigNode::is_null() const { return node_->IsNull(); }
 
 ConfigNode ConfigNode::from_file(const std::filesystem::path& path) {
   return from_text(read_file(path, kMaxConfigBytes), path.string());
@@ -66,7 +73,7 @@ ConfigNode ConfigNode::from_text(const std::string& text, const std::string& nam
   refuse_hostile_nesting(text, name);
   try {
     ConfigNode root(YAML::Load(text), name, "", 1);
-    if (!root.node_.IsDefined() || root.node_.IsNull()) root.fail("the file is empty");
+    if (!root.node_->IsDefined() || root.node_->IsNull()) root.fail("the file is empty");
     return root;
   } catch (const YAML::Exception& error) {
     throw InputError(fmt::format("{}:{}: {}", name, error.mark.line + 1, error.msg));
@@ -74,7 +81,7 @@ ConfigNode ConfigNode::from_text(const std::string& text, const std::string& nam
 }
 
 int ConfigNode::line() const {
-  const YAML::Mark mark = node_.Mark();
+  const YAML::Mark mark = node_->Mark();
   return mark.line >= 0 ? mark.line + 1 : line_of_parent_;
 }
 
@@ -87,14 +94,14 @@ void ConfigNode::fail(const std::string& message) const {
 }
 
 bool ConfigNode::has(const std::string& key) const {
-  if (!node_.IsMap()) fail("expected a map of keys to values");
+  if (!node_->IsMap()) fail("expected a map of keys to values");
   asked_->insert(key);
-  return node_[key].IsDefined() && !node_[key].IsNull();
+  return (*node_)[key].IsDefined() && !(*node_)[key].IsNull();
 }
 
 std::optional<ConfigNode> ConfigNode::find(const std::string& key) const {
   if (!has(key)) return std::nullopt;
-  return ConfigNode(node_[key], file_, path_.empty() ? key : path_ + "." + key, line());
+  return ConfigNode((*node_)[key], file_, path_.empty() ? key : path_ + "." + key, line());
 }
 
 ConfigNode ConfigNode::at(const std::string& key) const {
@@ -104,9 +111,9 @@ ConfigNode ConfigNode::at(const std::string& key) const {
 }
 
 std::vector<std::string> ConfigNode::keys() const {
-  if (!node_.IsMap()) fail("expected a map of keys to values");
+  if (!node_->IsMap()) fail("expected a map of keys to values");
   std::vector<std::string> keys;
-  for (const auto& entry : node_) {
+  for (const auto& entry : *node_) {
     if (!entry.first.IsScalar()) fail("expected plain words as keys");
     keys.push_back(entry.first.Scalar());
   }
@@ -119,29 +126,29 @@ void ConfigNode::finish() const {
     if (!seen.insert(key).second) fail(fmt::format("key '{}' stands twice", key));
     if (asked_->contains(key)) continue;
     const std::vector<std::string> known(asked_->begin(), asked_->end());
-    const auto value = ConfigNode(node_[key], file_, path_, line());
+    const auto value = ConfigNode((*node_)[key], file_, path_, line());
     value.fail(fmt::format("unknown key '{}'{}", key, suggestion_for(key, known)));
   }
 }
 
 std::vector<ConfigNode> ConfigNode::items() const {
-  if (!node_.IsSequence()) fail("expected a list");
+  if (!node_->IsSequence()) fail("expected a list");
   std::vector<ConfigNode> items;
-  for (size_t i = 0; i < node_.size(); ++i) {
-    items.push_back(ConfigNode(node_[i], file_, fmt::format("{}[{}]", path_, i), line()));
+  for (size_t i = 0; i < node_->size(); ++i) {
+    items.push_back(ConfigNode((*node_)[i], file_, fmt::format("{}[{}]", path_, i), line()));
   }
   return items;
 }
 
 double ConfigNode::number() const {
   double value = 0;
-  if (!node_.IsScalar()) fail("expected a number");
+  if (!node_->IsScalar()) fail("expected a number");
   try {
-    value = node_.as<double>();
+    value = node_->as<double>();
   } catch (const YAML::Exception&) {
-    fail(fmt::format("found '{}', expected a number", node_.Scalar()));
+    fail(fmt::format("found '{}', expected a number", node_->Scalar()));
   }
-  if (!std::isfinite(value)) fail(fmt::format("found '{}', expected a finite number", node_.Scalar()));
+  if (!std::isfinite(value)) fail(fmt::format("found '{}', expected a finite number", node_->Scalar()));
   return value;
 }
 
@@ -154,8 +161,8 @@ double ConfigNode::number(Range range) const {
 }
 
 int64_t ConfigNode::integer(int64_t min, int64_t max) const {
-  if (!node_.IsScalar()) fail("expected a whole number");
-  const std::string& text = node_.Scalar();
+  if (!node_->IsScalar()) fail("expected a whole number");
+  const std::string& text = node_->Scalar();
   int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
@@ -169,15 +176,15 @@ int64_t ConfigNode::integer(int64_t min, int64_t max) const {
 
 bool ConfigNode::boolean() const {
   try {
-    return node_.as<bool>();
+    return node_->as<bool>();
   } catch (const YAML::Exception&) {
     fail("expected true or false");
   }
 }
 
 std::string ConfigNode::text() const {
-  if (!node_.IsScalar()) fail("expected text");
-  return node_.Scalar();
+  if (!node_->IsScalar()) fail("expected text");
+  return node_->Scalar();
 }
 
 size_t ConfigNode::choice(const std::vector<std::string>& words) const {

@@ -2,8 +2,6 @@
 // asked for is an error (`finish`), so a misspelt parameter is found at the door.
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -12,6 +10,10 @@
 #include <vector>
 
 #include "sim_core/pose.h"
+
+namespace YAML {
+class Node;
+}
 
 namespace seam {
 
@@ -27,9 +29,10 @@ class ConfigNode {
   static ConfigNode from_file(const std::filesystem::path& path);
   static ConfigNode from_text(const std::string& text, const std::string& name);
 
-  bool is_map() const { return node_.IsMap(); }
-  bool is_list() const { return node_.IsSequence(); }
-  bool is_scalar() const { return node_.IsScalar(); }
+  bool is_map() const;
+  bool is_list() const;
+  bool is_scalar() const;
+  bool is_null() const;
 
   // Maps. `at` throws when the key is missing; both mark the key as known.
   bool has(const std::string& key) const;
@@ -64,12 +67,13 @@ class ConfigNode {
   std::string where() const;
   const std::string& file() const { return file_; }
   int line() const;
-  const YAML::Node& yaml() const { return node_; }
+  const YAML::Node& yaml() const { return *node_; }
 
  private:
-  ConfigNode(YAML::Node node, std::string file, std::string path, int line_of_parent);
+  ConfigNode(const YAML::Node& node, std::string file, std::string path, int line_of_parent);
 
-  YAML::Node node_;
+  // Behind a pointer, so that the files that read configuration need not compile the parser's headers.
+  std::shared_ptr<const YAML::Node> node_;
   std::string file_;
   std::string path_;
   int line_of_parent_ = 0;

@@ -1,5 +1,7 @@
 #include "sim_core/config_table.h"
 
+#include <yaml-cpp/yaml.h>
+
 #include <fmt/format.h>
 
 #include <cmath>
