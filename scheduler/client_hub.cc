@@ -1,6 +1,7 @@
 #include "scheduler/client_hub.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim_core/error.h"
 

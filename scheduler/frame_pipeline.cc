@@ -1,6 +1,7 @@
 #include "scheduler/frame_pipeline.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim_core/error.h"
 
