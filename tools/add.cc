@@ -19,20 +19,20 @@ std::string told(const measurement::AddResult& result) {
 
 }  // namespace
 
-void add_add(CLI::App& app) {
-  auto* command =
+void add_add(Command app) {
+  Command command =
       app.add_subcommand("add", "Fits an effect to measurements and adds it to a model");
   auto flags = std::make_shared<AnalysisFlags>();
   auto effect = std::make_shared<std::string>();
   auto out = std::make_shared<std::string>();
-  command->add_option("EFFECT", *effect, "A name of the catalogue, or a file with effects")
-      ->required();
-  add_analysis_flags(*command, *flags, false);
-  command->add_option("--out", *out, "The model with the effect")->required();
-  command->footer(
+  command.add_option("EFFECT", *effect, "A name of the catalogue, or a file with effects")
+      .required();
+  add_analysis_flags(command, *flags, false);
+  command.add_option("--out", *out, "The model with the effect").required();
+  command.footer(
       "Example: seam add rolling_shutter --model nominal.yaml --data sets/points-a --out "
       "better.yaml");
-  command->callback([flags, effect, out] {
+  command.callback([flags, effect, out] {
     const effects::Model model = read_model(flags->model);
     const auto effects = effects_named(*effect);
     const auto problem = measurement::open_problem(flags->data);
@@ -42,14 +42,14 @@ void add_add(CLI::App& app) {
   });
 }
 
-void add_fit(CLI::App& app) {
-  auto* command = app.add_subcommand("fit", "Refits the parameters that a model has");
+void add_fit(Command app) {
+  Command command = app.add_subcommand("fit", "Refits the parameters that a model has");
   auto flags = std::make_shared<AnalysisFlags>();
   auto out = std::make_shared<std::string>();
-  add_analysis_flags(*command, *flags, false);
-  command->add_option("--out", *out, "The refitted model")->required();
-  command->footer("Example: seam fit --model better.yaml --data sets/points-a --out refitted.yaml");
-  command->callback([flags, out] {
+  add_analysis_flags(command, *flags, false);
+  command.add_option("--out", *out, "The refitted model").required();
+  command.footer("Example: seam fit --model better.yaml --data sets/points-a --out refitted.yaml");
+  command.callback([flags, out] {
     const effects::Model model = read_model(flags->model);
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::refit_all(*problem, model);

@@ -11,9 +11,9 @@
 
 namespace seam::tools {
 
-void add_analysis_flags(CLI::App& command, AnalysisFlags& flags, bool with_report) {
-  command.add_option("--model", flags.model, "The model (seam-model/1)")->required();
-  command.add_option("--data", flags.data, "The folder of the measurement set")->required();
+void add_analysis_flags(Command command, AnalysisFlags& flags, bool with_report) {
+  command.add_option("--model", flags.model, "The model (seam-model/1)").required();
+  command.add_option("--data", flags.data, "The folder of the measurement set").required();
   command.add_option("--json", flags.json, "Writes the result as JSON");
   if (with_report) command.add_option("--report", flags.report, "Writes the result as a web page");
 }

@@ -1,12 +1,12 @@
 // What the analysis commands (compare, diagnose, add, fit, discover) share.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "measurement/report_data.h"
 #include "measurement/results.h"
+#include "tools/command_line.h"
 
 namespace seam::tools {
 
@@ -18,7 +18,7 @@ struct AnalysisFlags {
 };
 
 // --model, --data and --json; --report where wanted.
-void add_analysis_flags(CLI::App& command, AnalysisFlags& flags, bool with_report);
+void add_analysis_flags(Command command, AnalysisFlags& flags, bool with_report);
 
 effects::Model read_model(const std::string& path);
 

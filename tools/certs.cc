@@ -106,23 +106,23 @@ std::string alternative_names(const std::vector<std::string>& hosts) {
 
 }  // namespace
 
-void add_certs(CLI::App& app) {
+void add_certs(Command app) {
   struct Options {
     std::string folder;
     std::vector<std::string> hosts;
     int days = 365;
   };
   auto options = std::make_shared<Options>();
-  auto* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "certs", "Makes a test set of certificates: a CA, a server's and a client's");
-  command->add_option("DIR", options->folder, "Where ca, server, client .pem and .key go")->required();
-  command->add_option("--host", options->hosts,
+  command.add_option("DIR", options->folder, "Where ca, server, client .pem and .key go").required();
+  command.add_option("--host", options->hosts,
                       "A name or address of the server beside localhost; may be given several times");
-  command->add_option("--days", options->days, "How long they are good")
-      ->check(CLI::Range(1, 3650))
-      ->capture_default_str();
-  command->footer("Example:\n  seam certs certs --host 10.0.0.1");
-  command->callback([options] {
+  command.add_option("--days", options->days, "How long they are good")
+      .range(1, 3650)
+      .show_default();
+  command.footer("Example:\n  seam certs certs --host 10.0.0.1");
+  command.callback([options] {
     std::error_code error;
     std::filesystem::create_directories(options->folder, error);
     if (error) throw InputError(fmt::format("{}: {}", options->folder, error.message()));

@@ -23,11 +23,11 @@ void check_scenario(const std::string& file) {
 
 }  // namespace
 
-void add_check(CLI::App& app) {
-  auto* command = app.add_subcommand("check", "Validates a scenario, model, scene or measurement set");
+void add_check(Command app) {
+  Command command = app.add_subcommand("check", "Validates a scenario, model, scene or measurement set");
   auto file = std::make_shared<std::string>();
-  command->add_option("FILE", *file, "The file")->required();
-  command->callback([file] {
+  command.add_option("FILE", *file, "The file").required();
+  command.callback([file] {
     const ConfigNode root = ConfigNode::from_file(*file);
     const std::string format = root.at("format").text();
     if (format == "seam-model/1") {

@@ -10,7 +10,7 @@
 
 namespace seam::tools {
 
-void add_colour_table(CLI::App& app) {
+void add_colour_table(Command app) {
   struct Settings {
     std::string scenario;
     std::string robot;
@@ -20,25 +20,25 @@ void add_colour_table(CLI::App& app) {
     double outliers = 0.005;
     SimulatorOptions simulator;
   };
-  auto* command = app.add_subcommand(
+  Command command = app.add_subcommand(
       "colour-table", "Makes a colour detection table from frames whose labels are known");
   auto settings = std::make_shared<Settings>();
-  command->add_option("SCENARIO", settings->scenario, "A seam-scenario/1 file")->required();
-  command->add_option("--robot", settings->robot, "Whose camera looks")->required();
-  command->add_option("--out", settings->out, "The seam-colour-table/1 file to write")->required();
-  command->add_option("--from", settings->from_s, "Simulated seconds: the first frame")
-      ->check(CLI::Range(0.0, 1e6));
-  command->add_option("--to", settings->to_s, "Simulated seconds: the last frame")
-      ->check(CLI::Range(0.0, 1e6));
+  command.add_option("SCENARIO", settings->scenario, "A seam-scenario/1 file").required();
+  command.add_option("--robot", settings->robot, "Whose camera looks").required();
+  command.add_option("--out", settings->out, "The seam-colour-table/1 file to write").required();
+  command.add_option("--from", settings->from_s, "Simulated seconds: the first frame")
+      .range(0.0, 1e6);
+  command.add_option("--to", settings->to_s, "Simulated seconds: the last frame")
+      .range(0.0, 1e6);
   command
-      ->add_option("--outliers", settings->outliers,
+      .add_option("--outliers", settings->outliers,
                    "Part of a colour's pixels left outside on each side")
-      ->check(CLI::Range(0.0, 0.2));
-  command->add_option("--model", settings->simulator.models,
+      .range(0.0, 0.2);
+  command.add_option("--model", settings->simulator.models,
                       "[ROBOT=]FILE: another camera model than the scenario's");
-  command->footer(
+  command.footer(
       "Example: seam colour-table scenarios/head_swing.yaml --robot red1 --to 2 --out table.yaml");
-  command->callback([settings] {
+  command.callback([settings] {
     if (settings->to_s < settings->from_s)
       throw UsageError("--to: expected a time that is not before --from");
     render::ColourTableMaker maker;

@@ -2,7 +2,8 @@
 // flags and examples. A command throws UsageError (exit code 2) or InputError (exit code 1).
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "tools/command_line.h"
+
 
 namespace seam::tools {
 
@@ -30,7 +31,7 @@ namespace seam::tools {
   X(serve)          \
   X(view)
 
-#define SEAM_DECLARE(name) void add_##name(CLI::App& app);
+#define SEAM_DECLARE(name) void add_##name(Command app);
 SEAM_COMMANDS(SEAM_DECLARE)
 #undef SEAM_DECLARE
 

@@ -6,12 +6,12 @@
 
 namespace seam::tools {
 
-void add_compare(CLI::App& app) {
-  auto* command = app.add_subcommand("compare", "Holds a model against measurements and says where it fails");
+void add_compare(Command app) {
+  Command command = app.add_subcommand("compare", "Holds a model against measurements and says where it fails");
   auto flags = std::make_shared<AnalysisFlags>();
-  add_analysis_flags(*command, *flags, true);
-  command->footer("Example: seam compare --model nominal.yaml --data sets/points-a --json compare.json");
-  command->callback([flags] {
+  add_analysis_flags(command, *flags, true);
+  command.footer("Example: seam compare --model nominal.yaml --data sets/points-a --json compare.json");
+  command.callback([flags] {
     const effects::Model model = read_model(flags->model);
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::compare(*problem, model);

@@ -6,14 +6,14 @@
 
 namespace seam::tools {
 
-void add_diagnose(CLI::App& app) {
-  auto* command = app.add_subcommand("diagnose", "Names the effect that a model lacks, or says that none is missing");
+void add_diagnose(Command app) {
+  Command command = app.add_subcommand("diagnose", "Names the effect that a model lacks, or says that none is missing");
   auto flags = std::make_shared<AnalysisFlags>();
   auto candidates = std::make_shared<std::string>();
-  add_analysis_flags(*command, *flags, true);
-  command->add_option("--candidates", *candidates, "A file with effects of your own, tried beside the catalogue");
-  command->footer("Example: seam diagnose --model nominal.yaml --data sets/points-a");
-  command->callback([flags, candidates] {
+  add_analysis_flags(command, *flags, true);
+  command.add_option("--candidates", *candidates, "A file with effects of your own, tried beside the catalogue");
+  command.footer("Example: seam diagnose --model nominal.yaml --data sets/points-a");
+  command.callback([flags, candidates] {
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
     const auto problem = measurement::open_problem(flags->data);

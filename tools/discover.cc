@@ -6,16 +6,16 @@
 
 namespace seam::tools {
 
-void add_discover(CLI::App& app) {
-  auto* command = app.add_subcommand("discover", "Adds effects until the model is adequate or nothing known helps");
+void add_discover(Command app) {
+  Command command = app.add_subcommand("discover", "Adds effects until the model is adequate or nothing known helps");
   auto flags = std::make_shared<AnalysisFlags>();
   auto out = std::make_shared<std::string>();
   auto candidates = std::make_shared<std::string>();
-  add_analysis_flags(*command, *flags, true);
-  command->add_option("--out", *out, "The model found")->required();
-  command->add_option("--candidates", *candidates, "A file with effects of your own, tried beside the catalogue");
-  command->footer("Example: seam discover --model nominal.yaml --data sets/points-a --out found.yaml");
-  command->callback([flags, out, candidates] {
+  add_analysis_flags(command, *flags, true);
+  command.add_option("--out", *out, "The model found").required();
+  command.add_option("--candidates", *candidates, "A file with effects of your own, tried beside the catalogue");
+  command.footer("Example: seam discover --model nominal.yaml --data sets/points-a --out found.yaml");
+  command.callback([flags, out, candidates] {
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
     const auto problem = measurement::open_problem(flags->data);

@@ -8,14 +8,14 @@
 
 namespace seam::tools {
 
-void add_effects(CLI::App& app) {
-  auto* command = app.add_subcommand("effects", "The catalogue of physical effects, with help and examples");
+void add_effects(Command app) {
+  Command command = app.add_subcommand("effects", "The catalogue of physical effects, with help and examples");
   auto name = std::make_shared<std::string>();
   auto markdown = std::make_shared<bool>(false);
-  command->add_option("NAME", *name, "One effect");
-  command->add_flag("--markdown", *markdown, "The whole catalogue as a page (docs/effects.md)");
-  command->footer("Example: seam effects rolling_shutter");
-  command->callback([name, markdown] {
+  command.add_option("NAME", *name, "One effect");
+  command.add_flag("--markdown", *markdown, "The whole catalogue as a page (docs/effects.md)");
+  command.footer("Example: seam effects rolling_shutter");
+  command.callback([name, markdown] {
     if (*markdown) {
       std::fputs(effects::catalogue_markdown().c_str(), stdout);
     } else if (name->empty()) {

@@ -8,28 +8,28 @@
 namespace seam::tools {
 namespace {
 
-void add_one(CLI::App& parent, const std::string& name, const std::string& help,
+void add_one(Command parent, const std::string& name, const std::string& help,
              const std::function<void(const ExperimentOptions&)>& experiment) {
-  auto* command = parent.add_subcommand(name, help);
+  Command command = parent.add_subcommand(name, help);
   auto options = std::make_shared<ExperimentOptions>();
   options->folder = "out/" + name;
   options->parallel = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  command->add_option("--out", options->folder, "Folder for runs, tables and plots")->capture_default_str();
-  command->add_option("--json", options->json_file, "Write the results here as JSON");
-  command->add_option("--seeds", options->seeds, "Independent repetitions")->check(CLI::Range(1, 1000))->capture_default_str();
-  command->add_option("--jobs", options->parallel, "Runs at a time")->check(CLI::Range(1, 256))->capture_default_str();
-  command->add_flag("--quick", options->quick, "A small form: few poses, one seed");
-  command->callback([options, experiment] { experiment(*options); });
+  command.add_option("--out", options->folder, "Folder for runs, tables and plots").show_default();
+  command.add_option("--json", options->json_file, "Write the results here as JSON");
+  command.add_option("--seeds", options->seeds, "Independent repetitions").range(1, 1000).show_default();
+  command.add_option("--jobs", options->parallel, "Runs at a time").range(1, 256).show_default();
+  command.add_flag("--quick", options->quick, "A small form: few poses, one seed");
+  command.callback([options, experiment] { experiment(*options); });
 }
 
 }  // namespace
 
-void add_experiment(CLI::App& app) {
-  auto* command = app.add_subcommand("experiment", "Repeats the founding paper's experiments");
-  command->require_subcommand(1);
-  add_one(*command, "ball-distance", "Section 5.1: distance to a ball, mean and deviation", ball_distance_experiment);
-  add_one(*command, "localization", "Section 5.2: localisation at 36 poses, Table 1", localization_experiment);
-  add_one(*command, "head-swing-bias", "What locking frames to the head's swing does", head_swing_bias_experiment);
+void add_experiment(Command app) {
+  Command command = app.add_subcommand("experiment", "Repeats the founding paper's experiments");
+  command.require_subcommand();
+  add_one(command, "ball-distance", "Section 5.1: distance to a ball, mean and deviation", ball_distance_experiment);
+  add_one(command, "localization", "Section 5.2: localisation at 36 poses, Table 1", localization_experiment);
+  add_one(command, "head-swing-bias", "What locking frames to the head's swing does", head_swing_bias_experiment);
 }
 
 }  // namespace seam::tools

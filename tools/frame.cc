@@ -101,29 +101,29 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_frame(CLI::App& app) {
-  auto* command =
+void add_frame(Command app) {
+  Command command =
       app.add_subcommand("frame", "One frame of a robot's camera, with every stage of its making");
   auto settings = std::make_shared<Settings>();
-  command->add_option("SCENARIO", settings->scenario, "A seam-scenario/1 file")->required();
-  command->add_option("--robot", settings->robot, "Whose camera")->required();
+  command.add_option("SCENARIO", settings->scenario, "A seam-scenario/1 file").required();
+  command.add_option("--robot", settings->robot, "Whose camera").required();
   command
-      ->add_option("--at", settings->at_s,
+      .add_option("--at", settings->at_s,
                    "Simulated seconds: the first frame of the camera's clock from then on")
-      ->required()
-      ->check(CLI::Range(0.0, 1e6));
-  command->add_option("--out", settings->out, "The frame, a PNG file")->required();
-  command->add_option("--stages", settings->stages,
+      .required()
+      .range(0.0, 1e6);
+  command.add_option("--out", settings->out, "The frame, a PNG file").required();
+  command.add_option("--stages", settings->stages,
                       "Folder for the stages, the ground truth and a contact sheet");
-  command->add_option("--colour-table", settings->table,
+  command.add_option("--colour-table", settings->table,
                       "A seam-colour-table/1 file for the colour stage");
-  command->add_option("--model", settings->simulator.models,
+  command.add_option("--model", settings->simulator.models,
                       "[ROBOT=]FILE: another camera model than the scenario's");
-  command->add_option("--seed", settings->simulator.seed, "Another seed than the scenario's");
-  command->footer(
+  command.add_option("--seed", settings->simulator.seed, "Another seed than the scenario's");
+  command.footer(
       "Example: seam frame scenarios/head_swing.yaml --robot red1 --at 0.5 --stages stages --out "
       "frame.png");
-  command->callback([settings] { run(*settings); });
+  command.callback([settings] { run(*settings); });
 }
 
 }  // namespace seam::tools

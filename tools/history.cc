@@ -7,15 +7,15 @@
 
 namespace seam::tools {
 
-void add_history(CLI::App& app) {
-  auto* command = app.add_subcommand("history", "Shows the versions of a model and the error falling");
+void add_history(Command app) {
+  Command command = app.add_subcommand("history", "Shows the versions of a model and the error falling");
   auto file = std::make_shared<std::string>();
   auto flags = std::make_shared<AnalysisFlags>();
-  command->add_option("MODEL", *file, "The model")->required();
-  command->add_option("--json", flags->json, "Writes the versions as JSON");
-  command->add_option("--report", flags->report, "Writes them as a web page");
-  command->footer("Example: seam history found.yaml");
-  command->callback([file, flags] {
+  command.add_option("MODEL", *file, "The model").required();
+  command.add_option("--json", flags->json, "Writes the versions as JSON");
+  command.add_option("--report", flags->report, "Writes them as a web page");
+  command.footer("Example: seam history found.yaml");
+  command.callback([file, flags] {
     const effects::Model model = read_model(*file);
     if (model.history().empty()) std::printf("%s has no history: it was written by hand\n", file->c_str());
     int version = 0;

@@ -5,25 +5,25 @@
 
 namespace seam::tools {
 
-void add_measure(CLI::App& app) {
-  auto* command =
+void add_measure(Command app) {
+  Command command =
       app.add_subcommand("measure", "Makes a measurement set with the simulator, by a protocol");
   struct Flags {
     std::string model, protocol, out, noise = "on";
     uint64_t seed = 0;
   };
   auto flags = std::make_shared<Flags>();
-  command->add_option("--model", flags->model, "The true model")->required();
+  command.add_option("--model", flags->model, "The true model").required();
   command
-      ->add_option("--protocol", flags->protocol,
+      .add_option("--protocol", flags->protocol,
                    "A measurement set; its measured columns are made anew")
-      ->required();
-  command->add_option("--seed", flags->seed, "Seed of all noise");
-  command->add_option("--out", flags->out, "The folder to write")->required();
-  command->add_option("--noise", flags->noise, "on or off")->check(CLI::IsMember({"on", "off"}));
-  command->footer(
+      .required();
+  command.add_option("--seed", flags->seed, "Seed of all noise");
+  command.add_option("--out", flags->out, "The folder to write").required();
+  command.add_option("--noise", flags->noise, "on or off").one_of({"on", "off"});
+  command.footer(
       "Example: seam measure --model truth.yaml --protocol sets/points-a --seed 1 --out made");
-  command->callback([flags] {
+  command.callback([flags] {
     const effects::Model truth = read_model(flags->model);
     const auto protocol = measurement::MeasurementSet::open(flags->protocol);
     measurement::find_kind(protocol.kind)

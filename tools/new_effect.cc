@@ -142,15 +142,15 @@ SEAM_PLUGIN(effects) {{ effects.push_back(seam::effects::{0}()); }}
 
 }  // namespace
 
-void add_new_effect(CLI::App& app) {
-  auto* command = app.add_subcommand("new-effect", "Writes a working template of an effect, with its test");
+void add_new_effect(Command app) {
+  Command command = app.add_subcommand("new-effect", "Writes a working template of an effect, with its test");
   auto name = std::make_shared<std::string>(), stage = std::make_shared<std::string>(), out = std::make_shared<std::string>();
-  command->add_option("NAME", *name, "Its name, in lower_case")->required();
-  command->add_option("--stage", *stage,
-                      "timing, joint, mount, geometry, radiometry, light, sensor, detector or locomotion")->required();
-  command->add_option("--out", *out, "The folder to write (default: NAME)");
-  command->footer("Example: seam new-effect thermal_focus --stage geometry && cmake -S thermal_focus -B build-focus");
-  command->callback([name, stage, out] {
+  command.add_option("NAME", *name, "Its name, in lower_case").required();
+  command.add_option("--stage", *stage,
+                      "timing, joint, mount, geometry, radiometry, light, sensor, detector or locomotion").required();
+  command.add_option("--out", *out, "The folder to write (default: NAME)");
+  command.footer("Example: seam new-effect thermal_focus --stage geometry && cmake -S thermal_focus -B build-focus");
+  command.callback([name, stage, out] {
     if (!std::regex_match(*name, std::regex("[a-z][a-z0-9_]*"))) {
       throw UsageError(fmt::format("'{}' is no name for an effect, expected lower_case letters", *name));
     }

@@ -5,10 +5,10 @@
 
 namespace seam::tools {
 
-void add_replay(CLI::App& app) {
-  auto* replay = app.add_subcommand("replay", "Verifies, shows, compares, resumes and mends logs");
-  replay->require_subcommand(1);
-#define SEAM_ADD(name) add_replay_##name(*replay);
+void add_replay(Command app) {
+  Command replay = app.add_subcommand("replay", "Verifies, shows, compares, resumes and mends logs");
+  replay.require_subcommand();
+#define SEAM_ADD(name) add_replay_##name(replay);
   SEAM_REPLAY_COMMANDS(SEAM_ADD)
 #undef SEAM_ADD
 }

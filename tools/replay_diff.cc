@@ -30,20 +30,20 @@ void run(const Settings& settings) {
   if (!difference.equal()) throw ExitCode{1};
 }
 
-void add(CLI::App& parent) {
-  auto* command = parent.add_subcommand(
+void add(Command parent) {
+  Command command = parent.add_subcommand(
       "diff", "The first difference of two runs by time, section and field, and how it spreads");
   auto settings = std::make_shared<Settings>();
-  command->add_option("A", settings->a, "A log")->required();
-  command->add_option("B", settings->b, "Another log")->required();
-  command->add_option("--json", settings->json, "Write the result as seam-diff/1 to this file");
-  command->footer("Exit code 0: equal; 1: they differ.\nExample: seam diff monday.mcap today.mcap");
-  command->callback([settings] { run(*settings); });
+  command.add_option("A", settings->a, "A log").required();
+  command.add_option("B", settings->b, "Another log").required();
+  command.add_option("--json", settings->json, "Write the result as seam-diff/1 to this file");
+  command.footer("Exit code 0: equal; 1: they differ.\nExample: seam diff monday.mcap today.mcap");
+  command.callback([settings] { run(*settings); });
 }
 
 }  // namespace
 
-void add_replay_diff(CLI::App& replay) { add(replay); }
-void add_diff(CLI::App& app) { add(app); }
+void add_replay_diff(Command replay) { add(replay); }
+void add_diff(Command app) { add(app); }
 
 }  // namespace seam::tools

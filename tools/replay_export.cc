@@ -179,14 +179,14 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_export(CLI::App& replay) {
-  auto* command = replay.add_subcommand(
+void add_replay_export(Command replay) {
+  Command command = replay.add_subcommand(
       "export", "Writes poses, decisions, frames and events as CSV, and the pictures of the log");
   auto settings = std::make_shared<Settings>();
-  command->add_option("F", settings->file, "The log")->required();
-  command->add_option("--out", settings->out, "Folder to write to")->required();
-  command->footer("Example: seam replay export match.mcap --out match");
-  command->callback([settings] { run(*settings); });
+  command.add_option("F", settings->file, "The log").required();
+  command.add_option("--out", settings->out, "Folder to write to").required();
+  command.footer("Example: seam replay export match.mcap --out match");
+  command.callback([settings] { run(*settings); });
 }
 
 }  // namespace seam::tools

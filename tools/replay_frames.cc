@@ -42,23 +42,23 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_frames(CLI::App& replay) {
-  auto* command = replay.add_subcommand(
+void add_replay_frames(Command replay) {
+  Command command = replay.add_subcommand(
       "frames", "Renders every frame of a robot's camera clock, also those that the run did not ask "
                 "for");
   auto settings = std::make_shared<Settings>();
-  command->add_option("F", settings->file, "The log")->required();
-  command->add_option("--robot", settings->robot, "Whose camera")->required();
-  command->add_option("--out", settings->out, "Folder for ROBOT_NNNNNN.png and frames.csv")
-      ->required();
-  command->add_option("--from", settings->from_s, "Simulated seconds: the first stamp")
-      ->check(CLI::Range(0.0, 9e9));
-  command->add_option("--to", settings->to_s, "Simulated seconds: the last stamp (the log's end)")
-      ->check(CLI::Range(0.0, 9e9));
-  command->add_option("--model", settings->models,
+  command.add_option("F", settings->file, "The log").required();
+  command.add_option("--robot", settings->robot, "Whose camera").required();
+  command.add_option("--out", settings->out, "Folder for ROBOT_NNNNNN.png and frames.csv")
+      .required();
+  command.add_option("--from", settings->from_s, "Simulated seconds: the first stamp")
+      .range(0.0, 9e9);
+  command.add_option("--to", settings->to_s, "Simulated seconds: the last stamp (the log's end)")
+      .range(0.0, 9e9);
+  command.add_option("--model", settings->models,
                       "[ROBOT=]FILE: another camera model than the run's");
-  command->footer("Example: seam replay frames match.mcap --robot red1 --from 10 --to 12 --out eyes");
-  command->callback([settings] { run(*settings); });
+  command.footer("Example: seam replay frames match.mcap --robot red1 --from 10 --to 12 --out eyes");
+  command.callback([settings] { run(*settings); });
 }
 
 }  // namespace seam::tools

@@ -83,16 +83,16 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_recover(CLI::App& replay) {
-  auto* command =
+void add_replay_recover(Command replay) {
+  Command command =
       replay.add_subcommand("recover", "Writes a whole log from a damaged or unfinished one");
   auto settings = std::make_shared<Settings>();
-  command->add_option("F", settings->file, "The damaged log")->required();
-  command->add_option("--out", settings->out, "The log to write")->required();
-  command->add_option("--json", settings->json, "Write what was read and lost to this file");
-  command->footer("Exit code 0: nothing was lost; 3: something was; 1: nothing could be read.\n"
+  command.add_option("F", settings->file, "The damaged log").required();
+  command.add_option("--out", settings->out, "The log to write").required();
+  command.add_option("--json", settings->json, "Write what was read and lost to this file");
+  command.footer("Exit code 0: nothing was lost; 3: something was; 1: nothing could be read.\n"
                   "Example: seam replay recover damaged.mcap --out whole.mcap");
-  command->callback([settings] { run(*settings); });
+  command.callback([settings] { run(*settings); });
 }
 
 }  // namespace seam::tools

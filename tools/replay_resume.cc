@@ -58,19 +58,19 @@ int resume(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_resume(CLI::App& replay) {
-  auto* command = replay.add_subcommand(
+void add_replay_resume(Command replay) {
+  Command command = replay.add_subcommand(
       "resume", "Goes on from a log with the scenario's behaviours, to the same end as a run that "
                 "was not interrupted");
   auto settings = std::make_shared<Settings>();
-  command->add_option("F", settings->file, "The log, whole or of a killed run")->required();
-  command->add_option("--log", settings->session.log, "The log of the whole run, a new file")
-      ->required();
-  command->add_option("--json", settings->session.json, "Writes the summary here");
-  command->add_option("--frames", settings->session.frames, "Writes frames into this folder");
-  command->footer("Exit code 0: resumed; 1: the run left the log, or was aborted.\n"
+  command.add_option("F", settings->file, "The log, whole or of a killed run").required();
+  command.add_option("--log", settings->session.log, "The log of the whole run, a new file")
+      .required();
+  command.add_option("--json", settings->session.json, "Writes the summary here");
+  command.add_option("--frames", settings->session.frames, "Writes frames into this folder");
+  command.footer("Exit code 0: resumed; 1: the run left the log, or was aborted.\n"
                   "Example: seam replay resume killed.mcap --log whole.mcap");
-  command->callback([settings] {
+  command.callback([settings] {
     if (settings->file == settings->session.log) {
       throw UsageError("--log: the same file as the log to resume; give another name");
     }

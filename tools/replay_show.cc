@@ -148,15 +148,15 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_show(CLI::App& replay) {
-  auto* command = replay.add_subcommand("show", "What a log holds, or the whole state at a time");
+void add_replay_show(Command replay) {
+  Command command = replay.add_subcommand("show", "What a log holds, or the whole state at a time");
   auto settings = std::make_shared<Settings>();
-  command->add_option("F", settings->file, "The log")->required();
-  command->add_option("--at", settings->at_s, "Simulated seconds: show the state at this time")
-      ->check(CLI::Range(-1e9, 9e9));
-  command->add_option("--json", settings->json, "Write the same to this file");
-  command->footer("Example: seam replay show match.mcap --at 12.5");
-  command->callback([settings] { run(*settings); });
+  command.add_option("F", settings->file, "The log").required();
+  command.add_option("--at", settings->at_s, "Simulated seconds: show the state at this time")
+      .range(-1e9, 9e9);
+  command.add_option("--json", settings->json, "Write the same to this file");
+  command.footer("Example: seam replay show match.mcap --at 12.5");
+  command.callback([settings] { run(*settings); });
 }
 
 }  // namespace seam::tools

@@ -105,18 +105,18 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_verify(CLI::App& replay) {
-  auto* command = replay.add_subcommand(
+void add_replay_verify(Command replay) {
+  Command command = replay.add_subcommand(
       "verify", "Re-runs a log and compares every hash; names the first divergence by time, "
                 "section and field");
   auto settings = std::make_shared<Settings>();
-  command->add_option("F", settings->file, "The log")->required();
-  command->add_option("--json", settings->json, "Write the result as seam-verify/1 to this file");
-  command->add_flag("--frames,!--no-frames", settings->frames,
+  command.add_option("F", settings->file, "The log").required();
+  command.add_option("--json", settings->json, "Write the result as seam-verify/1 to this file");
+  command.add_flag("--frames,!--no-frames", settings->frames,
                     "Make and compare the frames too (the default)");
-  command->footer("Exit code 0: the same; 1: a divergence, or the log cannot be read.\n"
+  command.footer("Exit code 0: the same; 1: a divergence, or the log cannot be read.\n"
                   "Example: seam replay verify match.mcap --json result.json");
-  command->callback([settings] { run(*settings); });
+  command.callback([settings] { run(*settings); });
 }
 
 }  // namespace seam::tools

@@ -30,7 +30,7 @@ struct Settings {
 scheduler::MixedSourceOptions set_up(const Settings& settings, const Scenario& scenario,
                                      int changed, SessionOptions& session) {
   scheduler::MixedSourceOptions options{.live_from = SimTime::from_s(settings.from_s)};
-  const std::vector<std::string> command = CLI::detail::split_up(settings.client);
+  const std::vector<std::string> command = split_words(settings.client);
   if (command.empty()) throw UsageError("--client: expected a command");
   for (size_t i = 0; i < scenario.robots.size(); ++i) {
     const bool is_changed = static_cast<int>(i) == changed;
@@ -77,29 +77,29 @@ int what_if(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_whatif(CLI::App& replay) {
-  auto* command = replay.add_subcommand(
+void add_replay_whatif(Command replay) {
+  Command command = replay.add_subcommand(
       "whatif", "Runs a recorded match again with one robot's behaviour changed, and shows what "
                 "follows");
   auto settings = std::make_shared<Settings>();
-  command->add_option("F", settings->file, "The log")->required();
-  command->add_option("--robot", settings->robot, "Whose behaviour is changed")->required();
-  command->add_option("--client", settings->client,
+  command.add_option("F", settings->file, "The log").required();
+  command.add_option("--robot", settings->robot, "Whose behaviour is changed").required();
+  command.add_option("--client", settings->client,
                       "The new behaviour: a program with its arguments, as one word of the shell")
-      ->required();
-  command->add_option("--from", settings->from_s,
+      .required();
+  command.add_option("--from", settings->from_s,
                       "Simulated seconds: until then the log decides for all")
-      ->check(CLI::Range(0.0, 9e9));
-  command->add_option("--others", settings->others,
+      .range(0.0, 9e9);
+  command.add_option("--others", settings->others,
                       "log: the other robots repeat their decisions; live: their behaviours go on "
                       "and may react")
-      ->check(CLI::IsMember({"log", "live"}))
-      ->capture_default_str();
-  command->add_option("--log", settings->session.log, "Keep the changed run's log here");
-  command->add_option("--json", settings->json, "Write what differs as seam-diff/1");
-  command->footer(
+      .one_of({"log", "live"})
+      .show_default();
+  command.add_option("--log", settings->session.log, "Keep the changed run's log here");
+  command.add_option("--json", settings->json, "Write what differs as seam-diff/1");
+  command.footer(
       "Example: seam replay whatif match.mcap --robot red1 --client 'ball_watcher' --from 20");
-  command->callback([settings] {
+  command.callback([settings] {
     if (const int code = what_if(*settings); code != 0) throw ExitCode{code};
   });
 }

@@ -25,14 +25,14 @@ json read_result(const std::string& file) {
 
 }  // namespace
 
-void add_report(CLI::App& app) {
-  auto* command = app.add_subcommand(
+void add_report(Command app) {
+  Command command = app.add_subcommand(
       "report", "Makes the page of a result: seam report result.json --out result.html");
   auto file = std::make_shared<std::string>();
   auto out = std::make_shared<std::string>();
-  command->add_option("RESULT", *file, "What a command wrote with --json")->required();
-  command->add_option("--out", *out, "The page to write")->required();
-  command->callback([file, out] {
+  command.add_option("RESULT", *file, "What a command wrote with --json").required();
+  command.add_option("--out", *out, "The page to write").required();
+  command.callback([file, out] {
     json result = read_result(*file);
     const std::string format = result["format"];
     if (format != "seam-report/1") {

@@ -3,7 +3,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -219,14 +218,14 @@ int report(const SessionSummary& summary, const SessionOptions& options) {
   return 1;
 }
 
-void add_session_options(CLI::App& command, SessionOptions& session, SimulatorOptions& simulator) {
+void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator) {
   command.add_option("--seed", simulator.seed, "Replaces the scenario's seed");
   command.add_option("--log", session.log, "Writes the replay log (MCAP) here");
   command.add_flag("--log-frames", session.recording.pictures,
                    "The log also holds each frame as a picture (foxglove.CompressedImage)");
-  command.add_flag_function(
+  command.add_flag(
       "--log-poses",
-      [&session](int64_t) { session.recording.transforms = session.recording.scene = true; },
+      [&session] { session.recording.transforms = session.recording.scene = true; },
       "The log also holds poses and the scene for other MCAP tools (foxglove.FrameTransforms,\n"
       "foxglove.SceneUpdate)");
   command.add_option("--frames", session.frames,
@@ -236,7 +235,7 @@ void add_session_options(CLI::App& command, SessionOptions& session, SimulatorOp
                      "[ROBOT=]FILE: a seam-model/1 file in place of the scenario's");
   command.add_option("--render-threads", simulator.render_workers,
                      "Frames made at once; 0 is one for each core")
-      ->check(CLI::Range(0, 64));
+      .range(0, 64);
 }
 
 }  // namespace seam::tools

@@ -13,11 +13,8 @@
 #include "scheduler/recorder.h"
 #include "scheduler/server.h"
 #include "scheduler/simulation.h"
+#include "tools/command_line.h"
 #include "tools/simulator.h"
-
-namespace CLI {
-class App;
-}
 
 namespace seam::tools {
 
@@ -61,6 +58,6 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 int report(const SessionSummary& summary, const SessionOptions& options);
 
 // The options that run and serve share.
-void add_session_options(CLI::App& command, SessionOptions& session, SimulatorOptions& simulator);
+void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator);
 
 }  // namespace seam::tools

@@ -1,5 +1,4 @@
 // The `seam` command.
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 
@@ -9,20 +8,15 @@
 #include "tools/plugins.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"SEAM: simulator of environment and measurement", "seam"};
-  app.require_subcommand(1);
   seam::tools::supply_renderer_to_measurements();
-  app.set_version_flag("--version", "seam 0.1.0");
-#define SEAM_ADD(name) seam::tools::add_##name(app);
-  SEAM_COMMANDS(SEAM_ADD)
-#undef SEAM_ADD
   try {
-    // CLI11 takes the arguments last to first.
-    std::vector<std::string> arguments = seam::tools::load_plugins({argv + 1, argv + argc});
-    std::reverse(arguments.begin(), arguments.end());
-    app.parse(arguments);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    return seam::tools::parse_and_run("SEAM: simulator of environment and measurement", "seam", "seam 0.1.0",
+                                      seam::tools::load_plugins({argv + 1, argv + argc}), [](seam::tools::Command app) {
+                                        app.require_subcommand();
+#define SEAM_ADD(name) seam::tools::add_##name(app);
+                                        SEAM_COMMANDS(SEAM_ADD)
+#undef SEAM_ADD
+                                      });
   } catch (const seam::tools::ExitCode& exit) {
     return exit.code;
   } catch (const seam::UsageError& error) {
@@ -32,5 +26,4 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "seam: %s\n", error.what());
     return 1;
   }
-  return 0;
 }

@@ -148,14 +148,14 @@ class Viewer {
 
 }  // namespace
 
-void add_view(CLI::App& app) {
-  auto* command = app.add_subcommand("view", "A web page that shows a log, or two side by side");
+void add_view(Command app) {
+  Command command = app.add_subcommand("view", "A web page that shows a log, or two side by side");
   auto settings = std::make_shared<Settings>();
-  command->add_option("F", settings->files, "A log, or two to compare")->required()->expected(1, 2);
-  command->add_option("--port", settings->port, "Port on 127.0.0.1; 0: a free one")
-      ->check(CLI::Range(0, 65535));
-  command->footer("Example: seam view match.mcap");
-  command->callback([settings] { Viewer(*settings).serve(settings->port); });
+  command.add_option("F", settings->files, "A log, or two to compare").required().count(1, 2);
+  command.add_option("--port", settings->port, "Port on 127.0.0.1; 0: a free one")
+      .range(0, 65535);
+  command.footer("Example: seam view match.mcap");
+  command.callback([settings] { Viewer(*settings).serve(settings->port); });
 }
 
 }  // namespace seam::tools
