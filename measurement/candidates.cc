@@ -18,6 +18,11 @@ bool is_radial(const std::string& name) {
   return name == "radial_distortion" || name == "radial_polynomial";
 }
 
+bool has_counts(const EffectDefinition& effect) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [](const Parameter& p) { return p.integer; });
+}
+
 // The model with the effect at these values; replacements push out what they replace.
 Model with_effect(Model model, const std::shared_ptr<const EffectDefinition>& effect,
                   const std::vector<double>& values) {
@@ -36,11 +41,11 @@ double column_dot(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 // Which of the effect's parameters the data can say anything of, beyond what the parameters that
-// are refitted anyway absorb.
+// are refitted anyway absorb; and, where the problem is smooth, what one step would reach.
 std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
                                         const std::vector<Unknown>& others,
                                         const EffectDefinition& effect,
-                                        std::vector<NotTestable>& reasons) {
+                                        std::vector<NotTestable>& reasons, double& expected_ll) {
   std::vector<size_t> open;
   for (size_t i = 0; i < effect.parameters.size(); ++i) {
     if (effect.parameters[i].integer) continue;
@@ -61,6 +66,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   // Gram-Schmidt: what is left of each column is its leverage.
   std::vector<size_t> testable;
   std::vector<std::vector<double>> basis;
+  double gain = 0;
   for (size_t k = 0; k < unknowns.size(); ++k) {
     std::vector<double>& column = columns[k];
     const double before = std::sqrt(column_dot(column, column));
@@ -89,9 +95,12 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
       continue;
     }
     for (double& value : column) value /= after;
+    const double along = column_dot(column, here.whitened);
+    gain += 0.5 * along * along;
     basis.push_back(column);
     if (candidate) testable.push_back(parameter);
   }
+  if (problem.is_smooth()) expected_ll = score_of(problem, here).log_likelihood + gain;
   return testable;
 }
 
@@ -99,21 +108,25 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
 // been unlucky.
 std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
                                      const std::shared_ptr<const EffectDefinition>& effect,
-                                     const std::vector<size_t>& open) {
-  std::vector<std::vector<double>> starts = problem.starts(base.assessment.model, *effect);
+                                     const std::vector<size_t>& open,
+                                     std::vector<std::vector<double>> starts) {
   for (auto& start : starts) {
     for (size_t i = 0; i < start.size(); ++i) {
       const bool fitted = std::find(open.begin(), open.end(), i) != open.end();
       if (!fitted && !effect->parameters[i].integer) start[i] = effect->parameters[i].neutral;
     }
   }
-  const bool counts = std::any_of(effect->parameters.begin(), effect->parameters.end(),
-                                  [](const Parameter& p) { return p.integer; });
+  const bool counts = has_counts(*effect);
   if (counts && starts.size() > 1) {  // Counts are not fitted but tried: the best two go on.
     std::vector<std::pair<double, size_t>> order;
+    // Effects of spread do not change which of them fits the mean, and would cost most of the time.
+    Model plain = base.assessment.model;
+    for (const effects::ModelEffect& other : base.assessment.model.effects()) {
+      if (other.definition->spread_only) plain.remove(other.definition->name);
+    }
     for (size_t i = 0; i < starts.size(); ++i) {
-      const Score score = problem.score(with_effect(base.assessment.model, effect, starts[i]),
-                                        problem.all_groups());
+      const Score score =
+          problem.score(with_effect(plain, effect, starts[i]), problem.all_groups());
       order.emplace_back(
           score.valid ? -score.log_likelihood : std::numeric_limits<double>::infinity(), i);
     }
@@ -164,6 +177,20 @@ size_t needed_parameters(const Grown& grown) {
   return needed;
 }
 
+// Sum of the held-out groups' gains over its standard error; 0 with fewer than three groups.
+double gain_over_scatter(const Score& before, const Score& after) {
+  double count = 0, sum = 0, sum2 = 0;
+  for (size_t g = 0; g < after.by_group.size(); ++g) {
+    if (g >= before.by_group.size() || (after.by_group[g] == 0 && before.by_group[g] == 0))
+      continue;
+    const double gain = after.by_group[g] - before.by_group[g];
+    ++count, sum += gain, sum2 += gain * gain;
+  }
+  if (count < 3) return 0;
+  const double variance = (sum2 - sum * sum / count) / (count - 1);
+  return sum / std::sqrt(std::max(variance * count, 1e-300));
+}
+
 size_t fitted_parameters(const Grown& grown) {
   size_t count = 0;
   for (const Unknown& unknown : grown.assessment.unknowns) {
@@ -206,22 +233,19 @@ double merit_of(const Problem& problem, const Grown& grown) {
          static_cast<double>(fitted - needed);
 }
 
-std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
+std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons) {
   if (is_radial(effect->name) && base.assessment.model.has("fisheye")) return std::nullopt;
-  const std::vector<std::vector<double>> starts = problem.starts(base.assessment.model, *effect);
-  if (starts.empty()) return std::nullopt;
-  const Model probe = with_effect(base.assessment.model, effect, starts.front());
+  Prospect prospect{.effect = effect, .starts = problem.starts(base.assessment.model, *effect)};
+  if (prospect.starts.empty()) return std::nullopt;
+  const Model probe = with_effect(base.assessment.model, effect, prospect.starts.front());
   std::vector<Unknown> others;
   for (const Unknown& unknown : base.assessment.unknowns) {
     if (probe.has(unknown.effect) && !probe.find(unknown.effect)->definition->spread_only)
       others.push_back(unknown);
   }
-  Candidate candidate{.effect = effect};
-  const bool counts = std::any_of(effect->parameters.begin(), effect->parameters.end(),
-                                  [](const Parameter& p) { return p.integer; });
-  if (counts) {
+  if (has_counts(*effect)) {
     for (size_t i = 0; i < effect->parameters.size(); ++i) {
       const std::string why = problem.not_testable(probe, *effect, i);
       if (why.empty()) continue;
@@ -229,16 +253,30 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
       return std::nullopt;
     }
   }
-  candidate.free = testable_parameters(problem, probe, others, *effect, reasons);
-  if (candidate.free.empty() && !counts) return std::nullopt;
-  auto grown = fit_from_starts(problem, base, effect, candidate.free);
+  double expected = prospect.expected_ll;
+  prospect.free = testable_parameters(problem, probe, others, *effect, reasons, expected);
+  if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
+  // More than two starts: an effect with several valleys, of which the first says little.
+  if (prospect.starts.size() <= 2 && !has_counts(*effect)) prospect.expected_ll = expected;
+  return prospect;
+}
+
+std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
+                                      const Prospect& prospect, std::vector<NotTestable>& reasons) {
+  auto grown = fit_from_starts(problem, base, prospect.effect, prospect.free, prospect.starts);
   if (!grown) {
     reasons.push_back(
-        {effect->name, "", "with it the model predicts no image for some observations"});
+        {prospect.effect->name, "", "with it the model predicts no image for some observations"});
     return std::nullopt;
   }
-  candidate.grown = std::move(*grown);
-  return candidate;
+  return Candidate{.effect = prospect.effect, .grown = std::move(*grown), .free = prospect.free};
+}
+
+std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
+                                    const std::shared_ptr<const EffectDefinition>& effect,
+                                    std::vector<NotTestable>& reasons) {
+  const auto prospect = prospect_of(problem, base, effect, reasons);
+  return prospect ? fit_prospect(problem, base, *prospect, reasons) : std::nullopt;
 }
 
 void judge(const Problem& problem, const Grown& base, double looks, Candidate& candidate) {
@@ -246,6 +284,7 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   const Assessment& after = candidate.grown.assessment;
   candidate.gain_ll = after.held_ll() - before.held_ll();
   candidate.total_gain_ll = after.total_ll - before.total_ll;
+  candidate.held_z = gain_over_scatter(before.held, after.held);
   candidate.at_bound = false;
   for (size_t k = 0; k < after.unknowns.size(); ++k) {
     if (after.unknowns[k].effect == candidate.effect->name && after.fit.at_bound[k])
@@ -263,6 +302,11 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
   candidate.significant = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
   candidate.merit = merit_of(problem, candidate.grown);
+}
+
+bool clearly_helps(const Candidate& candidate) {
+  constexpr double kClear = 4;  // Standard errors.
+  return candidate.significant && !candidate.effect->spread_only && candidate.held_z > kClear;
 }
 
 void rank_candidates(std::vector<Candidate>& candidates) {
@@ -301,19 +345,67 @@ void rank_candidates(std::vector<Candidate>& candidates) {
   }
 }
 
-Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects) {
-  std::vector<std::optional<Candidate>> found(effects.size());
+namespace {
+
+// Marks the prospects worth a fit: those that the score test calls significant or nearly so, and of
+// these the best few. What a step of Gauss and Newton cannot judge is always fitted.
+std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
+                                const std::vector<std::optional<Prospect>>& prospects) {
+  constexpr size_t kMost = 6;
+  constexpr double kMargin = 1.5;  // Gains may exceed the step's by this much.
+  const double n = static_cast<double>(std::max<size_t>(1, count_used(problem)));
+  std::vector<char> worth(prospects.size(), 0);
+  std::vector<std::pair<double, size_t>> ranked;
+  for (size_t i = 0; i < prospects.size(); ++i) {
+    if (!prospects[i]) continue;
+    if (!std::isfinite(prospects[i]->expected_ll)) {
+      worth[i] = 1;
+      continue;
+    }
+    const double gain = prospects[i]->expected_ll - base.assessment.total_ll;
+    const double error = base.assessment.error;
+    const double misfit = std::max(1.0, error * error - 2 * gain / n);
+    const double freedom = static_cast<double>(std::max<size_t>(1, prospects[i]->free.size()));
+    const double tail = chi2_tail(kMargin * 2 * std::max(gain, 0.0) / misfit, freedom);
+    if (tail * static_cast<double>(prospects.size()) < 0.5)
+      ranked.emplace_back(-prospects[i]->expected_ll, i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  if (ranked.size() > kMost) ranked.resize(kMost);
+  for (const auto& [order, i] : ranked) worth[i] = 1;
+  return worth;
+}
+
+}  // namespace
+
+Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects,
+              bool promising_only) {
+  std::vector<std::optional<Prospect>> prospects(effects.size());
   std::vector<std::vector<NotTestable>> reasons(effects.size());
-  parallel_for(effects.size(),
-               [&](size_t i) { found[i] = try_effect(problem, base, effects[i], reasons[i]); });
+  parallel_for(effects.size(), [&](size_t i) {
+    prospects[i] = prospect_of(problem, base, effects[i], reasons[i]);
+  });
   Looks looks;
-  double count = 0;
-  for (const auto& candidate : found) count += candidate.has_value();
+  for (const auto& prospect : prospects) looks.tried += prospect.has_value();
+  promising_only = promising_only && problem.is_smooth();
+  std::vector<char> worth(effects.size(), 1);
+  if (promising_only) worth = worth_fitting(problem, base, prospects);
+  std::vector<std::optional<Candidate>> found(effects.size());
+  const auto fit = [&](const auto& chosen) {
+    parallel_for(effects.size(), [&](size_t i) {
+      if (!prospects[i] || !worth[i] || !chosen(*effects[i])) return;
+      found[i] = fit_prospect(problem, base, *prospects[i], reasons[i]);
+      if (found[i]) judge(problem, base, looks.tried, *found[i]);
+    });
+  };
+  fit([](const EffectDefinition& effect) { return !effect.spread_only; });
+  const bool clear =
+      std::any_of(found.begin(), found.end(), [](const auto& c) { return c && clearly_helps(*c); });
+  if (!promising_only || !clear)
+    fit([](const EffectDefinition& effect) { return effect.spread_only; });
   for (size_t i = 0; i < effects.size(); ++i) {
     looks.not_testable.insert(looks.not_testable.end(), reasons[i].begin(), reasons[i].end());
-    if (!found[i]) continue;
-    judge(problem, base, count, *found[i]);
-    looks.candidates.push_back(std::move(*found[i]));
+    if (found[i]) looks.candidates.push_back(std::move(*found[i]));
   }
   rank_candidates(looks.candidates);
   return looks;

@@ -113,6 +113,7 @@ class PointsProblem : public Problem {
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
   std::string advice(const std::string& effect, const std::string& other) const override;
+  bool is_smooth() const override { return true; }
 
  private:
   Evaluation evaluate_rig(const Model& model, const Groups& groups, const Evaluation* warm) const;

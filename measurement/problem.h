@@ -178,6 +178,10 @@ class Problem {
   // points set needs a projection, ...).
   virtual void check_model(const Model& model) const = 0;
 
+  // Whether predictions are smooth in the parameters of effects of the mean, so that one step of
+  // Gauss and Newton from a small start says about what a fit would reach.
+  virtual bool is_smooth() const { return false; }
+
   // Whether the effect is a candidate here. Default: its kinds hold this kind.
   virtual bool acts(const EffectDefinition& effect) const;
   // Why a parameter cannot be tested with these data before any look at numbers; empty: it can.

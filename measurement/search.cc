@@ -10,6 +10,34 @@ namespace {
 
 constexpr size_t kMostSteps = 8;
 
+bool is_spread(const std::shared_ptr<const EffectDefinition>& effect) {
+  return effect->spread_only;
+}
+
+// The best candidate, unless it is one of spread while one of the mean clearly helps: a spread wide
+// enough explains any structure of the mean.
+Candidate* choose(const Problem& problem, std::vector<Candidate>& candidates) {
+  if (candidates.empty() || !candidates.front().significant) return nullptr;
+  if (problem.is_smooth() && is_spread(candidates.front().effect)) {
+    const auto clear = std::find_if(candidates.begin(), candidates.end(), clearly_helps);
+    if (clear != candidates.end()) return &*clear;
+  }
+  return &candidates.front();
+}
+
+// A model less one of its added effects, not fitted again.
+Grown without(const Grown& grown, const std::string& out) {
+  Grown smaller{.added = grown.added};
+  std::erase(smaller.added, out);
+  Model model = grown.assessment.model;
+  model.remove(out);
+  std::vector<Unknown> unknowns = grown.assessment.unknowns;
+  std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
+  smaller.assessment = {.model = model, .unknowns = unknowns};
+  smaller.assessment.total_ll = -1e300;
+  return smaller;
+}
+
 class Searcher {
  public:
   Searcher(Problem& problem, const Model& model, const EffectList& own, const Progress& progress)
@@ -20,6 +48,8 @@ class Searcher {
  private:
   Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
   void forward(SearchResult& result);
+  std::optional<Grown> replace(const Grown& grown, const std::string& out,
+                               const std::string& in) const;
   bool prune(Grown& grown);
   bool exchange(Grown& grown);
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
@@ -79,30 +109,42 @@ bool Searcher::prune(Grown& grown) {
   return changed;
 }
 
-// Exchanges one added effect for another where the whole becomes clearly better.
+// The model with one added effect in the place of another. Nothing where a step of Gauss and Newton
+// shows that it cannot make up for most of what is lost.
+std::optional<Grown> Searcher::replace(const Grown& grown, const std::string& out,
+                                       const std::string& in) const {
+  const Grown smaller = without(grown, out);
+  std::vector<NotTestable> reasons;
+  const auto prospect = prospect_of(problem_, smaller, definition(in), reasons);
+  if (!prospect) return std::nullopt;
+  if (std::isfinite(prospect->expected_ll)) {
+    const Score score = problem_.score(smaller.assessment.model, problem_.all_groups());
+    const double lost = grown.assessment.total_ll - score.log_likelihood;
+    if (score.valid && prospect->expected_ll < grown.assessment.total_ll - 0.4 * lost - 20)
+      return std::nullopt;
+  }
+  auto candidate = fit_prospect(problem_, smaller, *prospect, reasons);
+  if (!candidate) return std::nullopt;
+  return std::move(candidate->grown);
+}
+
+// Exchanges one added effect for another of its sort where the whole becomes clearly better.
 bool Searcher::exchange(Grown& grown) {
   if (grown.added.size() < 2) return false;
   std::vector<std::pair<size_t, std::string>> moves;
   for (size_t i = 0; i < grown.added.size(); ++i) {
     for (const std::string& name : promising_) {
-      if (std::find(grown.added.begin(), grown.added.end(), name) == grown.added.end())
+      const bool present =
+          std::find(grown.added.begin(), grown.added.end(), name) != grown.added.end();
+      // A spread in the place of an effect of the mean would hide it; the other way round, the
+      // effect of the mean is added first and then the spread is dropped.
+      if (!present && is_spread(definition(name)) == is_spread(definition(grown.added[i])))
         moves.emplace_back(i, name);
     }
   }
   std::vector<std::optional<Grown>> tried(moves.size());
   parallel_for(moves.size(), [&](size_t m) {
-    Grown smaller{.added = grown.added};
-    const std::string& out = grown.added[moves[m].first];
-    smaller.added.erase(smaller.added.begin() + static_cast<long>(moves[m].first));
-    Model model = grown.assessment.model;
-    model.remove(out);
-    std::vector<Unknown> unknowns = grown.assessment.unknowns;
-    std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
-    smaller.assessment = {.model = model, .unknowns = unknowns};
-    smaller.assessment.total_ll = -1e300;
-    std::vector<NotTestable> reasons;
-    auto candidate = try_effect(problem_, smaller, definition(moves[m].second), reasons);
-    if (candidate) tried[m] = std::move(candidate->grown);
+    tried[m] = replace(grown, grown.added[moves[m].first], moves[m].second);
   });
   double best_merit = merit_of(problem_, grown) + 0.25 * tie_width(grown.assessment.error);
   size_t best = moves.size();
@@ -120,8 +162,11 @@ void Searcher::forward(SearchResult& result) {
   Grown grown = base_;
   for (size_t step = 0; step < kMostSteps; ++step) {
     progress_("step " + std::to_string(step + 1) + ": trying effects");
-    Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_));
-    looks_ = std::max<double>(looks_, static_cast<double>(looks.candidates.size()));
+    // The first look is what the user sees: every effect is fitted in it.
+    const bool promising_only = step > 0;
+    Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_),
+                          promising_only);
+    looks_ = std::max(looks_, looks.tried);
     if (step == 0) result.first = looks;
     for (const Candidate& candidate : looks.candidates) {
       const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) !=
@@ -130,8 +175,8 @@ void Searcher::forward(SearchResult& result) {
         promising_.push_back(candidate.effect->name);
     }
     const double before = merit_of(problem_, grown);
-    if (!looks.candidates.empty() && looks.candidates.front().significant) {
-      grown = std::move(looks.candidates.front().grown);
+    if (Candidate* next = choose(problem_, looks.candidates)) {
+      grown = std::move(next->grown);
       prune(grown);
     } else {
       // Nothing more to add: exchanges are tried where the search would end, since each costs as
@@ -183,20 +228,9 @@ void Searcher::order_steps(SearchResult& result) {
   }
   std::vector<char> tied(moves.size(), 0);
   parallel_for(moves.size(), [&](size_t m) {
-    const std::string& out = result.steps[moves[m].first].effect;
-    Grown smaller{.added = result.best.added};
-    std::erase(smaller.added, out);
-    Model model = result.best.assessment.model;
-    model.remove(out);
-    std::vector<Unknown> unknowns = result.best.assessment.unknowns;
-    std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
-    smaller.assessment = {.model = model, .unknowns = unknowns};
-    smaller.assessment.total_ll = -1e300;
-    std::vector<NotTestable> reasons;
-    const auto candidate = try_effect(problem_, smaller, definition(moves[m].second), reasons);
-    if (!candidate) return;
-    const double difference =
-        result.best.assessment.total_ll - candidate->grown.assessment.total_ll;
+    const auto other = replace(result.best, result.steps[moves[m].first].effect, moves[m].second);
+    if (!other) return;
+    const double difference = result.best.assessment.total_ll - other->assessment.total_ll;
     tied[m] = std::abs(difference) < tie_width(result.best.assessment.error);
   });
   for (size_t m = 0; m < moves.size(); ++m) {
