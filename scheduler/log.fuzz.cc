@@ -1,9 +1,14 @@
 // Whatever bytes a log has, reading, recovering and walking over it end in results or InputErrors.
+#include <google/protobuf/stubs/logging.h>
+
 #include "scheduler/log.h"
 #include "scheduler/log_recovery.h"
 #include "sim_core/error.h"
 
 using namespace seam;
+
+// Protocol Buffers would complain of every second input.
+static const bool kQuiet = (google::protobuf::SetLogHandler(nullptr), true);
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string bytes(reinterpret_cast<const char*>(data), size);

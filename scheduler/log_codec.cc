@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
 #include <set>
 
@@ -44,6 +46,19 @@ Enum checked(int number, Enum last, Topic topic, const char* field) {
   return static_cast<Enum>(number);
 }
 
+// With maps in the order of their keys: else their order is another in each process, and the same run would not give
+// the same file.
+std::string sorted_bytes(const google::protobuf::Message& message) {
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    message.SerializeToCodedStream(&coded);
+  }
+  return bytes;
+}
+
 std::string encode_header(const RunHeader& header) {
   v1::LogHeader message;
   message.set_format(std::string(kLogFormat));
@@ -58,7 +73,7 @@ std::string encode_header(const RunHeader& header) {
   for (const auto& [name, version] : header.versions) (*message.mutable_versions())[name] = version;
   for (const std::string& robot : header.robots) message.add_robots(robot);
   for (const std::string& section : header.sections) message.add_sections(section);
-  return message.SerializeAsString();
+  return sorted_bytes(message);
 }
 
 RunHeader decode_header(std::string_view bytes) {
@@ -179,6 +194,8 @@ template <class... Cases>
 struct Overloaded : Cases... {
   using Cases::operator()...;
 };
+template <class... Cases>
+Overloaded(Cases...) -> Overloaded<Cases...>;  // clang 14 does not deduce it.
 
 }  // namespace
 

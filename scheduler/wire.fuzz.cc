@@ -1,5 +1,7 @@
 // Whatever a client sends, it is a valid decision or refused with the field named; whatever stands
 // in a log's turn, it is a valid turn or an InputError. What is accepted survives the way back.
+#include <google/protobuf/stubs/logging.h>
+
 #include <cstdlib>
 
 #include "scheduler/wire.h"
@@ -8,6 +10,9 @@
 #include "sim_core/error.h"
 
 using namespace seam;
+
+// Protocol Buffers would complain of every second input.
+static const bool kQuiet = (google::protobuf::SetLogHandler(nullptr), true);
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   v1::ClientMessage message;

@@ -13,7 +13,7 @@ constexpr double kLineLift = 5e-4;  // Lines lie on the carpet, above it in dept
 // Adds parts with the colours of the field; each call of `object` starts a new object id.
 class Builder {
  public:
-  Builder(const FieldSpec& field, uint16_t first_id) : field_(field), id_(first_id) {}
+  explicit Builder(uint16_t first_id) : id_(first_id) {}
 
   void box(Label label, const Rgb& rgb, const Vec3& centre, const Vec3& size, double yaw_rad = 0) {
     add(Shape::box, label, rgb, {rotation_zyx(0, 0, yaw_rad), centre}, size);
@@ -31,7 +31,6 @@ class Builder {
   std::vector<Primitive> take() { return std::move(out_); }
 
  private:
-  const FieldSpec& field_;
   uint16_t id_;
   std::vector<Primitive> out_;
 };
@@ -182,7 +181,7 @@ void describe(ConfigTable& table, FieldSpec& f) {
 }
 
 std::vector<Primitive> field_primitives(const FieldSpec& field, uint16_t first_object_id) {
-  Builder build(field, first_object_id);
+  Builder build(first_object_id);
   add_carpet(build, field);
   add_lines(build, field);
   add_walls(build, field);

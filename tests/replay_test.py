@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The whole way of a log: recorded by a real run, read by the independent MCAP reader, verified, broken,
-cut, recovered, resumed, compared, exported. Usage: replay_test.py SEAM NODE_FOLDER"""
+cut, recovered, resumed, compared, exported. Usage: replay_test.py SEAM NODE_FOLDER [TEST...]"""
 import json
 import os
 import pathlib
@@ -17,6 +17,7 @@ SEAM = pathlib.Path(sys.argv[1]).resolve()
 NODE = pathlib.Path(sys.argv[2]).resolve()
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 KILLS = int(os.environ.get("SEAM_KILLS", "3"))  # test.sh --all asks for 50.
+CAMERA_PERIOD_S = 0.04  # Of the runs that are killed.
 SCENARIO = f"""format: seam-scenario/1
 name: replay_test
 duration_s: 3
@@ -147,24 +148,43 @@ class Replay(unittest.TestCase):
         seam("replay", "recover", corrupted, "--out", out, check=3)
 
     def test_killed_runs_resume_to_the_same_end(self):
+        """kill -9 of server and behaviours at a random moment. How far the run had come is known from the pictures that it
+        wrote (--frames), of which there is one each 0.04 s: the log must reach at least to one second before."""
+        scenario = self.folder / "killed.yaml"
+        scenario.write_text(SCENARIO.replace("period_s: 0.2", f"period_s: {CAMERA_PERIOD_S}"))
+        whole = self.folder / "uninterrupted.mcap"
+        began = time.monotonic()
+        seam("run", scenario, "--log", whole, "--frames", self.folder / "pictures", check=0)
+        whole_run_s = time.monotonic() - began
         draw = random.Random(2)
-        for number in range(KILLS):
-            log = self.folder / f"killed{number}.mcap"
-            run = subprocess.Popen([SEAM, "run", self.scenario, "--log", log, "--log-frames", "--log-poses"],
+        worst_s, open_ends, tries = 0.0, 0, 0
+        while tries < KILLS:
+            log, pictures = self.folder / "killed.mcap", self.folder / f"pictures{tries}"
+            log.unlink(missing_ok=True)
+            run = subprocess.Popen([SEAM, "run", scenario, "--log", log, "--frames", pictures],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-            started = time.monotonic()
-            while not log.exists() or log.stat().st_size < 30000:
-                self.assertLess(time.monotonic() - started, 60)
-                time.sleep(0.002)
-                if run.poll() is not None:
-                    break
-            time.sleep(draw.uniform(0, 0.5))
+            time.sleep(draw.uniform(0, whole_run_s))
             os.killpg(run.pid, signal.SIGKILL)
             run.wait()
-            resumed = self.folder / "resumed.mcap"
-            summary = self.folder / "resumed.json"
+            frames = [int(path.stem.rsplit("_", 1)[1]) for path in pictures.glob("*.png")]
+            shutil.rmtree(pictures, ignore_errors=True)
+            if not frames:
+                continue  # Nothing had been simulated yet: another moment.
+            tries += 1
+            report = self.folder / "killed.json"
+            seam("replay", "show", log, "--json", report, check=0)
+            shown = json.loads(report.read_text())
+            open_ends += shown["fingerprint"] is None
+            lost_s = max(frames) * CAMERA_PERIOD_S - shown["end_s"]
+            worst_s = max(worst_s, lost_s)
+            self.assertLess(lost_s, 1.0, f"kill {tries}: the log ends at {shown['end_s']} s")
+            resumed, summary = self.folder / "resumed.mcap", self.folder / "resumed.json"
             seam("replay", "resume", log, "--log", resumed, "--json", summary, check=0)
-            self.assertEqual(json.loads(summary.read_text())["fingerprint"], self.fingerprint)
+            # The whole log again, byte by byte, and with it the fingerprint at the end.
+            self.assertEqual(resumed.read_bytes(), whole.read_bytes(), f"kill {tries}")
+        print(f"{tries} kills, {open_ends} of them before the end; the log ended at most {worst_s:.3f} s before the last "
+              f"picture", file=sys.stderr)
+        self.assertGreater(2 * open_ends, tries, "most kills came too late to test anything")
 
     def test_frames_are_those_of_the_run(self):
         eyes = self.folder / "eyes"
@@ -194,4 +214,4 @@ class Replay(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=[sys.argv[0], "-v"])
+    unittest.main(argv=[sys.argv[0], "-v", *sys.argv[3:]])

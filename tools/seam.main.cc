@@ -1,4 +1,6 @@
 // The `seam` command.
+#include <google/protobuf/stubs/logging.h>
+
 #include <cstdio>
 #include <exception>
 
@@ -8,6 +10,9 @@
 #include "tools/plugins.h"
 
 int main(int argc, char** argv) {
+  // A bad message from a client or a log is answered by an error of ours; the library's own lines would let anybody
+  // fill the terminal.
+  google::protobuf::SetLogHandler(nullptr);
   seam::tools::supply_renderer_to_measurements();
   try {
     return seam::tools::parse_and_run("SEAM: simulator of environment and measurement", "seam", "seam 0.1.0",
