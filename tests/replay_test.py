@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The whole way of a log: recorded by a real run, read by the independent MCAP reader, verified, broken,
 cut, recovered, resumed, compared, exported. Usage: replay_test.py SEAM NODE_FOLDER [TEST...]"""
+import contextlib
 import json
 import os
 import pathlib
@@ -153,38 +154,37 @@ class Replay(unittest.TestCase):
         scenario = self.folder / "killed.yaml"
         scenario.write_text(SCENARIO.replace("period_s: 0.2", f"period_s: {CAMERA_PERIOD_S}"))
         whole = self.folder / "uninterrupted.mcap"
-        began = time.monotonic()
-        seam("run", scenario, "--log", whole, "--frames", self.folder / "pictures", check=0)
-        whole_run_s = time.monotonic() - began
+        seam("run", scenario, "--log", whole, check=0)
         draw = random.Random(2)
-        worst_s, open_ends, tries = 0.0, 0, 0
-        while tries < KILLS:
-            log, pictures = self.folder / "killed.mcap", self.folder / f"pictures{tries}"
-            log.unlink(missing_ok=True)
+        worst_s, open_ends = 0.0, 0
+        for number in range(KILLS):
+            log, pictures = self.folder / "killed.mcap", self.folder / f"pictures{number}"
             run = subprocess.Popen([SEAM, "run", scenario, "--log", log, "--frames", pictures],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-            time.sleep(draw.uniform(0, whole_run_s))
-            os.killpg(run.pid, signal.SIGKILL)
+            # A moment of the run, however fast the machine is: after some picture, and a little later.
+            wanted, later_s = draw.randrange(1, int(3 / CAMERA_PERIOD_S)), draw.uniform(0, 0.02)
+            while run.poll() is None and sum(1 for _ in pictures.glob("*.png")) < wanted:
+                time.sleep(0.001)
+            time.sleep(later_s)
+            with contextlib.suppress(ProcessLookupError):  # It may have ended by itself.
+                os.killpg(run.pid, signal.SIGKILL)
             run.wait()
             frames = [int(path.stem.rsplit("_", 1)[1]) for path in pictures.glob("*.png")]
-            shutil.rmtree(pictures, ignore_errors=True)
-            if not frames:
-                continue  # Nothing had been simulated yet: another moment.
-            tries += 1
+            shutil.rmtree(pictures)
             report = self.folder / "killed.json"
             seam("replay", "show", log, "--json", report, check=0)
             shown = json.loads(report.read_text())
             open_ends += shown["fingerprint"] is None
             lost_s = max(frames) * CAMERA_PERIOD_S - shown["end_s"]
             worst_s = max(worst_s, lost_s)
-            self.assertLess(lost_s, 1.0, f"kill {tries}: the log ends at {shown['end_s']} s")
+            self.assertLess(lost_s, 1.0, f"kill {number}: the log ends at {shown['end_s']} s")
             resumed, summary = self.folder / "resumed.mcap", self.folder / "resumed.json"
             seam("replay", "resume", log, "--log", resumed, "--json", summary, check=0)
             # The whole log again, byte by byte, and with it the fingerprint at the end.
-            self.assertEqual(resumed.read_bytes(), whole.read_bytes(), f"kill {tries}")
-        print(f"{tries} kills, {open_ends} of them before the end; the log ended at most {worst_s:.3f} s before the last "
+            self.assertEqual(resumed.read_bytes(), whole.read_bytes(), f"kill {number}")
+        print(f"{KILLS} kills, {open_ends} of them before the end; the log ended at most {worst_s:.3f} s before the last "
               f"picture", file=sys.stderr)
-        self.assertGreater(2 * open_ends, tries, "most kills came too late to test anything")
+        self.assertGreater(2 * open_ends, KILLS, "most kills came too late to test anything")
 
     def test_frames_are_those_of_the_run(self):
         eyes = self.folder / "eyes"
