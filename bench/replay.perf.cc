@@ -25,64 +25,66 @@ Decision behaviour(const Observation& seen) {
 
 std::string text(double duration_s) { return scenario_text(SEAM_SOURCE_DIR, kRobots, duration_s); }
 
-// One run without log or with one, in memory; returns the log's size.
-uint64_t run(const Scenario& scenario, const std::string& yaml, bool with_log) {
+// One run without log or with one, in memory; returns the log.
+std::string run(const Scenario& scenario, const std::string& yaml, bool with_log) {
   World world(scenario);
   RunControl control;
   FunctionSource source(behaviour);
   mcap::MemoryOutput output;
-  Recorder recorder(output, world);
+  std::optional<Recorder> recorder;
   std::vector<SimulationObserver*> observers;
-  if (with_log) observers.push_back(&recorder);
-  Simulation simulation({scenario, world, source, control, nullptr, observers,
-                         header_of(scenario, yaml)});
+  if (with_log) observers.push_back(&recorder.emplace(output, world));
+  Simulation simulation(
+      {scenario, world, source, control, nullptr, observers, header_of(scenario, yaml)});
   simulation.run();
-  return output.bytes().size();
+  return output.bytes();
+}
+
+std::string run(double duration_s, bool with_log) {
+  const std::string yaml = text(duration_s);
+  return run(Scenario::from_text(yaml, "bench"), yaml, with_log);
 }
 
 void BM_Run(benchmark::State& state) {
-  const double duration_s = 10;
-  const std::string yaml = text(duration_s);
-  const Scenario scenario = Scenario::from_text(yaml, "bench");
+  const double duration_s = 30;
   const bool with_log = state.range(0) != 0;
-  uint64_t bytes = 0;
-  for (auto _ : state) bytes = run(scenario, yaml, with_log);
-  state.counters["x_real_time"] =
+  size_t bytes = 0;
+  for (auto _ : state) bytes = run(duration_s, with_log).size();
+  state.counters["sim_s_a_cpu_s"] =
       benchmark::Counter(duration_s, benchmark::Counter::kIsIterationInvariantRate);
   if (with_log) state.counters["MB_a_minute"] = static_cast<double>(bytes) * 60 / duration_s / 1e6;
 }
 BENCHMARK(BM_Run)->ArgName("log")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
 void BM_Verify(benchmark::State& state) {
-  const double duration_s = 10;
-  FunctionSource source(behaviour);
-  const RecordedRun recorded = record(text(duration_s), source);
-  const Log log = log_of(recorded.bytes);
+  const double duration_s = 30;
+  const std::string bytes = run(duration_s, true);
+  const Log log = log_of(bytes);
   for (auto _ : state) {
     if (scheduler::testing::verify(log, false).divergence) state.SkipWithError("a divergence");
   }
-  state.counters["x_real_time"] =
+  state.counters["sim_s_a_cpu_s"] =
       benchmark::Counter(duration_s, benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(BM_Verify)->Unit(benchmark::kMillisecond);
 
 // Random times of a match of 20 minutes, read from a file as a user would.
 void BM_SeekIn20Minutes(benchmark::State& state) {
-  const std::string path = SEAM_BINARY_DIR "/bench_replay_20min.mcap";
-  {
-    FunctionSource source(behaviour);
-    const RecordedRun recorded = record(text(1200), source);
-    std::ofstream(path, std::ios::binary) << recorded.bytes;
-    state.counters["MB"] = static_cast<double>(recorded.bytes.size()) / 1e6;
-  }
+  constexpr double kMatch_s = 1200;
+  static const std::string path = [] {
+    std::string path = SEAM_BINARY_DIR "/bench_replay_20min.mcap";
+    std::ofstream(path, std::ios::binary) << run(kMatch_s, true);
+    return path;
+  }();
   const Log log = Log::open(path);
+  state.counters["MB"] = static_cast<double>(log.file().file_bytes()) / 1e6;
   const Scenario scenario = Scenario::from_text(log.header().scenario_text, "log");
   World world(scenario);
   Rewinder rewinder(log, world);
   std::vector<double> ms;
   uint64_t draw = 0;
   for (auto _ : state) {
-    const SimTime time = SimTime::from_s(1200 * uniform({3, 1}, draw++));
+    const SimTime time = SimTime::from_s(kMatch_s * uniform({3, 1}, draw++));
     const auto start = std::chrono::steady_clock::now();
     rewinder.to(time);
     ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)

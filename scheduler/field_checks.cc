@@ -4,19 +4,22 @@
 
 namespace seam::scheduler {
 
-void FieldChecks::field(std::string_view, double& value) {
-  add(std::bit_cast<uint64_t>(value == 0 ? 0.0 : value));  // -0.0 counts as 0.0, as in hashes.
+uint64_t field_hash(int64_t value) {
+  auto bits = static_cast<uint64_t>(value);
+  bits ^= bits >> 33;
+  bits *= 0xff51afd7ed558ccdULL;
+  bits ^= bits >> 33;
+  bits *= 0xc4ceb9fe1a85ec53ULL;
+  return bits;
 }
 
-void FieldChecks::field(std::string_view, int64_t& value) { add(static_cast<uint64_t>(value)); }
+uint64_t field_hash(double value) { return field_hash(std::bit_cast<int64_t>(value == 0 ? 0.0 : value)); }
 
-void FieldChecks::add(uint64_t value) {
-  // The finaliser of MurmurHash3: every input bit reaches the top ones.
-  value ^= value >> 33;
-  value *= 0xff51afd7ed558ccdULL;
-  value ^= value >> 33;
-  value *= 0xc4ceb9fe1a85ec53ULL;
-  const auto check = static_cast<unsigned>(value >> shift_) & 3;
+void FieldChecks::field(std::string_view, double& value) { add(field_hash(value)); }
+void FieldChecks::field(std::string_view, int64_t& value) { add(field_hash(value)); }
+
+void FieldChecks::add(uint64_t hash) {
+  const auto check = static_cast<unsigned>(hash >> shift_) & 3;
   if (filled_ == 4) {
     bits_.push_back('\0');
     filled_ = 0;

@@ -10,6 +10,11 @@
 
 namespace seam::scheduler {
 
+// MurmurHash3's finaliser of a field's 64 bits: every input bit reaches the top ones. -0.0 counts as 0.0, as in the
+// hashes of sections.
+uint64_t field_hash(double value);
+uint64_t field_hash(int64_t value);
+
 // Gathers the bits of the fields visited, four fields a byte, the lowest bits first.
 class FieldChecks final : public StateVisitor {
  public:
@@ -21,7 +26,7 @@ class FieldChecks final : public StateVisitor {
   const std::string& bits() const { return bits_; }
 
  private:
-  void add(uint64_t value);
+  void add(uint64_t hash);
 
   int shift_;
   std::string bits_;

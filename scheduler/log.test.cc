@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "scheduler/log_recovery.h"
 #include "scheduler/log_testing.h"
 #include "sim_core/error.h"
+#include "sim_core/random.h"
 
 namespace seam::scheduler {
 namespace {
@@ -60,7 +62,9 @@ TEST(Log, ReRunsToTheSameBits) {
   EXPECT_FALSE(verify(log, false).divergence);
 }
 
-TEST(Log, IsTheSameFileEachTime) { EXPECT_EQ(record(text()).bytes, record(text()).bytes); }
+TEST(Log, IsTheSameFileEachTime) {
+  EXPECT_EQ(record(text()).bytes, record(text()).bytes);
+}
 
 TEST(Log, NamesTimeSectionAndFieldOfABrokenCommand) {
   const RecordedRun run = record(text(2, ", decision_latency_s: 0.01"));
@@ -121,10 +125,36 @@ TEST(Log, AMissingTurnSaysSo) {
   EXPECT_THROW(verify(log_of(broken)), InputError);
 }
 
+TEST(Log, CheckBitsNameAFieldWhereTheSumsAreSilent) {
+  const RecordedRun run = record(text());
+  bool is_changed = false;
+  const std::string broken = rewritten(run.bytes, Topic::step, [&](LogRecord& record) {
+    auto& step = std::get<StepRecord>(record);
+    if (step.step < 100) return true;
+    step.fingerprint ^= 1;
+    step.section_hashes.at(0) ^= 1;
+    step.field_sums.at(0) ^= 0x1234567;  // No three fields give this.
+    if (!step.field_checks.empty()) {
+      step.field_checks.at(0) =
+          static_cast<char>(step.field_checks.at(0) ^ 0x04);  // The second field.
+      is_changed = true;
+    }
+    return true;
+  });
+  ASSERT_TRUE(is_changed);
+  const Log log = log_of(broken);
+  const Verified verified = verify(log);
+  ASSERT_TRUE(verified.divergence);
+  EXPECT_EQ(verified.divergence->section, log.header().sections.at(0));
+  const World world(Scenario::from_text(log.header().scenario_text, "log"));
+  EXPECT_EQ(verified.divergence->field, world.sections().at(0).fields.at(1).name);
+}
+
 TEST(Log, OlderLogsWithoutChecksSnapshotsAndPosesStillVerify) {
   RecordedRun run = record(text());
   std::string older = rewritten(run.bytes, Topic::step, [&](LogRecord& record) {
     std::get<StepRecord>(record).field_checks.clear();
+    std::get<StepRecord>(record).field_sums.clear();
     std::get<StepRecord>(record).poses.clear();
     return true;
   });
@@ -209,8 +239,7 @@ TEST(Log, RewindsToAnyTime) {
 }
 
 TEST(Log, HoldsPicturesAndPosesForOtherTools) {
-  const RecordedRun run =
-      record(text(0.5), {.pictures = true, .transforms = true, .scene = true});
+  const RecordedRun run = record(text(0.5), {.pictures = true, .transforms = true, .scene = true});
   const Log log = log_of(run.bytes);
   EXPECT_TRUE(log.has_pictures());
   LogCursor cursor(log, {Topic::frame});
@@ -222,15 +251,61 @@ TEST(Log, HoldsPicturesAndPosesForOtherTools) {
   EXPECT_FALSE(verify(log).divergence);
 }
 
-TEST(Log, CutAnywhereItIsReadUpToThere) {
-  const RecordedRun run = record(text());
+// The messages of each chunk, byte by byte.
+std::vector<std::vector<std::string>> messages_by_chunk(const Log& log) {
+  std::vector<std::vector<std::string>> messages;
+  for (const mcap::ChunkPlace& chunk : log.file().contents().chunks) {
+    messages.emplace_back();
+    log.file().for_each_message(
+        chunk, [&](const mcap::Message& m) { messages.back().emplace_back(m.data); });
+  }
+  return messages;
+}
+
+TEST(Log, CutAnywhereItIsRecoveredUpToThere) {
+  // One robot and no frames: small chunks, so that every byte of the last two and of the index can
+  // be tried.
+  const std::string yaml = scenario_text(SEAM_SOURCE_DIR, 1, 1.5, 100);
+  const RecordedRun run = record(yaml);
   const Log whole = log_of(run.bytes);
   const auto& chunks = whole.file().contents().chunks;
-  ASSERT_GE(chunks.size(), 3u);
-  const mcap::ChunkPlace& before = chunks[chunks.size() - 3];
-  for (uint64_t cut = chunks[chunks.size() - 2].offset; cut < run.bytes.size(); cut += 7) {
-    const Log log = log_of(run.bytes.substr(0, cut));
-    EXPECT_GE(log.end_time().ns(), static_cast<int64_t>(before.end_time_ns)) << cut;
+  ASSERT_GE(chunks.size(), 4u);
+  std::vector<uint64_t> cuts;
+  for (uint64_t cut = chunks[chunks.size() - 2].offset; cut <= run.bytes.size(); ++cut)
+    cuts.push_back(cut);
+  for (uint64_t draw = 0; draw < 300; ++draw) {
+    cuts.push_back(random_bits({11, 1}, draw)[0] % chunks[chunks.size() - 2].offset);
+  }
+  const auto messages = messages_by_chunk(whole);
+  for (const uint64_t cut : cuts) {
+    const std::string damaged = run.bytes.substr(0, cut);
+    const auto input = [&] { return std::make_unique<mcap::MemoryInput>(damaged); };
+    size_t whole_chunks = 0, whole_messages = 0;
+    while (whole_chunks < chunks.size() &&
+           chunks[whole_chunks].offset + chunks[whole_chunks].length <= cut) {
+      whole_messages += messages[whole_chunks++].size();
+    }
+    mcap::MemoryOutput output;
+    if (whole_chunks == 0) {  // Nothing is left: exit code 1.
+      EXPECT_THROW(recover_log(input(), output), InputError) << cut;
+      continue;
+    }
+    const Recovery recovery = recover_log(input(), output);
+    EXPECT_EQ(recovery.messages, whole_messages) << cut;
+    if (whole_chunks < chunks.size()) {  // Exit code 3.
+      EXPECT_FALSE(recovery.whole()) << cut;
+      EXPECT_FALSE(recovery.losses.empty()) << cut;
+    }
+    if (cut == run.bytes.size()) {
+      EXPECT_TRUE(recovery.whole());
+    }
+    if (cut % 64 != 0) continue;
+    const Log mended = log_of(output.bytes());
+    EXPECT_TRUE(mended.losses().empty()) << cut;
+    EXPECT_TRUE(mended.file().contents().complete) << cut;
+    EXPECT_EQ(messages_by_chunk(mended),
+              std::vector(messages.begin(), messages.begin() + static_cast<long>(whole_chunks)))
+        << cut;
   }
 }
 

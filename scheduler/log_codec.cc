@@ -102,6 +102,7 @@ std::string encode_step(const StepRecord& step) {
   message.mutable_section_hashes()->Add(step.section_hashes.begin(), step.section_hashes.end());
   message.set_field_checks(step.field_checks);
   message.mutable_poses()->Add(step.poses.begin(), step.poses.end());
+  message.mutable_field_sums()->Add(step.field_sums.begin(), step.field_sums.end());
   return message.SerializeAsString();
 }
 
@@ -112,7 +113,8 @@ StepRecord decode_step(std::string_view bytes) {
           message.fingerprint(),
           {message.section_hashes().begin(), message.section_hashes().end()},
           std::move(*message.mutable_field_checks()),
-          {message.poses().begin(), message.poses().end()}};
+          {message.poses().begin(), message.poses().end()},
+          {message.field_sums().begin(), message.field_sums().end()}};
 }
 
 std::string encode_snapshot(const SnapshotRecord& snapshot) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scheduler/field_checks.h"
+#include "scheduler/field_sums.h"
 #include "scheduler/foxglove.h"
 #include "scheduler/log.h"
 #include "sim_core/hash.h"
@@ -41,13 +42,18 @@ std::vector<float> poses_of(const World& world) {
 
 StepRecord step_record(const World& world, SimTime time, uint64_t step,
                        std::span<const uint64_t> section_hashes) {
-  StepRecord record{time, step, step_fingerprint(section_hashes), {}, {}, {}};
+  StepRecord record{time, step, step_fingerprint(section_hashes), {}, {}, {}, {}};
   for (const uint64_t hash : section_hashes) {
     record.section_hashes.push_back(static_cast<uint32_t>(hash));
   }
-  FieldChecks checks(step);
-  world.visit(checks);
-  record.field_checks = checks.bits();
+  FieldSums sums;
+  world.visit(sums);
+  record.field_sums = sums.sums();
+  if (step % kCheckEverySteps == 0) {
+    FieldChecks checks(step);
+    world.visit(checks);
+    record.field_checks = checks.bits();
+  }
   if (step % kPoseEverySteps == 0) record.poses = poses_of(world);
   return record;
 }

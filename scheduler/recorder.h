@@ -15,7 +15,7 @@
 namespace seam::scheduler {
 
 struct RecorderOptions {
-  SimDuration snapshot_period = SimDuration::from_ns(10'000'000'000);
+  SimDuration snapshot_period = SimDuration::from_ns(5'000'000'000);
   // At most this much simulated time is lost when the process dies.
   SimDuration chunk_period = SimDuration::from_ns(500'000'000);
   bool pictures = false;    // Each frame as a PNG.
@@ -65,6 +65,8 @@ class Recorder final : public SimulationObserver {
 std::vector<float> poses_of(const World& world);
 // The poses are recorded on each of these steps.
 inline constexpr uint64_t kPoseEverySteps = 4;
+// The field checks are recorded on each of these steps; odd, so that all four pairs of bits take turns.
+inline constexpr uint64_t kCheckEverySteps = 17;
 // Over 64-bit section hashes in order, and their lower halves.
 uint64_t step_fingerprint(std::span<const uint64_t> section_hashes);
 StepRecord step_record(const World& world, SimTime time, uint64_t step,

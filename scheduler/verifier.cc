@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "scheduler/field_checks.h"
+#include "scheduler/field_sums.h"
 #include "scheduler/recorder.h"
 #include "sim_core/error.h"
 #include "sim_core/hash.h"
@@ -30,6 +31,14 @@ FieldNames::FieldNames(const World& world) {
     for (const StateSection::Field& field : section.fields) names_.push_back(field.name);
   }
   first_.push_back(names_.size());
+}
+
+std::optional<std::string> FieldNames::first_of(size_t section, std::span<const size_t> fields) const {
+  if (section + 1 >= first_.size()) return std::nullopt;
+  for (const size_t field : fields) {
+    if (field >= first_[section] && field < first_[section + 1]) return names_[field];
+  }
+  return std::nullopt;
 }
 
 std::optional<std::string> FieldNames::first_difference(size_t section,
@@ -143,13 +152,22 @@ void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t ste
   look_for_field(logged);
 }
 
+// At the first step that differs the sums name the field, unless many differ at once. Then the next check bits do.
 void Verifier::look_for_field(const StepRecord& logged) {
-  FieldChecks checks(logged.step);
-  world_.visit(checks);
-  const auto field = FieldNames(world_).first_difference(*field_wanted_in_, logged.field_checks,
-                                                         checks.bits());
+  const FieldNames names(world_);
+  std::optional<std::string> field;
+  if (steps_looked_ == 0) {
+    FieldSums sums;
+    world_.visit(sums);
+    field = names.first_of(*field_wanted_in_, differing_fields(logged.field_sums, sums.sums(), sums.fields()));
+  }
+  if (!field && !logged.field_checks.empty()) {
+    FieldChecks checks(logged.step);
+    world_.visit(checks);
+    field = names.first_difference(*field_wanted_in_, logged.field_checks, checks.bits());
+  }
   if (field) divergence_->field = *field;
-  if (field || logged.field_checks.empty() || ++steps_looked_ >= kStepsToLookForField) {
+  if (field || ++steps_looked_ >= kStepsToLookForField) {
     field_wanted_in_.reset();
     control_.stop();
   }

@@ -25,6 +25,8 @@ struct Divergence {
 class FieldNames {
  public:
   explicit FieldNames(const World& world);
+  // The first of these fields, by their numbers, that belongs to the section.
+  std::optional<std::string> first_of(size_t section, std::span<const size_t> fields) const;
   // The first field of a section that differs by its check bits; nothing where none shows it.
   std::optional<std::string> first_difference(size_t section, std::string_view logged_checks,
                                               std::string_view checks) const;

@@ -86,6 +86,7 @@ for await (const message of reader.readMessages()) {
     if (channel.topic === "/seam/snapshot") continue;
     if (channel.topic === "/seam/step") {
       const step = type.decode(data);
+      step.field_sums = [];
       step.field_checks = new Uint8Array();
       step.poses = [];
       data = type.encode(step).finish();
