@@ -141,6 +141,12 @@ struct Renderer::Impl {
   }
 };
 
+void develop(Frame& frame) {
+  frame.ycrcb.resize(frame.rgb.size());
+  rgb_to_ycrcb(frame.rgb, frame.ycrcb);
+  frame.fingerprint = fingerprint_of(frame);
+}
+
 Renderer::Renderer(const effects::Model& model, int width_px, int height_px,
                    const RendererOptions& options) {
   if (width_px < 1 || height_px < 1 || width_px > 8192 || height_px > 8192) {
@@ -186,9 +192,7 @@ Frame Renderer::render(const FrameJob& job) const {
               .height_px = impl_->height_px,
               .rows = job.schedule.rows};
   frame.rgb = impl_->expose(job, impl_->illumination(job));
-  frame.ycrcb.resize(frame.rgb.size());
-  rgb_to_ycrcb(frame.rgb, frame.ycrcb);
-  frame.fingerprint = fingerprint_of(frame);
+  develop(frame);
   return frame;
 }
 

@@ -56,6 +56,9 @@ struct StageImage {
   LinearImage image;
 };
 
+// What follows from a frame's size, stamp, rows and rgb: its YCrCb and its fingerprint.
+void develop(Frame& frame);
+
 class Renderer {
  public:
   // Throws InputError when the model has no projection or cannot be inverted over the image.

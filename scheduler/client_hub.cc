@@ -3,20 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "scheduler/token.h"
 #include "sim_core/error.h"
 
 namespace seam::scheduler {
 
 namespace {
-
-// Two tokens are compared in a time that does not tell how far they agree.
-bool same_token(const std::string& a, const std::string& b) {
-  if (a.size() != b.size()) return false;
-  unsigned char difference = 0;
-  for (size_t i = 0; i < a.size(); ++i)
-    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
-  return difference == 0;
-}
 
 // Faults that are kept until the loop takes them; a flooding client cannot fill the memory.
 constexpr size_t kMaxFaults = 1000;

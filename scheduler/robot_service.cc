@@ -1,14 +1,13 @@
 // The robots' streams: one session a stream. A session turns wire messages into calls of the hub;
 // nothing that a client sends goes anywhere else.
 #include <fmt/format.h>
-#include <grpcpp/alarm.h>
 #include <grpcpp/grpcpp.h>
 
-#include <deque>
 #include <mutex>
 
 #include "scheduler/clock.h"
 #include "scheduler/services.h"
+#include "scheduler/stream.h"
 #include "scheduler/wire.h"
 #include "seam/v1/simulation.grpc.pb.h"
 
@@ -16,27 +15,11 @@ namespace seam::scheduler {
 
 namespace {
 
-constexpr int kHelloSeconds = 10;
-// Messages that wait to be written; a client that sends but never reads is not read from further.
-constexpr size_t kMaxUnwritten = 16;
 constexpr size_t kMaxClientNameBytes = 200;
 
-class Session final : public grpc::ServerBidiReactor<v1::ClientMessage, v1::ServerMessage>,
-                      public ClientConnection,
-                      public std::enable_shared_from_this<Session> {
+class Session final : public Stream<v1::ClientMessage, v1::ServerMessage>, public ClientConnection {
  public:
   Session(const Scenario& scenario, ClientHub& hub) : scenario_(scenario), hub_(hub) {}
-
-  // The stream keeps itself alive until gRPC is done with it.
-  void start() {
-    self_ = shared_from_this();
-    hello_alarm_.Set(std::chrono::system_clock::now() + std::chrono::seconds(kHelloSeconds),
-                     [weak = weak_from_this()](bool expired) {
-                       const auto session = weak.lock();
-                       if (expired && session) session->hello_is_late();
-                     });
-    StartRead(&incoming_);
-  }
 
   // ---- ClientConnection ----
   void send(std::shared_ptr<const Observation> observation) override {
@@ -53,80 +36,31 @@ class Session final : public grpc::ServerBidiReactor<v1::ClientMessage, v1::Serv
   }
   void drop(const std::string& reason) override { end({grpc::StatusCode::ABORTED, reason}); }
 
-  // ---- Reactor ----
-  void OnReadDone(bool ok) override;
-  void OnWriteDone(bool ok) override;
-  void OnCancel() override { leave(); }
-  void OnDone() override {
-    leave();
-    hello_alarm_.Cancel();
-    self_.reset();
+ private:
+  // ---- Stream ----
+  void take(const v1::ClientMessage& message) override;
+  void leave() override;
+  bool greeted() override {
+    const std::lock_guard lock(mutex_);
+    return robot_ >= 0;
   }
 
- private:
   void take_hello(const v1::ClientMessage& message);
   void take_decision(const v1::ClientMessage& message);
   void refuse(uint64_t sequence, const FieldError& error, bool decision_owed);
-  void hello_is_late();
-  void leave();
-  void write(v1::ServerMessage message);
-  void end(const grpc::Status& status);
-  void read_on();
 
   const Scenario& scenario_;
   ClientHub& hub_;
-  std::shared_ptr<Session> self_;
-  grpc::Alarm hello_alarm_;
-  v1::ClientMessage incoming_;  // Of the one read under way.
-
   std::mutex mutex_;
   int robot_ = -1;  // Once the hello was accepted.
   bool left_ = false;
-  std::deque<v1::ServerMessage> unwritten_;  // The first is being written.
-  bool reading_held_ = false;
-  std::optional<grpc::Status> status_;  // Given to Finish when all is written.
-  bool finished_ = false;
 };
 
-void Session::write(v1::ServerMessage message) {
-  const std::lock_guard lock(mutex_);
-  if (status_) return;
-  unwritten_.push_back(std::move(message));
-  if (unwritten_.size() == 1) StartWrite(&unwritten_.front());
-}
-
-void Session::end(const grpc::Status& status) {
-  const std::lock_guard lock(mutex_);
-  if (status_) return;
-  status_ = status;
-  if (unwritten_.empty() && !std::exchange(finished_, true)) Finish(*status_);
-}
-
-void Session::OnWriteDone(bool ok) {
-  bool resume_reading = false;
-  {
-    const std::lock_guard lock(mutex_);
-    unwritten_.pop_front();
-    if (!ok) unwritten_.clear();
-    if (!unwritten_.empty()) {
-      StartWrite(&unwritten_.front());
-    } else if (status_) {
-      if (!std::exchange(finished_, true)) Finish(*status_);
-    }
-    if (unwritten_.size() < kMaxUnwritten) resume_reading = std::exchange(reading_held_, false);
-  }
-  if (resume_reading) StartRead(&incoming_);
-}
-
-void Session::read_on() {
-  {
-    const std::lock_guard lock(mutex_);
-    if (unwritten_.size() >= kMaxUnwritten) {
-      reading_held_ = true;
-      return;
-    }
-  }
-  StartRead(&incoming_);
+void Session::take(const v1::ClientMessage& message) {
+  if (greeted())
+    take_decision(message);
+  else
+    take_hello(message);
 }
 
 void Session::leave() {
@@ -135,34 +69,7 @@ void Session::leave() {
     const std::lock_guard lock(mutex_);
     robot = std::exchange(left_, true) ? -1 : robot_;
   }
-  if (robot < 0) return;
-  hub_.detach(robot, *this);
-}
-
-void Session::hello_is_late() {
-  {
-    const std::lock_guard lock(mutex_);
-    if (robot_ >= 0) return;
-  }
-  end({grpc::StatusCode::DEADLINE_EXCEEDED, fmt::format("no hello within {} s", kHelloSeconds)});
-}
-
-void Session::OnReadDone(bool ok) {
-  if (!ok) {
-    leave();
-    end(grpc::Status::OK);
-    return;
-  }
-  int robot;
-  {
-    const std::lock_guard lock(mutex_);
-    robot = robot_;
-  }
-  if (robot < 0)
-    take_hello(incoming_);
-  else
-    take_decision(incoming_);
-  read_on();
+  if (robot >= 0) hub_.detach(robot, *this);
 }
 
 void Session::take_hello(const v1::ClientMessage& message) {
@@ -173,7 +80,8 @@ void Session::take_hello(const v1::ClientMessage& message) {
     return end({grpc::StatusCode::INVALID_ARGUMENT,
                 fmt::format("client: found {} bytes, expected at most {}", hello.client().size(),
                             kMaxClientNameBytes)});
-  const auto attached = hub_.attach(hello.robot(), hello.token(), shared_from_this());
+  const auto attached = hub_.attach(hello.robot(), hello.token(),
+                                    std::static_pointer_cast<Session>(shared_from_this()));
   switch (attached.result) {
     case Attachment::unknown_robot:
       return end({grpc::StatusCode::NOT_FOUND, fmt::format("robot: no robot '{}' here",

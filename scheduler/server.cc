@@ -17,6 +17,7 @@ namespace seam::scheduler {
 struct Server::Implementation {
   std::unique_ptr<grpc::Service> robots;
   std::unique_ptr<grpc::Service> supervisor;
+  std::unique_ptr<grpc::Service> renderers;
   std::unique_ptr<grpc::Server> server;
 };
 
@@ -57,7 +58,7 @@ void enable_plugins() {
 
 void set_limits(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(WireLimits::kMaxMessageBytes);
-  builder.SetMaxSendMessageSize(64 << 20);
+  builder.SetMaxSendMessageSize(WireLimits::kMaxServerMessageBytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
   // Small messages in lockstep: probing the bandwidth would double the packets.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
@@ -80,6 +81,7 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
   implementation_->robots = make_robot_service(scenario, hub);
   implementation_->supervisor =
       make_supervisor_service(world, options.supervisor_token, hub, control);
+  implementation_->renderers = make_render_service(options.renderers);
   grpc::ServerBuilder builder;
   set_limits(builder);
   std::vector<int> ports(options.addresses.size(), 0);
@@ -88,6 +90,7 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
                              &ports[i]);
   builder.RegisterService(implementation_->robots.get());
   builder.RegisterService(implementation_->supervisor.get());
+  builder.RegisterService(implementation_->renderers.get());
   implementation_->server = builder.BuildAndStart();
   for (size_t i = 0; i < options.addresses.size(); ++i) {
     std::string address = options.addresses[i];

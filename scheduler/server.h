@@ -1,5 +1,5 @@
-// The gRPC server of a run: robots' streams, the supervisor's calls, health and reflection.
-// proto/seam/v1/simulation.proto is the contract.
+// The gRPC server of a run: robots' and renderers' streams, the supervisor's calls, health and
+// reflection. proto/seam/v1/ is the contract.
 #pragma once
 
 #include <memory>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scheduler/client_hub.h"
+#include "scheduler/remote_renderer.h"
 #include "scheduler/run_control.h"
 #include "sim_core/scenario.h"
 #include "sim_core/world.h"
@@ -27,6 +28,7 @@ struct ServerOptions {
   std::vector<std::string> addresses;
   std::optional<TlsTexts> tls;
   std::string supervisor_token;
+  RemoteRenderer* renderers = nullptr;  // Where frames are rendered by other processes.
 };
 
 class Server {

@@ -1,4 +1,4 @@
-// The two gRPC services; only server.cc and the services' own files include this.
+// The gRPC services; only server.cc and the services' own files include this.
 #pragma once
 
 #include <grpcpp/impl/service_type.h>
@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "scheduler/client_hub.h"
+#include "scheduler/remote_renderer.h"
 #include "scheduler/run_control.h"
 #include "sim_core/world.h"
 
@@ -14,5 +15,7 @@ namespace seam::scheduler {
 std::unique_ptr<grpc::Service> make_robot_service(const Scenario& scenario, ClientHub& hub);
 std::unique_ptr<grpc::Service> make_supervisor_service(const World& world, std::string token,
                                                        ClientHub& hub, RunControl& control);
+// None: renderers are told that the server renders.
+std::unique_ptr<grpc::Service> make_render_service(RemoteRenderer* renderer);
 
 }  // namespace seam::scheduler

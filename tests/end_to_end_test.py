@@ -245,6 +245,70 @@ class EndToEnd(unittest.TestCase):
         self.assertEqual(server.wait(LIMIT_S), 0)
         self.assertEqual(json.loads(out.read_text())["fingerprint"], reference)
 
+    def test_renderers_of_their_own_give_the_same_bits(self):
+        path = self.write(scenario(duration_s=0.6))
+        reference = self.run_json(path)
+        self.assertEqual(reference["rendered_remotely"], 0)
+        for renderers in (1, 2):
+            remote = self.run_json(path, "--renderers", renderers)
+            self.assertEqual(remote["fingerprint"], reference["fingerprint"])
+            self.assertEqual(remote["rendered_remotely"], reference["frames"])
+
+    def serve_with_renderers(self, path, *arguments):
+        """A server, its address, its tokens and where its summary will be."""
+        tokens, out = self.here / "tokens.yaml", self.here / "served.json"
+        server = self.start("serve", path, "--listen", f"unix:{self.here}/s", "--tokens", tokens, "--json", out, *arguments)
+        address = server.stdout.readline().split()[-1]
+        found = dict(line.strip().split(": ") for line in tokens.read_text().splitlines() if ": " in line)
+        return server, address, found, out
+
+    def start_renderer(self, address, token, *arguments):
+        process = subprocess.Popen([BUILD / "seam-render", "--address", address, *arguments],
+                                   env=dict(os.environ, SEAM_RENDER_TOKEN=token), stderr=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: (process.poll() is None and process.kill(), process.wait(), process.stderr.close()))
+        return process
+
+    def start_client(self, address, robot, token):
+        return subprocess.Popen([BUILD / "behaviours" / "head_swing", "--rate", "200", "--address", address,
+                                 "--robot", robot, "--token", token])
+
+    def test_a_robot_token_is_refused_the_scene_and_lost_renderers_change_nothing(self):
+        path = self.write(scenario(duration_s=3))
+        reference = self.run_json(path)["fingerprint"]
+        server, address, tokens, out = self.serve_with_renderers(path, "--renderers", 3, "--renderer-limit", 2)
+        spy = self.start_renderer(address, tokens["r0"])
+        self.assertEqual(spy.wait(60), 1)
+        self.assertIn("token: not the render token", spy.stderr.read())
+        stranger = self.start_renderer(address, tokens["render"], "--robot", "r7")
+        self.assertEqual(stranger.wait(60), 1)
+        self.assertIn("r7", stranger.stderr.read())
+        for arguments in (["--threads", "-3"], ["--no-such-option"]):
+            self.assertEqual(subprocess.run([BUILD / "seam-render", "--address", address, "--token", "x", *arguments],
+                                            capture_output=True, timeout=60).returncode, 2)
+        killed, stopped, good = [self.start_renderer(address, tokens["render"], "--name", name, "--threads", "1")
+                                 for name in ("killed", "stopped", "good")]
+        clients = [self.start_client(address, robot, tokens[robot]) for robot in ("r0", "r1")]
+        time.sleep(0.3)
+        killed.kill()
+        stopped.send_signal(signal.SIGSTOP)
+        self.assertEqual([client.wait(LIMIT_S) for client in clients], [0, 0])
+        self.assertEqual(server.wait(LIMIT_S), 0)
+        self.assertEqual(good.wait(30), 0)
+        self.assertEqual(json.loads(out.read_text())["fingerprint"], reference)
+
+    def test_without_its_last_renderer_a_run_ends_by_its_policy(self):
+        path = self.write(scenario(robots=1, duration_s=100))
+        server, address, tokens, out = self.serve_with_renderers(path, "--renderers", 1, "--renderer-policy", "abort")
+        renderer = self.start_renderer(address, tokens["render"], "--name", "only")
+        client = self.start_client(address, "r0", tokens["r0"])
+        self.addCleanup(lambda: (client.poll() is None and client.kill(), client.wait()))
+        time.sleep(1)
+        renderer.kill()
+        self.assertEqual(server.wait(60), 1)
+        errors = server.stderr.read()
+        self.assertIn("renderer 'only' is lost", errors)
+        self.assertIn("no renderer for frame", errors)
+
     def test_clients_on_another_network_namespace(self):
         a, b = f"seam-a-{os.getpid()}", f"seam-b-{os.getpid()}"
 

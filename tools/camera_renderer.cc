@@ -28,7 +28,8 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
                                int workers, const render::RendererOptions& options)
     : workers_(workers > 0 ? workers
                            : std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()),
-                                             1, 64)) {
+                                             1, 64)),
+      options_(options) {
   SEAM_CHECK(models.size() == scenario.robots.size(), "{} models", models.size());
   const RandomStream root{static_cast<uint64_t>(scenario.seed), 0};
   for (size_t i = 0; i < models.size(); ++i) {
@@ -61,16 +62,24 @@ RowSchedule CameraRenderer::schedule(int robot, uint64_t frame_index, SimTime st
                                     options);
 }
 
+void CameraRenderer::detect_colours(int robot, Frame& frame) const {
+  const std::optional<render::ColourTable>& colours = cameras_[robot].colours;
+  if (!colours) return;
+  render::Detections seen = colours->detect(frame.ycrcb, frame.width_px, frame.height_px);
+  frame.colours = std::move(seen.bits);
+  frame.colours_width_px = seen.width_px;
+  frame.colours_height_px = seen.height_px;
+}
+
 Frame CameraRenderer::render(int robot, const FrameJob& job, int) {
-  const Camera& camera = cameras_[robot];
-  Frame frame = camera.renderer->render(job);
-  if (camera.colours) {
-    render::Detections seen = camera.colours->detect(frame.ycrcb, frame.width_px, frame.height_px);
-    frame.colours = std::move(seen.bits);
-    frame.colours_width_px = seen.width_px;
-    frame.colours_height_px = seen.height_px;
-  }
+  Frame frame = cameras_[robot].renderer->render(job);
+  detect_colours(robot, frame);
   return frame;
+}
+
+void CameraRenderer::develop(int robot, Frame& frame) const {
+  render::develop(frame);
+  detect_colours(robot, frame);
 }
 
 }  // namespace seam::tools

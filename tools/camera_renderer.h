@@ -25,9 +25,15 @@ class CameraRenderer final : public scheduler::FrameRenderer {
   Pose mount(int robot) const override { return cameras_[robot].X_LC; }
   Frame render(int robot, const FrameJob& job, int worker) override;
 
+  // Puts into a frame that was rendered elsewhere what follows from its rgb.
+  void develop(int robot, Frame& frame) const;
+
+  const render::RendererOptions& options() const { return options_; }
   const render::Renderer& camera(int robot) const { return *cameras_[robot].renderer; }
 
  private:
+  void detect_colours(int robot, Frame& frame) const;
+
   struct Camera {
     std::unique_ptr<render::Renderer> renderer;
     std::optional<render::ColourTable> colours;
@@ -38,6 +44,7 @@ class CameraRenderer final : public scheduler::FrameRenderer {
   };
   std::vector<Camera> cameras_;
   int workers_;
+  render::RendererOptions options_;
 };
 
 }  // namespace seam::tools

@@ -30,6 +30,11 @@ Option& Option::count(int min, int max) {
   return *this;
 }
 
+Option& Option::environment(const std::string& variable) {
+  option_->envname(variable);
+  return *this;
+}
+
 Option& Option::show_default() {
   option_->capture_default_str();
   return *this;

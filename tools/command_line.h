@@ -26,6 +26,7 @@ class Option {
   Option& range(double min, double max);
   Option& one_of(std::initializer_list<std::string> words);
   Option& count(int min, int max);  // How many values a list takes.
+  Option& environment(const std::string& variable);  // Where the line does not give the option.
   Option& show_default();           // The help names the value that the variable has now.
 
  private:

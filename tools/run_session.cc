@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -66,8 +67,8 @@ class AbortReason final : public scheduler::SimulationObserver {
 };
 
 void write_tokens(const std::string& file, const std::vector<scheduler::HubRobot>& robots,
-                  const std::string& supervisor) {
-  std::string text = fmt::format("supervisor: {}\nrobots:\n", supervisor);
+                  const std::string& supervisor, const std::string& render) {
+  std::string text = fmt::format("supervisor: {}\nrender: {}\nrobots:\n", supervisor, render);
   for (const scheduler::HubRobot& robot : robots)
     text += fmt::format("  {}: {}\n", robot.id, robot.token);
   write_file_atomically(file, text);
@@ -106,6 +107,19 @@ std::vector<BehaviourProcess> behaviour_processes(const Scenario& scenario,
   return processes;
 }
 
+void wait_for_renderers(const scheduler::RemoteRenderer& remote,
+                        const RemoteRenderingOptions& options, const scheduler::RunControl& control,
+                        const std::atomic<bool>& one_ended) {
+  const auto wanted = static_cast<size_t>(options.renderers);
+  if (remote.wait_for(wanted, options.connect_limit_s,
+                      [&] { return control.stop_requested() || one_ended; }) ||
+      control.stop_requested())
+    return;
+  throw InputError(one_ended ? std::string("a renderer ended before the run began")
+                             : fmt::format("{} of {} renderers came within {} s", remote.renderers(),
+                                           wanted, options.connect_limit_s));
+}
+
 }  // namespace
 
 SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
@@ -133,13 +147,23 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
   scheduler::RunControl control;
   scheduler::ClientHub hub(robots, control);
   const SocketFolder socket;
+  RemoteRenderingOptions rendering = options.rendering;
+  rendering.frames.token = scenario.render_token.empty() ? new_token() : scenario.render_token;
+  std::unique_ptr<scheduler::RemoteRenderer> remote;
+  if (rendering.renderers > 0)
+    remote = make_remote_renderer(simulator, rendering, [&hub](int robot, const std::string& what) {
+      hub.note_fault(robot, "renderer", what);
+      std::fprintf(stderr, "%s\n", what.c_str());
+    });
   scheduler::ServerOptions serving{.addresses = options.addresses,
                                    .tls = read_certificates(options.certificates),
-                                   .supervisor_token = scenario.supervisor_token};
+                                   .supervisor_token = scenario.supervisor_token,
+                                   .renderers = remote.get()};
   if (serving.supervisor_token.empty()) serving.supervisor_token = new_token();
   if (options.start_behaviours) serving.addresses.push_back(socket.address());
   const scheduler::Server server(serving, scenario, simulator.world, hub, control);
-  if (!options.token_file.empty()) write_tokens(options.token_file, robots, serving.supervisor_token);
+  if (!options.token_file.empty())
+    write_tokens(options.token_file, robots, serving.supervisor_token, rendering.frames.token);
   for (const std::string& address : server.addresses())
     if (address != socket.address()) std::printf("listening on %s\n", address.c_str());
   std::fflush(stdout);
@@ -151,6 +175,11 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
     ~Closer() { control.close(); }
   } closer{control};
 
+  Behaviours renderers;
+  if (remote && options.start_behaviours)
+    for (const BehaviourProcess& process :
+         render_processes(rendering.renderers, socket.address(), rendering.frames.token))
+      renderers.start(process);
   Behaviours behaviours;
   for (BehaviourProcess& process : processes) {
     const auto& robot = robots[static_cast<size_t>(hub.robot_number(process.robot))];
@@ -161,23 +190,40 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 
   SessionSummary summary;
   {
+    std::atomic<bool> renderer_ended = false;
     const SignalWatch signals([&] { control.stop(); }, [&] {
+      renderers.reap([&](const std::string& name, const std::string& how) {
+        if (how != "ended with exit code 0")
+          std::fprintf(stderr, "%s %s\n", name.c_str(), how.c_str());
+        renderer_ended = true;
+      });
       behaviours.reap([&](const std::string& robot, const std::string& how) {
         hub.give_up(robot, "its behaviour " + how);
       });
     });
+    if (remote) wait_for_renderers(*remote, rendering, control, renderer_ended);
     const Progress progress(hub, control, scenario.duration);
     const auto source = wrap ? wrap(hub) : nullptr;
     scheduler::DecisionSource& decisions = source ? *source : hub;
     scheduler::Simulation simulation({scenario, simulator.world, decisions, control,
-                                      simulator.renderer.get(), observers, simulator.header},
+                                      remote ? static_cast<scheduler::FrameRenderer*>(remote.get())
+                                             : simulator.renderer.get(),
+                                      observers, simulator.header},
                                      {.camera_at_rows = frames.has_value()});
+    // Also on the way out of an error: threads that wait for a frame go on.
+    const struct Finisher {
+      scheduler::RemoteRenderer* remote;
+      ~Finisher() {
+        if (remote != nullptr) remote->finish("the run is over");
+      }
+    } finisher{remote.get()};
     const auto start = std::chrono::steady_clock::now();
     summary.end = simulation.run();
     summary.wall_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     summary.sim_s = simulation.now().s();
     summary.frames = simulation.frames();
+    summary.rendered_remotely = remote ? remote->rendered_remotely() : 0;
     summary.decisions = simulation.decisions();
     summary.fingerprint = simulation.fingerprint();
     summary.waiting_s = hub.wall_waiting_s();
@@ -187,6 +233,7 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
     summary.blue_score = simulator.world.score(Team::blue);
   }
   behaviours.wait_for_end(2);
+  renderers.wait_for_end(2);
   return summary;
 }
 
@@ -210,9 +257,9 @@ int report(const SessionSummary& summary, const SessionOptions& options) {
         options.json,
         fmt::format("{{\n  \"format\": \"seam-run/1\",\n  \"sim_s\": {},\n  \"wall_s\": {},\n"
                     "  \"real_time_factor\": {},\n  \"frames\": {},\n  \"fingerprint\": \"{}\",\n"
-                    "  \"decisions\": {},\n  \"waiting_s\": {},\n  \"end\": \"{}\"{}\n}}\n",
+                    "  \"rendered_remotely\": {},\n  \"decisions\": {},\n  \"waiting_s\": {},\n  \"end\": \"{}\"{}\n}}\n",
                     summary.sim_s, summary.wall_s, summary.real_time_factor(), summary.frames,
-                    to_hex(summary.fingerprint), summary.decisions, summary.waiting_s, end, score));
+                    to_hex(summary.fingerprint), summary.rendered_remotely, summary.decisions, summary.waiting_s, end, score));
   if (summary.end != scheduler::EndReason::aborted) return 0;
   std::fprintf(stderr, "seam: the run was aborted: %s\n", summary.abort_reason.c_str());
   return 1;
@@ -236,6 +283,7 @@ void add_session_options(Command command, SessionOptions& session, SimulatorOpti
   command.add_option("--render-threads", simulator.render_workers,
                      "Frames made at once; 0 is one for each core")
       .range(0, 64);
+  add_remote_rendering_options(command, session.rendering);
 }
 
 }  // namespace seam::tools

@@ -14,6 +14,7 @@
 #include "scheduler/server.h"
 #include "scheduler/simulation.h"
 #include "tools/command_line.h"
+#include "tools/remote_rendering.h"
 #include "tools/simulator.h"
 
 namespace seam::tools {
@@ -27,6 +28,7 @@ struct SessionOptions {
   std::vector<std::string> addresses;  // Beside the private socket of the behaviours.
   std::string certificates;            // Folder with ca.pem, server.pem, server.key.
   std::string token_file;              // Tokens are written here for clients elsewhere.
+  RemoteRenderingOptions rendering;
   std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
 };
 
@@ -35,6 +37,7 @@ struct SessionSummary {
   double wall_s = 0;
   double waiting_s = 0;  // Of wall_s: for clients.
   uint64_t frames = 0;
+  uint64_t rendered_remotely = 0;  // Of them: by `seam-render` processes.
   uint64_t decisions = 0;
   uint64_t fingerprint = 0;
   bool has_score = false;  // A referee kept it.

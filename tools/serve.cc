@@ -22,7 +22,7 @@ void add_serve(Command app) {
                       "Folder with ca.pem, server.pem, server.key: TLS with client certificates; "
                       "needed beyond Unix sockets and loopback");
   command.add_option("--tokens", options->session.token_file,
-                      "Writes the robots' and the supervisor's tokens here (readable by you alone); "
+                      "Writes the robots', renderers' and the supervisor's tokens here (readable by you alone); "
                       "tokens that the scenario does not give are drawn anew");
   add_session_options(command, options->session, options->simulator);
   command.footer(

@@ -54,6 +54,12 @@ void replace_models(Scenario& scenario, const std::vector<std::string>& models) 
 
 }  // namespace
 
+std::vector<effects::Model> models_of(const Scenario& scenario) {
+  std::vector<effects::Model> models;
+  for (const RobotSpec& robot : scenario.robots) models.push_back(model_of(robot));
+  return models;
+}
+
 Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions& options) {
   Scenario scenario = Scenario::from_file(file);
   if (options.seed) scenario.seed = *options.seed;
@@ -62,8 +68,7 @@ Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions
 }
 
 Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
-  std::vector<effects::Model> models;
-  for (const RobotSpec& robot : scenario.robots) models.push_back(model_of(robot));
+  std::vector<effects::Model> models = models_of(scenario);
   std::map<std::string, effects::Model> by_robot;
   for (size_t i = 0; i < models.size(); ++i) by_robot.emplace(scenario.robots[i].id, models[i]);
   World world(scenario, effects::ModelParts(std::move(by_robot)));

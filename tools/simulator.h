@@ -31,6 +31,9 @@ struct Simulator {
   scheduler::RunHeader header;          // Its scenario text holds everything, files included.
 };
 
+// One a robot: its file's or the ideal one, with the robot's own values drawn from spreads.
+std::vector<effects::Model> models_of(const Scenario& scenario);
+
 // The scenario with seed and models replaced. Throws InputError, UsageError for a `--model` that
 // names no robot.
 Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions& options);
