@@ -177,20 +177,6 @@ size_t needed_parameters(const Grown& grown) {
   return needed;
 }
 
-// Sum of the held-out groups' gains over its standard error; 0 with fewer than three groups.
-double gain_over_scatter(const Score& before, const Score& after) {
-  double count = 0, sum = 0, sum2 = 0;
-  for (size_t g = 0; g < after.by_group.size(); ++g) {
-    if (g >= before.by_group.size() || (after.by_group[g] == 0 && before.by_group[g] == 0))
-      continue;
-    const double gain = after.by_group[g] - before.by_group[g];
-    ++count, sum += gain, sum2 += gain * gain;
-  }
-  if (count < 3) return 0;
-  const double variance = (sum2 - sum * sum / count) / (count - 1);
-  return sum / std::sqrt(std::max(variance * count, 1e-300));
-}
-
 size_t fitted_parameters(const Grown& grown) {
   size_t count = 0;
   for (const Unknown& unknown : grown.assessment.unknowns) {
@@ -205,6 +191,19 @@ bool bounded_at_neutral(const EffectDefinition& effect) {
 }
 
 }  // namespace
+
+double gain_over_scatter(const Score& before, const Score& after) {
+  double count = 0, sum = 0, sum2 = 0;
+  for (size_t g = 0; g < after.by_group.size(); ++g) {
+    if (g >= before.by_group.size() || (after.by_group[g] == 0 && before.by_group[g] == 0))
+      continue;
+    const double gain = after.by_group[g] - before.by_group[g];
+    ++count, sum += gain, sum2 += gain * gain;
+  }
+  if (count < 3) return 0;
+  const double variance = (sum2 - sum * sum / count) / (count - 1);
+  return sum / std::sqrt(std::max(variance * count, 1e-300));
+}
 
 EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own) {
   EffectList absent;

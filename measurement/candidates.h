@@ -85,6 +85,9 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
 // Fills p-value and merit of a candidate against what it grew from.
 void judge(const Problem& problem, const Grown& base, double looks, Candidate& candidate);
 
+// Sum of the held-out groups' gains over its standard error; 0 with fewer than three groups.
+double gain_over_scatter(const Score& before, const Score& after);
+
 // Whether an effect of the mean helps in most held-out groups, not by the luck of a few: what
 // moves whole groups (jitter) lets other effects seem to help.
 bool clearly_helps(const Candidate& candidate);

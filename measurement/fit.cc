@@ -60,9 +60,9 @@ class Fitter {
     for (int round = 0; round < 6; ++round) {
       const double before = value_;
       if (!mean_.empty()) converged = fit_mean();
-      if (spread_.empty()) break;
       fit_spread();
-      if (before - value_ < 1e-4) break;
+      if ((spread_.empty() && !here_.reusable) || before - value_ < 1e-3) break;
+      if (here_.reusable) renew();
     }
     return result(converged);
   }
@@ -70,6 +70,11 @@ class Fitter {
  private:
   bool fit_mean();
   void fit_spread();
+  // What evaluations reused on the way is computed again.
+  void renew() {
+    here_ = problem_.evaluate(model_, groups_);
+    value_ = objective(problem_, here_);
+  }
   void newton_spread(const Unknown& unknown);
   Fit result(bool converged);
   bool try_model(const Model& candidate);

@@ -51,6 +51,7 @@ class JointsProblem : public Problem {
   Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
   std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
   void check_model(const Model& model) const override;
+  std::vector<std::string> formula_columns() const override { return set_.column_names; }
   bool acts(const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
   std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;

@@ -27,10 +27,12 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const
   std::vector<double> neutral;
   for (const effects::Parameter& parameter : effect.parameters) neutral.push_back(parameter.neutral);
   std::vector<std::vector<double>> grid;
-  for (double factor = 0.03; factor < 40; factor *= 1.5) {
+  // An eccentricity has a phase besides, and the likelihood is wide in its amplitude.
+  const bool wave = effect.name == "encoder_eccentricity";
+  for (double factor = 0.03; factor < 40; factor *= wave ? 3 : 1.5) {
     for (const double sign : {1.0, -1.0}) {
       std::vector<double> values = neutral;
-      if (effect.logged && effect.name != "encoder_eccentricity") {
+      if (effect.logged && !wave) {
         // One parameter a joint: small in all, either sign; encoders are smooth.
         for (double& value : values) value = sign * 0.1 * first.scale;
         if (factor < 0.04) grid.push_back(values);
@@ -39,7 +41,7 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const
       values[0] = sign * factor * first.scale;
       if (values[0] < first.min || values[0] > first.max) continue;
       grid.push_back(values);
-      if (effect.name != "encoder_eccentricity") continue;
+      if (!wave) continue;
       for (const double phase : {1.5, 3.0, -1.5}) {
         values[1] = phase;
         grid.push_back(values);

@@ -177,7 +177,8 @@ Evaluation PointsProblem::evaluate_rig(const Model& model, const Groups& groups,
   const bool shared_causes =
       predictor.timing().jitter_sigma_s > 0 || predictor.motion().quantisation_step_rad > 0;
   if (!shared_causes) return evaluation;
-  if (reuse && warm->reusable) {
+  // Slopes hardly change on the way of a fit: it keeps those of its start and renews them.
+  if (warm && warm->valid && warm->reusable) {
     evaluation.reusable = warm->reusable;
   } else {
     evaluation.reusable = std::make_shared<const Slopes>(slopes_of(predictor, groups));

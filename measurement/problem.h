@@ -93,8 +93,8 @@ struct Evaluation {
   int64_t nuisances = 0;         // Fitted on these groups.
   std::vector<double> nuisance_values;  // For a warm start; layout is the kind's own.
   bool valid = true;  // False where the model cannot predict an observation (no image point).
-  // For a kind's own use: what it need not compute again when only spreads change (`mean_key` holds
-  // the parameters of the mean).
+  // For a kind's own use: what it need not compute again from a warm start. `mean_key` holds the
+  // parameters of the mean; `reusable` may lag behind them (a fit evaluates afresh between rounds).
   std::vector<double> mean_key;
   std::shared_ptr<const void> reusable;
 };
@@ -168,6 +168,9 @@ class Problem {
 
   // Residuals beside their covariates, for plots. Default: those of `evaluate`.
   virtual ResidualView residual_view(const Model& model, const Groups& groups) const;
+
+  // Further columns of the set that a formula of this kind may read.
+  virtual std::vector<std::string> formula_columns() const { return {}; }
 
   // Called once with the model that the user gave, before anything else: covariates that stand for
   // a place in the image are taken from its prediction, since a measured place holds the very noise

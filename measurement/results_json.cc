@@ -130,7 +130,8 @@ std::string compare_json(const Problem& problem, const CompareResult& result) {
   return dumped(json);
 }
 
-std::string diagnose_json(const Problem& problem, const SearchResult& result) {
+std::string diagnose_json(const Problem& problem, const SearchResult& result,
+                          const std::optional<Suggestion>& suggestion) {
   const Assessment& base = result.base.assessment;
   ordered_json json = {{"format", "seam-diagnose/1"},
                        {"kind", problem.facts().kind},
@@ -169,6 +170,13 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result) {
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
   json["advice"] = advice_for(problem, result);
+  if (suggestion) {
+    json["suggestion"] = {{"effect", suggestion->effect},
+                          {"error", number(suggestion->error)},
+                          {"error_before", number(suggestion->error_before)},
+                          {"terms", suggestion->terms},
+                          {"beside", suggestion->beside}};
+  }
   return dumped(json);
 }
 

@@ -96,6 +96,15 @@ class WideFitter {
     const double cost = -2 * score_of(problem_, evaluation).log_likelihood;
     return std::isfinite(cost) ? cost : kInfinity;
   }
+  // What a difference of the cost by 1 means at the noise: where the model misses by more, gains are
+  // worth less in proportion, and a descent ends sooner.
+  double unit() const {
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < here_.whitened.size(); ++i) {
+      if (here_.used[i]) sum += here_.whitened[i] * here_.whitened[i], ++count;
+    }
+    return count > 0 && std::isfinite(sum) ? std::max(1.0, sum / count) : 1;
+  }
   double cost_at(const Vector& z) const { return cost_of(problem_.evaluate(at(z), groups_, &here_)); }
 
   bool move_to(const Vector& z) {
@@ -203,7 +212,7 @@ void WideFitter::levenberg_marquardt() {
       accepted = move_to(z);
       damping = accepted ? damping * 0.2 : std::max(damping * 10, 1e-3);
     }
-    if (!accepted || before - cost_ < 1e-3) return;
+    if (!accepted || before - cost_ < 1e-3 * unit()) return;
   }
 }
 
@@ -221,7 +230,7 @@ bool WideFitter::pattern_search() {
       }
     }
   }
-  return before - cost_ > 0.5;
+  return before - cost_ > 0.5 * unit();
 }
 
 // Factors on a sigma, wide to narrow.
@@ -271,7 +280,7 @@ void WideFitter::try_on_demand(size_t i) {
     descend();
     if (cost_ < best) best = cost_, best_z = z_;
   }
-  const bool asked = cost0 - best > kAskedFor;
+  const bool asked = cost0 - best > kAskedFor * unit();
   free_[i] = asked;
   z_ = asked ? best_z : z0;
   here_ = asked ? problem_.evaluate(at(z_), groups_) : here0;
@@ -282,9 +291,11 @@ void WideFitter::try_on_demand(size_t i) {
 // part, and its uncertainty that of a uniform distribution; 0 where the quadratic holds.
 double WideFitter::flat_width(size_t i, double sigma) {
   const Coordinate& c = coordinates_[i];
+  const double one = unit();
+  sigma *= std::sqrt(one);
   const auto rise = [&](double by) {
     const Vector z = moved(i, by);
-    return z[i] == z_[i] ? kInfinity : cost_at(z) - cost_;
+    return z[i] == z_[i] ? kInfinity : (cost_at(z) - cost_) / one;
   };
   if (rise(sigma) > 0.3 && rise(-sigma) > 0.3) return 0;
   double edge[2] = {0, 0};
@@ -300,7 +311,7 @@ double WideFitter::flat_width(size_t i, double sigma) {
   }
   const Vector middle = moved(i, 0.5 * (edge[0] + edge[1]));
   const double cost = cost_at(middle);
-  if (cost - cost_ < 0.5) {
+  if (cost - cost_ < 0.5 * one) {
     z_ = middle;
     here_ = problem_.evaluate(at(z_), groups_);
     cost_ = cost;
