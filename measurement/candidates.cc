@@ -255,8 +255,8 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
   double expected = prospect.expected_ll;
   prospect.free = testable_parameters(problem, probe, others, *effect, reasons, expected);
   if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
-  // More than two starts: an effect with several valleys, of which the first says little.
-  if (prospect.starts.size() <= 2 && !has_counts(*effect)) prospect.expected_ll = expected;
+  // More than four starts (a phase's quarters): several valleys, of which the first says little.
+  if (prospect.starts.size() <= 4 && !has_counts(*effect)) prospect.expected_ll = expected;
   return prospect;
 }
 
@@ -381,12 +381,19 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
               bool promising_only) {
   std::vector<std::optional<Prospect>> prospects(effects.size());
   std::vector<std::vector<NotTestable>> reasons(effects.size());
+  promising_only = promising_only && problem.is_smooth();
+  // A spread was taken since no effect of the mean helped: where a misfit stays nevertheless, only
+  // another spread can help.
+  const bool spread_taken = std::any_of(
+      base.added.begin(), base.added.end(),
+      [&](const auto& name) { return base.assessment.model.find(name)->definition->spread_only; });
+  const bool spreads_only = promising_only && spread_taken && base.assessment.error > kMisfit;
   parallel_for(effects.size(), [&](size_t i) {
+    if (spreads_only && !effects[i]->spread_only) return;
     prospects[i] = prospect_of(problem, base, effects[i], reasons[i]);
   });
   Looks looks;
   for (const auto& prospect : prospects) looks.tried += prospect.has_value();
-  promising_only = promising_only && problem.is_smooth();
   std::vector<char> worth(effects.size(), 1);
   if (promising_only) worth = worth_fitting(problem, base, prospects);
   std::vector<std::optional<Candidate>> found(effects.size());

@@ -48,6 +48,8 @@ struct Looks {
 // False alarms are designed for 1 % a set: half for candidates, half for structure tests.
 inline constexpr double kCandidateAlarm = 0.005;
 inline constexpr double kStructureAlarm = 0.005;
+// An error above this is no sampling error of a model that lacks nothing.
+inline constexpr double kMisfit = 1.15;
 
 // The effects of the catalogue that act on this set, and the user's own, less those in the model.
 EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own);

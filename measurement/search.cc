@@ -14,13 +14,17 @@ bool is_spread(const std::shared_ptr<const EffectDefinition>& effect) {
   return effect->spread_only;
 }
 
-// The best candidate, unless it is one of spread while one of the mean clearly helps: a spread wide
-// enough explains any structure of the mean.
+// The best candidate, unless it is one of spread while one of the mean clearly helps, or helps at
+// all and the spread leaves a misfit: a spread wide enough hides any structure of the mean, but
+// only a true one leaves the noise.
 Candidate* choose(const Problem& problem, std::vector<Candidate>& candidates) {
   if (candidates.empty() || !candidates.front().significant) return nullptr;
   if (problem.is_smooth() && is_spread(candidates.front().effect)) {
-    const auto clear = std::find_if(candidates.begin(), candidates.end(), clearly_helps);
-    if (clear != candidates.end()) return &*clear;
+    const bool misfit = candidates.front().grown.assessment.error > kMisfit;
+    const auto better = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+      return misfit ? c.significant && !is_spread(c.effect) : clearly_helps(c);
+    });
+    if (better != candidates.end()) return &*better;
   }
   return &candidates.front();
 }

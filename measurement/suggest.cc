@@ -340,12 +340,13 @@ std::optional<Suggestion> suggest(const Problem& problem, const SearchResult& re
   progress("building a formula from the residuals");
   const Assessment& catalogue = result.best.assessment;
   std::optional<Found> found = best_formula(problem, result.base, stages);
+  // Beside the effects found only where a formula alone does not reach the noise: they may only
+  // have stood in for it.
+  const bool alone = found && found->assessment.error < kMisfit;
   bool beside = false;
-  if (!result.steps.empty() && result.verdict == "unexplained_structure") {
+  if (!alone && !result.steps.empty() && result.verdict == "unexplained_structure") {
     auto besides = best_formula(problem, result.best, stages);
-    // A formula alone is simpler than one beside effects that only stood in for it.
-    beside =
-        besides && (!found || besides->merit > found->merit + tie_width(besides->assessment.error));
+    beside = besides && (!found || besides->merit > found->merit);
     if (beside) found = std::move(besides);
   }
   if (!found) return std::nullopt;

@@ -28,7 +28,8 @@ void add_diagnose(Command app) {
   add_analysis_flags(command, *flags, true);
   command.add_option("--candidates", *candidates, "A file with effects of your own, tried beside the catalogue");
   auto suggested = std::make_shared<std::string>();
-  command.add_option("--suggest", *suggested, "Writes an effect proposed from the residuals, for seam add; no file where none is supported");
+  command.add_option("--suggest", *suggested,
+                     "Writes an effect proposed from the residuals, for seam add; no file where none is supported");
   command.footer("Example: seam diagnose --model nominal.yaml --data sets/points-a");
   command.callback([flags, candidates, suggested] {
     const effects::Model model = read_model(flags->model);
