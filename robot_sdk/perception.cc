@@ -34,12 +34,6 @@ int64_t Perception::row_time_ns(const Frame& frame, float row) const {
   return frame.row_middle_ns(v);
 }
 
-float Perception::pan_rate_at(const Frame& frame, float row) const {
-  constexpr int64_t kHalfStep_ns = 4'000'000;
-  const int64_t time_ns = row_time_ns(frame, row);
-  return (head_at(time_ns + kHalfStep_ns).pan_rad - head_at(time_ns - kHalfStep_ns).pan_rad) / (2e-9f * kHalfStep_ns);
-}
-
 void Perception::look_at_frame(const Frame& frame, Percepts& percepts) const {
   if (frame.colours.empty()) return;
   const ColourMask mask{frame.colours_width_px, frame.colours_height_px,

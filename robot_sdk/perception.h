@@ -26,11 +26,10 @@ class Perception {
   Percepts look(const Observation& seen);
   // The head's angles at a time, from the encoder log (straight between readings).
   HeadAngles head_at(int64_t time_ns) const;
-  // The head's rate of pan while a row of a frame's colour image was exposed, rad/s.
-  float pan_rate_at(const Frame& frame, float row) const;
+  // When a row of a frame's colour image was exposed, in the middle of its window.
+  int64_t row_time_ns(const Frame& frame, float row) const;
 
  private:
-  int64_t row_time_ns(const Frame& frame, float row) const;
   void look_at_frame(const Frame& frame, Percepts& percepts) const;
 
   PerceptionOptions options_;

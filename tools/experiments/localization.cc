@@ -35,8 +35,10 @@ struct TableOfMode {
       row.inside += inside ? 1 : 0;
       ++row.count;
     };
-    const double dx = 1e3 * (result.mean.x_m - result.truth.x_m), dy = 1e3 * (result.mean.y_m - result.truth.y_m);
-    const double dtheta = degrees * maths::wrap_angle(result.mean.theta_rad - result.truth.theta_rad);
+    const double dx = 1e3 * (result.mean.x_m - result.truth.x_m),
+                 dy = 1e3 * (result.mean.y_m - result.truth.y_m);
+    const double dtheta =
+        degrees * maths::wrap_angle(result.mean.theta_rad - result.truth.theta_rad);
     const bool in_x = result.truth.x_m >= result.low.x_m && result.truth.x_m <= result.high.x_m;
     const bool in_y = result.truth.y_m >= result.low.y_m && result.truth.y_m <= result.high.y_m;
     const double above_low = maths::wrap_angle(result.truth.theta_rad - result.low.theta_rad);
@@ -57,8 +59,11 @@ struct PaperRow {
   const char* quantity;
   double error, largest, width, inside_percent;  // Negative: not given.
 };
-constexpr PaperRow kRealRobot[] = {{"x", 186, 393, 580, 61}, {"y", 141, 375, 395, 58}, {"theta", 6.5, 16, 19, 67},
-                                   {"xy", 233, 393, -1, 47}, {"xytheta", -1, -1, -1, 47}};
+constexpr PaperRow kRealRobot[] = {{"x", 186, 393, 580, 61},
+                                   {"y", 141, 375, 395, 58},
+                                   {"theta", 6.5, 16, 19, 67},
+                                   {"xy", 233, 393, -1, 47},
+                                   {"xytheta", -1, -1, -1, 47}};
 
 constexpr char kHeader[] =
     "| | Error (root mean square) | Largest | Mean width | Truth inside |\n|---|---|---|---|---|\n";
@@ -75,7 +80,8 @@ std::string markdown(const std::string& title, const TableOfMode& table) {
     out += fmt::format("| {} | {} | {} | {} | {:.0f} % |\n", row->quantity,
                        has_error ? cell(root_mean_square(row->errors), format) : "/",
                        has_error ? cell(largest(row->errors), format) : "/",
-                       row->widths.empty() ? "/" : cell(mean_of(row->widths), format), 100.0 * row->inside / row->count);
+                       row->widths.empty() ? "/" : cell(mean_of(row->widths), format),
+                       100.0 * row->inside / row->count);
   }
   return out + "\n";
 }
@@ -84,8 +90,8 @@ std::string markdown_of_paper() {
   std::string out = std::string("**Real robot, the paper's Table 1(a)**\n\n") + kHeader;
   for (const PaperRow& row : kRealRobot) {
     const char* format = std::string(row.quantity) == "theta" ? "{:.1f} deg" : "{:.0f} mm";
-    out += fmt::format("| {} | {} | {} | {} | {:.0f} % |\n", row.quantity, cell(row.error, format), cell(row.largest, format),
-                       cell(row.width, format), row.inside_percent);
+    out += fmt::format("| {} | {} | {} | {} | {:.0f} % |\n", row.quantity, cell(row.error, format),
+                       cell(row.largest, format), cell(row.width, format), row.inside_percent);
   }
   return out + "\n";
 }
@@ -94,7 +100,8 @@ nlohmann::json json_of(const TableOfMode& table) {
   nlohmann::json json;
   for (const Row* row : table.rows()) {
     nlohmann::json cells = {{"truth_inside", static_cast<double>(row->inside) / row->count}};
-    if (row->quantity != "xytheta") cells["error"] = root_mean_square(row->errors), cells["largest"] = largest(row->errors);
+    if (row->quantity != "xytheta")
+      cells["error"] = root_mean_square(row->errors), cells["largest"] = largest(row->errors);
     if (!row->widths.empty()) cells["mean_width"] = mean_of(row->widths);
     cells["unit"] = row->unit;
     json[row->quantity] = cells;
@@ -111,11 +118,19 @@ void localization_experiment(const ExperimentOptions& options) {
     PoseMode mode;
   };
   const std::string ideal = read_file(data_file("models/ideal_camera.yaml"));
-  const std::vector<Mode> modes = {
-      {"ideal", "Without camera characteristics, frames locked to the swing", {.model_yaml = ideal, .locked = true}},
+  const double duration_s = options.quick ? 12 : options.duration_s;
+  std::vector<Mode> modes = {
+      {"ideal",
+       "Without camera characteristics, frames locked to the swing",
+       {.model_yaml = ideal, .locked = true}},
       {"locked", "With camera characteristics, frames locked to the swing", {.locked = true}},
-      {"scheduled", "With camera characteristics, rows at event times on the camera's own clock", {.locked = false}}};
-  const std::vector<Pose2> poses = paper_poses(options.quick ? 4 : 36);
+      {"scheduled",
+       "With camera characteristics, rows at event times on the camera's own clock",
+       {.locked = false}}};
+  for (Mode& mode : modes) mode.mode.duration_s = duration_s;
+  const std::vector<Pose2> poses = paper_poses(options.quick       ? 4
+                                               : options.poses > 0 ? options.poses
+                                                                   : 36);
   const int seeds = options.quick ? 1 : options.seeds;
 
   std::vector<PlannedRun> runs;
@@ -127,7 +142,8 @@ void localization_experiment(const ExperimentOptions& options) {
   make_runs(runs, options.folder / "runs", options.parallel);
 
   std::string page = markdown_of_paper();
-  nlohmann::json json = {{"format", "seam-localization/1"}, {"seeds", seeds}, {"poses", poses.size()}};
+  nlohmann::json json = {
+      {"format", "seam-localization/1"}, {"seeds", seeds}, {"poses", poses.size()}};
   std::string csv = "mode,seed,x_m,y_m,theta_rad,estimate_x_m,estimate_y_m,estimate_theta_rad\n";
   for (const Mode& mode : modes) {
     TableOfMode table;
@@ -135,8 +151,9 @@ void localization_experiment(const ExperimentOptions& options) {
       for (const Pose2& pose : poses) {
         const PoseResult result = read_pose_run(options.folder / "runs", mode.name, pose, seed);
         table.add(result);
-        csv += fmt::format("{},{},{},{},{:.6f},{:.5f},{:.5f},{:.5f}\n", mode.name, seed, pose.x_m, pose.y_m, pose.theta_rad,
-                           result.mean.x_m, result.mean.y_m, result.mean.theta_rad);
+        csv += fmt::format("{},{},{},{},{:.6f},{:.5f},{:.5f},{:.5f}\n", mode.name, seed, pose.x_m,
+                           pose.y_m, pose.theta_rad, result.mean.x_m, result.mean.y_m,
+                           result.mean.theta_rad);
       }
     }
     page += markdown(mode.title, table);

@@ -11,6 +11,7 @@
 #include "sim_core/error.h"
 #include "sim_core/files.h"
 #include "sim_core/hash.h"
+#include "tools/behaviours.h"
 
 namespace seam::tools {
 namespace {
@@ -27,9 +28,17 @@ struct Paths {
         key(folder / (name + ".key")) {}
 };
 
-std::string key_of(const std::string& scenario_text) {
+// A run is made again when its scenario or a program that plays in it has changed.
+std::string key_of(const Scenario& scenario, const std::string& text) {
+  static std::map<std::string, std::string> programs;  // Content by name.
   Hasher hasher;
-  hasher.add(std::string_view(scenario_text));
+  hasher.add(std::string_view(text));
+  for (const RobotSpec& robot : scenario.robots) {
+    if (robot.behaviour.command.empty()) continue;
+    const std::string& name = robot.behaviour.command.front();
+    if (!programs.contains(name)) programs[name] = read_file(find_behaviour(name, robot.id));
+    hasher.add(std::string_view(programs[name]));
+  }
   return to_hex(hasher.digest());
 }
 
@@ -57,7 +66,8 @@ struct Running {
 void finish(const Running& running, int status, const fs::path& folder) {
   const Paths paths(folder, running.run->name);
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw InputError(fmt::format("run {}: seam run failed: {}", running.run->name, read_file(paths.messages)));
+    throw InputError(
+        fmt::format("run {}: seam run failed: {}", running.run->name, read_file(paths.messages)));
   }
   fs::rename(paths.partial_log, paths.log);
   write_file_atomically(paths.key, running.key);
@@ -83,7 +93,7 @@ void make_runs(const std::vector<PlannedRun>& runs, const fs::path& folder, int 
   try {
     for (const PlannedRun& run : runs) {
       const std::string text = run.scenario.to_yaml();
-      const std::string key = key_of(text);
+      const std::string key = key_of(run.scenario, text);
       const Paths paths(folder, run.name);
       if (is_made(paths, key)) {
         ++done;
@@ -110,7 +120,8 @@ LoggedValues logged_values(const fs::path& path, int robot) {
     for (const scheduler::Answer& answer : turn.turn.answers) {
       if (answer.robot != robot) continue;
       for (const scheduler::DebugItem& item : answer.decision.debug) {
-        if (item.kind == scheduler::DebugItem::Kind::value) values[item.name].push_back({turn.time, item.value});
+        if (item.kind == scheduler::DebugItem::Kind::value)
+          values[item.name].push_back({turn.time, item.value});
       }
     }
   }
@@ -121,7 +132,8 @@ fs::path data_file(const std::string& name) {
   if (fs::exists(name)) return name;
   const fs::path beside = fs::read_symlink("/proc/self/exe").parent_path().parent_path() / name;
   if (!fs::exists(beside)) {
-    throw InputError(fmt::format("{}: not found here nor beside the program, expected SEAM's own files", name));
+    throw InputError(
+        fmt::format("{}: not found here nor beside the program, expected SEAM's own files", name));
   }
   return beside;
 }

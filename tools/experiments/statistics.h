@@ -1,6 +1,7 @@
 // The few statistics that the experiments report.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace seam::tools {
@@ -17,5 +18,11 @@ struct Interval {
   double half_width = 0;  // 0 where there is but one value.
 };
 Interval interval_of(const std::vector<double>& values);
+
+// Of runs seed by seed, `per_seed` of them each: the interval over seeds of their means, or over
+// the runs themselves where there are fewer than 3 seeds.
+Interval seed_interval(const std::vector<double>& by_run, size_t per_seed);
+// a[i] - b[i] of runs that share pose, seed and phase.
+std::vector<double> differences(const std::vector<double>& a, const std::vector<double>& b);
 
 }  // namespace seam::tools
