@@ -19,7 +19,7 @@ void add_one(Command parent, const std::string& name, const std::string& help,
   command.add_option("--seeds", options->seeds, "Independent repetitions").range(1, 1000).show_default();
   command.add_option("--poses", options->poses, "Poses of the robot; 0: the usual number").range(0, 36).show_default();
   command.add_option("--seconds", options->duration_s, "Length of each run of a turning head")
-      .range(8, 3600)
+      .range(8.0, 3600.0)
       .show_default();
   command.add_option("--jobs", options->parallel, "Runs at a time").range(1, 256).show_default();
   command.add_flag("--quick", options->quick, "A small form: few poses, one seed");
