@@ -70,10 +70,12 @@ void FieldSums::field(std::string_view, int64_t& value) {
 
 void FieldSums::add(uint64_t hash) {
   const uint64_t place = ++fields_ % kPrime;
-  uint64_t term = reduced(hash >> 33);
+  uint64_t term = hash >> 33;
   for (uint64_t& sum : sums_) {
-    sum += term;  // Has room for 2^33 of them.
-    term = product(term, place);
+    sum += term;  // Has room for 2^31 of them.
+    // Reduced as far as the next product needs, below 1.5 * 2^32: this runs for each field of each step.
+    term *= place;
+    term = (term & kPrime) + (term >> 31);
   }
 }
 
