@@ -119,24 +119,23 @@ RayWithSlopes extrapolated(const RayGrid& grid, const Projection& projection, in
 }
 
 void check_image_has_rays(const RayGrid& grid, const Projection& projection, int border,
-                          const std::string& model) {
+                          const std::string& subject) {
   const int columns = projection.width_px() + 2 * border;
   for (int v = 0; v < projection.height_px(); ++v) {
     for (int u = 0; u < projection.width_px(); ++u) {
       if (grid[static_cast<size_t>(v + border) * columns + u + border]) continue;
       throw InputError(
-          fmt::format("model '{}': effects of stage geometry: no ray leads to pixel ({}, {}) of "
-                      "{}x{}, expected a calibration "
-                      "that can be inverted over the whole image (is a distortion too strong?)",
-                      model, u, v, projection.width_px(), projection.height_px()));
+          fmt::format("{}: no ray leads to pixel ({}, {}) of {}x{}, expected a calibration that can "
+                      "be inverted over the whole image (is a distortion too strong?)",
+                      subject, u, v, projection.width_px(), projection.height_px()));
     }
   }
 }
 
-RayTable make_table(const Projection& projection, const std::string& model_name, int border,
+RayTable make_table(const Projection& projection, const std::string& subject, int border,
                     int channel, double t_s, bool& perspective) {
   const RayGrid grid = find_rays(projection, border, channel, t_s);
-  check_image_has_rays(grid, projection, border, model_name);
+  check_image_has_rays(grid, projection, border, subject);
   RayTable table;
   for (int k = 0; k < 3; ++k) {
     for (auto* values : {&table.base[k], &table.along_u[k], &table.along_v[k]})
@@ -226,7 +225,7 @@ void bound_columns(CameraRays& rays) {
 
 }  // namespace
 
-CameraRays make_camera_rays(const Projection& projection, const std::string& model_name,
+CameraRays make_camera_rays(const Projection& projection, const std::string& subject,
                             int border_px, double t_s) {
   CameraRays rays{.width_px = projection.width_px(),
                   .height_px = projection.height_px(),
@@ -239,7 +238,7 @@ CameraRays make_camera_rays(const Projection& projection, const std::string& mod
   const bool apart = colours_have_own_rays(projection);
   for (int channel = apart ? 0 : 1; channel < (apart ? 3 : 2); ++channel) {
     rays.tables.push_back(
-        make_table(projection, model_name, border_px, channel, t_s, rays.perspective));
+        make_table(projection, subject, border_px, channel, t_s, rays.perspective));
   }
   bound_rows(rays);
   bound_columns(rays);

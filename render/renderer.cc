@@ -20,6 +20,21 @@ namespace {
 
 using effects::GainField;
 
+// "effects.radial_distortion {kappa: 3}": the keys of a model file that an error of its geometry is
+// about. Every lens can be inverted but for these.
+std::string geometry_keys(const effects::Model& model) {
+  std::string keys;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (effect.definition->stage != effects::Stage::geometry || effect.definition->name == "pinhole") continue;
+    std::string values;
+    for (size_t i = 0; i < effect.parameters.size(); ++i)
+      values += fmt::format("{}{}: {}", i > 0 ? ", " : "", effect.definition->parameters[i].name,
+                            effect.parameters[i].value);
+    keys += fmt::format("{}effects.{} {{{}}}", keys.empty() ? "" : ", ", effect.definition->name, values);
+  }
+  return keys.empty() ? "effects.pinhole" : keys;
+}
+
 uint64_t fingerprint_of(const Frame& frame) {
   Hasher hasher;
   hasher.add(static_cast<int64_t>(frame.width_px));
@@ -57,7 +72,11 @@ struct Renderer::Impl {
         sensor(effects::sensor_of(m)),
         filter(optics, gain_field, width, height),
         moving_lens(geometry_varies_with_time(projection)),
-        rays(make_camera_rays(projection, m.name(), filter.border_px(), 0)) {}
+        rays(make_camera_rays(projection, subject(), filter.border_px(), 0)) {}
+
+  std::string subject() const {
+    return fmt::format("model '{}': {}", model.name(), geometry_keys(model));
+  }
 
   double seconds(SimTime time) const { return (time - options.reference).s(); }
 
@@ -65,7 +84,7 @@ struct Renderer::Impl {
   LinearImage bordered_scene(const FrameJob& job) const {
     CameraRays own;
     if (moving_lens) {
-      own = make_camera_rays(projection, model.name(), filter.border_px(),
+      own = make_camera_rays(projection, subject(), filter.border_px(),
                              seconds(job.schedule.rows[height_px / 2].start));
     }
     const CameraRays& used = moving_lens ? own : rays;

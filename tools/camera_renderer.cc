@@ -22,6 +22,20 @@ SimTime synchronised(SimTime stamp, int frames, const CameraSpec& spec) {
          SimDuration::from_ns(std::llround(std::round(since_ns * n / cycle_ns) * cycle_ns / n));
 }
 
+// What a model cannot be asked is said with the file that it came from.
+std::unique_ptr<render::Renderer> make_renderer(const RobotSpec& robot, const effects::Model& model,
+                                                const render::RendererOptions& options) {
+  try {
+    return std::make_unique<render::Renderer>(model, static_cast<int>(robot.camera.width_px),
+                                              static_cast<int>(robot.camera.height_px), options);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}",
+                                 robot.camera.model_name.empty() ? "robot '" + robot.id + "'"
+                                                                 : robot.camera.model_name,
+                                 error.what()));
+  }
+}
+
 }  // namespace
 
 CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effects::Model>& models,
@@ -36,9 +50,7 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
     const RobotSpec& robot = scenario.robots[i];
     Camera camera;
     camera.spec = robot.camera;
-    camera.renderer = std::make_unique<render::Renderer>(
-        models[i], static_cast<int>(robot.camera.width_px),
-        static_cast<int>(robot.camera.height_px), options);
+    camera.renderer = make_renderer(robot, models[i], options);
     if (!robot.camera.colour_table_yaml.empty())
       camera.colours = render::ColourTable::from_config(ConfigNode::from_text(
           robot.camera.colour_table_yaml, robot.camera.colour_table_name));
