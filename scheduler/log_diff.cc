@@ -123,17 +123,20 @@ void compare_states(const Log& a, const Log& b, LogDifference& difference) {
 }
 
 void compare_frames(const Log& a, const Log& b, LogDifference& difference) {
-  const auto frames_of = [](const Log& log) {
+  // Of robots that both runs have; others are told in the header.
+  const auto frames_of = [](const Log& log, const std::vector<std::string>& robots) {
     std::map<std::pair<std::string, uint64_t>, FrameRecord> frames;
     LogCursor cursor(log, {Topic::frame});
     while (const std::optional<LogRecord> record = cursor.next()) {
       const FrameRecord& frame = std::get<FrameRecord>(*record);
-      frames[{log.header().robots[static_cast<size_t>(frame.robot)], frame.index}] = frame;
+      const std::string& robot = log.header().robots[static_cast<size_t>(frame.robot)];
+      if (std::find(robots.begin(), robots.end(), robot) == robots.end()) continue;
+      frames[{robot, frame.index}] = frame;
     }
     return frames;
   };
-  const auto frames_a = frames_of(a);
-  const auto frames_b = frames_of(b);
+  const auto frames_a = frames_of(a, b.header().robots);
+  const auto frames_b = frames_of(b, a.header().robots);
   std::map<std::string, SimTime> first;  // By robot.
   const auto differs = [&](const std::string& robot, SimTime time) {
     const auto [place, is_new] = first.emplace(robot, time);

@@ -204,6 +204,8 @@ class Replay(unittest.TestCase):
         self.assertFalse(diff["equal"])
         self.assertGreaterEqual(diff["first"]["time_ns"], 1_000_000_000)
         self.assertEqual(diff["first"]["section"], "robot/blue1")
+        done = seam("replay", "whatif", self.log, "--robot", "blue1", "--client", "head_swing", "--from", "9", check=2)
+        self.assertIn("--from 9: the log ends at 3 s", done.stderr)
 
     def test_wrong_use_says_so(self):
         seam("replay", "verify", check=2)

@@ -31,8 +31,9 @@ std::string to_text(const scheduler::LogDifference& difference) {
   std::string text;
   for (const std::string& line : difference.header) text += line + "\n";
   if (difference.first_decision) {
-    text += fmt::format("first other decision: {}, {}\n",
-                        seconds(difference.first_decision->time), difference.first_decision->robot);
+    const std::string& robot = difference.first_decision->robot;
+    text += fmt::format("first other decision: {}, {}\n", seconds(difference.first_decision->time),
+                        robot.empty() ? "where other robots decide, or at other times" : robot);
   }
   if (difference.first) {
     const auto& first = *difference.first;

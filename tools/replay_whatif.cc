@@ -46,6 +46,9 @@ int what_if(const Settings& settings) {
   const scheduler::Log log = scheduler::Log::open(settings.file);
   Simulator simulator = make_simulator(log.header());
   const int changed = ReplayMatch(log).robot(settings.robot);
+  if (SimTime::from_s(settings.from_s) > log.end_time()) {
+    throw UsageError(fmt::format("--from {}: the log ends at {}", settings.from_s, seconds(log.end_time())));
+  }
   SessionOptions session = settings.session;
   const bool keep_log = !session.log.empty();
   if (!keep_log) {
