@@ -221,12 +221,10 @@ class PhaseStudy final : public SwingStudy {
          "  for [b=0:5] '< grep ^'.b.', phase_bearing.csv' using 2:4 with lines lc b+1 dt 3 title "
          "''\n"
          "set ylabel 'position bias [mm]'\n"
-         "plot 'phase_position.csv' using 1:2:3 with yerrorlines ls 2 title 'x, locked', '' using "
-         "($1+0.01):6:7 with yerrorlines ls 2 "
-         "dt 3 title 'x, own clock', \\\n"
-         "  '' using 1:4:5 with yerrorlines ls 1 title 'y, locked', '' using ($1+0.01):8:9 with "
-         "yerrorlines ls 1 dt 3 title 'y, own "
-         "clock'\nunset multiplot\n");
+         "plot 'phase_position.csv' using 1:2 with linespoints ls 2 title 'x, locked', "
+         "'' using 1:6 with linespoints ls 2 dt 3 title 'x, own clock', \\\n"
+         "  '' using 1:4 with linespoints ls 1 title 'y, locked', "
+         "'' using 1:8 with linespoints ls 1 dt 3 title 'y, own clock'\nunset multiplot\n");
     plot(folder, "head_swing_drift",
          "set key top right\nset xlabel 'frame periods that the clock slips in a run (16 s)'\nset "
          "yrange "
