@@ -40,11 +40,11 @@ double column_dot(const std::vector<double>& a, const std::vector<double>& b) {
       .dot(Eigen::Map<const Eigen::VectorXd>(b.data(), b.size()));
 }
 
-// Which of the effect's parameters the data can say anything of, beyond what the parameters that
-// are refitted anyway absorb; and, where the problem is smooth, what one step would reach.
+// Which of the effect's parameters these groups can say anything of, beyond what the parameters that
+// are refitted anyway absorb; and, where the problem is smooth, what one step would reach on them.
 std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
                                         const std::vector<Unknown>& others,
-                                        const EffectDefinition& effect,
+                                        const EffectDefinition& effect, const Groups& groups,
                                         std::vector<NotTestable>& reasons, double& expected_ll) {
   std::vector<size_t> open;
   for (size_t i = 0; i < effect.parameters.size(); ++i) {
@@ -59,10 +59,9 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   if (effect.spread_only || open.empty() || !effect.has_neutral) return open;
   std::vector<Unknown> unknowns = others;
   for (const size_t i : open) unknowns.push_back({effect.name, i});
-  const Groups all = problem.all_groups();
-  const Evaluation here = problem.evaluate(model, all);
+  const Evaluation here = problem.evaluate(model, groups);
   if (!here.valid) return open;
-  auto columns = problem.jacobian(model, unknowns, all, here);
+  auto columns = problem.jacobian(model, unknowns, groups, here);
   // Gram-Schmidt: what is left of each column is its leverage.
   std::vector<size_t> testable;
   std::vector<std::vector<double>> basis;
@@ -252,9 +251,17 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
       return std::nullopt;
     }
   }
+  const std::optional<Groups> screening = problem.screening_groups();
+  const Groups groups = screening.value_or(problem.all_groups());
   double expected = prospect.expected_ll;
-  prospect.free = testable_parameters(problem, probe, others, *effect, reasons, expected);
+  prospect.free = testable_parameters(problem, probe, others, *effect, groups, reasons, expected);
   if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
+  if (screening && std::isfinite(expected)) {
+    // All groups are expected to gain as these do.
+    const Score before = problem.score(base.assessment.model, groups);
+    const double share = static_cast<double>(before.n) / static_cast<double>(count_used(problem));
+    expected = base.assessment.total_ll + (expected - before.log_likelihood) / share;
+  }
   // More than four starts (a phase's quarters): several valleys, of which the first says little.
   if (prospect.starts.size() <= 4 && !has_counts(*effect)) prospect.expected_ll = expected;
   return prospect;
@@ -299,7 +306,8 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   const double freedom = static_cast<double>(std::max<size_t>(1, candidate.free.size()));
   const double tail = chi2_tail(ratio, freedom);
   candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
-  candidate.significant = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
+  candidate.significant = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0 &&
+                          problem.is_visible(before.model, after.model);
   candidate.merit = merit_of(problem, candidate.grown);
 }
 
@@ -381,7 +389,7 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
               bool promising_only) {
   std::vector<std::optional<Prospect>> prospects(effects.size());
   std::vector<std::vector<NotTestable>> reasons(effects.size());
-  promising_only = promising_only && problem.is_smooth();
+  promising_only = problem.is_smooth() && (promising_only || problem.screening_groups());
   // A spread was taken since no effect of the mean helped: where a misfit stays nevertheless, only
   // another spread can help.
   const bool spread_taken = std::any_of(

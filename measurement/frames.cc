@@ -8,14 +8,10 @@
 #include "effects/sensor.h"
 #include "effects/timing.h"
 #include "measurement/maximise.h"
-#include "measurement/sensor_response.h"
 #include "sim_core/error.h"
 
 namespace seam::measurement {
 namespace {
-
-// A displacement that renderers may differ by: 5 x 5 rays a pixel place an edge to a hundredth.
-constexpr double kRendererShiftPx = 0.01;
 
 bool is_spread(const EffectDefinition& effect) { return effect.spread_only; }
 
@@ -78,106 +74,82 @@ Evaluation FramesProblem::evaluate(const Model& model, const Groups& groups, con
     return out;
   }
   const effects::SensorChain chain = effects::sensor_of(model);
-  for (size_t k = 0; k < frames.size(); ++k) evaluate_frame(model, chain, frames[k], *light[k], out);
+  float low = std::numeric_limits<float>::max(), high = 0;
+  for (const LightImage& image : light) {
+    const auto [least, most] = std::minmax_element(image->begin(), image->end());
+    low = std::min(low, *least), high = std::max(high, *most);
+  }
+  std::vector<ResponseTable> tables;
+  for (size_t k = 0; k < frames.size(); ++k) {
+    const effects::SensorExposure exposure = exposure_of(model, facts_.time_of_row[frames[k]]);
+    // Only maps of time give each frame a response of its own; a table costs as much as a frame.
+    if (tables.empty() || !chain.maps.empty()) {
+      tables.clear();
+      for (int c = 0; c < 3; ++c) {
+        tables.emplace_back(chain, exposure, c, facts_.channels[0].noise, effects::signal_dn(chain, low, exposure),
+                            effects::signal_dn(chain, high, exposure));
+      }
+    }
+    predict_frame(chain, tables, effects::signal_dn(chain, 1, exposure), frames[k], *light[k], out);
+  }
+  whiten(chain, frames, out);
   return out;
 }
 
-void FramesProblem::evaluate_frame(const Model& model, const effects::SensorChain& chain, size_t frame,
-                                   const std::vector<float>& light, Evaluation& out) const {
-  const effects::SensorExposure exposure = exposure_of(model, facts_.time_of_row[frame]);
-  float low = 1e30f, high = 0;
-  for (const float value : light) low = std::min(low, value), high = std::max(high, value);
-  std::vector<ResponseTable> tables;
-  for (int c = 0; c < 3; ++c) {
-    tables.emplace_back(chain, exposure, c, facts_.channels[0].noise, effects::signal_dn(chain, low, exposure),
-                        effects::signal_dn(chain, high, exposure));
-  }
-  const double scale = effects::signal_dn(chain, 1, exposure);
+// Residuals of a frame and their sigmas from the sensor alone.
+void FramesProblem::predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables,
+                                  double scale, size_t frame, const std::vector<float>& light, Evaluation& out) const {
   const size_t first = frame * samples_;
   const double offset2 = chain.pixel_offset_sigma_dn * chain.pixel_offset_sigma_dn +
                          chain.hot_fraction * (1 - chain.hot_fraction) * chain.hot_level_dn * chain.hot_level_dn;
   const double hot_mean = chain.hot_fraction * chain.hot_level_dn;
-  double& log_det = out.log_det[facts_.group_of_row[frame]];
   for (size_t i = 0; i < samples_; ++i) {
     const Response response = tables[i % 3].at(scale * light[i]);
     const double gain = chain.pixel_gain_sigma * response.gain_slope;
     const double slope2 = response.offset_slope * response.offset_slope;
-    const double variance = response.variance + gain * gain + offset2 * slope2;
-    const size_t at = first + i;
-    out.residual[at] = images_[frame][i] - response.mean - hot_mean;
-    out.sigma[at] = std::sqrt(variance);
-    if (left_out(at)) continue;
-    out.used[at] = 1;
-    out.whitened[at] = out.residual[at] / out.sigma[at];
-    log_det += std::log(variance);
+    out.residual[first + i] = images_[frame][i] - response.mean - hot_mean;
+    out.sigma[first + i] = std::sqrt(response.variance + gain * gain + offset2 * slope2);
   }
-  log_det += whiten_shared(chain, frame, out, out.whitened);
 }
 
-// Whitens what the samples of a frame share, in `values` (already over their own sigma): row noise,
-// column offsets (projections that commute where the variance is even), and the renderer's own error,
-// a displacement of the whole image. Returns the logarithm of the determinant.
-double FramesProblem::whiten_shared(const effects::SensorChain& chain, size_t frame, const Evaluation& here,
-                                    std::vector<double>& values) const {
-  const size_t first = frame * samples_;
-  double sigma2 = 0, log_det = 0;
-  for (size_t i = 0; i < samples_; ++i) sigma2 += here.sigma[first + i] * here.sigma[first + i] / static_cast<double>(samples_);
-  share(values, here.used, first, chain.row_sigma_dn * chain.row_sigma_dn / sigma2, true, log_det);
-  share(values, here.used, first, chain.column_sigma_dn * chain.column_sigma_dn / sigma2, false, log_det);
-  const int width = protocol_.width_px(), height = protocol_.height_px();
-  const auto place = [&](int u, int v, int c) {
-    return (static_cast<size_t>(std::clamp(v, 0, height - 1)) * width + std::clamp(u, 0, width - 1)) * 3 + c;
-  };
-  const auto predicted = [&](size_t i) { return images_[frame][i] - here.residual[first + i]; };
-  std::vector<double> across(samples_), down(samples_);
-  double across2 = 0, down2 = 0, both = 0;
-  size_t i = 0;
-  for (int v = 0; v < height; ++v) {
-    for (int u = 0; u < width; ++u) {
-      for (int c = 0; c < 3; ++c, ++i) {
-        if (!here.used[first + i]) continue;
-        across[i] = 0.5 * (predicted(place(u + 1, v, c)) - predicted(place(u - 1, v, c))) / here.sigma[first + i];
-        down[i] = 0.5 * (predicted(place(u, v + 1, c)) - predicted(place(u, v - 1, c))) / here.sigma[first + i];
-        across2 += across[i] * across[i], down2 += down[i] * down[i], both += across[i] * down[i];
-      }
-    }
+// Of the predicted images.
+std::vector<ImageSlope> FramesProblem::slopes_of(const std::vector<size_t>& frames, const Evaluation& here) const {
+  std::vector<ImageSlope> slopes;
+  std::vector<float> predicted(samples_);
+  for (const size_t frame : frames) {
+    const double* residual = &here.residual[frame * samples_];
+    for (size_t i = 0; i < samples_; ++i) predicted[i] = static_cast<float>(images_[frame][i] - residual[i]);
+    slopes.push_back(image_slope(predicted, protocol_.width_px(), protocol_.height_px()));
   }
-  const auto take = [&](const std::vector<double>& direction, double size2) {
-    if (!(size2 > 0)) return;
-    const double stretch = 1 + kRendererShiftPx * kRendererShiftPx * size2;
-    double along = 0;
-    for (size_t k = 0; k < samples_; ++k) along += direction[k] * values[first + k];
-    const double part = (1 - 1 / std::sqrt(stretch)) * along / size2;
-    for (size_t k = 0; k < samples_; ++k) values[first + k] -= part * direction[k];
-    log_det += std::log(stretch);
-  };
-  take(across, across2);
-  const double overlap = across2 > 0 ? both / across2 : 0;
-  for (size_t k = 0; k < samples_; ++k) down[k] -= overlap * across[k];
-  take(down, down2 - overlap * both);
-  return log_det;
+  return slopes;
 }
 
-// Whitens an offset that the samples of each row (or column) share, of this relative variance.
-void FramesProblem::share(std::vector<double>& values, const std::vector<char>& used, size_t first, double ratio,
-                          bool rows, double& log_det) const {
-  if (ratio <= 0) return;
-  const auto width = static_cast<size_t>(protocol_.width_px()), height = static_cast<size_t>(protocol_.height_px());
-  const size_t units = rows ? height : width, members = (rows ? width : height) * 3;
-  const double stretch = 1 + ratio * static_cast<double>(members);
-  const double shrink = 1 - 1 / std::sqrt(stretch);
-  for (size_t unit = 0; unit < units; ++unit) {
-    const auto at = [&](size_t k) {
-      const size_t place = k / 3;
-      return first + (rows ? unit * width + place : place * width + unit) * 3 + k % 3;
-    };
-    double mean = 0;
-    for (size_t k = 0; k < members; ++k) mean += values[at(k)] / static_cast<double>(members);
-    for (size_t k = 0; k < members; ++k) {
-      if (used[at(k)]) values[at(k)] -= shrink * mean;
+FrameErrors FramesProblem::errors_of(const effects::SensorChain& chain, const std::vector<size_t>& frames,
+                                     const Evaluation& here) const {
+  return FrameErrors(protocol_.width_px(), protocol_.height_px(), chain, frames, slopes_of(frames, here), here);
+}
+
+// Adds the renderers' difference to each sample's sigma, then whitens what samples share.
+void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames, Evaluation& out) const {
+  constexpr double shift2 = kRendererShiftPx * kRendererShiftPx;
+  std::vector<ImageSlope> slopes = slopes_of(frames, out);
+  for (size_t k = 0; k < frames.size(); ++k) {
+    const size_t first = frames[k] * samples_;
+    double& log_det = out.log_det[facts_.group_of_row[frames[k]]];
+    for (size_t i = 0; i < samples_; ++i) {
+      const double right = slopes[k].right[i], down = slopes[k].down[i];
+      double& sigma = out.sigma[first + i];
+      const double variance = sigma * sigma + shift2 * (right * right + down * down);
+      sigma = std::sqrt(variance);
+      if (left_out(first + i)) continue;
+      out.used[first + i] = 1;
+      out.whitened[first + i] = out.residual[first + i] / sigma;
+      log_det += std::log(variance);
     }
-    log_det += std::log(stretch);
   }
+  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), chain, frames, std::move(slopes), out);
+  errors.whiten(out.whitened);
+  for (size_t k = 0; k < frames.size(); ++k) out.log_det[facts_.group_of_row[frames[k]]] += errors.log_det(k);
 }
 
 // Differences large enough that the renderer's own sampling of edges does not show: about a third
@@ -234,7 +206,7 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, con
   }
   const bool far = chi2 > 2 * count;
   const std::vector<size_t> frames = frames_of(groups);
-  const effects::SensorChain chain = effects::sensor_of(model);
+  const FrameErrors errors = errors_of(effects::sensor_of(model), frames, here);
   for (const Unknown& unknown : unknowns) {
     const auto& parameter = model.find(unknown.effect)->definition->parameters[unknown.parameter];
     const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
@@ -257,10 +229,50 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, con
       const double rise = central ? (plus.residual[i] - minus.residual[i]) / 2 : plus.residual[i] - here.residual[i];
       column[i] = rise / h / here.sigma[i];
     }
-    for (const size_t frame : frames) whiten_shared(chain, frame, here, column);
+    errors.whiten(column);
     columns.push_back(std::move(column));
   }
   return columns;
+}
+
+// Groups of `count` training frames, evenly spread.
+Groups FramesProblem::some_training_frames(size_t count) const {
+  Groups groups(facts_.groups.size(), 0);
+  const std::vector<size_t> training = frames_of(complement(folds().front()));
+  count = std::min(count, training.size());
+  for (size_t k = 0; k < count; ++k) groups[facts_.group_of_row[training[k * training.size() / count]]] = 1;
+  return groups;
+}
+
+std::optional<Groups> FramesProblem::screening_groups() const { return some_training_frames(3); }
+
+// Two right renderers displace edges, each sample by its own amount and all by a common one, up to
+// twice kRendererShiftPx. What differs by no more than that, beside an edge or on it, cannot be told
+// apart, however many samples say so.
+bool FramesProblem::is_visible(const Model& a, const Model& b) const {
+  constexpr double kShare = 0.02;
+  const Groups groups = some_training_frames(3);
+  const Evaluation before = evaluate(a, groups), after = evaluate(b, groups);
+  if (!before.valid || !after.valid) return true;
+  const std::vector<size_t> frames = frames_of(groups);
+  const std::vector<ImageSlope> slopes = slopes_of(frames, before);
+  double mean_excess = 0, mean_accuracy = 0, spread_change = 0, spread_accuracy = 0;
+  for (size_t k = 0; k < frames.size(); ++k) {
+    const std::vector<float> square = steepest_nearby(slopes[k], protocol_.width_px(), protocol_.height_px());
+    for (size_t i = 0; i < samples_; ++i) {
+      const size_t at = frames[k] * samples_ + i;
+      const double tolerance = 4 * kRendererShiftPx * kRendererShiftPx * square[i];
+      const double mean = after.residual[at] - before.residual[at];
+      const double spread = after.sigma[at] * after.sigma[at] - before.sigma[at] * before.sigma[at];
+      mean_excess += std::max(0.0, mean * mean - tolerance);
+      mean_accuracy += tolerance;
+      const double right = slopes[k].right[i], down = slopes[k].down[i];
+      spread_change += std::abs(spread);
+      spread_accuracy += 4 * kRendererShiftPx * kRendererShiftPx * (right * right + down * down);
+    }
+  }
+  // Errors at edges look like a spread of all bright samples: only the sums can be compared.
+  return mean_excess > kShare * mean_accuracy || spread_change > spread_accuracy;
 }
 
 std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const EffectDefinition& effect) const {
@@ -272,7 +284,7 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
     else if (!parameter.integer && parameter.min >= parameter.neutral) value += 0.02 * parameter.scale;
     start.push_back(std::clamp(value, std::min(parameter.min, value), parameter.max));
   }
-  if (std::any_of(effect.parameters.begin(), effect.parameters.end(), [](const auto& p) { return p.integer; })) {
+  if (std::all_of(effect.parameters.begin(), effect.parameters.end(), [](const auto& p) { return p.integer; })) {
     if (effect.name != "quantisation") return {};
     std::vector<std::vector<double>> choices;
     for (int bits = 4; bits < 8; ++bits) choices.push_back({static_cast<double>(bits)});
@@ -280,11 +292,7 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
   }
   if (is_spread(effect)) return {start};
   // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried.
-  Groups few(facts_.groups.size(), 0);
-  const std::vector<size_t> training = frames_of(complement(folds().front()));
-  for (size_t k = 0; k < std::min<size_t>(2, training.size()); ++k) {
-    few[facts_.group_of_row[training[k * training.size() / 2]]] = 1;
-  }
+  const Groups few = some_training_frames(2);
   const auto likelihood = [&](const std::vector<double>& values) {
     std::vector<effects::ParameterValue> given;
     for (const double value : values) given.push_back({.value = value});

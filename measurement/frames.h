@@ -5,12 +5,10 @@
 #include <mutex>
 
 #include "measurement/frame_data.h"
+#include "measurement/frame_errors.h"
 #include "measurement/kinds.h"
+#include "measurement/sensor_response.h"
 #include "sim_core/image.h"
-
-namespace seam::effects {
-struct SensorChain;
-}
 
 namespace seam::measurement {
 
@@ -28,17 +26,22 @@ class FramesProblem : public Problem {
   std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const override;
   void check_model(const Model& model) const override;
   bool acts(const EffectDefinition& effect) const override;
+  bool is_smooth() const override { return true; }
+  std::optional<Groups> screening_groups() const override;
+  bool is_visible(const Model& a, const Model& b) const override;
   std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
 
  private:
   std::vector<size_t> frames_of(const Groups& groups) const;
-  void evaluate_frame(const Model& model, const effects::SensorChain& chain, size_t frame,
-                      const std::vector<float>& light, Evaluation& out) const;
-  double whiten_shared(const effects::SensorChain& chain, size_t frame, const Evaluation& here,
-                       std::vector<double>& values) const;
-  void share(std::vector<double>& values, const std::vector<char>& used, size_t first, double ratio, bool rows,
-             double& log_det) const;
+  Groups some_training_frames(size_t count) const;
+  // `tables` by colour; `scale` is the signal (DN) of light 1.
+  void predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables, double scale,
+                     size_t frame, const std::vector<float>& light, Evaluation& out) const;
+  std::vector<ImageSlope> slopes_of(const std::vector<size_t>& frames, const Evaluation& here) const;
+  FrameErrors errors_of(const effects::SensorChain& chain, const std::vector<size_t>& frames,
+                        const Evaluation& here) const;
+  void whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames, Evaluation& out) const;
   double find_step(const Model& model, const Unknown& unknown, const Groups& groups) const;
   double step_of(const Model& model, const Unknown& unknown, const Groups& groups) const;
 

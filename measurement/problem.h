@@ -184,6 +184,12 @@ class Problem {
   // Whether predictions are smooth in the parameters of effects of the mean, so that one step of
   // Gauss and Newton from a small start says about what a fit would reach.
   virtual bool is_smooth() const { return false; }
+  // Where predictions are dear: the few training groups on which candidates are screened before any is
+  // fitted to all of them.
+  virtual std::optional<Groups> screening_groups() const { return std::nullopt; }
+  // Whether two models' predictions differ by more than the accuracy of predicting. Where they do not,
+  // no gain of likelihood speaks for either.
+  virtual bool is_visible(const Model&, const Model&) const { return true; }
 
   // Whether the effect is a candidate here. Default: its kinds hold this kind.
   virtual bool acts(const EffectDefinition& effect) const;

@@ -117,12 +117,13 @@ bool Searcher::prune(Grown& grown) {
 // shows that it cannot make up for most of what is lost.
 std::optional<Grown> Searcher::replace(const Grown& grown, const std::string& out,
                                        const std::string& in) const {
-  const Grown smaller = without(grown, out);
+  Grown smaller = without(grown, out);
+  const Score score = problem_.score(smaller.assessment.model, problem_.all_groups());
+  if (score.valid) smaller.assessment.total_ll = score.log_likelihood;
   std::vector<NotTestable> reasons;
   const auto prospect = prospect_of(problem_, smaller, definition(in), reasons);
   if (!prospect) return std::nullopt;
   if (std::isfinite(prospect->expected_ll)) {
-    const Score score = problem_.score(smaller.assessment.model, problem_.all_groups());
     const double lost = grown.assessment.total_ll - score.log_likelihood;
     if (score.valid && prospect->expected_ll < grown.assessment.total_ll - 0.4 * lost - 20)
       return std::nullopt;
