@@ -79,8 +79,9 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
                                     std::vector<NotTestable>& reasons);
 
 // Fits every effect of the list beside the model. With `promising_only` or where predictions are
-// dear (screening_groups), and where the problem is smooth, those whose score test says that they would not be significant are left out, of the
-// others the best few are fitted, and spreads only where no effect of the mean clearly helps.
+// dear (screening_groups), and where the problem is smooth, those whose score test says that they
+// would not be significant are left out, of the others the best few are fitted, and spreads only
+// where no effect of the mean clearly helps.
 Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects,
               bool promising_only = false);
 

@@ -39,7 +39,9 @@ TEST(ImageSlope, AnEdgeInsideAPixelMovesThatPixelByItsContrast) {
 
 TEST(ImageSlope, ARampMovesByItsSlope) {
   std::vector<float> image(kSamples);
-  for (size_t i = 0; i < kSamples; ++i) image[i] = 2.0f * static_cast<float>(i / 3 % kWidth) - 3.0f * static_cast<float>(i / 3 / kWidth);
+  for (size_t i = 0; i < kSamples; ++i) {
+    image[i] = 2.0f * static_cast<float>(i / 3 % kWidth) - 3.0f * static_cast<float>(i / 3 / kWidth);
+  }
   const ImageSlope slope = image_slope(image, kWidth, kHeight);
   for (int v = 1; v + 1 < kHeight; ++v) {
     for (int u = 1; u + 1 < kWidth; ++u) {
