@@ -182,6 +182,23 @@ class EndToEnd(unittest.TestCase):
             self.assertLessEqual(len(done.stderr.strip().splitlines()), 2, done.stderr)
         self.assertEqual(self.seam("run", self.here / "missing.yaml").returncode, 1)
 
+    def test_bad_camera_models_are_refused_with_file_and_key(self):
+        path = self.write(scenario(robots=1))
+        pinhole = "  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n"
+        cases = [
+            ("  vigneting: {a2: 0.1}\n", ["unknown effect 'vigneting'", "did you mean 'vignetting'"]),
+            ("  vignetting: {a3: 0.1}\n", ["effects.vignetting", "a3", "did you mean 'a2'"]),
+            ("  lens_blur: {sigma_px: -1}\n", ["effects.lens_blur.sigma_px", "found -1"]),
+            ("  radial_polynomial: {k1: -2, k2: 0, k3: 0}\n",
+             ["effects.radial_polynomial {k1: -2", "no ray leads to pixel", "178x144"]),
+        ]
+        for effect, words in cases:
+            model = self.write(f"format: seam-model/1\nname: bad\neffects:\n{pinhole}{effect}", "bad_model.yaml")
+            done = self.seam("run", path, "--model", model)
+            self.assertEqual(done.returncode, 1, effect)
+            for word in ["bad_model.yaml", *words]:
+                self.assertIn(word, done.stderr)
+
     def test_wrong_use_is_exit_code_2(self):
         path = self.write(scenario(robots=1))
         for arguments in (["run"], ["run", path, "--no-such-option"], ["run", path, "--model", f"nobody={path}"],

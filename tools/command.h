@@ -10,6 +10,7 @@ namespace seam::tools {
 // One line a command; `tools/<name>.cc` defines add_<name>.
 #define SEAM_COMMANDS(X) \
   X(add)            \
+  X(camera_calibrate) \
   X(certs)          \
   X(check)          \
   X(colour_table)   \
