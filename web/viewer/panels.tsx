@@ -161,8 +161,9 @@ function DifferenceList() {
         <p>
           <button type="button" class="link" onClick={() => jumpTo(diff.first!.t)}>
             First difference at <span class="num">{clock(diff.first.t, 0.001)}</span></button>
-          {": "}<code>{diff.first.section}</code> <code>{diff.first.field}</code>, {String(diff.first.a)} in a,{" "}
-          {String(diff.first.b)} in b.
+          {": "}<code>{diff.first.section}</code> <code>{diff.first.field}</code>
+          {/* Pixels have no value of their own. */}
+          {diff.first.a !== "" && <>, {String(diff.first.a)} in a, {String(diff.first.b)} in b</>}.
         </p>
       )}
       <h4>How it spreads</h4>

@@ -85,7 +85,9 @@ function useSeries(replay: Replay, spec: PlotSpec) {
 }
 
 function label(name: string): string {
-  return name.replace(/_(m_s|rad_s|rad|m)$/, "").replace("debug.", "").replace("command.", "command ");
+  // The plot of the walk is titled so.
+  const short = name.replace(/^command\.(?=vx_|vy_|omega_)/, "");
+  return short.replace(/_(m_s|rad_s|rad|m)$/, "").replace("debug.", "").replace("command.", "command ");
 }
 
 export function SeriesPlot({ replay, spec }: { replay: Replay; spec: PlotSpec }) {
