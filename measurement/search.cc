@@ -76,6 +76,19 @@ std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& 
   return nullptr;
 }
 
+// Whether some parameter of an added effect is so far from neutral that the effect cannot go.
+bool clearly_needed(const Grown& grown, const std::string& name) {
+  constexpr double kFar = 8;  // Standard errors.
+  const Assessment& here = grown.assessment;
+  const effects::ModelEffect* effect = here.model.find(name);
+  for (size_t k = 0; k < here.unknowns.size() && k < here.fit.sigma.size(); ++k) {
+    if (here.unknowns[k].effect != name) continue;
+    const auto& parameter = effect->definition->parameters[here.unknowns[k].parameter];
+    if (std::abs(here.fit.value[k] - parameter.neutral) > kFar * here.fit.sigma[k]) return true;
+  }
+  return false;
+}
+
 // Drops effects that the others have made unnecessary.
 bool Searcher::prune(Grown& grown) {
   bool changed = false;
@@ -83,6 +96,7 @@ bool Searcher::prune(Grown& grown) {
     again = false;
     std::vector<std::optional<Grown>> without(grown.added.size());
     parallel_for(grown.added.size(), [&](size_t i) {
+      if (problem_.is_smooth() && clearly_needed(grown, grown.added[i])) return;
       Model model = grown.assessment.model;
       model.remove(grown.added[i]);
       Grown smaller{.added = grown.added};
@@ -197,11 +211,13 @@ void Searcher::forward(SearchResult& result) {
 // The effects found, in the order in which each helps most.
 void Searcher::order_steps(SearchResult& result) {
   result.steps.clear();
+  const bool explained = result.best.assessment.error < kMisfit;
   Grown grown = base_;
   std::vector<std::string> left = result.best.added;
   while (!left.empty()) {
     std::vector<std::optional<Candidate>> tried(left.size());
-    parallel_for(left.size(), [&](size_t i) {
+    // Where they do not explain the set, the order in which the search took them is good enough.
+    parallel_for(explained ? left.size() : 1, [&](size_t i) {
       std::vector<NotTestable> reasons;
       tried[i] = try_effect(problem_, grown, definition(left[i]), reasons);
     });
@@ -223,6 +239,7 @@ void Searcher::order_steps(SearchResult& result) {
       grown.assessment.total_ll >= result.best.assessment.total_ll - 0.5) {
     result.best = grown;
   }
+  if (!explained) return;
   // Which others could stand in the place of each step.
   std::vector<std::vector<std::string>> ties(result.steps.size());
   std::vector<std::pair<size_t, std::string>> moves;
@@ -252,7 +269,10 @@ SearchResult Searcher::run() {
     promising_.clear();
     base_ = base();
     forward(result);
-    // Outliers are those of the best model; with others the search is run again.
+    // Outliers are those of the best model; with others the search is run again. A model that
+    // explains nothing has none to tell.
+    constexpr double kUseless = 10;
+    if (result.best.assessment.error > kUseless) break;
     if (!mark_outliers(problem_, result.best.assessment.model, result)) break;
   }
   base_ = base();

@@ -26,12 +26,34 @@ struct Column {
   bool in_products;
 };
 
+// By row: 1 where the row is the first of its series and a start fitted to it took all of its
+// residual (a servo at rest until its first command). Such rows have no spread, which would look
+// like a structure of whatever is special at the start.
+std::vector<char> taken_by_a_start(const Facts& facts, const Evaluation& evaluation) {
+  constexpr double kNothing = 1e-6;  // Of the noise.
+  std::vector<char> taken(facts.rows(), 0);
+  if (facts.series_of_row.empty() || evaluation.nuisances == 0) return taken;
+  std::vector<int> first(
+      1 + *std::max_element(facts.series_of_row.begin(), facts.series_of_row.end()), -1);
+  for (size_t i = 0; i < facts.scalars(); ++i) {
+    int& start = first[facts.series_of_row[facts.row_of[i]]];
+    const auto time = [&](int scalar) { return facts.time_of_row[facts.row_of[scalar]]; };
+    if (start < 0 || time(static_cast<int>(i)) < time(start)) start = static_cast<int>(i);
+  }
+  for (const int i : first) {
+    if (i >= 0 && std::abs(evaluation.whitened[i]) < kNothing) taken[facts.row_of[i]] = 1;
+  }
+  return taken;
+}
+
 std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation) {
   std::vector<Signal> signals;
   std::vector<std::vector<int>> scalar_of(facts.channels.size(),
                                           std::vector<int>(facts.rows(), -1));
+  const std::vector<char> taken = taken_by_a_start(facts, evaluation);
   for (size_t i = 0; i < facts.scalars(); ++i) {
-    if (evaluation.used[i]) scalar_of[facts.channel_of[i]][facts.row_of[i]] = static_cast<int>(i);
+    if (evaluation.used[i] && !taken[facts.row_of[i]])
+      scalar_of[facts.channel_of[i]][facts.row_of[i]] = static_cast<int>(i);
   }
   for (size_t c = 0; c < facts.channels.size(); ++c) {
     Signal signal{.name = facts.channels[c].name};

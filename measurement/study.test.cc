@@ -41,6 +41,13 @@ TEST(Study, TwoSeedsOfEachKind) {
   }
 }
 
+// The first row of a servo log holds the start that is fitted to it, and nothing else.
+TEST(Study, StartsOfServoLogsAreNoStructure) {
+  const StudyPlan plan{.kind = "joints", .seeds = 3, .folder = scratch("study-none")};
+  const StudyResult result = study(plan, silent);
+  EXPECT_EQ(result.rows.at(0).alarms.hits, 0) << study_text(plan, result);
+}
+
 TEST(Study, WrongUseIsNamed) {
   EXPECT_THROW(study({.kind = "walls", .folder = scratch("bad")}, silent), InputError);
   EXPECT_THROW(

@@ -30,6 +30,7 @@ namespace seam::tools {
   X(report)         \
   X(run)            \
   X(serve)          \
+  X(study)          \
   X(view)
 
 #define SEAM_DECLARE(name) void add_##name(Command app);
