@@ -43,6 +43,11 @@ void Rewinder::restart(SimTime time) {
   world_.restore(snapshot->state);
   now_ = snapshot->time;
   step_ = snapshot->step;
+  // A log may be wrong behind right check sums.
+  if (now_ < world_.start() || now_ > world_.end()) {
+    throw InputError(fmt::format("{}: the snapshot at {} ns holds a world from {} to {} ns", log_.name(), now_.ns(),
+                                 world_.start().ns(), world_.end().ns()));
+  }
   // Decisions from before the snapshot may act after it; those that acted are in its state.
   turns_.emplace(log_, TopicSet{Topic::turn}, now_ - longest_latency);
   read_turns_until(now_);
@@ -94,6 +99,9 @@ void Rewinder::read_turns_until(SimTime time) {
 void Rewinder::apply_due(SimTime until) {
   while (!due_.empty() && std::get<0>(due_.begin()->first) <= until) {
     const auto node = due_.extract(due_.begin());
+    if (std::get<0>(node.key()) < world_.start()) {
+      throw InputError(fmt::format("{}: a turn before {} ns stands behind later ones", log_.name(), world_.start().ns()));
+    }
     apply(node.mapped(), std::get<0>(node.key()));
   }
 }
