@@ -45,15 +45,19 @@ function(seam_vector_kernels)
   endforeach()
 endfunction()
 
-# seam_module(NAME [LINK targets...]): the library of this folder and, if it has *.test.cc, its test program.
+# seam_module(NAME [LINK targets...] [UNITY n]): the library of this folder and, if it has *.test.cc, its
+# test program. UNITY compiles n files of the library at a time: for folders of many small files.
 function(seam_module name)
-  cmake_parse_arguments(ARG "" "" "LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "UNITY" "LINK" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cc)
   set(tests ${sources})
   list(FILTER tests INCLUDE REGEX "\\.test\\.cc$")
   list(FILTER sources EXCLUDE REGEX "\\.(test|perf|fuzz|main)\\.cc$")
   add_library(seam_${name} STATIC ${sources})
   target_link_libraries(seam_${name} PUBLIC seam_flags ${ARG_LINK})
+  if(ARG_UNITY)
+    set_target_properties(seam_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_UNITY})
+  endif()
   if(SEAM_BUILD_TESTS AND tests)
     seam_test_program(test_${name} SOURCES ${tests} LINK seam_${name})
   endif()
