@@ -7,7 +7,6 @@
 
 #include "effects/sensor.h"
 #include "effects/timing.h"
-#include "measurement/maximise.h"
 #include "sim_core/error.h"
 
 namespace seam::measurement {
@@ -124,11 +123,6 @@ std::vector<ImageSlope> FramesProblem::slopes_of(const std::vector<size_t>& fram
   return slopes;
 }
 
-FrameErrors FramesProblem::errors_of(const effects::SensorChain& chain, const std::vector<size_t>& frames,
-                                     const Evaluation& here) const {
-  return FrameErrors(protocol_.width_px(), protocol_.height_px(), chain, frames, slopes_of(frames, here), here);
-}
-
 // Adds the renderers' difference to each sample's sigma, then whitens what samples share.
 void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames, Evaluation& out) const {
   constexpr double shift2 = kRendererShiftPx * kRendererShiftPx;
@@ -206,7 +200,8 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, con
   }
   const bool far = chi2 > 2 * count;
   const std::vector<size_t> frames = frames_of(groups);
-  const FrameErrors errors = errors_of(effects::sensor_of(model), frames, here);
+  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), effects::sensor_of(model), frames,
+                           slopes_of(frames, here), here);
   for (const Unknown& unknown : unknowns) {
     const auto& parameter = model.find(unknown.effect)->definition->parameters[unknown.parameter];
     const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
@@ -251,6 +246,7 @@ std::optional<Groups> FramesProblem::screening_groups() const { return some_trai
 // apart, however many samples say so.
 bool FramesProblem::is_visible(const Model& a, const Model& b) const {
   constexpr double kShare = 0.02;
+  constexpr double kAccuracy2 = 4 * kRendererShiftPx * kRendererShiftPx;
   const Groups groups = some_training_frames(3);
   const Evaluation before = evaluate(a, groups), after = evaluate(b, groups);
   if (!before.valid || !after.valid) return true;
@@ -261,14 +257,14 @@ bool FramesProblem::is_visible(const Model& a, const Model& b) const {
     const std::vector<float> square = steepest_nearby(slopes[k], protocol_.width_px(), protocol_.height_px());
     for (size_t i = 0; i < samples_; ++i) {
       const size_t at = frames[k] * samples_ + i;
-      const double tolerance = 4 * kRendererShiftPx * kRendererShiftPx * square[i];
+      const double tolerance = kAccuracy2 * square[i];
       const double mean = after.residual[at] - before.residual[at];
       const double spread = after.sigma[at] * after.sigma[at] - before.sigma[at] * before.sigma[at];
       mean_excess += std::max(0.0, mean * mean - tolerance);
       mean_accuracy += tolerance;
       const double right = slopes[k].right[i], down = slopes[k].down[i];
       spread_change += std::abs(spread);
-      spread_accuracy += 4 * kRendererShiftPx * kRendererShiftPx * (right * right + down * down);
+      spread_accuracy += kAccuracy2 * (right * right + down * down);
     }
   }
   // Errors at edges look like a spread of all bright samples: only the sums can be compared.

@@ -39,8 +39,6 @@ class FramesProblem : public Problem {
   void predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables, double scale,
                      size_t frame, const std::vector<float>& light, Evaluation& out) const;
   std::vector<ImageSlope> slopes_of(const std::vector<size_t>& frames, const Evaluation& here) const;
-  FrameErrors errors_of(const effects::SensorChain& chain, const std::vector<size_t>& frames,
-                        const Evaluation& here) const;
   void whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames, Evaluation& out) const;
   double find_step(const Model& model, const Unknown& unknown, const Groups& groups) const;
   double step_of(const Model& model, const Unknown& unknown, const Groups& groups) const;

@@ -1,6 +1,5 @@
 #include "measurement/maximise.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>

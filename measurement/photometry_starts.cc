@@ -1,6 +1,6 @@
 #include "measurement/photometry_starts.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -5,7 +5,6 @@
 #include "measurement/photometry_structure.h"
 
 #include <Eigen/Core>
-#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>

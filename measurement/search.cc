@@ -265,17 +265,18 @@ SearchResult Searcher::run() {
   SearchResult result;
   problem_.leave_out({});
   mark_outliers(problem_, model_, result);
-  for (int round = 0; round < 3; ++round) {
+  bool marks_changed = true;
+  for (int round = 0; round < 3 && marks_changed; ++round) {
     promising_.clear();
     base_ = base();
     forward(result);
     // Outliers are those of the best model; with others the search is run again. A model that
     // explains nothing has none to tell.
     constexpr double kUseless = 10;
-    if (result.best.assessment.error > kUseless) break;
-    if (!mark_outliers(problem_, result.best.assessment.model, result)) break;
+    marks_changed = result.best.assessment.error <= kUseless &&
+                    mark_outliers(problem_, result.best.assessment.model, result);
   }
-  base_ = base();
+  if (marks_changed) base_ = base();
   result.base = base_;
   order_steps(result);
   progress_("testing what structure remains");
