@@ -141,6 +141,8 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
   }
   AbortReason aborted;
   observers.push_back(&aborted);
+  MemoryWatch memory;
+  observers.push_back(&memory);
   if (recorder) observers.push_back(&*recorder);
   if (frames) observers.push_back(&*frames);
 
@@ -231,9 +233,13 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
     summary.has_score = scenario.referee.enabled;
     summary.red_score = simulator.world.score(Team::red);
     summary.blue_score = simulator.world.score(Team::blue);
+    summary.memory = memory.samples();
   }
   behaviours.wait_for_end(2);
   renderers.wait_for_end(2);
+  std::error_code unknown;
+  if (log) summary.log_bytes = std::filesystem::file_size(options.log, unknown);
+  if (unknown) summary.log_bytes = 0;
   return summary;
 }
 
@@ -252,14 +258,20 @@ int report(const SessionSummary& summary, const SessionOptions& options) {
     score = fmt::format(",\n  \"score\": {{\"red\": {}, \"blue\": {}}}", summary.red_score,
                         summary.blue_score);
   }
+  std::string memory;
+  for (const MemorySample& sample : summary.memory)
+    memory += fmt::format("{}\n    {{\"sim_s\": {}, \"rss_bytes\": {}}}", memory.empty() ? "" : ",", sample.sim_s,
+                          sample.resident_bytes);
   if (!options.json.empty())
     write_file_atomically(
         options.json,
         fmt::format("{{\n  \"format\": \"seam-run/1\",\n  \"sim_s\": {},\n  \"wall_s\": {},\n"
                     "  \"real_time_factor\": {},\n  \"frames\": {},\n  \"fingerprint\": \"{}\",\n"
-                    "  \"rendered_remotely\": {},\n  \"decisions\": {},\n  \"waiting_s\": {},\n  \"end\": \"{}\"{}\n}}\n",
+                    "  \"rendered_remotely\": {},\n  \"decisions\": {},\n  \"waiting_s\": {},\n  \"end\": \"{}\"{},\n"
+                    "  \"log_bytes\": {},\n  \"memory\": [{}]\n}}\n",
                     summary.sim_s, summary.wall_s, summary.real_time_factor(), summary.frames,
-                    to_hex(summary.fingerprint), summary.rendered_remotely, summary.decisions, summary.waiting_s, end, score));
+                    to_hex(summary.fingerprint), summary.rendered_remotely, summary.decisions, summary.waiting_s, end, score,
+                    summary.log_bytes, memory));
   if (summary.end != scheduler::EndReason::aborted) return 0;
   std::fprintf(stderr, "seam: the run was aborted: %s\n", summary.abort_reason.c_str());
   return 1;

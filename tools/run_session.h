@@ -14,6 +14,7 @@
 #include "scheduler/server.h"
 #include "scheduler/simulation.h"
 #include "tools/command_line.h"
+#include "tools/memory_watch.h"
 #include "tools/remote_rendering.h"
 #include "tools/simulator.h"
 
@@ -42,6 +43,8 @@ struct SessionSummary {
   uint64_t fingerprint = 0;
   bool has_score = false;  // A referee kept it.
   int red_score = 0, blue_score = 0;
+  std::vector<MemorySample> memory;  // Of the server, each 10 simulated seconds.
+  uint64_t log_bytes = 0;            // Of the replay log; 0: none.
   scheduler::EndReason end = scheduler::EndReason::finished;
   std::string abort_reason;
 
