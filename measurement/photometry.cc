@@ -88,7 +88,7 @@ Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unkno
   bool enough = false;
   if (beside) {
     const auto sum = sums(groups);
-    const double base = log_likelihood({data_, *sum, set_noise_dn_, channels_share_}, without);
+    const double base = log_likelihood(view_of(*sum), without);
     const Fit alone = fit_all(start, own, groups);
     enough = alone.log_likelihood - base < 2;
     fit = enough ? widened(alone, start, unknowns, others.size()) : fit_all(alone.model, unknowns, groups);
@@ -122,7 +122,7 @@ Fit PhotometryProblem::widened(const Fit& alone, const Model& start, const std::
 
 Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
   const auto sum = sums(groups);
-  const PhotometryView view{data_, *sum, set_noise_dn_, channels_share_};
+  const PhotometryView view = view_of(*sum);
   std::vector<SearchParameter> parameters;
   const double span = std::max(1e-3, std::abs(data_.frames.back().time_s - data_.frames.front().time_s));
   for (const Unknown& unknown : unknowns) {
@@ -151,7 +151,7 @@ Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& u
 
 std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model, const EffectDefinition& effect) const {
   const auto sum = sums(complement(folds().front()));
-  return photometry_starts({data_, *sum, set_noise_dn_, channels_share_}, model, effect);
+  return photometry_starts(view_of(*sum), model, effect);
 }
 
 void PhotometryProblem::check_model(const Model& model) const {
@@ -169,7 +169,7 @@ bool PhotometryProblem::acts(const EffectDefinition& effect) const {
 
 std::vector<Structure> PhotometryProblem::structure(const Model& model, const Groups& groups, int) const {
   const auto sum = sums(groups);
-  return photometry_structure({data_, *sum, set_noise_dn_, channels_share_}, model);
+  return photometry_structure(view_of(*sum), model);
 }
 
 std::vector<char> PhotometryProblem::find_outliers(const Model&) const { return std::vector<char>(facts_.scalars(), 0); }
@@ -189,7 +189,7 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
   Model other = model;
   other.set_value(effect.name, parameter, moved);
   const auto sum = sums(complement(folds().front()));
-  const PhotometryView view{data_, *sum, set_noise_dn_, channels_share_};
+  const PhotometryView view = view_of(*sum);
   const double change = log_likelihood(view, other) - log_likelihood(view, model);
   return std::abs(change) < 1e-3 ? "it does not change the prediction of these data" : "";
 }

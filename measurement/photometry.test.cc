@@ -234,5 +234,72 @@ TEST(Photometry, LikelihoodEqualsTheDenseForm) {
   EXPECT_NEAR(score.chi2, residual.dot(factor.solve(residual)), 0.02 * score.chi2);
 }
 
+// Cells of light against every sample, for each part of the likelihood and all together.
+TEST(Photometry, CellsOfLightEqualEverySample) {
+  const auto folder = generate("cells", {.a2 = 0.3, .electrons = 25, .prnu = 0.01, .hot_fraction = 0.01, .hot_level = 30}, 12);
+  const std::string sensor = "linear_response: {gain_dn: 219, black_dn: 9}, read_noise: {sigma_dn: 1.3}";
+  const std::string lens = "vignetting: {a2: 0.31, a4: 0.02}, uneven_lighting: {gx: 0.03, gy: -0.02}, "
+                           "veiling_glare: {fraction: 0.1}";
+  const std::string patterns = "pixel_gain_spread: {sigma: 0.011}, pixel_offset_spread: {sigma_dn: 0.6}";
+  const std::vector<std::string> models = {
+      sensor, sensor + ", " + lens, sensor + ", " + lens + ", " + patterns,
+      sensor + ", shot_noise: {electrons_per_dn: 30}, response_gamma: {gamma: 0.97}, dark_current: {electrons_per_s: 300}",
+      sensor + ", " + lens + ", column_offsets: {sigma_dn: 0.7}", sensor + ", " + lens + ", row_noise: {sigma_dn: 0.5}",
+      sensor + ", " + lens + ", hot_pixels: {fraction: 0.01, level_dn: 28}",
+      sensor + ", " + lens + ", lamp_flicker: {frequency_hz: 7, depth: 0.05, phase_rad: 1}",
+      sensor + ", " + lens + ", " + patterns + ", shot_noise: {electrons_per_dn: 25}, column_offsets: {sigma_dn: 0.7}, " +
+          "row_noise: {sigma_dn: 0.5}, hot_pixels: {fraction: 0.01, level_dn: 28}, lamp_flicker: {frequency_hz: 7, depth: 0.02}"};
+  Facts facts;
+  PhotometryData data = read_photometry(MeasurementSet::open(folder), facts);
+  std::filesystem::remove_all(folder);
+  const auto compare = [&](bool share) {
+    const PhotometrySums sums = sum_frames(data, Groups(facts.groups.size(), 1), facts.group_of_row);
+    const CellStore store;
+    for (const std::string& effects : models) {
+      const Model model = Model::from_config(
+          ConfigNode::from_text("format: seam-model/1\neffects: {" + effects + "}\n", "model"));
+      const double exact = score_photometry(data, sums, predict(data, sums, model, 0.1), share).log_likelihood;
+      const auto fast = cell_log_likelihood(data, sums, store, model, 0.1, share);
+      ASSERT_TRUE(fast.has_value()) << effects;
+      EXPECT_NEAR(*fast, exact, 0.5) << effects;  // Of some 10^5; ties begin at 4.6.
+    }
+  };
+  compare(true);
+  for (size_t l = 1; l < data.levels.size(); ++l) data.levels[l].illumination = std::nan("");
+  compare(true);
+  // The same samples as an image of three channels, a third as wide.
+  data.channels = 3, data.width_px /= 3;
+  for (size_t f = 0; f < data.images.size(); ++f) {
+    data.row_mean[f].assign(data.rows(), 0);
+    for (size_t i = 0; i < data.samples(); ++i)
+      data.row_mean[f][i / kWidth * 3 + i % 3] += data.images[f][i] / static_cast<double>(data.width_px);
+  }
+  compare(true);
+  compare(false);
+}
+
+TEST(Photometry, CellsOfLightEqualEverySampleAtStepsAndClipping) {
+  const auto folder = generate("clipped", {.a2 = 0.3, .full = 130, .step = 8}, 13);
+  Facts facts;
+  const PhotometryData data = read_photometry(MeasurementSet::open(folder), facts);
+  std::filesystem::remove_all(folder);
+  const PhotometrySums sums = sum_frames(data, Groups(facts.groups.size(), 1), facts.group_of_row);
+  const CellStore store;
+  const Model model = Model::from_config(ConfigNode::from_text(
+      "format: seam-model/1\neffects: {linear_response: {gain_dn: 220, black_dn: 9}, read_noise: {sigma_dn: 1.3}, "
+      "vignetting: {a2: 0.3}, saturation: {full_dn: 130}, quantisation: {bits: 5}}\n", "model"));
+  const double exact = score_photometry(data, sums, predict(data, sums, model, 0), true).log_likelihood;
+  EXPECT_NEAR(*cell_log_likelihood(data, sums, store, model, 0, true), exact, 1);
+}
+
+TEST(Photometry, LightThatMovesOverRowsIsLeftToEverySample) {
+  const PhotometryData data;
+  const CellStore store;
+  const Model model = Model::from_config(ConfigNode::from_text(
+      "format: seam-model/1\neffects: {linear_response: {gain_dn: 219, black_dn: 9}, rolling_shutter: {line_delay_s: 0.0001}, "
+      "lamp_flicker: {frequency_hz: 90, depth: 0.05}}\n", "model"));
+  EXPECT_FALSE(cell_log_likelihood(data, {}, store, model, 0, true).has_value());
+}
+
 }  // namespace
 }  // namespace seam::measurement

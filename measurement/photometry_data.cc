@@ -1,5 +1,6 @@
 #include "measurement/photometry_data.h"
 
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -132,7 +133,8 @@ PhotometryData read_photometry(const MeasurementSet& set, Facts& facts) {
 
 PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
                           const std::vector<int>& group_of_frame) {
-  PhotometrySums sums;
+  static std::atomic<uint64_t> next{0};
+  PhotometrySums sums{.id = next++};
   const size_t samples = data.samples();
   const int width = data.width_px, channels = data.channels;
   for (const PhotometryLevel& level : data.levels) {

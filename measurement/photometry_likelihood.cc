@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/photometry_rows.h"
 #include "sim_core/maths.h"
 
 namespace seam::measurement {
@@ -10,31 +11,6 @@ namespace {
 
 // Variance below which a value is certain, DN^2.
 constexpr double kCertain = 2e-3;
-
-struct Quadratic {
-  double chi2 = 0;
-  double log_det = 0;
-};
-
-// Sum of logarithms, one call of log for several values.
-class LogSum {
- public:
-  void add(double value) {
-    product_ *= value;
-    if (product_ > 1e100 || product_ < 1e-100) flush();
-  }
-  double total() {
-    flush();
-    return sum_;
-  }
-
- private:
-  void flush() {
-    sum_ += std::log(product_);
-    product_ = 1;
-  }
-  double product_ = 1, sum_ = 0;
-};
 
 // Changes in time: rows' means from frame to frame, and what is left within rows.
 class TemporalPart {
@@ -81,7 +57,8 @@ class TemporalPart {
       const Quadratic of_frame = frame_rows(sum, level, f, variance, slope2, spread);
       total.chi2 += of_frame.chi2;
       total.log_det += of_frame.log_det * freedom / static_cast<double>(frames);
-      by_frame[sum.frames[f]] -= 0.5 * (of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames));
+      by_frame[sum.frames[f]] -=
+          0.5 * (of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames));
       own_ += of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames);
     }
     return total;
@@ -101,7 +78,8 @@ class TemporalPart {
   }
 
   Quadratic frame_rows(const LevelSums& sum, const LevelPrediction& level, size_t f,
-                       const std::vector<double>& variance, const std::vector<double>& slope2, double spread) const {
+                       const std::vector<double>& variance, const std::vector<double>& slope2,
+                       double spread) const {
     Quadratic total;
     LogSum logs;
     const auto& means = data_.row_mean[sum.frames[f]];
@@ -144,7 +122,8 @@ class PatternPart {
       if (!sums.levels[l].frames.empty()) present_.push_back(l);
     }
     const size_t count = present_.size();
-    for (auto* v : {&r_, &inverse_, &load_offset_, &load_gain_, &solved_, &slope_, &column_}) v->resize(count);
+    for (auto* v : {&r_, &inverse_, &load_offset_, &load_gain_, &solved_, &slope_, &column_})
+      v->resize(count);
   }
 
   Quadratic run() {
@@ -154,7 +133,8 @@ class PatternPart {
     if (structured_) average_rows();
     const size_t groups = share_ ? 1 : data_.channels;
     columns_.assign(static_cast<size_t>(data_.width_px) * groups, {});
-    if (structured_) row_score_.assign(static_cast<size_t>(data_.height_px) * groups * present_.size(), 0);
+    if (structured_)
+      rows_.score.assign(static_cast<size_t>(data_.height_px) * groups * present_.size(), 0);
     size_t i = 0;
     for (int v = 0; v < data_.height_px; ++v) {
       for (int u = 0; u < data_.width_px; ++u) {
@@ -162,7 +142,9 @@ class PatternPart {
       }
     }
     if (chain_.column_sigma_dn > 0) add_columns();
-    if (structured_) add_rows();
+    if (structured_) {
+      rows_.add(data_, sums_, chain_, share_, total_);
+    }
     return total_;
   }
 
@@ -172,8 +154,8 @@ class PatternPart {
   };
 
   bool has_patterns() const {
-    return chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0 || chain_.hot_fraction > 0 ||
-           chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
+    return chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0 ||
+           chain_.hot_fraction > 0 || chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
   }
 
   Quadratic plain() const {
@@ -192,15 +174,14 @@ class PatternPart {
   }
 
   size_t unit(int place, int channel) const {
-    return share_ ? static_cast<size_t>(place) : static_cast<size_t>(place) * data_.channels + channel;
+    return share_ ? static_cast<size_t>(place)
+                  : static_cast<size_t>(place) * data_.channels + channel;
   }
 
   void average_rows() {
     const size_t count = present_.size();
     row_residual_.assign(data_.rows() * count, 0);
-    row_variance_.assign(data_.rows() * count, 0);
-    row_slope_.assign(data_.rows() * count, 0);
-    row_gain_.assign(data_.rows() * count, 0);
+    rows_.resize(data_.rows() * count);
     const double share = 1.0 / data_.width_px;
     for (size_t k = 0; k < count; ++k) {
       const LevelSums& sum = sums_.levels[present_[k]];
@@ -211,9 +192,10 @@ class PatternPart {
           for (int c = 0; c < data_.channels; ++c, ++i) {
             const size_t at = (static_cast<size_t>(v) * data_.channels + c) * count + k;
             row_residual_[at] += share * residual(k, i);
-            row_variance_[at] += share * level.variance[i] / static_cast<double>(sum.frames.size());
-            row_slope_[at] += share * level.offset_slope[i];
-            row_gain_[at] += share * level.gain_slope[i];
+            rows_.variance[at] +=
+                share * level.variance[i] / static_cast<double>(sum.frames.size());
+            rows_.slope[at] += share * level.offset_slope[i];
+            rows_.gain[at] += share * level.gain_slope[i];
           }
         }
       }
@@ -232,24 +214,15 @@ class PatternPart {
     }
   }
 
-  // Inverse of I + A for the sample's two random effects, as the Woodbury identity needs it.
-  struct Two {
-    double i00 = 1, i01 = 0, i11 = 1, log_det = 0;
-  };
-  Two effects_of_sample() const {
+  PatternInverse effects_of_sample() const {
     if (chain_.pixel_offset_sigma_dn == 0 && chain_.pixel_gain_sigma == 0) return {};
-    double a00 = 1, a01 = 0, a11 = 1;
-    for (size_t k = 0; k < present_.size(); ++k) {
-      a00 += load_offset_[k] * load_offset_[k] * inverse_[k];
-      a01 += load_offset_[k] * load_gain_[k] * inverse_[k];
-      a11 += load_gain_[k] * load_gain_[k] * inverse_[k];
-    }
-    const double det = a00 * a11 - a01 * a01;
-    return {a11 / det, -a01 / det, a00 / det, std::log(det)};
+    return pattern_inverse(load_offset_.data(), load_gain_.data(), inverse_.data(),
+                           present_.size());
   }
 
   // out = Sigma^-1 x of this sample; returns x' Sigma^-1 x.
-  double solve(const Two& two, const std::vector<double>& x, std::vector<double>& out) const {
+  double solve(const PatternInverse& two, const std::vector<double>& x,
+               std::vector<double>& out) const {
     double b0 = 0, b1 = 0;
     for (size_t k = 0; k < x.size(); ++k) {
       b0 += load_offset_[k] * inverse_[k] * x[k];
@@ -267,27 +240,29 @@ class PatternPart {
   void add_sample(size_t i, int v, int u, int c) {
     load_sample(i);
     const size_t count = present_.size();
-    const Two two = effects_of_sample();
+    const PatternInverse two = effects_of_sample();
     total_.chi2 += solve(two, r_, solved_);
     total_.log_det += two.log_det;
     if (!structured_) return;
     const size_t row = (static_cast<size_t>(v) * data_.channels + c) * count;
     const size_t row_unit = unit(v, c) * count;
-    for (size_t k = 0; k < count; ++k) row_score_[row_unit + k] += solved_[k];
+    for (size_t k = 0; k < count; ++k) rows_.score[row_unit + k] += solved_[k];
     if (chain_.column_sigma_dn == 0) return;
     Column& column = columns_[unit(u, c)];
     const double info = solve(two, slope_, column_);
     column.info += info;
-    for (size_t k = 0; k < count; ++k) column.score += column_[k] * (r_[k] - row_residual_[row + k]);
+    for (size_t k = 0; k < count; ++k)
+      column.score += column_[k] * (r_[k] - row_residual_[row + k]);
   }
 
   // A sample is hot where that is likelier; its residual is then taken from the hot mean.
   void choose_hot() {
-    const double log_cold = std::log1p(-chain_.hot_fraction), log_hot = std::log(chain_.hot_fraction);
+    const double log_cold = std::log1p(-chain_.hot_fraction),
+                 log_hot = std::log(chain_.hot_fraction);
     is_hot_.assign(data_.samples(), 0);
     for (size_t i = 0; i < is_hot_.size(); ++i) {
       load_sample(i);
-      const Two two = effects_of_sample();
+      const PatternInverse two = effects_of_sample();
       const double cold = solve(two, r_, solved_);
       is_hot_[i] = 1;
       load_sample(i);
@@ -314,103 +289,6 @@ class PatternPart {
     }
   }
 
-  // Row noise that is left in the means, and the mean of the columns' offsets.
-  void add_rows() {
-    const size_t count = present_.size();
-    const size_t groups = share_ ? 1 : data_.channels;
-    const double mean_column2 = chain_.column_sigma_dn * chain_.column_sigma_dn / data_.width_px;
-    const double row2 = chain_.row_sigma_dn * chain_.row_sigma_dn;
-    std::vector<double> info(groups, 0), score(groups, 0);
-    std::vector<double> slope(count), matrix(count * count), x(count), y(count);
-    for (int v = 0; v < data_.height_px; ++v) {
-      for (size_t g = 0; g < groups; ++g) {
-        precision_of_row(v, static_cast<int>(g), matrix, slope);
-        const double* b = &row_score_[(static_cast<size_t>(v) * groups + g) * count];
-        // (I + K P) s = b, P the diagonal of the row noise in the means.
-        std::vector<double> p(count);
-        for (size_t k = 0; k < count; ++k) {
-          p[k] = row2 * slope[k] * slope[k] / static_cast<double>(sums_.levels[present_[k]].frames.size());
-        }
-        std::vector<double> system(count * count);
-        for (size_t i = 0; i < count; ++i) {
-          for (size_t k = 0; k < count; ++k) system[i * count + k] = (i == k) + matrix[i * count + k] * p[k];
-        }
-        std::copy(b, b + count, x.begin());
-        for (size_t i = 0; i < count; ++i) {
-          y[i] = 0;
-          for (size_t k = 0; k < count; ++k) y[i] += matrix[i * count + k] * slope[k];
-        }
-        if (row2 > 0) total_.log_det += eliminate(system, x, y);
-        for (size_t k = 0; k < count; ++k) {
-          total_.chi2 -= b[k] * p[k] * x[k];
-          score[g] += slope[k] * x[k];
-          info[g] += slope[k] * y[k];
-        }
-      }
-    }
-    for (size_t g = 0; g < groups; ++g) {
-      total_.chi2 -= mean_column2 * score[g] * score[g] / (1 + mean_column2 * info[g]);
-      total_.log_det += std::log1p(mean_column2 * info[g]);
-    }
-  }
-
-  // Sum over a row's samples of Sigma^-1, from the row's average sample.
-  void precision_of_row(int v, int group, std::vector<double>& matrix, std::vector<double>& slope) {
-    const size_t count = present_.size();
-    std::fill(matrix.begin(), matrix.end(), 0);
-    std::fill(slope.begin(), slope.end(), 0);
-    const int first = share_ ? 0 : group, last = share_ ? data_.channels - 1 : group;
-    for (int c = first; c <= last; ++c) {
-      const size_t at = (static_cast<size_t>(v) * data_.channels + c) * count;
-      for (size_t k = 0; k < count; ++k) {
-        inverse_[k] = 1 / row_variance_[at + k];
-        load_offset_[k] = chain_.pixel_offset_sigma_dn * row_slope_[at + k];
-        load_gain_[k] = chain_.pixel_gain_sigma * row_gain_[at + k];
-        slope[k] += row_slope_[at + k] / (last - first + 1);
-      }
-      const Two two = effects_of_sample();
-      for (size_t i = 0; i < count; ++i) {
-        for (size_t k = 0; k < count; ++k) {
-          const double oi = load_offset_[i] * inverse_[i], gi = load_gain_[i] * inverse_[i];
-          const double ok = load_offset_[k] * inverse_[k], gk = load_gain_[k] * inverse_[k];
-          matrix[i * count + k] += data_.width_px * ((i == k) * inverse_[i] - oi * (two.i00 * ok + two.i01 * gk) -
-                                                     gi * (two.i01 * ok + two.i11 * gk));
-        }
-      }
-    }
-  }
-
-  // Solves system x = x and system y = y in place; returns log of the determinant.
-  static double eliminate(std::vector<double>& a, std::vector<double>& x, std::vector<double>& y) {
-    const size_t n = x.size();
-    double log_det = 0;
-    for (size_t i = 0; i < n; ++i) {
-      size_t pivot = i;
-      for (size_t k = i + 1; k < n; ++k) {
-        if (std::abs(a[k * n + i]) > std::abs(a[pivot * n + i])) pivot = k;
-      }
-      if (pivot != i) {
-        for (size_t k = 0; k < n; ++k) std::swap(a[i * n + k], a[pivot * n + k]);
-        std::swap(x[i], x[pivot]);
-        std::swap(y[i], y[pivot]);
-      }
-      log_det += std::log(std::abs(a[i * n + i]));
-      for (size_t row = i + 1; row < n; ++row) {
-        const double factor = a[row * n + i] / a[i * n + i];
-        if (factor == 0) continue;
-        for (size_t k = i; k < n; ++k) a[row * n + k] -= factor * a[i * n + k];
-        x[row] -= factor * x[i];
-        y[row] -= factor * y[i];
-      }
-    }
-    for (size_t i = n; i-- > 0;) {
-      for (size_t k = i + 1; k < n; ++k) x[i] -= a[i * n + k] * x[k], y[i] -= a[i * n + k] * y[k];
-      x[i] /= a[i * n + i];
-      y[i] /= a[i * n + i];
-    }
-    return log_det;
-  }
-
   const PhotometryData& data_;
   const PhotometrySums& sums_;
   const PhotometryPrediction& prediction_;
@@ -420,7 +298,8 @@ class PatternPart {
   std::vector<size_t> present_;  // Levels with frames.
   std::vector<double> r_, inverse_, load_offset_, load_gain_, solved_, slope_, column_;
   std::vector<char> is_hot_;
-  std::vector<double> row_residual_, row_variance_, row_slope_, row_gain_, row_score_;
+  std::vector<double> row_residual_;
+  RowMeans rows_;
   std::vector<Column> columns_;
   Quadratic total_;
 };
@@ -448,7 +327,8 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
     for (size_t i = 0; i < sum.mean.size(); ++i) {
       const double r = sum.mean[i] - prediction.levels[l].mean[i];
       // Values that are certain (a field clipped whole) say nothing of the error when they fit.
-      if (prediction.levels[l].variance[i] < kCertain) score.values -= static_cast<int64_t>(sum.frames.size());
+      if (prediction.levels[l].variance[i] < kCertain)
+        score.values -= static_cast<int64_t>(sum.frames.size());
       score.square += count * r * r + sum.scatter[i];
     }
     for (const int frame : sum.frames) {
@@ -462,11 +342,13 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
   total.chi2 += pattern.chi2;
   total.log_det += pattern.log_det;
   score.chi2 = total.chi2;
-  score.log_likelihood = -0.5 * (total.chi2 + total.log_det + static_cast<double>(sums.values) * std::log(2 * maths::kPi));
+  score.log_likelihood = -0.5 * (total.chi2 + total.log_det +
+                                 static_cast<double>(sums.values) * std::log(2 * maths::kPi));
   double assigned = 0;
   for (const double own : score.by_frame) assigned += own;
   for (const LevelSums& sum : sums.levels) {
-    for (const int frame : sum.frames) score.by_frame[frame] += (score.log_likelihood - assigned) / frames;
+    for (const int frame : sum.frames)
+      score.by_frame[frame] += (score.log_likelihood - assigned) / frames;
   }
   return score;
 }

@@ -14,15 +14,6 @@ using effects::Moments;
 using effects::SensorChain;
 using effects::SensorExposure;
 
-// Whether gain fields or sensor maps change with time (only formulas of users can).
-bool depends_on_time(const effects::Model& model) {
-  for (const auto& effect : model.effects()) {
-    const bool user = !effects::expression_source(*effect.definition).empty();
-    if (user && (effect.definition->gain || effect.definition->sensor)) return true;
-  }
-  return false;
-}
-
 class LevelPredictor {
  public:
   LevelPredictor(const PhotometryData& data, const effects::Model& model, const SensorChain& chain,
@@ -172,6 +163,14 @@ class LevelPredictor {
 };
 
 }  // namespace
+
+bool depends_on_time(const effects::Model& model) {
+  for (const auto& effect : model.effects()) {
+    const bool user = !effects::expression_source(*effect.definition).empty();
+    if (user && (effect.definition->gain || effect.definition->sensor)) return true;
+  }
+  return false;
+}
 
 std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model, double t_s) {
   const effects::GainField lens(model, effects::Stage::radiometry, data.width_px, data.height_px);

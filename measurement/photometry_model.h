@@ -35,6 +35,9 @@ std::vector<double> relative_light(const PhotometryData& data, const effects::Mo
 // Brightness of the lamps in each row of a frame with this exposure; 1 for steady lamps.
 std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s, const effects::Model& model);
 
+// Whether gain fields or sensor maps change with time (only formulas of users can).
+bool depends_on_time(const effects::Model& model);
+
 PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& sums,
                              const effects::Model& model, double set_noise_dn);
 

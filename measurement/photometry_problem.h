@@ -30,11 +30,13 @@ class PhotometryProblem : public Problem {
 
  private:
   std::shared_ptr<const PhotometrySums> sums(const Groups& groups) const;
+  PhotometryView view_of(const PhotometrySums& sums) const { return {data_, sums, set_noise_dn_, channels_share_, &cells_}; }
   Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const;
   Fit widened(const Fit& alone, const Model& start, const std::vector<Unknown>& unknowns, size_t fixed) const;
   std::string optimum_key(const Model& model, const std::vector<Unknown>& unknowns, const Groups& groups) const;
 
   PhotometryData data_;
+  CellStore cells_;
   double set_noise_dn_ = 0;
   bool channels_share_ = true;
   mutable std::mutex mutex_;

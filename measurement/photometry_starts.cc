@@ -187,6 +187,10 @@ Values hot_start(const PhotometryView& view, const PhotometryPrediction& predict
 }  // namespace
 
 double log_likelihood(const PhotometryView& view, const Model& model) {
+  if (view.cells) {
+    const auto fast = cell_log_likelihood(view.data, view.sums, *view.cells, model, view.set_noise_dn, view.channels_share);
+    if (fast) return *fast;
+  }
   const auto prediction = predict(view.data, view.sums, model, view.set_noise_dn);
   return score_photometry(view.data, view.sums, prediction, view.channels_share).log_likelihood;
 }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "measurement/photometry_cells.h"
 #include "measurement/photometry_likelihood.h"
 
 namespace seam::measurement {
@@ -12,6 +13,7 @@ struct PhotometryView {
   const PhotometrySums& sums;
   double set_noise_dn = 0;
   bool channels_share = true;
+  const CellStore* cells = nullptr;  // Nothing: every sample is evaluated.
 };
 
 double log_likelihood(const PhotometryView& view, const Model& model);

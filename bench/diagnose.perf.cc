@@ -1,0 +1,115 @@
+// What `seam diagnose` costs over the whole catalogue: 8,000 points, and 168 flat fields of 178 x
+// 144, each with two effects hidden, so that several looks at the catalogue are needed. Reading the
+// set is part of it.
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "measurement/kinds.h"
+#include "measurement/search.h"
+#include "sim_core/files.h"
+
+namespace seam::measurement {
+namespace {
+
+namespace fs = std::filesystem;
+
+Model model_of(const std::string& effects) {
+  return Model::from_config(ConfigNode::from_text(
+      "format: seam-model/1\nname: nominal\neffects: {" + effects + "}\n", "nominal"));
+}
+
+// 24 frames at each of seven levels of light.
+void write_flat_fields(const fs::path& folder, const std::string& channels) {
+  std::string table = "frame,file,time_s,exposure_s,illumination\n";
+  int frame = 0;
+  for (const double light : {0.0, 0.02, 0.06, 0.15, 0.3, 0.5, 0.75}) {
+    for (int k = 0; k < 24; ++k, ++frame)
+      table +=
+          fmt::format("{},frames/{:04}.png,{:.6f},0.005,{}\n", frame, frame, 0.04 * frame, light);
+  }
+  write_file_atomically(folder / "frames.csv", table);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: photometry\ntitle: Flat fields\n"
+                        "camera: {width_px: 178, height_px: 144, frame_period_s: 0.04, channels: " +
+                            channels + ", bits: 8}\ngroup: frame\nfiles: {frames: frames.csv}\n");
+}
+
+// A head that nods and swings before 80 points, 100 frames.
+void write_points(const fs::path& folder) {
+  std::string joints = "time_s,tilt_rad,pan_rad\n", table = "frame,time_s,point,x_m,y_m,z_m\n";
+  for (int i = 0; i <= 1100; ++i) {
+    const double t = 0.008 * i;
+    joints += fmt::format("{:.6f},{:.7f},{:.7f}\n", t, 0.25 * std::sin(3.3 * t + 0.4),
+                          0.8 * std::sin(5.1 * t) + 0.1 * std::sin(17 * t));
+  }
+  for (int frame = 0; frame < 100; ++frame) {
+    for (int point = 0; point < 290; ++point) {
+      const double bearing = 2.6 * std::fmod(0.618034 * point, 1.0) - 1.3,
+                   range = 0.7 + 2.3 * std::fmod(0.754878 * point, 1.0);
+      table += fmt::format("{},{:.6f},{},{:.5f},{:.5f},{:.5f}\n", frame, 0.15 + 0.08 * frame, point,
+                           range * std::cos(bearing), range * std::sin(bearing),
+                           0.25 + range * (1.1 * std::fmod(0.569840 * point, 1.0) - 0.55));
+    }
+  }
+  write_file_atomically(folder / "joints.csv", joints);
+  write_file_atomically(folder / "points.csv", table);
+  write_file_atomically(
+      folder / "measurement.yaml",
+      "format: seam-measurement/1\nkind: points\ntitle: Points\n"
+      "camera: {width_px: 178, height_px: 144, frame_period_s: 0.08}\nnoise: {u_px: 0.15, v_px: "
+      "0.15}\n"
+      "group: frame\nfiles: {points: points.csv, joints: joints.csv}\n"
+      "rig: {chain: [{translate_m: [0, 0, 0.195]}, {joint: tilt, axis: [0, -1, 0]}, "
+      "{translate_m: [0, 0, 0.048]}, {joint: pan, axis: [0, 0, 1]}, {translate_m: [0.0666, 0, "
+      "0]}]}\n");
+}
+
+void diagnose(benchmark::State& state, void (*write)(const fs::path&), const std::string& nominal,
+              const std::string& hidden) {
+  const fs::path folder = fs::path(SEAM_BINARY_DIR) / "bench_diagnose";
+  fs::remove_all(folder);
+  fs::create_directories(folder / "protocol");
+  write(folder / "protocol");
+  const MeasurementSet protocol = MeasurementSet::open(folder / "protocol");
+  find_kind(protocol.kind)
+      .measure(model_of(nominal + ", " + hidden), protocol, {.seed = 1, .out = folder / "set"});
+  const Model model = model_of(nominal);
+  for (auto _ : state) {
+    const auto problem = open_problem(folder / "set");
+    const SearchResult result = search(*problem, model, {}, [](const std::string&) {});
+    state.counters["steps"] = static_cast<double>(result.steps.size());
+    state.counters["error"] = result.best.assessment.error;
+    state.counters["rows"] = static_cast<double>(problem->facts().rows());
+  }
+  fs::remove_all(folder);
+}
+
+void flat_fields(benchmark::State& state) {
+  diagnose(
+      state, [](const fs::path& folder) { write_flat_fields(folder, "grey"); },
+      "linear_response: {gain_dn: 220, black_dn: 8}, read_noise: {sigma_dn: 1.4}",
+      "vignetting: {a2: 0.2, a4: 0.05}, shot_noise: {electrons_per_dn: 40}");
+}
+BENCHMARK(flat_fields)->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime();
+
+void flat_fields_in_colour(benchmark::State& state) {
+  diagnose(
+      state, [](const fs::path& folder) { write_flat_fields(folder, "rgb"); },
+      "linear_response: {gain_dn: 220, black_dn: 8}, read_noise: {sigma_dn: 1.4}",
+      "vignetting: {a2: 0.2, a4: 0.05}, shot_noise: {electrons_per_dn: 40}");
+}
+BENCHMARK(flat_fields_in_colour)->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime();
+
+void points(benchmark::State& state) {
+  diagnose(state, write_points, "pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}",
+           "rolling_shutter: {line_delay_s: 0.0002}, radial_distortion: {kappa: -0.1}");
+}
+BENCHMARK(points)->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime();
+
+}  // namespace
+}  // namespace seam::measurement
+
+BENCHMARK_MAIN();
