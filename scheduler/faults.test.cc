@@ -1,17 +1,21 @@
 // Many seeded runs with clients that fail in every way we could think of. Each run must go on by its
 // policy; the robots with good clients must be told, bit for bit, what they are told in a run
-// without gRPC that has the same policy events; and the turns must replay to the same fingerprint.
-// One run in each hundred is a planted fault that must be caught, so that the alarm is known to
-// work.
+// without gRPC that has the same policy events; and its log must verify, step by step. One run in
+// each hundred is a planted fault that must be caught, so that the alarm is known to work: in turn a
+// command that changes in the log, and a good client that is told something else.
 //
 // SEAM_FAULT_RUNS=500 runs more than the 10 of the normal tests; SEAM_FAULT_SEED starts elsewhere.
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <condition_variable>
 #include <cstdlib>
 #include <limits>
+#include <mutex>
+#include <set>
 
 #include "scheduler/live_testing.h"
+#include "scheduler/log_testing.h"
 #include "sim_core/hash.h"
 
 namespace seam::scheduler {
@@ -98,17 +102,52 @@ Witness run_again(const std::string& scenario_yaml, const Witness& witness, std:
 }
 
 // The ways to fail. Each is one client's behaviour until the run is over.
-enum class Fault { killed, silent, slow, reconnecting, garbage, duplicates, stale, nan, huge, half_open, shuffled };
-constexpr int kFaults = 11;
+enum class Fault { killed, silent, slow, reconnecting, garbage, duplicates, stale, nan, huge, half_open, shuffled, stalled };
+constexpr int kFaults = 12;
+
+// Clients that are stalled one by one, each as its turn comes while the others wait already, and
+// then released together, in random order.
+class Stall {
+ public:
+  Stall(int clients, uint64_t seed) : clients_(clients), stream_{seed, 99} {}
+
+  // When the client of this place among the stalled ones is to call `hold`.
+  static uint64_t sequence_of(int place) { return 20 + 5 * static_cast<uint64_t>(place); }
+
+  // Returns when all are here (or after 2 s: the run ended for one of them) and it is this one's turn.
+  void hold() {
+    std::unique_lock lock(mutex_);
+    const auto ticket = random_bits(stream_, static_cast<uint64_t>(held_++))[0];
+    tickets_.insert(ticket);
+    changed_.notify_all();
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    changed_.wait_until(lock, limit, [&] { return held_ >= clients_ && *tickets_.begin() == ticket; });
+    std::this_thread::sleep_for(std::chrono::microseconds(ticket % 5000));
+    tickets_.erase(ticket);
+    ++released_;
+    changed_.notify_all();
+  }
+  int released() const { return released_; }
+
+ private:
+  const int clients_;
+  const RandomStream stream_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int held_ = 0;
+  std::set<uint64_t> tickets_;  // Of those that are held; the lowest goes first.
+  std::atomic<int> released_ = 0;
+};
 
 class FaultyClient {
  public:
-  FaultyClient(const LiveRun& run, int robot, Fault fault, uint64_t seed)
+  // `place` is its place among the clients that `stall` holds.
+  FaultyClient(const LiveRun& run, int robot, Fault fault, uint64_t seed, Stall& stall, int place = 0)
       : address_(run.address), id_(run.scenario.robots[static_cast<size_t>(robot)].id), robot_(robot),
-        fault_(fault), stream_{seed, static_cast<uint64_t>(robot)} {}
+        fault_(fault), stream_{seed, static_cast<uint64_t>(robot)}, stall_(stall), place_(place) {}
 
   void operator()() {
-    const uint64_t strikes_at = 3 + draw() % 200;
+    const uint64_t strikes_at = fault_ == Fault::stalled ? Stall::sequence_of(place_) : 3 + draw() % 200;
     while (!over_) {
       RawClient client(address_);
       if (!client.hello(id_, "token-" + id_)) return;
@@ -132,7 +171,8 @@ class FaultyClient {
   bool answer(RawClient& client, const v1::Observation& seen, uint64_t strikes_at) {
     v1::Decision decision = busy(robot_, seen);
     const bool strike = seen.sequence() == strikes_at || (seen.sequence() > strikes_at && draw() % 40 == 0);
-    if (strike && !(struck_ && fault_ == Fault::silent)) {
+    const bool once = fault_ == Fault::silent || fault_ == Fault::stalled;
+    if (strike && !(struck_ && once)) {
       struck_ = true;
       switch (fault_) {
         case Fault::killed: return false;
@@ -148,6 +188,7 @@ class FaultyClient {
         case Fault::huge: decision.add_messages(std::string(WireLimits::kMaxMessageBytes, 'x')); break;
         case Fault::half_open: open_and_forget(); break;
         case Fault::shuffled: std::this_thread::sleep_for(std::chrono::microseconds(draw() % 2000)); break;
+        case Fault::stalled: stall_.hold(); break;
       }
     }
     return client.decide(decision);
@@ -174,6 +215,8 @@ class FaultyClient {
   int robot_;
   Fault fault_;
   RandomStream stream_;
+  Stall& stall_;
+  int place_;
   uint64_t draws_ = 0;
   bool struck_ = false;
   bool over_ = false;
@@ -195,8 +238,21 @@ std::string check(const std::string& scenario_yaml, const Witness& live, const s
   return "";
 }
 
-// One byte of one number of one recorded command changes: the kind of error that the checks are for.
-void plant(Witness& live, uint64_t seed) {
+// The log as it was written while the clients failed.
+std::string check_log(const std::string& bytes, const Witness& live) {
+  const Log log = log_of(bytes);
+  const Verified verified = verify(log);
+  if (verified.divergence)
+    return fmt::format("the log diverges at {} ns in {}", verified.divergence->time.ns(), verified.divergence->section);
+  if (!log.end() || log.end()->fingerprint != live.fingerprint) return "the log ends with another fingerprint";
+  return "";
+}
+
+// A good client is told something that it should not have been.
+void plant_in_what_was_told(Witness& live) { live.told[0] ^= 1; }
+
+// One number of one recorded command changes by 1e-9: the kind of error that the checks are for.
+void plant_in_a_command(Witness& live, uint64_t seed) {
   for (size_t i = live.turns.size() / 2 + seed % 20; i < live.turns.size(); ++i) {
     auto [time, turn] = decode_turn(live.turns[i], live.robots);
     for (Answer& answer : turn.answers)
@@ -210,48 +266,92 @@ void plant(Witness& live, uint64_t seed) {
   }
 }
 
+// Who fails in this run, and how: robot 0 never does, the others mostly, each kind in its turn. In one
+// run of six a random subset of two or more is stalled together.
+std::vector<std::optional<Fault>> faults_of_run(int number) {
+  const RandomStream stream{static_cast<uint64_t>(number), 77};
+  std::vector<std::optional<Fault>> faults(kRobots);
+  const int spared = 1 + static_cast<int>(random_bits(stream, 0)[0] % kRobots);  // kRobots: nobody.
+  for (int robot = 1; robot < kRobots; ++robot) {
+    if (robot == spared) continue;
+    const int turn = (kRobots - 1) * number + robot - 1;
+    faults[static_cast<size_t>(robot)] = number % 6 == 5 ? Fault::stalled : static_cast<Fault>(turn % (kFaults - 1));
+  }
+  return faults;
+}
+
+TEST(Faults, EachKindIsAmongTheRunsOfTheShortTest) {
+  std::set<int> kinds;
+  size_t most_stalled = 0;
+  for (int number = 0; number < 10; ++number) {
+    size_t stalled = 0;
+    for (const auto& fault : faults_of_run(number)) {
+      if (fault) kinds.insert(static_cast<int>(*fault));
+      stalled += fault == Fault::stalled;
+    }
+    most_stalled = std::max(most_stalled, stalled);
+  }
+  EXPECT_EQ(kinds.size(), static_cast<size_t>(kFaults));
+  EXPECT_GE(most_stalled, 2u);
+}
+
 TEST(Faults, TheMatchGoesOnAndWhatHappenedReplays) {
   const int runs = from_environment("SEAM_FAULT_RUNS", 10);
   const int first = from_environment("SEAM_FAULT_SEED", 0);
   int planted = 0, caught = 0;
+  size_t policies = 0, refused = 0;
   for (int i = first; i < first + runs; ++i) {
     const auto seed = static_cast<uint64_t>(i);
-    const RandomStream stream{seed, 77};
     const std::string scenario_yaml = yaml(i % 10 == 3);
+    const std::vector<std::optional<Fault>> faults = faults_of_run(i);
     Witness live;
-    std::vector<bool> healthy(kRobots, true);
+    mcap::MemoryOutput log;
+    std::vector<bool> healthy;
+    for (const auto& fault : faults) healthy.push_back(!fault);
     {
       LiveRun run(scenario_yaml, {&live});
+      Recorder recorder(log, run.world);
+      run.observe(recorder);
+      const auto stalls = std::count(faults.begin(), faults.end(), Fault::stalled);
+      Stall stall(static_cast<int>(stalls), seed);
       std::vector<std::thread> clients;
       std::vector<std::unique_ptr<FaultyClient>> faulty;
+      int place = 0;
       for (int robot = 0; robot < kRobots; ++robot) {
-        const auto fault = static_cast<Fault>((i + 3 * robot + random_bits(stream, 1)[0]) % kFaults);
-        healthy[static_cast<size_t>(robot)] = robot == 0 || random_bits(stream, 10 + robot)[0] % 3 == 0;
-        if (healthy[static_cast<size_t>(robot)]) {
+        const auto& fault = faults[static_cast<size_t>(robot)];
+        if (!fault) {
           clients.push_back(good_client(run, robot, busy));
           continue;
         }
-        faulty.push_back(std::make_unique<FaultyClient>(run, robot, fault, seed));
+        faulty.push_back(std::make_unique<FaultyClient>(run, robot, *fault, seed, stall, place));
+        place += *fault == Fault::stalled;
         clients.emplace_back(std::ref(*faulty.back()));
       }
-      run.start();
+      run.start(header_of(run.scenario, scenario_yaml));
       run.wait();
       for (std::thread& client : clients) client.join();
       ASSERT_EQ(run.end, EndReason::finished) << "run " << i;
+      ASSERT_EQ(stall.released(), stalls) << "run " << i;
     }
+    policies += live.policies;
+    refused += live.faults;
+    const std::string again = fmt::format("run {} (SEAM_FAULT_SEED={} SEAM_FAULT_RUNS=1)", i, i);
+    ASSERT_EQ(check_log(log.bytes(), live), "") << again;
     // A loaded machine may freeze a good client too: that is a policy event like any other.
     const bool plant_here = i % 100 == 7;
-    if (plant_here) plant(live, seed);
+    if (plant_here && i / 100 % 2 == 0) plant_in_a_command(live, seed);
+    if (plant_here && i / 100 % 2 == 1) plant_in_what_was_told(live);
     const std::string wrong = check(scenario_yaml, live, healthy);
     if (plant_here) {
       ++planted;
       caught += !wrong.empty();
     } else {
-      ASSERT_EQ(wrong, "") << "run " << i << " (SEAM_FAULT_SEED=" << i << " SEAM_FAULT_RUNS=1)";
+      ASSERT_EQ(wrong, "") << again;
     }
   }
   EXPECT_EQ(caught, planted);
-  RecordProperty("planted", planted);
+  std::printf("%d runs: %zu policy events, %zu refused or lost messages; %d of %d planted faults caught\n", runs, policies,
+              refused, caught, planted);
 }
 
 }  // namespace

@@ -134,9 +134,11 @@ class LiveRun {
     return robots;
   }
 
-  void start() {
-    RunHeader header;
-    for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
+  // One more observer, before the start.
+  void observe(SimulationObserver& observer) { observers_.push_back(&observer); }
+  void start(RunHeader header = {}) {
+    if (header.robots.empty())
+      for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
     simulation.emplace(SimulationParts{scenario, world, hub, control,
                                        frames_ ? &renderer : nullptr, observers_, header});
     loop_ = std::thread([this] { end = simulation->run(); });
