@@ -139,7 +139,7 @@ std::vector<std::vector<double>> wave_basis(const std::vector<double>& x, double
 class Tester {
  public:
   Tester(const Problem& problem, const Evaluation& evaluation, int fitted)
-      : facts_(problem.facts()), evaluation_(evaluation), signals_(signals_of(facts_, evaluation)) {
+      : facts_(problem.facts()), signals_(signals_of(facts_, evaluation)) {
     double n = 0;
     for (const char used : evaluation.used) n += used;
     lost_share_ = n > 0 ? (static_cast<double>(evaluation.nuisances) + fitted) / n : 0;
@@ -200,7 +200,6 @@ class Tester {
   void test_waves_in_time(const Signal& signal);
 
   const Facts& facts_;
-  const Evaluation& evaluation_;
   std::vector<Signal> signals_;
   double lost_share_ = 0;
   double looks_ = 0;

@@ -3,34 +3,23 @@
 // row take other bits, so that a field that stays as it is shows up within them (all but 1 of 256).
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
-#include <string_view>
-
-#include "sim_core/state.h"
 
 namespace seam::scheduler {
 
-// MurmurHash3's finaliser of a field's 64 bits: every input bit reaches the top ones. -0.0 counts as 0.0, as in the
-// hashes of sections.
-uint64_t field_hash(double value);
-uint64_t field_hash(int64_t value);
+// MurmurHash3's finaliser of a field's 64 bits (see StateWords): every input bit reaches the top ones.
+inline uint64_t field_hash(int64_t word) {
+  auto bits = static_cast<uint64_t>(word);
+  bits ^= bits >> 33;
+  bits *= 0xff51afd7ed558ccdULL;
+  bits ^= bits >> 33;
+  bits *= 0xc4ceb9fe1a85ec53ULL;
+  return bits;
+}
 
-// Gathers the bits of the fields visited, four fields a byte, the lowest bits first.
-class FieldChecks final : public StateVisitor {
- public:
-  using StateVisitor::field;
-  explicit FieldChecks(uint64_t step) : shift_(static_cast<int>(56 + 2 * (step % 4))) {}
-  void field(std::string_view name, double& value) override;
-  void field(std::string_view name, int64_t& value) override;
-
-  const std::string& bits() const { return bits_; }
-
- private:
-  void add(uint64_t hash);
-
-  int shift_;
-  std::string bits_;
-  int filled_ = 4;  // Fields in the last byte.
-};
+// Of a state's words at a step: four fields a byte, the lowest bits first.
+std::string field_checks(std::span<const int64_t> words, uint64_t step);
 
 }  // namespace seam::scheduler

@@ -1,6 +1,7 @@
 #include "scheduler/field_sums.h"
 
 #include <algorithm>
+#include <array>
 
 #include "scheduler/field_checks.h"
 
@@ -61,28 +62,33 @@ Polynomial connection_polynomial(std::span<const uint64_t> S) {
 
 }  // namespace
 
-void FieldSums::field(std::string_view, double& value) {
-  add(field_hash(value));
-}
-void FieldSums::field(std::string_view, int64_t& value) {
-  add(field_hash(value));
-}
-
-void FieldSums::add(uint64_t hash) {
-  const uint64_t place = ++fields_ % kPrime;
-  uint64_t term = hash >> 33;
-  for (uint64_t& sum : sums_) {
-    sum += term;  // Has room for 2^31 of them.
-    // Reduced as far as the next product needs, below 1.5 * 2^32: this runs for each field of each step.
-    term *= place;
-    term = (term & kPrime) + (term >> 31);
+std::vector<uint32_t> field_sums(std::span<const int64_t> words) {
+  // This runs for each field of each step. So fields are taken in blocks: with places i = begin + j,
+  //   sum of h i^k = sum over m of C(k, m) begin^(k - m) * (sum of h j^m),
+  // and within a block powers of j are too small to need a reduction: 2^31 * (sum of j^5, j < 32) < 2^59.
+  constexpr size_t kBlock = 32;
+  constexpr uint64_t kBinomials[kFieldSums][kFieldSums] = {{1},          {1, 1},          {1, 2, 1},
+                                                           {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}};
+  std::array<uint64_t, kFieldSums> sums{};
+  for (size_t first = 0; first < words.size(); first += kBlock) {
+    uint64_t m0 = 0, m1 = 0, m2 = 0, m3 = 0, m4 = 0, m5 = 0;  // Not an array: they shall stay in registers.
+    const size_t count = std::min(kBlock, words.size() - first);
+    for (size_t j = 0; j < count; ++j) {
+      const uint64_t h = field_hash(words[first + j]) >> 33;
+      const uint64_t h1 = h * j, h2 = h1 * j, h3 = h2 * j, h4 = h3 * j, h5 = h4 * j;
+      m0 += h, m1 += h1, m2 += h2, m3 += h3, m4 += h4, m5 += h5;
+    }
+    const std::array<uint64_t, kFieldSums> moments{m0, m1, m2, m3, m4, m5};
+    std::array<uint64_t, kFieldSums> powers{1};  // Of the block's first place.
+    for (size_t k = 1; k < kFieldSums; ++k) powers[k] = product(powers[k - 1], (first + 1) % kPrime);
+    for (size_t m = 0; m < kFieldSums; ++m) {
+      const uint64_t moment = moments[m] % kPrime;
+      for (size_t k = m; k < kFieldSums; ++k) {
+        sums[k] = reduced(sums[k] + kBinomials[k][m] * product(powers[k - m], moment));
+      }
+    }
   }
-}
-
-std::vector<uint32_t> FieldSums::sums() const {
-  std::vector<uint32_t> sums;
-  for (const uint64_t sum : sums_) sums.push_back(static_cast<uint32_t>(sum % kPrime));
-  return sums;
+  return {sums.begin(), sums.end()};
 }
 
 std::vector<size_t> differing_fields(std::span<const uint32_t> a, std::span<const uint32_t> b,

@@ -8,35 +8,16 @@
 // than 1e-10.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
-
-#include "sim_core/state.h"
 
 namespace seam::scheduler {
 
 inline constexpr size_t kFieldSums = 6;
 
-// Gathers the sums of the fields visited.
-class FieldSums final : public StateVisitor {
- public:
-  using StateVisitor::field;
-  void field(std::string_view name, double& value) override;
-  void field(std::string_view name, int64_t& value) override;
-
-  std::vector<uint32_t> sums() const;
-  // Fields visited.
-  size_t fields() const { return fields_; }
-
- private:
-  void add(uint64_t hash);
-
-  std::array<uint64_t, kFieldSums> sums_{};  // Not yet reduced.
-  size_t fields_ = 0;
-};
+// Of the fields' words in order (see StateWords).
+std::vector<uint32_t> field_sums(std::span<const int64_t> words);
 
 // The numbers, from 0, of the fields that differ between two states of so many fields, ascending.
 // Nothing where the sums do not tell: too many differ, or the states have other numbers of fields.

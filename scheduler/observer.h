@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include "scheduler/exchange.h"
 #include "sim_core/frame.h"
+#include "sim_core/state.h"
 #include "sim_core/time.h"
 
 namespace seam::scheduler {
@@ -40,8 +40,8 @@ class SimulationObserver {
   // The answers to the observations of one instant and what the supervisor did: all that a re-run
   // needs. Policies (frozen, resumed, abort) are the answers' outcomes and come as events too.
   virtual void on_turn(SimTime, const Turn&) {}
-  // After each step of the world: one fingerprint a section, in the order of RunHeader::sections.
-  virtual void on_step(SimTime, uint64_t /*step*/, std::span<const uint64_t> /*section_hashes*/) {}
+  // After each step of the world; sections are in the order of RunHeader::sections.
+  virtual void on_step(SimTime, uint64_t /*step*/, const StateDigest&) {}
   // A finished frame, at the simulated time at which its last row ended; frame.fingerprint is set.
   // `job` holds the camera's pose at each light-sampling instant.
   virtual void on_frame(SimTime, const FrameJob&, const Frame&) {}

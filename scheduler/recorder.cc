@@ -40,20 +40,13 @@ std::vector<float> poses_of(const World& world) {
   return poses;
 }
 
-StepRecord step_record(const World& world, SimTime time, uint64_t step,
-                       std::span<const uint64_t> section_hashes) {
-  StepRecord record{time, step, step_fingerprint(section_hashes), {}, {}, {}, {}};
-  for (const uint64_t hash : section_hashes) {
+StepRecord step_record(const World& world, SimTime time, uint64_t step, const StateDigest& state) {
+  StepRecord record{time, step, step_fingerprint(state.section_hashes), {}, {}, {}, {}};
+  for (const uint64_t hash : state.section_hashes) {
     record.section_hashes.push_back(static_cast<uint32_t>(hash));
   }
-  FieldSums sums;
-  world.visit(sums);
-  record.field_sums = sums.sums();
-  if (step % kCheckEverySteps == 0) {
-    FieldChecks checks(step);
-    world.visit(checks);
-    record.field_checks = checks.bits();
-  }
+  record.field_sums = field_sums(state.words);
+  if (step % kCheckEverySteps == 0) record.field_checks = field_checks(state.words, step);
   if (step % kPoseEverySteps == 0) record.poses = poses_of(world);
   return record;
 }
@@ -110,9 +103,9 @@ void Recorder::on_turn(SimTime time, const Turn& turn) {
   write(Topic::turn, time, TurnRecord{time, turn});
 }
 
-void Recorder::on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) {
+void Recorder::on_step(SimTime time, uint64_t step, const StateDigest& state) {
   ++steps_;
-  write(Topic::step, time, step_record(world_, time, step, section_hashes));
+  write(Topic::step, time, step_record(world_, time, step, state));
   if (!last_snapshot_ || time - *last_snapshot_ >= options_.snapshot_period) {
     write_snapshot(time, step);
     last_snapshot_ = time;

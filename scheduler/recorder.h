@@ -31,7 +31,7 @@ class Recorder final : public SimulationObserver {
 
   void on_start(const RunHeader& header) override;
   void on_turn(SimTime time, const Turn& turn) override;
-  void on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) override;
+  void on_step(SimTime time, uint64_t step, const StateDigest& state) override;
   void on_frame(SimTime time, const FrameJob& job, const Frame& frame) override;
   void on_event(const SimulationEvent& event) override;
   void on_end(SimTime time, EndReason reason, uint64_t fingerprint) override;
@@ -69,7 +69,6 @@ inline constexpr uint64_t kPoseEverySteps = 4;
 inline constexpr uint64_t kCheckEverySteps = 17;
 // Over 64-bit section hashes in order, and their lower halves.
 uint64_t step_fingerprint(std::span<const uint64_t> section_hashes);
-StepRecord step_record(const World& world, SimTime time, uint64_t step,
-                       std::span<const uint64_t> section_hashes);
+StepRecord step_record(const World& world, SimTime time, uint64_t step, const StateDigest& state);
 
 }  // namespace seam::scheduler

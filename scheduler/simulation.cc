@@ -202,9 +202,9 @@ void Simulation::Loop::step_world() {
   parts_.world.step();
   ++steps_;
   queue_.push({parts_.world.end(), Phase::step_world, 0, steps_});
-  const std::vector<uint64_t> hashes = parts_.world.section_hashes();
-  chain(hashes);
-  for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, hashes);
+  const StateDigest state = parts_.world.digest();
+  chain(state.section_hashes);
+  for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state);
   for (const WorldEvent& event : parts_.world.take_events())
     tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind, event.detail});
 }

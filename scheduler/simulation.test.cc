@@ -30,8 +30,8 @@ struct Recorded final : SimulationObserver {
   std::vector<std::string> robots;
   std::optional<EndReason> end;
 
-  void on_step(SimTime time, uint64_t, std::span<const uint64_t> hashes) override {
-    steps.emplace_back(time.ns(), std::vector<uint64_t>(hashes.begin(), hashes.end()));
+  void on_step(SimTime time, uint64_t, const StateDigest& state) override {
+    steps.emplace_back(time.ns(), state.section_hashes);
   }
   void on_frame(SimTime time, const FrameJob& job, const Frame& frame) override {
     EXPECT_EQ(job.instants.size(), job.schedule.instants.size());

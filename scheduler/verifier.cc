@@ -110,15 +110,15 @@ void Verifier::diverge(SimTime time, std::string section, std::string field, std
   if (!field_wanted_in_) control_.stop();
 }
 
-void Verifier::on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) {
+void Verifier::on_step(SimTime time, uint64_t step, const StateDigest& state) {
   if (over_ || (divergence_ && !field_wanted_in_)) return;
   const std::optional<StepRecord> logged = next_step();
   if (divergence_) {  // Only the field is still unknown.
-    if (logged) look_for_field(*logged);
+    if (logged) look_for_field(*logged, state);
     return;
   }
   if (logged) {
-    compare_step(*logged, time, step, section_hashes);
+    compare_step(*logged, time, step, state);
   } else if (!end_) {
     stop_at_open_end();
   } else {
@@ -128,8 +128,8 @@ void Verifier::on_step(SimTime time, uint64_t step, std::span<const uint64_t> se
   if (!divergence_ && step % kStepsBetweenLooks == 0) find_missing(time);
 }
 
-void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t step,
-                            std::span<const uint64_t> section_hashes) {
+void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t step, const StateDigest& state) {
+  const std::vector<uint64_t>& section_hashes = state.section_hashes;
   if (logged.time != time || logged.step != step) {
     return diverge(std::min(time, logged.time), "clock", "step",
                    fmt::format("the log has step {} at {} ns, the re-run step {} at {} ns",
@@ -149,22 +149,19 @@ void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t ste
   field_wanted_in_ = section;
   diverge(time, section < names.size() ? names[section] : "state", "",
           fmt::format("step {}: the states differ", step));
-  look_for_field(logged);
+  look_for_field(logged, state);
 }
 
 // At the first step that differs the sums name the field, unless many differ at once. Then the next check bits do.
-void Verifier::look_for_field(const StepRecord& logged) {
+void Verifier::look_for_field(const StepRecord& logged, const StateDigest& state) {
   const FieldNames names(world_);
   std::optional<std::string> field;
   if (steps_looked_ == 0) {
-    FieldSums sums;
-    world_.visit(sums);
-    field = names.first_of(*field_wanted_in_, differing_fields(logged.field_sums, sums.sums(), sums.fields()));
+    field = names.first_of(*field_wanted_in_,
+                           differing_fields(logged.field_sums, field_sums(state.words), state.words.size()));
   }
   if (!field && !logged.field_checks.empty()) {
-    FieldChecks checks(logged.step);
-    world_.visit(checks);
-    field = names.first_difference(*field_wanted_in_, logged.field_checks, checks.bits());
+    field = names.first_difference(*field_wanted_in_, logged.field_checks, field_checks(state.words, logged.step));
   }
   if (field) divergence_->field = *field;
   if (field || ++steps_looked_ >= kStepsToLookForField) {

@@ -42,7 +42,7 @@ class Verifier final : public SimulationObserver {
   Verifier(const Log& log, const World& world, RunControl& control);
 
   void on_start(const RunHeader& header) override;
-  void on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) override;
+  void on_step(SimTime time, uint64_t step, const StateDigest& state) override;
   void on_frame(SimTime time, const FrameJob& job, const Frame& frame) override;
   void on_event(const SimulationEvent& event) override;
   void on_end(SimTime time, EndReason reason, uint64_t fingerprint) override;
@@ -64,9 +64,8 @@ class Verifier final : public SimulationObserver {
   // The log ends here without an end: its writer was killed, and nothing more can be compared.
   void stop_at_open_end();
   void diverge(SimTime time, std::string section, std::string field, std::string detail);
-  void compare_step(const StepRecord& logged, SimTime time, uint64_t step,
-                    std::span<const uint64_t> section_hashes);
-  void look_for_field(const StepRecord& logged);
+  void compare_step(const StepRecord& logged, SimTime time, uint64_t step, const StateDigest& state);
+  void look_for_field(const StepRecord& logged, const StateDigest& state);
 
   const Log& log_;
   const World& world_;

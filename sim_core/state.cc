@@ -38,11 +38,11 @@ size_t StateVisitor::list_size(std::string_view name, size_t size) {
 }
 
 uint64_t StateSection::hash() const {
-  StateHasher hasher;
+  StateWords words;
   for (const Field& field : fields) {
-    std::visit([&](auto value) { hasher.field("", value); }, field.value);
+    std::visit([&](auto value) { words.field("", value); }, field.value);
   }
-  return hasher.digest();
+  return words.hash();
 }
 
 StateDifference first_difference(const std::vector<StateSection>& a, const std::vector<StateSection>& b) {
@@ -93,22 +93,16 @@ void StateLister::field(std::string_view name, double& value) { fields_.push_bac
 
 void StateLister::field(std::string_view name, int64_t& value) { fields_.push_back({scope_ + std::string(name), value}); }
 
-void StateHasher::field(std::string_view, double& value) {
-  auto bits = static_cast<int64_t>(std::bit_cast<uint64_t>(value == 0 ? 0.0 : value));
-  field("", bits);
+void StateWords::field(std::string_view, double& value) {
+  words_.push_back(std::bit_cast<int64_t>(value == 0 ? 0.0 : value));
 }
 
-void StateHasher::field(std::string_view, int64_t& value) {
-  const auto bits = static_cast<uint64_t>(value);
-  uint8_t bytes[8];
-  for (size_t i = 0; i < 8; ++i) bytes[i] = static_cast<uint8_t>(bits >> (8 * i));
-  if (bytes_.capacity() == 0) bytes_.reserve(1024);
-  bytes_.insert(bytes_.end(), bytes, bytes + 8);
-}
+void StateWords::field(std::string_view, int64_t& value) { words_.push_back(value); }
 
-uint64_t StateHasher::digest() const {
+uint64_t StateWords::hash(size_t begin) const {
+  static_assert(std::endian::native == std::endian::little, "the hash is over little-endian bytes");
   Hasher hasher;
-  hasher.add_bytes(bytes_);
+  hasher.add_bytes({reinterpret_cast<const uint8_t*>(words_.data() + begin), (words_.size() - begin) * sizeof(int64_t)});
   return hasher.digest();
 }
 

@@ -117,16 +117,25 @@ class StateLister final : public StateVisitor {
   std::vector<StateSection::Field> fields_;
 };
 
-// The hash of the values in order: that of StateSection, without the names. -0.0 counts as 0.0.
-class StateHasher final : public StateVisitor {
+// The values' 64 bits in order, without the names. -0.0 counts as 0.0.
+class StateWords final : public StateVisitor {
  public:
   using StateVisitor::field;
   void field(std::string_view name, double& value) override;
   void field(std::string_view name, int64_t& value) override;
-  uint64_t digest() const;
+  // Of the words from number `begin` on, as their little-endian bytes; over all it is StateSection's.
+  uint64_t hash(size_t begin = 0) const;
+  const std::vector<int64_t>& words() const { return words_; }
+  std::vector<int64_t> take() { return std::move(words_); }
 
  private:
-  std::vector<uint8_t> bytes_;
+  std::vector<int64_t> words_;
+};
+
+// What a state is told by, found in one visit: a hash of each section, and the words of all its fields.
+struct StateDigest {
+  std::vector<uint64_t> section_hashes;
+  std::vector<int64_t> words;
 };
 
 }  // namespace seam

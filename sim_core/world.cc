@@ -317,14 +317,16 @@ std::vector<StateSection> World::sections() const {
   return sections;
 }
 
-std::vector<uint64_t> World::section_hashes() const {
-  std::vector<uint64_t> hashes;
+StateDigest World::digest() const {
+  StateDigest digest;
+  StateWords words;
   impl_->for_each_section([&](const std::string&, const auto& visit) {
-    StateHasher hasher;
-    visit(hasher);
-    hashes.push_back(hasher.digest());
+    const size_t begin = words.words().size();
+    visit(words);
+    digest.section_hashes.push_back(words.hash(begin));
   });
-  return hashes;
+  digest.words = words.take();
+  return digest;
 }
 
 std::vector<std::string> World::section_names() const {
@@ -339,7 +341,7 @@ void World::visit(StateVisitor& visitor) const {
 
 uint64_t World::hash() const {
   Hasher hasher;
-  for (const uint64_t section : section_hashes()) hasher.add(section);
+  for (const uint64_t section : digest().section_hashes) hasher.add(section);
   return hasher.digest();
 }
 

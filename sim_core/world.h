@@ -111,8 +111,8 @@ class World {
 
   // The state in sections ("ball", "robot/ID", ...), each with named fields, in a stated order.
   std::vector<StateSection> sections() const;
-  // One hash a section, in the order of `sections()`, without its cost.
-  std::vector<uint64_t> section_hashes() const;
+  // In the order of `sections()`, without the cost of names.
+  StateDigest digest() const;
   std::vector<std::string> section_names() const;
   // All fields in the order of `sections()`, for visitors that read only.
   void visit(StateVisitor& visitor) const;

@@ -50,7 +50,7 @@ TEST(World, SameCommandsGiveSameBits) {
   for (uint64_t k = 0; k < 300; k += 50) {
     play(a, k, k + 50);
     play(b, k, k + 50);
-    ASSERT_EQ(a.section_hashes(), b.section_hashes()) << first_difference(a.sections(), b.sections()).field;
+    ASSERT_EQ(a.digest().section_hashes, b.digest().section_hashes) << first_difference(a.sections(), b.sections()).field;
   }
 }
 
@@ -94,7 +94,7 @@ TEST(World, SectionHashesAreThoseOfTheListedFields) {
   World world(match());
   play(world, 0, 10);
   const auto sections = world.sections();
-  const auto hashes = world.section_hashes();
+  const auto hashes = world.digest().section_hashes;
   const auto names = world.section_names();
   ASSERT_EQ(sections.size(), hashes.size());
   for (size_t i = 0; i < sections.size(); ++i) {
