@@ -98,6 +98,8 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
 
 // The standard normal that read noise and photon noise draw for a sample.
 float sample_normal(RandomStream stream, uint64_t sample);
+// Those of samples 0, 1, 2, ...
+void sample_normals(RandomStream stream, std::span<float> out);
 
 // One frame: `illumination` has width * height * channels values, row-major, interleaved. With one
 // channel the white balance's gain of green (1) applies. `noise` false: means without any noise or
@@ -105,5 +107,10 @@ float sample_normal(RandomStream stream, uint64_t sample);
 Image expose(const SensorChain& chain, const FixedPattern& pattern,
              std::span<const float> illumination, const SensorExposure& exposure,
              RandomStream frame_noise, bool noise = true);
+
+// The same with noise for files of 8 bits, straight into bytes.
+void expose_bytes(const SensorChain& chain, const FixedPattern& pattern,
+                  std::span<const float> illumination, const SensorExposure& exposure,
+                  RandomStream frame_noise, std::span<uint8_t> out);
 
 }  // namespace seam::effects

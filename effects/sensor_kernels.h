@@ -40,8 +40,11 @@ struct SensorKernels {
   void (*add)(const float* offset, size_t count, float* value);
   // value[i] += sigma * normal[i].
   void (*add_noise)(const float* normal, float sigma, size_t count, float* value);
-  // Clipped at full, rounded to multiples of the step, then to whole numbers from 0 to top.
+  // Clipped at full, rounded to multiples of the step (a power of two), then to whole numbers from 0
+  // to top.
   void (*round)(const float* value, float full, float step, float top, size_t count, uint16_t* out);
+  void (*round_bytes)(const float* value, float full, float step, float top, size_t count,
+                      uint8_t* out);
   const char* name;
 };
 

@@ -11,7 +11,7 @@ namespace seam::effects {
 namespace {
 
 // Whole groups of normals, and whole pixels of three channels.
-constexpr size_t kChunk = 3 * 16 * kNormalGroup;
+constexpr size_t kChunk = 3 * 8 * kNormalGroup;
 
 int colour_of(size_t sample, int channels) {
   return channels == 1 ? 1 : static_cast<int>(sample % static_cast<size_t>(channels));
@@ -44,13 +44,27 @@ class Exposing {
         row_(frame_noise.child("row_noise")),
         read_(frame_noise.child("read_noise")),
         channel_gain_(kChunk) {
-    for (size_t i = 0; i < kChunk; ++i) {
-      channel_gain_[i] = static_cast<float>(
-          chain.channel_gain[static_cast<size_t>(colour_of(i, pattern.channels))]);
+    // A chunk begins with a whole pixel.
+    for (size_t i = 0; i < kChunk; i += 3) {
+      for (int c = 0; c < 3; ++c)
+        channel_gain_[i + c] =
+            static_cast<float>(chain.channel_gain[pattern.channels == 1 ? 1 : c]);
     }
   }
 
-  void expose(Chunk& chunk, const float* illumination, uint16_t* out) {
+  // A whole frame.
+  template <typename Sample>
+  void expose_all(std::span<const float> illumination, Sample* out) {
+    Chunk chunk;
+    for (; chunk.first < illumination.size(); chunk.first += kChunk) {
+      chunk.count = std::min(kChunk, illumination.size() - chunk.first);
+      expose(chunk, &illumination[chunk.first]);
+      round(chunk, out + chunk.first);
+    }
+  }
+
+ private:
+  void expose(Chunk& chunk, const float* illumination) {
     count_light(chunk, illumination);
     float* value = chunk.value.data();
     if (chain_.gamma != 1) {
@@ -68,12 +82,20 @@ class Exposing {
       const float* normal = chunk.normals_of(kernels_, read_);
       kernels_.add_noise(normal, static_cast<float>(chain_.read_sigma_dn), chunk.count, value);
     }
-    kernels_.round(value, static_cast<float>(std::min(chain_.full_dn, 1e30)),
-                   static_cast<float>(quantisation_step(chain_, exposure_.file_bits)),
-                   static_cast<float>((1u << exposure_.file_bits) - 1), chunk.count, out);
   }
 
- private:
+  template <typename Sample>
+  void round(const Chunk& chunk, Sample* out) {
+    const auto full = static_cast<float>(std::min(chain_.full_dn, 1e30));
+    const auto step = static_cast<float>(quantisation_step(chain_, exposure_.file_bits));
+    const auto top = static_cast<float>((1u << exposure_.file_bits) - 1);
+    if constexpr (sizeof(Sample) == 1) {
+      kernels_.round_bytes(chunk.value.data(), full, step, top, chunk.count, out);
+    } else {
+      kernels_.round(chunk.value.data(), full, step, top, chunk.count, out);
+    }
+  }
+
   // Light to signal, DN above black, with photon noise.
   void count_light(Chunk& chunk, const float* illumination) {
     const auto scale = static_cast<float>(signal_dn(chain_, 1, exposure_));
@@ -133,6 +155,12 @@ float sample_normal(RandomStream stream, uint64_t sample) {
   return group[sample % kNormalGroup];
 }
 
+void sample_normals(RandomStream stream, std::span<float> out) {
+  const size_t whole = out.size() / kNormalGroup;
+  sensor_kernels().normals(stream.seed, stream.stream, 0, whole, out.data());
+  for (size_t i = whole * kNormalGroup; i < out.size(); ++i) out[i] = sample_normal(stream, i);
+}
+
 Image expose(const SensorChain& chain, const FixedPattern& pattern,
              std::span<const float> illumination, const SensorExposure& exposure,
              RandomStream frame_noise, bool noise) {
@@ -151,13 +179,17 @@ Image expose(const SensorChain& chain, const FixedPattern& pattern,
     }
     return image;
   }
-  Exposing exposing(chain, pattern, exposure, frame_noise);
-  Chunk chunk;
-  for (; chunk.first < illumination.size(); chunk.first += kChunk) {
-    chunk.count = std::min(kChunk, illumination.size() - chunk.first);
-    exposing.expose(chunk, &illumination[chunk.first], &image.samples[chunk.first]);
-  }
+  Exposing(chain, pattern, exposure, frame_noise).expose_all(illumination, image.samples.data());
   return image;
+}
+
+void expose_bytes(const SensorChain& chain, const FixedPattern& pattern,
+                  std::span<const float> illumination, const SensorExposure& exposure,
+                  RandomStream frame_noise, std::span<uint8_t> out) {
+  SEAM_CHECK(exposure.file_bits == 8 && illumination.size() == pattern.gain.size() &&
+                 out.size() == illumination.size(),
+             "{} bits, {} of {} samples", exposure.file_bits, illumination.size(), out.size());
+  Exposing(chain, pattern, exposure, frame_noise).expose_all(illumination, out.data());
 }
 
 }  // namespace seam::effects

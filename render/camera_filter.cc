@@ -85,47 +85,51 @@ void CameraFilter::blur(const LinearImage& image, const RowMotion& motion, const
   SEAM_CHECK(image.width_px == width_px_ + 2 * radius && image.height_px == height_px_ + 2 * radius,
              "{} {}", image.width_px, image.height_px);
   if (radius == 0) {
-    for (int c = 0; c < 3; ++c) {
-      for (int v = 0; v < height_px_; ++v)
-        take(c, v, &image.planes[c][static_cast<size_t>(v) * width_px_]);
+    for (int v = 0; v < height_px_; ++v) {
+      const size_t first = static_cast<size_t>(v) * width_px_;
+      const float* const rows[3] = {&image.planes[0][first], &image.planes[1][first],
+                                    &image.planes[2][first]};
+      take(v, rows);
     }
     return;
   }
   // One column more on each side for the slopes of `moving_blur`, whose kernel there is cut off.
   const int wide = width_px_ + 2;
-  const size_t stride = static_cast<size_t>(wide) + 14;
-  std::vector<float> along(stride * image.height_px),
-      padded(static_cast<size_t>(image.width_px) + 2);
-  std::vector<float> sums(4 * stride), light(width_px_);
+  const size_t stride = whole_blocks(wide);
+  // Of each colour the rows that one row's blur needs, blurred along the row: a ring.
+  std::vector<float> ring(3 * taps * stride), padded(stride + taps), sums(4 * stride);
+  std::vector<float> light(3 * stride), distances(taps);
+  std::vector<const float*> rows(taps);
   const RowMoments moments{&sums[0], &sums[stride], &sums[2 * stride], &sums[3 * stride]};
-  for (int c = 0; c < 3; ++c) {
-    for (int v = 0; v < image.height_px; ++v) {
-      const float* row = &image.planes[c][static_cast<size_t>(v) * image.width_px];
+  const auto ring_row = [&](int c, int v) { return &ring[(c * taps + v % taps) * stride]; };
+  const float* lights[3];
+  for (int c = 0; c < 3; ++c) lights[c] = &light[c * stride] + (motion.still ? 1 : 0);
+  for (int below = 0; below < image.height_px; ++below) {
+    for (int c = 0; c < 3; ++c) {
+      const float* row = &image.planes[c][static_cast<size_t>(below) * image.width_px];
       std::copy_n(row, image.width_px, padded.begin() + 1);
-      padded.front() = row[0], padded.back() = row[image.width_px - 1];
-      kernels.blur_along_row(padded.data(), kernel_.data(), taps, wide, &along[v * stride]);
+      padded[0] = row[0], padded[image.width_px + 1] = row[image.width_px - 1];
+      kernels.blur_along_row(padded.data(), kernel_.data(), taps, 1, wide, ring_row(c, below));
     }
-    for (int v = 0; v < height_px_; ++v) {
-      std::fill(sums.begin(), sums.end(), 0.0f);
-      for (int k = 0; k < taps; ++k) {
-        const float* row = &along[(v + k) * stride];
-        if (motion.still) {
-          kernels.add_row(row, kernel_[k], wide, moments.s0);
-        } else {
-          // Rows beyond the image are exposed with its first or last row.
-          const int distance = std::clamp(v + k - radius, 0, height_px_ - 1) - v;
-          kernels.add_moments(row, kernel_[k], static_cast<float>(distance), wide, moments);
-        }
-      }
+    const int v = below - taps + 1;
+    if (v < 0) continue;
+    // Rows beyond the image are exposed with its first or last row.
+    for (int k = 0; k < taps; ++k)
+      distances[k] = static_cast<float>(std::clamp(v + k - radius, 0, height_px_ - 1) - v);
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < taps; ++k) rows[k] = ring_row(c, v + k);
+      float* const out = &light[c * stride];
       if (motion.still) {
-        take(c, v, moments.s0 + 1);
+        kernels.blur_across_rows(rows.data(), kernel_.data(), taps, wide, out);
       } else {
         const size_t pixel = static_cast<size_t>(v) * width_px_;
+        kernels.moments_across_rows(rows.data(), kernel_.data(), distances.data(), taps, wide,
+                                    moments);
         kernels.moving_blur(moments, &motion.shear[pixel], &motion.stretch[pixel],
-                            static_cast<float>(optics_.blur_sigma_px), width_px_, light.data());
-        take(c, v, light.data());
+                            static_cast<float>(optics_.blur_sigma_px), width_px_, out);
       }
     }
+    take(v, lights);
   }
 }
 
@@ -134,8 +138,8 @@ void CameraFilter::apply(const LinearImage& image, const RowMotion& motion,
   const FilterKernels& kernels = filter_kernels();
   const size_t row_samples = static_cast<size_t>(width_px_) * 3;
   illumination.resize(row_samples * height_px_);
-  blur(image, motion, [&](int channel, int row, const float* light) {
-    kernels.interleave(light, &gain_[row * row_samples], lamps[row], channel, width_px_,
+  blur(image, motion, [&](int row, const float* const* light) {
+    kernels.interleave(light, &gain_[row * row_samples], lamps[row], width_px_,
                        &illumination[row * row_samples]);
   });
   if (optics_.glare_fraction <= 0) return;
@@ -157,9 +161,11 @@ void CameraFilter::apply(const LinearImage& image, const RowMotion& motion,
 LinearImage CameraFilter::blurred(const LinearImage& image, const RowMotion& motion) const {
   LinearImage result{.width_px = width_px_, .height_px = height_px_};
   for (auto& plane : result.planes) plane.resize(static_cast<size_t>(width_px_) * height_px_);
-  blur(image, motion, [&](int channel, int row, const float* light) {
-    std::copy_n(light, width_px_,
-                result.planes[channel].begin() + static_cast<ptrdiff_t>(row) * width_px_);
+  blur(image, motion, [&](int row, const float* const* light) {
+    for (int c = 0; c < 3; ++c) {
+      std::copy_n(light[c], width_px_,
+                  result.planes[c].begin() + static_cast<ptrdiff_t>(row) * width_px_);
+    }
   });
   return result;
 }

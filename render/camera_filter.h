@@ -51,7 +51,7 @@ class CameraFilter {
   LinearImage blurred(const LinearImage& image, const RowMotion& motion) const;
 
  private:
-  // Calls take(channel, row, light) for each row of the blurred image.
+  // Calls take(row, light) for each row of the blurred image, with the row of each colour.
   template <typename Take>
   void blur(const LinearImage& image, const RowMotion& motion, const Take& take) const;
 
@@ -67,8 +67,14 @@ class CameraFilter {
 class ImageFilter {
  public:
   ImageFilter(const effects::Model& model, int width_px, int height_px, RandomStream camera_noise);
+  // What one image after the other works in; each thread has its own.
+  struct Scratch {
+    std::vector<float> pixels, bent, ring, illumination;
+    std::vector<const float*> rows;
+  };
   // Interleaved RGB, 8 bits.
-  void apply(const LinearImage& ideal, RandomStream frame_noise, std::vector<uint8_t>& rgb) const;
+  void apply(const LinearImage& ideal, RandomStream frame_noise, Scratch& scratch,
+             std::vector<uint8_t>& rgb) const;
   // The same in separate passes over the image, with plain loops.
   void apply_in_passes(const LinearImage& ideal, RandomStream frame_noise,
                        std::vector<uint8_t>& rgb) const;
@@ -77,6 +83,7 @@ class ImageFilter {
   CameraFilter filter_;
   effects::SensorChain sensor_;
   effects::FixedPattern pattern_;
+  std::vector<float> kernel_;  // The filter's, or a single 1.
   int width_px_, height_px_;
   // Of the bordered image: the upper left of four neighbours, and how far towards the others.
   std::vector<int32_t> at_;

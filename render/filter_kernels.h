@@ -2,9 +2,17 @@
 // the rules that keep their bits equal).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace seam::render {
+
+// Loops that sum taps work on whole blocks of so many floats: they read and write up to the next
+// multiple of it, and buffers are that much longer.
+inline constexpr int kFilterBlock = 64;
+constexpr size_t whole_blocks(size_t count) {
+  return (count + kFilterBlock - 1) / kFilterBlock * kFilterBlock;
+}
 
 // Sums over the rows around one: of the kernel's weight g, and of g times powers of the row's
 // distance in time, which carry the point spread of a moving camera (camera_filter.h).
@@ -16,21 +24,29 @@ struct RowMoments {
 };
 
 struct FilterKernels {
-  // out[i] = sum of kernel[k] * in[i + k], k from 0 to taps - 1.
-  void (*blur_along_row)(const float* in, const float* kernel, int taps, int count, float* out);
-  // sum[i] += weight * row[i].
-  void (*add_row)(const float* row, float weight, int count, float* sum);
-  // The four sums at once, `distance` in rows.
-  void (*add_moments)(const float* row, float weight, float distance, int count, RowMoments sums);
+  // out[i] = sum of kernel[k] * in[i + k * step], k ascending from 0 to taps - 1. Whole blocks.
+  void (*blur_along_row)(const float* in, const float* kernel, int taps, int step, int count,
+                         float* out);
+  // out[i] = sum of kernel[k] * rows[k][i], k ascending. Whole blocks.
+  void (*blur_across_rows)(const float* const* rows, const float* kernel, int taps, int count,
+                           float* out);
+  // The four sums at once; row k is distances[k] rows away. Whole blocks.
+  void (*moments_across_rows)(const float* const* rows, const float* kernel, const float* distances,
+                              int taps, int count, RowMoments sums);
   // The row's blurred light from its sums, which begin one column before the first:
   // s0 + shear * d(s1)/du + shear^2/2 * d2(s2)/du2 + stretch * (s2 / sigma^4 - s0 / sigma^2)
   //    + stretch^2/2 * (s4 / sigma^8 - 6 s2 / sigma^6 + 3 s0 / sigma^4).
   void (*moving_blur)(RowMoments sums, const float* shear, const float* stretch, float sigma,
                       int count, float* out);
-  // out[3 i + channel] = in[i] * gain[3 i + channel] * factor.
-  void (*interleave)(const float* in, const float* gain, float factor, int channel, int count,
+  // out[3 i + c] = planes[c][i] * gain[3 i + c] * factor.
+  void (*interleave)(const float* const* planes, const float* gain, float factor, int count,
                      float* out);
-  // Bilinear samples: in[at[i]] and its right, lower and lower right neighbours.
+  // value[i] = value[i] * gain[i] * factor.
+  void (*multiply)(const float* gain, float factor, int count, float* value);
+  // out[4 i + c] = planes[c][i], out[4 i + 3] = 0.
+  void (*gather_colours)(const float* const* planes, int count, float* out);
+  // Bilinear samples of pixels of four floats: pixel at[i] and its right, lower and lower right
+  // neighbours give out[3 i] to out[3 i + 2]; out[3 count] is written too.
   void (*remap)(const float* in, int stride, const int32_t* at, const float* right,
                 const float* down, int count, float* out);
   const char* name;

@@ -154,9 +154,10 @@ struct Renderer::Impl {
   }
 
   std::vector<uint8_t> expose(const FrameJob& job, const std::vector<float>& light) const {
-    const Image image = effects::expose(sensor, pattern_of(job.camera_noise), light,
-                                        exposure_of(job), job.frame_noise);
-    return {image.samples.begin(), image.samples.end()};
+    std::vector<uint8_t> rgb(light.size());
+    effects::expose_bytes(sensor, pattern_of(job.camera_noise), light, exposure_of(job),
+                          job.frame_noise, rgb);
+    return rgb;
   }
 };
 
