@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
 """The whole way of a log: recorded by a real run, read by the independent MCAP reader, verified, broken,
 cut, recovered, resumed, compared, exported. Usage: replay_test.py SEAM NODE_FOLDER [TEST...]"""
+import bisect
 import contextlib
+import csv
 import json
+import math
 import os
 import pathlib
 import random
 import shutil
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -206,6 +210,57 @@ class Replay(unittest.TestCase):
         self.assertEqual(diff["first"]["section"], "robot/blue1")
         done = seam("replay", "whatif", self.log, "--robot", "blue1", "--client", "head_swing", "--from", "9", check=2)
         self.assertIn("--from 9: the log ends at 3 s", done.stderr)
+
+    def test_accuracy_is_what_the_tables_say(self):
+        """A player's estimates against the truth, by the command and once more from the exported tables."""
+        scenario, log = self.folder / "player.yaml", self.folder / "player.mcap"
+        text = SCENARIO[:SCENARIO.index("  - id: blue1")].replace("every_frame: true", f"colour_table: {ROOT}/models/colour_table_2002.yaml")
+        scenario.write_text(text.replace("ball_watcher", "player").replace("period_s: 0.2", "period_s: 0.04"))
+        seam("run", scenario, "--log", log, check=0)
+        out, tables = self.folder / "accuracy.json", self.folder / "player"
+        seam("replay", "accuracy", log, "--json", out, check=0)
+        told = json.loads(out.read_text())
+        seam("replay", "export", log, "--out", tables, check=0)
+
+        def table(name):
+            with open(tables / name, newline="") as file:
+                return list(csv.DictReader(file))
+
+        def at(rows, columns, time_s):
+            times = [float(row["time_s"]) for row in rows]
+            i = min(max(bisect.bisect_left(times, time_s), 1), len(rows) - 1)
+            part = min(max((time_s - times[i - 1]) / (times[i] - times[i - 1]), 0), 1)
+            return [float(rows[i - 1][c]) * (1 - part) + float(rows[i][c]) * part for c in columns]
+
+        poses, ball, values = table("poses.csv"), table("ball.csv"), {}
+        for row in table("debug.csv"):
+            if row["kind"] == "value":
+                values.setdefault(row["name"], []).append((float(row["time_s"]), float(row["value"])))
+        position = []
+        for (time_s, x_m), (_, y_m) in zip(values["x_m"], values["y_m"]):
+            true_x, true_y = at(poses, ("x_m", "y_m"), time_s)
+            position.append(math.hypot(x_m - true_x, y_m - true_y))
+        distance, bearing = [], []
+        for time_s, distance_m in values["ball_distance_m"]:
+            x, y, heading = at(poses, ("x_m", "y_m", "heading_rad"), time_s)
+            ball_x, ball_y = at(ball, ("x_m", "y_m"), time_s)
+            distance.append(distance_m - math.hypot(ball_x - x, ball_y - y))
+        for time_s, bearing_rad in values["ball_bearing_rad"]:
+            x, y, heading = at(poses, ("x_m", "y_m", "heading_rad"), time_s)
+            ball_x, ball_y = at(ball, ("x_m", "y_m"), time_s)
+            bearing.append(math.remainder(bearing_rad - math.atan2(ball_y - y, ball_x - x) + heading, 2 * math.pi))
+        for name, errors in (("position_m", position), ("ball_distance_m", distance), ("ball_bearing_rad", bearing)):
+            for summary in (told["all"][name], told["robots"]["red1"][name]):
+                self.assertEqual(summary["n"], len(errors))
+                self.assertGreater(len(errors), 9)
+                self.assertAlmostEqual(summary["mean"], statistics.fmean(errors), 5)
+                self.assertAlmostEqual(summary["median_abs"], statistics.median(map(abs, errors)), 5)
+                self.assertAlmostEqual(summary["max_abs"], max(map(abs, errors)), 5)
+        # And the estimates are of use.
+        self.assertLess(told["all"]["ball_distance_m"]["median_abs"], 0.1)
+        self.assertLess(told["all"]["ball_bearing_rad"]["median_abs"], 0.1)
+        seam("replay", "accuracy", self.log, "--json", out, check=0)  # Its clients estimate nothing.
+        self.assertEqual(json.loads(out.read_text())["all"]["position_m"]["n"], 0)
 
     def test_wrong_use_says_so(self):
         seam("replay", "verify", check=2)

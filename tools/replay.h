@@ -7,7 +7,7 @@
 namespace seam::tools {
 
 #define SEAM_REPLAY_COMMANDS(X) \
-  X(verify) X(show) X(diff) X(export) X(recover) X(frames) X(resume) X(whatif)
+  X(verify) X(show) X(diff) X(export) X(recover) X(frames) X(resume) X(whatif) X(accuracy)
 
 #define SEAM_DECLARE(name) void add_replay_##name(Command replay);
 SEAM_REPLAY_COMMANDS(SEAM_DECLARE)

@@ -48,7 +48,10 @@ int main(int argc, char** argv) {
       robot.log_value("y_m", pose.y_m);
       robot.log_value("theta_rad", pose.theta_rad);
     }
-    if (percepts.ball) robot.log_value("ball_distance_m", percepts.ball->distance_m);
+    if (percepts.ball) {
+      robot.log_value("ball_distance_m", percepts.ball->distance_m);
+      robot.log_value("ball_bearing_rad", percepts.ball->bearing_rad);
+    }
   });
   return robot.run();
 }
