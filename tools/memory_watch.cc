@@ -21,7 +21,7 @@ uint64_t resident_bytes() {
   return resident * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-void MemoryWatch::on_step(SimTime time, uint64_t, std::span<const uint64_t>) {
+void MemoryWatch::on_step(SimTime time, uint64_t, const StateDigest&) {
   if (time < next_) return;
   samples_.push_back({time.s(), resident_bytes()});
   next_ = next_ + kPeriod;

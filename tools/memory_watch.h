@@ -19,7 +19,7 @@ struct MemorySample {
 
 class MemoryWatch final : public scheduler::SimulationObserver {
  public:
-  void on_step(SimTime time, uint64_t step, std::span<const uint64_t> section_hashes) override;
+  void on_step(SimTime time, uint64_t step, const StateDigest& state) override;
 
   const std::vector<MemorySample>& samples() const { return samples_; }
 
