@@ -103,8 +103,18 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   return testable;
 }
 
+// A model whose refitted parameters are back at the values that they were given with.
+Model as_given(Model model, const std::vector<Unknown>& refitted, const Model& given) {
+  for (const Unknown& unknown : refitted) {
+    const effects::ModelEffect* effect = given.find(unknown.effect);
+    if (effect != nullptr) model.set_value(unknown.effect, unknown.parameter, effect->parameters[unknown.parameter].value);
+  }
+  return model;
+}
+
 // Fits from each start in turn and keeps the best; later starts only where the first may have
-// been unlucky.
+// been unlucky. An effect that replaces another is far from what was fitted without it, so the fit
+// starts from the given values as well.
 std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
                                      const std::shared_ptr<const EffectDefinition>& effect,
                                      const std::vector<size_t>& open,
@@ -135,9 +145,11 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
       best.push_back(starts[order[i].second]);
     starts = best;
   }
+  std::vector<Model> bases = {base.assessment.model};
+  if (!effect->has_neutral) bases.push_back(as_given(bases[0], base.assessment.unknowns, problem.given()));
   std::optional<Grown> best;
-  for (size_t s = 0; s < starts.size(); ++s) {
-    const Model start = with_effect(base.assessment.model, effect, starts[s]);
+  for (size_t s = 0; s < starts.size() * bases.size(); ++s) {
+    const Model start = with_effect(bases[s / starts.size()], effect, starts[s % starts.size()]);
     std::vector<Unknown> unknowns;
     for (const Unknown& unknown : base.assessment.unknowns) {
       if (start.has(unknown.effect)) unknowns.push_back(unknown);

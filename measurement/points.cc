@@ -88,7 +88,7 @@ class PointsProblem : public Problem {
     }
   }
 
-  void prepare(const Model& model) override {
+  void place(const Model& model) override {
     const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
     if (evaluation.valid) place_covariates(data_, evaluation.residual, facts_);
   }

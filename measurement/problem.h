@@ -172,10 +172,14 @@ class Problem {
   // Further columns of the set that a formula of this kind may read.
   virtual std::vector<std::string> formula_columns() const { return {}; }
 
-  // Called once with the model that the user gave, before anything else: covariates that stand for
-  // a place in the image are taken from its prediction, since a measured place holds the very noise
-  // that stands in the residual.
-  virtual void prepare(const Model&) {}
+  // Called once with the model that the user gave, before anything else.
+  void prepare(const Model& given) {
+    given_ = given;
+    place(given);
+  }
+  // Its values are where a fit may start from, too, where those fitted without an effect lead nowhere
+  // with it: a perspective lens that was bent to a wide-angle one is far from the fisheye that it is.
+  const Model& given() const { return given_; }
 
   // Whether a model can be held against this set at all; throws InputError with the reason (a
   // points set needs a projection, ...).
@@ -216,9 +220,14 @@ class Problem {
   Groups all_groups() const { return Groups(facts_.groups.size(), 1); }
 
  protected:
+  // Covariates that stand for a place in the image are taken from the given model's prediction, since
+  // a measured place holds the very noise that stands in the residual.
+  virtual void place(const Model&) {}
+
   Facts facts_;
 
  private:
+  Model given_;
   std::vector<char> left_out_;
   mutable std::vector<Groups> folds_;
   mutable std::vector<int> series_order_;  // Rows by series and time, and each row's place in it.

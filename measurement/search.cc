@@ -57,6 +57,7 @@ class Searcher {
   bool prune(Grown& grown);
   bool exchange(Grown& grown);
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
+  Grown part_of(const Grown& whole, const std::vector<std::string>& left, size_t kept) const;
   void order_steps(SearchResult& result);
 
   Problem& problem_;
@@ -208,6 +209,16 @@ void Searcher::forward(SearchResult& result) {
   result.best = std::move(grown);
 }
 
+// A model less those of its effects that are left, but for one, fitted again from its own values.
+Grown Searcher::part_of(const Grown& whole, const std::vector<std::string>& left, size_t kept) const {
+  Grown part = whole;
+  for (const std::string& name : left) {
+    if (name != left[kept]) part = without(part, name);
+  }
+  part.assessment = assess(problem_, part.assessment.model, part.assessment.unknowns);
+  return part;
+}
+
 // The effects found, in the order in which each helps most.
 void Searcher::order_steps(SearchResult& result) {
   result.steps.clear();
@@ -220,6 +231,8 @@ void Searcher::order_steps(SearchResult& result) {
     parallel_for(explained ? left.size() : 1, [&](size_t i) {
       std::vector<NotTestable> reasons;
       tried[i] = try_effect(problem_, grown, definition(left[i]), reasons);
+      // Found after another that it replaced: what was fitted last is the place to start from.
+      if (!tried[i]) tried[i] = Candidate{.grown = part_of(result.best, left, i)};
     });
     size_t best = left.size();
     for (size_t i = 0; i < left.size(); ++i) {
