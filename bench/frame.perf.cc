@@ -126,11 +126,10 @@ render::LinearImage ideal_image() {
 void filter_fused(benchmark::State& state) {
   const render::LinearImage ideal = ideal_image();
   const render::ImageFilter filter(filter_model(), 178, 144, {});
-  render::ImageFilter::Scratch scratch;
   std::vector<uint8_t> rgb;
   uint64_t frame = 0;
   for (auto _ : state) {
-    filter.apply(ideal, RandomStream{}.child(frame++), scratch, rgb);
+    filter.apply(ideal, RandomStream{}.child(frame++), rgb);
     benchmark::DoNotOptimize(rgb.data());
   }
 }

@@ -108,9 +108,13 @@ Image expose(const SensorChain& chain, const FixedPattern& pattern,
              std::span<const float> illumination, const SensorExposure& exposure,
              RandomStream frame_noise, bool noise = true);
 
+// Illumination as it is needed: that of `count` samples from `first` on, valid until the next call;
+// each call goes on where the one before ended.
+using LightSource = std::function<const float*(size_t first, size_t count)>;
+
 // The same with noise for files of 8 bits, straight into bytes.
-void expose_bytes(const SensorChain& chain, const FixedPattern& pattern,
-                  std::span<const float> illumination, const SensorExposure& exposure,
-                  RandomStream frame_noise, std::span<uint8_t> out);
+void expose_bytes(const SensorChain& chain, const FixedPattern& pattern, const LightSource& light,
+                  const SensorExposure& exposure, RandomStream frame_noise,
+                  std::span<uint8_t> out);
 
 }  // namespace seam::effects

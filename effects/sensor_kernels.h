@@ -20,6 +20,10 @@ inline constexpr int kNormalBlocks = 16;
 // by less than 1e-4. Below, they are drawn exactly.
 inline constexpr float kManyElectrons = 100;
 
+struct ReadOut {
+  float sigma, full, step, top;
+};
+
 struct SensorKernels {
   // Standard normals of samples [64 first_group, 64 (first_group + groups)).
   void (*normals)(uint64_t seed, uint64_t stream, uint64_t first_group, size_t groups, float* out);
@@ -34,17 +38,17 @@ struct SensorKernels {
   void (*scale)(float scale, size_t count, float* value);
   // value[i] = full * (value[i] / full)^gamma, 0 for value <= 0.
   void (*gamma)(float full, float gamma, size_t count, float* value);
-  // value[i] = channel_gain[i] * value[i] + black.
-  void (*balance)(const float* channel_gain, float black, size_t count, float* value);
+  // value[i] = channel_gain[i] * value[i] + black, then + offset[i] where there is one.
+  void (*balance)(const float* channel_gain, float black, const float* offset, size_t count,
+                  float* value);
   // value[i] += offset[i].
   void (*add)(const float* offset, size_t count, float* value);
-  // value[i] += sigma * normal[i].
-  void (*add_noise)(const float* normal, float sigma, size_t count, float* value);
-  // Clipped at full, rounded to multiples of the step (a power of two), then to whole numbers from 0
-  // to top.
-  void (*round)(const float* value, float full, float step, float top, size_t count, uint16_t* out);
-  void (*round_bytes)(const float* value, float full, float step, float top, size_t count,
-                      uint8_t* out);
+  // value[i] + sigma * normal[i], clipped at full, rounded to multiples of the step (a power of
+  // two), then to whole numbers from 0 to top.
+  void (*read_out)(const float* value, const float* normal, const ReadOut& how, size_t count,
+                   uint16_t* out);
+  void (*read_out_bytes)(const float* value, const float* normal, const ReadOut& how, size_t count,
+                         uint8_t* out);
   const char* name;
 };
 

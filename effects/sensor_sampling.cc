@@ -53,17 +53,18 @@ class Exposing {
   }
 
   // A whole frame.
-  template <typename Sample>
-  void expose_all(std::span<const float> illumination, Sample* out) {
+  template <typename Light, typename Sample>
+  void expose_all(const Light& light, std::span<Sample> out) {
     Chunk chunk;
-    for (; chunk.first < illumination.size(); chunk.first += kChunk) {
-      chunk.count = std::min(kChunk, illumination.size() - chunk.first);
-      expose(chunk, &illumination[chunk.first]);
-      round(chunk, out + chunk.first);
+    for (; chunk.first < out.size(); chunk.first += kChunk) {
+      chunk.count = std::min(kChunk, out.size() - chunk.first);
+      expose(chunk, light(chunk.first, chunk.count));
+      read_out(chunk, &out[chunk.first]);
     }
   }
 
  private:
+  // Up to the noise of reading.
   void expose(Chunk& chunk, const float* illumination) {
     count_light(chunk, illumination);
     float* value = chunk.value.data();
@@ -71,28 +72,33 @@ class Exposing {
       kernels_.gamma(static_cast<float>(chain_.gain_dn), static_cast<float>(chain_.gamma),
                      chunk.count, value);
     }
-    kernels_.balance(channel_gain_.data(), static_cast<float>(chain_.black_dn), chunk.count, value);
-    for (const auto& map : chain_.maps) {
-      for (size_t i = 0; i < chunk.count; ++i)
-        value[i] = static_cast<float>(map(value[i], exposure_.t_s));
+    const auto black = static_cast<float>(chain_.black_dn);
+    const float* const offset = &pattern_.offset_dn[chunk.first];
+    if (chain_.maps.empty()) {
+      kernels_.balance(channel_gain_.data(), black, offset, chunk.count, value);
+    } else {
+      kernels_.balance(channel_gain_.data(), black, nullptr, chunk.count, value);
+      for (const auto& map : chain_.maps) {
+        for (size_t i = 0; i < chunk.count; ++i)
+          value[i] = static_cast<float>(map(value[i], exposure_.t_s));
+      }
+      kernels_.add(offset, chunk.count, value);
     }
-    kernels_.add(&pattern_.offset_dn[chunk.first], chunk.count, value);
     if (chain_.row_sigma_dn > 0) add_row_noise(chunk);
-    if (chain_.read_sigma_dn > 0) {
-      const float* normal = chunk.normals_of(kernels_, read_);
-      kernels_.add_noise(normal, static_cast<float>(chain_.read_sigma_dn), chunk.count, value);
-    }
   }
 
   template <typename Sample>
-  void round(const Chunk& chunk, Sample* out) {
-    const auto full = static_cast<float>(std::min(chain_.full_dn, 1e30));
-    const auto step = static_cast<float>(quantisation_step(chain_, exposure_.file_bits));
-    const auto top = static_cast<float>((1u << exposure_.file_bits) - 1);
+  void read_out(Chunk& chunk, Sample* out) {
+    const ReadOut how{.sigma = static_cast<float>(chain_.read_sigma_dn),
+                      .full = static_cast<float>(std::min(chain_.full_dn, 1e30)),
+                      .step = static_cast<float>(quantisation_step(chain_, exposure_.file_bits)),
+                      .top = static_cast<float>((1u << exposure_.file_bits) - 1)};
+    // Without noise of reading, numbers that stand there already count 0 times.
+    const float* normal = how.sigma > 0 ? chunk.normals_of(kernels_, read_) : chunk.scratch.data();
     if constexpr (sizeof(Sample) == 1) {
-      kernels_.round_bytes(chunk.value.data(), full, step, top, chunk.count, out);
+      kernels_.read_out_bytes(chunk.value.data(), normal, how, chunk.count, out);
     } else {
-      kernels_.round(chunk.value.data(), full, step, top, chunk.count, out);
+      kernels_.read_out(chunk.value.data(), normal, how, chunk.count, out);
     }
   }
 
@@ -179,17 +185,18 @@ Image expose(const SensorChain& chain, const FixedPattern& pattern,
     }
     return image;
   }
-  Exposing(chain, pattern, exposure, frame_noise).expose_all(illumination, image.samples.data());
+  Exposing(chain, pattern, exposure, frame_noise)
+      .expose_all([&](size_t first, size_t) { return &illumination[first]; },
+                  std::span(image.samples));
   return image;
 }
 
-void expose_bytes(const SensorChain& chain, const FixedPattern& pattern,
-                  std::span<const float> illumination, const SensorExposure& exposure,
-                  RandomStream frame_noise, std::span<uint8_t> out) {
-  SEAM_CHECK(exposure.file_bits == 8 && illumination.size() == pattern.gain.size() &&
-                 out.size() == illumination.size(),
-             "{} bits, {} of {} samples", exposure.file_bits, illumination.size(), out.size());
-  Exposing(chain, pattern, exposure, frame_noise).expose_all(illumination, out.data());
+void expose_bytes(const SensorChain& chain, const FixedPattern& pattern, const LightSource& light,
+                  const SensorExposure& exposure, RandomStream frame_noise,
+                  std::span<uint8_t> out) {
+  SEAM_CHECK(exposure.file_bits == 8 && out.size() == pattern.gain.size(), "{} bits, {} samples",
+             exposure.file_bits, out.size());
+  Exposing(chain, pattern, exposure, frame_noise).expose_all(light, out);
 }
 
 }  // namespace seam::effects

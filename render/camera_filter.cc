@@ -120,7 +120,7 @@ void CameraFilter::blur(const LinearImage& image, const RowMotion& motion, const
       for (int k = 0; k < taps; ++k) rows[k] = ring_row(c, v + k);
       float* const out = &light[c * stride];
       if (motion.still) {
-        kernels.blur_across_rows(rows.data(), kernel_.data(), taps, wide, out);
+        kernels.blur_across_rows(rows.data(), kernel_.data(), taps, nullptr, wide, out);
       } else {
         const size_t pixel = static_cast<size_t>(v) * width_px_;
         kernels.moments_across_rows(rows.data(), kernel_.data(), distances.data(), taps, wide,

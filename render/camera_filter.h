@@ -67,27 +67,31 @@ class CameraFilter {
 class ImageFilter {
  public:
   ImageFilter(const effects::Model& model, int width_px, int height_px, RandomStream camera_noise);
-  // What one image after the other works in; each thread has its own.
-  struct Scratch {
-    std::vector<float> pixels, bent, ring, illumination;
-    std::vector<const float*> rows;
-  };
   // Interleaved RGB, 8 bits.
-  void apply(const LinearImage& ideal, RandomStream frame_noise, Scratch& scratch,
-             std::vector<uint8_t>& rgb) const;
+  void apply(const LinearImage& ideal, RandomStream frame_noise, std::vector<uint8_t>& rgb) const;
   // The same in separate passes over the image, with plain loops.
   void apply_in_passes(const LinearImage& ideal, RandomStream frame_noise,
                        std::vector<uint8_t>& rgb) const;
 
  private:
+  class RowMaker;
+  void plan_ring(int columns, int rows);
+  int row_samples() const { return 3 * width_px_; }
+
   CameraFilter filter_;
   effects::SensorChain sensor_;
   effects::FixedPattern pattern_;
   std::vector<float> kernel_;  // The filter's, or a single 1.
+  std::vector<float> gain_;    // The filter's, and some more for whole blocks.
   int width_px_, height_px_;
   // Of the bordered image: the upper left of four neighbours, and how far towards the others.
   std::vector<int32_t> at_;
   std::vector<float> right_, down_;
+  // The last row of the ideal image that the bent rows up to each need; how many rows are in use at
+  // once; and where `at_` finds its pixel among these.
+  std::vector<int> last_row_;
+  int ring_rows_ = 1;
+  std::vector<int32_t> ring_at_;
 };
 
 }  // namespace seam::render

@@ -89,8 +89,7 @@ TEST(ImageFilter, FusedEqualsThePasses) {
   const LinearImage ideal = random_image(178, 144);
   std::vector<uint8_t> fused, passes;
   const RandomStream noise{.seed = 1, .stream = 77};
-  ImageFilter::Scratch scratch;
-  filter.apply(ideal, noise, scratch, fused);
+  filter.apply(ideal, noise, fused);
   filter.apply_in_passes(ideal, noise, passes);
   ASSERT_EQ(fused.size(), passes.size());
   int differ = 0;

@@ -27,9 +27,10 @@ struct FilterKernels {
   // out[i] = sum of kernel[k] * in[i + k * step], k ascending from 0 to taps - 1. Whole blocks.
   void (*blur_along_row)(const float* in, const float* kernel, int taps, int step, int count,
                          float* out);
-  // out[i] = sum of kernel[k] * rows[k][i], k ascending. Whole blocks.
-  void (*blur_across_rows)(const float* const* rows, const float* kernel, int taps, int count,
-                           float* out);
+  // out[i] = sum of kernel[k] * rows[k][i], k ascending, times gain[i] where there is one. Whole
+  // blocks.
+  void (*blur_across_rows)(const float* const* rows, const float* kernel, int taps,
+                           const float* gain, int count, float* out);
   // The four sums at once; row k is distances[k] rows away. Whole blocks.
   void (*moments_across_rows)(const float* const* rows, const float* kernel, const float* distances,
                               int taps, int count, RowMoments sums);
@@ -41,12 +42,11 @@ struct FilterKernels {
   // out[3 i + c] = planes[c][i] * gain[3 i + c] * factor.
   void (*interleave)(const float* const* planes, const float* gain, float factor, int count,
                      float* out);
-  // value[i] = value[i] * gain[i] * factor.
-  void (*multiply)(const float* gain, float factor, int count, float* value);
   // out[4 i + c] = planes[c][i], out[4 i + 3] = 0.
   void (*gather_colours)(const float* const* planes, int count, float* out);
-  // Bilinear samples of pixels of four floats: pixel at[i] and its right, lower and lower right
-  // neighbours give out[3 i] to out[3 i + 2]; out[3 count] is written too.
+  // Bilinear samples of pixels of four floats: the pixel from float at[i] on and its right, lower
+  // and lower right neighbours give out[3 i] to out[3 i + 2]; out[3 count] is written too. `stride`
+  // is in pixels.
   void (*remap)(const float* in, int stride, const int32_t* at, const float* right,
                 const float* down, int count, float* out);
   const char* name;

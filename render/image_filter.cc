@@ -18,8 +18,10 @@ ImageFilter::ImageFilter(const effects::Model& model, int width_px, int height_p
       sensor_(effects::sensor_of(model)),
       pattern_(effects::fixed_pattern(sensor_, width_px, height_px, 3, camera_noise)),
       kernel_(filter_.kernel().empty() ? std::vector<float>{1} : filter_.kernel()),
+      gain_(filter_.gain()),
       width_px_(width_px),
       height_px_(height_px) {
+  gain_.resize(whole_blocks(gain_.size()) + kFilterBlock);
   const effects::ModelEffect* pinhole = model.find("pinhole");
   if (!pinhole)
     throw InputError(fmt::format("model '{}': found no pinhole, expected one", model.name()));
@@ -34,39 +36,110 @@ ImageFilter::ImageFilter(const effects::Model& model, int width_px, int height_p
     right_.push_back(static_cast<float>(u - std::floor(u)));
     down_.push_back(static_cast<float>(v - std::floor(v)));
   }
+  plan_ring(rays.columns(), rays.rows());
 }
 
-void ImageFilter::apply(const LinearImage& ideal, RandomStream frame_noise, Scratch& scratch,
-                        std::vector<uint8_t>& rgb) const {
-  const FilterKernels& kernels = filter_kernels();
-  const int taps = static_cast<int>(kernel_.size());
-  const int samples = 3 * width_px_, bent_width = width_px_ + taps - 1;
-  // One bent row, what the row blur reads beyond it, and the rows that one row's blur needs.
-  const size_t stride = whole_blocks(samples);
-  scratch.pixels.resize(4 * static_cast<size_t>(width_px_) * height_px_);
-  scratch.bent.resize(stride + 3 * taps + 1);
-  scratch.ring.resize(taps * stride);
-  scratch.rows.resize(taps);
-  scratch.illumination.resize(static_cast<size_t>(samples) * (height_px_ - 1) + stride);
-  const float* const planes[3] = {ideal.planes[0].data(), ideal.planes[1].data(),
-                                  ideal.planes[2].data()};
-  kernels.gather_colours(planes, width_px_ * height_px_, scratch.pixels.data());
-  for (int below = 0; below < height_px_ + taps - 1; ++below) {
-    const size_t first = static_cast<size_t>(below) * bent_width;
-    kernels.remap(scratch.pixels.data(), width_px_, &at_[first], &right_[first], &down_[first],
-                  bent_width, scratch.bent.data());
-    kernels.blur_along_row(scratch.bent.data(), kernel_.data(), taps, 3, samples,
-                           &scratch.ring[below % taps * stride]);
-    const int row = below - taps + 1;
-    if (row < 0) continue;
-    for (int k = 0; k < taps; ++k) scratch.rows[k] = &scratch.ring[(row + k) % taps * stride];
-    float* const light = &scratch.illumination[static_cast<size_t>(row) * samples];
-    kernels.blur_across_rows(scratch.rows.data(), kernel_.data(), taps, samples, light);
-    kernels.multiply(&filter_.gain()[static_cast<size_t>(row) * samples], 1, samples, light);
+// Rows of the ideal image are taken in when the first bent row needs them, and kept until the last
+// one that needs them has been made.
+void ImageFilter::plan_ring(int columns, int rows) {
+  std::vector<int> first(rows, height_px_);
+  last_row_.assign(rows, 0);
+  for (int row = 0; row < rows; ++row) {
+    for (int i = row * columns; i < (row + 1) * columns; ++i) {
+      first[row] = std::min(first[row], at_[i] / width_px_);
+      last_row_[row] = std::max(last_row_[row], at_[i] / width_px_ + 1);
+    }
+    if (row > 0) last_row_[row] = std::max(last_row_[row], last_row_[row - 1]);
   }
-  rgb.resize(static_cast<size_t>(samples) * height_px_);
-  effects::expose_bytes(sensor_, pattern_, std::span(scratch.illumination).first(rgb.size()), {},
-                        frame_noise, rgb);
+  int oldest = height_px_;
+  for (int row = rows - 1; row >= 0; --row) {
+    oldest = std::min(oldest, first[row]);
+    ring_rows_ = std::max(ring_rows_, last_row_[row] - oldest + 1);
+  }
+  for (const int32_t place : at_)
+    ring_at_.push_back(4 * (place / width_px_ % ring_rows_ * width_px_ + place % width_px_));
+}
+
+// Makes the filtered image's rows of light one after the other; all it holds stays in the first
+// caches.
+class ImageFilter::RowMaker {
+ public:
+  RowMaker(const ImageFilter& filter, const LinearImage& ideal)
+      : kernels_(filter_kernels()),
+        filter_(filter),
+        ideal_(ideal),
+        taps_(static_cast<int>(filter.kernel_.size())),
+        stride_(whole_blocks(filter.row_samples())),
+        row_pixels_(static_cast<size_t>(filter.width_px_) * 4),
+        // The ring's first row stands behind its last once more, as that one's lower neighbour.
+        pixels_((filter.ring_rows_ + 1) * row_pixels_),
+        bent_(stride_ + 3 * taps_ + 1),
+        blurred_(taps_ * stride_),
+        rows_(taps_) {
+    for (int row = 0; row + 1 < taps_; ++row) bend();
+  }
+
+  // The next row, interleaved; whole blocks are written.
+  void make(float* light) {
+    bend();
+    const int row = bent_rows_ - taps_;
+    for (int k = 0; k < taps_; ++k) rows_[k] = &blurred_[(row + k) % taps_ * stride_];
+    const int samples = filter_.row_samples();
+    kernels_.blur_across_rows(rows_.data(), filter_.kernel_.data(), taps_,
+                              &filter_.gain_[static_cast<size_t>(row) * samples], samples, light);
+  }
+
+ private:
+  // The next row as the lens bends it, blurred along itself.
+  void bend() {
+    while (taken_rows_ <= filter_.last_row_[bent_rows_]) take_in(taken_rows_++);
+    const int width = filter_.width_px_ + taps_ - 1;
+    const size_t first = static_cast<size_t>(bent_rows_) * width;
+    kernels_.remap(pixels_.data(), filter_.width_px_, &filter_.ring_at_[first],
+                   &filter_.right_[first], &filter_.down_[first], width, bent_.data());
+    kernels_.blur_along_row(bent_.data(), filter_.kernel_.data(), taps_, 3, filter_.row_samples(),
+                            &blurred_[bent_rows_ % taps_ * stride_]);
+    ++bent_rows_;
+  }
+
+  void take_in(int row) {
+    const size_t first = static_cast<size_t>(row) * filter_.width_px_;
+    const float* const planes[3] = {&ideal_.planes[0][first], &ideal_.planes[1][first],
+                                    &ideal_.planes[2][first]};
+    const int place = row % filter_.ring_rows_;
+    kernels_.gather_colours(planes, filter_.width_px_, &pixels_[place * row_pixels_]);
+    if (place == 0) {
+      kernels_.gather_colours(planes, filter_.width_px_,
+                              &pixels_[filter_.ring_rows_ * row_pixels_]);
+    }
+  }
+
+  const FilterKernels& kernels_;
+  const ImageFilter& filter_;
+  const LinearImage& ideal_;
+  int taps_;
+  size_t stride_, row_pixels_;
+  std::vector<float> pixels_, bent_, blurred_;
+  std::vector<const float*> rows_;
+  int taken_rows_ = 0, bent_rows_ = 0;
+};
+
+void ImageFilter::apply(const LinearImage& ideal, RandomStream frame_noise,
+                        std::vector<uint8_t>& rgb) const {
+  RowMaker maker(*this, ideal);
+  // Light of samples [begin, end) of the frame, of which the sensor wants some at a time.
+  std::vector<float> light;
+  size_t begin = 0, end = 0;
+  const auto more = [&](size_t first, size_t count) -> const float* {
+    std::copy(light.begin() + static_cast<ptrdiff_t>(first - begin),
+              light.begin() + static_cast<ptrdiff_t>(end - begin), light.begin());
+    begin = first;
+    light.resize(std::max(light.size(), count + row_samples() + whole_blocks(row_samples())));
+    for (; end < first + count; end += row_samples()) maker.make(&light[end - begin]);
+    return light.data();
+  };
+  rgb.resize(static_cast<size_t>(row_samples()) * height_px_);
+  effects::expose_bytes(sensor_, pattern_, more, {}, frame_noise, rgb);
 }
 
 void ImageFilter::apply_in_passes(const LinearImage& ideal, RandomStream frame_noise,
@@ -77,10 +150,10 @@ void ImageFilter::apply_in_passes(const LinearImage& ideal, RandomStream frame_n
     const std::vector<float>& plane = ideal.planes[c];
     bent.planes[c].resize(at_.size());
     for (size_t i = 0; i < at_.size(); ++i) {
-      const float top = plane[at_[i]] + right_[i] * (plane[at_[i] + 1] - plane[at_[i]]);
-      const float bottom = plane[at_[i] + width_px_] +
-                           right_[i] * (plane[at_[i] + width_px_ + 1] - plane[at_[i] + width_px_]);
-      bent.planes[c][i] = top + down_[i] * (bottom - top);
+      const float* const from = &plane[at_[i]];
+      const float left = from[0] + down_[i] * (from[width_px_] - from[0]);
+      const float right = from[1] + down_[i] * (from[width_px_ + 1] - from[1]);
+      bent.planes[c][i] = left + right_[i] * (right - left);
     }
   }
   LinearImage light = filter_.kernel().empty() ? bent : blurred(bent, border, filter_.kernel());

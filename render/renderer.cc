@@ -155,8 +155,9 @@ struct Renderer::Impl {
 
   std::vector<uint8_t> expose(const FrameJob& job, const std::vector<float>& light) const {
     std::vector<uint8_t> rgb(light.size());
-    effects::expose_bytes(sensor, pattern_of(job.camera_noise), light, exposure_of(job),
-                          job.frame_noise, rgb);
+    effects::expose_bytes(
+        sensor, pattern_of(job.camera_noise), [&](size_t first, size_t) { return &light[first]; },
+        exposure_of(job), job.frame_noise, rgb);
     return rgb;
   }
 };
