@@ -171,20 +171,23 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
   return best;
 }
 
+// Fitted parameters of an effect that are clearly away from neutral.
+size_t clear_parameters(const Grown& grown, const std::string& name) {
+  const effects::ModelEffect* effect = grown.assessment.model.find(name);
+  size_t clear = 0;
+  for (size_t k = 0; k < grown.assessment.unknowns.size(); ++k) {
+    const Unknown& unknown = grown.assessment.unknowns[k];
+    if (unknown.effect != name) continue;
+    const double away = std::abs(grown.assessment.fit.value[k] -
+                                 effect->definition->parameters[unknown.parameter].neutral);
+    clear += away > 2.5 * grown.assessment.fit.sigma[k];
+  }
+  return clear;
+}
+
 size_t needed_parameters(const Grown& grown) {
   size_t needed = 0;
-  for (const std::string& name : grown.added) {
-    const effects::ModelEffect* effect = grown.assessment.model.find(name);
-    size_t own = 0;
-    for (size_t k = 0; k < grown.assessment.unknowns.size(); ++k) {
-      const Unknown& unknown = grown.assessment.unknowns[k];
-      if (unknown.effect != name) continue;
-      const double away = std::abs(grown.assessment.fit.value[k] -
-                                   effect->definition->parameters[unknown.parameter].neutral);
-      own += away > 2.5 * grown.assessment.fit.sigma[k];
-    }
-    needed += std::max<size_t>(1, own);
-  }
+  for (const std::string& name : grown.added) needed += std::max<size_t>(1, clear_parameters(grown, name));
   return needed;
 }
 
@@ -318,7 +321,12 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   const double freedom = static_cast<double>(std::max<size_t>(1, candidate.free.size()));
   const double tail = chi2_tail(ratio, freedom);
   candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
-  candidate.significant = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0 &&
+  // There a likelihood says little even so: held-out groups must agree that they gain, and the value
+  // must stand clear of its own error.
+  const bool agreed = after.error <= kMisfit ||
+                      (candidate.held_z > 1 && (has_counts(*candidate.effect) ||
+                                                clear_parameters(candidate.grown, candidate.effect->name) > 0));
+  candidate.significant = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0 && agreed &&
                           problem.is_visible(before.model, after.model);
   candidate.merit = merit_of(problem, candidate.grown);
 }
@@ -329,10 +337,14 @@ bool clearly_helps(const Candidate& candidate) {
 }
 
 void rank_candidates(std::vector<Candidate>& candidates) {
+  // While nothing explains the set by far, training groups can be fitted by what is wrong elsewhere.
+  const bool far = std::all_of(candidates.begin(), candidates.end(), [](const Candidate& c) {
+    return c.grown.assessment.error > kUseless;
+  });
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) {
+                   [&](const Candidate& a, const Candidate& b) {
                      if (a.significant != b.significant) return a.significant;
-                     return a.merit > b.merit;
+                     return far ? a.gain_ll > b.gain_ll : a.merit > b.merit;
                    });
   if (candidates.empty() || !candidates.front().significant) return;
   // Among those as good as the best: fewer parameters, then no bound at neutral.

@@ -50,6 +50,8 @@ inline constexpr double kCandidateAlarm = 0.005;
 inline constexpr double kStructureAlarm = 0.005;
 // An error above this is no sampling error of a model that lacks nothing.
 inline constexpr double kMisfit = 1.15;
+// A model above this explains nothing yet.
+inline constexpr double kUseless = 10;
 
 // The effects of the catalogue that act on this set, and the user's own, less those in the model.
 EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own);

@@ -285,7 +285,6 @@ SearchResult Searcher::run() {
     forward(result);
     // Outliers are those of the best model; with others the search is run again. A model that
     // explains nothing has none to tell.
-    constexpr double kUseless = 10;
     marks_changed = result.best.assessment.error <= kUseless &&
                     mark_outliers(problem_, result.best.assessment.model, result);
   }
