@@ -100,8 +100,8 @@ GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays,
   for (int v = 0; v < rays.height_px; ++v) {
     const RowWindow& window = job.schedule.rows[v];
     const SceneInstant scene = scenes.at(window.start + (window.end - window.start) / 2);
-    prepare(scene, job.lighting, job.background, rays, prepared);
     const int table_row = v + rays.border_px;
+    prepare(scene, job.lighting, job.background, rays, {table_row, table_row}, prepared);
     const RowCaster::Seen seen = caster.see_centres(table_row, prepared);
     for (int u = 0; u < rays.width_px; ++u) {
       const int column = u + rays.border_px;

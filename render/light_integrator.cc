@@ -58,6 +58,25 @@ int instants_wanted(const FrameJob& job, const CameraRays& rays, const RendererO
   return static_cast<int>(std::min<double>(factor * given, std::max(kMaxRefinedInstants, given)));
 }
 
+// For each instant the rows of rays that sample it, from the first to the last; rows of the border
+// go with the nearest row of the image.
+std::vector<RowRange> rows_that_see(const RowSchedule& schedule, const CameraRays& rays) {
+  std::vector<RowRange> ranges(schedule.instants.size(), {rays.rows(), -1});
+  for (int row = 0; row < rays.rows(); ++row) {
+    const int image_row = std::clamp(row - rays.border_px, 0, rays.height_px - 1);
+    const size_t first = static_cast<size_t>(schedule.first_instant[image_row]);
+    for (size_t k = first; k < first + schedule.weights[image_row].size(); ++k) {
+      ranges[k].first = std::min(ranges[k].first, row);
+      ranges[k].last = std::max(ranges[k].last, row);
+    }
+  }
+  // An instant that no row samples.
+  for (RowRange& range : ranges) {
+    if (range.last < 0) range = {0, 0};
+  }
+  return ranges;
+}
+
 SceneInstant scene_at(const FrameJob& job, SimTime time) {
   const auto after = std::lower_bound(job.instants.begin(), job.instants.end(), time,
                                       [](const SceneInstant& a, SimTime t) { return a.time < t; });
@@ -78,14 +97,15 @@ SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,
   const bool refine = wanted > fewest_instants(job.schedule);
   plan.schedule = refine ? effects::schedule_of_windows(job.schedule.rows, wanted) : job.schedule;
   plan.scenes.resize(plan.schedule.instants.size());
+  const std::vector<RowRange> rows = rows_that_see(plan.schedule, rays);
   split_over_threads(
       options.threads, static_cast<int>(plan.scenes.size()), [&](int begin, int end) {
         for (int k = begin; k < end; ++k) {
           if (refine) {
             prepare(scene_at(job, plan.schedule.instants[k]), job.lighting, job.background, rays,
-                    plan.scenes[k]);
+                    rows[k], plan.scenes[k]);
           } else {
-            prepare(job.instants[k], job.lighting, job.background, rays, plan.scenes[k]);
+            prepare(job.instants[k], job.lighting, job.background, rays, rows[k], plan.scenes[k]);
           }
         }
       });

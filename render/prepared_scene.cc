@@ -40,8 +40,8 @@ BoundingSphere bounding_sphere(const Primitive& primitive) {
   return {Vec3(0), 0};
 }
 
-// Nothing of the sphere lies inside the pyramid of the table's rays.
-bool outside_view(const Vec3& centre_C, double radius, const CameraRays& rays) {
+// Nothing of the sphere lies inside the pyramid of these rows' rays.
+bool outside_view(const Vec3& centre_C, double radius, const CameraRays& rays, RowRange rows) {
   if (!rays.perspective) return false;
   if (centre_C.z < -radius) return true;
   const auto beyond = [&](double along, double limit) {
@@ -50,7 +50,8 @@ bool outside_view(const Vec3& centre_C, double radius, const CameraRays& rays) {
     return distance > 0 && distance * distance > radius * radius * (1 + limit * limit);
   };
   return beyond(centre_C.x, rays.x_max) || beyond(-centre_C.x, -rays.x_min) ||
-         beyond(centre_C.y, rays.row_y_max.back()) || beyond(-centre_C.y, -rays.row_y_min.front());
+         beyond(centre_C.y, rays.row_y_max[rows.last]) ||
+         beyond(-centre_C.y, -rays.row_y_min[rows.first]);
 }
 
 // The tangent planes through the camera that hold a sphere between them, on one axis.
@@ -72,8 +73,8 @@ Bounds sphere_bounds(const Vec3& centre_C, double radius) {
   return bounds;
 }
 
-// Of a box given by its corners in the object's frame.
-Bounds box_bounds(const Pose& X_CO, const Vec3& low, const Vec3& high) {
+// Of what lies between corners in the object's frame.
+Bounds corner_bounds(const Pose& X_CO, const Vec3& low, const Vec3& high) {
   Bounds bounds;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 p_C = X_CO * Vec3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
@@ -82,6 +83,22 @@ Bounds box_bounds(const Pose& X_CO, const Vec3& low, const Vec3& high) {
     bounds.add(p_C.x / p_C.z, p_C.y / p_C.z);
   }
   return bounds;
+}
+
+// Where the way from one point to the other crosses the near plane.
+Vec3 at_near_plane(const Vec3& from, const Vec3& to) {
+  Vec3 cut = from + (kNear - from.z) / (to.z - from.z) * (to - from);
+  cut.z = kNear;
+  return cut;
+}
+
+void add_edge(const Vec3& p, const Vec3& q, Bounds& bounds, std::vector<OutlineEdge>& edges) {
+  const double px = p.x / p.z, py = p.y / p.z, qx = q.x / q.z, qy = q.y / q.z;
+  bounds.add(px, py), bounds.add(qx, qy);
+  OutlineEdge edge{static_cast<float>(px), static_cast<float>(py), static_cast<float>(qx),
+                   static_cast<float>(qy)};
+  if (edge.y0 > edge.y1) std::swap(edge.x0, edge.x1), std::swap(edge.y0, edge.y1);
+  edges.push_back(edge);
 }
 
 // The rectangle's outline, cut off at the near plane.
@@ -94,20 +111,56 @@ Bounds rectangle_bounds(const Pose& X_CO, const Vec3& size, std::vector<OutlineE
     const Vec3& from = corners[k];
     const Vec3& to = corners[(k + 1) % 4];
     if (from.z >= kNear) outline[count++] = from;
-    if ((from.z >= kNear) != (to.z >= kNear)) {
-      outline[count] = from + (kNear - from.z) / (to.z - from.z) * (to - from);
-      outline[count++].z = kNear;
-    }
+    if ((from.z >= kNear) != (to.z >= kNear)) outline[count++] = at_near_plane(from, to);
   }
   Bounds bounds;
-  for (int k = 0; k < count; ++k) {
-    const Vec3& p = outline[k];
-    const Vec3& q = outline[(k + 1) % count];
-    bounds.add(p.x / p.z, p.y / p.z);
-    OutlineEdge edge{static_cast<float>(p.x / p.z), static_cast<float>(p.y / p.z),
-                     static_cast<float>(q.x / q.z), static_cast<float>(q.y / q.z)};
-    if (edge.y0 > edge.y1) std::swap(edge.x0, edge.x1), std::swap(edge.y0, edge.y1);
-    edges.push_back(edge);
+  for (int k = 0; k < count; ++k) add_edge(outline[k], outline[(k + 1) % count], bounds, edges);
+  return bounds;
+}
+
+// The box's outline, cut off at the near plane: edges between a face that looks at the camera and
+// one that does not, and where the near plane cuts faces that do.
+Bounds box_bounds(const Pose& X_CO, const Vec3& half, std::vector<OutlineEdge>& edges) {
+  bool faces_camera[3][2];
+  bool inside = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double camera = -glm::dot(X_CO.R[axis], X_CO.p);
+    faces_camera[axis][0] = camera<-half[axis], faces_camera[axis][1] = camera> half[axis];
+    inside &= !faces_camera[axis][0] && !faces_camera[axis][1];
+  }
+  if (inside) return Bounds::everything();
+  Vec3 corners[8];
+  for (int corner = 0; corner < 8; ++corner) {
+    corners[corner] = X_CO.p + (corner & 1 ? half.x : -half.x) * X_CO.R[0] +
+                      (corner & 2 ? half.y : -half.y) * X_CO.R[1] +
+                      (corner & 4 ? half.z : -half.z) * X_CO.R[2];
+  }
+  Bounds bounds;
+  Vec3 cuts[3][2][2];
+  int cuts_of[3][2] = {};
+  for (int along = 0; along < 3; ++along) {
+    const int b = (along + 1) % 3, c = (along + 2) % 3;
+    for (int side = 0; side < 4; ++side) {
+      const int side_b = side & 1, side_c = side >> 1;
+      const bool front_b = faces_camera[b][side_b], front_c = faces_camera[c][side_c];
+      if (!front_b && !front_c) continue;
+      const int low = (side_b << b) | (side_c << c);
+      Vec3 from = corners[low], to = corners[low | (1 << along)];
+      if (from.z < kNear && to.z < kNear) continue;
+      if (from.z < kNear || to.z < kNear) {
+        const Vec3 cut = at_near_plane(from, to);
+        (from.z < kNear ? from : to) = cut;
+        if (front_b) cuts[b][side_b][cuts_of[b][side_b]++] = cut;
+        if (front_c) cuts[c][side_c][cuts_of[c][side_c]++] = cut;
+      }
+      if (front_b != front_c) add_edge(from, to, bounds, edges);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      const Vec3(&cut)[2] = cuts[axis][side];
+      if (cuts_of[axis][side] == 2) add_edge(cut[0], cut[1], bounds, edges);
+    }
   }
   return bounds;
 }
@@ -120,23 +173,23 @@ Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, std::vector<Outli
     case Shape::sphere:
       return sphere_bounds(X_CO.p, size.x);
     case Shape::cylinder:
-      return box_bounds(X_CO, {-size.x, -size.x, 0}, {size.x, size.x, size.z});
+      return corner_bounds(X_CO, {-size.x, -size.x, 0}, {size.x, size.x, size.z});
     case Shape::capsule: {
       Bounds bounds = sphere_bounds(X_CO.p, size.x);
       bounds.add(sphere_bounds(X_CO * Vec3(0, 0, size.z), size.x));
       return bounds;
     }
     case Shape::box:
-      return box_bounds(X_CO, -0.5 * size, 0.5 * size);
+      return box_bounds(X_CO, 0.5 * size, edges);
   }
   return Bounds::everything();
 }
 
-Footprint footprint_of(const Bounds& bounds, const CameraRays& rays) {
+Footprint footprint_of(const Bounds& bounds, const CameraRays& rays, RowRange rows) {
   constexpr float kSlack = 1e-5f;
   Footprint footprint;
   if (!rays.perspective) {
-    footprint.last_row = rays.rows() - 1;
+    footprint.first_row = rows.first, footprint.last_row = rows.last;
     footprint.x_min = -1e30f, footprint.x_max = 1e30f;
     return footprint;
   }
@@ -152,6 +205,8 @@ Footprint footprint_of(const Bounds& bounds, const CameraRays& rays) {
       1;
   footprint.x_min = static_cast<float>(bounds.x_min) - kSlack;
   footprint.x_max = static_cast<float>(bounds.x_max) + kSlack;
+  footprint.first_row = std::max(footprint.first_row, rows.first);
+  footprint.last_row = std::min(footprint.last_row, rows.last);
   if (footprint.x_max < rays.x_min || footprint.x_min > rays.x_max) footprint.last_row = -1;
   return footprint;
 }
@@ -215,7 +270,7 @@ void PreparedInstant::clear() {
 }
 
 void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
-             const CameraRays& rays, PreparedInstant& out) {
+             const CameraRays& rays, RowRange rows, PreparedInstant& out) {
   out.clear();
   out.colours.push_back(colour_of(background));
   out.signatures.push_back(0);
@@ -224,10 +279,11 @@ void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& b
   for (size_t source = 0; source < instant.primitives.size(); ++source) {
     const Primitive& primitive = instant.primitives[source];
     const BoundingSphere around = bounding_sphere(primitive);
-    if (outside_view(X_CW * (primitive.X_WO * around.centre_O), around.radius, rays)) continue;
+    if (outside_view(X_CW * (primitive.X_WO * around.centre_O), around.radius, rays, rows))
+      continue;
     const Pose X_CO = X_CW * primitive.X_WO;
     const size_t first_edge = out.outline_edges.size();
-    Footprint footprint = footprint_of(bounds_of(primitive, X_CO, out.outline_edges), rays);
+    Footprint footprint = footprint_of(bounds_of(primitive, X_CO, out.outline_edges), rays, rows);
     if (footprint.last_row < footprint.first_row) {
       out.outline_edges.resize(first_edge);
       continue;

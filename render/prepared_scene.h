@@ -10,7 +10,7 @@
 
 namespace seam::render {
 
-// An edge of a flat primitive's outline on the plane z = 1, from the smaller to the greater y.
+// An edge of a primitive's straight outline on the plane z = 1, from the smaller to the greater y.
 struct OutlineEdge {
   float x0, y0, x1, y1;
 };
@@ -41,8 +41,15 @@ struct PreparedInstant {
   void clear();
 };
 
+// Rows of a camera's rays, both included.
+struct RowRange {
+  int first = 0;
+  int last = -1;
+};
+
+// What these rows can see.
 void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
-             const CameraRays& rays, PreparedInstant& out);
+             const CameraRays& rays, RowRange rows, PreparedInstant& out);
 
 // The scene at `time` between (or a little beyond) two instants: poses are interpolated, which is
 // exact for constant velocities and good to the third power of the angle turned in between.
