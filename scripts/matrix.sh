@@ -32,6 +32,7 @@ part "AddressSanitizer and UBSan: all tests" build_and_test asan-ubsan .
 part "ThreadSanitizer: scheduler and renderer" build_and_test tsan 'Simulation|Server|Render|Hub|Pool'
 part "other CPUs and vector widths: same frames" scripts/bits_matrix.sh
 part "500 fault runs" env SEAM_FAULT_RUNS=500 build/tests/test_scheduler --gtest_filter='Faults*'
+part "the recorded match with its frames" build/seam replay verify replays/match.mcap
 part "50 kills, resumed" env SEAM_KILLS=50 python3 tests/replay_test.py build/seam tests/mcap_node
 part "fuzzing, 10 minutes each" scripts/fuzz.sh 600
 
