@@ -53,24 +53,39 @@ struct CastKernels {
                          float* factor);
   Cast cast[5];    // By Shape.
   Shade shade[5];  // By Shape.
-  // One component of the rays of one row, at offsets from the pixels' centres:
+  // Nothing met yet.
+  void (*clear)(int count, HitRow hits);
+  // Rays of one row (`components` of x, y, z), at offsets from the pixels' centres:
   // base + du * along_u + dv * along_v, with du = frac(tile_u[i] + phase_u) - 1/2 and dv alike.
-  void (*offset_rays)(const RaySlopes&, const float* tile_u, const float* tile_v, float phase_u,
-                      float phase_v, int count, float* out);
-  // The same for some columns alone, `each` rays a column, ray j of a column with phase j.
-  void (*edge_rays)(const RaySlopes&, const float* tile_u, const float* tile_v,
-                    const int32_t* columns, int count, const float* phase_u, const float* phase_v,
-                    int each, float* out);
+  void (*offset_rays)(const RaySlopes* slopes, int components, const float* tile_u,
+                      const float* tile_v, float phase_u, float phase_v, int count,
+                      float* const* out);
+  // The same for some columns alone: for each column and channel `each` rays, ray j with phase j.
+  // `slopes` are those of the first channel's components, then the next's. Phases fill whole blocks
+  // of kPhaseBlock.
+  void (*edge_rays)(const RaySlopes* slopes, int channels, int components, const float* tile_u,
+                    const float* tile_v, const int32_t* columns, int count, const float* phase_u,
+                    const float* phase_v, int each, float* const* out);
   // sum[i] += weight * factor[i] * colours[id[i] + 1]; signature[i] = signatures[id[i] + 1].
+  // Without factors they are 1.
   void (*add_row)(const Colour* colours, const uint32_t* signatures, const int32_t* id,
                   const float* factor, float weight, int count, Colour* sum, uint32_t* signature);
-  // Adds `weight` times the mean colour of the `each` rays of every column, less that of the one
-  // ray that the column had in `first_id`, `first_factor` (by column).
+  // Adds `weight` times the mean colour of every column's `each` rays, less that of the one ray
+  // that the column had in `first_id`, `first_factor` (by column). With three channels each has
+  // rays of its own, as edge_rays orders them. Without factors they are 1.
   void (*replace)(const Colour* colours, const int32_t* id, const float* factor,
-                  const int32_t* columns, int count, int each, const int32_t* first_id,
-                  const float* first_factor, float weight, Colour* sum);
+                  const int32_t* columns, int count, int each, int channels,
+                  const int32_t* first_id, const float* first_factor, float weight, Colour* sum);
+  // differs[i]: not 0 where one of the rows of signatures has another at i than the first row.
+  void (*find_varying)(const uint32_t* signatures, int rows, int count, uint32_t* differs);
+  // Columns where a signature is not its neighbours' or `differs` is not 0: returns how many.
+  // place[i] = `each` times those before column i, up to i = count.
+  int (*find_edges)(const uint32_t* signature, const uint32_t* differs, int count, int each,
+                    int32_t* columns, int* place);
   const char* name;
 };
+
+inline constexpr int kPhaseBlock = 8;
 
 // A hit nearer than this is not seen (the lens is in front of it), metres along the ray.
 inline constexpr float kNear = 1e-3f;

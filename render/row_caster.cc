@@ -82,22 +82,30 @@ RowCaster::RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool 
       lambert_(lambert),
       columns_(rays.columns()),
       edge_samples_(edge_samples),
+      channels_(rays.colours_apart() ? 3 : 1),
+      components_(rays.perspective ? 2 : 3),
+      slopes_(channels_ * components_),
       sums_(columns_),
       varying_(columns_),
       near_varying_(columns_),
-      phase_u_(edge_samples),
-      phase_v_(edge_samples) {
+      edge_columns_(columns_ + 1),
+      phase_u_(edge_samples + kPhaseBlock),
+      phase_v_(edge_samples + kPhaseBlock) {
   row_.resize(columns_);
   row_.place.resize(columns_ + 1);
   for (int column = 0; column <= columns_; ++column) row_.place[column] = column;
   edges_.place.resize(columns_ + 1);
 }
 
-RaySlopes RowCaster::slopes(int channel, int component, int row) const {
-  const RayTable& table = rays_.table(channel);
+void RowCaster::collect_slopes(int row) {
   const size_t offset = rays_.at(row);
-  return {&table.base[component][offset], &table.along_u[component][offset],
-          &table.along_v[component][offset]};
+  for (int channel = 0; channel < channels_; ++channel) {
+    const RayTable& table = rays_.table(channel);
+    for (int k = 0; k < components_; ++k) {
+      slopes_[channel * components_ + k] = {&table.base[k][offset], &table.along_u[k][offset],
+                                            &table.along_v[k][offset]};
+    }
+  }
 }
 
 void RowCaster::find_spans(int row, const PreparedInstant& scene) {
@@ -125,9 +133,8 @@ void RowCaster::find_spans(int row, const PreparedInstant& scene) {
 
 void RowCaster::cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays,
                      Batch& batch) {
-  std::fill_n(batch.depth.begin(), batch.count, kFar);
-  std::fill_n(batch.id.begin(), batch.count, -1);
   const HitRow hits{batch.depth.data(), batch.id.data()};
+  kernels_.clear(batch.count, hits);
   for (const Span& span : spans) {
     const int begin = batch.place[span.first], end = batch.place[span.last + 1];
     if (begin < end)
@@ -150,8 +157,7 @@ void RowCaster::cast(const PreparedInstant& scene, std::span<const Span> spans, 
 void RowCaster::first_look(int row, std::span<const RowSample> samples) {
   const size_t count = samples.size() * static_cast<size_t>(columns_);
   if (ids_.size() < count)
-    ids_.resize(count), signatures_.resize(count),
-        factors_.resize(lambert_ ? count : columns_, 1.0f);
+    ids_.resize(count), signatures_.resize(count), factors_.resize(lambert_ ? count : 0);
   spans_.clear();
   spans_begin_.assign(1, 0);
   for (size_t s = 0; s < samples.size(); ++s) {
@@ -160,18 +166,16 @@ void RowCaster::first_look(int row, std::span<const RowSample> samples) {
                 v = SamplePattern::phase_v(row, sample.place);
     // Where colours have rays of their own, the samples take them in turn: a pixel whose samples
     // all look the same is the same in all colours.
-    const int channel = static_cast<int>(s % 3);
+    const size_t channel = channels_ == 3 ? s % 3 : 0;
     float* const targets[3] = {row_.x.data(), row_.y.data(), row_.z.data()};
-    for (int k = 0; k < (rays_.perspective ? 2 : 3); ++k) {
-      kernels_.offset_rays(slopes(channel, k, row), pattern_.tile_u(), pattern_.tile_v(), u, v,
-                           columns_, targets[k]);
-    }
+    kernels_.offset_rays(&slopes_[channel * components_], components_, pattern_.tile_u(),
+                         pattern_.tile_v(), u, v, columns_, targets);
     find_spans(row, *sample.scene);
     spans_begin_.push_back(spans_.size());
     cast(*sample.scene, std::span(spans_).subspan(spans_begin_[s]), row_.rays(), row_);
     const size_t place = s * columns_;
     kernels_.add_row(sample.scene->colours.data(), sample.scene->signatures.data(), row_.id.data(),
-                     row_.factor.data(), sample.weight, columns_, sums_.data(),
+                     lambert_ ? row_.factor.data() : nullptr, sample.weight, columns_, sums_.data(),
                      &signatures_[place]);
     std::copy_n(row_.id.begin(), columns_, &ids_[place]);
     if (lambert_) std::copy_n(row_.factor.begin(), columns_, &factors_[place]);
@@ -179,12 +183,7 @@ void RowCaster::first_look(int row, std::span<const RowSample> samples) {
 }
 
 void RowCaster::find_varying(int samples) {
-  std::fill(varying_.begin(), varying_.end(), 0u);
-  for (int s = 1; s < samples; ++s) {
-    const uint32_t* here = &signatures_[static_cast<size_t>(s) * columns_];
-    for (int column = 0; column < columns_; ++column)
-      varying_[column] |= here[column] ^ signatures_[column];
-  }
+  kernels_.find_varying(signatures_.data(), samples, columns_, varying_.data());
   if (!lambert_) return;
   // The faces of a box are one primitive, but differ in shade, in the pixel or from its neighbour.
   for (int s = 0; s < samples; ++s) {
@@ -209,62 +208,37 @@ void RowCaster::widen_varying() {
   }
 }
 
-void RowCaster::find_edges(int sample) {
-  const uint32_t* here = &signatures_[static_cast<size_t>(sample) * columns_];
-  edge_columns_.clear();
-  for (int column = 0; column < columns_; ++column) {
-    edges_.place[column] = static_cast<int>(edge_columns_.size()) * edge_samples_;
-    const uint32_t own = here[column];
-    const uint32_t left = here[column > 0 ? column - 1 : 0];
-    const uint32_t right = here[column + 1 < columns_ ? column + 1 : column];
-    if (((own ^ left) | (own ^ right) | near_varying_[column]) != 0)
-      edge_columns_.push_back(column);
-  }
-  edges_.place[columns_] = static_cast<int>(edge_columns_.size()) * edge_samples_;
-}
-
-void RowCaster::refine(int row, const RowSample& sample, int sample_index, int channel) {
-  const int count = static_cast<int>(edge_columns_.size());
-  edges_.resize(count * edge_samples_);
-  for (int j = 0; j < edge_samples_; ++j) {
-    phase_u_[j] = SamplePattern::phase_u(row, sample.place * edge_samples_ + j);
-    phase_v_[j] = SamplePattern::phase_v(row, sample.place * edge_samples_ + j);
+void RowCaster::refine(int row, const RowSample& sample, int sample_index) {
+  const size_t place = static_cast<size_t>(sample_index) * columns_;
+  const int each = edge_samples_;
+  const int count =
+      kernels_.find_edges(&signatures_[place], near_varying_.data(), columns_, each * channels_,
+                          edge_columns_.data(), edges_.place.data());
+  if (count == 0) return;
+  edges_.resize(count * each * channels_);
+  for (int j = 0; j < each; ++j) {
+    phase_u_[j] = SamplePattern::phase_u(row, sample.place * each + j);
+    phase_v_[j] = SamplePattern::phase_v(row, sample.place * each + j);
   }
   float* const targets[3] = {edges_.x.data(), edges_.y.data(), edges_.z.data()};
-  for (int k = 0; k < (rays_.perspective ? 2 : 3); ++k) {
-    kernels_.edge_rays(slopes(channel, k, row), pattern_.tile_u(), pattern_.tile_v(),
-                       edge_columns_.data(), count, phase_u_.data(), phase_v_.data(), edge_samples_,
-                       targets[k]);
-  }
+  kernels_.edge_rays(slopes_.data(), channels_, components_, pattern_.tile_u(), pattern_.tile_v(),
+                     edge_columns_.data(), count, phase_u_.data(), phase_v_.data(), each, targets);
   const size_t begin = spans_begin_[sample_index], end = spans_begin_[sample_index + 1];
   cast(*sample.scene, std::span(spans_).subspan(begin, end - begin), edges_.rays(), edges_);
-  const size_t place = static_cast<size_t>(sample_index) * columns_;
-  kernels_.replace(sample.scene->colours.data(), edges_.id.data(), edges_.factor.data(),
-                   edge_columns_.data(), count, edge_samples_, &ids_[place],
-                   &factors_[lambert_ ? place : 0], sample.weight,
-                   rays_.colours_apart() ? replaced_.data() : sums_.data());
+  kernels_.replace(sample.scene->colours.data(), edges_.id.data(),
+                   lambert_ ? edges_.factor.data() : nullptr, edge_columns_.data(), count, each,
+                   channels_, &ids_[place], lambert_ ? &factors_[place] : nullptr, sample.weight,
+                   sums_.data());
 }
 
 const std::vector<Colour>& RowCaster::cast_row(int row, std::span<const RowSample> samples) {
   std::fill(sums_.begin(), sums_.end(), Colour{});
+  collect_slopes(row);
   first_look(row, samples);
   if (edge_samples_ < 2) return sums_;
   find_varying(static_cast<int>(samples.size()));
   widen_varying();
-  for (size_t s = 0; s < samples.size(); ++s) {
-    find_edges(static_cast<int>(s));
-    if (edge_columns_.empty()) continue;
-    if (!rays_.colours_apart()) {
-      refine(row, samples[s], static_cast<int>(s), 1);
-      continue;
-    }
-    for (int channel = 0; channel < 3; ++channel) {
-      replaced_ = sums_;
-      refine(row, samples[s], static_cast<int>(s), channel);
-      for (const int32_t column : edge_columns_)
-        sums_[column].rgb[channel] = replaced_[column].rgb[channel];
-    }
-  }
+  for (size_t s = 0; s < samples.size(); ++s) refine(row, samples[s], static_cast<int>(s));
   return sums_;
 }
 

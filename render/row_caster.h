@@ -77,9 +77,8 @@ class RowCaster {
   void first_look(int row, std::span<const RowSample> samples);
   void find_varying(int samples);
   void widen_varying();
-  void find_edges(int sample);
-  void refine(int row, const RowSample& sample, int sample_index, int channel);
-  RaySlopes slopes(int channel, int component, int row) const;
+  void refine(int row, const RowSample& sample, int sample_index);
+  void collect_slopes(int row);
 
   const CastKernels& kernels_;
   const CameraRays& rays_;
@@ -87,7 +86,10 @@ class RowCaster {
   bool lambert_;
   int columns_;
   int edge_samples_;
-  std::vector<Colour> sums_, replaced_;
+  int channels_;                   // 3 where colours have rays of their own, or 1 for all.
+  int components_;                 // Of a ray: x and y, and z where it is not 1.
+  std::vector<RaySlopes> slopes_;  // Of the row: each channel's components.
+  std::vector<Colour> sums_;
   Batch row_, edges_;
   // Of every sample of the row: what was met, its shading, a number that stands for its look, and
   // where primitives can be seen.
