@@ -17,6 +17,8 @@ std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model, con
   return wide_jacobian(*this, model, unknowns, groups);
 }
 
+constexpr double kCoarse = 1.2;  // From one value of the coarse look to the next.
+
 // A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
 // likelihood has several valleys (a speed limit that never binds, a latency of another row). The
 // best of it comes first, then a small effect, from which other parameters can make way.
@@ -29,7 +31,7 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const
   std::vector<std::vector<double>> grid;
   // An eccentricity has a phase besides, and the likelihood is wide in its amplitude.
   const bool wave = effect.name == "encoder_eccentricity";
-  for (double factor = 0.03; factor < 40; factor *= wave ? 3 : 1.5) {
+  for (double factor = 0.03; factor < 40; factor *= wave ? 3 : kCoarse) {
     for (const double sign : {1.0, -1.0}) {
       std::vector<double> values = neutral;
       if (effect.logged && !wave) {
@@ -53,11 +55,27 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const
   trial.add_neutral(std::make_shared<EffectDefinition>(effect));
   double best = std::numeric_limits<double>::infinity();
   std::vector<double> best_values = grid.front();
-  for (const auto& values : grid) {
+  const auto look = [&](const std::vector<double>& values) {
     for (size_t i = 0; i < values.size(); ++i) trial.set_value(effect.name, i, values[i]);
     const Evaluation evaluation = evaluate(trial, training, nullptr);
     const double cost = evaluation.valid ? -score_of(*this, evaluation).log_likelihood : best;
     if (cost < best) best = cost, best_values = values;
+  };
+  for (const auto& values : grid) look(values);
+  // The likelihood of a dead band jumps wherever one more move falls into it, so that no descent leads to
+  // its best value: the look goes nearer, three times between the neighbours of the best so far.
+  if (effect.servo) {
+    double ratio = kCoarse;
+    for (int nearer = 0; nearer < 3; ++nearer) {
+      constexpr int kLooks = 12;  // To each side.
+      const std::vector<double> centre = best_values;
+      for (int k = -kLooks; k <= kLooks; ++k) {
+        std::vector<double> values = centre;
+        values[0] = std::clamp(centre[0] * std::pow(ratio, static_cast<double>(k) / kLooks), first.min, first.max);
+        if (k != 0) look(values);
+      }
+      ratio = std::pow(ratio, 2.0 / kLooks);
+    }
   }
   std::vector<double> small = neutral;
   small[0] = first.fit_reciprocal ? 10 * first.scale : 0.2 * first.scale;

@@ -8,6 +8,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 SymmetricEigen symmetric_eigen(const MatrixXd& m) {
+  if (m.size() == 0) return {VectorXd(0), MatrixXd(0, 0)};  // Eigen's solver stops the program there.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(m);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
