@@ -13,6 +13,10 @@ if(SEAM_SANITIZE)
                          # gcc 12 takes the sanitizers' own code in std::regex for a use before it is set.
                          -Wno-maybe-uninitialized)
   target_link_options(seam_flags INTERFACE -fsanitize=${SEAM_SANITIZE})
+  if(SEAM_SANITIZE MATCHES thread)
+    add_library(seam_tsan_suppressions OBJECT ${CMAKE_CURRENT_LIST_DIR}/tsan_suppressions.cc)
+    target_link_libraries(seam_flags INTERFACE $<TARGET_OBJECTS:seam_tsan_suppressions>)
+  endif()
 endif()
 
 find_program(SEAM_MOLD mold)

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
-#include <google/protobuf/io/coded_stream.h>
-#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
 #include <set>
 
@@ -46,19 +44,6 @@ Enum checked(int number, Enum last, Topic topic, const char* field) {
   return static_cast<Enum>(number);
 }
 
-// With maps in the order of their keys: else their order is another in each process, and the same run would not give
-// the same file.
-std::string sorted_bytes(const google::protobuf::Message& message) {
-  std::string bytes;
-  {
-    google::protobuf::io::StringOutputStream stream(&bytes);
-    google::protobuf::io::CodedOutputStream coded(&stream);
-    coded.SetSerializationDeterministic(true);
-    message.SerializeToCodedStream(&coded);
-  }
-  return bytes;
-}
-
 std::string encode_header(const RunHeader& header) {
   v1::LogHeader message;
   message.set_format(std::string(kLogFormat));
@@ -70,10 +55,14 @@ std::string encode_header(const RunHeader& header) {
     file->set_name(name);
     file->set_text(text);
   }
-  for (const auto& [name, version] : header.versions) (*message.mutable_versions())[name] = version;
+  for (const auto& [name, version] : header.versions) {
+    v1::LogVersion* one = message.add_versions();
+    one->set_name(name);
+    one->set_version(version);
+  }
   for (const std::string& robot : header.robots) message.add_robots(robot);
   for (const std::string& section : header.sections) message.add_sections(section);
-  return sorted_bytes(message);
+  return message.SerializeAsString();
 }
 
 RunHeader decode_header(std::string_view bytes) {
@@ -87,8 +76,7 @@ RunHeader decode_header(std::string_view bytes) {
   header.scenario_text = message.scenario_text();
   header.seed = message.seed();
   for (const v1::LogFile& file : message.files()) header.files.emplace_back(file.name(), file.text());
-  for (const auto& [name, version] : message.versions()) header.versions.emplace_back(name, version);
-  std::sort(header.versions.begin(), header.versions.end());  // The map has no order of its own.
+  for (const v1::LogVersion& one : message.versions()) header.versions.emplace_back(one.name(), one.version());
   header.robots.assign(message.robots().begin(), message.robots().end());
   header.sections.assign(message.sections().begin(), message.sections().end());
   return header;
