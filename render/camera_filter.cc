@@ -43,25 +43,22 @@ RowMotion row_motion(const FrameJob& job, const CameraRays& rays, double sigma_p
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   motion.shear.resize(pixels), motion.stretch.resize(pixels);
   const RayTable& green = rays.table(1);
+  const FilterKernels& kernels = filter_kernels();
   for (int v = 0; v < rays.height_px; ++v) {
     const Vec3 omega_C = turning(job, middle(rows[v]));
-    for (int u = 0; u < rays.width_px; ++u) {
-      const size_t i = rays.at(v + rays.border_px) + u + rays.border_px;
-      const Vec3 d(green.base[0][i], green.base[1][i], green.base[2][i]);
-      // A point at rest moves by -omega x d in the turning camera; back onto the plane z = 1, then
-      // to pixels.
-      const Vec3 moved = glm::cross(d, omega_C);
-      const double dx = moved.x - d.x * moved.z / d.z, dy = moved.y - d.y * moved.z / d.z;
-      const double a = green.along_u[0][i], b = green.along_v[0][i];
-      const double c = green.along_u[1][i], e = green.along_v[1][i];
-      const double scale = line_delay_s / (a * e - b * c);
-      const double shear = std::clamp((e * dx - b * dy) * scale, -kFastestPx, kFastestPx);
-      const double down = std::clamp((a * dy - c * dx) * scale, -kFastestPx, kFastestPx);
-      const size_t pixel = static_cast<size_t>(v) * rays.width_px + u;
-      motion.shear[pixel] = static_cast<float>(shear);
-      motion.stretch[pixel] =
-          static_cast<float>(0.5 * sigma_px * sigma_px * (1 / ((1 - down) * (1 - down)) - 1));
-      if (std::abs(shear) > kStillPx || std::abs(down) > kStillPx) motion.still = false;
+    const size_t i = rays.at(v + rays.border_px) + rays.border_px;
+    const RowDirections directions{&green.base[0][i],    &green.base[1][i],    &green.base[2][i],
+                                   &green.along_u[0][i], &green.along_v[0][i], &green.along_u[1][i],
+                                   &green.along_v[1][i]};
+    const RowTurning row{.omega_C = {omega_C.x, omega_C.y, omega_C.z},
+                         .line_delay_s = line_delay_s,
+                         .sigma_px = sigma_px,
+                         .fastest_px = kFastestPx,
+                         .still_px = kStillPx};
+    const size_t pixel = static_cast<size_t>(v) * rays.width_px;
+    if (kernels.row_motion(directions, row, rays.width_px, &motion.shear[pixel],
+                           &motion.stretch[pixel]) > 0) {
+      motion.still = false;
     }
   }
   return motion;
@@ -153,9 +150,7 @@ void CameraFilter::apply(const LinearImage& image, const RowMotion& motion,
     everywhere[c] = static_cast<float>(optics_.glare_fraction * sum[c] /
                                        (static_cast<double>(width_px_) * height_px_));
   }
-  for (size_t i = 0; i < illumination.size(); i += 3) {
-    for (int c = 0; c < 3; ++c) illumination[i + c] = kept * illumination[i + c] + everywhere[c];
-  }
+  kernels.glare(kept, everywhere, illumination.size() / 3, illumination.data());
 }
 
 LinearImage CameraFilter::blurred(const LinearImage& image, const RowMotion& motion) const {

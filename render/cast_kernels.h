@@ -46,7 +46,11 @@ struct RaySlopes {
   const float* along_v;
 };
 
+// Rays are cast in blocks of so many; arrays of rays and hits are whole blocks long.
+inline constexpr int kRayBlock = 16;
+
 struct CastKernels {
+  // Rays of whole blocks around [begin, end), of which none beside the range can hit.
   using Cast = void (*)(const CastShape&, RayRow, int begin, int end, HitRow);
   // The factor on the primitive's rgb at hits of columns [begin, end) under Lambert's law.
   using Shade = void (*)(const CastShape&, RayRow, const float* depth, int begin, int end,

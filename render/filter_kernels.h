@@ -23,6 +23,26 @@ struct RowMoments {
   float* s4;
 };
 
+// Directions of a row's pixels, with z, and the derivatives of their x and y along u and v.
+struct RowDirections {
+  const float* x;
+  const float* y;
+  const float* z;
+  const float* x_along_u;
+  const float* x_along_v;
+  const float* y_along_u;
+  const float* y_along_v;
+};
+
+// How a row moves while the rows are exposed (RowMotion of camera_filter.h).
+struct RowTurning {
+  double omega_C[3];  // The camera's turning, rad/s.
+  double line_delay_s;
+  double sigma_px;    // The lens's point spread.
+  double fastest_px;  // Columns or rows a row: faster motion is clipped.
+  double still_px;    // Slower motion is none.
+};
+
 struct FilterKernels {
   // out[i] = sum of kernel[k] * in[i + k * step], k ascending from 0 to taps - 1. Whole blocks.
   void (*blur_along_row)(const float* in, const float* kernel, int taps, int step, int count,
@@ -49,6 +69,11 @@ struct FilterKernels {
   // is in pixels.
   void (*remap)(const float* in, int stride, const int32_t* at, const float* right,
                 const float* down, int count, float* out);
+  // Shear and stretch of each pixel; returns how many of them move.
+  int (*row_motion)(const RowDirections& row, const RowTurning& turning, int count, float* shear,
+                    float* stretch);
+  // value[3 i + c] = kept * value[3 i + c] + everywhere[c].
+  void (*glare)(float kept, const float* everywhere, size_t pixels, float* value);
   const char* name;
 };
 

@@ -13,22 +13,6 @@ namespace {
 // A frame never gets more instants a row than this by motion alone.
 constexpr int kMaxRefinedInstants = 512;
 
-double focal_px(const CameraRays& rays) {
-  // Pixels per unit of x and y are the inverse of the rays' steps.
-  double least = 1e30;
-  const RayTable& green = rays.table(1);
-  for (size_t i = 0; i < green.base[0].size(); ++i) {
-    const auto length2 = [&](const std::vector<float>(&along)[3]) {
-      double sum = 0;
-      for (const std::vector<float>& component : along)
-        sum += static_cast<double>(component[i]) * component[i];
-      return sum;
-    };
-    least = std::min({least, length2(green.along_u), length2(green.along_v)});
-  }
-  return 1 / std::sqrt(least);
-}
-
 int divide_up(int a, int b) {
   return (a + b - 1) / b;
 }
@@ -44,13 +28,12 @@ int instants_wanted(const FrameJob& job, const CameraRays& rays, const RendererO
   const int given = fewest_instants(job.schedule);
   const SimDuration exposure = job.schedule.rows[0].end - job.schedule.rows[0].start;
   if (given < 2 || job.instants.size() < 2 || exposure.ns() == 0) return given;
-  const double focal = focal_px(rays);
   double fastest_px = 0;  // In the time between two instants of a row.
   const double step_ns = static_cast<double>(exposure.ns()) / given;
   for (size_t k = 0; k + 1 < job.instants.size(); ++k) {
     const double span_ns =
         static_cast<double>((job.instants[k + 1].time - job.instants[k].time).ns());
-    const double motion = image_motion_px(job.instants[k], job.instants[k + 1], focal);
+    const double motion = image_motion_px(job.instants[k], job.instants[k + 1], rays.focal_px);
     if (span_ns > 0) fastest_px = std::max(fastest_px, motion * step_ns / span_ns);
   }
   const double factor = std::ceil(fastest_px / options.max_motion_px - 1e-9);

@@ -18,26 +18,43 @@ struct Bounds {
   static Bounds everything() { return {-1e30, 1e30, -1e30, 1e30}; }
 };
 
-struct BoundingSphere {
-  Vec3 centre_O;
-  double radius;
-};
+Vec3 bounding_centre(const Primitive& primitive) {
+  const bool stands = primitive.shape == Shape::cylinder || primitive.shape == Shape::capsule;
+  return {0, 0, stands ? 0.5 * primitive.size.z : 0};
+}
 
-BoundingSphere bounding_sphere(const Primitive& primitive) {
+double bounding_radius(const Primitive& primitive) {
   const Vec3& size = primitive.size;
   switch (primitive.shape) {
     case Shape::rectangle:
-      return {Vec3(0), 0.5 * std::sqrt(size.x * size.x + size.y * size.y)};
+      return 0.5 * std::sqrt(size.x * size.x + size.y * size.y);
     case Shape::sphere:
-      return {Vec3(0), size.x};
+      return size.x;
     case Shape::cylinder:
-      return {{0, 0, 0.5 * size.z}, std::sqrt(size.x * size.x + 0.25 * size.z * size.z)};
+      return std::sqrt(size.x * size.x + 0.25 * size.z * size.z);
     case Shape::capsule:
-      return {{0, 0, 0.5 * size.z}, size.x + 0.5 * size.z};
+      return size.x + 0.5 * size.z;
     case Shape::box:
-      return {Vec3(0), 0.5 * std::sqrt(glm::dot(size, size))};
+      return 0.5 * std::sqrt(glm::dot(size, size));
   }
-  return {Vec3(0), 0};
+  return 0;
+}
+
+// A radius of at least the bounding sphere's, without a root.
+double loose_radius(const Primitive& primitive) {
+  const Vec3& size = primitive.size;
+  switch (primitive.shape) {
+    case Shape::rectangle:
+      return 0.5 * (size.x + size.y);
+    case Shape::sphere:
+      return size.x;
+    case Shape::cylinder:
+    case Shape::capsule:
+      return size.x + 0.5 * size.z;
+    case Shape::box:
+      return 0.5 * (size.x + size.y + size.z);
+  }
+  return 0;
 }
 
 // Nothing of the sphere lies inside the pyramid of these rows' rays.
@@ -269,18 +286,28 @@ void PreparedInstant::clear() {
   sources.clear(), outline_edges.clear();
 }
 
+void PreparedInstant::reserve(size_t primitives) {
+  shapes.reserve(primitives), kinds.reserve(primitives), footprints.reserve(primitives);
+  colours.reserve(primitives + 1), signatures.reserve(primitives + 1), sources.reserve(primitives);
+  outline_edges.reserve(4 * primitives);
+}
+
 void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
              const CameraRays& rays, RowRange rows, PreparedInstant& out) {
   out.clear();
+  // About as many as a few rows see.
+  out.reserve(32);
   out.colours.push_back(colour_of(background));
   out.signatures.push_back(0);
   const Pose X_CW = instant.X_WC.inverse();
   const Vec3 light_C = X_CW.R * lighting.direction_W;
   for (size_t source = 0; source < instant.primitives.size(); ++source) {
     const Primitive& primitive = instant.primitives[source];
-    const BoundingSphere around = bounding_sphere(primitive);
-    if (outside_view(X_CW * (primitive.X_WO * around.centre_O), around.radius, rays, rows))
+    const Vec3 centre_C = X_CW * (primitive.X_WO * bounding_centre(primitive));
+    if (outside_view(centre_C, loose_radius(primitive), rays, rows) ||
+        outside_view(centre_C, bounding_radius(primitive), rays, rows)) {
       continue;
+    }
     const Pose X_CO = X_CW * primitive.X_WO;
     const size_t first_edge = out.outline_edges.size();
     Footprint footprint = footprint_of(bounds_of(primitive, X_CO, out.outline_edges), rays, rows);
@@ -331,13 +358,13 @@ double image_motion_px(const SceneInstant& a, const SceneInstant& b, double foca
     const Pose& X_WA = a.primitives[i].X_WO;
     const Pose& X_WB = b.primitives[i].X_WO;
     if (X_WA.p == X_WB.p && X_WA.R == X_WB.R) continue;
-    const BoundingSphere around = bounding_sphere(a.primitives[i]);
-    const Vec3 step = X_WB * around.centre_O - X_WA * around.centre_O - camera_step;
-    const Vec3 from_camera = X_WA * around.centre_O - a.X_WC.p;
+    const Vec3 centre_O = bounding_centre(a.primitives[i]);
+    const double radius = bounding_radius(a.primitives[i]);
+    const Vec3 step = X_WB * centre_O - X_WA * centre_O - camera_step;
+    const Vec3 from_camera = X_WA * centre_O - a.X_WC.p;
     const double distance =
-        std::max(std::sqrt(glm::dot(from_camera, from_camera)) - around.radius, kNearest_m);
-    const double moved =
-        std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * around.radius;
+        std::max(std::sqrt(glm::dot(from_camera, from_camera)) - radius, kNearest_m);
+    const double moved = std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * radius;
     shifted = std::max(shifted, moved / distance);
   }
   return focal_px * (turned + shifted);

@@ -39,6 +39,7 @@ struct PreparedInstant {
   std::vector<OutlineEdge> outline_edges;
 
   void clear();
+  void reserve(size_t primitives);
 };
 
 // Rows of a camera's rays, both included.

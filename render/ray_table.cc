@@ -124,10 +124,10 @@ void check_image_has_rays(const RayGrid& grid, const Projection& projection, int
   for (int v = 0; v < projection.height_px(); ++v) {
     for (int u = 0; u < projection.width_px(); ++u) {
       if (grid[static_cast<size_t>(v + border) * columns + u + border]) continue;
-      throw InputError(
-          fmt::format("{}: no ray leads to pixel ({}, {}) of {}x{}, expected a calibration that can "
-                      "be inverted over the whole image (is a distortion too strong?)",
-                      subject, u, v, projection.width_px(), projection.height_px()));
+      throw InputError(fmt::format(
+          "{}: no ray leads to pixel ({}, {}) of {}x{}, expected a calibration that can "
+          "be inverted over the whole image (is a distortion too strong?)",
+          subject, u, v, projection.width_px(), projection.height_px()));
     }
   }
 }
@@ -223,10 +223,26 @@ void bound_columns(CameraRays& rays) {
   }
 }
 
+double focal_px(const CameraRays& rays) {
+  // Pixels per unit of x and y are the inverse of the rays' steps.
+  double least = 1e30;
+  const RayTable& green = rays.table(1);
+  for (size_t i = 0; i < green.base[0].size(); ++i) {
+    const auto length2 = [&](const std::vector<float>(&along)[3]) {
+      double sum = 0;
+      for (const std::vector<float>& component : along)
+        sum += static_cast<double>(component[i]) * component[i];
+      return sum;
+    };
+    least = std::min({least, length2(green.along_u), length2(green.along_v)});
+  }
+  return 1 / std::sqrt(least);
+}
+
 }  // namespace
 
-CameraRays make_camera_rays(const Projection& projection, const std::string& subject,
-                            int border_px, double t_s) {
+CameraRays make_camera_rays(const Projection& projection, const std::string& subject, int border_px,
+                            double t_s) {
   CameraRays rays{.width_px = projection.width_px(),
                   .height_px = projection.height_px(),
                   .border_px = border_px,
@@ -240,6 +256,7 @@ CameraRays make_camera_rays(const Projection& projection, const std::string& sub
     rays.tables.push_back(
         make_table(projection, subject, border_px, channel, t_s, rays.perspective));
   }
+  rays.focal_px = focal_px(rays);
   bound_rows(rays);
   bound_columns(rays);
   return rays;

@@ -27,6 +27,7 @@ struct CameraRays {
   int height_px = 0;
   int border_px = 0;        // Columns and rows beyond each edge.
   bool perspective = true;  // All rays have z = 1.
+  double focal_px = 0;      // The most pixels that a unit of x or y covers.
   std::vector<RayTable> tables;
 
   // Bounds of the samples inside the pixels, for culling. row_y_max[r] is the greatest y of rows up

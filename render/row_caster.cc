@@ -67,11 +67,12 @@ std::vector<int> SamplePattern::scattered_order(int count) {
 void RowCaster::Batch::resize(int rays) {
   count = rays;
   if (static_cast<int>(x.size()) >= rays) return;
-  for (auto* values : {&x, &y, &depth}) values->resize(rays);
-  // The third component stays 1 for perspective rays, the factor stays 1 without Lambert's law.
-  z.resize(rays, 1.0f);
-  factor.resize(rays, 1.0f);
-  id.resize(rays);
+  const int whole = (rays + kRayBlock - 1) / kRayBlock * kRayBlock;
+  for (auto* values : {&x, &y, &depth}) values->resize(whole);
+  // The third component stays 1 for perspective rays.
+  z.resize(whole, 1.0f);
+  factor.resize(whole);
+  id.resize(whole);
 }
 
 RowCaster::RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool lambert,
@@ -246,9 +247,11 @@ RowCaster::Seen RowCaster::see_centres(int row, const PreparedInstant& scene) {
   spans_.clear();
   find_spans(row, scene);
   const RayTable& green = rays_.table(1);
-  const size_t offset = rays_.at(row);
-  cast(scene, spans_, {&green.base[0][offset], &green.base[1][offset], &green.base[2][offset]},
-       row_);
+  std::vector<float>* const targets[3] = {&row_.x, &row_.y, &row_.z};
+  for (int k = 0; k < components_; ++k)
+    std::copy_n(green.base[k].begin() + static_cast<ptrdiff_t>(rays_.at(row)), columns_,
+                targets[k]->begin());
+  cast(scene, spans_, row_.rays(), row_);
   return {row_.depth.data(), row_.id.data()};
 }
 
