@@ -51,7 +51,7 @@ Moments file_moments(const SensorChain& chain, Moments value, int file_bits) {
   if (!clipped && sigma > step) {
     return {value.mean_dn, value.variance_dn2 + step * step / 12};
   }
-  if (sigma < 60 * step) return sum_over_values(chain, value, step, top);
+  if (sigma < 16 * step) return sum_over_values(chain, value, step, top);
   // Many steps a sigma: rounding is 1/12, clipping is that of a censored Gaussian.
   const double low = -0.5, high = std::min(top + 0.5, chain.full_dn);
   const double a = (low - value.mean_dn) / sigma, b = (high - value.mean_dn) / sigma;

@@ -311,10 +311,7 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
     if (after.unknowns[k].effect == candidate.effect->name && after.fit.at_bound[k])
       candidate.at_bound = true;
   }
-  for (const Parameter& parameter : candidate.effect->parameters) {
-    if (parameter.integer)
-      looks *= static_cast<double>(problem.starts(before.model, *candidate.effect).size());
-  }
+  looks *= problem.looks(before.model, *candidate.effect);
   // Where the model misses more than the noise, likelihood ratios are worth less in proportion.
   const double misfit = std::max(1.0, after.error * after.error);
   const double ratio = 2 * candidate.total_gain_ll / misfit;
@@ -326,7 +323,11 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   const bool agreed = after.error <= kMisfit ||
                       (candidate.held_z > 1 && (has_counts(*candidate.effect) ||
                                                 clear_parameters(candidate.grown, candidate.effect->name) > 0));
-  candidate.significant = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0 && agreed &&
+  // Held-out groups must agree; where all groups together leave no doubt, they may be unlucky by as much as
+  // noise makes them in one of ten cases at five standard errors.
+  const bool beyond_doubt = candidate.p_value < 0.01 * kCandidateAlarm && after.error < kMisfit;
+  candidate.significant = candidate.p_value < kCandidateAlarm && agreed &&
+                          candidate.gain_ll > (beyond_doubt ? -2 : 0) &&
                           problem.is_visible(before.model, after.model);
   candidate.merit = merit_of(problem, candidate.grown);
 }

@@ -23,11 +23,18 @@ struct RowLight {
   std::vector<double> weight;                     // By frame: inverse variance of a relative value.
 };
 
+std::vector<double> row_delays(const PhotometryData& data, const Model& model) {
+  const effects::Timing timing = effects::timing_of(model);
+  std::vector<double> delays;
+  for (int v = 0; v < data.height_px; ++v) delays.push_back(timing.row_start_after_stamp_s(v, 0));
+  return delays;
+}
+
 RowLight row_light(const PhotometryView& view, const Model& model, const PhotometryPrediction& prediction) {
   const PhotometryData& data = view.data;
   const effects::Timing timing = effects::timing_of(model);
   RowLight out;
-  for (int v = 0; v < data.height_px; ++v) out.row_delay_s.push_back(timing.row_start_after_stamp_s(v, 0));
+  out.row_delay_s = row_delays(data, model);
   for (size_t l = 0; l < view.sums.levels.size(); ++l) {
     const LevelSums& sum = view.sums.levels[l];
     const LevelPrediction& level = prediction.levels[l];
@@ -76,6 +83,21 @@ RowLight row_light(const PhotometryView& view, const Model& model, const Photome
   return out;
 }
 
+// Which frequencies can be seen.
+struct Band {
+  double readout_s;   // Time from the first row to the last.
+  double highest_hz;
+};
+
+// Without rows in time only the frames' stamps tell, up to half their rate.
+Band band_of(const PhotometryData& data, const std::vector<double>& row_delay_s, double span_s, size_t frames) {
+  const double readout = std::abs(row_delay_s.back() - row_delay_s.front());
+  const auto steps = static_cast<double>(std::max<size_t>(2, frames) - 1);
+  const double period = data.frame_period_s > 0 ? data.frame_period_s : span_s / steps;
+  const auto rows = static_cast<double>(row_delay_s.size());
+  return {readout, readout > 0 ? std::min(1500.0, 0.45 * rows / readout) : 0.5 / period};
+}
+
 Complex frame_amplitude(const RowLight& rows, size_t frame, double frequency) {
   const double w = 2 * maths::kPi * frequency;
   Complex sum = 0;
@@ -89,6 +111,15 @@ Complex frame_amplitude(const RowLight& rows, size_t frame, double frequency) {
 
 }  // namespace
 
+double flicker_looks(const PhotometryData& data, const Model& model) {
+  size_t frames = 0;
+  for (const PhotometryLevel& level : data.levels) frames += level.illumination == 0 ? 0 : level.frames.size();
+  const double span = data.frames.back().time_s - data.frames.front().time_s;
+  const Band band = band_of(data, row_delays(data, model), std::abs(span), data.frames.size());
+  // As many as the frames' stamps tell, for each wave that the readout tells.
+  return std::max(1.0, static_cast<double>(frames) * std::max(1.0, band.highest_hz * band.readout_s));
+}
+
 std::vector<std::vector<double>> flicker_starts(const PhotometryView& view, const Model& model,
                                                 const PhotometryPrediction& prediction) {
   const RowLight rows = row_light(view, model, prediction);
@@ -96,10 +127,7 @@ std::vector<std::vector<double>> flicker_starts(const PhotometryView& view, cons
   if (frames == 0) return {{100, 0.01, 0}};
   const auto [first, last] = std::minmax_element(rows.frame_time_s.begin(), rows.frame_time_s.end());
   const double span = std::max(*last - *first, 1e-3);
-  const double readout = std::abs(rows.row_delay_s.back() - rows.row_delay_s.front());
-  // Without rows in time only the frames' stamps tell, up to half their rate.
-  const double period = view.data.frame_period_s > 0 ? view.data.frame_period_s : span / std::max<size_t>(1, frames - 1);
-  const double highest = readout > 0 ? std::min(1500.0, 0.45 * rows.row_delay_s.size() / readout) : 0.5 / period;
+  const auto [readout, highest] = band_of(view.data, rows.row_delay_s, span, frames);
   const double coarse = readout > 0 ? 0.2 / readout : highest;
   const double fine = 0.15 / span;
   struct Peak {

@@ -30,7 +30,7 @@ std::string light_key(const PhotometrySums& sums, const effects::Model& model) {
 }
 
 LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
-                        const std::vector<double>& light) {
+                        const std::vector<double>& light, bool all_products) {
   LightCells cells;
   for (size_t l = 0; l < sums.levels.size(); ++l) {
     if (!sums.levels[l].frames.empty()) cells.present.push_back(l);
@@ -61,6 +61,7 @@ LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
   }
   std::vector<uint16_t> kept(first.back(), 0);
   for (size_t c = 0; c < channels; ++c) {
+    cells.first.push_back(cells.count());
     for (size_t p = first[c]; p < first[c + 1]; ++p) {
       if (number[p] == 0) continue;
       kept[p] = static_cast<uint16_t>(cells.count());
@@ -74,6 +75,11 @@ LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
     }
   }
   const size_t count = cells.count();
+  cells.first.push_back(count);
+  cells.row_light.assign(data.rows(), 0);
+  const size_t row_samples = data.width_px * channels;
+  for (size_t i = 0; i < samples; ++i)
+    cells.row_light[i / row_samples * channels + i % channels] += light[i] / data.width_px;
   cells.of_sample.resize(samples), cells.offset.resize(samples);
   cells.offset2.assign(count, 0);
   for (size_t i = 0; i < samples; ++i) {
@@ -107,7 +113,7 @@ LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
       mean[k] += m[k];
       with_offset[k] += m[k] * offset;
       scatter[k] += scatters[k][i];
-      for (size_t l = 0; l <= k; ++l) product[k * levels + l] += m[k] * m[l];
+      for (size_t l = all_products ? 0 : k; l <= k; ++l) product[k * levels + l] += m[k] * m[l];
     }
   }
   return cells;
@@ -117,21 +123,23 @@ LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
 
 std::shared_ptr<const LightCells> CellStore::cells(const PhotometryData& data,
                                                    const PhotometrySums& sums,
-                                                   const effects::Model& model) const {
+                                                   const effects::Model& model,
+                                                   bool all_products) const {
   const std::string key = light_key(sums, model);
   {
     const std::scoped_lock lock(mutex_);
-    const auto known = std::find_if(entries_.begin(), entries_.end(),
-                                    [&](const Entry& entry) { return entry.key == key; });
+    const auto known = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+      return entry.key == key && (entry.all_products || !all_products);
+    });
     if (known != entries_.end()) {
       entries_.splice(entries_.begin(), entries_, known);
       return entries_.front().cells;
     }
   }
-  auto cells =
-      std::make_shared<const LightCells>(sort_samples(data, sums, relative_light(data, model, 0)));
+  auto cells = std::make_shared<const LightCells>(
+      sort_samples(data, sums, relative_light(data, model, 0), all_products));
   const std::scoped_lock lock(mutex_);
-  entries_.push_front({key, cells});
+  entries_.push_front({key, all_products, cells});
   if (entries_.size() > kKept) entries_.pop_back();
   return cells;
 }

@@ -28,16 +28,21 @@ class Search {
 
   Maximum run() {
     double here = value(z_);
+    constexpr double kNothing = 1e-4;  // A gain of log-likelihood that is not worth an evaluation.
     double damping = 1e-3;
     Maximum out;
     for (int iteration = 0; iteration < 30 && n_ > 0; ++iteration) {
-      derivatives(here);
+      // Parameters' correlations change little between steps: they are measured at the start and
+      // at the end.
+      derivatives(here, iteration == 0 || settled_);
       double gained = 0;
       VectorXd best = z_;
       double best_value = here;
       bool accepted = false;
       for (int attempt = 0; attempt < 9; ++attempt) {
-        const VectorXd trial = (z_ + direction(damping)).cwiseMax(low_).cwiseMin(high_);
+        const VectorXd step = direction(damping);
+        if (0.5 * gradient_.dot(step) < kNothing) break;
+        const VectorXd trial = (z_ + step).cwiseMax(low_).cwiseMin(high_);
         const double there = value(trial);
         if (there > best_value) {
           best = trial, best_value = there, accepted = true;
@@ -61,7 +66,7 @@ class Search {
         settled_ = false;
       }
     }
-    derivatives(here);
+    if (!out.converged) derivatives(here, true);
     finish(out, here);
     return out;
   }
@@ -74,7 +79,8 @@ class Search {
     return std::isfinite(v) ? v : -std::numeric_limits<double>::max();
   }
 
-  void derivatives(double here) {
+  void derivatives(double here, bool correlations) {
+    const MatrixXd before = curvature_;
     gradient_ = VectorXd::Zero(n_);
     curvature_ = MatrixXd::Zero(n_, n_);
     VectorXd plus(n_);
@@ -106,6 +112,13 @@ class Search {
     for (int i = 0; i < n_; ++i) {
       for (int k = 0; k < i; ++k) {
         if (shifted_[i] || shifted_[k]) continue;
+        if (!correlations) {
+          const double was = before(i, i) * before(k, k), is = curvature_(i, i) * curvature_(k, k);
+          if (was > 0 && is > 0) {
+            curvature_(i, k) = curvature_(k, i) = before(i, k) * std::sqrt(is / was);
+            continue;
+          }
+        }
         VectorXd a = z_;
         a[i] += used_[i], a[k] += used_[k];
         VectorXd b = z_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "effects/optics.h"
 #include "effects/timing.h"
@@ -44,6 +45,9 @@ class CellLikelihood {
       add_changes(k);
     }
     add_means();
+    // Where variances differ wildly along rows, as at clipping, rows and columns are no longer told
+    // apart exactly: what comes out beyond zero is no likelihood.
+    if (!(total_.chi2 >= 0)) return -std::numeric_limits<double>::infinity();
     return -0.5 * (total_.chi2 + total_.log_det +
                    static_cast<double>(sums_.values) * std::log(2 * maths::kPi));
   }
@@ -60,6 +64,9 @@ class CellLikelihood {
   void predict_level(size_t k);
   void fill(size_t k, double illumination, double lamps, const SensorExposure& exposure);
   double correction(size_t k);
+  template <typename F>
+  std::vector<double> row_averages(size_t k, F&& value);
+  double gain_scatter(size_t k, const std::vector<double>& row_gain);
   void add_changes(size_t k);
   void add_means();
   void add_samples();
@@ -95,6 +102,8 @@ class CellLikelihood {
   std::vector<Inverse> inverse_;
   // By cell * levels + k.
   std::vector<double> weight_, offset_load_, gain_load_, hot_vector_, slope_vector_;
+  // By (cell * levels + k) * levels + l: s_k (Sigma^-1)_kl s_l; empty without pixels' patterns.
+  std::vector<double> slope_products_;
   Quadratic total_;
 };
 
@@ -104,7 +113,7 @@ void CellLikelihood::predict_level(size_t k) {
   if (flickers_) {
     lamps = 0;
     for (const int frame : sum(k).frames) {
-      lamps_[k].push_back(lamp_rows(data_, frame, level.exposure_s, model_).front());
+      lamps_[k].push_back(lamp_row(data_, frame, 0, level.exposure_s, model_));
       lamps += lamps_[k].back() / frames(k);
     }
     for (double& own : lamps_[k]) own = own / std::max(lamps, 1e-6) - 1;
@@ -165,6 +174,48 @@ double CellLikelihood::correction(size_t k) {
   return slope2 > 0 ? std::clamp(slope_residual / slope2, -0.5, 1.0) : 0;
 }
 
+// Averages over each row of what cells predict: from the row's light where it is linear in the
+// light.
+template <typename F>
+std::vector<double> CellLikelihood::row_averages(size_t k, F&& value) {
+  constexpr double kLinear = 1e-7;
+  const size_t rows = data_.rows(), channels = data_.channels;
+  std::vector<double> out(rows, 0);
+  bool linear = true;
+  for (size_t c = 0; c < channels; ++c) {
+    const size_t first = cells_.first[c], last = cells_.first[c + 1] - 1;
+    const double low = value(entry(first, k)), high = value(entry(last, k));
+    const double light = cells_.light[first], range = cells_.light[last] - light;
+    const auto at = [&](double x) {
+      return range > 0 ? low + (high - low) * (x - light) / range : low;
+    };
+    const double tolerance = kLinear * std::max(std::abs(low), std::abs(high));
+    for (size_t cell = first; cell <= last && linear; ++cell)
+      linear = std::abs(value(entry(cell, k)) - at(cells_.light[cell])) <= tolerance;
+    for (size_t row = c; row < rows; row += channels) out[row] = at(cells_.row_light[row]);
+  }
+  if (linear) return out;
+  out.assign(rows, 0);
+  const size_t row_samples = data_.width_px * channels;
+  for (size_t i = 0; i < cells_.of_sample.size(); ++i)
+    out[i / row_samples * channels + i % channels] += value(entry(cells_.of_sample[i], k));
+  for (double& x : out) x /= data_.width_px;
+  return out;
+}
+
+// Sum over samples of the squared difference of their gain from their row's, over their variance.
+double CellLikelihood::gain_scatter(size_t k, const std::vector<double>& row_gain) {
+  if (cells_.count() == static_cast<size_t>(data_.channels)) return 0;
+  const size_t channels = data_.channels, row_samples = data_.width_px * channels;
+  double sum = 0;
+  for (size_t i = 0; i < cells_.of_sample.size(); ++i) {
+    const Entry& here = entry(cells_.of_sample[i], k);
+    const double d = here.gain_slope - row_gain[i / row_samples * channels + i % channels];
+    sum += d * d / here.variance;
+  }
+  return sum;
+}
+
 // Changes in time within a level: of rows from frame to frame, and what is left within rows.
 void CellLikelihood::add_changes(size_t k) {
   LogSum logs;
@@ -180,49 +231,19 @@ void CellLikelihood::add_changes(size_t k) {
   const double freedom = frames(k) - 1;
   total_.log_det += log_variance * freedom * (width - 1) / width;
   total_.chi2 += scatter;
-  // Averages over each row.
   const size_t rows = data_.rows();
-  std::vector<double> variance(rows, 0), slope2(rows, 0), gain(rows, 0);
   const double spread = chain_.row_sigma_dn * chain_.row_sigma_dn;
-  if (cells_.count() == static_cast<size_t>(data_.channels)) {
-    for (size_t row = 0; row < rows; ++row) {
-      const Entry& here = entry(row % data_.channels, k);
-      variance[row] = here.variance, slope2[row] = here.offset_slope * here.offset_slope,
-      gain[row] = here.gain_slope;
-    }
-  } else {
-    const bool all = spread > 0 || flickers_;
-    size_t i = 0;
-    for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
-      for (int u = 0; u < data_.width_px; ++u) {
-        for (int c = 0; c < data_.channels; ++c, ++i) {
-          const Entry& here = entry(cells_.of_sample[i], k);
-          const size_t row = v * data_.channels + c;
-          variance[row] += here.variance / width;
-          if (!all) continue;
-          slope2[row] += here.offset_slope * here.offset_slope / width;
-          gain[row] += here.gain_slope / width;
-        }
-      }
-    }
-  }
+  const auto variance = row_averages(k, [](const Entry& e) { return e.variance; });
+  std::vector<double> slope2(rows, 0), gain(rows, 0);
+  if (spread > 0)
+    slope2 = row_averages(k, [](const Entry& e) { return e.offset_slope * e.offset_slope; });
   if (flickers_) {
+    gain = row_averages(k, [](const Entry& e) { return e.gain_slope; });
     // Lamps move a row's parts in proportion to their light: what that adds to the scatter is
     // subtracted.
     double moved = 0;
     for (const double own : lamps_[k]) moved += own * own;
-    size_t i = 0;
-    double square = 0;
-    for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
-      for (int u = 0; u < data_.width_px; ++u) {
-        for (int c = 0; c < data_.channels; ++c, ++i) {
-          const Entry& here = entry(cells_.of_sample[i], k);
-          const double d = here.gain_slope - gain[v * data_.channels + c];
-          square += d * d / here.variance;
-        }
-      }
-    }
-    total_.chi2 -= moved * square;
+    total_.chi2 -= moved * gain_scatter(k, gain);
   }
   const int channels = data_.channels;
   for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
@@ -269,6 +290,7 @@ void CellLikelihood::add_means() {
   inverse_.resize(cells_.count());
   for (auto* v : {&weight_, &offset_load_, &gain_load_, &hot_vector_, &slope_vector_})
     v->assign(entries_.size(), 0);
+  if (structured && pixels) slope_products_.resize(entries_.size() * levels_);
   for (size_t cell = 0; cell < cells_.count(); ++cell) {
     const size_t at = cell * levels_;
     Inverse& inverse = inverse_[cell];
@@ -314,6 +336,19 @@ void CellLikelihood::add_means() {
       }
       return square;
     };
+    if (structured && pixels) {
+      for (size_t k = 0; k < levels_; ++k) {
+        const double offset = offset_load_[at + k], gain = gain_load_[at + k];
+        const PatternInverse& two = inverse.two;
+        const double e0 = two.i00 * offset + two.i01 * gain, e1 = two.i01 * offset + two.i11 * gain;
+        for (size_t l = 0; l < levels_; ++l) {
+          const double own =
+              (k == l ? weight_[at + k] : 0) - e0 * offset_load_[at + l] - e1 * gain_load_[at + l];
+          slope_products_[(at + k) * levels_ + l] =
+              own * entry(cell, k).offset_slope * entry(cell, l).offset_slope;
+        }
+      }
+    }
     if (hot) inverse.hot_square = solve([&](size_t k) { return entry(cell, k).hot; }, hot_vector_);
     if (structured)
       inverse.slope_square =
@@ -332,22 +367,15 @@ void CellLikelihood::add_samples() {
   const bool structured = columns_vary || chain_.row_sigma_dn > 0;
   const double log_cold = hot ? std::log1p(-chain_.hot_fraction) : 0,
                log_hot = hot ? std::log(chain_.hot_fraction) : 0;
-  const size_t groups = share_ ? 1 : data_.channels;
-  std::vector<Column> columns(static_cast<size_t>(data_.width_px) * groups);
-  RowMeans rows;
-  if (structured) {
-    rows.resize(data_.rows() * levels_);
-    rows.score.assign(static_cast<size_t>(data_.height_px) * groups * levels_, 0);
-  }
+  std::vector<Column> columns(static_cast<size_t>(data_.width_px) * (share_ ? 1 : data_.channels));
+  RowOffsets rows(data_, sums_, share_);
   const size_t channels = data_.channels;
-  std::vector<double> r(levels_), row_residual(channels * levels_);
+  std::vector<double> r(levels_);
   std::vector<const double*> means;
   for (size_t k = 0; k < levels_; ++k) means.push_back(sum(k).mean.data());
-  const double share = 1.0 / data_.width_px;
   int64_t hot_samples = 0;
   size_t i = 0;
   for (int v = 0; v < data_.height_px; ++v) {
-    std::fill(row_residual.begin(), row_residual.end(), 0);
     const size_t start = i;
     for (int u = 0; u < data_.width_px; ++u) {
       for (size_t c = 0; c < channels; ++c, ++i) {
@@ -374,31 +402,38 @@ void CellLikelihood::add_samples() {
           const PatternInverse& two = inverse_[cell].two;
           e0 = two.i00 * b0 + two.i01 * b1, e1 = two.i01 * b0 + two.i11 * b1;
         }
-        double* score = &rows.score[unit(v, static_cast<int>(c)) * levels_];
-        const size_t row = (static_cast<size_t>(v) * channels + c) * levels_;
+        double* score = rows.score(rows.unit(v, static_cast<int>(c)));
+        double* precision = rows.precision(rows.unit(v, static_cast<int>(c)));
         double column = 0;
         for (size_t k = 0; k < levels_; ++k) {
-          score[k] += weight_[at + k] * r[k];
-          if (pixels) score[k] -= offset_load_[at + k] * e0 + gain_load_[at + k] * e1;
+          const double slope = entries_[at + k].offset_slope;
+          double solved = weight_[at + k] * r[k];
+          if (pixels) solved -= offset_load_[at + k] * e0 + gain_load_[at + k] * e1;
+          score[k] += slope * solved;
           column += slope_vector_[at + k] * r[k];
-          row_residual[c * levels_ + k] += share * r[k];
-          const Entry& here = entries_[at + k];
-          rows.variance[row + k] += share / weight_[at + k];
-          rows.slope[row + k] += share * here.offset_slope;
-          rows.gain[row + k] += share * here.gain_slope;
+          if (!pixels) {
+            precision[k * levels_ + k] += slope * slope * weight_[at + k];
+            continue;
+          }
+          const double* own = &slope_products_[(at + k) * levels_];
+          for (size_t l = 0; l < levels_; ++l) precision[k * levels_ + l] += own[l];
         }
         if (columns_vary) columns[unit(u, static_cast<int>(c))].score += column;
       }
     }
     if (!columns_vary) continue;
-    // Column sums take residuals less those of their rows.
+    // Beside what their rows have in common.
+    std::vector<std::vector<double>> common;
+    for (int c = 0; c < (share_ ? 1 : data_.channels); ++c)
+      common.push_back(rows.estimate(rows.unit(v, c)));
     i = start;
     for (int u = 0; u < data_.width_px; ++u) {
       for (size_t c = 0; c < channels; ++c, ++i) {
         const size_t cell = cells_.of_sample[i], at = cell * levels_;
+        const std::vector<double>& own = common[share_ ? 0 : c];
         double along = 0;
         for (size_t k = 0; k < levels_; ++k)
-          along += slope_vector_[at + k] * row_residual[c * levels_ + k];
+          along += slope_vector_[at + k] * entries_[at + k].offset_slope * own[k];
         Column& column = columns[unit(u, static_cast<int>(c))];
         column.score -= along;
         column.info += inverse_[cell].slope_square;
@@ -418,7 +453,7 @@ void CellLikelihood::add_samples() {
       total_.log_det += part * std::log1p(info);
     }
   }
-  if (structured) rows.add(data_, sums_, chain_, share_, total_);
+  if (structured) rows.add(chain_, total_);
 }
 
 }  // namespace
@@ -430,8 +465,10 @@ std::optional<double> cell_log_likelihood(const PhotometryData& data, const Phot
   if (effects::lamps_flicker(model) && effects::timing_of(model).line_delay_s != 0)
     return std::nullopt;
   const bool share = channels_share || data.channels == 1;
-  return CellLikelihood(data, sums, *store.cells(data, sums, model), model, set_noise_dn, share)
-      .run();
+  const effects::SensorChain chain = effects::sensor_of(model);
+  const bool pixels = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0;
+  const auto cells = store.cells(data, sums, model, pixels);
+  return CellLikelihood(data, sums, *cells, model, set_noise_dn, share).run();
 }
 
 }  // namespace seam::measurement

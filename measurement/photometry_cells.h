@@ -31,8 +31,12 @@ struct LightCells {
   // By cell * levels + k: sums of a sample's mean over frames, of its product with the offset, of
   // its scatter.
   std::vector<double> mean, with_offset, scatter;
-  // By (cell * levels + k) * levels + l, l <= k: sums of products of means.
+  // By (cell * levels + k) * levels + l, l <= k: sums of products of means; of l = k alone where no
+  // more was asked for.
   std::vector<double> products;
+  // By channel, and one more: its first cell; cells of a channel stand by ascending light.
+  std::vector<size_t> first;
+  std::vector<double> row_light;  // By row * channels + channel: mean.
   // By channel: the range of light.
   std::vector<double> least, most;
 
@@ -44,11 +48,12 @@ struct LightCells {
 class CellStore {
  public:
   std::shared_ptr<const LightCells> cells(const PhotometryData& data, const PhotometrySums& sums,
-                                          const effects::Model& model) const;
+                                          const effects::Model& model, bool all_products) const;
 
  private:
   struct Entry {
     std::string key;
+    bool all_products;
     std::shared_ptr<const LightCells> cells;
   };
   mutable std::mutex mutex_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "measurement/photometry_rows.h"
 #include "sim_core/maths.h"
@@ -117,7 +118,12 @@ class PatternPart {
  public:
   PatternPart(const PhotometryData& data, const PhotometrySums& sums,
               const PhotometryPrediction& prediction, bool share)
-      : data_(data), sums_(sums), prediction_(prediction), chain_(prediction.chain), share_(share) {
+      : data_(data),
+        sums_(sums),
+        prediction_(prediction),
+        chain_(prediction.chain),
+        share_(share),
+        rows_(data, sums, share) {
     for (size_t l = 0; l < sums.levels.size(); ++l) {
       if (!sums.levels[l].frames.empty()) present_.push_back(l);
     }
@@ -130,28 +136,22 @@ class PatternPart {
     if (!has_patterns()) return plain();
     structured_ = chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
     if (chain_.hot_fraction > 0) choose_hot();
-    if (structured_) average_rows();
-    const size_t groups = share_ ? 1 : data_.channels;
-    columns_.assign(static_cast<size_t>(data_.width_px) * groups, {});
-    if (structured_)
-      rows_.score.assign(static_cast<size_t>(data_.height_px) * groups * present_.size(), 0);
-    size_t i = 0;
-    for (int v = 0; v < data_.height_px; ++v) {
-      for (int u = 0; u < data_.width_px; ++u) {
-        for (int c = 0; c < data_.channels; ++c, ++i) add_sample(i, v, u, c);
-      }
-    }
+    each_sample([&](size_t i, int v, int, int c) { add_sample(i, v, c); });
     if (chain_.column_sigma_dn > 0) add_columns();
-    if (structured_) {
-      rows_.add(data_, sums_, chain_, share_, total_);
-    }
+    if (structured_) rows_.add(chain_, total_);
     return total_;
   }
 
  private:
-  struct Column {
-    double info = 0, score = 0;
-  };
+  template <typename F>
+  void each_sample(F&& f) const {
+    size_t i = 0;
+    for (int v = 0; v < data_.height_px; ++v) {
+      for (int u = 0; u < data_.width_px; ++u) {
+        for (int c = 0; c < data_.channels; ++c, ++i) f(i, v, u, c);
+      }
+    }
+  }
 
   bool has_patterns() const {
     return chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0 ||
@@ -171,35 +171,6 @@ class PatternPart {
       total.chi2 += chi2 * static_cast<double>(sum.frames.size());
     }
     return total;
-  }
-
-  size_t unit(int place, int channel) const {
-    return share_ ? static_cast<size_t>(place)
-                  : static_cast<size_t>(place) * data_.channels + channel;
-  }
-
-  void average_rows() {
-    const size_t count = present_.size();
-    row_residual_.assign(data_.rows() * count, 0);
-    rows_.resize(data_.rows() * count);
-    const double share = 1.0 / data_.width_px;
-    for (size_t k = 0; k < count; ++k) {
-      const LevelSums& sum = sums_.levels[present_[k]];
-      const LevelPrediction& level = prediction_.levels[present_[k]];
-      size_t i = 0;
-      for (int v = 0; v < data_.height_px; ++v) {
-        for (int u = 0; u < data_.width_px; ++u) {
-          for (int c = 0; c < data_.channels; ++c, ++i) {
-            const size_t at = (static_cast<size_t>(v) * data_.channels + c) * count + k;
-            row_residual_[at] += share * residual(k, i);
-            rows_.variance[at] +=
-                share * level.variance[i] / static_cast<double>(sum.frames.size());
-            rows_.slope[at] += share * level.offset_slope[i];
-            rows_.gain[at] += share * level.gain_slope[i];
-          }
-        }
-      }
-    }
   }
 
   void load_sample(size_t i) {
@@ -237,22 +208,25 @@ class PatternPart {
     return sum;
   }
 
-  void add_sample(size_t i, int v, int u, int c) {
+  void add_sample(size_t i, int v, int c) {
     load_sample(i);
     const size_t count = present_.size();
     const PatternInverse two = effects_of_sample();
     total_.chi2 += solve(two, r_, solved_);
     total_.log_det += two.log_det;
     if (!structured_) return;
-    const size_t row = (static_cast<size_t>(v) * data_.channels + c) * count;
-    const size_t row_unit = unit(v, c) * count;
-    for (size_t k = 0; k < count; ++k) rows_.score[row_unit + k] += solved_[k];
-    if (chain_.column_sigma_dn == 0) return;
-    Column& column = columns_[unit(u, c)];
-    const double info = solve(two, slope_, column_);
-    column.info += info;
-    for (size_t k = 0; k < count; ++k)
-      column.score += column_[k] * (r_[k] - row_residual_[row + k]);
+    double* score = rows_.score(rows_.unit(v, c));
+    double* precision = rows_.precision(rows_.unit(v, c));
+    for (size_t k = 0; k < count; ++k) {
+      score[k] += slope_[k] * solved_[k];
+      precision[k * count + k] += slope_[k] * slope_[k] * inverse_[k];
+      const double offset = load_offset_[k] * inverse_[k], gain = load_gain_[k] * inverse_[k];
+      const double e0 = two.i00 * offset + two.i01 * gain, e1 = two.i01 * offset + two.i11 * gain;
+      if (e0 == 0 && e1 == 0) continue;
+      for (size_t l = 0; l < count; ++l)
+        precision[k * count + l] -=
+            slope_[k] * slope_[l] * inverse_[l] * (load_offset_[l] * e0 + load_gain_[l] * e1);
+    }
   }
 
   // A sample is hot where that is likelier; its residual is then taken from the hot mean.
@@ -278,11 +252,31 @@ class PatternPart {
     return sums_.levels[present_[k]].mean[i] - (hot ? level.hot_mean[i] : level.mean[i]);
   }
 
+  // Beside what their rows have in common.
   void add_columns() {
+    struct Column {
+      double info = 0, score = 0;
+    };
     const double variance = chain_.column_sigma_dn * chain_.column_sigma_dn;
+    std::vector<Column> columns(static_cast<size_t>(data_.width_px) *
+                                (share_ ? 1 : data_.channels));
+    std::vector<double> offset;
+    each_sample([&](size_t i, int v, int u, int c) {
+      if (u == 0 && (c == 0 || !share_)) {
+        if (c == 0) offset.clear();
+        const auto own = rows_.estimate(rows_.unit(v, c));
+        offset.insert(offset.end(), own.begin(), own.end());
+      }
+      load_sample(i);
+      Column& column = columns[share_ ? u : static_cast<size_t>(u) * data_.channels + c];
+      column.info += solve(effects_of_sample(), slope_, column_);
+      const double* own = &offset[share_ ? 0 : c * present_.size()];
+      for (size_t k = 0; k < column_.size(); ++k)
+        column.score += column_[k] * (r_[k] - slope_[k] * own[k]);
+    });
     // Their mean over columns is taken with the rows.
     const double share = (data_.width_px - 1.0) / data_.width_px;
-    for (const Column& column : columns_) {
+    for (const Column& column : columns) {
       const double info = variance * column.info;
       total_.chi2 -= variance * column.score * column.score / (1 + info);
       total_.log_det += share * std::log1p(info);
@@ -298,9 +292,7 @@ class PatternPart {
   std::vector<size_t> present_;  // Levels with frames.
   std::vector<double> r_, inverse_, load_offset_, load_gain_, solved_, slope_, column_;
   std::vector<char> is_hot_;
-  std::vector<double> row_residual_;
-  RowMeans rows_;
-  std::vector<Column> columns_;
+  RowOffsets rows_;
   Quadratic total_;
 };
 
@@ -341,7 +333,8 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
   const Quadratic pattern = PatternPart(data, sums, prediction, share).run();
   total.chi2 += pattern.chi2;
   total.log_det += pattern.log_det;
-  score.chi2 = total.chi2;
+  // See CellLikelihood::run.
+  score.chi2 = total.chi2 >= 0 ? total.chi2 : std::numeric_limits<double>::quiet_NaN();
   score.log_likelihood = -0.5 * (total.chi2 + total.log_det +
                                  static_cast<double>(sums.values) * std::log(2 * maths::kPi));
   double assigned = 0;

@@ -197,14 +197,15 @@ std::vector<double> relative_light(const PhotometryData& data, const effects::Mo
   return light;
 }
 
-std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s, const effects::Model& model) {
-  const effects::Timing timing = effects::timing_of(model);
-  std::vector<double> brightness;
+double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s, const effects::Model& model) {
   const double stamp = data.frames[frame].time_s;
-  for (int v = 0; v < data.height_px; ++v) {
-    const double start = stamp + timing.row_start_after_stamp_s(v, stamp - data.frames[0].time_s);
-    brightness.push_back(effects::lamp_brightness(model, {.start_s = start, .exposure_s = exposure_s}));
-  }
+  const double after = effects::timing_of(model).row_start_after_stamp_s(row, stamp - data.frames[0].time_s);
+  return effects::lamp_brightness(model, {.start_s = stamp + after, .exposure_s = exposure_s});
+}
+
+std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s, const effects::Model& model) {
+  std::vector<double> brightness;
+  for (int v = 0; v < data.height_px; ++v) brightness.push_back(lamp_row(data, frame, v, exposure_s, model));
   return brightness;
 }
 

@@ -33,6 +33,7 @@ struct PhotometryPrediction {
 // uneven lighting, glare; without flicker.
 std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model, double t_s);
 // Brightness of the lamps in each row of a frame with this exposure; 1 for steady lamps.
+double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s, const effects::Model& model);
 std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s, const effects::Model& model);
 
 // Whether gain fields or sensor maps change with time (only formulas of users can).

@@ -44,22 +44,32 @@ struct PatternInverse {
 PatternInverse pattern_inverse(const double* offset, const double* gain, const double* inverse,
                                size_t levels);
 
-// By (row * channels + channel) * levels + level: averages over a row's samples. Levels are those
-// with frames.
-struct RowMeans {
-  std::vector<double> variance;  // Of a sample's mean over frames.
-  std::vector<double> slope;     // By an offset.
-  std::vector<double> gain;      // By a relative gain.
-  // Sum over the row's samples of Sigma^-1 r, Sigma their own covariance between levels; the
-  // channels of a row are taken together where they share offsets.
-  std::vector<double> score;
+// What rows' samples say of an offset that they share, by row (and channel, where channels have
+// offsets of their own) and level. Sigma is a sample's own covariance between levels, s its slopes
+// by an offset.
+class RowOffsets {
+ public:
+  RowOffsets(const PhotometryData& data, const PhotometrySums& sums, bool share);
 
-  void resize(size_t size) {
-    for (auto* v : {&variance, &slope, &gain}) v->assign(size, 0);
+  size_t unit(int row, int channel) const {
+    return share_ ? row : static_cast<size_t>(row) * channels_ + channel;
   }
-  // Row noise that is left in the means over frames, and the mean of the columns' offsets.
-  void add(const PhotometryData& data, const PhotometrySums& sums,
-           const effects::SensorChain& chain, bool share, Quadratic& total) const;
+  // Sums over the unit's samples: s_k (Sigma^-1 r)_k.
+  double* score(size_t unit) { return &score_[unit * levels_]; }
+  // s_k (Sigma^-1)_kl s_l.
+  double* precision(size_t unit) { return &precision_[unit * levels_ * levels_]; }
+
+  // The unit's offsets by least squares, by level: what columns are compared beside.
+  std::vector<double> estimate(size_t unit) const;
+  // Takes row noise that is left in the means over frames, and the mean of the columns' offsets,
+  // out of chi2.
+  void add(const effects::SensorChain& chain, Quadratic& total) const;
+
+ private:
+  int width_, height_, channels_;
+  bool share_;
+  size_t levels_;
+  std::vector<double> frames_, score_, precision_;
 };
 
 }  // namespace seam::measurement

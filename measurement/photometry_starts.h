@@ -22,6 +22,8 @@ double log_likelihood(const PhotometryView& view, const Model& model);
 std::vector<std::vector<double>> photometry_starts(const PhotometryView& view, const Model& model,
                                                    const EffectDefinition& effect);
 
+// How many frequencies `flicker_starts` can tell apart.
+double flicker_looks(const PhotometryData& data, const Model& model);
 // The strongest periodic wave of the residual light: frequencies to start from (flicker_search.cc).
 std::vector<std::vector<double>> flicker_starts(const PhotometryView& view, const Model& model,
                                                 const PhotometryPrediction& prediction);

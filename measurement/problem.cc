@@ -102,6 +102,14 @@ std::vector<std::vector<double>> Problem::starts(const Model&,
   return all;
 }
 
+double Problem::looks(const Model& model, const EffectDefinition& effect) const {
+  double looks = 1;
+  for (const effects::Parameter& parameter : effect.parameters) {
+    if (parameter.integer) looks *= static_cast<double>(starts(model, effect).size());
+  }
+  return looks;
+}
+
 std::string Problem::advice(const std::string&, const std::string&) const {
   return "";
 }

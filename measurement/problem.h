@@ -202,6 +202,9 @@ class Problem {
   // Values from which fits of a candidate start (all are tried, the best is kept). Default: a
   // small step from neutral in each direction.
   virtual std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const;
+  // At how many independent places the starts of an effect looked for the best one (frequencies, counts): so
+  // many looks it counts for. Default: its starts where it has counts.
+  virtual double looks(const Model& model, const EffectDefinition& effect) const;
   // By scalar: rows in which a residual is more than 6 robust sigmas from the median of its
   // neighbours' under this model.
   virtual std::vector<char> find_outliers(const Model& model) const;

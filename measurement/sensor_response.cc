@@ -12,7 +12,11 @@ using effects::SensorExposure;
 ResponseTable::ResponseTable(const SensorChain& chain, const SensorExposure& exposure, int colour,
                              double set_noise_dn, double low, double high)
     : chain_(chain), exposure_(exposure), colour_(colour), noise2_(set_noise_dn * set_noise_dn) {
-  const double step = effects::quantisation_step(chain, exposure.file_bits);
+  // The noise smooths the response over its own width.
+  const double noise2 = effects::response_moments(chain, low, colour, exposure).variance_dn2 +
+                        chain.read_sigma_dn * chain.read_sigma_dn;
+  const double step =
+      std::max(effects::quantisation_step(chain, exposure.file_bits), std::sqrt(noise2));
   low_ = low;
   const int cells =
       high > low ? std::clamp(static_cast<int>(16 * (high - low) / step), 32, 4096) : 0;

@@ -21,7 +21,7 @@ struct Rate {
 };
 
 struct StudyPlan {
-  std::string kind;       // points, joints, odometry, landmarks.
+  std::string kind;       // points, joints, odometry, landmarks, photometry, frames.
   std::string effect;     // Hidden in each set; empty: none, so that all findings are false alarms.
   std::string parameter;  // The one that is not neutral; empty: the effect's first.
   std::vector<double> sizes;   // In standard errors of that parameter, as these sets tell it.
@@ -54,7 +54,8 @@ StudyResult study(const StudyPlan& plan, const Progress& progress);
 std::string study_json(const StudyPlan& plan, const StudyResult& result);
 std::string study_text(const StudyPlan& plan, const StudyResult& result);
 
-// Writes the kind's protocol of about 1,000 residuals into a folder; returns its nominal model.
+// Writes the kind's protocol of about 1,000 residuals (images: of a few thousand samples) into a
+// folder; returns its nominal model.
 Model write_study_protocol(const std::string& kind, const std::filesystem::path& folder);
 
 }  // namespace seam::measurement

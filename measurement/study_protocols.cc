@@ -119,6 +119,63 @@ std::string landmarks(const std::filesystem::path& folder) {
   return "{ideal_detector: {}}";
 }
 
+// Flat fields at five levels of light and two exposures.
+std::string photometry(const std::filesystem::path& folder) {
+  std::string table = "frame,file,time_s,exposure_s,illumination\n";
+  int frame = 0;
+  for (const double exposure : {0.005, 0.01}) {
+    for (const double light : {0.0, 0.08, 0.2, 0.4}) {
+      for (int k = 0; k < 5; ++k, ++frame)
+        table +=
+            fmt::format("{0},{0}.png,{1:.6f},{2},{3}\n", frame, 0.041 * frame, exposure, light);
+    }
+  }
+  write_file_atomically(folder / "frames.csv", table);
+  write_file_atomically(
+      folder / "measurement.yaml",
+      "format: seam-measurement/1\nkind: photometry\ntitle: Study of flat fields\n"
+      "camera: {width_px: 16, height_px: 12, frame_period_s: 0.041}\ngroup: frame\n"
+      "files: {frames: frames.csv}\n");
+  return "{linear_response: {gain_dn: 220, black_dn: 16}, read_noise: {sigma_dn: 1.4}, "
+         "rolling_shutter: {line_delay_s: 0.0012}}";
+}
+
+// A head that swings before a ball and posts; small images.
+std::string frames(const std::filesystem::path& folder) {
+  std::string joints = "time_s,tilt_rad,pan_rad\n", table = "frame,file,time_s\n";
+  for (int i = 0; i <= 130; ++i) {
+    const double t = 0.008 * i;
+    joints += fmt::format("{:.6f},{:.7f},{:.7f}\n", t, 0.14 + 0.1 * maths::sin(4.2 * t),
+                          0.6 * maths::sin(6.1 * t));
+  }
+  for (int frame = 0; frame < 6; ++frame)
+    table += fmt::format("{0},{0}.png,{1:.6f}\n", frame, 0.15 + 0.13 * frame);
+  write_file_atomically(folder / "joints.csv", joints);
+  write_file_atomically(folder / "frames.csv", table);
+  write_file_atomically(
+      folder / "scene.yaml",
+      "format: seam-scene/1\nbackground_rgb: [0.45, 0.45, 0.5]\nshading: flat\nobjects:\n"
+      "  - {shape: rectangle, centre_m: [0, 0, 0], size_m: [4.2, 2.7], normal: [0, 0, 1], "
+      "rgb: [0.05, 0.35, 0.08]}\n"
+      "  - {shape: sphere, centre_m: [0.7, -0.2, 0.06], radius_m: 0.06, rgb: [0.9, 0.3, 0.02]}\n"
+      "  - {shape: cylinder, base_m: [1.2, 0.6, 0], radius_m: 0.05, height_m: 0.4, "
+      "rgb: [0.9, 0.4, 0.5]}\n"
+      "  - {shape: cylinder, base_m: [1.3, -0.5, 0], radius_m: 0.05, height_m: 0.4, "
+      "rgb: [0.9, 0.85, 0.1]}\n"
+      "  - {shape: cylinder, base_m: [1, 0.1, 0], radius_m: 0.03, height_m: 0.5, "
+      "rgb: [0.2, 0.6, 0.9]}\n");
+  write_file_atomically(
+      folder / "measurement.yaml",
+      "format: seam-measurement/1\nkind: frames\ntitle: Study of images\n"
+      "camera: {width_px: 60, height_px: 48, frame_period_s: 0.13}\ngroup: frame\n"
+      "files: {frames: frames.csv, joints: joints.csv}\nscene: scene.yaml\n"
+      "rig:\n  chain:\n    - {translate_m: [0, 0, 0.195]}\n    - {joint: tilt, axis: [0, 1, 0]}\n"
+      "    - {translate_m: [0, 0, 0.048]}\n    - {joint: pan, axis: [0, 0, 1]}\n"
+      "    - {translate_m: [0.0666, 0, 0]}\n");
+  return "{pinhole: {fx_px: 54.6, fy_px: 54.8, cx_px: 29.5, cy_px: 23.5}, "
+         "exposure: {exposure_s: 0.005}, read_noise: {sigma_dn: 1.5}}";
+}
+
 }  // namespace
 
 Model write_study_protocol(const std::string& kind, const std::filesystem::path& folder) {
@@ -128,9 +185,14 @@ Model write_study_protocol(const std::string& kind, const std::filesystem::path&
   if (kind == "joints") nominal = joints(folder);
   if (kind == "odometry") nominal = odometry(folder);
   if (kind == "landmarks") nominal = landmarks(folder);
+  if (kind == "photometry") nominal = photometry(folder);
+  if (kind == "frames") nominal = frames(folder);
   if (nominal.empty())
-    throw InputError(fmt::format(
-        "no study protocol for kind '{}', expected points, joints, odometry or landmarks", kind));
+    throw InputError(
+        fmt::format("no study protocol for kind '{}', expected points, joints, odometry, "
+                    "landmarks, photometry or "
+                    "frames",
+                    kind));
   return Model::from_config(ConfigNode::from_text(
       "format: seam-model/1\nname: nominal\neffects: " + nominal + "\n", "nominal"));
 }

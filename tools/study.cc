@@ -54,7 +54,10 @@ void add_study(Command app) {
     std::string json;
   };
   auto flags = std::make_shared<Flags>();
-  command.add_option("KIND", flags->plan.kind, "points, joints, odometry or landmarks").required();
+  command
+      .add_option("KIND", flags->plan.kind,
+                  "points, joints, odometry, landmarks, photometry or frames")
+      .required();
   command.add_option("--seeds", flags->plan.seeds, "How many sets at each size").range(1, 100000);
   command.add_option("--first-seed", flags->plan.first_seed,
                      "Seed of the first set; the others follow");
