@@ -319,7 +319,8 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
     for (size_t i = 0; i < sum.mean.size(); ++i) {
       const double r = sum.mean[i] - prediction.levels[l].mean[i];
       // Values that are certain (a field clipped whole) say nothing of the error when they fit.
-      if (prediction.levels[l].variance[i] < kCertain)
+      const bool fits = count * r * r + sum.scatter[i] < kCertain * count;
+      if (fits && prediction.levels[l].variance[i] < kCertain)
         score.values -= static_cast<int64_t>(sum.frames.size());
       score.square += count * r * r + sum.scatter[i];
     }

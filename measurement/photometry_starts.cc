@@ -50,14 +50,17 @@ Excess excess_of(const PhotometryView& view, const PhotometryPrediction& predict
     double variance = 0;
     for (size_t i = 0; i < sum.mean.size(); ++i) {
       const double r = sum.mean[i] - level.mean[i];
-      const double g2 = level.gain_slope[i] * level.gain_slope[i];
+      // Without noise the file's steps hide the slope: then it is that of the light.
+      const double signal = std::max(0.0, level.mean[i] - prediction.chain.black_dn);
+      const double gain = level.gain_slope[i] > 0 ? level.gain_slope[i] : signal;
+      const double g2 = gain * gain, shot = gain * data.levels[l].gain;
       const double left = r * r - level.variance[i] / frames;
       po += left, pg += left * g2, pgg += g2 * g2, count += 1;
       column[i / data.channels % data.width_px] += r / (data.height_px * data.channels);
       variance += level.variance[i];
       if (frames < 2) continue;
       const double v = sum.scatter[i] / ((frames - 1) * (1 - 1.0 / data.width_px)) - level.variance[i];
-      n += 1, out.temporal += v, xy += v * level.gain_slope[i], xx += g2;
+      n += 1, out.temporal += v, xy += v * shot, xx += shot * shot;
     }
     variance /= static_cast<double>(sum.mean.size());
     for (const double c : column) column_sum += c * c - variance / (frames * data.height_px * data.channels);
