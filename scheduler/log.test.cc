@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <tuple>
+
 #include "scheduler/log_recovery.h"
 #include "scheduler/log_testing.h"
 #include "sim_core/error.h"
@@ -306,6 +309,30 @@ TEST(Log, CutAnywhereItIsRecoveredUpToThere) {
     EXPECT_EQ(messages_by_chunk(mended),
               std::vector(messages.begin(), messages.begin() + static_cast<long>(whole_chunks)))
         << cut;
+  }
+}
+
+// Sums of times must not overflow, whatever a hostile log holds.
+TEST(Log, TimesBeyondReasonAreRefusedByName) {
+  constexpr int64_t kFar_ns[] = {std::numeric_limits<int64_t>::max(), std::numeric_limits<int64_t>::min(), (int64_t{1} << 61) + 1};
+  for (const int64_t far_ns : kFar_ns) {
+    const SimTime far = SimTime::from_ns(far_ns), near = SimTime::from_ns(1);
+    const std::tuple<Topic, LogRecord, const char*> records[] = {
+        {Topic::turn, TurnRecord{far, {}}, "turn: time_ns"},
+        {Topic::step, StepRecord{far, 1, 0, {}, {}, {}, {}}, "/seam/step: time_ns"},
+        {Topic::snapshot, SnapshotRecord{far, 1, ""}, "/seam/snapshot: time_ns"},
+        {Topic::frame, FrameRecord{far, 0, 1, near, 0}, "/seam/frame: time_ns"},
+        {Topic::frame, FrameRecord{near, 0, 1, far, 0}, "/seam/frame: stamp_ns"},
+        {Topic::event, SimulationEvent{far, {}, "", "", ""}, "/seam/event: time_ns"},
+        {Topic::end, EndRecord{far, {}, 0, 0, 0}, "/seam/end: time_ns"}};
+    for (const auto& [topic, record, field] : records) {
+      try {
+        decode(topic, encode(record, {"red1"}), {"red1"});
+        ADD_FAILURE() << field << " " << far_ns;
+      } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find(field), std::string::npos) << error.what();
+      }
+    }
   }
 }
 

@@ -96,7 +96,7 @@ std::string encode_step(const StepRecord& step) {
 
 StepRecord decode_step(std::string_view bytes) {
   auto message = parse<v1::LogStep>(bytes, Topic::step);
-  return {SimTime::from_ns(message.time_ns()),
+  return {time_from_log(message.time_ns(), "/seam/step: time_ns"),
           message.step(),
           message.fingerprint(),
           {message.section_hashes().begin(), message.section_hashes().end()},
@@ -115,7 +115,7 @@ std::string encode_snapshot(const SnapshotRecord& snapshot) {
 
 SnapshotRecord decode_snapshot(std::string_view bytes) {
   auto message = parse<v1::LogSnapshot>(bytes, Topic::snapshot);
-  return {SimTime::from_ns(message.time_ns()), message.step(), std::move(*message.mutable_state())};
+  return {time_from_log(message.time_ns(), "/seam/snapshot: time_ns"), message.step(), std::move(*message.mutable_state())};
 }
 
 std::string encode_frame(const FrameRecord& frame) {
@@ -134,8 +134,8 @@ FrameRecord decode_frame(std::string_view bytes, size_t robots) {
     throw InputError(fmt::format("/seam/frame: robot: found {}, expected less than {}",
                                  message.robot(), robots));
   }
-  return {SimTime::from_ns(message.time_ns()), static_cast<int>(message.robot()), message.index(),
-          SimTime::from_ns(message.stamp_ns()), message.fingerprint()};
+  return {time_from_log(message.time_ns(), "/seam/frame: time_ns"), static_cast<int>(message.robot()), message.index(),
+          time_from_log(message.stamp_ns(), "/seam/frame: stamp_ns"), message.fingerprint()};
 }
 
 std::string encode_event(const SimulationEvent& event) {
@@ -150,7 +150,7 @@ std::string encode_event(const SimulationEvent& event) {
 
 SimulationEvent decode_event(std::string_view bytes) {
   const auto message = parse<v1::LogEvent>(bytes, Topic::event);
-  return {SimTime::from_ns(message.time_ns()),
+  return {time_from_log(message.time_ns(), "/seam/event: time_ns"),
           checked(message.kind(), EventKind::debug, Topic::event, "kind"), message.robot(),
           message.name(), message.detail()};
 }
@@ -167,7 +167,7 @@ std::string encode_end(const EndRecord& end) {
 
 EndRecord decode_end(std::string_view bytes) {
   const auto message = parse<v1::LogEnd>(bytes, Topic::end);
-  return {SimTime::from_ns(message.time_ns()),
+  return {time_from_log(message.time_ns(), "/seam/end: time_ns"),
           checked(message.reason(), EndReason::aborted, Topic::end, "reason"),
           message.fingerprint(), message.steps(), message.frames()};
 }

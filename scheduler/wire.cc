@@ -346,6 +346,13 @@ std::string encode_turn(SimTime time, const Turn& turn, const std::vector<std::s
   return wire.SerializeAsString();
 }
 
+SimTime time_from_log(int64_t time_ns, std::string_view field) {
+  constexpr int64_t kMost_ns = int64_t{1} << 61;
+  if (time_ns < -kMost_ns || time_ns > kMost_ns)
+    throw InputError(fmt::format("{}: found {}, expected at most {} from 0", field, time_ns, kMost_ns));
+  return SimTime::from_ns(time_ns);
+}
+
 std::pair<SimTime, Turn> decode_turn(std::string_view bytes, const std::vector<std::string>& robots) {
   v1::Turn wire;
   if (!wire.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
@@ -369,7 +376,7 @@ std::pair<SimTime, Turn> decode_turn(std::string_view bytes, const std::vector<s
       throw InputError(fmt::format("turn: {}: {}", bad->field, bad->message));
     turn.actions.push_back(std::get<SupervisorAction>(converted));
   }
-  return {SimTime::from_ns(wire.time_ns()), std::move(turn)};
+  return {time_from_log(wire.time_ns(), "turn: time_ns"), std::move(turn)};
 }
 
 }  // namespace seam::scheduler

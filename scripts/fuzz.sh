@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# fuzz.sh SECONDS [NAME...]: builds the fuzz targets with libFuzzer and AddressSanitizer (clang, a build of its own) and
+# fuzz.sh SECONDS [NAME...]: builds the fuzz targets with libFuzzer, AddressSanitizer and UBSan (clang, a build of its own) and
 # runs each for so long from its corpus. A finding ends it with the input's place. New inputs are not kept: a corpus
 # grows only by what somebody looked at (fuzz/corpus). `./test.sh` runs the same targets without clang (fuzz/driver.cc).
 set -euo pipefail
