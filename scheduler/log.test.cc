@@ -314,7 +314,8 @@ TEST(Log, CutAnywhereItIsRecoveredUpToThere) {
 
 // Sums of times must not overflow, whatever a hostile log holds.
 TEST(Log, TimesBeyondReasonAreRefusedByName) {
-  constexpr int64_t kFar_ns[] = {std::numeric_limits<int64_t>::max(), std::numeric_limits<int64_t>::min(), (int64_t{1} << 61) + 1};
+  using Limits = std::numeric_limits<int64_t>;
+  constexpr int64_t kFar_ns[] = {Limits::max(), Limits::min(), (int64_t{1} << 61) + 1};
   for (const int64_t far_ns : kFar_ns) {
     const SimTime far = SimTime::from_ns(far_ns), near = SimTime::from_ns(1);
     const std::tuple<Topic, LogRecord, const char*> records[] = {
