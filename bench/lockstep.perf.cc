@@ -23,8 +23,12 @@ namespace {
 
 using namespace seam;  // NOLINT: a program of its own.
 
+enum class Cameras { none, ers210, all_effects };
+
 // `robots` head swings; half of the teams' places each, no two frames at one instant.
-std::string scenario_yaml(int64_t robots, int64_t decision_ms, bool frames) {
+std::string scenario_yaml(int64_t robots, int64_t decision_ms, Cameras cameras) {
+  const bool frames = cameras != Cameras::none;
+  const char* model = cameras == Cameras::all_effects ? "ers210_full" : "ers210";
   std::string yaml = fmt::format(
       "format: seam-scenario/1\nname: bench\nduration_s: 100000\nseed: 1\n"
       "field: {}/models/field_2002.yaml\nball: {{x_m: 0.1, y_m: 0.2}}\nrobots:\n",
@@ -33,11 +37,12 @@ std::string scenario_yaml(int64_t robots, int64_t decision_ms, bool frames) {
     yaml += fmt::format(
         "  - id: r{0}\n    team: {1}\n    pose: {{x_m: {2}, y_m: {3}, theta_rad: {4}}}\n"
         "    body: {5}/models/robot_ers210.yaml\n"
-        "    camera: {{model: {5}/models/ers210.yaml, every_frame: {6}, clock: {{phase_s: {7}}}}}\n"
+        "    camera: {{model: {5}/models/{9}.yaml, every_frame: {6}, clock: {{phase_s: {7}}}}}\n"
         "    behaviour: {{clock: {{period_s: {8}}}}}\n",
         i, i % 2 == 0 ? "red" : "blue", -1.8 + 0.5 * static_cast<double>(i % 8),
         0.9 - 0.6 * static_cast<double>(i / 8), 0.4 * static_cast<double>(i), SEAM_SOURCE_DIR,
-        frames, 0.005 * static_cast<double>(i % 8), 0.001 * static_cast<double>(decision_ms));
+        frames, 0.005 * static_cast<double>(i % 8), 0.001 * static_cast<double>(decision_ms),
+        model);
   return yaml;
 }
 
@@ -82,9 +87,9 @@ class Clients {
 
 // One run that the benchmark's iterations advance piece by piece.
 struct Live {
-  Live(int64_t robots, int64_t decision_ms, bool frames)
+  Live(int64_t robots, int64_t decision_ms, Cameras cameras)
       : simulator(tools::make_simulator(
-            Scenario::from_text(scenario_yaml(robots, decision_ms, frames), "bench.yaml"))),
+            Scenario::from_text(scenario_yaml(robots, decision_ms, cameras), "bench.yaml"))),
         hub(hub_robots(simulator.scenario), control),
         address(fmt::format("unix:{}/seam-bench-{}",
                             std::filesystem::temp_directory_path().string(), getpid())),
@@ -94,7 +99,7 @@ struct Live {
                     simulator.world,
                     hub,
                     control,
-                    frames ? simulator.renderer.get() : nullptr,
+                    cameras == Cameras::none ? nullptr : simulator.renderer.get(),
                     {},
                     simulator.header}) {
     simulation.run_to(SimTime::from_s(1));  // All connected, all warm.
@@ -127,8 +132,8 @@ double server_cpu_s() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-void run_live(benchmark::State& state, bool frames) {
-  Live live(state.range(0), state.range(1), frames);
+void run_live(benchmark::State& state, Cameras cameras) {
+  Live live(state.range(0), state.range(1), cameras);
   const uint64_t decisions = live.simulation.decisions(), made = live.simulation.frames();
   const double waited_s = live.hub.wall_waiting_s();
   const SimTime start = live.simulation.now();
@@ -148,16 +153,19 @@ void run_live(benchmark::State& state, bool frames) {
   state.counters["server_cpu"] = (server_cpu_s() - server_s) / (until - start).s();
   state.counters["clients_cpu"] = (live.clients.cpu_s() - clients_s) / (until - start).s();
   state.counters["waiting_share"] = (live.hub.wall_waiting_s() - waited_s) / wall.count();
-  if (frames)
+  if (cameras != Cameras::none)
     state.counters["frames_per_s"] =
         Counter(static_cast<double>(live.simulation.frames() - made), Counter::kIsRate);
 }
 
 void lockstep(benchmark::State& state) {
-  run_live(state, false);
+  run_live(state, Cameras::none);
 }
 void lockstep_frames(benchmark::State& state) {
-  run_live(state, true);
+  run_live(state, Cameras::ers210);
+}
+void lockstep_all_effects(benchmark::State& state) {
+  run_live(state, Cameras::all_effects);
 }
 
 // Robots, milliseconds between decisions.
@@ -166,6 +174,7 @@ BENCHMARK(lockstep)
     ->Args({1, 8})
     ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
+BENCHMARK(lockstep_all_effects)->Args({8, 32})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(lockstep_frames)
     ->ArgsProduct({{2, 4, 8, 16}, {32}})
     ->UseRealTime()
@@ -173,8 +182,8 @@ BENCHMARK(lockstep_frames)
 
 // The same loop without gRPC: what the simulation itself takes.
 void loop_alone(benchmark::State& state) {
-  tools::Simulator simulator = tools::make_simulator(
-      Scenario::from_text(scenario_yaml(state.range(0), state.range(1), false), "bench.yaml"));
+  tools::Simulator simulator = tools::make_simulator(Scenario::from_text(
+      scenario_yaml(state.range(0), state.range(1), Cameras::none), "bench.yaml"));
   scheduler::RunControl control;
   scheduler::FunctionSource source([](const scheduler::Observation& seen) {
     scheduler::Decision decision;

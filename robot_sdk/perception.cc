@@ -55,7 +55,7 @@ void Perception::look_at_frame(const Frame& frame, Percepts& percepts) const {
   percepts.has_frame = true;
   percepts.ball = find_ball(mask, head, camera, options_.neck, factor > 1 ? 3 : 6);
   for (const LandmarkSighting& sighting : find_landmarks(mask, head, camera, options_.neck, factor > 1 ? 4 : 12)) {
-    percepts.landmarks.push_back(sighting);
+    if (!options_.check_heights || has_plausible_height(sighting)) percepts.landmarks.push_back(sighting);
   }
 }
 

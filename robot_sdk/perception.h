@@ -16,6 +16,8 @@ struct PerceptionOptions {
   // True: the head's angles are taken at the middle of each row's exposure. False: one angle for
   // the whole frame, at its stamp, as a program without knowledge of the rolling shutter does.
   bool row_times = true;
+  // True: beacons at a height that no beacon has are left out (see has_plausible_height).
+  bool check_heights = false;
 };
 
 class Perception {

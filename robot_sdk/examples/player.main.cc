@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
     if (option == "--seed") seed = std::strtoull(argv[i + 1], nullptr, 10);
   }
   Robot robot(argc, argv);
-  Perception perception;
+  Perception perception({.check_heights = true});
   WorldModel world(number, attacks_skyblue, seed * 16 + number + (attacks_skyblue ? 8 : 0));
   int64_t spoke_ns = 0;
   std::string doing;

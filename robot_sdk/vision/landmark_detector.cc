@@ -59,7 +59,11 @@ LandmarkSighting beacon_of(LandmarkKind kind, const Region& upper, const Region&
   if (whole) {
     range = range_of_height(rays.at(u, upper.v_min - 0.5f), rays.at(u, lower.v_max + 0.5f), 2 * kBandHeight_m);
   }
-  set_polar(sighting, rays.at(u, v), range);
+  const BodyRay middle = rays.at(u, v);
+  set_polar(sighting, middle, range);
+  if (range > 0) {
+    sighting.height_m = rays.neck.body_height_m + middle.origin_m.z + range * std::tan(middle.elevation_rad());
+  }
   sighting.range_sigma_m = sighting.range_m * std::sqrt(2.0f) * kEdgeSigma_px / height_px;
   // A region cut at its side has its middle displaced by up to half of what is missing.
   const bool cut = upper.u_min == 0 || upper.u_max == mask.width_px - 1;
@@ -117,6 +121,13 @@ void find_goal(const ColourMask& mask, Colour colour, LandmarkKind kind, const R
 }
 
 }  // namespace
+
+bool has_plausible_height(const LandmarkSighting& sighting) {
+  constexpr float kSlack_m = 0.06f, kSway_rad = 0.03f;
+  if (sighting.height_m == 0) return true;
+  const float above_m = sighting.height_m - kBeaconMiddle_m;
+  return above_m > -kSlack_m && above_m < kSlack_m + kSway_rad * sighting.range_m;
+}
 
 std::vector<LandmarkSighting> find_landmarks(const ColourMask& mask, const HeadAtRow& head,
                                              const CameraBelief& camera, const NeckBelief& neck, int min_area_px) {

@@ -22,7 +22,16 @@ struct LandmarkSighting {
   float bearing_sigma_rad = 0;
   float range_sigma_m = 0;
   float row = 0;          // Where in the image it was seen.
+  float height_m = 0;     // Above the ground, of the place where a beacon's bands meet; 0 where it cannot be told.
 };
+
+// Where a beacon's bands meet, above the ground.
+inline constexpr float kBeaconMiddle_m = 0.3f;
+
+// False for what only looks like a beacon (a uniform before the goal): its bands meet too low or too high.
+// The slack upwards grows with the range, since the body sways while it walks; what robots and the ball
+// look like is never much higher than a beacon's lower band, so that the slack downwards is narrow.
+bool has_plausible_height(const LandmarkSighting& sighting);
 
 std::vector<LandmarkSighting> find_landmarks(const ColourMask& mask, const HeadAtRow& head,
                                              const CameraBelief& camera, const NeckBelief& neck,

@@ -110,7 +110,23 @@ TEST(LandmarkDetector, NamesAndMeasuresABeacon) {
     // The near side of the post is 5 cm closer than its axis; one pixel of height is the limit.
     EXPECT_NEAR(found[0].range_m, std::sqrt(x * x + y * y) - 0.05f, 0.09f);
     EXPECT_NEAR(found[0].bearing_rad, std::atan2(y, x), 1.0f / 162);
+    EXPECT_NEAR(found[0].height_m, kBeaconMiddle_m, 0.02f);
+    EXPECT_TRUE(has_plausible_height(found[0]));
   }
+}
+
+TEST(LandmarkDetector, TellsABeaconFromColoursThatLieNearTheGround) {
+  // Sky-blue over pink between 0 and 20 cm: what a uniform before the goal looks like.
+  const HeadAngles head{-0.05f, 0, 0};
+  const World world = cast(head, [&](const BodyRay& ray) -> std::optional<Colour> {
+    const auto height = height_on_post(ray, 1.5f, 0);
+    if (!height || *height < 0 || *height > 0.2f) return std::nullopt;
+    return *height < 0.1f ? Colour::pink : Colour::skyblue;
+  });
+  const auto found = find_landmarks(world.mask(), [&](float) { return head; }, kCamera, kNeck);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_NEAR(found[0].height_m, 0.1f, 0.02f);
+  EXPECT_FALSE(has_plausible_height(found[0]));
 }
 
 }  // namespace
