@@ -29,12 +29,13 @@ TEST(Rate, WilsonsInterval) {
 TEST(Study, TwoSeedsOfEachKind) {
   for (const auto& [kind, effect] :
        {std::pair("points", "frame_latency"), std::pair("landmarks", "range_scale"),
-        std::pair("joints", "gravity_sag"), std::pair("odometry", "odometry_scale")}) {
+        std::pair("joints", "gravity_sag"), std::pair("odometry", "odometry_scale"),
+        std::pair("photometry", "vignetting")}) {
     const StudyPlan plan{
         .kind = kind, .effect = effect, .sizes = {12}, .seeds = 2, .folder = scratch("study")};
     const StudyResult result = study(plan, silent);
     EXPECT_GT(result.residuals, 500u) << kind;
-    EXPECT_LT(result.residuals, 2000u) << kind;
+    EXPECT_LT(result.residuals, kind == std::string("photometry") ? 10000u : 2000u) << kind;
     ASSERT_EQ(result.rows.size(), 1u);
     EXPECT_EQ(result.rows[0].first.hits, 2) << study_text(plan, result);
     EXPECT_NEAR(result.rows[0].error, 1.0, 0.15) << kind;
