@@ -318,11 +318,11 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   const double freedom = static_cast<double>(std::max<size_t>(1, candidate.free.size()));
   const double tail = chi2_tail(ratio, freedom);
   candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
-  // There a likelihood says little even so: held-out groups must agree that they gain, and the value
-  // must stand clear of its own error.
-  const bool agreed = after.error <= kMisfit ||
-                      (candidate.held_z > 1 && (has_counts(*candidate.effect) ||
-                                                clear_parameters(candidate.grown, candidate.effect->name) > 0));
+  // One parameter gains as much as it stands clear of neutral; a gain without is the base's, whose fit had stopped early.
+  const bool clear = has_counts(*candidate.effect) || candidate.effect->spread_only ||
+                     clear_parameters(candidate.grown, candidate.effect->name) > 0;
+  // Beyond the noise a likelihood says little: held-out groups must agree that they gain, and some value be clear.
+  const bool agreed = after.error <= kMisfit ? clear || candidate.free.size() > 1 : clear && candidate.held_z > 1;
   // Held-out groups must agree; where all groups together leave no doubt, they may be unlucky by as much as
   // noise makes them in one of ten cases at five standard errors.
   const bool beyond_doubt = candidate.p_value < 0.01 * kCandidateAlarm && after.error < kMisfit;

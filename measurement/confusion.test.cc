@@ -112,5 +112,16 @@ TEST(Declared, EncoderScaleOfAStandingHead) {
   }));
 }
 
+// The same load can be told from the opposite level with the other sign; a fit tells it the near way.
+TEST(Declared, ASagByItsNearLevel) {
+  for (const double rad : {0.02, -0.02}) {
+    const SearchResult result = searched("joints", fmt::format("gravity_sag: {{rad: {}, level_rad: 0.3}}", rad));
+    const effects::ModelEffect* found = result.best.assessment.model.find("gravity_sag");
+    ASSERT_NE(found, nullptr) << rad;
+    EXPECT_NEAR(found->value("rad"), rad, 0.001);
+    EXPECT_NEAR(found->value("level_rad"), 0.3, 0.03);
+  }
+}
+
 }  // namespace
 }  // namespace seam::measurement

@@ -2,14 +2,41 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "measurement/joints.h"
 #include "measurement/wide_fit.h"
+#include "sim_core/maths.h"
 
 namespace seam::measurement {
 
+namespace {
+
+// A load that hangs the other way round at the opposite level is the same load. Told with the level within a right
+// angle of zero, as far as the data can tell a right angle; there with a positive sag.
+void tell_sag_once(Fit& fit, const std::vector<Unknown>& unknowns) {
+  constexpr double kMargin_rad = 0.2;
+  std::optional<size_t> sag, level;
+  for (size_t i = 0; i < unknowns.size(); ++i) {
+    if (unknowns[i].effect == "gravity_sag") (unknowns[i].parameter == 0 ? sag : level) = i;
+  }
+  if (!sag || !level) return;
+  double& sag_rad = fit.value[*sag];
+  double& level_rad = fit.value[*level];
+  const double beyond_rad = std::abs(level_rad) - maths::kPi / 2;
+  if (beyond_rad < -kMargin_rad || (beyond_rad < kMargin_rad && sag_rad >= 0)) return;
+  sag_rad = -sag_rad;
+  level_rad -= std::copysign(maths::kPi, level_rad);
+  fit.model.set_value("gravity_sag", 0, sag_rad);
+  fit.model.set_value("gravity_sag", 1, level_rad);
+}
+
+}  // namespace
+
 Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
-  return wide_fit(*this, start, unknowns, groups);
+  Fit fit = wide_fit(*this, start, unknowns, groups);
+  tell_sag_once(fit, unknowns);
+  return fit;
 }
 
 std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model, const std::vector<Unknown>& unknowns,
