@@ -108,6 +108,9 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
   const auto samples = static_cast<size_t>(width_px) * height_px * channels;
   pattern.gain.assign(samples, 1.0f);
   pattern.offset_dn.assign(samples, 0.0f);
+  pattern.has_gain = chain.pixel_gain_sigma > 0;
+  pattern.has_offset =
+      chain.pixel_offset_sigma_dn > 0 || chain.column_sigma_dn > 0 || chain.hot_fraction > 0;
   if (chain.pixel_gain_sigma > 0) {
     const RandomStream stream = camera_noise.child("pixel_gain_spread");
     for (size_t i = 0; i < samples; ++i) {

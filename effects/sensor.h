@@ -92,6 +92,8 @@ struct FixedPattern {
   int channels = 1;
   std::vector<float> gain;       // 1 + PRNU, a factor for each sample.
   std::vector<float> offset_dn;  // Pixel, column and hot offsets for each sample (without black).
+  // False where all gains are 1, all offsets 0: what need not be looked at.
+  bool has_gain = true, has_offset = true;
 };
 FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px, int channels,
                            RandomStream camera_noise);

@@ -27,7 +27,7 @@ struct ReadOut {
 struct SensorKernels {
   // Standard normals of samples [64 first_group, 64 (first_group + groups)).
   void (*normals)(uint64_t seed, uint64_t stream, uint64_t first_group, size_t groups, float* out);
-  // out[i] = illumination[i] * scale * gain[i].
+  // out[i] = illumination[i] * scale, times gain[i] where there is one.
   void (*signal)(const float* illumination, float scale, const float* gain, size_t count,
                  float* out);
   // value[i] becomes electrons (value * electrons_per_value + dark), then their random count.

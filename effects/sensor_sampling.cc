@@ -73,7 +73,7 @@ class Exposing {
                      chunk.count, value);
     }
     const auto black = static_cast<float>(chain_.black_dn);
-    const float* const offset = &pattern_.offset_dn[chunk.first];
+    const float* const offset = pattern_.has_offset ? &pattern_.offset_dn[chunk.first] : nullptr;
     if (chain_.maps.empty()) {
       kernels_.balance(channel_gain_.data(), black, offset, chunk.count, value);
     } else {
@@ -82,7 +82,7 @@ class Exposing {
         for (size_t i = 0; i < chunk.count; ++i)
           value[i] = static_cast<float>(map(value[i], exposure_.t_s));
       }
-      kernels_.add(offset, chunk.count, value);
+      if (offset != nullptr) kernels_.add(offset, chunk.count, value);
     }
     if (chain_.row_sigma_dn > 0) add_row_noise(chunk);
   }
@@ -106,7 +106,8 @@ class Exposing {
   void count_light(Chunk& chunk, const float* illumination) {
     const auto scale = static_cast<float>(signal_dn(chain_, 1, exposure_));
     float* value = chunk.value.data();
-    kernels_.signal(illumination, scale, &pattern_.gain[chunk.first], chunk.count, value);
+    kernels_.signal(illumination, scale, pattern_.has_gain ? &pattern_.gain[chunk.first] : nullptr,
+                    chunk.count, value);
     const double dark = chain_.dark_electrons_per_s * exposure_.exposure_s;
     if (!chain_.has_shot_noise()) {
       if (dark > 0) {
