@@ -157,7 +157,8 @@ class FaultyClient {
         if (message.has_goodbye()) over_ = true;
         if (message.has_observation()) again = !answer(client, message.observation(), strikes_at);
       }
-      client.cancel();
+      // Only who leaves by itself cancels: the status that the server gave would be lost.
+      if (again) client.cancel();
       if (client.finish().error_code() == grpc::StatusCode::FAILED_PRECONDITION) return;  // Over.
       if (fault_ == Fault::killed && struck_) return;
     }
