@@ -2,7 +2,8 @@
 // without its instrumentation, so the sanitizer does not see how they hand data from thread to thread.
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() {
-  return "race:libgrpc\n"
+  return "race:libgpr\n"
+         "race:libgrpc\n"
          "race:libabsl\n"
          "race:libprotobuf\n"
          "race:grpc::\n"
