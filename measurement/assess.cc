@@ -59,9 +59,10 @@ Assessment assess(const Problem& problem, const Model& model, const std::vector<
     result.fit = fit_on(training, model);
     result.model = result.fit.model;
     result.held = problem.score(result.model, folds[0]);
-    const Score trained = problem.score(result.model, training);
-    result.total_ll = trained.log_likelihood + result.held.log_likelihood;
-    result.valid = result.held.valid && trained.valid;
+    const bool sum = problem.groups_are_independent();
+    const Score rest = problem.score(result.model, sum ? training : all);
+    result.total_ll = rest.log_likelihood + (sum ? result.held.log_likelihood : 0);
+    result.valid = result.held.valid && rest.valid;
   } else {
     result.fit = fit_on(all, model);
     result.model = result.fit.model;

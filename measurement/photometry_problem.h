@@ -24,6 +24,7 @@ class PhotometryProblem : public Problem {
   bool acts(const EffectDefinition& effect) const override;
   std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;
   std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
+  bool groups_are_independent() const override { return false; }
   double looks(const Model& model, const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
 

@@ -188,6 +188,9 @@ class Problem {
   // Whether predictions are smooth in the parameters of effects of the mean, so that one step of
   // Gauss and Newton from a small start says about what a fit would reach.
   virtual bool is_smooth() const { return false; }
+  // Whether groups have errors of their own alone. Where they share some (fixed patterns of a sensor), the
+  // likelihood of all of them is not the sum over training and held-out groups.
+  virtual bool groups_are_independent() const { return true; }
   // Where predictions are dear: the few training groups on which candidates are screened before any is
   // fitted to all of them.
   virtual std::optional<Groups> screening_groups() const { return std::nullopt; }
