@@ -80,6 +80,11 @@ void Verifier::on_start(const RunHeader& header) {
                       fmt::join(logged.sections, ", "), fmt::join(header.sections, ", ")));
 }
 
+// A run that was stopped from outside may have ended between two events of its last instant.
+bool Verifier::may_be_cut_off(SimTime time) const {
+  return !end_ || (end_->reason != EndReason::finished && time >= end_->time);
+}
+
 void Verifier::stop_at_open_end() {
   over_ = true;
   control_.stop();
@@ -119,7 +124,7 @@ void Verifier::on_step(SimTime time, uint64_t step, const StateDigest& state) {
   }
   if (logged) {
     compare_step(*logged, time, step, state);
-  } else if (!end_) {
+  } else if (may_be_cut_off(time)) {
     stop_at_open_end();
   } else {
     diverge(time, "clock", "step",
@@ -178,7 +183,7 @@ void Verifier::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
                                      robots.begin());
   const auto logged = frames_expected_.take({robot, frame.frame_index}, time);
   if (!logged) {
-    if (!end_ && frames_expected_.exhausted()) return;  // Made, but not yet written when killed.
+    if (may_be_cut_off(time) && frames_expected_.exhausted()) return;  // Made, but not yet written when killed.
     return diverge(time, section, "index",
                    fmt::format("the re-run made frame {}, which the log does not have",
                                frame.frame_index));
@@ -204,7 +209,7 @@ void Verifier::on_event(const SimulationEvent& event) {
   if (over_ || divergence_ || !repeats(event.kind)) return;
   const EventKey key(event.time, event.kind, event.robot, event.name, event.detail);
   if (events_expected_.take(key, event.time)) return;
-  if (!end_ && events_expected_.exhausted()) return;
+  if (may_be_cut_off(event.time) && events_expected_.exhausted()) return;
   diverge(event.time, "events", event.name,
           fmt::format("the re-run has the event '{}' {} {}, which the log does not have",
                       event.name, event.robot, event.detail));
@@ -217,7 +222,6 @@ void Verifier::on_end(SimTime time, EndReason reason, uint64_t fingerprint) {
                    fmt::format("the re-run ended at {} ns, the log goes on at {} ns", time.ns(),
                                more->time.ns()));
   }
-  // A run that was stopped from outside may have ended between two events of one instant.
   if (end_->reason != EndReason::finished || ignore_frames_) return;
   if (reason != end_->reason || end_->fingerprint != fingerprint) {
     diverge(time, "end", "fingerprint",

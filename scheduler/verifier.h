@@ -62,6 +62,7 @@ class Verifier final : public SimulationObserver {
   std::optional<StepRecord> next_step();
   void find_missing(SimTime time);
   // The log ends here without an end: its writer was killed, and nothing more can be compared.
+  bool may_be_cut_off(SimTime time) const;
   void stop_at_open_end();
   void diverge(SimTime time, std::string section, std::string field, std::string detail);
   void compare_step(const StepRecord& logged, SimTime time, uint64_t step, const StateDigest& state);
