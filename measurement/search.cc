@@ -232,7 +232,9 @@ void Searcher::order_steps(SearchResult& result) {
       std::vector<NotTestable> reasons;
       tried[i] = try_effect(problem_, grown, definition(left[i]), reasons);
       // Found after another that it replaced: what was fitted last is the place to start from.
-      if (!tried[i]) tried[i] = Candidate{.grown = part_of(result.best, left, i)};
+      if (tried[i]) return;
+      Grown part = part_of(result.best, left, i);
+      if (part.assessment.valid) tried[i] = Candidate{.grown = std::move(part)};
     });
     size_t best = left.size();
     for (size_t i = 0; i < left.size(); ++i) {

@@ -18,6 +18,14 @@ double between(const char* what, uint64_t index, double low, double high) {
   return low + (high - low) * uniform(kProtocol.child(what), index);
 }
 
+// The ERS-210's head on its neck: tilt about the axis given, then pan.
+std::string head_rig(const char* tilt_axis) {
+  return fmt::format(
+      "rig:\n  chain:\n    - {{translate_m: [0, 0, 0.195]}}\n    - {{joint: tilt, axis: {}}}\n"
+      "    - {{translate_m: [0, 0, 0.048]}}\n    - {{joint: pan, axis: [0, 0, 1]}}\n"
+      "    - {{translate_m: [0.0666, 0, 0]}}\n", tilt_axis);
+}
+
 // A head that nods and swings before a room of points.
 std::string points(const std::filesystem::path& folder) {
   std::string joints = "time_s,tilt_rad,pan_rad\n";
@@ -45,10 +53,7 @@ std::string points(const std::filesystem::path& folder) {
       "format: seam-measurement/1\nkind: points\ntitle: Study of points\n"
       "camera: {width_px: 178, height_px: 144, frame_period_s: 0.08}\n"
       "noise: {u_px: 0.15, v_px: 0.15}\ngroup: frame\n"
-      "files: {points: points.csv, joints: joints.csv}\n"
-      "rig:\n  chain:\n    - {translate_m: [0, 0, 0.195]}\n    - {joint: tilt, axis: [0, -1, 0]}\n"
-      "    - {translate_m: [0, 0, 0.048]}\n    - {joint: pan, axis: [0, 0, 1]}\n"
-      "    - {translate_m: [0.0666, 0, 0]}\n");
+      "files: {points: points.csv, joints: joints.csv}\n" + head_rig("[0, -1, 0]"));
   return "{pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}}";
 }
 
@@ -168,10 +173,7 @@ std::string frames(const std::filesystem::path& folder) {
       folder / "measurement.yaml",
       "format: seam-measurement/1\nkind: frames\ntitle: Study of images\n"
       "camera: {width_px: 60, height_px: 48, frame_period_s: 0.13}\ngroup: frame\n"
-      "files: {frames: frames.csv, joints: joints.csv}\nscene: scene.yaml\n"
-      "rig:\n  chain:\n    - {translate_m: [0, 0, 0.195]}\n    - {joint: tilt, axis: [0, 1, 0]}\n"
-      "    - {translate_m: [0, 0, 0.048]}\n    - {joint: pan, axis: [0, 0, 1]}\n"
-      "    - {translate_m: [0.0666, 0, 0]}\n");
+      "files: {frames: frames.csv, joints: joints.csv}\nscene: scene.yaml\n" + head_rig("[0, 1, 0]"));
   return "{pinhole: {fx_px: 54.6, fy_px: 54.8, cx_px: 29.5, cy_px: 23.5}, "
          "exposure: {exposure_s: 0.005}, read_noise: {sigma_dn: 1.5}}";
 }

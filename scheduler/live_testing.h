@@ -2,6 +2,7 @@
 // the SDK, so that they can also speak it badly.
 #pragma once
 
+#include <grpcpp/generic/generic_stub.h>
 #include <grpcpp/grpcpp.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,10 +10,12 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "scheduler/client_hub.h"
 #include "scheduler/server.h"
@@ -27,6 +30,45 @@ inline std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+// What a call by its name brought.
+struct Reply {
+  grpc::Status status;
+  std::vector<std::string> messages;
+};
+
+// Sends one message's bytes to a method ("/package.Service/Method") and reads until the stream ends.
+inline Reply call_by_name(const std::string& address, const std::string& method, const std::string& request,
+                          const std::map<std::string, std::string>& metadata = {}) {
+  grpc::GenericStub stub(open_channel(address));
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
+  for (const auto& [name, value] : metadata) context.AddMetadata(name, value);
+  grpc::CompletionQueue queue;
+  const auto stream = stub.PrepareCall(&context, method, &queue);
+  const auto wait = [&queue] {
+    void* tag = nullptr;
+    bool ok = false;
+    return queue.Next(&tag, &ok) && ok;
+  };
+  stream->StartCall(nullptr);
+  wait();
+  const grpc::Slice slice(request);
+  stream->WriteLast(grpc::ByteBuffer(&slice, 1), {}, nullptr);
+  wait();
+  Reply reply;
+  while (true) {
+    grpc::ByteBuffer bytes;
+    stream->Read(&bytes, nullptr);
+    if (!wait()) break;
+    grpc::Slice flat;
+    if (bytes.Valid()) bytes.DumpToSingleSlice(&flat);
+    reply.messages.emplace_back(reinterpret_cast<const char*>(flat.begin()), flat.size());
+  }
+  stream->Finish(&reply.status, nullptr);
+  wait();
+  return reply;
 }
 
 // One stream, read and written step by step.

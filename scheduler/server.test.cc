@@ -3,7 +3,6 @@
 #include "scheduler/server.h"
 
 #include <gmock/gmock.h>
-#include <grpcpp/generic/generic_stub.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -317,42 +316,13 @@ TEST(Server, PlainConnectionsStayLocal) {
 
 // ---- Services that tools expect ----
 
-// A call by name with the request's bytes; the first reply's bytes.
-std::string raw_call(const std::string& address, const std::string& method, const std::string& request) {
-  grpc::GenericStub stub(open_channel(address));
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
-  grpc::CompletionQueue queue;
-  const auto stream = stub.PrepareCall(&context, method, &queue);
-  const auto wait = [&queue] {
-    void* tag = nullptr;
-    bool ok = false;
-    return queue.Next(&tag, &ok) && ok;
-  };
-  stream->StartCall(nullptr);
-  if (!wait()) return "no call";
-  const grpc::Slice slice(request);
-  stream->WriteLast(grpc::ByteBuffer(&slice, 1), {}, nullptr);
-  wait();
-  grpc::ByteBuffer reply;
-  stream->Read(&reply, nullptr);
-  if (!wait()) return "no reply";
-  grpc::Slice bytes;
-  reply.DumpToSingleSlice(&bytes);
-  context.TryCancel();
-  grpc::Status status;
-  stream->Finish(&status, nullptr);
-  wait();
-  return {reinterpret_cast<const char*>(bytes.begin()), bytes.size()};
-}
-
 TEST(Server, HealthAndReflectionAnswer) {
   LiveRun run(yaml(1));
   // HealthCheckResponse{status: SERVING}.
-  EXPECT_EQ(raw_call(run.address, "/grpc.health.v1.Health/Check", ""), std::string("\x08\x01", 2));
+  EXPECT_EQ(call_by_name(run.address, "/grpc.health.v1.Health/Check", "").messages.at(0), std::string("\x08\x01", 2));
   // ServerReflectionRequest{list_services: ""}.
-  const std::string services = raw_call(
-      run.address, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", std::string("\x3a\x00", 2));
+  const std::string services = call_by_name(
+      run.address, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", std::string("\x3a\x00", 2)).messages.at(0);
   EXPECT_THAT(services, HasSubstr("seam.v1.Simulation"));
   EXPECT_THAT(services, HasSubstr("seam.v1.Supervisor"));
 }
