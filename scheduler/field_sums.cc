@@ -60,33 +60,50 @@ Polynomial connection_polynomial(std::span<const uint64_t> S) {
   return C;
 }
 
-}  // namespace
+// The sums of the fields of one block, whose first has the number `first`. With places i = first + j,
+//   sum of h i^k = sum over m of C(k, m) first^(k - m) * (sum of h j^m),
+// and powers of j are too small to need a reduction: 2^31 * (sum of j^5, j < 32) < 2^59.
+constexpr size_t kBlock = 32;
 
-std::vector<uint32_t> field_sums(std::span<const int64_t> words) {
-  // This runs for each field of each step. So fields are taken in blocks: with places i = begin + j,
-  //   sum of h i^k = sum over m of C(k, m) begin^(k - m) * (sum of h j^m),
-  // and within a block powers of j are too small to need a reduction: 2^31 * (sum of j^5, j < 32) < 2^59.
-  constexpr size_t kBlock = 32;
+FieldSums::Sums sums_of_block(std::span<const int64_t> words, uint64_t first) {
   constexpr uint64_t kBinomials[kFieldSums][kFieldSums] = {{1},          {1, 1},          {1, 2, 1},
                                                            {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}};
-  std::array<uint64_t, kFieldSums> sums{};
+  uint64_t m0 = 0, m1 = 0, m2 = 0, m3 = 0, m4 = 0, m5 = 0;  // Not an array: they shall stay in registers.
+  for (size_t j = 0; j < words.size(); ++j) {
+    const uint64_t h = field_hash(words[j]) >> 33;
+    const uint64_t h1 = h * j, h2 = h1 * j, h3 = h2 * j, h4 = h3 * j, h5 = h4 * j;
+    m0 += h, m1 += h1, m2 += h2, m3 += h3, m4 += h4, m5 += h5;
+  }
+  const std::array<uint64_t, kFieldSums> moments{m0, m1, m2, m3, m4, m5};
+  std::array<uint64_t, kFieldSums> powers{1};
+  for (size_t k = 1; k < kFieldSums; ++k) powers[k] = product(powers[k - 1], first % kPrime);
+  FieldSums::Sums sums{};
+  for (size_t m = 0; m < kFieldSums; ++m) {
+    const uint64_t moment = moments[m] % kPrime;
+    for (size_t k = m; k < kFieldSums; ++k)
+      sums[k] = reduced(sums[k] + kBinomials[k][m] * product(powers[k - m], moment));
+  }
+  return sums;
+}
+
+}  // namespace
+
+std::vector<uint32_t> FieldSums::of(std::span<const int64_t> words) {
+  if (words.size() != words_.size()) {
+    words_.assign(words.size(), 0);
+    blocks_.clear();
+  }
+  Sums sums{};
   for (size_t first = 0; first < words.size(); first += kBlock) {
-    uint64_t m0 = 0, m1 = 0, m2 = 0, m3 = 0, m4 = 0, m5 = 0;  // Not an array: they shall stay in registers.
-    const size_t count = std::min(kBlock, words.size() - first);
-    for (size_t j = 0; j < count; ++j) {
-      const uint64_t h = field_hash(words[first + j]) >> 33;
-      const uint64_t h1 = h * j, h2 = h1 * j, h3 = h2 * j, h4 = h3 * j, h5 = h4 * j;
-      m0 += h, m1 += h1, m2 += h2, m3 += h3, m4 += h4, m5 += h5;
+    const auto block = words.subspan(first, std::min(kBlock, words.size() - first));
+    const bool known = first / kBlock < blocks_.size();
+    if (!known) blocks_.emplace_back();
+    Sums& part = blocks_[first / kBlock];
+    if (!known || !std::equal(block.begin(), block.end(), words_.begin() + static_cast<ptrdiff_t>(first))) {
+      std::copy(block.begin(), block.end(), words_.begin() + static_cast<ptrdiff_t>(first));
+      part = sums_of_block(block, first + 1);
     }
-    const std::array<uint64_t, kFieldSums> moments{m0, m1, m2, m3, m4, m5};
-    std::array<uint64_t, kFieldSums> powers{1};  // Of the block's first place.
-    for (size_t k = 1; k < kFieldSums; ++k) powers[k] = product(powers[k - 1], (first + 1) % kPrime);
-    for (size_t m = 0; m < kFieldSums; ++m) {
-      const uint64_t moment = moments[m] % kPrime;
-      for (size_t k = m; k < kFieldSums; ++k) {
-        sums[k] = reduced(sums[k] + kBinomials[k][m] * product(powers[k - m], moment));
-      }
-    }
+    for (size_t k = 0; k < kFieldSums; ++k) sums[k] = reduced(sums[k] + part[k]);
   }
   return {sums.begin(), sums.end()};
 }

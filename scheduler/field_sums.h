@@ -8,6 +8,7 @@
 // than 1e-10.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,8 +17,18 @@ namespace seam::scheduler {
 
 inline constexpr size_t kFieldSums = 6;
 
-// Of the fields' words in order (see StateWords).
-std::vector<uint32_t> field_sums(std::span<const int64_t> words);
+// The sums of states one after the other: what did not change since the state before is not summed again.
+class FieldSums {
+ public:
+  using Sums = std::array<uint64_t, kFieldSums>;
+
+  // Of the fields' words in order (see StateWords).
+  std::vector<uint32_t> of(std::span<const int64_t> words);
+
+ private:
+  std::vector<int64_t> words_;  // Of the state before.
+  std::vector<Sums> blocks_;    // Of each block of its words.
+};
 
 // The numbers, from 0, of the fields that differ between two states of so many fields, ascending.
 // Nothing where the sums do not tell: too many differ, or the states have other numbers of fields.

@@ -15,7 +15,7 @@ namespace {
 std::vector<uint32_t> sums_of(std::vector<double> values) {
   StateWords words;
   for (double& value : values) words.field("", value);
-  return field_sums(words.words());
+  return FieldSums().of(words.words());
 }
 
 std::vector<double> state(size_t fields) {
@@ -29,7 +29,7 @@ TEST(FieldSums, FollowTheirDefinition) {
   for (const size_t fields : {1, 2, 31, 32, 33, 500, 4096}) {
     std::vector<int64_t> words(fields, -1);
     for (size_t i = 0; i + 1 < fields; ++i) words[i] = static_cast<int64_t>(random_bits({7, 7}, i)[0]) << (i % 40);
-    const std::vector<uint32_t> sums = field_sums(words);
+    const std::vector<uint32_t> sums = FieldSums().of(words);
     ASSERT_EQ(sums.size(), kFieldSums);
     for (size_t k = 0; k < kFieldSums; ++k) {
       uint64_t expected = 0;
@@ -43,6 +43,17 @@ TEST(FieldSums, FollowTheirDefinition) {
       }
       EXPECT_EQ(sums[k], expected) << fields << " fields, power " << k;
     }
+  }
+}
+
+TEST(FieldSums, OfAStateDoNotDependOnTheStateBefore) {
+  std::vector<int64_t> words(700, 5);
+  FieldSums sums;
+  for (uint64_t step = 0; step < 200; ++step) {
+    if (step == 100) words.resize(333);  // Another state altogether.
+    for (uint64_t change = 0; change < step % 4; ++change)
+      words[random_bits({9, step}, change)[0] % words.size()] += 1;
+    EXPECT_EQ(sums.of(words), FieldSums().of(words)) << step;
   }
 }
 

@@ -51,14 +51,15 @@ inline RecordedRun record(const std::string& yaml, DecisionSource& decisions,
   RunControl control;
   HashRenderer renderer(scenario);
   mcap::MemoryOutput output;
-  Recorder recorder(output, world, options);
-  Simulation simulation({scenario, world, decisions, control, &renderer, {&recorder},
+  std::optional<Recorder> recorder(std::in_place, output, world, options);
+  Simulation simulation({scenario, world, decisions, control, &renderer, {&*recorder},
                          header_of(scenario, yaml)});
   if (kill_after) {
     simulation.run_to(*kill_after);
   } else {
     simulation.run();
   }
+  recorder.reset();  // What it has begun to write it ends.
   return {output.bytes(), simulation.fingerprint()};
 }
 

@@ -1,9 +1,10 @@
 #include "scheduler/recorder.h"
 
 #include <algorithm>
+#include <type_traits>
+#include <utility>
 
 #include "scheduler/field_checks.h"
-#include "scheduler/field_sums.h"
 #include "scheduler/foxglove.h"
 #include "scheduler/log.h"
 #include "sim_core/hash.h"
@@ -40,16 +41,20 @@ std::vector<float> poses_of(const World& world) {
   return poses;
 }
 
-StepRecord step_record(const World& world, SimTime time, uint64_t step, const StateDigest& state) {
-  StepRecord record{time, step, step_fingerprint(state.section_hashes), {}, {}, {}, {}};
+namespace {
+
+StepRecord step_record(SimTime time, uint64_t step, const StateDigest& state, const std::vector<float>& poses,
+                       FieldSums& sums) {
+  StepRecord record{time, step, step_fingerprint(state.section_hashes), {}, {}, poses, {}};
   for (const uint64_t hash : state.section_hashes) {
     record.section_hashes.push_back(static_cast<uint32_t>(hash));
   }
-  record.field_sums = field_sums(state.words);
+  record.field_sums = sums.of(state.words);
   if (step % kCheckEverySteps == 0) record.field_checks = field_checks(state.words, step);
-  if (step % kPoseEverySteps == 0) record.poses = poses_of(world);
   return record;
 }
+
+}  // namespace
 
 Recorder::Recorder(mcap::Output& output, const World& world, const RecorderOptions& options)
     : world_(world), options_(options), writer_(output, writer_options(options)) {}
@@ -90,44 +95,61 @@ void Recorder::on_start(const RunHeader& header) {
 }
 
 void Recorder::write(Topic topic, SimTime time, const LogRecord& record) {
-  // A chunk ends before the record that would make it too long, so that what is on disk is never
-  // older than one period.
-  if (time - chunk_start_ >= options_.chunk_period) {
-    writer_.flush();
-    chunk_start_ = time;
-  }
   writer_.write(channels_[static_cast<size_t>(topic)], log_time(time), encode(record, robots_));
 }
 
+template <typename Record>
+void Recorder::note(Topic topic, SimTime time, Record record) {
+  // A chunk ends before the record that would make it too long, so that what is on disk is never
+  // older than one period.
+  if (time - chunk_start_ >= options_.chunk_period) {
+    batches_.add([this] { writer_.flush(); });
+    batches_.start();
+    chunk_start_ = time;
+  }
+  batches_.add([this, topic, time, record = std::move(record)] {
+    if constexpr (std::is_invocable_v<Record>) {
+      write(topic, time, record());
+    } else {
+      write(topic, time, record);
+    }
+  });
+}
+
+void Recorder::note_message(uint16_t channel, SimTime time, std::string bytes) {
+  batches_.add([this, channel, time, bytes = std::move(bytes)] { writer_.write(channel, log_time(time), bytes); });
+}
+
 void Recorder::on_turn(SimTime time, const Turn& turn) {
-  write(Topic::turn, time, TurnRecord{time, turn});
+  note(Topic::turn, time, TurnRecord{time, turn});
 }
 
 void Recorder::on_step(SimTime time, uint64_t step, const StateDigest& state) {
   ++steps_;
-  write(Topic::step, time, step_record(world_, time, step, state));
+  std::vector<float> poses = step % kPoseEverySteps == 0 ? poses_of(world_) : std::vector<float>();
+  note(Topic::step, time, [this, time, step, state = StateDigest(state), poses = std::move(poses)] {
+    return step_record(time, step, state, poses, sums_);
+  });
   if (!last_snapshot_ || time - *last_snapshot_ >= options_.snapshot_period) {
-    write_snapshot(time, step);
+    note_snapshot(time, step);
     last_snapshot_ = time;
   }
-  if (step % kPoseEverySteps == 0) write_foxglove(time);
+  if (step % kPoseEverySteps == 0) note_foxglove(time);
 }
 
-void Recorder::write_snapshot(SimTime time, uint64_t step) {
+void Recorder::note_snapshot(SimTime time, uint64_t step) {
   // With the definitions and the header, so that a file with a damaged start can be re-run from
   // its first whole snapshot on.
-  writer_.repeat_definitions();
-  writer_.write(channels_[static_cast<size_t>(Topic::header)], log_time(time), header_bytes_);
-  write(Topic::snapshot, time, SnapshotRecord{time, step, world_.snapshot()});
+  batches_.add([this] { writer_.repeat_definitions(); });
+  note_message(channels_[static_cast<size_t>(Topic::header)], time, header_bytes_);
+  note(Topic::snapshot, time, SnapshotRecord{time, step, world_.snapshot()});
 }
 
-void Recorder::write_foxglove(SimTime time) {
-  if (transforms_channel_ != 0) {
-    writer_.write(transforms_channel_, log_time(time), frame_transforms(world_, time));
-  }
+void Recorder::note_foxglove(SimTime time) {
+  if (transforms_channel_ != 0) note_message(transforms_channel_, time, frame_transforms(world_, time));
   if (scene_channel_ != 0) {
     // What stands still is written once and stays.
-    writer_.write(scene_channel_, log_time(time), scene_update(world_, time, !scene_written_));
+    note_message(scene_channel_, time, scene_update(world_, time, !scene_written_));
     scene_written_ = true;
   }
 }
@@ -135,24 +157,25 @@ void Recorder::write_foxglove(SimTime time) {
 void Recorder::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
   ++frames_;
   const auto robot = std::find(robots_.begin(), robots_.end(), frame.robot) - robots_.begin();
-  write(Topic::frame, time, FrameRecord{time, static_cast<int>(robot), frame.frame_index,
-                                        frame.stamp, frame.fingerprint});
-  if (const auto channel = picture_channels_.find(frame.robot);
-      channel != picture_channels_.end()) {
-    const Image image{.width_px = frame.width_px, .height_px = frame.height_px, .channels = 3,
-                      .samples = {frame.rgb.begin(), frame.rgb.end()}};
-    writer_.write(channel->second, log_time(time), log_time(frame.stamp),
-                  compressed_image(frame.stamp, frame.robot + "/camera", encode_png(image)));
-  }
+  note(Topic::frame, time, FrameRecord{time, static_cast<int>(robot), frame.frame_index,
+                                       frame.stamp, frame.fingerprint});
+  const auto channel = picture_channels_.find(frame.robot);
+  if (channel == picture_channels_.end()) return;
+  batches_.add([this, time, stamp = frame.stamp, link = frame.robot + "/camera", number = channel->second,
+                image = Image{.width_px = frame.width_px, .height_px = frame.height_px, .channels = 3,
+                              .samples = {frame.rgb.begin(), frame.rgb.end()}}] {
+    writer_.write(number, log_time(time), log_time(stamp), compressed_image(stamp, link, encode_png(image)));
+  });
 }
 
 void Recorder::on_event(const SimulationEvent& event) {
   if (event.kind == EventKind::debug) return;  // Stands in the decision that brought it.
-  write(Topic::event, event.time, event);
+  note(Topic::event, event.time, event);
 }
 
 void Recorder::on_end(SimTime time, EndReason reason, uint64_t fingerprint) {
-  write(Topic::end, time, EndRecord{time, reason, fingerprint, steps_, frames_});
+  note(Topic::end, time, EndRecord{time, reason, fingerprint, steps_, frames_});
+  batches_.finish();
   writer_.finish();
 }
 

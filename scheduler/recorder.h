@@ -1,4 +1,6 @@
 // Writes the log of a run as it goes: everything that a re-run needs, and hashes to check it by.
+// The run's own thread only notes what happened; encoding, check sums, compression and writing are
+// done in another one, a chunk at a time, so that a log hardly slows a run.
 #pragma once
 
 #include <map>
@@ -8,6 +10,8 @@
 
 #include "mcap/io.h"
 #include "mcap/writer.h"
+#include "scheduler/batches.h"
+#include "scheduler/field_sums.h"
 #include "scheduler/log_records.h"
 #include "scheduler/observer.h"
 #include "sim_core/world.h"
@@ -26,7 +30,9 @@ struct RecorderOptions {
 
 class Recorder final : public SimulationObserver {
  public:
-  // `output` and `world` (the one that the run advances) must outlive the recorder.
+  // `output` and `world` (the one that the run advances) must outlive the recorder, and nobody else
+  // may use `output` before the run's end. What cannot be written is thrown with a later record or at
+  // the end.
   Recorder(mcap::Output& output, const World& world, const RecorderOptions& options = {});
 
   void on_start(const RunHeader& header) override;
@@ -36,13 +42,15 @@ class Recorder final : public SimulationObserver {
   void on_event(const SimulationEvent& event) override;
   void on_end(SimTime time, EndReason reason, uint64_t fingerprint) override;
 
-  uint64_t bytes_written() const { return writer_.bytes_written(); }
-
  private:
   uint16_t add_channel(const std::string& topic, std::string_view message_name);
+  // Notes a record: a LogRecord, or what returns one when it is its turn.
+  template <typename Record>
+  void note(Topic topic, SimTime time, Record record);
+  void note_message(uint16_t channel, SimTime time, std::string bytes);
+  void note_foxglove(SimTime time);
+  void note_snapshot(SimTime time, uint64_t step);
   void write(Topic topic, SimTime time, const LogRecord& record);
-  void write_foxglove(SimTime time);
-  void write_snapshot(SimTime time, uint64_t step);
 
   const World& world_;
   RecorderOptions options_;
@@ -59,6 +67,8 @@ class Recorder final : public SimulationObserver {
   std::optional<SimTime> last_snapshot_;
   uint64_t steps_ = 0;
   uint64_t frames_ = 0;
+  FieldSums sums_;   // Of the last step that was written.
+  Batches batches_;  // They use the writer and what `on_start` sets: the last to be made, the first to go.
 };
 
 // The poses of a step record, from the world at its current step.
@@ -69,6 +79,5 @@ inline constexpr uint64_t kPoseEverySteps = 4;
 inline constexpr uint64_t kCheckEverySteps = 17;
 // Over 64-bit section hashes in order, and their lower halves.
 uint64_t step_fingerprint(std::span<const uint64_t> section_hashes);
-StepRecord step_record(const World& world, SimTime time, uint64_t step, const StateDigest& state);
 
 }  // namespace seam::scheduler

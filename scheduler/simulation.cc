@@ -71,6 +71,7 @@ class Simulation::Loop {
   std::optional<EndReason> ended_;
   uint64_t fingerprint_ = 0;
   uint64_t steps_ = 0;
+  StateDigest state_;  // After the last step.
   uint64_t frames_ = 0;
   uint64_t decisions_ = 0;
 };
@@ -202,9 +203,9 @@ void Simulation::Loop::step_world() {
   parts_.world.step();
   ++steps_;
   queue_.push({parts_.world.end(), Phase::step_world, 0, steps_});
-  const StateDigest state = parts_.world.digest();
-  chain(state.section_hashes);
-  for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state);
+  state_ = parts_.world.digest(std::move(state_));
+  chain(state_.section_hashes);
+  for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state_);
   for (const WorldEvent& event : parts_.world.take_events())
     tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind, event.detail});
 }

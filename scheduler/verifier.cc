@@ -163,7 +163,7 @@ void Verifier::look_for_field(const StepRecord& logged, const StateDigest& state
   std::optional<std::string> field;
   if (steps_looked_ == 0) {
     field = names.first_of(*field_wanted_in_,
-                           differing_fields(logged.field_sums, field_sums(state.words), state.words.size()));
+                           differing_fields(logged.field_sums, FieldSums().of(state.words), state.words.size()));
   }
   if (!field && !logged.field_checks.empty()) {
     field = names.first_difference(*field_wanted_in_, logged.field_checks, field_checks(state.words, logged.step));

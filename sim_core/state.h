@@ -121,6 +121,8 @@ class StateLister final : public StateVisitor {
 class StateWords final : public StateVisitor {
  public:
   using StateVisitor::field;
+  // The memory of `used` is used again.
+  explicit StateWords(std::vector<int64_t> used = {}) : words_(std::move(used)) { words_.clear(); }
   void field(std::string_view name, double& value) override;
   void field(std::string_view name, int64_t& value) override;
   // Of the words from number `begin` on, as their little-endian bytes; over all it is StateSection's.

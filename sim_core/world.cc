@@ -317,9 +317,10 @@ std::vector<StateSection> World::sections() const {
   return sections;
 }
 
-StateDigest World::digest() const {
-  StateDigest digest;
-  StateWords words;
+StateDigest World::digest(StateDigest used) const {
+  StateDigest digest = std::move(used);
+  digest.section_hashes.clear();
+  StateWords words(std::move(digest.words));
   impl_->for_each_section([&](const std::string&, const auto& visit) {
     const size_t begin = words.words().size();
     visit(words);

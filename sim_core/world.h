@@ -111,8 +111,8 @@ class World {
 
   // The state in sections ("ball", "robot/ID", ...), each with named fields, in a stated order.
   std::vector<StateSection> sections() const;
-  // In the order of `sections()`, without the cost of names.
-  StateDigest digest() const;
+  // In the order of `sections()`, without the cost of names. The memory of `used` is used again.
+  StateDigest digest(StateDigest used = {}) const;
   std::vector<std::string> section_names() const;
   // All fields in the order of `sections()`, for visitors that read only.
   void visit(StateVisitor& visitor) const;
