@@ -5,55 +5,13 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <stdexcept>
 #include <thread>
 
+#include "proto/client_channel.h"
 #include "robot_sdk/from_wire.h"
 #include "seam/v1/simulation.grpc.pb.h"
 
 namespace seam::sdk {
-
-namespace {
-
-constexpr int kMaxServerMessageBytes = 64 << 20;
-
-std::string file_text(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("cannot read " + path);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-std::shared_ptr<grpc::Channel> open_channel(const Connection& connection) {
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(kMaxServerMessageBytes);
-  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // Small messages in lockstep: no probing.
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
-  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 50);
-  // A channel of its own: a reconnecting client must not inherit another's broken connection.
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  std::shared_ptr<grpc::ChannelCredentials> credentials = grpc::InsecureChannelCredentials();
-  if (!connection.certificates.empty()) {
-    grpc::SslCredentialsOptions tls;
-    tls.pem_root_certs = file_text(connection.certificates + "/ca.pem");
-    tls.pem_cert_chain = file_text(connection.certificates + "/client.pem");
-    tls.pem_private_key = file_text(connection.certificates + "/client.key");
-    credentials = grpc::SslCredentials(tls);
-  }
-  return grpc::CreateCustomChannel(connection.address, credentials, arguments);
-}
-
-// Worth another try: the server is not up yet, or the connection broke.
-bool passes(grpc::StatusCode code) {
-  return code == grpc::StatusCode::UNAVAILABLE || code == grpc::StatusCode::CANCELLED ||
-         code == grpc::StatusCode::DEADLINE_EXCEEDED || code == grpc::StatusCode::INTERNAL;
-}
-
-}  // namespace
 
 struct Robot::Implementation {
   Connection connection;
@@ -161,7 +119,7 @@ int Robot::run() {
     return 1;
   }
   try {
-    const auto stub = v1::Simulation::NewStub(open_channel(self.connection));
+    const auto stub = v1::Simulation::NewStub(open_channel(self.connection.address, self.connection.certificates));
     auto last_connected = std::chrono::steady_clock::now();
     while (true) {
       self.was_connected = false;

@@ -10,41 +10,16 @@
 #include <optional>
 #include <thread>
 
+#include "proto/client_channel.h"
 #include "scheduler/wire.h"
 #include "seam/v1/render.grpc.pb.h"
 #include "sim_core/error.h"
-#include "sim_core/files.h"
 
 namespace seam::scheduler {
 
 namespace {
 
 using ClientStream = grpc::ClientReaderWriter<v1::RendererMessage, v1::RenderOrder>;
-
-std::shared_ptr<grpc::Channel> open_channel(const RenderClientOptions& options) {
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(WireLimits::kMaxServerMessageBytes);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
-  arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 500);
-  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 50);
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  std::shared_ptr<grpc::ChannelCredentials> credentials = grpc::InsecureChannelCredentials();
-  if (!options.certificates.empty()) {
-    const std::string folder = options.certificates + "/";
-    credentials = grpc::SslCredentials({.pem_root_certs = read_file(folder + "ca.pem"),
-                                        .pem_private_key = read_file(folder + "client.key"),
-                                        .pem_cert_chain = read_file(folder + "client.pem")});
-  }
-  return grpc::CreateCustomChannel(options.address, credentials, arguments);
-}
-
-// Worth another try: the server is not up yet, or the connection broke.
-bool passes(grpc::StatusCode code) {
-  return code == grpc::StatusCode::UNAVAILABLE || code == grpc::StatusCode::CANCELLED ||
-         code == grpc::StatusCode::DEADLINE_EXCEEDED || code == grpc::StatusCode::INTERNAL;
-}
 
 // The threads that render the jobs of one stream; ends with it, dropping what has not begun.
 class Workers {
@@ -123,7 +98,7 @@ class Workers {
 class Client {
  public:
   Client(const RenderClientOptions& options, const MakeRenderer& make)
-      : options_(options), make_(make), stub_(v1::Rendering::NewStub(open_channel(options))) {}
+      : options_(options), make_(make), stub_(v1::Rendering::NewStub(open_channel(options.address, options.certificates))) {}
 
   std::string run() {
     auto last_connected = std::chrono::steady_clock::now();

@@ -4,6 +4,7 @@
 
 #include <mutex>
 
+#include "proto/client_channel.h"
 #include "scheduler/services.h"
 #include "scheduler/stream.h"
 #include "scheduler/wire.h"
@@ -34,7 +35,7 @@ class RenderSession final : public Stream<v1::RendererMessage, v1::RenderOrder>,
   bool send(uint64_t number, int robot, const FrameJob& job) override {
     v1::RenderOrder order;
     job_to_wire(renderer_->setup(), number, robot, job, *order.mutable_job());
-    if (order.ByteSizeLong() > WireLimits::kMaxServerMessageBytes) return false;
+    if (order.ByteSizeLong() > kMaxServerMessageBytes) return false;
     write(std::move(order));
     return true;
   }

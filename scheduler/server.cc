@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <mutex>
 
+#include "proto/client_channel.h"
 #include "scheduler/services.h"
 #include "scheduler/wire.h"
 #include "sim_core/error.h"
@@ -58,7 +59,7 @@ void enable_plugins() {
 
 void set_limits(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(WireLimits::kMaxMessageBytes);
-  builder.SetMaxSendMessageSize(WireLimits::kMaxServerMessageBytes);
+  builder.SetMaxSendMessageSize(kMaxServerMessageBytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
   // Small messages in lockstep: probing the bandwidth would double the packets.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);

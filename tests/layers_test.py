@@ -16,14 +16,15 @@ LAYERS = {
     "effects": {"sim_core"},
     "mcap": {"sim_core"},
     "render": {"sim_core", "effects"},
-    "scheduler": {"sim_core", "effects", "mcap", "seam"},  # seam/v1: generated from proto/
+    "proto": {"seam"},  # seam/v1: generated
+    "scheduler": {"sim_core", "effects", "mcap", "proto", "seam"},
     "measurement": {"sim_core", "effects"},
-    "robot_sdk": {"seam"},
+    "robot_sdk": {"proto", "seam"},
     "tools": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "seam"},
 }
 # Outside their folder these headers do not appear.
 PRIVATE_HEADERS = {
-    r"grpcpp?/": {"scheduler", "robot_sdk", "tools", "bench", "tests"},
+    r"grpcpp?/": {"proto", "scheduler", "robot_sdk", "tools", "bench", "tests"},
     r"box2d/": {"sim_core"},
     r"ceres/": {"measurement"},
     r"muParser": {"effects"},
