@@ -279,6 +279,25 @@ Pose between(const Pose& a, const Pose& b, double fraction) {
   return pose;
 }
 
+// Calls f(from, to) for each primitive of both instants. They come in the same order, but what stands behind the camera
+// may be left out of either, whole objects at a time (World::primitives_at).
+template <typename F>
+void for_each_pair(const std::vector<Primitive>& a, const std::vector<Primitive>& b, F&& f) {
+  for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    if (a[i].object_id == b[j].object_id && a[i].shape == b[j].shape) {
+      f(i++, j++);
+      continue;
+    }
+    size_t found = j;
+    while (found < b.size() && b[found].object_id != a[i].object_id) ++found;
+    if (found < b.size() && found > j) {
+      j = found;
+    } else {
+      ++i;
+    }
+  }
+}
+
 }  // namespace
 
 void PreparedInstant::clear() {
@@ -336,14 +355,10 @@ SceneInstant interpolate(const SceneInstant& a, const SceneInstant& b, SimTime t
   scene.time = time;
   scene.X_WC = between(a.X_WC, b.X_WC, fraction);
   // A primitive that exists at one of the instants alone stays as the nearer instant has it.
-  if (a.primitives.size() != b.primitives.size()) return scene;
-  for (size_t i = 0; i < scene.primitives.size(); ++i) {
-    const Primitive& from = a.primitives[i];
-    const Primitive& to = b.primitives[i];
-    if (from.shape == to.shape && from.object_id == to.object_id) {
-      scene.primitives[i].X_WO = between(from.X_WO, to.X_WO, fraction);
-    }
-  }
+  for_each_pair(a.primitives, b.primitives, [&](size_t from, size_t to) {
+    scene.primitives[fraction < 0.5 ? from : to].X_WO =
+        between(a.primitives[from].X_WO, b.primitives[to].X_WO, fraction);
+  });
   return scene;
 }
 
@@ -353,20 +368,19 @@ double image_motion_px(const SceneInstant& a, const SceneInstant& b, double foca
   // Nothing is seen closer than this: the robot's own nose is.
   constexpr double kNearest_m = 0.1;
   double shifted = std::sqrt(glm::dot(camera_step, camera_step)) / kNearest_m;
-  const size_t count = std::min(a.primitives.size(), b.primitives.size());
-  for (size_t i = 0; i < count; ++i) {
-    const Pose& X_WA = a.primitives[i].X_WO;
-    const Pose& X_WB = b.primitives[i].X_WO;
-    if (X_WA.p == X_WB.p && X_WA.R == X_WB.R) continue;
-    const Vec3 centre_O = bounding_centre(a.primitives[i]);
-    const double radius = bounding_radius(a.primitives[i]);
+  for_each_pair(a.primitives, b.primitives, [&](size_t from, size_t to) {
+    const Pose& X_WA = a.primitives[from].X_WO;
+    const Pose& X_WB = b.primitives[to].X_WO;
+    if (X_WA.p == X_WB.p && X_WA.R == X_WB.R) return;
+    const Vec3 centre_O = bounding_centre(a.primitives[from]);
+    const double radius = bounding_radius(a.primitives[from]);
     const Vec3 step = X_WB * centre_O - X_WA * centre_O - camera_step;
     const Vec3 from_camera = X_WA * centre_O - a.X_WC.p;
     const double distance =
         std::max(std::sqrt(glm::dot(from_camera, from_camera)) - radius, kNearest_m);
     const double moved = std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * radius;
     shifted = std::max(shifted, moved / distance);
-  }
+  });
   return focal_px * (turned + shifted);
 }
 
