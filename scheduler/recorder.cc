@@ -1,7 +1,6 @@
 #include "scheduler/recorder.h"
 
 #include <algorithm>
-#include <type_traits>
 #include <utility>
 
 #include "scheduler/field_checks.h"
@@ -41,20 +40,16 @@ std::vector<float> poses_of(const World& world) {
   return poses;
 }
 
-namespace {
-
-StepRecord step_record(SimTime time, uint64_t step, const StateDigest& state, const std::vector<float>& poses,
-                       FieldSums& sums) {
-  StepRecord record{time, step, step_fingerprint(state.section_hashes), {}, {}, poses, {}};
+StepRecord Recorder::step_record(SimTime time, uint64_t step, const StateDigest& state) {
+  StepRecord record{time, step, step_fingerprint(state.section_hashes), {}, {}, {}, {}};
   for (const uint64_t hash : state.section_hashes) {
     record.section_hashes.push_back(static_cast<uint32_t>(hash));
   }
-  record.field_sums = sums.of(state.words);
+  record.field_sums = sums_.of(state.words);
   if (step % kCheckEverySteps == 0) record.field_checks = field_checks(state.words, step);
+  if (step % kPoseEverySteps == 0) record.poses = poses_of(world_);
   return record;
 }
-
-}  // namespace
 
 Recorder::Recorder(mcap::Output& output, const World& world, const RecorderOptions& options)
     : world_(world), options_(options), writer_(output, writer_options(options)) {}
@@ -90,16 +85,11 @@ void Recorder::on_start(const RunHeader& header) {
     writer_.attach({.name = "files/" + name, .media_type = "text/plain", .data = text});
   }
   header_bytes_ = encode(header, robots_);
-  write(Topic::header, SimTime(), header);
+  writer_.write(channels_[static_cast<size_t>(Topic::header)], log_time(SimTime()), header_bytes_);
   writer_.flush();  // From the first moment on the log says what it is of.
 }
 
-void Recorder::write(Topic topic, SimTime time, const LogRecord& record) {
-  writer_.write(channels_[static_cast<size_t>(topic)], log_time(time), encode(record, robots_));
-}
-
-template <typename Record>
-void Recorder::note(Topic topic, SimTime time, Record record) {
+void Recorder::note(Topic topic, SimTime time, LogRecord record) {
   // A chunk ends before the record that would make it too long, so that what is on disk is never
   // older than one period.
   if (time - chunk_start_ >= options_.chunk_period) {
@@ -108,11 +98,7 @@ void Recorder::note(Topic topic, SimTime time, Record record) {
     chunk_start_ = time;
   }
   batches_.add([this, topic, time, record = std::move(record)] {
-    if constexpr (std::is_invocable_v<Record>) {
-      write(topic, time, record());
-    } else {
-      write(topic, time, record);
-    }
+    writer_.write(channels_[static_cast<size_t>(topic)], log_time(time), encode(record, robots_));
   });
 }
 
@@ -126,10 +112,7 @@ void Recorder::on_turn(SimTime time, const Turn& turn) {
 
 void Recorder::on_step(SimTime time, uint64_t step, const StateDigest& state) {
   ++steps_;
-  std::vector<float> poses = step % kPoseEverySteps == 0 ? poses_of(world_) : std::vector<float>();
-  note(Topic::step, time, [this, time, step, state = StateDigest(state), poses = std::move(poses)] {
-    return step_record(time, step, state, poses, sums_);
-  });
+  note(Topic::step, time, step_record(time, step, state));
   if (!last_snapshot_ || time - *last_snapshot_ >= options_.snapshot_period) {
     note_snapshot(time, step);
     last_snapshot_ = time;

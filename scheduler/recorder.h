@@ -1,6 +1,6 @@
 // Writes the log of a run as it goes: everything that a re-run needs, and hashes to check it by.
-// The run's own thread only notes what happened; encoding, check sums, compression and writing are
-// done in another one, a chunk at a time, so that a log hardly slows a run.
+// The run's own thread only notes what happened; encoding, compression and writing are done in another
+// one, a chunk at a time, so that a log hardly slows a run.
 #pragma once
 
 #include <map>
@@ -44,13 +44,11 @@ class Recorder final : public SimulationObserver {
 
  private:
   uint16_t add_channel(const std::string& topic, std::string_view message_name);
-  // Notes a record: a LogRecord, or what returns one when it is its turn.
-  template <typename Record>
-  void note(Topic topic, SimTime time, Record record);
+  StepRecord step_record(SimTime time, uint64_t step, const StateDigest& state);
+  void note(Topic topic, SimTime time, LogRecord record);
   void note_message(uint16_t channel, SimTime time, std::string bytes);
   void note_foxglove(SimTime time);
   void note_snapshot(SimTime time, uint64_t step);
-  void write(Topic topic, SimTime time, const LogRecord& record);
 
   const World& world_;
   RecorderOptions options_;
@@ -67,7 +65,7 @@ class Recorder final : public SimulationObserver {
   std::optional<SimTime> last_snapshot_;
   uint64_t steps_ = 0;
   uint64_t frames_ = 0;
-  FieldSums sums_;   // Of the last step that was written.
+  FieldSums sums_;   // Of the last step.
   Batches batches_;  // They use the writer and what `on_start` sets: the last to be made, the first to go.
 };
 
