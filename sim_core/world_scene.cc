@@ -75,6 +75,10 @@ bool World::Impl::behind(const Pose& X_WL, size_t robot, SimTime time) const {
 }
 
 void World::primitives_at(SimTime time, std::vector<Primitive>& out, std::optional<size_t> viewer) const {
+  // This is called for each instant of each frame.
+  size_t parts = 0;
+  for (const Robot& robot : impl_->robots) parts += robot.spec().body.parts.size();
+  out.reserve(out.size() + impl_->fixed.size() + parts + 16);
   out.insert(out.end(), impl_->fixed.begin(), impl_->fixed.end());
   impl_->add_objects(time, out);
   impl_->add_ball(time, out);
