@@ -8,10 +8,19 @@ namespace seam::sdk {
 namespace {
 
 constexpr int64_t kMemory_ns = 1'000'000'000;
+constexpr float kRim_px = 0.4f;  // Of the ball's radius in the colour image.
 constexpr double kTurn_rad = 6.283185307179586;
 
 HeadAngles angles_of(const JointAngles& joints) {
   return {static_cast<float>(joints.tilt_rad), static_cast<float>(joints.pan_rad), static_cast<float>(joints.roll_rad)};
+}
+
+Situation situation_of(const Game& game) {
+  Situation situation{.penalised = game.penalty != 0};
+  if (game.state == Game::ready) situation.phase = Situation::ready;
+  if (game.state == Game::set) situation.phase = Situation::set;
+  if (game.state == Game::playing) situation.phase = Situation::playing;
+  return situation;
 }
 
 }  // namespace
@@ -53,9 +62,10 @@ void Perception::look_at_frame(const Frame& frame, Percepts& percepts) const {
     return head_at(options_.row_times ? row_time_ns(frame, row) : frame.stamp_ns);
   };
   percepts.has_frame = true;
-  percepts.ball = find_ball(mask, head, camera, options_.neck, factor > 1 ? 3 : 6);
+  const BallOptions ball{.min_area_px = factor > 1 ? 3 : 6, .rim_px = options_.check ? kRim_px : 0, .check = options_.check};
+  percepts.ball = find_ball(mask, head, camera, options_.neck, ball);
   for (const LandmarkSighting& sighting : find_landmarks(mask, head, camera, options_.neck, factor > 1 ? 4 : 12)) {
-    if (!options_.check_heights || has_plausible_height(sighting)) percepts.landmarks.push_back(sighting);
+    if (!options_.check || has_plausible_height(sighting)) percepts.landmarks.push_back(sighting);
   }
 }
 
@@ -76,6 +86,7 @@ Percepts Perception::look(const Observation& seen) {
     const double turn = std::remainder(now.heading_rad - last_odometry_.heading_rad, kTurn_rad);
     percepts.odometry_step = {c * dx + s * dy, -s * dx + c * dy, static_cast<float>(turn)};
   }
+  percepts.situation = situation_of(seen.game);
   last_odometry_ = now;
   has_odometry_ = true;
 

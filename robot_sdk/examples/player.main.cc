@@ -20,26 +20,28 @@ int main(int argc, char** argv) {
     if (option == "--seed") seed = std::strtoull(argv[i + 1], nullptr, 10);
   }
   Robot robot(argc, argv);
-  Perception perception({.check_heights = true});
+  Perception perception({.check = true});
   WorldModel world(number, attacks_skyblue, seed * 16 + number + (attacks_skyblue ? 8 : 0));
+  Player player(role_of(number));
   int64_t spoke_ns = 0;
   std::string doing;
 
   robot.request_all_frames();
   robot.on_observation([&](const Observation& seen) {
-    const Percepts percepts = perception.look(seen);
+    Percepts percepts = perception.look(seen);
+    percepts.situation.own_kick_off = seen.game.kick_off_team == robot.team();
     world.update(percepts);
-    if (seen.game.state == Game::playing && seen.game.penalty == 0) {
-      const Action action = play(world, role_of(number));
-      robot.head({.tilt_rad = action.head.tilt_rad, .pan_rad = action.head.pan_rad});
-      robot.walk({action.vx_mps, action.vy_mps, action.omega_radps});
-      if (action.kick) robot.kick(Kick::leg_forward);
-      if (doing != action.name) robot.log_text("skill", doing = action.name);
-    } else {
-      robot.stop();
-      const Action look = search_ball(world);
-      robot.head({.tilt_rad = look.head.tilt_rad, .pan_rad = look.head.pan_rad});
+    Action action = look_around(world);
+    const bool may_act = seen.game.penalty == 0;
+    if (seen.game.state == Game::playing && may_act) action = player.play(world);
+    if (seen.game.state == Game::ready && may_act && world.home()) {
+      action = hold_place(world, world.home()->x_m, world.home()->y_m);
     }
+    world.hold_ball(action.holds_ball);
+    robot.head({.tilt_rad = action.head.tilt_rad, .pan_rad = action.head.pan_rad});
+    robot.walk({action.vx_mps, action.vy_mps, action.omega_radps});
+    if (action.kick != Kick::none) robot.kick(action.kick);
+    if (doing != action.name) robot.log_text("skill", doing = action.name);
     if (seen.time_ns - spoke_ns > 200'000'000) {
       spoke_ns = seen.time_ns;
       robot.send(encode(world.message()));

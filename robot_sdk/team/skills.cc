@@ -6,40 +6,80 @@
 namespace seam::sdk {
 namespace {
 
-constexpr float kWalk_mps = 0.18f;
-constexpr float kTurn_radps = 1.2f;
+constexpr float kWalk_mps = 0.25f;
+constexpr float kSidestep_mps = 0.15f;
+constexpr float kTurn_radps = 1.5f;
+constexpr float kTurnWithBall_radps = 2.0f;
 constexpr float kGoalX_m = 2.1f;
-constexpr float kKickReach_m = 0.21f;
+constexpr float kGoalHalfWidth_m = 0.3f;
+constexpr float kFar_m = 1.2f;
+constexpr float kBesideGoalie_m = 0.15f;  // From the goal's middle, where the goalie stands.
+constexpr float kTouch_m = 0.15f;  // From the body's origin to a ball that touches it.
+constexpr float kHeadPan_rad = 1.5f;
 
 float clamp(float value, float limit) { return std::clamp(value, -limit, limit); }
 
+float wrap(float angle) {
+  constexpr float kTurn = 6.28318531f;
+  return angle - kTurn * std::round(angle / kTurn);
+}
+
+// The part of a period that has passed, 0 to 1.
+float phase_of(float time_s, float period_s) { return time_s / period_s - std::floor(time_s / period_s); }
+
 // Looks left and right over one and a half seconds each way, level and low in turn.
 HeadAngles sweep(float time_s) {
-  const float phase = time_s / 3.0f - std::floor(time_s / 3.0f);
+  const float phase = phase_of(time_s, 3);
   const float triangle = phase < 0.5f ? 4 * phase - 1 : 3 - 4 * phase;
-  const bool low = static_cast<int>(std::floor(time_s / 3.0f)) % 2 == 1;
+  const bool low = phase_of(time_s, 6) >= 0.5f;
   return {low ? -0.45f : -0.10f, 1.3f * triangle, 0};
 }
 
-// On the ball, but one second in four at the landmarks: who never looks up is lost.
-HeadAngles watch_ball(const WorldModel& world) {
-  if (world.time_s() - 4 * std::floor(world.time_s() / 4) > 3.0f && world.ball().distance_m() > 0.5f) {
-    return sweep(1.5f * world.time_s());
+// At the landmark that is nearest to a bearing, of those that the head can turn to.
+HeadAngles look_at_landmark(const WorldModel& world, float near_rad) {
+  static const std::vector<LandmarkPosition> kLandmarks = standard_landmarks();
+  float best_rad = 0, least = 1e6f;
+  for (const LandmarkPosition& landmark : kLandmarks) {
+    const float bearing = world.bearing_to(landmark.x_m, landmark.y_m);
+    const float way = std::abs(wrap(bearing - near_rad));
+    if (std::abs(bearing) < kHeadPan_rad && world.distance_to(landmark.x_m, landmark.y_m) > 0.5f && way < least) {
+      least = way, best_rad = bearing;
+    }
   }
+  return {-0.05f, best_rad, 0};
+}
+
+HeadAngles look_at_ball(const WorldModel& world) {
   const BallBelief& ball = world.ball();
   const float down = std::atan2(0.19f - kBallRadius_m, std::max(ball.distance_m() - 0.12f, 0.05f));
-  return {-std::min(down, 1.2f), clamp(ball.bearing_rad(), 1.5f), 0};
+  return {-std::min(down, 1.2f), clamp(ball.bearing_rad(), kHeadPan_rad), 0};
+}
+
+// Mostly on the ball, and at landmarks in between: who never looks up is lost. At the ball the glance is short.
+HeadAngles watch_ball(const WorldModel& world) {
+  constexpr float kPeriod_s = 2.0f, kClose_m = 0.4f, kAtFeet_m = 0.24f;
+  const float distance = world.ball().distance_m();
+  const float looks_until = distance < kClose_m ? 0.8f : 0.65f;
+  if (phase_of(world.time_s(), kPeriod_s) < looks_until || distance < kAtFeet_m) return look_at_ball(world);
+  // To one side of the ball and to the other in turn.
+  const float aside = phase_of(world.time_s(), 2 * kPeriod_s) < 0.5f ? 0.7f : -0.7f;
+  return look_at_landmark(world, clamp(world.ball().bearing_rad() + aside, 1.2f));
 }
 
 void walk_to(Action& action, float ahead_m, float left_m, float slow_within_m) {
   const float distance = std::sqrt(ahead_m * ahead_m + left_m * left_m);
   const float bearing = std::atan2(left_m, ahead_m);
   const float speed = kWalk_mps * std::min(1.0f, distance / slow_within_m);
-  // Forward is fast, so turn towards a far place first.
-  const float facing = std::max(0.0f, std::cos(bearing));
-  action.vx_mps = speed * facing;
-  action.vy_mps = clamp(0.5f * left_m, 0.5f * speed);
-  action.omega_radps = clamp(1.5f * bearing, kTurn_radps);
+  action.vx_mps = speed * std::max(0.0f, std::cos(bearing));
+  action.vy_mps = clamp(speed * std::sin(bearing), kSidestep_mps);
+  action.omega_radps = clamp(2 * bearing, kTurn_radps);
+}
+
+// Where a grab takes the ball, with some slack to the body's own reach.
+bool can_grab(const WorldModel& world) {
+  const BallBelief& ball = world.ball();
+  const bool seen = !ball.told && !ball.held && world.ball_age_s() < 0.2f;
+  return seen && ball.x_m > 0.11f && ball.x_m < 0.18f && std::abs(ball.y_m) < 0.05f;
 }
 
 }  // namespace
@@ -50,29 +90,27 @@ Action search_ball(const WorldModel& world) {
   return action;
 }
 
+Action look_around(const WorldModel& world) { return {.head = sweep(world.time_s()), .name = "look"}; }
+
 Action approach_ball(const WorldModel& world) {
   const BallBelief& ball = world.ball();
   Action action{.head = watch_ball(world), .name = "approach"};
-  const float goal = world.bearing_to(world.attack_sign() * kGoalX_m, 0);
-  // A place a hand behind the ball on the line from the goal; nearer by, straight at the ball.
-  const float behind_m = ball.distance_m() > 0.35f ? 0.18f : 0.10f;
-  const float ahead = ball.x_m - behind_m * std::cos(goal);
-  const float left = ball.y_m - behind_m * std::sin(goal);
-  if (ball.distance_m() > 0.35f) {
-    walk_to(action, ahead, left, 0.25f);
-    return action;
-  }
-  // Close: circle the ball until the goal is ahead, keeping it in front.
-  action.omega_radps = clamp(1.5f * ball.bearing_rad(), kTurn_radps);
-  action.vx_mps = clamp(0.8f * (ball.x_m - 0.5f * kKickReach_m), 0.12f);
-  action.vy_mps = std::abs(goal) > 0.35f ? (goal > 0 ? -0.10f : 0.10f) : clamp(ball.y_m, 0.08f);
+  const float bearing = ball.bearing_rad();
+  const float ahead_m = ball.distance_m() - kTouch_m;
+  // Turn first towards a ball at the side; near by come slowly, so that it is not pushed away.
+  action.omega_radps = clamp(2.5f * bearing, kTurn_radps);
+  action.vx_mps = std::clamp(0.06f + 0.8f * ahead_m, 0.0f, kWalk_mps) * std::max(0.0f, std::cos(1.5f * bearing));
+  action.vy_mps = clamp(1.5f * ball.y_m, 0.5f * kSidestep_mps);
+  // Too close to turn: a step back.
+  if (ahead_m < 0.06f && std::abs(bearing) > 0.5f) action.vx_mps = -0.08f;
   return action;
 }
 
-Action kick_ball(const WorldModel& world) {
-  Action action{.head = watch_ball(world), .name = "kick"};
-  action.vx_mps = 0.10f;
-  action.kick = true;
+Action turn_with_ball(const WorldModel& world, float goal) {
+  Action action{.head = look_at_landmark(world, clamp(goal, 1.2f)), .holds_ball = true, .name = "turn"};
+  action.omega_radps = clamp(3 * goal, kTurnWithBall_radps);
+  // Away from what may be in the way of the turn: the ball is mostly grabbed where it is contested.
+  if (std::abs(goal) > 0.8f) action.vx_mps = -0.08f;
   return action;
 }
 
@@ -95,28 +133,65 @@ Role role_of(int player) {
   return kRoles[std::clamp(player, 0, kTeamSize - 1)];
 }
 
-Action play(const WorldModel& world, Role role) {
+Action Player::play_held_ball(const WorldModel& world) {
+  // The rules allow three seconds; the kick itself takes a quarter of one.
+  constexpr float kFirstLook_s = 0.3f, kLongest_s = 2.4f, kPatience_radps = 0.05f;
+  const float held_s = world.time_s() - grabbed_s_;
+  // From near beside the goalie, on either side in turn; from far a kick strays too much for that.
+  const float distance = std::max(world.goal_distance(), 0.4f);
+  const float aside_m = distance > kFar_m ? 0 : grabs_ % 2 == 0 ? kBesideGoalie_m : -kBesideGoalie_m;
+  const float goal = wrap(world.goal_bearing() + aside_m / distance);
+  Action action = turn_with_ball(world, goal);
+  if (held_s < kFirstLook_s) {
+    // Is it really there?
+    action.head = look_at_ball(world);
+    action.holds_ball = false;
+    return action;
+  }
+  const bool aimed = std::abs(goal) < 0.5f * kGoalHalfWidth_m / distance + kPatience_radps * held_s;
+  if (aimed || held_s > kLongest_s) {
+    // Never towards the own goal.
+    action.kick = std::abs(goal) < 1.3f ? Kick::leg_forward : Kick::release;
+    action.holds_ball = false;
+    action.name = "kick";
+    holds_ = false;
+  }
+  return action;
+}
+
+Action Player::keep_place(const WorldModel& world) const {
   const float sign = world.attack_sign();
+  const bool knows_ball = world.ball_age_s() < 2;
+  switch (role_) {
+    case Role::goalie: {
+      // On the line between ball and goal, 25 cm before the goal's middle.
+      const float y = knows_ball ? clamp(world.message().ball_y_m * 0.3f, 0.25f) : 0;
+      return hold_place(world, -sign * (kGoalX_m - 0.25f), y);
+    }
+    case Role::defender: return hold_place(world, -sign * 1.0f, 0.2f);
+    // At the other team's kick-off nobody crosses into its half.
+    case Role::attacker: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.5f : sign * 0.6f, -0.5f);
+    default: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.4f : sign * 0.3f, 0.7f);
+  }
+}
+
+Action Player::play(const WorldModel& world) {
   const BallBelief& ball = world.ball();
   const bool knows_ball = world.ball_age_s() < 2;
-  if (knows_ball && ball.distance_m() < kKickReach_m && std::abs(ball.bearing_rad()) < 0.35f && !ball.told) {
-    const float goal = world.bearing_to(sign * kGoalX_m, 0);
-    // A goalie clears whatever lies before it, unless towards its own goal.
-    if (std::abs(goal) < (role == Role::goalie ? 1.2f : 0.6f)) return kick_ball(world);
+  if (holds_) {
+    // Seen elsewhere: the grab failed, or somebody took the ball.
+    const bool lost = world.ball_age_s() < 0.1f && (ball.distance_m() > 0.22f || std::abs(ball.y_m) > 0.09f);
+    if (!lost) return play_held_ball(world);
+    holds_ = false;
   }
-  if (role == Role::goalie) {
-    if (knows_ball && ball.distance_m() < 0.6f) return approach_ball(world);
-    // On the line between ball and goal, 25 cm before the goal's middle.
-    const float y = knows_ball ? clamp(world.message().ball_y_m * 0.3f, 0.25f) : 0;
-    return hold_place(world, -sign * (kGoalX_m - 0.25f), y);
+  if (knows_ball && can_grab(world) && !world.is_opponents_kick_off()) {
+    holds_ = true, grabbed_s_ = world.time_s(), ++grabs_;
+    return {.head = look_at_ball(world), .kick = Kick::grab, .name = "grab"};
   }
+  if (role_ == Role::goalie) return knows_ball && ball.distance_m() < 0.8f ? approach_ball(world) : keep_place(world);
+  if (world.is_opponents_kick_off()) return keep_place(world);
   if (knows_ball && world.is_nearest_to_ball()) return approach_ball(world);
-  if (!knows_ball && role == Role::attacker) return search_ball(world);
-  switch (role) {
-    case Role::defender: return hold_place(world, -sign * 1.0f, 0.2f);
-    case Role::attacker: return hold_place(world, sign * 0.6f, -0.5f);
-    default: return hold_place(world, sign * 0.3f, 0.7f);
-  }
+  return !knows_ball && role_ == Role::attacker ? search_ball(world) : keep_place(world);
 }
 
 }  // namespace seam::sdk

@@ -44,26 +44,122 @@ TEST(WorldModel, BelievesATeamMateWhenTheBallIsOutOfSight) {
   EXPECT_FALSE(world.is_nearest_to_ball());
 }
 
-TEST(Play, ApproachesThenKicksTowardsTheGoal) {
-  WorldModel world = placed_at({1.0f, 0, 0});
+TEST(WorldModel, BelievesABallThatJumpsOnlyOnItsSecondSighting) {
+  WorldModel world = placed_at({0, 0, 0});
+  world.update(ball_at(4.00f, 1.0f, 0));
+  world.update(ball_at(4.04f, 1.0f, 1.2f));
+  EXPECT_NEAR(world.ball().bearing_rad(), 0, 0.05f);
+  world.update(ball_at(4.08f, 1.0f, 0));
+  EXPECT_NEAR(world.ball().bearing_rad(), 0, 0.05f);
+  world.update(ball_at(4.12f, 1.0f, 1.2f));
+  world.update(ball_at(4.16f, 1.0f, 1.2f));
+  EXPECT_NEAR(world.ball().bearing_rad(), 1.2f, 0.05f);
+}
+
+TEST(WorldModel, TakesNothingOutsideTheWallsForTheBall) {
+  WorldModel world = placed_at({1.5f, 0, 0});
+  world.update(ball_at(4, 2.5f, 0));
+  EXPECT_GT(world.ball_age_s(), 100);
+  world.update(ball_at(4.1f, 0.5f, 0));
+  EXPECT_EQ(world.ball_age_s(), 0);
+}
+
+TEST(WorldModel, KnowsWhereTheRefereeLaysTheBallAndPutsTheRobot) {
+  WorldModel world = placed_at({-1.0f, 0.5f, 0});
+  world.update({.time_s = 4, .situation = {.phase = Situation::set}});
+  EXPECT_NEAR(world.ball().distance_m(), std::sqrt(1.25f), 0.15f);
+  EXPECT_TRUE(world.ball().told);
+  world.update({.time_s = 5, .situation = {.phase = Situation::playing}});
+  ASSERT_TRUE(world.home().has_value());
+  // Two metres on, into the other half: at the next `set` the referee carries it back, and a single landmark is
+  // enough to believe it.
+  for (int i = 0; i < 20; ++i) {
+    world.update({.time_s = 6, .odometry_step = {0.1f, 0, 0}, .situation = {.phase = Situation::playing}});
+  }
+  EXPECT_NEAR(world.pose().mean.x_m, 1.0f, 0.3f);
+  world.update({.time_s = 20, .situation = {.phase = Situation::set}});
+  const LandmarkSighting seen{.kind = LandmarkKind::goal_skyblue, .bearing_rad = std::atan2(-0.5f, 3.25f),
+                              .range_m = std::sqrt(0.25f + 3.25f * 3.25f), .bearing_sigma_rad = 0.01f, .range_sigma_m = 0.1f};
+  for (int i = 0; i < 8; ++i) world.update({.time_s = 20, .landmarks = {seen}, .situation = {.phase = Situation::set}});
+  EXPECT_NEAR(world.pose().mean.x_m, -1.0f, 0.25f);
+  EXPECT_NEAR(world.pose().mean.y_m, 0.5f, 0.25f);
+}
+
+TEST(WorldModel, ComesBackFromAPenaltyAtTheHalfWayLine) {
+  WorldModel world = placed_at({1.0f, 0.5f, 0});
+  world.update({.time_s = 5, .situation = {.phase = Situation::playing, .penalised = true}});
+  world.update({.time_s = 35, .situation = {.phase = Situation::playing}});
+  EXPECT_NEAR(world.pose().mean.x_m, -0.15f, 0.1f);
+  EXPECT_NEAR(std::abs(world.pose().mean.y_m), 1.15f, 0.1f);
+}
+
+TEST(Play, ApproachesThenGrabsThenKicksTowardsTheGoal) {
+  WorldModel world = placed_at({1.0f, -0.15f, 0});
+  Player player(Role::attacker);
   world.update(ball_at(4, 0.8f, 0.1f));
-  const Action far = play(world, Role::attacker);
+  const Action far = player.play(world);
   EXPECT_STREQ(far.name, "approach");
   EXPECT_GT(far.vx_mps, 0.05f);
-  world.update(ball_at(6.5f, 0.18f, 0.05f));
-  EXPECT_TRUE(play(world, Role::attacker).kick);
+  world.update(ball_at(6.5f, 0.15f, 0.05f));
+  EXPECT_EQ(player.play(world).kick, Kick::grab);
+  world.update(ball_at(6.6f, 0.15f, 0.0f));
+  EXPECT_EQ(player.play(world).kick, Kick::none);  // It looks whether the ball is there.
+  world.update(ball_at(7.0f, 0.15f, 0.0f));
+  EXPECT_EQ(player.play(world).kick, Kick::leg_forward);
+}
+
+TEST(Play, ABallThatWasKickedIsNotGrabbedAgainUnseen) {
+  WorldModel world = placed_at({1.0f, -0.15f, 0});
+  Player player(Role::attacker);
+  world.update(ball_at(6.5f, 0.15f, 0.05f));
+  player.play(world);
+  world.hold_ball(true);
+  world.update({.time_s = 7.0f});
+  EXPECT_EQ(player.play(world).kick, Kick::leg_forward);
+  world.hold_ball(false);
+  world.update({.time_s = 7.03f});
+  EXPECT_EQ(player.play(world).kick, Kick::none);
+}
+
+TEST(Play, LeavesTheBallAtTheOpponentsKickOff) {
+  WorldModel world = placed_at({-0.5f, 0, 0});
+  Player player(Role::attacker);
+  world.update({.time_s = 4, .situation = {.phase = Situation::set}});
+  world.update({.time_s = 5, .situation = {.phase = Situation::playing}});
+  EXPECT_STREQ(player.play(world).name, "hold");
+  world.update({.time_s = 6, .ball = BallSighting{.distance_m = 0.5f, .bearing_rad = 1.0f}, .has_frame = true,
+                .situation = {.phase = Situation::playing}});
+  EXPECT_STREQ(player.play(world).name, "approach");
+}
+
+TEST(Play, ForgetsAGrabThatFailed) {
+  WorldModel world = placed_at({1.0f, 0, 0});
+  Player player(Role::attacker);
+  world.update(ball_at(6.5f, 0.15f, 0.05f));
+  EXPECT_EQ(player.play(world).kick, Kick::grab);
+  world.update(ball_at(7.6f, 0.5f, 0.3f));
+  EXPECT_STREQ(player.play(world).name, "approach");
 }
 
 TEST(Play, NeverKicksTowardsTheOwnGoal) {
-  WorldModel world = placed_at({-1.0f, 0, 3.1f});
-  world.update(ball_at(4, 0.18f, 0.0f));
-  EXPECT_FALSE(play(world, Role::attacker).kick);
-  EXPECT_FALSE(play(world, Role::goalie).kick);
+  for (const Role role : {Role::attacker, Role::goalie}) {
+    WorldModel world = placed_at({-1.0f, 0, 3.1f});
+    Player player(role);
+    world.update(ball_at(4, 0.15f, 0.0f));
+    EXPECT_EQ(player.play(world).kick, Kick::grab);
+    for (float time_s = 4.1f; time_s < 8; time_s += 0.1f) {
+      world.update(ball_at(time_s, 0.15f, 0.0f));
+      const Action action = player.play(world);
+      EXPECT_NE(action.kick, Kick::leg_forward);
+      if (action.kick == Kick::release) break;
+      EXPECT_LT(time_s, 7.0f);  // The referee allows three seconds.
+    }
+  }
 }
 
 TEST(Play, SearchesWhenTheBallIsUnknown) {
   const WorldModel world = placed_at({0, 0, 0});
-  EXPECT_STREQ(play(world, Role::attacker).name, "search");
+  EXPECT_STREQ(Player(Role::attacker).play(world).name, "search");
 }
 
 }  // namespace

@@ -67,13 +67,51 @@ std::optional<Circle> fit_circle(const Region& region, const ColourMask& mask) {
                 static_cast<float>(std::sqrt(r2))};
 }
 
+constexpr float kElevationSigma_rad = 0.02f;  // Of the body's and the camera's pitch together.
+
+float distance_between(const Vector3& a, const Vector3& b) {
+  const Vector3 d{a.x - b.x, a.y - b.y, a.z - b.z};
+  return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+}
+
+// The radius in pixels of a ball on the ground where this ray, turned up by an angle, meets it; 0 above
+// the horizon.
+float radius_on_ground(const BodyRay& ray, float up_rad, float focal_px, const NeckBelief& neck) {
+  const float elevation = ray.elevation_rad() + up_rad;
+  const float down_m = neck.body_height_m + ray.origin_m.z - kBallRadius_m;
+  return elevation < 0 ? focal_px * kBallRadius_m * -std::sin(elevation) / down_m : 0;
+}
+
 }  // namespace
 
+bool could_be_ball(const Region& region, const HeadAtRow& head, const CameraBelief& camera,
+                   const NeckBelief& neck, float rim_px, int mask_width_px) {
+  // A disc fills pi/4 of its box; a ball cut by the image's border or by a leg still fills half of it.
+  constexpr float kLeastFill = 0.5f, kMostRatio = 2.2f, kSlack_px = 0.8f;
+  const float wide = region.width_px(), high = region.height_px();
+  if (static_cast<float>(region.area_px) < kLeastFill * wide * high) return false;
+  const float focal = 0.5f * (camera.fx_px + camera.fy_px);
+  const BodyRay ray = ray_of(region.u_mean, region.v_mean, head(region.v_mean), camera, neck);
+  const float radius = std::sqrt(static_cast<float>(region.area_px) / kPi) + rim_px;
+  const float most = radius_on_ground(ray, -3 * kElevationSigma_rad, focal, neck);
+  if (radius > 1.3f * most + kSlack_px) return false;
+  // What lies beyond the image's border can only make a region narrow across that border.
+  const bool cut_aside = region.u_min == 0 || region.u_max == mask_width_px - 1;
+  const bool cut_above = region.at_border && !cut_aside;
+  if (!cut_above && wide > kMostRatio * high) return false;
+  if (!cut_aside && high > kMostRatio * wide) return false;
+  return region.at_border || radius > 0.5f * radius_on_ground(ray, 3 * kElevationSigma_rad, focal, neck) - kSlack_px;
+}
+
 std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& head,
-                                      const CameraBelief& camera, const NeckBelief& neck, int min_area_px) {
-  const auto regions = find_regions(mask, Colour::orange, min_area_px);
-  if (regions.empty()) return std::nullopt;
-  BallSighting ball{.region = regions.front()};
+                                      const CameraBelief& camera, const NeckBelief& neck,
+                                      const BallOptions& options) {
+  const auto regions = find_regions(mask, Colour::orange, options.min_area_px);
+  const auto chosen = std::find_if(regions.begin(), regions.end(), [&](const Region& region) {
+    return !options.check || could_be_ball(region, head, camera, neck, options.rim_px, mask.width_px);
+  });
+  if (chosen == regions.end()) return std::nullopt;
+  BallSighting ball{.region = *chosen};
   const float focal = 0.5f * (camera.fx_px + camera.fy_px);
   const auto circle = fit_circle(ball.region, mask);
 
@@ -92,20 +130,29 @@ std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& h
     weight_sum += 1 / (sigma * sigma), weighted += distance / (sigma * sigma);
     return distance;
   };
+  float centre_sigma = 0;
+  if (const auto ground = ray.at_height(kBallRadius_m, neck.body_height_m)) {
+    const float distance = distance_between(*ground, ray.origin_m);
+    // d(distance)/d(elevation) = distance^2 / height for a camera at this height over the plane.
+    centre_sigma = std::max(0.005f, distance * distance / std::abs(ground->z - ray.origin_m.z) * kElevationSigma_rad);
+    ball.from_centre_m = take(distance, centre_sigma);
+  }
+  const auto take_size = [&](float distance, float sigma) {
+    constexpr float kMostSigmas = 2.5f;
+    const float apart = std::abs(distance - ball.from_centre_m);
+    const float both_sigmas = std::sqrt(sigma * sigma + centre_sigma * centre_sigma);
+    const bool agrees = ball.from_centre_m == 0 || apart < kMostSigmas * both_sigmas;
+    return !options.check || agrees ? take(distance, sigma) : distance;
+  };
   if (!ball.region.at_border) {
-    const float radius = std::sqrt(static_cast<float>(ball.region.area_px) / kPi);
+    const float radius = std::sqrt(static_cast<float>(ball.region.area_px) / kPi) + options.rim_px;
     const float distance = distance_of_radius(radius, focal, cos_theta);
-    ball.from_area_m = take(distance, distance * 0.4f / radius);
+    ball.from_area_m = take_size(distance, distance * 0.4f / radius);
   }
   if (circle) {
-    const float distance = distance_of_radius(circle->radius, focal, cos_theta);
-    ball.from_edge_m = take(distance, distance * 0.6f / circle->radius);
-  }
-  if (const auto ground = ray.at_height(kBallRadius_m, neck.body_height_m)) {
-    const Vector3 d{ground->x - ray.origin_m.x, ground->y - ray.origin_m.y, ground->z - ray.origin_m.z};
-    const float distance = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    // d(distance)/d(elevation) = distance^2 / height for a camera at this height over the plane.
-    ball.from_centre_m = take(distance, std::max(0.005f, distance * distance / std::abs(d.z) * 0.02f));
+    const float radius = circle->radius + options.rim_px;
+    const float distance = distance_of_radius(radius, focal, cos_theta);
+    ball.from_edge_m = take_size(distance, distance * 0.6f / radius);
   }
   if (weight_sum == 0) return std::nullopt;
   const float distance = weighted / weight_sum;

@@ -26,8 +26,24 @@ struct BallSighting {
   Region region;
 };
 
+struct BallOptions {
+  int min_area_px = 6;
+  // A region's radius is smaller than the ball's by this: pixels on the rim are half ball, half what is
+  // behind it, and blurred, and the colour table takes them for nothing.
+  float rim_px = 0;
+  // True: regions that no ball makes are left out (see could_be_ball), and the area and the edge count only
+  // where they agree with the centre's elevation; a ball half hidden looks too small for where it lies.
+  bool check = false;
+};
+
+// The largest orange region (of those that could be the ball) as a ball.
 std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& head,
                                       const CameraBelief& camera, const NeckBelief& neck,
-                                      int min_area_px = 6);
+                                      const BallOptions& options = {});
+
+// False for what is orange and no ball: the lines where a yellow goal meets red or the ground (too long, too
+// empty), and regions of a size that a ball on the ground does not have where they are seen.
+bool could_be_ball(const Region& region, const HeadAtRow& head, const CameraBelief& camera,
+                   const NeckBelief& neck, float rim_px, int mask_width_px);
 
 }  // namespace seam::sdk

@@ -94,6 +94,69 @@ TEST(BallDetector, SaysNothingWithoutABall) {
   EXPECT_FALSE(find_ball(world.mask(), [](float) { return HeadAngles{}; }, kCamera, kNeck).has_value());
 }
 
+// A mask in which a rectangle of pixels is orange.
+World orange_box(int u_min, int u_max, int v_min, int v_max) {
+  World world;
+  for (int v = v_min; v <= v_max; ++v) {
+    for (int u = u_min; u <= u_max; ++u) world.bits[v * kWidth + u] = 1;
+  }
+  return world;
+}
+
+std::optional<BallSighting> checked_ball(const World& world, const HeadAngles& head, float rim_px = 0) {
+  return find_ball(world.mask(), [&](float) { return head; }, kCamera, kNeck, {.rim_px = rim_px, .check = true});
+}
+
+TEST(BallDetector, LeavesOutLinesAndSizesThatNoBallHas) {
+  const HeadAngles head{-0.1f, 0, 0};
+  EXPECT_FALSE(checked_ball(orange_box(60, 80, 80, 80), head));    // The foot of a yellow goal.
+  EXPECT_FALSE(checked_ball(orange_box(0, 30, 80, 81), head));     // The same, cut by the border.
+  EXPECT_FALSE(checked_ball(orange_box(90, 93, 120, 123), head));  // Far too small for where it is.
+  EXPECT_FALSE(checked_ball(orange_box(60, 110, 40, 80), head));   // Far too large for the horizon.
+  EXPECT_TRUE(find_ball(orange_box(60, 110, 40, 80).mask(), [&](float) { return head; }, kCamera, kNeck));
+}
+
+TEST(BallDetector, TakesTheBallBesideALargerPatchThatIsNone) {
+  const HeadAngles head{-0.25f, 0, 0};
+  World world = cast(head, [&](const BodyRay& ray) -> std::optional<Colour> {
+    if (hits_ball(ray, 1.0f, 0.1f)) return Colour::orange;
+    return std::nullopt;
+  });
+  for (int u = 100; u < 178; ++u) world.bits[20 * kWidth + u] = world.bits[21 * kWidth + u] = 1;
+  const auto ball = checked_ball(world, head);
+  ASSERT_TRUE(ball);
+  EXPECT_NEAR(ball->distance_m, std::sqrt(1.01f), 0.06f);
+}
+
+TEST(BallDetector, APartlyHiddenBallIsWhereItsCentreSays) {
+  // Two fifths of it are behind a leg: the area says a quarter farther.
+  const HeadAngles head{-0.4f, 0, 0};
+  const World world = cast(head, [&](const BodyRay& ray) -> std::optional<Colour> {
+    if (hits_ball(ray, 0.5f, 0) && ray.direction.y > -0.02f * ray.direction.x) return Colour::orange;
+    return std::nullopt;
+  });
+  const auto ball = checked_ball(world, head);
+  ASSERT_TRUE(ball);
+  EXPECT_GT(ball->from_area_m, 1.1f * ball->from_centre_m);
+  EXPECT_NEAR(ball->distance_m, 0.5f, 0.02f);
+}
+
+TEST(BallDetector, AllowsForTheRimThatNoColourClaims) {
+  const HeadAngles head{-0.1f, 0, 0};
+  const auto smaller = [&](const BodyRay& ray) -> std::optional<Colour> {
+    // What is left of a ball at 1.5 m whose outermost pixel is lost.
+    const float cx = 1.5f - ray.origin_m.x, cz = kBallRadius_m - kNeck.body_height_m - ray.origin_m.z;
+    const float along = cx * ray.direction.x - ray.origin_m.y * ray.direction.y + cz * ray.direction.z;
+    const float off2 = cx * cx + ray.origin_m.y * ray.origin_m.y + cz * cz - along * along;
+    const float radius = kBallRadius_m - along / 162;
+    if (off2 < radius * radius) return Colour::orange;
+    return std::nullopt;
+  };
+  const World world = cast(head, smaller);
+  EXPECT_GT(checked_ball(world, head)->distance_m, 1.6f);
+  EXPECT_NEAR(checked_ball(world, head, 1)->distance_m, 1.5f, 0.08f);
+}
+
 TEST(LandmarkDetector, NamesAndMeasuresABeacon) {
   for (const bool pink_low : {true, false}) {
     const float x = 1.3f, y = 0.45f;
