@@ -1,0 +1,17 @@
+"""Behaviours for SEAM in Python: the wire of proto/seam/v1/simulation.proto, made comfortable.
+
+    from seam_sdk import Robot
+
+    robot = Robot()
+    robot.request_all_frames()
+    for seen in robot.observations():
+        robot.head(pan_rad=0.5 * math.sin(seen.time_s))
+
+Units: metres, radians, seconds; simulated time in integer nanoseconds. Body frame: x forward, y left, z up. Pan turns
+left, tilt looks up. Pixel (0, 0) is the centre of the top-left pixel.
+"""
+from .observation import Frame, Game, JointAngles, Observation, Odometry, PlayState, RadioMessage, Sensors
+from .robot import Connection, JointTarget, Kick, Refusal, Robot, SeamError
+
+__all__ = ["Connection", "Frame", "Game", "JointAngles", "JointTarget", "Kick", "Observation", "Odometry", "PlayState",
+           "RadioMessage", "Refusal", "Robot", "SeamError", "Sensors"]

@@ -1,0 +1,246 @@
+"""A robot's connection to the server: observations come, decisions go."""
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import enum
+import os
+import pathlib
+import queue
+import sys
+import time
+from typing import Callable, Iterable, Iterator, Sequence
+
+import grpc
+from seam.v1 import simulation_pb2 as wire
+from seam.v1 import simulation_pb2_grpc as service
+
+from .observation import Observation, from_wire
+
+_MAX_SERVER_MESSAGE_BYTES = 64 << 20
+_CHANNEL_OPTIONS = (
+    ("grpc.max_receive_message_length", _MAX_SERVER_MESSAGE_BYTES),
+    ("grpc.http2.bdp_probe", 0),  # Small messages in lockstep: no probing.
+    ("grpc.keepalive_time_ms", 10_000),
+    ("grpc.keepalive_timeout_ms", 5_000),
+    ("grpc.http2.max_pings_without_data", 0),
+    ("grpc.initial_reconnect_backoff_ms", 50),
+    ("grpc.max_reconnect_backoff_ms", 500),
+)
+# Worth another try: the server is not up yet, or the connection broke.
+_PASSING = (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED, grpc.StatusCode.DEADLINE_EXCEEDED,
+            grpc.StatusCode.INTERNAL)
+
+
+class SeamError(Exception):
+    """The server cannot be reached, or refuses the client; the text says what was found."""
+
+
+class Kick(enum.IntEnum):
+    """GRAB holds a ball between the front legs until a kick or RELEASE."""
+    NONE = 0
+    LEG_FORWARD = 1
+    LEG_LEFT = 2
+    LEG_RIGHT = 3
+    HEAD_LEFT = 4
+    HEAD_RIGHT = 5
+    GRAB = 6
+    RELEASE = 7
+
+
+@dataclasses.dataclass(frozen=True)
+class JointTarget:
+    joint: int  # 0 tilt, 1 pan, 2 roll, then rotator, elevator, knee of LF, RF, LR, RR.
+    angle_rad: float
+    max_speed_rad_s: float = 0.0  # 0: as fast as the servo goes.
+
+
+@dataclasses.dataclass(frozen=True)
+class Refusal:
+    """A decision that the server refused as a whole: the field, what was found and what was expected."""
+    field: str
+    message: str
+
+
+@dataclasses.dataclass(frozen=True)
+class Connection:
+    address: str  # "unix:/path", "host:port".
+    robot: str
+    token: str
+    # A directory with ca.pem, client.pem and client.key (as `seam certs` makes it): TLS. Empty: plain, which the
+    # server accepts on a Unix socket or loopback only.
+    certificates: str = ""
+    give_up_s: float = 60.0  # Wall time for connecting, and for reconnecting after a lost connection.
+
+    @staticmethod
+    def from_arguments(arguments: Sequence[str] | None = None) -> Connection:
+        """From --address, --robot, --token, --certs, or else SEAM_ADDRESS, SEAM_ROBOT, SEAM_TOKEN, SEAM_CERTS.
+
+        `seam run` sets the environment. Other arguments are left alone.
+        """
+        parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+        for option in ("address", "robot", "token", "certs"):
+            parser.add_argument("--" + option, default=os.environ.get("SEAM_" + option.upper(), ""))
+        found, _ = parser.parse_known_args(arguments)
+        return Connection(found.address, found.robot, found.token, found.certs)
+
+
+def _open_channel(connection: Connection) -> grpc.Channel:
+    if not connection.certificates:
+        return grpc.insecure_channel(connection.address, options=_CHANNEL_OPTIONS)
+    folder = pathlib.Path(connection.certificates)
+    try:
+        authority, chain, key = ((folder / name).read_bytes() for name in ("ca.pem", "client.pem", "client.key"))
+    except OSError as error:
+        raise SeamError(f"cannot read {error.filename}: {error.strerror}") from error
+    return grpc.secure_channel(connection.address, grpc.ssl_channel_credentials(authority, key, chain), _CHANNEL_OPTIONS)
+
+
+class Robot:
+    """Drives one robot.
+
+    `observations()` yields what the robot senses; what is ordered until the next is asked for is the decision that
+    answers it. What is not ordered stays as it was: a walk goes on, a head target is held. Orders before the first
+    observation are part of the first decision.
+    """
+
+    def __init__(self, connection: Connection | None = None) -> None:
+        self.connection = connection or Connection.from_arguments()
+        # Something that this client sent was refused; by default it is printed.
+        self.on_refusal: Callable[[Refusal], None] = self._print_refusal
+        self._welcome = wire.Welcome()
+        self._answer = wire.ClientMessage()  # Gathers the orders.
+        self._answered = 0  # Number of the last observation that was yielded.
+
+    # ---- Known once the first observation has come ----
+
+    @property
+    def name(self) -> str:
+        return self.connection.robot
+
+    @property
+    def team(self) -> str:
+        return self._welcome.team
+
+    @property
+    def number(self) -> int:
+        """Its place in the scenario, from 0."""
+        return self._welcome.robot_number
+
+    @property
+    def decision_latency_s(self) -> float:
+        return self._welcome.decision_latency_ns * 1e-9
+
+    def observations(self) -> Iterator[Observation]:
+        """One for each turn of the robot, until the run is over.
+
+        A lost connection is made again with the token, and goes on at the pending observation. SeamError where that
+        fails for longer than the connection's `give_up_s`, or the server refuses this client.
+        """
+        if not self.connection.address:
+            raise SeamError("no server address: give --address, or set SEAM_ADDRESS")
+        with _open_channel(self.connection) as channel:
+            stub = service.SimulationStub(channel)
+            last_connected = time.monotonic()
+            while True:
+                self._welcome.Clear()
+                try:
+                    yield from self._drive(stub)
+                    return
+                except grpc.RpcError as error:
+                    now = time.monotonic()
+                    if self._welcome.robot:
+                        last_connected = now
+                    if error.code() not in _PASSING or now - last_connected > self.connection.give_up_s:
+                        raise SeamError(f"{self.name}: {error.details()}") from error
+                time.sleep(0.02)
+
+    def _drive(self, stub: service.SimulationStub) -> Iterator[Observation]:
+        """One stream; returns at the server's Goodbye."""
+        to_server: queue.SimpleQueue[wire.ClientMessage | None] = queue.SimpleQueue()
+        hello = wire.Hello(robot=self.connection.robot, token=self.connection.token, client="seam Python SDK 1")
+        to_server.put(wire.ClientMessage(hello=hello))
+        call = stub.Drive(iter(to_server.get, None))
+        try:
+            for message in call:
+                kind = message.WhichOneof("kind")
+                if kind == "welcome":
+                    self._welcome = message.welcome
+                elif kind == "observation":
+                    sequence = message.observation.sequence
+                    # After a reconnection the pending observation comes again. Where the answer was made but lost on
+                    # the way, it is sent again, not made twice.
+                    if sequence != self._answered:
+                        if self._answered > 0:
+                            self._answer = wire.ClientMessage()
+                        self._answered = self._answer.decision.sequence = sequence
+                        yield from_wire(message.observation)
+                    to_server.put(self._answer)
+                elif kind == "refusal":
+                    self.on_refusal(Refusal(message.refusal.field, message.refusal.message))
+                elif kind == "goodbye":
+                    return
+        finally:
+            to_server.put(None)  # Ends the thread that sends.
+            call.cancel()  # Where the caller has left in the midst of it.
+
+    def _print_refusal(self, refusal: Refusal) -> None:
+        print(f"{self.name}: refused: {refusal.field}: {refusal.message}", file=sys.stderr)
+
+    # ---- Orders ----
+
+    def head(self, tilt_rad: float = 0.0, pan_rad: float = 0.0, roll_rad: float = 0.0,
+             max_speed_rad_s: float = 0.0) -> None:
+        """Targets of the head's servos; speed 0: as fast as they go."""
+        self._answer.decision.head.CopyFrom(
+            wire.HeadCommand(tilt_rad=tilt_rad, pan_rad=pan_rad, roll_rad=roll_rad, max_speed_rad_s=max_speed_rad_s))
+
+    def walk(self, vx_m_s: float = 0.0, vy_m_s: float = 0.0, omega_rad_s: float = 0.0) -> None:
+        """Velocity in the body's frame."""
+        self._answer.decision.walk.CopyFrom(wire.WalkCommand(vx_m_s=vx_m_s, vy_m_s=vy_m_s, omega_rad_s=omega_rad_s))
+
+    def stop(self) -> None:
+        self.walk()
+
+    def kick(self, kind: Kick) -> None:
+        self._answer.decision.kick = int(kind)
+
+    def joints(self, targets: Iterable[JointTarget], offset_ns: int = 0) -> None:
+        """Joint targets, this long after the decision acts; several calls make several frames, in ascending order.
+
+        Leg targets replace the gait until the next walk().
+        """
+        frame = self._answer.decision.joints.add(offset_ns=offset_ns)
+        for target in targets:
+            frame.targets.add(**dataclasses.asdict(target))
+
+    def request_frame(self, after_ns: int = 0) -> None:
+        """The next whose stamp is not before this time."""
+        self._answer.decision.frame_requests.add(which=wire.FrameRequest.NEXT, after_ns=after_ns)
+
+    def request_frames(self, count: int) -> None:
+        """The next `count`."""
+        self._answer.decision.frame_requests.add(which=wire.FrameRequest.NEXT, count=count)
+
+    def request_all_frames(self) -> None:
+        self._answer.decision.frame_requests.add(which=wire.FrameRequest.ALL)
+
+    def request_no_frames(self) -> None:
+        self._answer.decision.frame_requests.add(which=wire.FrameRequest.NONE)
+
+    def send(self, payload: bytes) -> None:
+        """By radio, to team mates."""
+        self._answer.decision.messages.append(payload)
+
+    # ---- For the log and the viewer ----
+
+    def log_value(self, name: str, value: float) -> None:
+        self._answer.decision.debug.add(name=name, value=value)
+
+    def log_text(self, name: str, text: str) -> None:
+        self._answer.decision.debug.add(name=name, text=text)
+
+    def log_drawing(self, name: str, points: Iterable[tuple[float, float]], in_image: bool = False) -> None:
+        """Points (x, y) on the field (metres, world frame) or (u, v) in the image (pixels), joined by a line."""
+        drawing = wire.Drawing(in_image=in_image, points=[part for point in points for part in point])
+        self._answer.decision.debug.add(name=name, drawing=drawing)

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Behaviours in Python (robot_sdk/python) over real gRPC: the same run as in C++, all that a robot is told and can be told
+to do, and what is refused.
+
+Usage: python_sdk_test.py BUILD_DIR SOURCE_DIR PYTHON [unittest arguments]; PYTHON is the interpreter that has gRPC.
+"""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BUILD = pathlib.Path(sys.argv[1]).resolve()
+SOURCE = pathlib.Path(sys.argv[2]).resolve()
+PYTHON = sys.argv[3]
+SEAM = BUILD / "seam"
+GOLDEN = SOURCE / "tests" / "golden" / "fingerprints.json"
+LIMIT_S = 240  # A hang is a failure.
+
+PROLOGUE = f"""#!{PYTHON}
+import json, math, os, sys
+sys.path.insert(0, {str(BUILD / "python")!r})
+import seam_sdk
+"""
+
+
+def scenario(behaviour, robots=1, duration_s=0.6):
+    text = (f"format: seam-scenario/1\nname: python\nduration_s: {duration_s}\nseed: 5\n"
+            f"field: {SOURCE}/models/field_2002.yaml\nball: {{x_m: 0.4, y_m: 0.1}}\nrobots:\n")
+    for i in range(robots):
+        text += (f"  - id: r{i}\n    team: red\n    pose: {{x_m: {-0.9 + 0.6 * i}, y_m: 0.4, theta_rad: 0}}\n"
+                 f"    body: {SOURCE}/models/robot_ers210.yaml\n"
+                 f"    camera: {{model: {SOURCE}/models/ers210.yaml, "
+                 f"colour_table: {SOURCE}/models/colour_table_2002.yaml}}\n"
+                 f"    behaviour: {{command: [{behaviour}]}}\n")
+    return text
+
+
+class PythonSdk(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.here = pathlib.Path(folder.name)
+
+    def write(self, text, name="scenario.yaml"):
+        path = self.here / name
+        path.write_text(text)
+        return path
+
+    def program(self, text):
+        path = self.write(PROLOGUE + text, "behaviour.py")
+        path.chmod(0o755)
+        return path
+
+    def seam(self, *arguments):
+        done = subprocess.run([SEAM, *map(str, arguments)], capture_output=True, text=True, timeout=LIMIT_S)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done
+
+    def run_json(self, path, *arguments):
+        out = self.here / "run.json"
+        done = self.seam("run", path, "--json", out, *arguments)
+        return json.loads(out.read_text()), done.stderr
+
+    def test_head_swing_in_python_is_the_same_run_as_in_cpp(self):
+        text = (SOURCE / "scenarios" / "head_swing.yaml").read_text().replace("../models", f"{SOURCE}/models")
+        self.assertIn("command: [head_swing, --rate", text)
+        summary, _ = self.run_json(self.write(text.replace("command: [head_swing,", "command: [head_swing.py,")),
+                                   "--log", self.here / "run.mcap")
+        self.assertEqual(summary["fingerprint"], json.loads(GOLDEN.read_text())["head_swing"])
+        self.assertEqual(summary["decisions"], 63)
+        self.seam("replay", "verify", self.here / "run.mcap")
+
+    def test_what_a_robot_is_told_and_tells(self):
+        """Two robots talk by radio; r0 walks and looks, and writes down what it was told."""
+        notes = self.here / "notes.json"
+        program = self.program(f"""
+robot = seam_sdk.Robot()
+robot.request_frames(3)
+told = {{"frames": [], "heard": [], "walked_m": 0, "readings": 0, "pan_rad": []}}
+for seen in robot.observations():
+    robot.walk(vx_m_s=0.2)
+    robot.head(tilt_rad=-0.2, pan_rad=0.4)
+    if seen.sequence == 3:
+        robot.joints([seam_sdk.JointTarget(joint=2, angle_rad=0.2)], offset_ns=8_000_000)
+        robot.kick(seam_sdk.Kick.LEG_FORWARD)
+        robot.log_value("answer", 42)
+        robot.log_text("word", "hello")
+        robot.log_drawing("way", [(0, 0), (1, 0.5)])
+    robot.send(f"{{robot.name}} {{robot.number}} {{robot.team}}".encode())
+    for frame in seen.frames:
+        rgb, classes = frame.rgb_array(), frame.colours_array()
+        assert rgb[70, 88].tobytes() == frame.rgb[(70 * frame.width_px + 88) * 3:][:3]
+        assert frame.row_start_ns[0] < frame.row_middle_ns(0) < frame.row_end_ns[0] < frame.row_end_ns[-1] <= seen.time_ns
+        told["frames"].append([*rgb.shape, *classes.shape, *frame.ycrcb_array().shape, int(rgb.max()), int(classes.max())])
+    told["heard"] += [[message.sender, message.payload.decode()] for message in seen.messages]
+    told["walked_m"] = seen.sensors.odometry.x_m
+    told["readings"] += len(seen.sensors.joint_log)
+    told["pan_rad"].append(seen.sensors.joints.pan_rad)
+    told["roll_rad"] = seen.sensors.joints.roll_rad
+    told["gravity"] = seen.sensors.acceleration_m_s2[2]
+    told["state"] = seen.game.state.name
+    told["legs"] = len(seen.sensors.joints.legs_rad)
+if robot.name == "r0":
+    open({str(notes)!r}, "w").write(json.dumps(told))
+""")
+        log, tables = self.here / "run.mcap", self.here / "tables"
+        self.run_json(self.write(scenario(program, robots=2, duration_s=1)), "--log", log)
+        told = json.loads(notes.read_text())
+        self.assertEqual(len(told["frames"]), 3)
+        for frame in told["frames"]:
+            self.assertEqual(frame[:8], [144, 178, 3, 72, 88, 144, 178, 3])
+            self.assertGreater(frame[8], 100)  # Something is bright, and something has a colour.
+            self.assertGreater(frame[9], 0)
+        self.assertIn(["r1", "r1 1 red"], told["heard"])
+        self.assertGreater(told["walked_m"], 0.02)
+        self.assertGreater(told["readings"], 100)  # One in 8 ms.
+        self.assertAlmostEqual(told["pan_rad"][-1], 0.4, delta=0.02)
+        self.assertAlmostEqual(told["roll_rad"], 0, delta=0.02)  # The head order of each decision takes it back.
+        self.assertEqual((told["state"], told["legs"]), ("PLAYING", 12))
+        self.seam("replay", "export", log, "--out", tables)
+        debug = (tables / "debug.csv").read_text()
+        self.assertRegex(debug, r"r0,answer,value,42\b")
+        self.assertRegex(debug, r"r0,word,text,hello\b")
+        self.assertRegex(debug, r"r0,way,")
+        self.assertIn("leg_forward", (tables / "decisions.csv").read_text())
+
+    def test_a_bad_order_is_refused_with_its_field_and_the_run_goes_on(self):
+        program = self.program("""
+robot = seam_sdk.Robot()
+for seen in robot.observations():
+    robot.head(pan_rad=math.nan if seen.sequence == 2 else 0.1)
+""")
+        summary, errors = self.run_json(self.write(scenario(program)))
+        self.assertEqual(summary["end"], "finished")
+        self.assertIn("r0: refused: head.pan_rad", errors)
+
+    def test_over_tls_with_certificates_and_without_the_token(self):
+        path = self.write(scenario("head_swing.py, --no-frames", duration_s=0.5))
+        reference, _ = self.run_json(path)
+        certificates, tokens, out = self.here / "certs", self.here / "tokens.yaml", self.here / "served.json"
+        self.seam("certs", certificates)
+        server = subprocess.Popen([SEAM, "serve", path, "--certs", certificates, "--listen", "127.0.0.1:0", "--tokens", tokens,
+                                   "--json", out], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(lambda: (server.poll() is None and server.kill(), server.wait(), server.stdout.close()))
+        address = server.stdout.readline().split()[-1]
+        token = next(line.split()[1] for line in tokens.read_text().splitlines() if "r0:" in line)
+        client = [BUILD / "behaviours" / "head_swing.py", "--no-frames", "--address", address, "--robot", "r0"]
+        secure = dict(os.environ, SEAM_CERTS=str(certificates))
+
+        def refused(command, environment):
+            done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60)
+            self.assertEqual(done.returncode, 1)
+            self.assertNotIn("Traceback", done.stderr)
+            return done.stderr
+        self.assertIn("token", refused([*client, "--token", "guess"], secure))
+        self.assertIn("ca.pem", refused([*client, "--token", token], dict(secure, SEAM_CERTS=str(self.here / "nowhere"))))
+        bare = {name: value for name, value in os.environ.items() if not name.startswith("SEAM_")}
+        self.assertIn("SEAM_ADDRESS", refused([BUILD / "behaviours" / "head_swing.py"], bare))
+        self.assertEqual(subprocess.run([*client, "--token", token], env=secure, timeout=LIMIT_S).returncode, 0)
+        self.assertEqual(server.wait(LIMIT_S), 0)
+        self.assertEqual(json.loads(out.read_text())["fingerprint"], reference["fingerprint"])
+
+    def test_a_broken_stream_goes_on_at_the_pending_observation(self):
+        """The client drops its own stream after an answer was made: the same decisions as without."""
+        swing = """
+robot = seam_sdk.Robot()
+drop = "--drop" in sys.argv
+if drop:  # The stream breaks as a network's does: in the midst of an iteration.
+    inner, robot._drive = robot._drive, None
+    def breaking(stub):
+        for seen in inner(stub):
+            yield seen
+            if seen.sequence in (3, 4, 9):
+                raise Broken()
+    class Broken(seam_sdk.robot.grpc.RpcError):
+        def code(self): return seam_sdk.robot.grpc.StatusCode.UNAVAILABLE
+        def details(self): return "broken by the test"
+    robot._drive = breaking
+count = 0
+for seen in robot.observations():
+    count += 1
+    robot.head(pan_rad=0.3 * math.sin(5 * seen.time_s))
+    robot.log_value("count", count)
+"""
+        program = self.program(swing)
+        whole, _ = self.run_json(self.write(scenario(program)), "--log", self.here / "whole.mcap")
+        broken, _ = self.run_json(self.write(scenario(f"{program}, --drop")), "--log", self.here / "broken.mcap")
+        self.assertEqual(broken["fingerprint"], whole["fingerprint"])
+        self.assertEqual(broken["decisions"], whole["decisions"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]], verbosity=2)
