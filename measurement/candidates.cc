@@ -323,11 +323,12 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
                      clear_parameters(candidate.grown, candidate.effect->name) > 0;
   // Beyond the noise a likelihood says little: held-out groups must agree that they gain, and some value be clear.
   const bool agreed = after.error <= kMisfit ? clear || candidate.free.size() > 1 : clear && candidate.held_z > 1;
-  // Held-out groups must agree; where all groups together leave no doubt, they may be unlucky by as much as
-  // noise makes them in one of ten cases at five standard errors.
+  // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by as much as noise makes them
+  // in one of ten cases at five standard errors, or by what their scatter does in one of ten.
   const bool beyond_doubt = candidate.p_value < 0.01 * kCandidateAlarm && after.error < kMisfit;
-  candidate.significant = candidate.p_value < kCandidateAlarm && agreed &&
-                          candidate.gain_ll > (beyond_doubt ? -2 : 0) &&
+  const bool held_out_agree =
+      candidate.gain_ll > 0 || (beyond_doubt && (candidate.gain_ll > -2 || candidate.held_z > -1.3));
+  candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
   candidate.merit = merit_of(problem, candidate.grown);
 }
