@@ -14,6 +14,8 @@ constexpr float kGoalX_m = 2.1f;
 constexpr float kGoalHalfWidth_m = 0.3f;
 constexpr float kFar_m = 1.2f;
 constexpr float kBesideGoalie_m = 0.15f;  // From the goal's middle, where the goalie stands.
+constexpr float kSideways_m = 0.8f;
+constexpr float kGoaliesBall_m = 0.9f;
 constexpr float kTouch_m = 0.15f;  // From the body's origin to a ball that touches it.
 constexpr float kHeadPan_rad = 1.5f;
 
@@ -86,7 +88,8 @@ bool can_grab(const WorldModel& world) {
 
 Action search_ball(const WorldModel& world) {
   Action action{.head = sweep(world.time_s()), .name = "search"};
-  if (world.ball_age_s() > 3) action.omega_radps = world.ball().y_m >= 0 ? 0.6f : -0.6f;
+  // All the way round: where the ball was believed to be, it is not.
+  if (world.ball_age_s() > 3) action.omega_radps = world.player() % 2 == 0 ? 0.8f : -0.8f;
   return action;
 }
 
@@ -121,8 +124,11 @@ Action hold_place(const WorldModel& world, float x_m, float y_m) {
     const float bearing = world.bearing_to(x_m, y_m);
     walk_to(action, distance * std::cos(bearing), distance * std::sin(bearing), 0.4f);
   } else {
+    // Without a ball to face: to the one side of the other half and to the other, so that nothing before the own
+    // goal stays unseen for long.
+    const float side_m = phase_of(world.time_s(), 6) < 0.5f ? kSideways_m : -kSideways_m;
     const float face = world.ball_age_s() < 2 ? world.ball().bearing_rad()
-                                              : world.bearing_to(world.attack_sign() * kGoalX_m, 0);
+                                              : world.bearing_to(x_m + 0.5f * world.attack_sign(), y_m + side_m);
     if (std::abs(face) > 0.2f) action.omega_radps = clamp(face, 0.8f);
   }
   return action;
@@ -135,7 +141,7 @@ Role role_of(int player) {
 
 Action Player::play_held_ball(const WorldModel& world) {
   // The rules allow three seconds; the kick itself takes a quarter of one.
-  constexpr float kFirstLook_s = 0.3f, kLongest_s = 2.4f, kPatience_radps = 0.05f;
+  constexpr float kFirstLook_s = 0.3f, kLongest_s = 2.4f, kPatience_radps = 0.03f;
   const float held_s = world.time_s() - grabbed_s_;
   // From near beside the goalie, on either side in turn; from far a kick strays too much for that.
   const float distance = std::max(world.goal_distance(), 0.4f);
@@ -148,7 +154,7 @@ Action Player::play_held_ball(const WorldModel& world) {
     action.holds_ball = false;
     return action;
   }
-  const bool aimed = std::abs(goal) < 0.5f * kGoalHalfWidth_m / distance + kPatience_radps * held_s;
+  const bool aimed = std::abs(goal) < 0.3f * kGoalHalfWidth_m / distance + kPatience_radps * held_s;
   if (aimed || held_s > kLongest_s) {
     // Never towards the own goal.
     action.kick = std::abs(goal) < 1.3f ? Kick::leg_forward : Kick::release;
@@ -169,13 +175,14 @@ Action Player::keep_place(const WorldModel& world) const {
       return hold_place(world, -sign * (kGoalX_m - 0.25f), y);
     }
     case Role::defender: return hold_place(world, -sign * 1.0f, 0.2f);
-    // At the other team's kick-off nobody crosses into its half.
-    case Role::attacker: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.5f : sign * 0.6f, -0.5f);
-    default: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.4f : sign * 0.3f, 0.7f);
+    // Near the goal for what bounces back from it. At the other team's kick-off nobody crosses into its half.
+    case Role::attacker: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.5f : sign * 1.1f, -0.45f);
+    default: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.4f : sign * 0.5f, 0.5f);
   }
 }
 
 Action Player::play(const WorldModel& world) {
+  constexpr float kSearchAfter_s = 3;
   const BallBelief& ball = world.ball();
   const bool knows_ball = world.ball_age_s() < 2;
   if (holds_) {
@@ -188,10 +195,11 @@ Action Player::play(const WorldModel& world) {
     holds_ = true, grabbed_s_ = world.time_s(), ++grabs_;
     return {.head = look_at_ball(world), .kick = Kick::grab, .name = "grab"};
   }
-  if (role_ == Role::goalie) return knows_ball && ball.distance_m() < 0.8f ? approach_ball(world) : keep_place(world);
+  if (role_ == Role::goalie) return knows_ball && ball.distance_m() < kGoaliesBall_m ? approach_ball(world) : keep_place(world);
   if (world.is_opponents_kick_off()) return keep_place(world);
   if (knows_ball && world.is_nearest_to_ball()) return approach_ball(world);
-  return !knows_ball && role_ == Role::attacker ? search_ball(world) : keep_place(world);
+  // The goalie watches from its place; the others turn until somebody sees the ball.
+  return world.ball_age_s() > kSearchAfter_s ? search_ball(world) : keep_place(world);
 }
 
 }  // namespace seam::sdk
