@@ -29,12 +29,16 @@ float wrap(float angle) {
 // The part of a period that has passed, 0 to 1.
 float phase_of(float time_s, float period_s) { return time_s / period_s - std::floor(time_s / period_s); }
 
+// From -1 to 1 and back.
+float triangle(float time_s, float period_s) {
+  const float phase = phase_of(time_s, period_s);
+  return phase < 0.5f ? 4 * phase - 1 : 3 - 4 * phase;
+}
+
 // Looks left and right over one and a half seconds each way, level and low in turn.
 HeadAngles sweep(float time_s) {
-  const float phase = phase_of(time_s, 3);
-  const float triangle = phase < 0.5f ? 4 * phase - 1 : 3 - 4 * phase;
   const bool low = phase_of(time_s, 6) >= 0.5f;
-  return {low ? -0.45f : -0.10f, 1.3f * triangle, 0};
+  return {low ? -0.45f : -0.10f, 1.3f * triangle(time_s, 3), 0};
 }
 
 // At the landmark that is nearest to a bearing, of those that the head can turn to.
@@ -54,7 +58,9 @@ HeadAngles look_at_landmark(const WorldModel& world, float near_rad) {
 HeadAngles look_at_ball(const WorldModel& world) {
   const BallBelief& ball = world.ball();
   const float down = std::atan2(0.19f - kBallRadius_m, std::max(ball.distance_m() - 0.12f, 0.05f));
-  return {-std::min(down, 1.2f), clamp(ball.bearing_rad(), kHeadPan_rad), 0};
+  // Not where it should be: to both sides of it.
+  const float aside = world.ball_age_s() > 0.6f ? 0.7f * triangle(world.time_s(), 1.2f) : 0;
+  return {-std::min(down, 1.2f), clamp(ball.bearing_rad() + aside, kHeadPan_rad), 0};
 }
 
 // Mostly on the ball, and at landmarks in between: who never looks up is lost. At the ball the glance is short.
@@ -84,6 +90,9 @@ bool can_grab(const WorldModel& world) {
   return seen && ball.x_m > 0.11f && ball.x_m < 0.18f && std::abs(ball.y_m) < 0.05f;
 }
 
+// How far from the goal's middle a kick may point: most of the goal's half width is left to the kick's own spread.
+float aim_within(const WorldModel& world) { return 0.3f * kGoalHalfWidth_m / std::max(world.goal_distance(), 0.4f); }
+
 }  // namespace
 
 Action search_ball(const WorldModel& world) {
@@ -98,12 +107,17 @@ Action look_around(const WorldModel& world) { return {.head = sweep(world.time_s
 Action approach_ball(const WorldModel& world) {
   const BallBelief& ball = world.ball();
   Action action{.head = watch_ball(world), .name = "approach"};
-  const float bearing = ball.bearing_rad();
   const float ahead_m = ball.distance_m() - kTouch_m;
+  // From afar towards a place behind the ball, so as to arrive with the goal ahead; the nearer, the more at the ball.
+  const float goal_x = world.goal_distance() * std::cos(world.goal_bearing()) - ball.x_m;
+  const float goal_y = world.goal_distance() * std::sin(world.goal_bearing()) - ball.y_m;
+  const float far = std::max(std::sqrt(goal_x * goal_x + goal_y * goal_y), 0.1f);
+  const float behind_m = std::clamp(0.5f * (ball.distance_m() - 0.35f), 0.0f, 0.3f);
+  const float bearing = std::atan2(ball.y_m - behind_m * goal_y / far, ball.x_m - behind_m * goal_x / far);
   // Turn first towards a ball at the side; near by come slowly, so that it is not pushed away.
   action.omega_radps = clamp(2.5f * bearing, kTurn_radps);
   action.vx_mps = std::clamp(0.06f + 0.8f * ahead_m, 0.0f, kWalk_mps) * std::max(0.0f, std::cos(1.5f * bearing));
-  action.vy_mps = clamp(1.5f * ball.y_m, 0.5f * kSidestep_mps);
+  if (behind_m == 0) action.vy_mps = clamp(1.5f * ball.y_m, 0.5f * kSidestep_mps);
   // Too close to turn: a step back.
   if (ahead_m < 0.06f && std::abs(bearing) > 0.5f) action.vx_mps = -0.08f;
   return action;
@@ -111,7 +125,7 @@ Action approach_ball(const WorldModel& world) {
 
 Action turn_with_ball(const WorldModel& world, float goal) {
   Action action{.head = look_at_landmark(world, clamp(goal, 1.2f)), .holds_ball = true, .name = "turn"};
-  action.omega_radps = clamp(3 * goal, kTurnWithBall_radps);
+  action.omega_radps = clamp(4 * goal, kTurnWithBall_radps);
   // Away from what may be in the way of the turn: the ball is mostly grabbed where it is contested.
   if (std::abs(goal) > 0.8f) action.vx_mps = -0.08f;
   return action;
@@ -154,7 +168,7 @@ Action Player::play_held_ball(const WorldModel& world) {
     action.holds_ball = false;
     return action;
   }
-  const bool aimed = std::abs(goal) < 0.3f * kGoalHalfWidth_m / distance + kPatience_radps * held_s;
+  const bool aimed = std::abs(goal) < aim_within(world) + kPatience_radps * held_s;
   if (aimed || held_s > kLongest_s) {
     // Never towards the own goal.
     action.kick = std::abs(goal) < 1.3f ? Kick::leg_forward : Kick::release;
@@ -174,7 +188,8 @@ Action Player::keep_place(const WorldModel& world) const {
       const float y = knows_ball ? clamp(world.message().ball_y_m * 0.3f, 0.25f) : 0;
       return hold_place(world, -sign * (kGoalX_m - 0.25f), y);
     }
-    case Role::defender: return hold_place(world, -sign * 1.0f, 0.2f);
+    // The goalie covers the middle; what comes back from the walls comes along the side.
+    case Role::defender: return hold_place(world, -sign * 1.1f, 0.5f);
     // Near the goal for what bounces back from it. At the other team's kick-off nobody crosses into its half.
     case Role::attacker: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.5f : sign * 1.1f, -0.45f);
     default: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.4f : sign * 0.5f, 0.5f);
@@ -192,6 +207,10 @@ Action Player::play(const WorldModel& world) {
     holds_ = false;
   }
   if (knows_ball && can_grab(world) && !world.is_opponents_kick_off()) {
+    // Already behind it: no time is lost by holding it.
+    if (std::abs(world.goal_bearing()) < aim_within(world)) {
+      return {.head = look_at_ball(world), .vx_mps = 0.1f, .kick = Kick::leg_forward, .name = "kick"};
+    }
     holds_ = true, grabbed_s_ = world.time_s(), ++grabs_;
     return {.head = look_at_ball(world), .kick = Kick::grab, .name = "grab"};
   }

@@ -17,7 +17,7 @@ struct Action {
 
 // Sweeps the head over the field; turns on the spot when the ball stays unseen.
 Action search_ball(const WorldModel& world);
-// Walks straight to the ball, facing it, slowly at the end, the head mostly on it.
+// Walks to the ball, from afar so as to arrive behind it, slowly at the end, the head mostly on it.
 Action approach_ball(const WorldModel& world);
 // The ball is held: turns until the goal, at this bearing, is ahead, the head up at goal and landmarks.
 Action turn_with_ball(const WorldModel& world, float goal_bearing_rad);

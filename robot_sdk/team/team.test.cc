@@ -132,8 +132,15 @@ TEST(Play, LeavesTheBallAtTheOpponentsKickOff) {
   EXPECT_STREQ(player.play(world).name, "approach");
 }
 
-TEST(Play, ForgetsAGrabThatFailed) {
+TEST(Play, KicksAtOnceWhenItStandsBehindTheBall) {
   WorldModel world = placed_at({1.0f, 0, 0});
+  Player player(Role::attacker);
+  world.update(ball_at(6.5f, 0.15f, 0.05f));
+  EXPECT_EQ(player.play(world).kick, Kick::leg_forward);
+}
+
+TEST(Play, ForgetsAGrabThatFailed) {
+  WorldModel world = placed_at({1.0f, 0, 1.2f});
   Player player(Role::attacker);
   world.update(ball_at(6.5f, 0.15f, 0.05f));
   EXPECT_EQ(player.play(world).kick, Kick::grab);
