@@ -8,7 +8,7 @@ EffectDefinition backlash() {
   return {
       .name = "backlash",
       .stage = Stage::joint,
-      .kinds = kPoints | kJoints | kFrames,
+      .kinds = kPoints | kJoints | kRanges | kFrames,
       .parameters = {{.name = "width_rad", .min = 0, .max = 0.3, .scale = 0.01,
                       .help = "Play of the pan joint, or of the logged joint, radians."},
                      {.name = "tilt_width_rad", .min = 0, .max = 0.3, .scale = 0.01,

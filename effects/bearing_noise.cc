@@ -7,7 +7,7 @@ EffectDefinition bearing_noise() {
   return {
       .name = "bearing_noise",
       .stage = Stage::detector,
-      .kinds = kLandmarks,
+      .kinds = kLandmarks | kRanges,
       .parameters = {{.name = "sigma_rad", .min = 0, .max = 1, .scale = 0.01,
                       .help = "Standard deviation, radians."}},
       .help = "Spread of a single bearing.",

@@ -7,7 +7,7 @@ EffectDefinition bearing_scale() {
   return {
       .name = "bearing_scale",
       .stage = Stage::detector,
-      .kinds = kLandmarks,
+      .kinds = kLandmarks | kRanges,
       .parameters = {{.name = "scale", .min = -0.9, .max = 5, .scale = 0.05,
                       .help = "Relative error of the bearing."}},
       .help = "Bearings are too large or too small in proportion: a wrong focal length.",

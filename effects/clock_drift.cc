@@ -7,7 +7,7 @@ EffectDefinition clock_drift() {
   return {
       .name = "clock_drift",
       .stage = Stage::timing,
-      .kinds = kPoints | kLandmarks | kFrames,
+      .kinds = kPoints | kLandmarks | kRanges | kFrames,
       .parameters = {{.name = "drift_ppm", .min = -200000.0, .max = 200000.0, .scale = 1e3,
                       .help = "How much faster true time runs than the stamps, parts per million."}},
       .help = "The camera's clock runs at another rate than the reference log's.",

@@ -8,7 +8,7 @@ EffectDefinition encoder_eccentricity() {
   return {
       .name = "encoder_eccentricity",
       .stage = Stage::joint,
-      .kinds = kPoints | kJoints | kFrames,
+      .kinds = kPoints | kJoints | kRanges | kFrames,
       .parameters = {{.name = "amplitude_rad", .min = 0, .max = 0.3, .scale = 0.01,
                       .help = "Amplitude of the wave, radians."},
                      {.name = "phase_rad", .min = -6.3, .max = 6.3, .scale = 1,

@@ -7,7 +7,7 @@ EffectDefinition encoder_offset() {
   return {
       .name = "encoder_offset",
       .stage = Stage::joint,
-      .kinds = kPoints | kJoints | kFrames,
+      .kinds = kPoints | kJoints | kRanges | kFrames,
       .parameters = {{.name = "tilt_rad", .min = -0.5, .max = 0.5, .scale = 0.01,
                       .help = "True minus logged angle of the tilt joint, radians."},
                      {.name = "pan_rad", .min = -0.5, .max = 0.5, .scale = 0.01,

@@ -7,7 +7,7 @@ EffectDefinition encoder_quantisation() {
   return {
       .name = "encoder_quantisation",
       .stage = Stage::joint,
-      .kinds = kPoints | kJoints | kFrames,
+      .kinds = kPoints | kJoints | kRanges | kFrames,
       .parameters = {{.name = "step_rad", .min = 0, .max = 0.2, .scale = 0.005,
                       .help = "Step of the logged angle, radians."}},
       .help = "The logged angle is rounded to steps.",

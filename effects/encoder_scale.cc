@@ -7,7 +7,7 @@ EffectDefinition encoder_scale() {
   return {
       .name = "encoder_scale",
       .stage = Stage::joint,
-      .kinds = kPoints | kJoints | kFrames,
+      .kinds = kPoints | kJoints | kRanges | kFrames,
       .parameters = {{.name = "tilt_scale", .min = -0.5, .max = 0.5, .scale = 0.01,
                       .help = "Relative error of the tilt encoder."},
                      {.name = "pan_scale", .min = -0.5, .max = 0.5, .scale = 0.01,

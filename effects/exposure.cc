@@ -7,7 +7,7 @@ EffectDefinition exposure() {
   return {
       .name = "exposure",
       .stage = Stage::timing,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {{.name = "exposure_s", .min = 0, .max = 0.1, .scale = 5e-3,
                       .help = "How long each row collects light, seconds."}},
       .help = "Each row integrates light over a window; a moving point is seen at its middle.",

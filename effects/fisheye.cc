@@ -10,7 +10,7 @@ EffectDefinition fisheye() {
   return {
       .name = "fisheye",
       .stage = Stage::geometry,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {{.name = "k1", .min = -5, .max = 5, .scale = 0.05,
                       .help = "Coefficient of theta^2."},
                      {.name = "k2", .min = -5, .max = 5, .scale = 0.05,

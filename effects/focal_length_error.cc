@@ -7,7 +7,7 @@ EffectDefinition focal_length_error() {
   return {
       .name = "focal_length_error",
       .stage = Stage::geometry,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {{.name = "fx_scale", .min = -0.5, .max = 0.5, .scale = 0.01,
                       .help = "Relative error of the focal length along rows."},
                      {.name = "fy_scale", .min = -0.5, .max = 0.5, .scale = 0.01,

@@ -7,7 +7,7 @@ EffectDefinition frame_jitter() {
   return {
       .name = "frame_jitter",
       .stage = Stage::timing,
-      .kinds = kPoints | kLandmarks | kFrames,
+      .kinds = kPoints | kLandmarks | kRanges | kFrames,
       .parameters = {{.name = "sigma_s", .min = 0, .max = 0.5, .scale = 5e-3,
                       .help = "Standard deviation of the latency of each frame, seconds."}},
       .help = "Each frame has a random latency of its own.",

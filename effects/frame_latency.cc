@@ -7,7 +7,7 @@ EffectDefinition frame_latency() {
   return {
       .name = "frame_latency",
       .stage = Stage::timing,
-      .kinds = kPoints | kLandmarks | kFrames,
+      .kinds = kPoints | kLandmarks | kRanges | kFrames,
       .parameters = {{.name = "latency_s", .min = -0.2, .max = 0.2, .scale = 5e-3,
                       .help = "True time of a frame minus its stamp, seconds."}},
       .help = "The stamp of a frame is early or late by a constant.",

@@ -7,7 +7,7 @@ EffectDefinition frame_sync() {
   return {
       .name = "frame_sync",
       .stage = Stage::timing,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {{.name = "period_frames", .min = 0, .max = 1000, .scale = 1,
                       .help = "Frames in one cycle of the head; 0: the camera's own clock.", .integer = true}},
       .help = "Frames are locked to the head's cycle instead of the camera's own clock.",

@@ -7,7 +7,7 @@ EffectDefinition ideal_detector() {
   return {
       .name = "ideal_detector",
       .stage = Stage::detector,
-      .kinds = kLandmarks,
+      .kinds = kLandmarks | kRanges,
       .parameters = {},
       .help = "The detector reports range and bearing as geometry says.",
       .formula = "range and bearing of the landmark in the frame of the camera",

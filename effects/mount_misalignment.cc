@@ -7,7 +7,7 @@ EffectDefinition mount_misalignment() {
   return {
       .name = "mount_misalignment",
       .stage = Stage::mount,
-      .kinds = kPoints | kLandmarks | kFrames,
+      .kinds = kPoints | kLandmarks | kRanges | kFrames,
       .parameters = {{.name = "roll_rad", .min = -1, .max = 1, .scale = 0.02,
                       .help = "About the optical axis, radians."},
                      {.name = "pitch_rad", .min = -1, .max = 1, .scale = 0.02,

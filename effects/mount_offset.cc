@@ -7,7 +7,7 @@ EffectDefinition mount_offset() {
   return {
       .name = "mount_offset",
       .stage = Stage::mount,
-      .kinds = kPoints | kLandmarks | kFrames,
+      .kinds = kPoints | kLandmarks | kRanges | kFrames,
       .parameters = {{.name = "x_m", .min = -0.5, .max = 0.5, .scale = 0.01,
                       .help = "Forward, metres."},
                      {.name = "y_m", .min = -0.5, .max = 0.5, .scale = 0.01,

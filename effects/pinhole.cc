@@ -13,7 +13,7 @@ EffectDefinition pinhole() {
   return {
       .name = "pinhole",
       .stage = Stage::geometry,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {length("fx_px", "Focal length along rows, pixels."),
                      length("fy_px", "Focal length along columns, pixels."),
                      centre("cx_px", "Column of the principal point, pixels."),

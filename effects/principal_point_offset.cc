@@ -7,7 +7,7 @@ EffectDefinition principal_point_offset() {
   return {
       .name = "principal_point_offset",
       .stage = Stage::geometry,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {{.name = "du_px", .min = -500, .max = 500, .scale = 2,
                       .help = "Shift along rows, pixels."},
                      {.name = "dv_px", .min = -500, .max = 500, .scale = 2,

@@ -9,7 +9,7 @@ EffectDefinition radial_distortion() {
   return {
       .name = "radial_distortion",
       .stage = Stage::geometry,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {{.name = "kappa", .min = -2, .max = 2, .scale = 0.1,
                       .help = "Strength; negative is barrel, positive pincushion."}},
       .help = "One-parameter radial distortion, eq. 2 of the founding paper.",

@@ -7,7 +7,7 @@ EffectDefinition radial_polynomial() {
   return {
       .name = "radial_polynomial",
       .stage = Stage::geometry,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {{.name = "k1", .min = -10, .max = 10, .scale = 0.1,
                       .help = "Coefficient of r2."},
                      {.name = "k2", .min = -50, .max = 50, .scale = 0.1,

@@ -7,7 +7,7 @@ EffectDefinition range_noise() {
   return {
       .name = "range_noise",
       .stage = Stage::detector,
-      .kinds = kLandmarks,
+      .kinds = kLandmarks | kRanges,
       .parameters = {{.name = "sigma_m", .min = 0, .max = 5, .scale = 0.02,
                       .help = "Part that does not depend on range, metres."},
                      {.name = "sigma_per_m", .min = 0, .max = 2, .scale = 0.02,

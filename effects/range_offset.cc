@@ -7,7 +7,7 @@ EffectDefinition range_offset() {
   return {
       .name = "range_offset",
       .stage = Stage::detector,
-      .kinds = kLandmarks,
+      .kinds = kLandmarks | kRanges,
       .parameters = {{.name = "offset_m", .min = -5, .max = 5, .scale = 0.05,
                       .help = "Reported minus true range, metres."}},
       .help = "Ranges are too long or too short by a constant.",

@@ -7,7 +7,7 @@ EffectDefinition range_scale() {
   return {
       .name = "range_scale",
       .stage = Stage::detector,
-      .kinds = kLandmarks,
+      .kinds = kLandmarks | kRanges,
       .parameters = {{.name = "scale", .min = -0.9, .max = 5, .scale = 0.05,
                       .help = "Relative error of the range."}},
       .help = "Ranges are too long or too short in proportion.",

@@ -7,7 +7,7 @@ EffectDefinition rolling_shutter() {
   return {
       .name = "rolling_shutter",
       .stage = Stage::timing,
-      .kinds = kPoints | kPhotometry | kFrames,
+      .kinds = kPoints | kPhotometry | kRanges | kFrames,
       .parameters = {{.name = "line_delay_s", .min = -1e-2, .max = 1e-2, .scale = 1e-4,
                       .help = "Time from one row's exposure to the next row's, seconds; negative: "
                               "the last row is exposed first."}},

@@ -7,7 +7,7 @@ EffectDefinition tangential_distortion() {
   return {
       .name = "tangential_distortion",
       .stage = Stage::geometry,
-      .kinds = kPoints | kFrames,
+      .kinds = kPoints | kRanges | kFrames,
       .parameters = {{.name = "p1", .min = -2, .max = 2, .scale = 0.01,
                       .help = "Decentring along columns."},
                      {.name = "p2", .min = -2, .max = 2, .scale = 0.01,

@@ -1,7 +1,5 @@
 #include "measurement/frame_data.h"
 
-#include <algorithm>
-
 #include "effects/row_schedule.h"
 #include "effects/timing.h"
 #include "sim_core/error.h"
@@ -13,18 +11,6 @@ namespace {
 MakeFramePredictor& supplied() {
   static MakeFramePredictor make = nullptr;
   return make;
-}
-
-// What the light depends on: every effect before the sensor, with its exact values.
-std::string light_key(const Model& model) {
-  std::string key;
-  for (const effects::ModelEffect& effect : model.effects()) {
-    if (effect.definition->stage == effects::Stage::sensor) continue;
-    key += effect.definition->name;
-    for (const double value : effect.values()) key += fmt::format(",{:a}", value);
-    key += ';';
-  }
-  return key;
 }
 
 }  // namespace
@@ -64,43 +50,13 @@ FrameJob FrameProtocol::job(size_t frame, const Model& model, const Rig::Motion&
   return job;
 }
 
-LightStore::LightStore(const FrameProtocol& protocol) : protocol_(protocol) {
-  const size_t bytes = static_cast<size_t>(protocol.width_px()) * protocol.height_px() * 3 * sizeof(float) * protocol.frames();
-  capacity_ = std::clamp<size_t>(200'000'000 / std::max<size_t>(bytes, 1), 4, 64);
-}
-
-std::vector<LightImage> LightStore::light(const Model& model, const std::vector<size_t>& frames) const {
-  const std::string key = light_key(model);
-  std::vector<LightImage> out(frames.size());
-  const auto find_entry = [&]() -> Entry& {
-    const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
-    if (found == entries_.end()) {
-      entries_.push_front({key, std::vector<LightImage>(protocol_.frames())});
-      if (entries_.size() > capacity_) entries_.pop_back();
-    } else {
-      entries_.splice(entries_.begin(), entries_, found);
-    }
-    return entries_.front();
-  };
-  bool complete = true;
-  {
-    const std::scoped_lock lock(mutex_);
-    const Entry& entry = find_entry();
-    for (size_t i = 0; i < frames.size(); ++i) {
-      out[i] = entry.frames[frames[i]];
-      complete = complete && out[i];
-    }
-  }
-  if (complete) return out;
-  const auto predictor = make_frame_predictor(model, protocol_.width_px(), protocol_.height_px(), protocol_.reference());
-  const Rig::Motion motion = protocol_.rig().motion(model);
-  for (size_t i = 0; i < frames.size(); ++i) {
-    if (!out[i]) out[i] = std::make_shared<const std::vector<float>>(predictor->light(protocol_.job(frames[i], model, motion)));
-  }
-  const std::scoped_lock lock(mutex_);
-  Entry& entry = find_entry();
-  for (size_t i = 0; i < frames.size(); ++i) entry.frames[frames[i]] = out[i];
-  return out;
+std::vector<LightImage> FrameProtocol::render(const Model& model, const std::vector<size_t>& frames) const {
+  const auto predictor = make_frame_predictor(model, width_px_, height_px_, reference());
+  const Rig::Motion motion = rig_.motion(model);
+  std::vector<LightImage> light;
+  for (const size_t frame : frames)
+    light.push_back(std::make_shared<const std::vector<float>>(predictor->light(job(frame, model, motion))));
+  return light;
 }
 
 }  // namespace seam::measurement

@@ -1,21 +1,18 @@
 // A set of whole images with its rig and scene, and the light that a model puts on them.
 #pragma once
 
-#include <list>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "measurement/frame_predictor.h"
+#include "measurement/light_store.h"
 #include "measurement/problem.h"
 #include "measurement/rig.h"
 #include "measurement/set.h"
 #include "sim_core/scene.h"
 
 namespace seam::measurement {
-
-using LightImage = std::shared_ptr<const std::vector<float>>;
 
 // What was done: camera, rig, scene and stamps.
 class FrameProtocol {
@@ -30,30 +27,14 @@ class FrameProtocol {
   const Rig& rig() const { return rig_; }
 
   FrameJob job(size_t frame, const Model& model, const Rig::Motion& motion) const;
+  // Light on the sensor in these frames.
+  std::vector<LightImage> render(const Model& model, const std::vector<size_t>& frames) const;
 
  private:
   int width_px_, height_px_;
   Rig rig_;
   std::unique_ptr<SceneSource> scene_;
   std::vector<SimTime> stamps_;
-};
-
-// Light on the sensor for models, each rendered once: many models of a search differ in their
-// sensor alone.
-class LightStore {
- public:
-  explicit LightStore(const FrameProtocol& protocol);
-  std::vector<LightImage> light(const Model& model, const std::vector<size_t>& frames) const;
-
- private:
-  struct Entry {
-    std::string key;
-    std::vector<LightImage> frames;
-  };
-  const FrameProtocol& protocol_;
-  size_t capacity_;
-  mutable std::mutex mutex_;
-  mutable std::list<Entry> entries_;  // Most recently used first.
 };
 
 }  // namespace seam::measurement

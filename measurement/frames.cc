@@ -21,7 +21,10 @@ effects::SensorExposure exposure_of(const Model& model, double t_s) {
 }  // namespace
 
 FramesProblem::FramesProblem(const MeasurementSet& set)
-    : table_(set.table("frames")), protocol_(set, table_), store_(protocol_) {
+    : table_(set.table("frames")),
+      protocol_(set, table_),
+      store_(protocol_.frames(), protocol_.width_px(), protocol_.height_px(),
+             [this](const Model& model, const std::vector<size_t>& frames) { return protocol_.render(model, frames); }) {
   const auto files = table_.texts("file");
   for (size_t row = 0; row < table_.rows(); ++row) {
     Image image = read_png(set.folder / files[row]);

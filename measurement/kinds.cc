@@ -11,6 +11,7 @@
   X(landmarks) \
   X(joints) \
   X(odometry) \
+  X(ranges) \
   X(frames)
 
 namespace seam::measurement {

@@ -222,7 +222,7 @@ class Problem {
   const std::vector<char>& left_out() const { return left_out_; }
 
   // Held-out folds: one (30 %) with 4 groups or more, else each group in turn.
-  const std::vector<Groups>& folds() const;
+  virtual const std::vector<Groups>& folds() const;
   Groups all_groups() const { return Groups(facts_.groups.size(), 1); }
 
  protected:

@@ -47,24 +47,16 @@ void Perception::look_at_frame(const Frame& frame, Percepts& percepts) const {
   if (frame.colours.empty()) return;
   const ColourMask mask{frame.colours_width_px, frame.colours_height_px,
                         {reinterpret_cast<const uint8_t*>(frame.colours.data()), frame.colours.size()}};
-  // The colour image may be smaller by a whole factor, taken about the frame's centre; pixel centres
-  // are at whole numbers.
-  const int factor = std::max(1, frame.width_px / mask.width_px);
-  const float k = static_cast<float>(factor);
-  const auto shrunk = [&](float centre_px, int full_px, int small_px) {
-    return (centre_px - 0.5f * static_cast<float>(full_px - factor * small_px) - 0.5f * (k - 1)) / k;
-  };
-  CameraBelief camera = options_.camera;
-  camera.cx_px = shrunk(camera.cx_px, frame.width_px, mask.width_px);
-  camera.cy_px = shrunk(camera.cy_px, frame.height_px, mask.height_px);
-  camera.fx_px /= k, camera.fy_px /= k;
   const HeadAtRow head = [&](float row) {
     return head_at(options_.row_times ? row_time_ns(frame, row) : frame.stamp_ns);
   };
   percepts.has_frame = true;
-  const BallOptions ball{.min_area_px = factor > 1 ? 3 : 6, .rim_px = options_.check ? kRim_px : 0, .check = options_.check};
-  percepts.ball = find_ball(mask, head, camera, options_.neck, ball);
-  for (const LandmarkSighting& sighting : find_landmarks(mask, head, camera, options_.neck, factor > 1 ? 4 : 12)) {
+  percepts.ball = find_ball_in_frame(mask, frame.width_px, frame.height_px, head, options_.camera, options_.neck,
+                                     {.rim_px = options_.check ? kRim_px : 0, .check = options_.check});
+  const CameraBelief camera =
+      options_.camera.of_colours(frame.width_px, frame.height_px, mask.width_px, mask.height_px);
+  const int least_area_px = colour_factor(frame.width_px, mask.width_px) > 1 ? 4 : 12;
+  for (const LandmarkSighting& sighting : find_landmarks(mask, head, camera, options_.neck, least_area_px)) {
     if (!options_.check || has_plausible_height(sighting)) percepts.landmarks.push_back(sighting);
   }
 }

@@ -8,12 +8,14 @@
 #include "tools/command.h"
 #include "tools/frame_predictor.h"
 #include "tools/plugins.h"
+#include "tools/range_detector.h"
 
 int main(int argc, char** argv) {
   // A bad message from a client or a log is answered by an error of ours; the library's own lines would let anybody
   // fill the terminal.
   google::protobuf::SetLogHandler(nullptr);
   seam::tools::supply_renderer_to_measurements();
+  seam::tools::supply_detectors_to_measurements();
   try {
     return seam::tools::parse_and_run("SEAM: simulator of environment and measurement", "seam", "seam 0.1.0",
                                       seam::tools::load_plugins({argv + 1, argv + argc}), [](seam::tools::Command app) {

@@ -163,4 +163,12 @@ std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& h
   return ball;
 }
 
+std::optional<BallSighting> find_ball_in_frame(const ColourMask& colours, int frame_width_px, int frame_height_px,
+                                               const HeadAtRow& head, const CameraBelief& frame_camera,
+                                               const NeckBelief& neck, BallOptions options) {
+  options.min_area_px = colour_factor(frame_width_px, colours.width_px) > 1 ? 3 : 6;
+  return find_ball(colours, head, frame_camera.of_colours(frame_width_px, frame_height_px, colours.width_px, colours.height_px),
+                   neck, options);
+}
+
 }  // namespace seam::sdk

@@ -46,4 +46,10 @@ std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& h
 bool could_be_ball(const Region& region, const HeadAtRow& head, const CameraBelief& camera,
                    const NeckBelief& neck, float rim_px, int mask_width_px);
 
+// The same in the colour image of a frame of this size, for a camera of the whole frame: what
+// `Perception`, and with it `ball_ranger`, measures. The least area follows from the colour image's size.
+std::optional<BallSighting> find_ball_in_frame(const ColourMask& colours, int frame_width_px, int frame_height_px,
+                                               const HeadAtRow& head, const CameraBelief& frame_camera,
+                                               const NeckBelief& neck, BallOptions options = {});
+
 }  // namespace seam::sdk

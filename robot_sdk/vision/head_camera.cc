@@ -1,5 +1,6 @@
 #include "robot_sdk/vision/head_camera.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seam::sdk {
@@ -20,6 +21,22 @@ Vector3 roll(Vector3 p, float angle) {
 }
 
 }  // namespace
+
+int colour_factor(int frame_width_px, int colours_width_px) { return std::max(1, frame_width_px / colours_width_px); }
+
+CameraBelief CameraBelief::of_colours(int frame_width_px, int frame_height_px, int width_px, int height_px) const {
+  const int factor = colour_factor(frame_width_px, width_px);
+  const float k = static_cast<float>(factor);
+  // Pixel centres are at whole numbers.
+  const auto shrunk = [&](float centre_px, int full_px, int small_px) {
+    return (centre_px - 0.5f * static_cast<float>(full_px - factor * small_px) - 0.5f * (k - 1)) / k;
+  };
+  CameraBelief camera = *this;
+  camera.cx_px = shrunk(cx_px, frame_width_px, width_px);
+  camera.cy_px = shrunk(cy_px, frame_height_px, height_px);
+  camera.fx_px /= k, camera.fy_px /= k;
+  return camera;
+}
 
 float BodyRay::bearing_rad() const { return std::atan2(direction.y, direction.x); }
 

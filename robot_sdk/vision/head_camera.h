@@ -21,7 +21,14 @@ struct HeadAngles {
 struct CameraBelief {
   float fx_px = 161.9f, fy_px = 162.5f, cx_px = 88.5f, cy_px = 71.5f;
   float kappa = 0;  // Radial distortion, eq. 2 of the founding paper; undone exactly.
+
+  // The same camera for a colour image that is smaller than its frame by a whole factor and taken
+  // about the frame's centre.
+  CameraBelief of_colours(int frame_width_px, int frame_height_px, int width_px, int height_px) const;
 };
+
+// By how much a frame is larger than its colour image.
+int colour_factor(int frame_width_px, int colours_width_px);
 
 // Neck geometry in metres (robot_facts: Tekkotsu ERS-210.kin) and the body's height when walking.
 struct NeckBelief {

@@ -7,12 +7,12 @@
 
 #include "sim_core/error.h"
 #include "sim_core/files.h"
-#include "sim_core/maths.h"
 #include "tools/experiments/ball_pictures.h"
 #include "tools/experiments/experiments.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/runs.h"
 #include "tools/experiments/statistics.h"
+#include "tools/range_detector.h"
 
 namespace seam::tools {
 namespace {
@@ -38,9 +38,7 @@ PlannedRun planned(const Scenario& base, const std::string& camera, const std::s
   robot.camera.model_yaml = model_yaml;
   run.scenario.ball.x_m = robot.pose.x_m + 1e-3 * distance_mm;
   run.scenario.ball.y_m = robot.pose.y_m;
-  // The head looks at the ball, as the paper's Fig. 10 shows: the camera is about 0.23 m high.
-  const double tilt_rad = -maths::atan2(0.19, 1e-3 * distance_mm - 0.12);
-  robot.behaviour.command = {"ball_ranger", "--tilt", fmt::format("{:.4f}", tilt_rad)};
+  robot.behaviour.command = {"ball_ranger", "--tilt", fmt::format("{:.4f}", tilt_to_ball_rad(1e-3 * distance_mm))};
   return run;
 }
 
