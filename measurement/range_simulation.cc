@@ -27,9 +27,9 @@ Supplied& supplied() {
   return all;
 }
 
-constexpr int kTrials = 36;          // Frames with noise of their own, a place.
+constexpr int kTrials = 24;          // Frames with noise of their own, a place.
 constexpr int kDisplacements = 8;    // Of images, where jumps are smoothed,
-constexpr int kTrialsDisplaced = 4;  // each with so many frames.
+constexpr int kTrialsDisplaced = 2;  // each with so many frames.
 constexpr int kSquares = 3;           // Where jumps are counted: so many such squares, one in the other.
 
 bool has_patterns(const effects::SensorChain& chain) {
@@ -191,6 +191,7 @@ void RangeSimulation::look_about(const Model& model) {
   const Pose X_LC = effects::mount_of(model);
   const double radius_m = primitives_[ball_].size.x;
   windows_.clear();
+  surroundings_.clear();
   for (const BallPlace& place : places_) {
     const Pose X_CW = (detector_->gaze(model, place.true_m).X_WL * X_LC).inverse();
     const Vec3 p_C = X_CW * Vec3(place.true_m * maths::cos(place.bearing_rad), place.true_m * maths::sin(place.bearing_rad),
@@ -206,15 +207,17 @@ void RangeSimulation::look_about(const Model& model) {
       window = {u0, v0, u1 - u0 + 1, v1 - v0 + 1};
     }
     windows_.push_back(detector_->whole(window));
+    surroundings_.push_back(surroundings(model, surroundings_.size()));
   }
 }
 
 // Colours of a whole frame without noise: what surrounds the window that gets noise.
-std::vector<uint8_t> RangeSimulation::surroundings(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
-                                                   const std::vector<float>& light) const {
-  std::vector<uint8_t> rgb(light.size());
+std::vector<uint8_t> RangeSimulation::surroundings(const Model& model, size_t place) const {
+  const LightImage light = store_->light(model, {place}).front();
+  std::vector<uint8_t> rgb(light->size());
   const effects::FixedPattern even = effects::fixed_pattern({}, width_px_, height_px_, 3, {});
-  effects::expose_bytes(noiseless(chain), even, [&](size_t at, size_t) { return &light[at]; }, exposure, {}, rgb);
+  effects::expose_bytes(noiseless(effects::sensor_of(model)), even, [&](size_t at, size_t) { return &(*light)[at]; },
+                        exposure_of(model), {}, rgb);
   return detector_->colours(rgb);
 }
 
@@ -245,14 +248,12 @@ std::vector<double> RangeSimulation::trial_values(const Trials& trials, const st
   return values;
 }
 
-RangeSimulation::Trials RangeSimulation::trials_of(const Model& model, const effects::SensorChain& chain, size_t place,
-                                                   const std::vector<float>& light) const {
+RangeSimulation::Trials RangeSimulation::trials_of(const Model& model, const effects::SensorChain& chain, size_t place) const {
   const PixelWindow frame{0, 0, width_px_, height_px_};
-  Trials trials{.model = model, .chain = chain, .exposure = exposure_of(model), .place = place,
-                .gaze = detector_->gaze(model, places_[place].true_m),
-                .window = windows_.empty() ? detector_->whole(frame) : windows_[place]};
-  trials.surroundings = surroundings(chain, trials.exposure, light);
-  return trials;
+  return {.model = model, .chain = chain, .exposure = exposure_of(model), .place = place,
+          .gaze = detector_->gaze(model, places_[place].true_m),
+          .window = windows_.empty() ? detector_->whole(frame) : windows_[place],
+          .surroundings = windows_.empty() ? surroundings(model, place) : surroundings_[place]};
 }
 
 std::vector<RangePrediction> RangeSimulation::predict(const Model& model, const std::vector<size_t>& places,
@@ -263,7 +264,7 @@ std::vector<RangePrediction> RangeSimulation::predict(const Model& model, const 
   const int trials = !has_noise(chain) ? 1 : dither_px > 0 ? kTrialsDisplaced : kTrials;
   std::vector<RangePrediction> out;
   for (size_t i = 0; i < places.size(); ++i) {
-    Trials setting = trials_of(model, chain, places[i], *light[i]);
+    Trials setting = trials_of(model, chain, places[i]);
     RangePrediction prediction{.trials = trials * displacements};
     const auto collect = [&](bool patterns, Moments& all, double& within, double& fourth) {
       std::vector<double> values;
@@ -307,7 +308,7 @@ std::vector<double> RangeSimulation::jumps_m2(const Model& model, double dither_
   const effects::SensorChain chain = noiseless(effects::sensor_of(model));
   std::vector<double> jumps;
   for (const size_t p : all) {
-    const Trials setting = trials_of(model, chain, p, *light[p]);
+    const Trials setting = trials_of(model, chain, p);
     std::vector<double> values;
     for (int k = 0; k < kSquares * kDisplacements; ++k) {
       const auto [u, v] = displacement(k % kDisplacements, dither_px * (k / kDisplacements + 1) / kSquares);

@@ -34,7 +34,8 @@ class RangeSimulation {
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
 
-  // From now on noise is drawn only about where this model sees the ball.
+  // From now on only what lies about where this model sees the ball is looked at: all else has the colours that
+  // this model gives it without noise.
   void look_about(const Model& model);
 
   // `dither_px` above 0: the mean over images displaced by about so much, in which the detector's
@@ -59,12 +60,11 @@ class RangeSimulation {
     size_t place = 0;
     Gaze gaze;
     PixelWindow window;
-    std::vector<uint8_t> surroundings;
+    const std::vector<uint8_t> surroundings;
     bool patterns = false;  // A fixed pattern of its own for each trial.
   };
-  Trials trials_of(const Model& model, const effects::SensorChain& chain, size_t place, const std::vector<float>& light) const;
-  std::vector<uint8_t> surroundings(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
-                                    const std::vector<float>& light) const;
+  Trials trials_of(const Model& model, const effects::SensorChain& chain, size_t place) const;
+  std::vector<uint8_t> surroundings(const Model& model, size_t place) const;
   std::vector<LightImage> render(const Model& model, const std::vector<size_t>& places) const;
   std::vector<double> trial_values(const Trials& trials, const std::vector<float>& light, double shift_u, double shift_v,
                                    int first, int count) const;
@@ -77,6 +77,7 @@ class RangeSimulation {
   std::vector<Primitive> primitives_;
   size_t ball_ = 0;  // Among the primitives.
   std::vector<PixelWindow> windows_;  // By place; empty: the whole frame.
+  std::vector<std::vector<uint8_t>> surroundings_;  // By place, with windows.
   std::unique_ptr<LightStore> store_;
 };
 

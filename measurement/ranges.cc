@@ -114,6 +114,7 @@ std::string RangesProblem::not_testable(const Model&, const EffectDefinition& ef
   if (effect.stage == Stage::timing) return "robot and ball rest: no row sees anything else at another time";
   if (effect.stage == Stage::locomotion) return "the robot stands";
   if (effect.name == "bearing_scale" || effect.name == "bearing_noise") return "distances were measured, not bearings";
+  if (effect.name == "fisheye") return "far from the middle of the image, where it differs from other radial effects, there is no ball";
   if (effect.name == "lamp_flicker") return "the frames have no times";
   if (effect.servo && effect.name != "gravity_sag" && effect.name != "backlash" && effect.name != "stiction")
     return "the head had come to rest";
@@ -140,6 +141,23 @@ std::vector<std::vector<double>> RangesProblem::starts(const Model& model, const
   }
   if (all.size() == 2 && all[0] == all[1]) all.pop_back();
   return all;
+}
+
+// Residuals that are less than the scatter of predictions can still be smooth: no structure that such
+// data could show.
+std::vector<Structure> RangesProblem::structure(const Model& model, const Groups& groups, int fitted) const {
+  constexpr double kClear = 20;  // Of a chi-square with a few degrees of freedom.
+  std::vector<Structure> found = Problem::structure(model, groups, fitted);
+  const Evaluation here = evaluate(model, groups);
+  std::erase_if(found, [&](const Structure& s) {
+    double count = 0, square = 0;
+    for (size_t i = 0; i < here.used.size(); ++i) {
+      if (!here.used[i] || facts_.channels[facts_.channel_of[i]].name != s.residual) continue;
+      ++count, square += here.sigma[i] * here.sigma[i];
+    }
+    return count * s.strength * s.strength < kClear * square / count;
+  });
+  return found;
 }
 
 std::vector<char> RangesProblem::find_outliers(const Model&) const {

@@ -31,6 +31,7 @@ class RangesProblem : public Problem {
                                             const Groups& groups, const Evaluation& here) const override;
   Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
 
+  std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const override;
   void check_model(const Model& model) const override;
   bool acts(const EffectDefinition& effect) const override;
   bool is_smooth() const override { return true; }

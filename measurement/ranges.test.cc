@@ -15,7 +15,7 @@ namespace seam::measurement {
 namespace {
 
 constexpr double kDnPerMetre = 100;
-constexpr int kTrials = 36;  // As predictions take.
+constexpr int kTrials = 24;  // As predictions take.
 
 // All light is the ball's distance.
 class GreyCamera final : public FramePredictor {

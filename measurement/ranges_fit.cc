@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWide_px = 1;  // Half a colour pixel to either side of its middle: no steps are left.
-constexpr size_t kDrawsAParameter = 8, kMostDraws = 24;
+constexpr size_t kMostDraws = 16;
 
 // One unknown in the coordinate in which it is fitted: limits without end by their reciprocal.
 struct Coordinate {
@@ -100,9 +100,9 @@ class RangesFit {
     const bool mean = std::any_of(coordinates_.begin(), coordinates_.end(), [](const Coordinate& c) { return !c.spread; });
     if (mean) {
       look(kWide_px);
-      descend(kWide_px, 3);
+      descend(kWide_px, 2);  // Leaves its slopes for the draw.
       if (here_.valid) draw();
-      descend(kPlaceAccuracy_px, 3);
+      descend(kPlaceAccuracy_px, 2);
     }
     look(0);
     if (here_.valid) {
@@ -200,7 +200,6 @@ bool RangesFit::step(double dither_px) {
 // To the narrow width: to the best of some places drawn from what the wide one leaves open, a few of them
 // from far out, since slopes tell only what is near.
 void RangesFit::draw() {
-  take_slopes(kWide_px);
   MatrixXd normal;
   VectorXd right;
   normal_equations(normal, right);
@@ -213,7 +212,7 @@ void RangesFit::draw() {
   const Model centre = model_;
   const RandomStream stream = RandomStream{.seed = 0x5EA3}.child("ranges_fit");
   look(kPlaceAccuracy_px);
-  const size_t draws = std::min(kMostDraws, kDrawsAParameter * coordinates_.size());
+  const size_t draws = std::min(kMostDraws, 4 + 4 * coordinates_.size());
   for (size_t k = 0; k < draws; ++k) {
     VectorXd away(count);
     for (Eigen::Index i = 0; i < count; ++i) {
@@ -263,24 +262,20 @@ double RangesFit::sigma_of_spread(const Coordinate& c) const {
 
 // Each coordinate a little to either side, wide to narrow.
 void RangesFit::search_nearby() {
-  for (int round = 0; round < 2; ++round) {
-    MatrixXd normal;
-    VectorXd right;
-    normal_equations(normal, right);
-    const double before = likelihood_;
-    for (const double width : {2.0, 0.7, 0.25}) {
-      for (size_t i = 0; i < coordinates_.size(); ++i) {
-        const Coordinate& c = coordinates_[i];
-        const double along = normal(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
-        if (!(along > 0)) continue;
-        for (const double sign : {1.0, -1.0}) {
-          Model candidate = model_;
-          c.set(candidate, std::clamp(c.of(model_) + sign * width / std::sqrt(along), c.min, c.max));
-          if (move_to(candidate, 0)) break;
-        }
+  MatrixXd normal;
+  VectorXd right;
+  normal_equations(normal, right);
+  for (const double width : {1.0, 0.3}) {
+    for (size_t i = 0; i < coordinates_.size(); ++i) {
+      const Coordinate& c = coordinates_[i];
+      const double along = normal(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
+      if (!(along > 0)) continue;
+      for (const double sign : {1.0, -1.0}) {
+        Model candidate = model_;
+        c.set(candidate, std::clamp(c.of(model_) + sign * width / std::sqrt(along), c.min, c.max));
+        if (move_to(candidate, 0)) break;
       }
     }
-    if (likelihood_ - before < 1) return;
   }
 }
 
