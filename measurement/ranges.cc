@@ -114,7 +114,7 @@ std::string RangesProblem::not_testable(const Model&, const EffectDefinition& ef
   if (effect.stage == Stage::timing) return "robot and ball rest: no row sees anything else at another time";
   if (effect.stage == Stage::locomotion) return "the robot stands";
   if (effect.name == "bearing_scale" || effect.name == "bearing_noise") return "distances were measured, not bearings";
-  if (effect.name == "fisheye") return "far from the middle of the image, where it differs from other radial effects, there is no ball";
+  if (effect.name == "fisheye") return "it differs from other radial effects only far from the middle of the image";
   if (effect.name == "lamp_flicker") return "the frames have no times";
   if (effect.servo && effect.name != "gravity_sag" && effect.name != "backlash" && effect.name != "stiction")
     return "the head had come to rest";
