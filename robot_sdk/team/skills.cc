@@ -12,8 +12,6 @@ constexpr float kTurn_radps = 1.5f;
 constexpr float kTurnWithBall_radps = 2.0f;
 constexpr float kGoalX_m = 2.1f;
 constexpr float kGoalHalfWidth_m = 0.3f;
-constexpr float kFar_m = 1.2f;
-constexpr float kBesideGoalie_m = 0.15f;  // From the goal's middle, where the goalie stands.
 constexpr float kSideways_m = 0.8f;
 constexpr float kGoaliesBall_m = 0.9f;
 constexpr float kTouch_m = 0.15f;  // From the body's origin to a ball that touches it.
@@ -90,7 +88,7 @@ bool can_grab(const WorldModel& world) {
   return seen && ball.x_m > 0.11f && ball.x_m < 0.18f && std::abs(ball.y_m) < 0.05f;
 }
 
-// How far from the goal's middle a kick may point: most of the goal's half width is left to the kick's own spread.
+// How far from where the goal is free a kick may point: the rest of the half width is for the kick's own spread.
 float aim_within(const WorldModel& world) { return 0.3f * kGoalHalfWidth_m / std::max(world.goal_distance(), 0.4f); }
 
 }  // namespace
@@ -157,10 +155,7 @@ Action Player::play_held_ball(const WorldModel& world) {
   // The rules allow three seconds; the kick itself takes a quarter of one.
   constexpr float kFirstLook_s = 0.3f, kLongest_s = 2.4f, kPatience_radps = 0.03f;
   const float held_s = world.time_s() - grabbed_s_;
-  // From near beside the goalie, on either side in turn; from far a kick strays too much for that.
-  const float distance = std::max(world.goal_distance(), 0.4f);
-  const float aside_m = distance > kFar_m ? 0 : grabs_ % 2 == 0 ? kBesideGoalie_m : -kBesideGoalie_m;
-  const float goal = wrap(world.goal_bearing() + aside_m / distance);
+  const float goal = world.goal_bearing();
   Action action = turn_with_ball(world, goal);
   if (held_s < kFirstLook_s) {
     // Is it really there?
@@ -211,7 +206,7 @@ Action Player::play(const WorldModel& world) {
     if (std::abs(world.goal_bearing()) < aim_within(world)) {
       return {.head = look_at_ball(world), .vx_mps = 0.1f, .kick = Kick::leg_forward, .name = "kick"};
     }
-    holds_ = true, grabbed_s_ = world.time_s(), ++grabs_;
+    holds_ = true, grabbed_s_ = world.time_s();
     return {.head = look_at_ball(world), .kick = Kick::grab, .name = "grab"};
   }
   if (role_ == Role::goalie) return knows_ball && ball.distance_m() < kGoaliesBall_m ? approach_ball(world) : keep_place(world);

@@ -42,7 +42,6 @@ class Player {
 
   Role role_;
   float grabbed_s_ = -1e6f;  // When the ball was last grabbed.
-  int grabs_ = 0;
   bool holds_ = false;  // As far as the player knows.
 };
 

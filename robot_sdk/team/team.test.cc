@@ -104,7 +104,9 @@ TEST(Play, ApproachesThenGrabsThenKicksTowardsTheGoal) {
   EXPECT_EQ(player.play(world).kick, Kick::grab);
   world.update(ball_at(6.6f, 0.15f, 0.0f));
   EXPECT_EQ(player.play(world).kick, Kick::none);  // It looks whether the ball is there.
-  world.update(ball_at(7.0f, 0.15f, 0.0f));
+  Percepts turned = ball_at(7.0f, 0.15f, 0.0f);
+  turned.odometry_step.theta_rad = 0.14f;  // Until the goal is ahead.
+  world.update(turned);
   EXPECT_EQ(player.play(world).kick, Kick::leg_forward);
 }
 
@@ -114,7 +116,7 @@ TEST(Play, ABallThatWasKickedIsNotGrabbedAgainUnseen) {
   world.update(ball_at(6.5f, 0.15f, 0.05f));
   player.play(world);
   world.hold_ball(true);
-  world.update({.time_s = 7.0f});
+  world.update({.time_s = 7.0f, .odometry_step = {0, 0, 0.14f}});
   EXPECT_EQ(player.play(world).kick, Kick::leg_forward);
   world.hold_ball(false);
   world.update({.time_s = 7.03f});

@@ -51,7 +51,7 @@ void WorldModel::update(const Percepts& percepts) {
   seen_goal_rad_ -= step.theta_rad;
   for (const LandmarkSighting& sighting : percepts.landmarks) {
     if (sighting.kind != (attacks_skyblue_ ? LandmarkKind::goal_skyblue : LandmarkKind::goal_yellow)) continue;
-    seen_goal_rad_ = sighting.bearing_rad, seen_goal_s_ = time_s_;
+    seen_goal_rad_ = sighting.bearing_rad + sighting.free_offset_rad, seen_goal_s_ = time_s_;
   }
 
   take_situation(percepts.situation);

@@ -74,7 +74,7 @@ class WorldModel {
   // Bearing in the body frame, and distance, of a place on the field.
   float bearing_to(float x_m, float y_m) const;
   float distance_to(float x_m, float y_m) const;
-  // The same to the middle of the opponents' goal: as just seen, which is truer than the pose, or else by the pose.
+  // The same to the opponents' goal: where it is free, as just seen, or else to its middle by the pose.
   float goal_bearing() const;
   float goal_distance() const;
   // +1 where the opponents' goal is at +x, -1 where it is at -x.

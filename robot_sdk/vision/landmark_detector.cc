@@ -96,6 +96,22 @@ void find_beacons(const ColourMask& mask, const Rays& rays, int min_area_px, std
   }
 }
 
+// The middle of the widest stretch of columns in which a goal is seen down to its foot: no robot stands there.
+float free_middle(const Region& goal, const ColourMask& mask) {
+  const int half = (goal.v_min + goal.v_max + 1) / 2;
+  int best_first = goal.u_min, best_last = goal.u_min - 1, first = goal.u_min;
+  for (int u = goal.u_min; u <= goal.u_max; ++u) {
+    int seen = 0;
+    for (int v = half; v <= goal.v_max; ++v) seen += mask.has(u, v, goal.colour) ? 1 : 0;
+    if (2 * seen < goal.v_max - half + 1) {
+      first = u + 1;
+    } else if (u - first > best_last - best_first) {
+      best_first = first, best_last = u;
+    }
+  }
+  return 0.5f * static_cast<float>(best_last < best_first ? goal.u_min + goal.u_max : best_first + best_last);
+}
+
 void find_goal(const ColourMask& mask, Colour colour, LandmarkKind kind, const Rays& rays, int min_area_px,
                const std::vector<Region>& used, std::vector<LandmarkSighting>& out) {
   for (const Region& region : find_regions(mask, colour, 4 * min_area_px)) {
@@ -111,7 +127,9 @@ void find_goal(const ColourMask& mask, Colour colour, LandmarkKind kind, const R
     if (region.v_min > 0 && region.v_max < mask.height_px - 1) {
       range = range_of_height(rays.at(u, region.v_min - 0.5f), rays.at(u, region.v_max + 0.5f), kGoalHeight_m);
     }
-    set_polar(sighting, rays.at(u, region.v_mean), range);
+    const BodyRay middle = rays.at(u, region.v_mean);
+    set_polar(sighting, middle, range);
+    sighting.free_offset_rad = rays.at(free_middle(region, mask), region.v_mean).bearing_rad() - middle.bearing_rad();
     // Obliquely seen, a goal's visible middle is not its mouth's: a tenth of its width is allowed for.
     sighting.bearing_sigma_rad = (kEdgeSigma_px + 0.1f * region.width_px()) / rays.camera.fx_px;
     sighting.range_sigma_m = sighting.range_m * (0.15f + kEdgeSigma_px / region.height_px());

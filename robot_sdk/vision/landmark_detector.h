@@ -22,6 +22,8 @@ struct LandmarkSighting {
   float bearing_sigma_rad = 0;
   float range_sigma_m = 0;
   float row = 0;          // Where in the image it was seen.
+  // Of a goal: from its middle to the middle of the widest part that nobody stands before, left positive.
+  float free_offset_rad = 0;
   float height_m = 0;     // Above the ground, of the place where a beacon's bands meet; 0 where it cannot be told.
 };
 

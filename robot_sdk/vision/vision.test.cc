@@ -178,6 +178,22 @@ TEST(LandmarkDetector, NamesAndMeasuresABeacon) {
   }
 }
 
+TEST(LandmarkDetector, FindsWhereAGoalIsFree) {
+  // A goal 2 m ahead, 0.6 m wide and 0.3 m high, with a goalie of 0.2 m before its right half.
+  const HeadAngles head{-0.02f, 0, 0};
+  const World world = cast(head, [&](const BodyRay& ray) -> std::optional<Colour> {
+    const float t = (2 - ray.origin_m.x) / ray.direction.x;
+    const float y = t * ray.direction.y, z = ray.origin_m.z + t * ray.direction.z + kNeck.body_height_m;
+    if (std::abs(y) > 0.3f || z < 0 || z > 0.3f || (y > -0.2f && y < -0.02f && z < 0.2f)) return std::nullopt;
+    return Colour::skyblue;
+  });
+  const auto found = find_landmarks(world.mask(), [&](float) { return head; }, kCamera, kNeck);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].kind, LandmarkKind::goal_skyblue);
+  EXPECT_NEAR(found[0].bearing_rad, 0, 0.01f);
+  EXPECT_NEAR(found[0].free_offset_rad, 0.14f / (2 - 0.19f), 0.015f);  // From -0.02 m to 0.3 m.
+}
+
 TEST(LandmarkDetector, TellsABeaconFromColoursThatLieNearTheGround) {
   // Sky-blue over pink between 0 and 20 cm: what a uniform before the goal looks like.
   const HeadAngles head{-0.05f, 0, 0};
