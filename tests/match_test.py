@@ -142,8 +142,8 @@ class Match(unittest.TestCase):
         out = self.here / "accuracy.json"
         self.seam("replay", "accuracy", recorded, "--from", "5", "--json", out)
         accuracy = json.loads(out.read_text())["all"]
-        self.assertLess(accuracy["position_m"]["median_abs"], 0.25)
-        self.assertLess(accuracy["ball_distance_m"]["median_abs"], 0.10)
+        self.assertLess(accuracy["position_m"]["p90_abs"], 0.4)
+        self.assertLess(accuracy["ball_distance_m"]["p90_abs"], 0.3)
 
 
 if __name__ == "__main__":
