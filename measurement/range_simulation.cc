@@ -30,6 +30,7 @@ Supplied& supplied() {
 constexpr int kTrials = 24;          // Frames with noise of their own, a place.
 constexpr int kDisplacements = 8;    // Of images, where jumps are smoothed,
 constexpr int kTrialsDisplaced = 2;  // each with so many frames.
+constexpr int kTrialsOfSpread = 8;
 constexpr int kSquares = 3;           // Where jumps are counted: so many such squares, one in the other.
 
 bool has_patterns(const effects::SensorChain& chain) {
@@ -301,23 +302,23 @@ std::vector<RangePrediction> RangeSimulation::predict(const Model& model, const 
   return out;
 }
 
-std::vector<double> RangeSimulation::jumps_m2(const Model& model, double dither_px) const {
-  std::vector<size_t> all;
-  for (size_t p = 0; p < places_.size(); ++p) all.push_back(p);
-  const std::vector<LightImage> light = store_->light(model, all);
-  const effects::SensorChain chain = noiseless(effects::sensor_of(model));
-  std::vector<double> jumps;
-  for (const size_t p : all) {
-    const Trials setting = trials_of(model, chain, p);
-    std::vector<double> values;
+std::vector<RangeSimulation::Scatter> RangeSimulation::scatter(const Model& model, double dither_px) const {
+  const effects::SensorChain chain = effects::sensor_of(model), quiet = noiseless(chain);
+  std::vector<Scatter> out;
+  for (size_t p = 0; p < places_.size(); ++p) {
+    const LightImage light = store_->light(model, {p}).front();
+    const Trials clean = trials_of(model, quiet, p), noisy = trials_of(model, chain, p);
+    std::vector<double> values, spreads;
     for (int k = 0; k < kSquares * kDisplacements; ++k) {
       const auto [u, v] = displacement(k % kDisplacements, dither_px * (k / kDisplacements + 1) / kSquares);
-      const auto one = trial_values(setting, *light[p], u, v, 0, 1);
+      const auto one = trial_values(clean, *light, u, v, 0, 1);
       values.insert(values.end(), one.begin(), one.end());
+      if (!has_noise(chain)) continue;
+      spreads.push_back(std::sqrt(moments_of(trial_values(noisy, *light, u, v, 0, kTrialsOfSpread)).variance));
     }
-    jumps.push_back(moments_of(values).variance);
+    out.push_back({moments_of(values).variance, moments_of(spreads).variance});
   }
-  return jumps;
+  return out;
 }
 
 std::optional<RangeSighting> RangeSimulation::measure_once(const Model& model, size_t place,

@@ -43,8 +43,12 @@ class RangeSimulation {
   // InputError for a model without an image.
   std::vector<RangePrediction> predict(const Model& model, const std::vector<size_t>& places, double dither_px = 0) const;
 
-  // By place: variance of a measurement without noise under displacements of the image.
-  std::vector<double> jumps_m2(const Model& model, double dither_px) const;
+  // By place: how much a measurement without noise, and the spread of those with it, scatter under
+  // displacements of the image.
+  struct Scatter {
+    double mean_m2 = 0, spread_m2 = 0;
+  };
+  std::vector<Scatter> scatter(const Model& model, double dither_px) const;
 
   // One measurement with the noise of one frame; nothing where no ball is seen. `noise` false: the
   // noise-free frame.

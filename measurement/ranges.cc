@@ -22,7 +22,7 @@ RangesProblem::RangesProblem(const MeasurementSet& set) : data_(read_ranges(set,
   const auto stated = set.noise.find("measured_m");
   const double noise = stated == set.noise.end() ? 0 : stated->second;
   facts_.channels = {{.name = "mean_m", .noise = noise}, {.name = "spread_m", .noise = noise}};
-  jumps_m2_.assign(data_.places.size(), 0);
+  scatter_.assign(data_.places.size(), {});
 }
 
 void RangesProblem::place(const Model& given) {
@@ -37,7 +37,7 @@ void RangesProblem::place(const Model& given) {
     throw InputError(fmt::format("{}:{}: with model '{}' the detector sees no ball at {} m, {} rad, where one was measured",
                                  facts_.file, facts_.line_of_row[index], given.name(), at.true_m, at.bearing_rad));
   }
-  jumps_m2_ = simulation_.jumps_m2(given, kPlaceAccuracy_px);
+  scatter_ = simulation_.scatter(given, kPlaceAccuracy_px);
 }
 
 Evaluation RangesProblem::evaluate(const Model& model, const Groups& groups, const Evaluation*) const {
@@ -78,16 +78,16 @@ Evaluation RangesProblem::evaluate_smoothed(const Model& model, const Groups& gr
     // What the sides of a place share counts for each in proportion, so that for all of them together it
     // counts once.
     // Jumps are rare events, whose number grows with the way.
-    const double jump = jumps_m2_[row.place] * std::max(1.0, dither_px / kPlaceAccuracy_px) + kRounding_m * kRounding_m;
+    const double way = std::max(1.0, dither_px / kPlaceAccuracy_px), rounding = kRounding_m * kRounding_m;
+    const RangeSimulation::Scatter& scatter = scatter_[row.place];
     double sigma2 = 0;
     if (facts_.channel_of[i] == 0) {
       out.residual[i] = row.mean_m - p.mean_m;
-      sigma2 = variance / count + (p.own_variance_m2 + p.pattern_variance_m2 + jump) / row.share;
+      sigma2 = variance / count + (p.own_variance_m2 + p.pattern_variance_m2 + scatter.mean_m2 * way + rounding) / row.share;
     } else {
       out.residual[i] = row.spread_m - std::sqrt(variance) * bias_of_spread(count);
       const double own = variance_of_spread(p.variance_m2, p.fourth_m4, p.seen);
-      // Half a jump is the largest spread that it can make.
-      sigma2 = variance_of_spread(variance, fourth, count) + (own + 0.25 * jump) / row.share;
+      sigma2 = variance_of_spread(variance, fourth, count) + (own + scatter.spread_m2 * way + rounding) / row.share;
     }
     out.sigma[i] = std::sqrt(sigma2);
   }

@@ -49,7 +49,7 @@ class RangesProblem : public Problem {
  private:
   RangeData data_;
   RangeSimulation simulation_;
-  std::vector<double> jumps_m2_;  // By place: variance of the mean within kPlaceAccuracy_px.
+  std::vector<RangeSimulation::Scatter> scatter_;  // By place, within kPlaceAccuracy_px.
 };
 
 // `seam measure` for this kind (ranges_measure.cc).
