@@ -49,6 +49,8 @@ struct Parameter {
   bool fit_reciprocal = false;
   // Stays at its neutral value unless the data ask for it: a fit frees it only when that pays.
   bool on_demand = false;
+  // Values closer than this give the same rounded samples: a fit knows it to no better than this / sqrt(12).
+  double resolution = 0;
 };
 
 // The values of an effect's parameters, in the order in which it declares them.

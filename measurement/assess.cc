@@ -49,8 +49,13 @@ Assessment assess(const Problem& problem, const Model& model, const std::vector<
   const Groups all = problem.all_groups();
   const bool single = folds.size() == 1;
   const auto fit_on = [&](const Groups& groups, const Model& start) {
-    if (!unknowns.empty()) return problem.fit(start, unknowns, groups);
-    Fit fit{.model = start, .converged = true};
+    if (unknowns.empty()) return Fit{.model = start, .converged = true};
+    Fit fit = problem.fit(start, unknowns, groups);
+    for (size_t k = 0; k < unknowns.size(); ++k) {
+      const effects::ModelEffect& effect = *fit.model.find(unknowns[k].effect);
+      const double resolution = effect.definition->parameters[unknowns[k].parameter].resolution;
+      fit.sigma[k] = std::sqrt(fit.sigma[k] * fit.sigma[k] + resolution * resolution / 12);
+    }
     return fit;
   };
   if (single) {

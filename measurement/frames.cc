@@ -171,6 +171,7 @@ double FramesProblem::find_step(const Model& model, const Unknown& unknown, cons
   one[facts_.group_of_row[frames[frames.size() / 2]]] = 1;
   const Evaluation here = evaluate(model, one);
   double h = 0.02 * std::min(parameter.scale, std::max(1.0, std::abs(parameter.scale)));
+  double coarse = 0;  // A step that changes much.
   for (int attempt = 0; attempt < 3; ++attempt) {
     if (value + h > parameter.max) h = -h;
     Model moved = model;
@@ -188,6 +189,9 @@ double FramesProblem::find_step(const Model& model, const Unknown& unknown, cons
     }
     const double rms = std::sqrt(square / std::max(count, 1.0));
     if (rms > 0.1 && rms < 1) break;
+    // Rounding hides smaller ones: a limit of clipped samples.
+    if (rms < 1e-9 && coarse > 0) return coarse;
+    if (rms >= 1) coarse = std::abs(h);
     const double most = 0.5 * (parameter.max - parameter.min);
     h = std::min(std::abs(h) * std::clamp(0.3 / std::max(rms, 1e-9), 0.02, 30.0), std::max(most, 1e-12));
   }
@@ -278,7 +282,7 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
   std::vector<double> start;
   for (const auto& parameter : effect.parameters) {
     double value = parameter.neutral;
-    if (!std::isfinite(value)) value = parameter.name == "full_dn" ? 240 : 20 * parameter.scale;
+    if (!std::isfinite(value)) value = 20 * parameter.scale;
     else if (is_spread(effect) && !parameter.integer) value += 0.3 * parameter.scale;
     else if (!parameter.integer && parameter.min >= parameter.neutral) value += 0.02 * parameter.scale;
     start.push_back(std::clamp(value, std::min(parameter.min, value), parameter.max));
@@ -300,6 +304,20 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
     const Score score = Problem::score(tried, few);
     return score.valid && std::isfinite(score.log_likelihood) ? score.log_likelihood : -std::numeric_limits<double>::infinity();
   };
+  if (effect.name == "saturation") {
+    // A limit that the light never reaches has no slope: it is sought from the brightest sample down.
+    double highest = 0;
+    for (const size_t frame : frames_of(few)) {
+      for (const uint16_t dn : images_[frame]) highest = std::max<double>(highest, dn);
+    }
+    start = {highest};
+    double start_value = likelihood(start);
+    for (const double share : {0.99, 0.97, 0.94, 0.9, 0.8, 0.7}) {
+      const double there = likelihood({share * highest});
+      if (there > start_value) start_value = there, start = {share * highest};
+    }
+    return {start};
+  }
   std::vector<double> best = start;
   double best_value = likelihood(start) + 10;
   for (size_t i = 0; i < start.size(); ++i) {
