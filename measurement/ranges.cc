@@ -2,6 +2,7 @@
 #include "measurement/ranges.h"
 
 #include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <set>
 
@@ -144,19 +145,31 @@ std::vector<std::vector<double>> RangesProblem::starts(const Model& model, const
 }
 
 // Residuals that are less than the scatter of predictions can still be smooth: no structure that such
-// data could show.
+// data could show. And those that are more at some places, without any order, are one.
 std::vector<Structure> RangesProblem::structure(const Model& model, const Groups& groups, int fitted) const {
   constexpr double kClear = 20;  // Of a chi-square with a few degrees of freedom.
   std::vector<Structure> found = Problem::structure(model, groups, fitted);
   const Evaluation here = evaluate(model, groups);
-  std::erase_if(found, [&](const Structure& s) {
-    double count = 0, square = 0;
+  for (size_t channel = 0; channel < facts_.channels.size(); ++channel) {
+    const std::string& name = facts_.channels[channel].name;
+    double count = 0, square = 0, chi2 = 0, residual2 = 0;
     for (size_t i = 0; i < here.used.size(); ++i) {
-      if (!here.used[i] || facts_.channels[facts_.channel_of[i]].name != s.residual) continue;
+      if (!here.used[i] || facts_.channel_of[i] != static_cast<int>(channel)) continue;
       ++count, square += here.sigma[i] * here.sigma[i];
+      chi2 += here.whitened[i] * here.whitened[i], residual2 += here.residual[i] * here.residual[i];
     }
-    return count * s.strength * s.strength < kClear * square / count;
-  });
+    if (count == 0) continue;
+    std::erase_if(found, [&](const Structure& s) {
+      return s.residual == name && count * s.strength * s.strength < kClear * square / count;
+    });
+    const double p = boost::math::gamma_q(0.5 * count, 0.5 * std::min(chi2, 1200.0));
+    const bool told = std::any_of(found.begin(), found.end(),
+                                  [&](const Structure& s) { return s.residual == name && s.p_value < 1e-3; });
+    if (p < 1e-3 && !told) {
+      found.push_back({.residual = name, .moment = "mean", .covariate = "range",
+                       .strength = std::sqrt(std::max(0.0, residual2 - square) / count), .p_value = std::max(p, 1e-300)});
+    }
+  }
   return found;
 }
 
