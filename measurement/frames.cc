@@ -294,6 +294,7 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
     return choices;
   }
   if (is_spread(effect)) return {start};
+  if (effect.name == "lamp_flicker") return {flicker_start(model)};
   // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried.
   const Groups few = some_training_frames(2);
   const auto likelihood = [&](const std::vector<double>& values) {

@@ -31,8 +31,11 @@ class FramesProblem : public Problem {
   bool is_visible(const Model& a, const Model& b) const override;
   std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
+  double looks(const Model& model, const EffectDefinition& effect) const override;
 
  private:
+  // Of `lamp_flicker`: the strongest wave in what this model leaves of the rows (frames_flicker.cc).
+  std::vector<double> flicker_start(const Model& model) const;
   std::vector<size_t> frames_of(const Groups& groups) const;
   Groups some_training_frames(size_t count) const;
   // `tables` by colour; `scale` is the signal (DN) of light 1.
