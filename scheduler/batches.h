@@ -1,8 +1,11 @@
 // Work that is done in another thread, in order, a batch at a time: what must not slow the caller.
 #pragma once
 
+#include <condition_variable>
+#include <exception>
 #include <functional>
-#include <future>
+#include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -14,30 +17,29 @@ class Batches {
  public:
   using Task = std::function<void()>;
 
+  Batches() = default;
+  Batches(const Batches&) = delete;
+  Batches& operator=(const Batches&) = delete;
+  ~Batches();
+
   // Tasks may use what the caller does not touch until `finish`.
   void add(Task task) { gathered_.push_back(std::move(task)); }
-
   // Starts what was gathered, after the batch before. Throws what a task of that one threw.
-  void start() {
-    finish_started();
-    started_ = std::async(std::launch::async, [tasks = std::exchange(gathered_, {})] {
-      for (const Task& task : tasks) task();
-    });
-  }
-
+  void start();
   // Returns when all is done. Throws what a task threw.
-  void finish() {
-    start();
-    finish_started();
-  }
+  void finish();
 
  private:
-  void finish_started() {
-    if (started_.valid()) started_.get();
-  }
+  void work();
+  void wait_for_worker(std::unique_lock<std::mutex>& lock);
 
-  std::vector<Task> gathered_;
-  std::future<void> started_;  // Its destructor waits.
+  std::vector<Task> gathered_;  // The caller's.
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Task> batch_;
+  bool busy_ = false, ending_ = false;
+  std::exception_ptr failure_;
+  std::thread worker_;  // One for all batches: a new one each time would spread memory over malloc's arenas.
 };
 
 }  // namespace seam::scheduler
