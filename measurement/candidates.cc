@@ -300,6 +300,17 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
   return prospect ? fit_prospect(problem, base, *prospect, reasons) : std::nullopt;
 }
 
+// What the model loses without the effect, all else as it is: at least what the effect gained, or else some of that gain
+// is the base's, whose fit had stopped early.
+double loss_without(const Problem& problem, const Candidate& candidate) {
+  const Model& with = candidate.grown.assessment.model;
+  Model without = with;
+  without.remove(candidate.effect->name);
+  const Groups all = problem.all_groups();
+  const Score here = problem.score(with, all), there = problem.score(without, all);
+  return here.valid && there.valid ? here.log_likelihood - there.log_likelihood : std::numeric_limits<double>::infinity();
+}
+
 void judge(const Problem& problem, const Grown& base, double looks, Candidate& candidate) {
   const Assessment& before = base.assessment;
   const Assessment& after = candidate.grown.assessment;
@@ -330,6 +341,8 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
       candidate.gain_ll > 0 || (beyond_doubt && (candidate.gain_ll > -2 || candidate.held_z > -1.3));
   candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
+  if (candidate.significant && candidate.effect->has_neutral && !has_counts(*candidate.effect))
+    candidate.significant = loss_without(problem, candidate) > 0.5 * candidate.total_gain_ll;
   candidate.merit = merit_of(problem, candidate.grown);
 }
 

@@ -317,6 +317,8 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
       const double there = likelihood({share * highest});
       if (there > start_value) start_value = there, start = {share * highest};
     }
+    // A limit that brings nothing anywhere is none.
+    if (start_value < Problem::score(model, few).log_likelihood + 10) return {};
     return {start};
   }
   std::vector<double> best = start;
