@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 
+#include "effects/timing.h"
 #include "sim_core/maths.h"
 
 namespace seam::measurement {
@@ -40,6 +41,13 @@ Complex frame_amplitude(const RowLight& rows, size_t frame, double frequency) {
 }
 
 }  // namespace
+
+std::vector<double> row_delays(const effects::Model& model, int rows) {
+  const effects::Timing timing = effects::timing_of(model);
+  std::vector<double> delays;
+  for (int v = 0; v < rows; ++v) delays.push_back(timing.row_start_after_stamp_s(v, 0));
+  return delays;
+}
 
 double flicker_looks(const std::vector<double>& row_delay_s, const FrameStamps& stamps, size_t lit_frames) {
   const Band band = band_of(row_delay_s, stamps);

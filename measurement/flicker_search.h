@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "effects/model.h"
+
 namespace seam::measurement {
 
 // Residual light of rows relative to the predicted light, with weights.
@@ -21,6 +23,8 @@ struct FrameStamps {
   double period_s = 0;
 };
 
+// RowLight::row_delay_s of an image of so many rows.
+std::vector<double> row_delays(const effects::Model& model, int rows);
 // Parameters of `lamp_flicker` to start from: frequency_hz, depth, phase_rad.
 std::vector<double> strongest_flicker(const RowLight& rows, double period_s);
 // How many frequencies it can tell apart.

@@ -5,17 +5,6 @@
 #include "measurement/frames.h"
 
 namespace seam::measurement {
-namespace {
-
-std::vector<double> row_delays(const Model& model, int rows) {
-  const effects::Timing timing = effects::timing_of(model);
-  std::vector<double> delays;
-  for (int v = 0; v < rows; ++v) delays.push_back(timing.row_start_after_stamp_s(v, 0));
-  return delays;
-}
-
-}  // namespace
-
 std::vector<double> FramesProblem::flicker_start(const Model& model) const {
   const Groups training = complement(folds().front());
   const Evaluation here = evaluate(model, training);

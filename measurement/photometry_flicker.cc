@@ -11,18 +11,11 @@
 namespace seam::measurement {
 namespace {
 
-std::vector<double> row_delays(const PhotometryData& data, const Model& model) {
-  const effects::Timing timing = effects::timing_of(model);
-  std::vector<double> delays;
-  for (int v = 0; v < data.height_px; ++v) delays.push_back(timing.row_start_after_stamp_s(v, 0));
-  return delays;
-}
-
 RowLight row_light(const PhotometryView& view, const Model& model, const PhotometryPrediction& prediction) {
   const PhotometryData& data = view.data;
   const effects::Timing timing = effects::timing_of(model);
   RowLight out;
-  out.row_delay_s = row_delays(data, model);
+  out.row_delay_s = row_delays(model, data.height_px);
   for (size_t l = 0; l < view.sums.levels.size(); ++l) {
     const LevelSums& sum = view.sums.levels[l];
     const LevelPrediction& level = prediction.levels[l];
@@ -77,7 +70,7 @@ double flicker_looks(const PhotometryData& data, const Model& model) {
   size_t frames = 0;
   for (const PhotometryLevel& level : data.levels) frames += level.illumination == 0 ? 0 : level.frames.size();
   const double span = std::abs(data.frames.back().time_s - data.frames.front().time_s);
-  return flicker_looks(row_delays(data, model), {data.frames.size(), span, data.frame_period_s}, frames);
+  return flicker_looks(row_delays(model, data.height_px), {data.frames.size(), span, data.frame_period_s}, frames);
 }
 
 std::vector<std::vector<double>> flicker_starts(const PhotometryView& view, const Model& model,

@@ -86,6 +86,13 @@ std::vector<double> slope(const RangesProblem& problem, const Model& model, cons
   return column;
 }
 
+// What brings each coordinate's curvature to 1; 0 for one that changes nothing.
+VectorXd unit_scale(const MatrixXd& normal) {
+  VectorXd scale(normal.rows());
+  for (Eigen::Index i = 0; i < normal.rows(); ++i) scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
+  return scale;
+}
+
 class RangesFit {
  public:
   RangesFit(const RangesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups)
@@ -178,8 +185,7 @@ bool RangesFit::step(double dither_px) {
   VectorXd right;
   normal_equations(normal, right);
   const auto count = static_cast<Eigen::Index>(coordinates_.size());
-  VectorXd scale(count);
-  for (Eigen::Index i = 0; i < count; ++i) scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
+  const VectorXd scale = unit_scale(normal);
   const MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
   const double before = likelihood_;
   for (const double damping : {1e-3, 0.3, 3.0, 30.0}) {
@@ -204,8 +210,7 @@ void RangesFit::draw() {
   VectorXd right;
   normal_equations(normal, right);
   const Eigen::Index count = normal.rows();
-  VectorXd scale(count);
-  for (Eigen::Index i = 0; i < count; ++i) scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
+  const VectorXd scale = unit_scale(normal);
   MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
   for (Eigen::Index i = 0; i < count; ++i) unit(i, i) += scale[i] > 0 ? 1e-3 : 1;
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(unit);
@@ -296,11 +301,10 @@ Fit RangesFit::result() const {
   MatrixXd normal;
   VectorXd right;
   normal_equations(normal, right);
-  VectorXd scale(normal.rows());
   for (Eigen::Index i = 0; i < normal.rows(); ++i) {
     if (!(normal(i, i) > 0)) normal(i, i) = 0;
-    scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
   }
+  const VectorXd scale = unit_scale(normal);
   MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
   for (Eigen::Index i = 0; i < unit.rows(); ++i) unit(i, i) += scale[i] > 0 ? 0 : 1;
   // A misfit larger than the noise makes estimates less certain in proportion.

@@ -127,17 +127,25 @@ TEST(EffectImages, LatencyAndDrift) {
   EXPECT_NEAR(centroid(frame_of(kPinhole + "  clock_drift: {drift_ppm: 400}\n", scene, 100)).u, column(100.04), 0.06);
 }
 
+// A vertical edge, from the wall's light on the left to the dark on the right, at `column` of a camera that looks straight ahead.
+MovingScene edge_at(double column) {
+  MovingScene scene;
+  scene.background = {0, 0, 0};
+  scene.camera = [](double) { return head_camera(0.2, 0, 0, 0); };
+  scene.primitives = [=](double) {
+    const Mat3 facing(Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
+    const double y_m = 1.5 * (kCx - column) / kFx;
+    return std::vector<Primitive>{
+        {.shape = Shape::rectangle, .X_WO = {facing, {1.5, y_m + 2.5, 0.2}}, .size = {5, 6, 0}, .rgb = {0.8, 0.8, 0.8}}};
+  };
+  return scene;
+}
+
 TEST(EffectImages, ExposureBlursAlongTheMotion) {
   // The light of an edge that moves by L pixels in the window is spread evenly over them.
   constexpr double kRate = 3, kExposure_s = 0.012;
-  MovingScene scene;
-  scene.background = {0, 0, 0};
+  MovingScene scene = edge_at(kCx);
   scene.camera = [](double t_s) { return head_camera(0.2, kRate * t_s, 0, 0); };
-  scene.primitives = [](double) {
-    const Mat3 facing(Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
-    return std::vector<Primitive>{
-        {.shape = Shape::rectangle, .X_WO = {facing, {1.5, 2.5, 0.2}}, .size = {5, 6, 0}, .rgb = {0.8, 0.8, 0.8}}};
-  };
   const Frame frame = frame_of(kPinhole + "  exposure: {exposure_s: 0.012}\n", scene);
   const double from = kCx, to = kCx + kFx * std::tan(kRate * kExposure_s);
   ASSERT_GT(to - from, 5);
@@ -155,20 +163,6 @@ TEST(EffectImages, ExposureBlursAlongTheMotion) {
 }
 
 // ---- Light: edges and even fields.
-
-// A vertical edge, from the wall's light on the left to the dark on the right, at `column`.
-MovingScene edge_at(double column) {
-  MovingScene scene;
-  scene.background = {0, 0, 0};
-  scene.camera = [](double) { return head_camera(0.2, 0, 0, 0); };
-  scene.primitives = [=](double) {
-    const Mat3 facing(Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 0, 0));
-    const double y_m = 1.5 * (kCx - column) / kFx;
-    return std::vector<Primitive>{
-        {.shape = Shape::rectangle, .X_WO = {facing, {1.5, y_m + 2.5, 0.2}}, .size = {5, 6, 0}, .rgb = {0.8, 0.8, 0.8}}};
-  };
-  return scene;
-}
 
 // The steps from pixel to pixel, as a distribution: their mean is the edge, their variance the Gaussian's.
 TEST(EffectImages, BlurSpreadsAnEdge) {
