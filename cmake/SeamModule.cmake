@@ -51,21 +51,27 @@ function(seam_vector_kernels)
   endforeach()
 endfunction()
 
-# seam_module(NAME [LINK targets...] [UNITY n]): the library of this folder and, if it has *.test.cc, its
-# test program. UNITY compiles n files of the library at a time: for folders of many small files.
+function(compile_together target count)
+  if(count)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${count})
+  endif()
+endfunction()
+
+# seam_module(NAME [LINK targets...] [UNITY n] [UNITY_TESTS n]): the library of this folder and, if it has *.test.cc,
+# its test program. UNITY compiles n files of the library at a time, UNITY_TESTS those of the tests: for folders of
+# many files with heavy headers.
 function(seam_module name)
-  cmake_parse_arguments(ARG "" "UNITY" "LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "UNITY;UNITY_TESTS" "LINK" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cc)
   set(tests ${sources})
   list(FILTER tests INCLUDE REGEX "\\.test\\.cc$")
   list(FILTER sources EXCLUDE REGEX "\\.(test|perf|fuzz|main)\\.cc$")
   add_library(seam_${name} STATIC ${sources})
   target_link_libraries(seam_${name} PUBLIC seam_flags ${ARG_LINK})
-  if(ARG_UNITY)
-    set_target_properties(seam_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${ARG_UNITY})
-  endif()
+  compile_together(seam_${name} "${ARG_UNITY}")
   if(SEAM_BUILD_TESTS AND tests)
     seam_test_program(test_${name} SOURCES ${tests} LINK seam_${name})
+    compile_together(test_${name} "${ARG_UNITY_TESTS}")
   endif()
 endfunction()
 
@@ -77,6 +83,8 @@ function(seam_test_program name)
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE SEAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
                              SEAM_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  # The code under test has its full optimisation; what tests themselves compute needs little.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
 endfunction()

@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 // Six digits are more than a plot shows; null for what JSON cannot write.
-json number(double value) {
+json six_digits(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
 }
@@ -26,10 +26,10 @@ struct Sums {
 json bin_of(const Sums& sums, double low, double high) {
   const double n = static_cast<double>(sums.n), mean = sums.r / n;
   const double scatter = sums.n > 1 ? std::sqrt(std::max(0.0, (sums.r2 - n * mean * mean) / (n - 1))) : NAN;
-  return {{"low", number(low)},       {"high", number(high)},
-          {"centre", number(sums.x / n)}, {"n", sums.n},
-          {"mean", number(mean)},     {"mean_sigma", number(std::sqrt(sums.s2) / n)},
-          {"scatter", number(scatter)},   {"formal", number(std::sqrt(sums.s2 / n))}};
+  return {{"low", six_digits(low)},       {"high", six_digits(high)},
+          {"centre", six_digits(sums.x / n)}, {"n", sums.n},
+          {"mean", six_digits(mean)},     {"mean_sigma", six_digits(std::sqrt(sums.s2) / n)},
+          {"scatter", six_digits(scatter)},   {"formal", six_digits(std::sqrt(sums.s2 / n))}};
 }
 
 // Every k-th index, so that at most `most` remain.
@@ -72,13 +72,13 @@ json residual_plot(const ResidualView& view, const Structure& structure, const s
   json sample = json::array();
   if (stage == "before") {
     for (size_t i = 0; i < channel->row.size(); i += stride(channel->row.size(), 1000)) {
-      if (std::isfinite(x(i))) sample.push_back({number(x(i)), number(channel->residual[i])});
+      if (std::isfinite(x(i))) sample.push_back({six_digits(x(i)), six_digits(channel->residual[i])});
     }
   }
   json plot = {{"residual", structure.residual}, {"covariate", structure.covariate}, {"moment", structure.moment},
                {"stage", stage}, {"bins", std::move(list)}, {"sample", std::move(sample)}};
   if (stage == "before") {
-    plot["strength"] = number(structure.strength);
+    plot["strength"] = six_digits(structure.strength);
     plot["p_value"] = structure.p_value;
   }
   return plot;
@@ -94,7 +94,7 @@ json arrow_plot(const ResidualView& view, const std::string& stage) {
   for (size_t i = 0; i < u->row.size(); i += stride(u->row.size(), 600)) {
     const int at = u->row[i];
     if (!std::isfinite(dv[at])) continue;
-    items.push_back({number(column[at]), number(row[at]), number(u->residual[i]), number(dv[at])});
+    items.push_back({six_digits(column[at]), six_digits(row[at]), six_digits(u->residual[i]), six_digits(dv[at])});
   }
   return {{"stage", stage}, {"plane", "image_px"}, {"unit", "px"}, {"items", std::move(items)}};
 }
@@ -115,7 +115,7 @@ json image_map(const ResidualView& view, const std::string& stage) {
     count[static_cast<size_t>(r) * columns + c] += 1;
   }
   json values = json::array();
-  for (size_t i = 0; i < sum.size(); ++i) values.push_back(count[i] > 0 ? number(sum[i] / count[i]) : json(nullptr));
+  for (size_t i = 0; i < sum.size(); ++i) values.push_back(count[i] > 0 ? six_digits(sum[i] / count[i]) : json(nullptr));
   return {{"stage", stage}, {"title", "Mean residual"}, {"unit", "dn"}, {"columns", columns}, {"rows", rows},
           {"width_px", width}, {"height_px", height}, {"values", std::move(values)}};
 }

@@ -84,8 +84,9 @@ bool clearly_needed(const Grown& grown, const std::string& name) {
   const effects::ModelEffect* effect = here.model.find(name);
   for (size_t k = 0; k < here.unknowns.size() && k < here.fit.sigma.size(); ++k) {
     if (here.unknowns[k].effect != name) continue;
-    const auto& parameter = effect->definition->parameters[here.unknowns[k].parameter];
-    if (std::abs(here.fit.value[k] - parameter.neutral) > kFar * here.fit.sigma[k]) return true;
+    const double neutral = effect->definition->parameters[here.unknowns[k].parameter].neutral;
+    // Every value is infinitely far from a limit's neutral one: that says nothing.
+    if (std::isfinite(neutral) && std::abs(here.fit.value[k] - neutral) > kFar * here.fit.sigma[k]) return true;
   }
   return false;
 }

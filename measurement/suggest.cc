@@ -16,7 +16,7 @@ namespace {
 constexpr size_t kMostTerms = 6;
 constexpr int kMostWaves = 300;  // Half periods over a variable's range.
 
-using Column = std::vector<double>;  // By scalar.
+using ByScalar = std::vector<double>;
 
 // A formula for one stage, and how the model does with it.
 struct Found {
@@ -41,21 +41,21 @@ class Proposer {
 
  private:
   // An inner product over training rows, so that coefficients know nothing of the held-out ones.
-  double dot(const Column& a, const Column& b) const {
+  double dot(const ByScalar& a, const ByScalar& b) const {
     double sum = 0;
     for (size_t i = 0; i < a.size(); ++i) sum += training_[i] ? a[i] * b[i] : 0;
     return sum;
   }
-  void take_out(const Column& direction, Column& from) const {
+  void take_out(const ByScalar& direction, ByScalar& from) const {
     const double along = dot(direction, from);
     for (size_t i = 0; i < from.size(); ++i) from[i] -= along * direction[i];
   }
 
   std::string name() const;
   Model with(const std::shared_ptr<const EffectDefinition>& effect, double value) const;
-  Column derivative(const Term& term) const;
+  ByScalar derivative(const Term& term) const;
   void look_from(const Assessment& here);
-  Column beyond(Column column) const;
+  ByScalar beyond(ByScalar column) const;
   std::optional<Term> best_term() const;
   std::optional<Term> best_wave(const std::string& output, const std::string& variable,
                                 double& gain) const;
@@ -70,9 +70,9 @@ class Proposer {
   std::vector<char> training_;  // By scalar.
   double count_ = 0;
   Evaluation start_;             // Of the model without the formula.
-  std::vector<Column> library_;  // Derivatives by each term's coefficient.
-  std::vector<Column> basis_;    // What the fitted parameters span, orthonormal.
-  Column rest_;                  // What they leave.
+  std::vector<ByScalar> library_;  // Derivatives by each term's coefficient.
+  std::vector<ByScalar> basis_;    // What the fitted parameters span, orthonormal.
+  ByScalar rest_;                  // What they leave.
   double misfit_ = 1;
 };
 
@@ -89,14 +89,14 @@ Model Proposer::with(const std::shared_ptr<const EffectDefinition>& effect, doub
 }
 
 // Of the whitened residuals by the term's coefficient; empty where the term changes nothing.
-Column Proposer::derivative(const Term& term) const {
+ByScalar Proposer::derivative(const Term& term) const {
   std::vector<Term> probes = {term};
   probes[0].coefficient = 1;
   const auto effect =
       formula_effect(formula_yaml("probe", vocabulary_.stage, "A probe.", probes), "probe");
   // The second step is of a size that changes residuals by a thousandth of the noise.
   double step = 1e-6;
-  Column column;
+  ByScalar column;
   for (int attempt = 0; attempt < 2; ++attempt) {
     const Evaluation there = problem_.evaluate(with(effect, step), all_, &start_);
     if (!there.valid) return {};
@@ -124,21 +124,21 @@ void Proposer::look_from(const Assessment& here) {
   }
   basis_.clear();
   if (!unknowns.empty()) {
-    for (Column& column : problem_.jacobian(here.model, unknowns, all_, evaluation)) {
+    for (ByScalar& column : problem_.jacobian(here.model, unknowns, all_, evaluation)) {
       column = beyond(std::move(column));
       if (!column.empty()) basis_.push_back(std::move(column));
     }
   }
   rest_ = evaluation.whitened;
-  for (const Column& direction : basis_) take_out(direction, rest_);
+  for (const ByScalar& direction : basis_) take_out(direction, rest_);
   misfit_ = std::max(1.0, here.error * here.error);
 }
 
 // The part of a column that the fitted parameters do not span, of unit length; empty: none.
-Column Proposer::beyond(Column column) const {
+ByScalar Proposer::beyond(ByScalar column) const {
   const double before = dot(column, column);
   for (int twice = 0; twice < 2; ++twice) {
-    for (const Column& direction : basis_) take_out(direction, column);
+    for (const ByScalar& direction : basis_) take_out(direction, column);
   }
   const double after = dot(column, column);
   if (!(after > 1e-8 * before) || !(after > 0)) return {};
@@ -150,7 +150,7 @@ std::optional<Term> Proposer::best_term() const {
   std::vector<double> gains(library_.size(), 0);
   parallel_for(library_.size(), [&](size_t i) {
     if (library_[i].empty()) return;
-    const Column column = beyond(library_[i]);
+    const ByScalar column = beyond(library_[i]);
     if (!column.empty()) gains[i] = 0.5 * std::pow(dot(column, rest_), 2);
   });
   const double price = 0.5 * std::log(count_) * misfit_;
@@ -177,8 +177,8 @@ std::optional<Term> Proposer::best_term() const {
 // near enough elsewhere to find the frequency.
 std::optional<Term> Proposer::best_wave(const std::string& output, const std::string& variable,
                                         double& gain) const {
-  const Column one = derivative({.pieces = {{output, "1"}}});
-  const Column by_variable = derivative({.pieces = {{output, variable}}});
+  const ByScalar one = derivative({.pieces = {{output, "1"}}});
+  const ByScalar by_variable = derivative({.pieces = {{output, variable}}});
   if (one.empty() || by_variable.empty()) return std::nullopt;
   double largest = 0;
   for (const double value : one) largest = std::max(largest, std::abs(value));

@@ -31,7 +31,7 @@ int from_environment(const char* name, int fallback) {
   return text == nullptr ? fallback : std::atoi(text);
 }
 
-std::string yaml(bool frames) {
+std::string faulty_scenario(bool frames) {
   return scenario_text(SEAM_SOURCE_DIR, kRobots, frames ? 1.0 : kSimulated_s, 32,
                        ", silence: freeze, wall_limit_s: 0.15");
 }
@@ -306,7 +306,7 @@ TEST(Faults, TheMatchGoesOnAndWhatHappenedReplays) {
   int stalled = 0;
   for (int i = first; i < first + runs; ++i) {
     const auto seed = static_cast<uint64_t>(i);
-    const std::string scenario_yaml = yaml(i % 10 == 3);
+    const std::string scenario_yaml = faulty_scenario(i % 10 == 3);
     const std::vector<std::optional<Fault>> faults = faults_of_run(i);
     Witness live;
     mcap::MemoryOutput log;

@@ -13,7 +13,7 @@ namespace pb = google::protobuf;
 
 constexpr int kSpy = 1;
 
-std::string yaml(int robots) {
+std::string forged_scenario(int robots) {
   return scenario_text(SEAM_SOURCE_DIR, robots, 0.4);
 }
 
@@ -34,7 +34,7 @@ v1::Decision secretive(int robot, const v1::Observation& seen) {
 using Trick = std::function<void(RawClient&, const v1::Observation&, v1::Decision&)>;
 
 Told spy_with(const Trick& trick) {
-  LiveRun run(yaml(3));
+  LiveRun run(forged_scenario(3));
   std::vector<std::thread> clients;
   for (const int robot : {0, 2}) clients.push_back(good_client(run, robot, secretive));
   Told told;
@@ -127,7 +127,7 @@ TEST(Forgery, NotesInAnothersNameStayTheWritersOwn) {
       if (event.kind == EventKind::debug) of.push_back(event.robot + ":" + event.name);
     }
   } notes;
-  LiveRun run(yaml(2), {&notes});
+  LiveRun run(forged_scenario(2), {&notes});
   std::thread other = good_client(run, 0, busy);
   std::thread spy = good_client(run, kSpy, [](int robot, const v1::Observation& seen) {
     v1::Decision decision = busy(robot, seen);
@@ -157,7 +157,7 @@ TEST(Forgery, TheRadioNamesTheTrueSenderAndStaysInTheTeam) {
   v1::RadioMessage forged;
   forged.set_from("r2");
   forged.set_payload("go home");
-  LiveRun run(yaml(5), {&ears});
+  LiveRun run(forged_scenario(5), {&ears});
   std::vector<std::thread> clients;
   for (int robot = 0; robot < 5; ++robot)
     clients.push_back(good_client(run, robot, [&](int r, const v1::Observation& seen) {

@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 using namespace seam::scheduler::testing;
 
-std::string text(double duration_s = 2) { return scenario_text(SEAM_SOURCE_DIR, 3, duration_s); }
+std::string three_robots(double duration_s = 2) { return scenario_text(SEAM_SOURCE_DIR, 3, duration_s); }
 
 StateAt state_of(const Log& log, World& world, std::optional<Rewinder>& rewinder) {
   rewinder.emplace(log, world);
@@ -26,7 +26,7 @@ StateAt state_of(const Log& log, World& world, std::optional<Rewinder>& rewinder
 }
 
 TEST(LogDiff, OfALogAndItselfIsNothing) {
-  const RecordedRun run = record(text());
+  const RecordedRun run = record(three_robots());
   const Log a = log_of(run.bytes), b = log_of(run.bytes);
   const LogDifference difference = compare_logs(a, b);
   EXPECT_TRUE(difference.equal());
@@ -34,13 +34,13 @@ TEST(LogDiff, OfALogAndItselfIsNothing) {
 }
 
 TEST(LogDiff, NamesTheFirstDifferenceItsCauseAndItsSpread) {
-  const RecordedRun run_a = record(text());
+  const RecordedRun run_a = record(three_robots());
   FunctionSource changed([](const Observation& seen) {
     Decision decision = busy_behaviour(seen);
     if (seen.robot == 1 && seen.sequence == 20) decision.command.joints[0].targets[0].angle_rad = 0.1;
     return decision;
   });
-  const RecordedRun run_b = record(text(), changed);
+  const RecordedRun run_b = record(three_robots(), changed);
   const Log a = log_of(run_a.bytes), b = log_of(run_b.bytes);
   LogDifference difference = compare_logs(a, b);
   EXPECT_FALSE(difference.equal());
@@ -65,8 +65,8 @@ TEST(LogDiff, NamesTheFirstDifferenceItsCauseAndItsSpread) {
 }
 
 TEST(LogDiff, HandlesOtherLengthsSeedsAndRobots) {
-  const RecordedRun two = record(text(2));
-  const RecordedRun one = record(text(1));
+  const RecordedRun two = record(three_robots(2));
+  const RecordedRun one = record(three_robots(1));
   const LogDifference lengths = compare_logs(log_of(two.bytes), log_of(one.bytes));
   EXPECT_TRUE(lengths.spread.empty());
   EXPECT_FALSE(lengths.equal());
@@ -79,14 +79,14 @@ TEST(LogDiff, HandlesOtherLengthsSeedsAndRobots) {
   // A robot that only one run has is told there, not as frames that are missing.
   for (const auto& spread : robots.spread) EXPECT_NE(spread.section, "frame/r3");
 
-  std::string yaml = text(1);
+  std::string yaml = three_robots(1);
   yaml.replace(yaml.find("seed: 7"), 7, "seed: 8");
   const LogDifference seeds = compare_logs(log_of(one.bytes), log_of(record(yaml).bytes));
   EXPECT_THAT(seeds.header, ::testing::Contains("seed: 7 and 8"));
 }
 
 TEST(LogRecovery, OfAWholeLogLosesNothing) {
-  const RecordedRun run = record(text());
+  const RecordedRun run = record(three_robots());
   mcap::MemoryOutput output;
   const Recovery recovery = recover_log(std::make_unique<mcap::MemoryInput>(run.bytes), output);
   EXPECT_TRUE(recovery.whole());
@@ -95,7 +95,7 @@ TEST(LogRecovery, OfAWholeLogLosesNothing) {
 
 TEST(LogRecovery, OfAKilledRunIsAWholeLogThatReRuns) {
   FunctionSource source(busy_behaviour);
-  const RecordedRun run = record(text(), source, {}, SimTime::from_s(1.6));
+  const RecordedRun run = record(three_robots(), source, {}, SimTime::from_s(1.6));
   mcap::MemoryOutput output;
   const Recovery recovery = recover_log(std::make_unique<mcap::MemoryInput>(run.bytes), output);
   EXPECT_FALSE(recovery.whole());
@@ -106,7 +106,7 @@ TEST(LogRecovery, OfAKilledRunIsAWholeLogThatReRuns) {
 }
 
 TEST(LogRecovery, KeepsWhatStandsBehindDamage) {
-  const RecordedRun run = record(text(3));
+  const RecordedRun run = record(three_robots(3));
   const Log whole = log_of(run.bytes);
   const auto& chunks = whole.file().contents().chunks;
   ASSERT_GE(chunks.size(), 5u);
@@ -130,7 +130,7 @@ TEST(LogRecovery, OfNothingIsAnError) {
 
 TEST(FrameMaker, MakesTheFramesThatTheRunMade) {
   const RecordedRun run =
-      record(text(), {.snapshot_period = SimDuration::from_ns(400'000'000)});
+      record(three_robots(), {.snapshot_period = SimDuration::from_ns(400'000'000)});
   const Log log = log_of(run.bytes);
   const Scenario scenario = Scenario::from_text(log.header().scenario_text, "log");
   World world(scenario);

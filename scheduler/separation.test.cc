@@ -20,7 +20,7 @@ using ::testing::UnorderedElementsAre;
 using namespace seam::scheduler::testing;  // NOLINT: helpers of this folder's tests.
 namespace pb = google::protobuf;
 
-std::string yaml(int robots, double duration_s = 0.4) {
+std::string separate_scenario(int robots, double duration_s = 0.4) {
   return scenario_text(SEAM_SOURCE_DIR, robots, duration_s);
 }
 
@@ -64,7 +64,7 @@ TEST(Separation, TheServerOffersTheCallsThatAreTestedHereAndNoOthers) {
                                   "/seam.v1.Supervisor/Resume", "/seam.v1.Supervisor/Step",
                                   "/seam.v1.Supervisor/Act", "/seam.v1.Supervisor/Stop"));
   // Reflection, asked for its list, names these services and health and itself.
-  const LiveRun run(yaml(1));
+  const LiveRun run(separate_scenario(1));
   const Reply services =
       call(run.address, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
            std::string("\x3a\x00", 2));
@@ -89,7 +89,7 @@ TEST(Separation, TheServerOffersTheCallsThatAreTestedHereAndNoOthers) {
 }
 
 TEST(Separation, EveryCallOfTheSupervisorRefusesEveryOtherToken) {
-  LiveRun run(yaml(2));
+  LiveRun run(separate_scenario(2));
   run.control.pause();  // So that a call that got through would show.
   run.start();
   pb::DynamicMessageFactory factory;
@@ -118,7 +118,7 @@ TEST(Separation, EveryCallOfTheSupervisorRefusesEveryOtherToken) {
 }
 
 TEST(Separation, NobodyDrivesARobotWithAnythingButItsToken) {
-  LiveRun run(yaml(3));
+  LiveRun run(separate_scenario(3));
   run.start();
   const std::vector<std::string> robots = {"r0", "r1", "r2"};
   for (const std::string& robot : robots) {
@@ -161,7 +161,7 @@ TEST(Separation, NobodyDrivesARobotWithAnythingButItsToken) {
 }
 
 TEST(Separation, TheSceneIsNotForRobotsNorForTheSupervisor) {
-  LiveRun run(yaml(2));
+  LiveRun run(separate_scenario(2));
   for (const std::string& token : {std::string(), std::string("token-r0"), std::string("boss")}) {
     v1::RendererMessage hello;
     hello.mutable_hello()->set_token(token);
@@ -257,7 +257,7 @@ std::vector<std::string> told_to_r0(const std::function<void(v1::Decision&)>& ch
       told.push_back(wire.SerializeAsString());
     }
   } ear;
-  const Scenario scenario = Scenario::from_text(yaml(3, 1.0), "test.yaml");
+  const Scenario scenario = Scenario::from_text(separate_scenario(3, 1.0), "test.yaml");
   World world(scenario);
   RunControl control;
   HashRenderer renderer(scenario, 1);

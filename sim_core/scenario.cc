@@ -14,7 +14,7 @@ namespace {
 constexpr size_t kMaxRobots = 64;
 constexpr size_t kMaxObjects = 1000;
 constexpr Range kPosition{-100, 100};
-constexpr Range kAngle{-7, 7};
+constexpr Range kHeading{-7, 7};
 
 void describe_clock(ConfigTable& table, ClockSpec& clock) {
   table.seconds({"period_s", "Time between ticks, s."}, clock.period, {0.001, 100});
@@ -72,7 +72,7 @@ void describe_sensors(ConfigTable& table, SensorsSpec& sensors) {
 void describe_pose(ConfigTable& table, Pose2& pose) {
   table.number({"x_m", "Towards the sky-blue goal, m.", true}, pose.x_m, kPosition);
   table.number({"y_m", "To the left, m.", true}, pose.y_m, kPosition);
-  table.number({"theta_rad", "Heading, counter-clockwise from +x, rad."}, pose.theta_rad, kAngle);
+  table.number({"theta_rad", "Heading, counter-clockwise from +x, rad."}, pose.theta_rad, kHeading);
 }
 
 // What robots have in common; each robot overrides what it states.
@@ -172,7 +172,7 @@ void describe_object(ConfigTable& table, ObjectSpec& object) {
   }
   if (upright) table.number({"height_m", "Of a cylinder or capsule, m.", always}, object.size_m.z, length);
   if (has({Shape::rectangle})) table.vec3({"normal", "Of a rectangle; (0, 0, 1) where not given."}, object.normal);
-  if (has({Shape::box})) table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, kAngle);
+  if (has({Shape::box})) table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, kHeading);
   table.vec3({"velocity_mps", "It is at the stated place at time 0 and moves at this velocity, m/s."}, object.velocity_mps);
   table.numbers({"rgb", "Linear radiance, 0 to 1.", true}, object.rgb);
   table.choice_of({"label", "Ground-truth class."}, object.label, labels);

@@ -11,7 +11,7 @@ namespace seam::tools {
 namespace {
 
 constexpr uint8_t kOrange = 1;  // The first colour of the detection table.
-constexpr double kSettled_s = 2;
+constexpr double kTakenAt_s = 2;
 constexpr int kFrameTimes = 2,
               kColourTimes = 4;  // The colour layer has half the frame's rows and columns.
 
@@ -62,7 +62,7 @@ void draw_ball_pictures(const std::vector<std::vector<BallPicture>>& by_camera,
     std::vector<render::Panel> detections;
     for (const BallPicture& picture : pictures) {
       bool made = false;
-      const SimTime from = SimTime::from_s(kSettled_s);
+      const SimTime from = SimTime::from_s(kTakenAt_s);
       visit_scenario_frames(
           picture.scenario.string(), {}, picture.robot, from, from + SimDuration::from_s(0.1),
           [&](const scheduler::FinishedFrame& finished, const render::Renderer&) {

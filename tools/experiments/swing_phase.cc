@@ -42,7 +42,6 @@ Found found_in(const std::vector<SwingRun>& runs) {
   return found;
 }
 
-constexpr double kHalfView_rad = 0.5 * 57.6 * maths::kPi / 180;  // The paper's angle of view.
 constexpr double kColourPixel_rad = 2 / 161.9;
 
 // How many different views of one passage a run has: a new one each time the slip has moved the

@@ -17,7 +17,6 @@
 namespace seam::tools {
 namespace {
 
-constexpr double kHalfView_rad = 0.5 * 57.6 * maths::kPi / 180;  // The paper's angle of view.
 
 // Bearing errors apart by landmark; each run adds its own groups.
 using Groups = std::vector<std::vector<double>>;

@@ -11,13 +11,12 @@
 namespace seam::tools {
 namespace {
 
-constexpr int kFrames = 25;  // A swing; the same runs as the study of the ratio.
 
 class RemainderStudy final : public SwingStudy {
  public:
   explicit RemainderStudy(const StudySize& size) : size_(size) {
-    const PoseMode as_it_is{.frames_per_swing = kFrames, .duration_s = size.duration_s};
-    modes_ = {{{fmt::format("ratio_scheduled_{}", kFrames), as_it_is},
+    const PoseMode as_it_is{.frames_per_swing = kFramesASwing, .duration_s = size.duration_s};
+    modes_ = {{{fmt::format("ratio_scheduled_{}", kFramesASwing), as_it_is},
                "as it is: own clock, 25 frames a swing, 1,000 particles"}};
     const auto add = [&](const char* name, const char* title, const auto& change) {
       PoseMode changed = as_it_is;

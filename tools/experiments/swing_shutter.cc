@@ -12,7 +12,6 @@
 namespace seam::tools {
 namespace {
 
-constexpr int kFrames = 25;  // A swing.
 constexpr int kFewFrames = 8;
 
 struct Shutter {
@@ -119,13 +118,13 @@ class ShutterStudy final : public SwingStudy {
   SwingMode mode(const Shutter& shutter) const {
     if (shutter.rolling && shutter.row_times) {  // The same runs as the study of the ratio.
       return {
-          fmt::format("ratio_{}_{}", shutter.locked ? "locked" : "scheduled", kFrames),
-          {.locked = shutter.locked, .frames_per_swing = kFrames, .duration_s = size_.duration_s}};
+          fmt::format("ratio_{}_{}", shutter.locked ? "locked" : "scheduled", kFramesASwing),
+          {.locked = shutter.locked, .frames_per_swing = kFramesASwing, .duration_s = size_.duration_s}};
     }
     return {fmt::format("shutter_{}", shutter.name),
             {.model_yaml = shutter.rolling ? "" : instantaneous_,
              .locked = shutter.locked,
-             .frames_per_swing = kFrames,
+             .frames_per_swing = kFramesASwing,
              .row_times = shutter.row_times,
              .duration_s = size_.duration_s}};
   }

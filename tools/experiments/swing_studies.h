@@ -6,9 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "sim_core/maths.h"
 #include "tools/experiments/swing_runs.h"
 
 namespace seam::tools {
+
+inline constexpr double kHalfView_rad = 0.5 * 57.6 * maths::kPi / 180;  // The paper's angle of view.
+// At the camera's rate: studies that look at the same runs share them.
+inline constexpr int kFramesASwing = 25;
 
 // How much is done: the quick form shows that it works, the short one has 3 seeds, the full one 20.
 struct StudySize {

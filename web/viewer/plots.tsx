@@ -166,7 +166,8 @@ function build(holder: HTMLElement, spec: PlotSpec, shown: Shown): uPlot {
     ...boxOf(holder),
     legend: { show: false },
     cursor: { y: false, drag: { x: false, y: false } },
-    padding: [6, 18, 0, 0],
+    // Without values there is no vertical axis, whose place the first time's label needs.
+    padding: [6, 18, 0, shown.names.length > 0 ? 0 : 44],
     scales: { x: { time: false, min: plotFrom.peek(), max: plotTo.peek() } },
     axes: [
       { ...axis, size: 22, values: (_u, splits, _i, _space, step) => splits.map((t) => clock(t, step)) },
