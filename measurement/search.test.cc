@@ -20,8 +20,8 @@ Model model_of(const std::string& effects) {
       ConfigNode::from_text("format: seam-model/1\neffects: " + effects + "\n", "test.yaml"));
 }
 
-// A robot that walks in circles of changing width among six landmarks, in eight runs.
-std::filesystem::path landmark_protocol(const std::string& name, double first_time_s) {
+// A robot that walks in circles of changing width among six landmarks.
+std::filesystem::path landmark_protocol(const std::string& name, double first_time_s, int runs = 8) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / name;
   std::filesystem::create_directories(folder);
   std::string landmarks = "landmark,x_m,y_m\n";
@@ -29,7 +29,7 @@ std::filesystem::path landmark_protocol(const std::string& name, double first_ti
     landmarks += fmt::format("{},{},{}\n", k, 2.2 * std::cos(k * 1.05), 1.6 * std::sin(k * 1.05));
   std::string poses = "run,time_s,x_m,y_m,theta_rad\n";
   std::string seen = "run,time_s,landmark,range_m,bearing_rad\n";
-  for (int run = 0; run < 8; ++run) {
+  for (int run = 0; run < runs; ++run) {
     for (int i = 0; i <= 400; ++i) {
       const double t = 0.02 * i, turn = 0.9 * t + run;
       const double at = first_time_s + 10 * run + t;
@@ -53,8 +53,8 @@ std::filesystem::path landmark_protocol(const std::string& name, double first_ti
   return folder;
 }
 
-SearchResult found_in(const std::string& truth, const std::string& name, double first_time_s = 0) {
-  const auto protocol = landmark_protocol(name + "-protocol", first_time_s);
+SearchResult found_in(const std::string& truth, const std::string& name, double first_time_s = 0, int runs = 8) {
+  const auto protocol = landmark_protocol(name + "-protocol", first_time_s, runs);
   const auto out = std::filesystem::path(testing::TempDir()) / name;
   find_kind("landmarks")
       .measure(model_of(truth), MeasurementSet::open(protocol), {.seed = 7, .out = out});
@@ -90,6 +90,25 @@ TEST(Search, KeepsThePrecisionOfEpochTimes) {
   ASSERT_EQ(result.steps.size(), 1u);
   EXPECT_EQ(result.steps[0].effect, "frame_latency");
   EXPECT_NEAR(result.best.assessment.model.find("frame_latency")->value("latency_s"), 0.03, 0.004);
+}
+
+// A single walk is both what is fitted and what is held out, and counts once: else chance would look twice as sure.
+TEST(Search, OneGroupCountsOnce) {
+  const auto protocol = landmark_protocol("landmarks-one-protocol", 0, 1);
+  const auto out = std::filesystem::path(testing::TempDir()) / "landmarks-one";
+  const Model model = model_of("{ideal_detector: {}}");
+  find_kind("landmarks").measure(model, MeasurementSet::open(protocol), {.seed = 3, .out = out});
+  const auto problem = open_problem(out);
+  ASSERT_EQ(problem->facts().groups.size(), 1u);
+  const double likelihood = problem->score(model, problem->all_groups()).log_likelihood;
+  EXPECT_NEAR(assess_fixed(*problem, model).total_ll, likelihood, 1e-9 * std::abs(likelihood));
+}
+
+TEST(Search, FindsAnEffectInOneGroup) {
+  const SearchResult result = found_in("{ideal_detector: {}, range_scale: {scale: 0.06}}", "landmarks-one-scale", 0, 1);
+  EXPECT_EQ(result.verdict, "missing_effect");
+  ASSERT_EQ(result.steps.size(), 1u);
+  EXPECT_EQ(result.steps[0].effect, "range_scale");
 }
 
 TEST(Landmarks, UnknownLandmarkIsNamed) {
