@@ -112,26 +112,20 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
   pattern.has_offset =
       chain.pixel_offset_sigma_dn > 0 || chain.column_sigma_dn > 0 || chain.hot_fraction > 0;
   if (chain.pixel_gain_sigma > 0) {
-    const RandomStream stream = camera_noise.child("pixel_gain_spread");
-    for (size_t i = 0; i < samples; ++i) {
-      // A gain below zero has no meaning.
-      pattern.gain[i] = static_cast<float>(std::max(0.0, 1 + chain.pixel_gain_sigma * normal(stream, i)));
-    }
+    sample_normals(camera_noise.child("pixel_gain_spread"), pattern.gain);
+    // A gain below zero has no meaning.
+    for (float& gain : pattern.gain) gain = static_cast<float>(std::max(0.0, 1 + chain.pixel_gain_sigma * gain));
   }
   if (chain.pixel_offset_sigma_dn > 0) {
-    const RandomStream stream = camera_noise.child("pixel_offset_spread");
-    for (size_t i = 0; i < samples; ++i) {
-      pattern.offset_dn[i] += static_cast<float>(chain.pixel_offset_sigma_dn * normal(stream, i));
-    }
+    sample_normals(camera_noise.child("pixel_offset_spread"), pattern.offset_dn);
+    for (float& offset : pattern.offset_dn) offset = static_cast<float>(chain.pixel_offset_sigma_dn * offset);
   }
   if (chain.column_sigma_dn > 0) {
-    const RandomStream stream = camera_noise.child("column_offsets");
-    for (int u = 0; u < width_px; ++u) {
-      const auto offset = static_cast<float>(chain.column_sigma_dn * normal(stream, static_cast<uint64_t>(u)));
-      for (size_t i = static_cast<size_t>(u) * channels; i < samples;
-           i += static_cast<size_t>(width_px) * channels) {
-        for (int c = 0; c < channels; ++c) pattern.offset_dn[i + c] += offset;
-      }
+    std::vector<float> columns(static_cast<size_t>(width_px));
+    sample_normals(camera_noise.child("column_offsets"), columns);
+    for (size_t i = 0; i < samples; ++i) {
+      const size_t column = i / static_cast<size_t>(channels) % static_cast<size_t>(width_px);
+      pattern.offset_dn[i] += static_cast<float>(chain.column_sigma_dn * columns[column]);
     }
   }
   if (chain.hot_fraction > 0) {

@@ -98,7 +98,7 @@ struct FixedPattern {
 FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px, int channels,
                            RandomStream camera_noise);
 
-// The standard normal that read noise and photon noise draw for a sample.
+// The standard normal that read noise, photon noise and fixed patterns draw for a sample.
 float sample_normal(RandomStream stream, uint64_t sample);
 // Those of samples 0, 1, 2, ...
 void sample_normals(RandomStream stream, std::span<float> out);

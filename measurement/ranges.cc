@@ -117,6 +117,10 @@ std::string RangesProblem::not_testable(const Model&, const EffectDefinition& ef
   if (effect.name == "bearing_scale" || effect.name == "bearing_noise") return "distances were measured, not bearings";
   if (effect.name == "fisheye") return "it differs from other radial effects only far from the middle of the image";
   if (effect.name == "lamp_flicker") return "the frames have no times";
+  // A wide enough pattern would explain any misfit.
+  if (effect.name == "pixel_gain_spread" || effect.name == "pixel_offset_spread" || effect.name == "column_offsets" ||
+      effect.name == "hot_pixels")
+    return "a fixed pattern shifts each place by an amount of its own, as any other error of the place does";
   if (effect.servo && effect.name != "gravity_sag" && effect.name != "backlash" && effect.name != "stiction")
     return "the head had come to rest";
   if (effect.name == "backlash" && name != "tilt_width_rad") return "only the tilt moved before the head rested";
