@@ -40,6 +40,11 @@ Eigen::MatrixXd monomials(const std::vector<std::vector<double>>& coordinates, i
   return A;
 }
 
+bool is_constant(const std::vector<double>& x) {
+  const auto [low, high] = std::minmax_element(x.begin(), x.end());
+  return *high - *low < 1e-9;
+}
+
 std::vector<double> standardised(std::vector<double> x) {
   const auto [low, high] = std::minmax_element(x.begin(), x.end());
   const double middle = 0.5 * (*low + *high), half = std::max(0.5 * (*high - *low), 1e-300);
@@ -57,9 +62,7 @@ std::array<double, 2> noise_by_frames(const PointsData& data) {
       y[0][i] = data.u_px[rows[i]];
       y[1][i] = data.v_px[rows[i]];
     }
-    std::erase_if(coordinates, [](const std::vector<double>& x) {
-      return *std::max_element(x.begin(), x.end()) - *std::min_element(x.begin(), x.end()) < 1e-9;
-    });
+    std::erase_if(coordinates, is_constant);
     if (coordinates.empty()) continue;
     for (auto& x : coordinates) x = standardised(x);
     // As flexible as half of the frame's points allow, at most of degree 8.
@@ -79,8 +82,32 @@ std::array<double, 2> noise_by_frames(const PointsData& data) {
   return {robust_sigma(left[0]), robust_sigma(left[1])};
 }
 
+// Degrees of the polynomials: of the direction alone, of the state alone, and of both in their products.
+struct Degrees {
+  int field, state, field_of_products, state_of_products;
+};
+constexpr Degrees kDegrees[] = {{7, 3, 3, 2}, {7, 3, 3, 1}, {5, 2, 2, 1}, {4, 1, 1, 1}, {3, 1, 0, 0}, {2, 0, 0, 0}, {1, 0, 0, 0}};
+
+// What is smooth in where a point is seen and how the head moves then.
+Eigen::MatrixXd smooth_columns(const std::vector<std::vector<double>>& direction, const std::vector<std::vector<double>>& state,
+                               const Degrees& degrees) {
+  const auto but_constant = [](const Eigen::MatrixXd& all) { return Eigen::MatrixXd(all.rightCols(all.cols() - 1)); };
+  const Eigen::MatrixXd field = monomials(direction, degrees.field);
+  if (state.empty()) return field;
+  const Eigen::MatrixXd alone = but_constant(monomials(state, degrees.state));
+  const Eigen::MatrixXd a = but_constant(monomials(direction, degrees.field_of_products));
+  const Eigen::MatrixXd b = but_constant(monomials(state, degrees.state_of_products));
+  Eigen::MatrixXd all(field.rows(), field.cols() + alone.cols() + a.cols() * b.cols());
+  all << field, alone, Eigen::MatrixXd(field.rows(), a.cols() * b.cols());
+  Eigen::Index at = field.cols() + alone.cols();
+  for (Eigen::Index m = 0; m < b.cols(); ++m) {
+    for (Eigen::Index k = 0; k < a.cols(); ++k) all.col(at++) = b.col(m).cwiseProduct(a.col(k));
+  }
+  return all;
+}
+
 // Directions of the points in the frame of a camera that hangs on the logged joints, and whatever
-// else may move the image: rates and time.
+// else may move the image: the joints' angles and rates, and time. As flexible as half of the points allow.
 std::array<double, 2> noise_by_directions(const PointsData& data) {
   const Model none =
       Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));
@@ -93,32 +120,26 @@ std::array<double, 2> noise_by_directions(const PointsData& data) {
     direction[0].push_back(p_C.x / depth);
     direction[1].push_back(p_C.y / depth);
   }
-  for (auto& x : direction) x = standardised(x);
   for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {
+    const auto& log = data.rig.logged(j);
     std::vector<double> angle, rate;
-    for (const double t : data.stamp_s)
-      angle.push_back(data.rig.logged(j).value(t)), rate.push_back(data.rig.logged(j).rate(t));
-    state.push_back(standardised(angle));
-    state.push_back(standardised(rate));
+    for (const double t : data.stamp_s) angle.push_back(log.value(t)), rate.push_back(log.rate(t));
+    state.insert(state.end(), {angle, rate});
   }
-  state.push_back(standardised(data.stamp_s));
-  const Eigen::MatrixXd field = monomials(direction, 7);
-  const Eigen::MatrixXd low = monomials(direction, 3);
-  const Eigen::MatrixXd modulation = monomials(state, 3).rightCols(monomials(state, 3).cols() - 1);
-  const Eigen::MatrixXd low_modulation = monomials(state, 1).rightCols(state.size());
-  const Eigen::Index n = field.rows();
-  Eigen::MatrixXd A(n, field.cols() + modulation.cols() + low_modulation.cols() * (low.cols() - 1));
-  A.leftCols(field.cols()) = field;
-  A.middleCols(field.cols(), modulation.cols()) = modulation;
-  Eigen::Index at = field.cols() + modulation.cols();
-  for (Eigen::Index m = 0; m < low_modulation.cols(); ++m) {
-    for (Eigen::Index k = 1; k < low.cols(); ++k)
-      A.col(at++) = low_modulation.col(m).cwiseProduct(low.col(k));
+  state.push_back(data.stamp_s);
+  std::erase_if(state, is_constant);
+  for (auto* variables : {&direction, &state}) {
+    for (auto& x : *variables) x = standardised(x);
+  }
+  Eigen::MatrixXd A;
+  for (const Degrees& degrees : kDegrees) {
+    A = smooth_columns(direction, state, degrees);
+    if (2 * A.cols() <= A.rows()) break;
   }
   std::array<double, 2> sigma{1, 1};
   for (int c = 0; c < 2; ++c) {
     const Eigen::VectorXd y =
-        Eigen::Map<const Eigen::VectorXd>((c ? data.v_px : data.u_px).data(), n);
+        Eigen::Map<const Eigen::VectorXd>((c ? data.v_px : data.u_px).data(), A.rows());
     const Eigen::VectorXd r = studentised(A, y);
     sigma[c] = robust_sigma({r.begin(), r.end()});
   }

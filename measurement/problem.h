@@ -191,6 +191,9 @@ class Problem {
   // Whether groups have errors of their own alone. Where they share some (fixed patterns of a sensor), the
   // likelihood of all of them is not the sum over training and held-out groups.
   virtual bool groups_are_independent() const { return true; }
+  // Whether one effect can do about what several others do together, so that the best first step may be a blind alley
+  // and the search begins with others too.
+  virtual bool effects_imitate() const { return false; }
   // Where predictions are dear: the few training groups on which candidates are screened before any is
   // fitted to all of them.
   virtual std::optional<Groups> screening_groups() const { return std::nullopt; }

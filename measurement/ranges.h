@@ -35,6 +35,7 @@ class RangesProblem : public Problem {
   void check_model(const Model& model) const override;
   bool acts(const EffectDefinition& effect) const override;
   bool is_smooth() const override { return true; }
+  bool effects_imitate() const override { return true; }  // All of them change one distance.
   // A look at every effect costs less than fits of all: only the promising ones are fitted.
   std::optional<Groups> screening_groups() const override { return all_groups(); }
   std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;

@@ -51,6 +51,7 @@ class Searcher {
 
  private:
   Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
+  Grown grow(Grown grown, Looks* first_looks);
   void forward(SearchResult& result);
   std::optional<Grown> replace(const Grown& grown, const std::string& out,
                                const std::string& in) const;
@@ -179,16 +180,17 @@ bool Searcher::exchange(Grown& grown) {
   return true;
 }
 
-void Searcher::forward(SearchResult& result) {
-  Grown grown = base_;
+// Adds to a model what helps most, again and again.
+Grown Searcher::grow(Grown grown, Looks* first_looks) {
   for (size_t step = 0; step < kMostSteps; ++step) {
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     // The first look is what the user sees: every effect is fitted in it.
-    const bool promising_only = step > 0;
+    const bool first = step == 0 && first_looks != nullptr;
+    const bool promising_only = !first;
     Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_),
                           promising_only);
     looks_ = std::max(looks_, looks.tried);
-    if (step == 0) result.first = looks;
+    if (first) *first_looks = looks;
     for (const Candidate& candidate : looks.candidates) {
       const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) !=
                          promising_.end();
@@ -207,7 +209,25 @@ void Searcher::forward(SearchResult& result) {
     }
     if (!(merit_of(problem_, grown) > before)) break;
   }
-  result.best = std::move(grown);
+  return grown;
+}
+
+void Searcher::forward(SearchResult& result) {
+  constexpr size_t kBeginnings = 3;
+  result.best = grow(base_, &result.first);
+  if (!problem_.effects_imitate()) return;
+  // The best first step may stand for several effects at once, from where none of them helps alone: others begin too.
+  std::vector<const Candidate*> beginnings;
+  for (const Candidate& candidate : result.first.candidates) {
+    const auto& added = result.best.added;
+    const bool taken = std::find(added.begin(), added.end(), candidate.effect->name) != added.end();
+    if (candidate.significant && !is_spread(candidate.effect) && !taken) beginnings.push_back(&candidate);
+  }
+  for (size_t i = 0; i < std::min(kBeginnings, beginnings.size()) && result.best.assessment.error > kMisfit; ++i) {
+    progress_("trying again from " + beginnings[i]->effect->name);
+    Grown other = grow(beginnings[i]->grown, nullptr);
+    if (merit_of(problem_, other) > merit_of(problem_, result.best)) result.best = std::move(other);
+  }
 }
 
 // A model less those of its effects that are left, but for one, fitted again from its own values.
