@@ -216,13 +216,16 @@ void Searcher::forward(SearchResult& result) {
   constexpr size_t kBeginnings = 3;
   result.best = grow(base_, &result.first);
   if (!problem_.effects_imitate()) return;
-  // The best first step may stand for several effects at once, from where none of them helps alone: others begin too.
+  // The best first step may stand for several effects at once, from where none of them helps alone: others begin too,
+  // the simplest first.
   std::vector<const Candidate*> beginnings;
   for (const Candidate& candidate : result.first.candidates) {
     const auto& added = result.best.added;
     const bool taken = std::find(added.begin(), added.end(), candidate.effect->name) != added.end();
     if (candidate.significant && !is_spread(candidate.effect) && !taken) beginnings.push_back(&candidate);
   }
+  std::stable_sort(beginnings.begin(), beginnings.end(),
+                   [](const Candidate* a, const Candidate* b) { return a->free.size() < b->free.size(); });
   for (size_t i = 0; i < std::min(kBeginnings, beginnings.size()) && result.best.assessment.error > kMisfit; ++i) {
     progress_("trying again from " + beginnings[i]->effect->name);
     Grown other = grow(beginnings[i]->grown, nullptr);
