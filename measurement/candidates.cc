@@ -123,10 +123,11 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
   const bool counts = has_counts(*effect);
   if (counts && starts.size() > 1) {  // Counts are not fitted but tried: the best two go on.
     std::vector<std::pair<double, size_t>> order;
-    // Effects of spread do not change which of them fits the mean, and would cost most of the time.
+    // Effects of spread do not change which of them fits the mean, and would cost most of the time. A converter's steps
+    // are another thing: what noise leaves of them is all that is seen.
     Model plain = base.assessment.model;
     for (const effects::ModelEffect& other : base.assessment.model.effects()) {
-      if (other.definition->spread_only) plain.remove(other.definition->name);
+      if (other.definition->spread_only && effect->stage != effects::Stage::sensor) plain.remove(other.definition->name);
     }
     for (size_t i = 0; i < starts.size(); ++i) {
       const Score score =

@@ -222,7 +222,8 @@ void Searcher::forward(SearchResult& result) {
   for (const Candidate& candidate : result.first.candidates) {
     const auto& added = result.best.added;
     const bool taken = std::find(added.begin(), added.end(), candidate.effect->name) != added.end();
-    if (candidate.significant && !is_spread(candidate.effect) && !taken) beginnings.push_back(&candidate);
+    const bool helps = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
+    if (helps && !is_spread(candidate.effect) && !taken) beginnings.push_back(&candidate);
   }
   std::stable_sort(beginnings.begin(), beginnings.end(),
                    [](const Candidate* a, const Candidate* b) { return a->free.size() < b->free.size(); });
