@@ -59,13 +59,12 @@ Assessment assess(const Problem& problem, const Model& model, const std::vector<
     return fit;
   };
   if (single) {
-    // One group alone cannot be held out: training and held-out groups are then the same, and count once.
-    const bool one_group = problem.facts().groups.size() < 2;
-    const Groups training = one_group ? all : complement(folds[0]);
+    const Groups training = problem.training_groups();
     result.fit = fit_on(training, model);
     result.model = result.fit.model;
     result.held = problem.score(result.model, folds[0]);
-    const bool sum = problem.groups_are_independent() && !one_group;
+    // One group alone is both trained on and held out, and counts once.
+    const bool sum = problem.groups_are_independent() && problem.facts().groups.size() > 1;
     const Score rest = problem.score(result.model, sum ? training : all);
     result.total_ll = rest.log_likelihood + (sum ? result.held.log_likelihood : 0);
     result.valid = result.held.valid && rest.valid;

@@ -240,7 +240,7 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, con
 // Groups of `count` training frames, evenly spread.
 Groups FramesProblem::some_training_frames(size_t count) const {
   Groups groups(facts_.groups.size(), 0);
-  const std::vector<size_t> training = frames_of(complement(folds().front()));
+  const std::vector<size_t> training = frames_of(training_groups());
   count = std::min(count, training.size());
   for (size_t k = 0; k < count; ++k) groups[facts_.group_of_row[training[k * training.size() / count]]] = 1;
   return groups;

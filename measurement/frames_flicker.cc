@@ -6,7 +6,7 @@
 
 namespace seam::measurement {
 std::vector<double> FramesProblem::flicker_start(const Model& model) const {
-  const Groups training = complement(folds().front());
+  const Groups training = training_groups();
   const Evaluation here = evaluate(model, training);
   const std::vector<size_t> frames = frames_of(training);
   const double black_dn = effects::sensor_of(model).black_dn;

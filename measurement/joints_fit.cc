@@ -77,7 +77,7 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const
       }
     }
   }
-  const Groups training = folds().size() == 1 ? complement(folds()[0]) : all_groups();
+  const Groups training = folds().size() == 1 ? training_groups() : all_groups();
   Model trial = model;
   trial.add_neutral(std::make_shared<EffectDefinition>(effect));
   double best = std::numeric_limits<double>::infinity();

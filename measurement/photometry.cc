@@ -150,7 +150,7 @@ Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& u
 }
 
 std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model, const EffectDefinition& effect) const {
-  const auto sum = sums(complement(folds().front()));
+  const auto sum = sums(training_groups());
   return photometry_starts(view_of(*sum), model, effect);
 }
 
@@ -190,7 +190,7 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
     return lit ? "" : "no frame has light";
   }
   const double here = model.find(effect.name)->parameters[parameter].value;
-  const auto sum = sums(complement(folds().front()));
+  const auto sum = sums(training_groups());
   const PhotometryView view = view_of(*sum);
   const double now = log_likelihood(view, model);
   // A typical step, and a good part of the way to neutral: scales are made for 8 bits, and near an optimum small

@@ -129,4 +129,8 @@ const std::vector<Groups>& Problem::folds() const {
   return folds_;
 }
 
+Groups Problem::training_groups() const {
+  return facts_.groups.size() < 2 ? all_groups() : complement(folds().front());
+}
+
 }  // namespace seam::measurement

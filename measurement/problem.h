@@ -226,6 +226,8 @@ class Problem {
 
   // Held-out folds: one (30 %) with 4 groups or more, else each group in turn.
   virtual const std::vector<Groups>& folds() const;
+  // What is fitted while the first fold is held out; one group alone cannot be held out and is both.
+  Groups training_groups() const;
   Groups all_groups() const { return Groups(facts_.groups.size(), 1); }
 
  protected:
