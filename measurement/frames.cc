@@ -7,6 +7,7 @@
 
 #include "effects/sensor.h"
 #include "effects/timing.h"
+#include "measurement/converter_steps.h"
 #include "sim_core/error.h"
 
 namespace seam::measurement {
@@ -290,7 +291,7 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
   if (std::all_of(effect.parameters.begin(), effect.parameters.end(), [](const auto& p) { return p.integer; })) {
     if (effect.name != "quantisation") return {};
     std::vector<std::vector<double>> choices;
-    for (int bits = 4; bits < 8; ++bits) choices.push_back({static_cast<double>(bits)});
+    for (int bits = std::max(4, fewest_bits(images_, 8)); bits < 8; ++bits) choices.push_back({static_cast<double>(bits)});
     return choices;
   }
   if (is_spread(effect)) return {start};

@@ -156,7 +156,7 @@ std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model, c
 
 double PhotometryProblem::looks(const Model& model, const EffectDefinition& effect) const {
   if (effect.name == "lamp_flicker") return flicker_looks(data_, model);
-  if (effect.name == "quantisation") return data_.file_bits - 1;
+  if (effect.name == "quantisation") return std::max(1, data_.file_bits - data_.fewest_bits);
   return Problem::looks(model, effect);
 }
 

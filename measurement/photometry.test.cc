@@ -110,7 +110,9 @@ Found best_candidate(const std::filesystem::path& folder, const Model& model) {
     if (!problem.acts(*effect) || model.has(effect->name) || effect->stage == effects::Stage::timing) continue;
     Model with = model;
     std::vector<effects::ParameterValue> values;
-    const std::vector<double> start = problem.starts(model, *effect).front();
+    const auto starts = problem.starts(model, *effect);
+    if (starts.empty()) continue;  // The values are no multiples of any coarser step.
+    const std::vector<double>& start = starts.front();
     for (const double value : start) values.push_back({.value = value, .sigma = 0});
     with.set(effect, values);
     std::vector<Unknown> unknowns;

@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "measurement/converter_steps.h"
 #include "sim_core/error.h"
 #include "sim_core/hash.h"
 
@@ -108,6 +109,7 @@ PhotometryData read_photometry(const MeasurementSet& set, Facts& facts) {
                "channels: " + set.camera.channels + " as measurement.yaml says");
   }
   sum_rows(data);
+  data.fewest_bits = fewest_bits(data.images, data.file_bits);
 
   facts.kind = "photometry";
   facts.kind_bit = effects::kPhotometry;

@@ -32,6 +32,7 @@ struct PhotometryData {
   int height_px = 0;
   int channels = 1;
   int file_bits = 8;
+  int fewest_bits = 1;  // Of a converter that can have made the values.
   double frame_period_s = 0;
   std::vector<PhotometryFrame> frames;
   std::vector<PhotometryLevel> levels;

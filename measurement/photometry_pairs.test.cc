@@ -17,7 +17,7 @@ const std::string kSensor =
     "linear_response: {gain_dn: 220, black_dn: 16}, rolling_shutter: {line_delay_s: 0.0012}";
 const std::string kNoise = kSensor + ", read_noise: {sigma_dn: 1.4}";
 
-Model model_of(const std::string& effects) {
+Model model_with(const std::string& effects) {
   return Model::from_config(
       ConfigNode::from_text("format: seam-model/1\neffects: {" + effects + "}\n", "model"));
 }
@@ -40,10 +40,10 @@ SearchResult found(const std::string& name, const std::string& nominal, const st
                         "{width_px: 24, height_px: 18, "
                         "frame_period_s: 0.041}\ngroup: frame\nfiles: {frames: frames.csv}\n");
   find_kind("photometry")
-      .measure(model_of(nominal + ", " + hidden), MeasurementSet::open(folder / "protocol"),
+      .measure(model_with(nominal + ", " + hidden), MeasurementSet::open(folder / "protocol"),
                {.seed = 5, .out = folder / "set"});
   const auto problem = open_problem(folder / "set");
-  SearchResult result = search(*problem, model_of(nominal), {}, [](const std::string&) {});
+  SearchResult result = search(*problem, model_with(nominal), {}, [](const std::string&) {});
   std::filesystem::remove_all(folder);
   return result;
 }

@@ -207,7 +207,8 @@ std::vector<Values> photometry_starts(const PhotometryView& view, const Model& m
   if (name == "hot_pixels") return {hot_start(view, prediction)};
   if (name == "quantisation") {
     std::vector<Values> choices;
-    for (int bits = 1; bits < view.data.file_bits; ++bits) choices.push_back({static_cast<double>(bits)});
+    for (int bits = view.data.fewest_bits; bits < view.data.file_bits; ++bits) choices.push_back({static_cast<double>(bits)});
+    if (choices.empty()) return {};
     return {best_of(view, model, effect, choices)};
   }
   if (name == "read_noise" || name == "shot_noise" || name == "pixel_gain_spread" ||
