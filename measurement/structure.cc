@@ -16,7 +16,7 @@ struct Signal {
   std::string name;
   std::vector<double> z;
   std::vector<int> row;
-  double sigma = 1;  // Root mean square of the native sigma: strength in the unit of the data.
+  double sigma = 1;  // Of the native residual for one of the whitened: strength in the unit of the data.
 };
 
 struct Column {
@@ -57,16 +57,17 @@ std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation)
   }
   for (size_t c = 0; c < facts.channels.size(); ++c) {
     Signal signal{.name = facts.channels[c].name};
-    double sum2 = 0;
+    double sum2 = 0, whitened2 = 0;
     for (size_t row = 0; row < facts.rows(); ++row) {
       const int i = scalar_of[c][row];
       if (i < 0) continue;
       signal.z.push_back(evaluation.whitened[i]);
       signal.row.push_back(static_cast<int>(row));
-      sum2 += evaluation.sigma[i] * evaluation.sigma[i];
+      sum2 += evaluation.residual[i] * evaluation.residual[i];
+      whitened2 += evaluation.whitened[i] * evaluation.whitened[i];
     }
     if (signal.z.size() < 8) continue;
-    signal.sigma = std::sqrt(sum2 / static_cast<double>(signal.z.size()));
+    if (whitened2 > 0) signal.sigma = std::sqrt(sum2 / whitened2);
     signals.push_back(std::move(signal));
   }
   for (const CombinedChannel& combined : facts.combined) {
