@@ -20,6 +20,6 @@ build/seam replay verify "$out/head_swing.mcap"
 build/seam run scenarios/head_swing_speeds.yaml --log "$out/head_swing_speeds.mcap" --frames "$out/head_swing_speeds"
 build/seam contact-sheet "$out/head_swing_speeds" --by-robot --count 4 --out "$out/head_swing_speeds.png"
 echo
-echo "picture: $out/head_swing_speeds.png   a beacon slants as the head turns faster; below, with all rows at one instant, it does not"
+echo "picture: $out/head_swing_speeds.png   above, with all rows at one instant, a beacon stands upright; below, row by row, it slants as the head turns faster"
 echo "frames:  $out/head_swing/   $out/head_swing_speeds/"
 echo "log:     $out/head_swing.mcap   (look at it: build/seam view $out/head_swing.mcap)"
