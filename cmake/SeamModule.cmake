@@ -51,8 +51,9 @@ function(seam_vector_kernels)
   endforeach()
 endfunction()
 
+# In the development build each file is compiled alone, which finds what it forgot to include.
 function(compile_together target count)
-  if(count)
+  if(count AND NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${count})
   endif()
 endfunction()

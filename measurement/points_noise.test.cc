@@ -1,11 +1,13 @@
 // The noise of points where the set does not state it.
 #include "measurement/points_noise.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <regex>
+#include <sstream>
 
-#include "measurement/csv.h"
+#include "effects/registry.h"
 #include "measurement/kinds.h"
 #include "measurement/study.h"
 #include "sim_core/files.h"
