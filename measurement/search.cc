@@ -186,9 +186,8 @@ Grown Searcher::grow(Grown grown, Looks* first_looks) {
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     // The first look is what the user sees: every effect is fitted in it.
     const bool first = step == 0 && first_looks != nullptr;
-    const bool promising_only = !first;
     Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_),
-                          promising_only);
+                          /*promising_only=*/!first);
     looks_ = std::max(looks_, looks.tried);
     if (first) *first_looks = looks;
     for (const Candidate& candidate : looks.candidates) {

@@ -16,7 +16,15 @@ struct Signal {
   std::string name;
   std::vector<double> z;
   std::vector<int> row;
-  double sigma = 1;  // Of the native residual for one of the whitened: strength in the unit of the data.
+  double native2 = 0, whitened2 = 0;  // Sums of squares.
+
+  void add(size_t at, double whitened, double native) {
+    z.push_back(whitened);
+    row.push_back(static_cast<int>(at));
+    whitened2 += whitened * whitened, native2 += native * native;
+  }
+  // Of the native residual for one of the whitened: strength in the unit of the data.
+  double sigma() const { return whitened2 > 0 ? std::sqrt(native2 / whitened2) : 1; }
 };
 
 struct Column {
@@ -57,34 +65,23 @@ std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation)
   }
   for (size_t c = 0; c < facts.channels.size(); ++c) {
     Signal signal{.name = facts.channels[c].name};
-    double sum2 = 0, whitened2 = 0;
     for (size_t row = 0; row < facts.rows(); ++row) {
       const int i = scalar_of[c][row];
-      if (i < 0) continue;
-      signal.z.push_back(evaluation.whitened[i]);
-      signal.row.push_back(static_cast<int>(row));
-      sum2 += evaluation.residual[i] * evaluation.residual[i];
-      whitened2 += evaluation.whitened[i] * evaluation.whitened[i];
+      if (i >= 0) signal.add(row, evaluation.whitened[i], evaluation.residual[i]);
     }
-    if (signal.z.size() < 8) continue;
-    if (whitened2 > 0) signal.sigma = std::sqrt(sum2 / whitened2);
-    signals.push_back(std::move(signal));
+    if (signal.z.size() >= 8) signals.push_back(std::move(signal));
   }
   for (const CombinedChannel& combined : facts.combined) {
     Signal signal{.name = combined.name};
-    double sum2 = 0;
     for (size_t row = 0; row < facts.rows(); ++row) {
       const int a = scalar_of[combined.channel_a][row], b = scalar_of[combined.channel_b][row];
       if (a < 0 || b < 0) continue;
-      signal.z.push_back(combined.weight_a[row] * evaluation.whitened[a] +
-                         combined.weight_b[row] * evaluation.whitened[b]);
-      signal.row.push_back(static_cast<int>(row));
-      sum2 += 0.5 * (evaluation.sigma[a] * evaluation.sigma[a] +
-                     evaluation.sigma[b] * evaluation.sigma[b]);
+      const auto combine = [&](const std::vector<double>& values) {
+        return combined.weight_a[row] * values[a] + combined.weight_b[row] * values[b];
+      };
+      signal.add(row, combine(evaluation.whitened), combine(evaluation.residual));
     }
-    if (signal.z.size() < 8) continue;
-    signal.sigma = std::sqrt(sum2 / static_cast<double>(signal.z.size()));
-    signals.push_back(std::move(signal));
+    if (signal.z.size() >= 8) signals.push_back(std::move(signal));
   }
   return signals;
 }
@@ -186,7 +183,7 @@ class Tester {
         {.residual = signal.name,
          .moment = moment,
          .covariate = covariate,
-         .strength = rms * signal.sigma,
+         .strength = rms * signal.sigma(),
          .p_value = test.p_value <= 1e-297 ? 1e-300 : std::min(1.0, test.p_value * looks),
          .explained = moment == "mean" && total > 0 ? test.explained / total : 0});
   }
