@@ -7,9 +7,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "measurement/kinds.h"
-#include "measurement/search.h"
-#include "sim_core/files.h"
+#include "measurement/kinds/kinds.h"
+#include "measurement/search/search.h"
+#include "sim_core/base/files.h"
 
 namespace seam::measurement {
 namespace {

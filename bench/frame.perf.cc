@@ -10,7 +10,7 @@
 #endif
 
 #include "bench/match_frames.h"
-#include "render/camera_filter.h"
+#include "render/filter/camera_filter.h"
 #include "render/renderer.h"
 
 namespace seam::bench {

@@ -13,11 +13,11 @@
 #include <fstream>
 #include <map>
 
-#include "scheduler/client_hub.h"
-#include "scheduler/server.h"
-#include "scheduler/simulation.h"
+#include "scheduler/server/client_hub.h"
+#include "scheduler/server/server.h"
+#include "scheduler/loop/simulation.h"
 #include "seam/v1/simulation.grpc.pb.h"
-#include "tools/simulator.h"
+#include "app/simulator.h"
 
 namespace {
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "effects/geometry.h"
+#include "effects/stages/geometry.h"
 #include "effects/model.h"
-#include "effects/row_schedule.h"
-#include "sim_core/frame.h"
-#include "sim_core/world.h"
+#include "effects/stages/row_schedule.h"
+#include "sim_core/scene/frame.h"
+#include "sim_core/world/world.h"
 
 namespace seam::bench {
 

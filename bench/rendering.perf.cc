@@ -4,7 +4,7 @@
 
 #include "bench/match_frames.h"
 #include "render/renderer.h"
-#include "scheduler/render_wire.h"
+#include "scheduler/wire/render_wire.h"
 #include "seam/v1/render.pb.h"
 
 namespace seam::bench {

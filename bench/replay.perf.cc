@@ -6,7 +6,7 @@
 #include <chrono>
 #include <fstream>
 
-#include "scheduler/log_testing.h"
+#include "scheduler/replay/log_testing.h"
 
 namespace seam {
 namespace {

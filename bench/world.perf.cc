@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "sim_core/world.h"
+#include "sim_core/world/world.h"
 
 namespace seam {
 namespace {

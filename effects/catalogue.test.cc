@@ -6,15 +6,15 @@
 #include <sstream>
 
 #include "effects/catalogue_help.h"
-#include "effects/detector.h"
-#include "effects/geometry.h"
-#include "effects/joint_track.h"
-#include "effects/locomotion.h"
-#include "effects/optics.h"
+#include "effects/stages/detector.h"
+#include "effects/stages/geometry.h"
+#include "effects/stages/joint_track.h"
+#include "effects/stages/locomotion.h"
+#include "effects/stages/optics.h"
 #include "effects/registry.h"
-#include "effects/sensor.h"
-#include "effects/servo.h"
-#include "effects/timing.h"
+#include "effects/stages/sensor/sensor.h"
+#include "effects/stages/servo.h"
+#include "effects/stages/timing.h"
 
 namespace seam::effects {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "effects/registry.h"
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 namespace seam::effects {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/pose.h"
+#include "sim_core/base/pose.h"
 
 namespace seam::effects {
 

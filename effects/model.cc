@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "effects/registry.h"
-#include "sim_core/error.h"
-#include "sim_core/files.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
 
 namespace seam::effects {
 namespace {

@@ -1,7 +1,7 @@
 // Whatever a model file holds, reading it ends in a model or an InputError.
 #include "effects/model.h"
-#include "sim_core/config.h"
-#include "sim_core/error.h"
+#include "sim_core/base/config.h"
+#include "sim_core/base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "effects/effect.h"
-#include "sim_core/config.h"
-#include "sim_core/random.h"
+#include "sim_core/base/config.h"
+#include "sim_core/base/random.h"
 
 namespace seam::effects {
 

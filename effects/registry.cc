@@ -1,6 +1,6 @@
 #include "effects/registry.h"
 
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 // The order of these lines is the order of composition.
 #define SEAM_EFFECTS(X)      \

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/random.h"
+#include "sim_core/base/random.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 namespace seam::mcap {
 

@@ -2,7 +2,7 @@
 // refused, or the file is scanned instead. The input is the summary section.
 #include "mcap/reader.h"
 #include "mcap/writer.h"
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 using namespace seam::mcap;
 

@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "mcap/bytes.h"
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 namespace seam::mcap {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "mcap/reader.h"
 #include "mcap/writer.h"
-#include "sim_core/error.h"
-#include "sim_core/random.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/random.h"
 
 namespace seam::mcap {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 namespace seam::mcap {
 namespace {

@@ -11,7 +11,7 @@
 #include <map>
 
 #include "mcap/reader.h"
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 namespace seam::mcap {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 namespace seam::render {
 namespace {

@@ -1,7 +1,7 @@
 // Labels, depth and optical flow from the same rays and primitives as the image.
 #pragma once
 
-#include "render/light_integrator.h"
+#include "render/cast/light_integrator.h"
 
 namespace seam::render {
 

@@ -7,7 +7,7 @@
 
 #include "render/renderer.h"
 #include "render/test_scenes.h"
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 
 namespace seam::render {
 namespace {

@@ -4,16 +4,16 @@
 #include <map>
 #include <mutex>
 
-#include "effects/geometry.h"
-#include "effects/optics.h"
-#include "effects/sensor.h"
-#include "render/camera_filter.h"
-#include "render/colour_space.h"
+#include "effects/stages/geometry.h"
+#include "effects/stages/optics.h"
+#include "effects/stages/sensor/sensor.h"
+#include "render/filter/camera_filter.h"
+#include "render/colour/colour_space.h"
 #include "render/ground_truth.h"
-#include "render/light_integrator.h"
-#include "render/optics_filter.h"
-#include "sim_core/error.h"
-#include "sim_core/hash.h"
+#include "render/cast/light_integrator.h"
+#include "render/filter/optics_filter.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/hash.h"
 
 namespace seam::render {
 namespace {

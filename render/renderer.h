@@ -1,8 +1,8 @@
 // A camera's frames from scene instants: the whole chain from light to digital numbers.
 //
 // scene radiance at the sampling instants -> lens (distortion is in the rays) -> integration over
-// each row's window -> lamps, blur, gain field, glare (effects/optics.h) -> sensor
-// (effects/sensor.h) -> YCrCb. Bits depend on the job, the model and the image size alone: not on
+// each row's window -> lamps, blur, gain field, glare (effects/stages/optics.h) -> sensor
+// (effects/stages/sensor/sensor.h) -> YCrCb. Bits depend on the job, the model and the image size alone: not on
 // threads, the machine's vector width, the compiler or its optimisation.
 #pragma once
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "effects/model.h"
-#include "sim_core/frame.h"
+#include "sim_core/scene/frame.h"
 
 namespace seam::render {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "effects/model.h"
-#include "effects/row_schedule.h"
-#include "sim_core/frame.h"
+#include "effects/stages/row_schedule.h"
+#include "sim_core/scene/frame.h"
 
 namespace seam::render::testing {
 

@@ -4,7 +4,7 @@
 # Usage: scripts/bits_matrix.sh [--quick]   (--quick: without other compilers)
 set -euo pipefail
 cd "$(dirname "$0")/.."
-golden=render/golden_frames.txt
+golden=render/golden/golden_frames.txt
 failures=0
 check() {  # NAME COMMAND...
   local name=$1

@@ -33,12 +33,12 @@ PRIVATE_HEADERS = {
     r"png\.h": {"sim_core"},
 }
 BANNED = {
-    r"\b(?:std::)?(?:rand|srand|drand48)\s*\(": "use sim_core/random.h: numbers keyed by (seed, stream, index)",
-    r"std::(?:mt19937|default_random_engine|random_device)": "use sim_core/random.h",
+    r"\b(?:std::)?(?:rand|srand|drand48)\s*\(": "use sim_core/base/random.h: numbers keyed by (seed, stream, index)",
+    r"std::(?:mt19937|default_random_engine|random_device)": "use sim_core/base/random.h",
     r"using namespace std\b": "name what you use",
     r"\bgets\s*\(|\bstrcpy\s*\(|\bsprintf\s*\(": "use fmt or std::string",
 }
-# State and pixels: transcendental functions come from sim_core/maths.h.
+# State and pixels: transcendental functions come from sim_core/base/maths.h.
 EXACT_FOLDERS = {"sim_core", "effects", "render", "scheduler"}
 INEXACT = re.compile(r"\bstd::(sin|cos|tan|asin|acos|atan|atan2|exp|expm1|log|log1p|log2|log10|pow|sinh|cosh|tanh)\s*\(")
 MAX_LINES = 600

@@ -4,11 +4,11 @@
 #include <cstdio>
 #include <exception>
 
-#include "sim_core/error.h"
+#include "sim_core/base/error.h"
 #include "tools/command.h"
-#include "tools/frame_predictor.h"
-#include "tools/plugins.h"
-#include "tools/range_detector.h"
+#include "app/predictors/frame_predictor.h"
+#include "app/plugins.h"
+#include "app/predictors/range_detector.h"
 
 int main(int argc, char** argv) {
   // A bad message from a client or a log is answered by an error of ours; the library's own lines would let anybody

@@ -7,11 +7,11 @@
 #include <exception>
 #include <thread>
 
-#include "scheduler/render_client.h"
-#include "sim_core/error.h"
+#include "scheduler/remote_render/render_client.h"
+#include "sim_core/base/error.h"
 #include "tools/command_line.h"
-#include "tools/plugins.h"
-#include "tools/remote_rendering.h"
+#include "app/plugins.h"
+#include "app/remote_rendering.h"
 
 namespace {
 

@@ -5,14 +5,14 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "sim_core/error.h"
-#include "sim_core/files.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
 #include "tools/experiments/ball_pictures.h"
 #include "tools/experiments/experiments.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/runs.h"
 #include "tools/experiments/statistics.h"
-#include "tools/range_detector.h"
+#include "app/predictors/range_detector.h"
 
 namespace seam::tools {
 namespace {

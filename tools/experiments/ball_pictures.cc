@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "render/pictures.h"
-#include "sim_core/error.h"
-#include "tools/scenario_frames.h"
+#include "render/pictures/pictures.h"
+#include "sim_core/base/error.h"
+#include "app/scenario_frames.h"
 
 namespace seam::tools {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim_core/files.h"
+#include "sim_core/base/files.h"
 #include "tools/experiments/experiments.h"
 #include "tools/experiments/statistics.h"
 #include "tools/experiments/swing_explained.h"

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "sim_core/error.h"
-#include "sim_core/files.h"
-#include "sim_core/maths.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/maths.h"
 #include "tools/experiments/experiments.h"
 #include "tools/experiments/pose_runs.h"
 #include "tools/experiments/statistics.h"

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "sim_core/error.h"
-#include "sim_core/files.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
 
 namespace seam::tools {
 

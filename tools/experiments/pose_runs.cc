@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "sim_core/error.h"
-#include "sim_core/maths.h"
-#include "sim_core/random.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/maths.h"
+#include "sim_core/base/random.h"
 
 namespace seam::tools {
 namespace {

@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <deque>
 
-#include "scheduler/log.h"
-#include "sim_core/error.h"
-#include "sim_core/files.h"
-#include "sim_core/hash.h"
-#include "tools/behaviours.h"
+#include "scheduler/log/log.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/hash.h"
+#include "app/behaviours.h"
 
 namespace seam::tools {
 namespace {

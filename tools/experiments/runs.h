@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/scenario.h"
-#include "sim_core/time.h"
+#include "sim_core/scenario/scenario.h"
+#include "sim_core/base/time.h"
 
 namespace seam::tools {
 

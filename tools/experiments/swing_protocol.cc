@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "sim_core/files.h"
-#include "sim_core/maths.h"
-#include "sim_core/robot_body.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/maths.h"
+#include "sim_core/body/robot_body.h"
 #include "tools/experiments/swing_studies.h"
 
 namespace seam::tools {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim_core/files.h"
-#include "sim_core/maths.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/maths.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/statistics.h"
 #include "tools/experiments/swing_studies.h"

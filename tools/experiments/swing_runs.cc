@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim_core/maths.h"
+#include "sim_core/base/maths.h"
 
 namespace seam::tools {
 namespace {

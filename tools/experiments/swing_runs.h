@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "effects/timing.h"
+#include "effects/stages/timing.h"
 #include "tools/experiments/experiments.h"
 #include "tools/experiments/pose_runs.h"
 #include "tools/experiments/swing_theory.h"

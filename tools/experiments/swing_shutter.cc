@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sim_core/files.h"
+#include "sim_core/base/files.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/statistics.h"
 #include "tools/experiments/swing_studies.h"

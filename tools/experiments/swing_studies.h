@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "sim_core/maths.h"
+#include "sim_core/base/maths.h"
 #include "tools/experiments/swing_runs.h"
 
 namespace seam::tools {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim_core/maths.h"
+#include "sim_core/base/maths.h"
 
 namespace seam::tools {
 

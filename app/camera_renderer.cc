@@ -1,0 +1,97 @@
+#include "app/camera_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "effects/stages/geometry.h"
+#include "effects/stages/row_schedule.h"
+#include "sim_core/base/error.h"
+
+namespace seam::tools {
+
+namespace {
+
+// `frame_sync`: the frame is taken at the nearest of the instants that stand in lock with the
+// head's cycle (definitions.md, Composition).
+SimTime synchronised(SimTime stamp, int frames, const CameraSpec& spec) {
+  const double n = frames;
+  const double cycle_ns = static_cast<double>(spec.lock_cycle.ns());
+  const auto since_ns = static_cast<double>((stamp - (SimTime() + spec.lock_start)).ns());
+  return SimTime() + spec.lock_start +
+         SimDuration::from_ns(std::llround(std::round(since_ns * n / cycle_ns) * cycle_ns / n));
+}
+
+// What a model cannot be asked is said with the file that it came from.
+std::unique_ptr<render::Renderer> make_renderer(const RobotSpec& robot, const effects::Model& model,
+                                                const render::RendererOptions& options) {
+  try {
+    return std::make_unique<render::Renderer>(model, static_cast<int>(robot.camera.width_px),
+                                              static_cast<int>(robot.camera.height_px), options);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}",
+                                 robot.camera.model_name.empty() ? "robot '" + robot.id + "'"
+                                                                 : robot.camera.model_name,
+                                 error.what()));
+  }
+}
+
+}  // namespace
+
+CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effects::Model>& models,
+                               int workers, const render::RendererOptions& options)
+    : workers_(workers > 0 ? workers
+                           : std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()),
+                                             1, 64)),
+      options_(options) {
+  SEAM_CHECK(models.size() == scenario.robots.size(), "{} models", models.size());
+  const RandomStream root{static_cast<uint64_t>(scenario.seed), 0};
+  for (size_t i = 0; i < models.size(); ++i) {
+    const RobotSpec& robot = scenario.robots[i];
+    Camera camera;
+    camera.spec = robot.camera;
+    camera.renderer = make_renderer(robot, models[i], options);
+    if (!robot.camera.colour_table_yaml.empty())
+      camera.colours = render::ColourTable::from_config(ConfigNode::from_text(
+          robot.camera.colour_table_yaml, robot.camera.colour_table_name));
+    camera.timing = effects::timing_of(models[i]);
+    camera.X_LC = effects::mount_of(models[i]);
+    camera.jitter = root.child("camera").child(robot.id).child("frame_jitter");
+    cameras_.push_back(std::move(camera));
+  }
+}
+
+RowSchedule CameraRenderer::schedule(int robot, uint64_t frame_index, SimTime stamp) {
+  const Camera& camera = cameras_[robot];
+  effects::RowScheduleOptions options{.instants_per_row =
+                                          static_cast<int>(camera.spec.instants_per_row)};
+  if (camera.timing.jitter_sigma_s > 0)
+    options.jitter =
+        SimDuration::from_s(camera.timing.jitter_sigma_s * normal(camera.jitter, frame_index));
+  if (camera.timing.sync_period_frames > 0)
+    stamp = synchronised(stamp, camera.timing.sync_period_frames, camera.spec);
+  return effects::make_row_schedule(camera.timing, stamp, static_cast<int>(camera.spec.height_px),
+                                    options);
+}
+
+void CameraRenderer::detect_colours(int robot, Frame& frame) const {
+  const std::optional<render::ColourTable>& colours = cameras_[robot].colours;
+  if (!colours) return;
+  render::Detections seen = colours->detect(frame.ycrcb, frame.width_px, frame.height_px);
+  frame.colours = std::move(seen.bits);
+  frame.colours_width_px = seen.width_px;
+  frame.colours_height_px = seen.height_px;
+}
+
+Frame CameraRenderer::render(int robot, const FrameJob& job, int) {
+  Frame frame = cameras_[robot].renderer->render(job);
+  detect_colours(robot, frame);
+  return frame;
+}
+
+void CameraRenderer::develop(int robot, Frame& frame) const {
+  render::develop(frame);
+  detect_colours(robot, frame);
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,50 @@
+// The scheduler's FrameRenderer by means of render/: one camera a robot, with the robot's model.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "effects/model.h"
+#include "effects/stages/timing.h"
+#include "render/colour/colour_table.h"
+#include "render/renderer.h"
+#include "scheduler/loop/frame_renderer.h"
+#include "sim_core/scenario/scenario.h"
+
+namespace seam::tools {
+
+class CameraRenderer final : public scheduler::FrameRenderer {
+ public:
+  // `models`: one a robot. `workers`: frames made at once; 0 is one for each core.
+  CameraRenderer(const Scenario& scenario, const std::vector<effects::Model>& models,
+                 int workers = 0, const render::RendererOptions& options = {});
+
+  int workers() const override { return workers_; }
+  RowSchedule schedule(int robot, uint64_t frame_index, SimTime stamp) override;
+  Pose mount(int robot) const override { return cameras_[robot].X_LC; }
+  Frame render(int robot, const FrameJob& job, int worker) override;
+
+  // Puts into a frame that was rendered elsewhere what follows from its rgb.
+  void develop(int robot, Frame& frame) const;
+
+  const render::RendererOptions& options() const { return options_; }
+  const render::Renderer& camera(int robot) const { return *cameras_[robot].renderer; }
+
+ private:
+  void detect_colours(int robot, Frame& frame) const;
+
+  struct Camera {
+    std::unique_ptr<render::Renderer> renderer;
+    std::optional<render::ColourTable> colours;
+    effects::Timing timing;
+    Pose X_LC;
+    RandomStream jitter;
+    CameraSpec spec;
+  };
+  std::vector<Camera> cameras_;
+  int workers_;
+  render::RendererOptions options_;
+};
+
+}  // namespace seam::tools

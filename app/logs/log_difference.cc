@@ -1,0 +1,103 @@
+#include "app/logs/log_difference.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "sim_core/base/error.h"
+#include "app/logs/replay_match.h"
+
+namespace seam::tools {
+
+scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler::Log& b) {
+  scheduler::LogDifference difference = scheduler::compare_logs(a, b);
+  if (!difference.first) return difference;
+  try {
+    ReplayMatch match_a(a), match_b(b);
+    const auto state_of = [](ReplayMatch& match) {
+      return [&match](SimTime time) {
+        match.rewinder().to(time);
+        return match.world().sections();
+      };
+    };
+    scheduler::name_field(difference, state_of(match_a), state_of(match_b));
+  } catch (const InputError&) {
+    // A log that cannot be re-run (older states, a damaged part) still tells time and section.
+  }
+  return difference;
+}
+
+std::string to_text(const scheduler::LogDifference& difference) {
+  std::string text;
+  for (const std::string& line : difference.header) text += line + "\n";
+  if (difference.first_decision) {
+    const std::string& robot = difference.first_decision->robot;
+    text += fmt::format("first other decision: {}, {}\n", seconds(difference.first_decision->time),
+                        robot.empty() ? "where other robots decide, or at other times" : robot);
+  }
+  if (difference.first) {
+    const auto& first = *difference.first;
+    text += fmt::format("first difference: {} ({} ns), section {}, field {}", seconds(first.time),
+                        first.time.ns(), first.section,
+                        first.field.empty() ? "unknown" : first.field);
+    if (!first.a.empty() || !first.b.empty()) {
+      text += fmt::format(": {} and {}", first.a, first.b);
+    }
+    text += "\nspreads:\n";
+    for (const auto& step : difference.spread) {
+      text += fmt::format("  {:>12}  {}\n", seconds(step.time), step.section);
+    }
+  }
+  if (difference.end_a != difference.end_b) {
+    text += fmt::format("lengths: {} and {}\n", seconds(difference.end_a),
+                        seconds(difference.end_b));
+  }
+  text += difference.equal() ? "equal" : "different";
+  text += fmt::format(" (compared up to {})\n", seconds(difference.compared_until));
+  return text;
+}
+
+std::string to_json(const scheduler::LogDifference& difference) {
+  nlohmann::ordered_json json = {{"format", "seam-diff/1"},
+                                 {"equal", difference.equal()},
+                                 {"header", difference.header},
+                                 {"compared_until_ns", difference.compared_until.ns()},
+                                 {"first", nullptr},
+                                 {"first_decision", nullptr}};
+  if (difference.first) {
+    const auto& first = *difference.first;
+    json["first"] = {{"time_ns", first.time.ns()}, {"section", first.section},
+                     {"field", first.field},       {"a", first.a},
+                     {"b", first.b}};
+  }
+  if (difference.first_decision) {
+    json["first_decision"] = {{"time_ns", difference.first_decision->time.ns()},
+                              {"robot", difference.first_decision->robot}};
+  }
+  json["spread"] = nlohmann::ordered_json::array();
+  for (const auto& step : difference.spread) {
+    json["spread"].push_back({{"time_ns", step.time.ns()}, {"section", step.section}});
+  }
+  json["ends_ns"] = {difference.end_a.ns(), difference.end_b.ns()};
+  return json.dump(2);
+}
+
+std::string to_view_json(const scheduler::LogDifference& difference) {
+  nlohmann::ordered_json json = {{"equal", difference.equal()},
+                                 {"header", difference.header},
+                                 {"compared_until_s", difference.compared_until.s()},
+                                 {"first", nullptr},
+                                 {"spread", nlohmann::ordered_json::array()}};
+  if (difference.first) {
+    const auto& first = *difference.first;
+    json["first"] = {{"t", first.time.s()},     {"time_ns", std::to_string(first.time.ns())},
+                     {"section", first.section}, {"field", first.field},
+                     {"a", first.a},             {"b", first.b}};
+  }
+  for (const auto& step : difference.spread) {
+    json["spread"].push_back({{"t", step.time.s()}, {"section", step.section}});
+  }
+  return json.dump();
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,75 @@
+#include "app/logs/replay_match.h"
+
+#include <algorithm>
+
+#include "sim_core/base/error.h"
+#include "app/simulator.h"
+
+namespace seam::tools {
+
+struct ReplayMatch::Impl {
+  const scheduler::Log& log;
+  ReplayOptions options;
+  Simulator simulator;
+  std::optional<Simulator> other_models;  // Only its renderer is used.
+  std::optional<scheduler::Rewinder> rewinder;
+};
+
+namespace {
+
+std::string version_of(const scheduler::RunHeader& header, const std::string& name) {
+  for (const auto& [key, version] : header.versions) {
+    if (key == name) return version;
+  }
+  return "";
+}
+
+void check_state_version(const scheduler::Log& log) {
+  const std::string version = version_of(log.header(), "state");
+  if (version.empty() || version == scheduler::kStateVersion) return;
+  throw InputError(fmt::format(
+      "{}: recorded by seam {} with states of version {}, this program has version {}: it can be "
+      "shown, exported and recovered, but not re-run",
+      log.name(), version_of(log.header(), "seam"), version, scheduler::kStateVersion));
+}
+
+}  // namespace
+
+ReplayMatch::ReplayMatch(const scheduler::Log& log, const ReplayOptions& options) {
+  check_state_version(log);
+  SimulatorOptions simulator_options;
+  simulator_options.render_workers = options.render_threads;
+  impl_.reset(new Impl{log, options, make_simulator(log.header(), simulator_options), {}, {}});
+  // Other models change what cameras see, never what happened.
+  if (!options.models.empty()) {
+    simulator_options.models = options.models;
+    impl_->other_models = make_simulator(log.header(), simulator_options);
+  }
+}
+ReplayMatch::~ReplayMatch() = default;
+
+const Scenario& ReplayMatch::scenario() const { return impl_->simulator.scenario; }
+World& ReplayMatch::world() { return impl_->simulator.world; }
+
+CameraRenderer& ReplayMatch::renderer() {
+  return impl_->other_models ? *impl_->other_models->renderer : *impl_->simulator.renderer;
+}
+
+const scheduler::RunHeader& ReplayMatch::header() const { return impl_->simulator.header; }
+
+scheduler::Rewinder& ReplayMatch::rewinder() {
+  if (!impl_->rewinder) impl_->rewinder.emplace(impl_->log, impl_->simulator.world);
+  return *impl_->rewinder;
+}
+
+int ReplayMatch::robot(const std::string& id) const {
+  const size_t index = scenario().robot_index(id);
+  if (index < scenario().robots.size()) return static_cast<int>(index);
+  std::vector<std::string> ids;
+  for (const RobotSpec& robot : scenario().robots) ids.push_back(robot.id);
+  throw UsageError(fmt::format("--robot: unknown robot '{}'{}", id, suggestion_for(id, ids)));
+}
+
+std::string seconds(SimTime time) { return fmt::format("{:.6g} s", time.s()); }
+
+}  // namespace seam::tools

@@ -1,0 +1,47 @@
+// The match of a log, ready to be re-run: its scenario, world and renderer, made from what the log
+// holds alone.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scheduler/log/log.h"
+#include "scheduler/replay/rewinder.h"
+#include "sim_core/world/world.h"
+#include "app/camera_renderer.h"
+
+namespace seam::tools {
+
+struct ReplayOptions {
+  // `[ROBOT=]MODEL` as given to --model: other models than the log's.
+  std::vector<std::string> models;
+  int render_threads = 0;  // 0: as many as the machine has.
+};
+
+class ReplayMatch {
+ public:
+  // `log` must outlive the match. Throws InputError where the log's state version is another than
+  // this program's.
+  explicit ReplayMatch(const scheduler::Log& log, const ReplayOptions& options = {});
+  ~ReplayMatch();
+
+  const Scenario& scenario() const;
+  World& world();
+  CameraRenderer& renderer();
+  // As the log's, with this program's sections.
+  const scheduler::RunHeader& header() const;
+  // Made on first use.
+  scheduler::Rewinder& rewinder();
+  // Its place in the scenario; throws UsageError naming the known robots.
+  int robot(const std::string& id) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// "12.345 s", as text for people.
+std::string seconds(SimTime time);
+
+}  // namespace seam::tools

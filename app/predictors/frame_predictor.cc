@@ -1,0 +1,35 @@
+// The renderer as sets of kind `frames` need it.
+#include "app/predictors/frame_predictor.h"
+
+#include "measurement/imaging/frame_predictor.h"
+#include "render/renderer.h"
+
+namespace seam::tools {
+namespace {
+
+class RenderedFrames final : public measurement::FramePredictor {
+ public:
+  RenderedFrames(const effects::Model& model, int width_px, int height_px, SimTime reference)
+      : renderer_(model, width_px, height_px, {.samples_per_pixel = 16, .edge_samples_per_pixel = 512, .reference = reference}) {}
+
+  std::vector<float> light(const FrameJob& job) const override {
+    const render::LinearImage image = renderer_.render_linear(job);
+    std::vector<float> light(image.planes[0].size() * 3);
+    for (size_t i = 0; i < light.size(); ++i) light[i] = image.planes[i % 3][i / 3];
+    return light;
+  }
+
+ private:
+  render::Renderer renderer_;
+};
+
+}  // namespace
+
+void supply_renderer_to_measurements() {
+  measurement::supply_frame_predictor([](const effects::Model& model, int width_px, int height_px,
+                                         SimTime reference) -> std::unique_ptr<measurement::FramePredictor> {
+    return std::make_unique<RenderedFrames>(model, width_px, height_px, reference);
+  });
+}
+
+}  // namespace seam::tools

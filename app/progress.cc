@@ -1,0 +1,59 @@
+#include "app/progress.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace seam::tools {
+
+Progress::Progress(const scheduler::ClientHub& hub, const scheduler::RunControl& control,
+                   SimDuration total)
+    : hub_(hub), control_(control), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {
+  thread_ = std::thread([this] {
+    std::unique_lock lock(mutex_);
+    while (!changed_.wait_for(lock, std::chrono::milliseconds(200), [&] { return ending_; })) {
+      if (terminal_)
+        show();
+      else
+        warn_of_silence();
+    }
+    if (terminal_) std::fputs("\r\033[K", stderr);
+  });
+}
+
+Progress::~Progress() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void Progress::show() {
+  const double sim_s = control_.time().s();
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start_;
+  double since_s = 0;
+  const auto waiting = hub_.waiting_for(since_s);
+  std::string line = fmt::format("\r\033[K{:8.2f} of {:.2f} s   {:.1f} x real time", sim_s,
+                                 total_.s(), sim_s / wall.count());
+  if (control_.paused()) line += "   paused";
+  if (since_s > 0.3) line += fmt::format("   waiting for {} ({:.1f} s)", fmt::join(waiting, ", "), since_s);
+  std::fputs(line.c_str(), stderr);
+  std::fflush(stderr);
+}
+
+void Progress::warn_of_silence() {
+  double since_s = 0;
+  const auto waiting = hub_.waiting_for(since_s);
+  if (since_s < 5) {
+    warned_ = false;
+  } else if (!warned_) {
+    warned_ = true;
+    std::fprintf(stderr, "waiting for %s\n", fmt::format("{}", fmt::join(waiting, ", ")).c_str());
+  }
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,69 @@
+// A run from its parts: server, behaviours, log, frames, summary. `seam run` and `seam serve` are
+// the two ways into it; replays with live clients use it too.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scheduler/server/client_hub.h"
+#include "scheduler/log/recorder.h"
+#include "scheduler/server/server.h"
+#include "scheduler/loop/simulation.h"
+#include "tools/command_line.h"
+#include "app/memory_watch.h"
+#include "app/remote_rendering.h"
+#include "app/simulator.h"
+
+namespace seam::tools {
+
+struct SessionOptions {
+  std::string log;     // Empty: none.
+  scheduler::RecorderOptions recording;
+  std::string frames;  // Folder; empty: none.
+  std::string json;    // Summary; empty: none.
+  bool start_behaviours = true;
+  std::vector<std::string> addresses;  // Beside the private socket of the behaviours.
+  std::string certificates;            // Folder with ca.pem, server.pem, server.key.
+  std::string token_file;              // Tokens are written here for clients elsewhere.
+  RemoteRenderingOptions rendering;
+  std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
+};
+
+struct SessionSummary {
+  double sim_s = 0;
+  double wall_s = 0;
+  double waiting_s = 0;  // Of wall_s: for clients.
+  uint64_t frames = 0;
+  uint64_t rendered_remotely = 0;  // Of them: by `seam-render` processes.
+  uint64_t decisions = 0;
+  uint64_t fingerprint = 0;
+  bool has_score = false;  // A referee kept it.
+  int red_score = 0, blue_score = 0;
+  std::vector<MemorySample> memory;  // Of the server, each 10 simulated seconds.
+  uint64_t log_bytes = 0;            // Of the replay log; 0: none.
+  scheduler::EndReason end = scheduler::EndReason::finished;
+  std::string abort_reason;
+
+  double real_time_factor() const { return wall_s > 0 ? sim_s / wall_s : 0; }
+};
+
+// `wrap` may put another source of decisions in front of the live clients.
+using WrapSource =
+    std::function<std::unique_ptr<scheduler::DecisionSource>(scheduler::DecisionSource& live)>;
+
+// Runs to the end, Ctrl-C or abort. Throws InputError and UsageError before anything was started.
+SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
+                           const WrapSource& wrap = {},
+                           std::vector<scheduler::SimulationObserver*> observers = {});
+
+// The summary on stdout and, where asked for, as JSON; the exit code.
+int report(const SessionSummary& summary, const SessionOptions& options);
+
+// The options that run and serve share.
+void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator);
+
+}  // namespace seam::tools

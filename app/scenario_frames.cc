@@ -1,0 +1,77 @@
+#include "app/scenario_frames.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "scheduler/replay/frame_maker.h"
+#include "scheduler/log/log.h"
+#include "scheduler/replay/rewinder.h"
+#include "sim_core/base/error.h"
+#include "app/run_session.h"
+
+namespace seam::tools {
+namespace {
+
+// Gone with this object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "seam-frames-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw InputError(fmt::format("{}: cannot make a folder", pattern));
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  std::string file(const char* name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+size_t robot_of(const Scenario& scenario, const std::string& robot) {
+  const size_t index = scenario.robot_index(robot);
+  if (index < scenario.robots.size()) return index;
+  std::vector<std::string> ids;
+  for (const RobotSpec& spec : scenario.robots) ids.push_back(spec.id);
+  throw UsageError(fmt::format("--robot: unknown robot '{}'{}", robot, suggestion_for(robot, ids)));
+}
+
+}  // namespace
+
+void visit_scenario_frames(
+    const std::string& scenario_file, const SimulatorOptions& options, const std::string& robot,
+    SimTime from, SimTime to,
+    const std::function<void(const scheduler::FinishedFrame&, const render::Renderer&)>& visit) {
+  Scenario scenario = load_scenario(scenario_file, options);
+  const size_t index = robot_of(scenario, robot);
+  const SimTime end = SimTime() + scenario.duration;
+  if (from > end) {
+    throw UsageError(fmt::format(
+        "found a time of {} s, expected one up to the scenario's end at {} s", from.s(), end.s()));
+  }
+  // Long enough for the last rows of the last frame.
+  constexpr int64_t kTail_ns = 500'000'000;
+  scenario.duration = to - SimTime() + SimDuration::from_ns(kTail_ns);
+  const TemporaryFolder folder;
+  const std::string log_file = folder.file("run.mcap");
+  {
+    Simulator simulator = make_simulator(scenario, options);
+    const SessionSummary summary = run_session(simulator, {.log = log_file});
+    if (summary.end == scheduler::EndReason::aborted) {
+      throw InputError(
+          fmt::format("{}: the run was aborted: {}", scenario_file, summary.abort_reason));
+    }
+  }
+  const scheduler::Log log = scheduler::Log::open(log_file);
+  Simulator simulator = make_simulator(std::move(scenario), options);
+  scheduler::Rewinder rewinder(log, simulator.world);
+  const render::Renderer& camera = simulator.renderer->camera(static_cast<int>(index));
+  scheduler::make_frames(rewinder, *simulator.renderer, static_cast<int>(index), from, to,
+                         [&](const scheduler::FinishedFrame& frame) { visit(frame, camera); });
+}
+
+}  // namespace seam::tools

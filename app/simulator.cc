@@ -1,0 +1,97 @@
+#include "app/simulator.h"
+
+#include <map>
+
+#include "effects/stages/robot_parts.h"
+#include "sim_core/base/error.h"
+#include "scheduler/log/log_records.h"
+#include "sim_core/base/files.h"
+
+namespace seam::tools {
+
+namespace {
+
+// A robot without a model has an ideal camera with the ERS-210's field of view (57.6 degrees).
+std::string ideal_model_yaml(const CameraSpec& camera) {
+  const double focal_px = 161.9 * static_cast<double>(camera.width_px) / 178;
+  return fmt::format(
+      "format: seam-model/1\nname: ideal\neffects:\n"
+      "  pinhole: {{fx_px: {}, fy_px: {}, cx_px: {}, cy_px: {}}}\n",
+      focal_px, focal_px, 0.5 * static_cast<double>(camera.width_px - 1),
+      0.5 * static_cast<double>(camera.height_px - 1));
+}
+
+effects::Model model_of(const RobotSpec& robot) {
+  const bool given = !robot.camera.model_yaml.empty();
+  const effects::Model model = effects::Model::from_config(ConfigNode::from_text(
+      given ? robot.camera.model_yaml : ideal_model_yaml(robot.camera),
+      given ? robot.camera.model_name : "ideal model of " + robot.id));
+  // An individual belongs to the robot's id, whatever the seed of the run.
+  return model.individual(RandomStream{}.child("individual").child(robot.id));
+}
+
+void replace_models(Scenario& scenario, const std::vector<std::string>& models) {
+  for (const std::string& option : models) {
+    const size_t equals = option.find('=');
+    const std::string robot = equals == std::string::npos ? "" : option.substr(0, equals);
+    const std::string file = equals == std::string::npos ? option : option.substr(equals + 1);
+    const std::string yaml = read_file(file, 16 << 20);
+    bool found = robot.empty();
+    for (RobotSpec& spec : scenario.robots) {
+      if (!robot.empty() && spec.id != robot) continue;
+      found = true;
+      spec.camera.model_yaml = yaml;
+      spec.camera.model_name = file;
+    }
+    if (!found) {
+      std::vector<std::string> ids;
+      for (const RobotSpec& spec : scenario.robots) ids.push_back(spec.id);
+      throw UsageError(fmt::format("--model {}: unknown robot '{}'{}", option, robot,
+                                   suggestion_for(robot, ids)));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<effects::Model> models_of(const Scenario& scenario) {
+  std::vector<effects::Model> models;
+  for (const RobotSpec& robot : scenario.robots) models.push_back(model_of(robot));
+  return models;
+}
+
+Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions& options) {
+  Scenario scenario = Scenario::from_file(file);
+  if (options.seed) scenario.seed = *options.seed;
+  replace_models(scenario, options.models);
+  return scenario;
+}
+
+Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
+  std::vector<effects::Model> models = models_of(scenario);
+  std::map<std::string, effects::Model> by_robot;
+  for (size_t i = 0; i < models.size(); ++i) by_robot.emplace(scenario.robots[i].id, models[i]);
+  World world(scenario, effects::ModelParts(std::move(by_robot)));
+  auto renderer = std::make_unique<CameraRenderer>(scenario, models, options.render_workers,
+                                                   options.rendering);
+  scheduler::RunHeader header;
+  header.scenario_text = scenario.to_yaml();
+  header.scenario_name = scenario.name;
+  header.seed = static_cast<uint64_t>(scenario.seed);
+  header.versions = {{"seam", SEAM_VERSION},
+                     {"log", std::string(scheduler::kLogFormat)},
+                     {"state", std::string(scheduler::kStateVersion)}};
+  for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
+  header.sections = world.section_names();
+  return {std::move(scenario), std::move(models), std::move(world), std::move(renderer),
+          std::move(header)};
+}
+
+Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOptions& options) {
+  Scenario scenario = Scenario::from_text(header.scenario_text, header.scenario_name);
+  scenario.seed = static_cast<int64_t>(header.seed);
+  replace_models(scenario, options.models);
+  return make_simulator(std::move(scenario), options);
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,22 @@
+#include "effects/effect.h"
+#include "effects/stages/detector.h"
+
+namespace seam::effects {
+
+EffectDefinition bearing_noise() {
+  return {
+      .name = "bearing_noise",
+      .stage = Stage::detector,
+      .kinds = kLandmarks | kRanges,
+      .parameters = {{.name = "sigma_rad", .min = 0, .max = 1, .scale = 0.01,
+                      .help = "Standard deviation, radians."}},
+      .help = "Spread of a single bearing.",
+      .formula = "sigma_rad, each observation",
+      .signature = "spread of the bearing",
+      .example = "bearing_noise: {sigma_rad: 0.01}",
+      .spread_only = true,
+      .detector = [](Values p, Detection& seen) { seen.bearing_variance += p[0] * p[0]; },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,21 @@
+#include "effects/effect.h"
+#include "effects/stages/detector.h"
+
+namespace seam::effects {
+
+EffectDefinition bearing_scale() {
+  return {
+      .name = "bearing_scale",
+      .stage = Stage::detector,
+      .kinds = kLandmarks | kRanges,
+      .parameters = {{.name = "scale", .min = -0.9, .max = 5, .scale = 0.05,
+                      .help = "Relative error of the bearing."}},
+      .help = "Bearings are too large or too small in proportion: a wrong focal length.",
+      .formula = "bearing * (1 + scale)",
+      .signature = "grows with the bearing",
+      .example = "bearing_scale: {scale: -0.03}",
+      .detector = [](Values p, Detection& seen) { seen.bearing_rad *= 1 + p[0]; },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,21 @@
+#include "effects/effect.h"
+#include "effects/stages/detector.h"
+
+namespace seam::effects {
+
+EffectDefinition range_offset() {
+  return {
+      .name = "range_offset",
+      .stage = Stage::detector,
+      .kinds = kLandmarks | kRanges,
+      .parameters = {{.name = "offset_m", .min = -5, .max = 5, .scale = 0.05,
+                      .help = "Reported minus true range, metres."}},
+      .help = "Ranges are too long or too short by a constant.",
+      .formula = "range * (1 + scale) + offset",
+      .signature = "constant",
+      .example = "range_offset: {offset_m: 0.03}",
+      .detector = [](Values p, Detection& seen) { seen.range_m += p[0]; },
+  };
+}
+
+}  // namespace seam::effects

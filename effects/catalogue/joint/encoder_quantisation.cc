@@ -1,0 +1,22 @@
+#include "effects/effect.h"
+#include "effects/stages/joint_track.h"
+
+namespace seam::effects {
+
+EffectDefinition encoder_quantisation() {
+  return {
+      .name = "encoder_quantisation",
+      .stage = Stage::joint,
+      .kinds = kPoints | kJoints | kRanges | kFrames,
+      .parameters = {{.name = "step_rad", .min = 0, .max = 0.2, .scale = 0.005,
+                      .help = "Step of the logged angle, radians."}},
+      .help = "The logged angle is rounded to steps.",
+      .formula = "logged = round(true / step) * step; in points a spread of step / sqrt(12)",
+      .signature = "saw-tooth against the angle",
+      .example = "encoder_quantisation: {step_rad: 0.003}",
+      .spread_only = true,
+      .encoder = [](Values p, JointTrack& track) { track.quantisation_step_rad = p[0]; },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,20 @@
+#include "effects/stages/servo.h"
+
+namespace seam::effects {
+
+EffectDefinition servo_latency() {
+  return {
+      .name = "servo_latency",
+      .stage = Stage::joint,
+      .kinds = kJoints | kRanges,
+      .parameters = {{.name = "latency_s", .min = 0, .max = 2, .scale = 0.01,
+                      .help = "Time between a command and its action, seconds."}},
+      .help = "Commands act later by a constant: communication, buffers, the servo's own cycle.",
+      .formula = "the command acts this much later",
+      .signature = "error in proportion to the rate of the command, without rounding of steps",
+      .example = "servo_latency: {latency_s: 0.016}",
+      .servo = [](Values p, ServoModel& servo) { servo.latency_s += p[0]; },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,29 @@
+#include <cmath>
+
+#include "effects/stages/locomotion.h"
+
+namespace seam::effects {
+
+EffectDefinition walk_noise() {
+  return {
+      .name = "walk_noise",
+      .stage = Stage::locomotion,
+      .kinds = kOdometry | kRanges,
+      .parameters = {{.name = "xy_sigma", .min = 0, .max = 2, .scale = 0.01,
+                      .help = "Spread of body x and y after one metre of path, metres per root metre."},
+                     {.name = "theta_sigma", .min = 0, .max = 3, .scale = 0.02,
+                      .help = "Spread of the heading after one metre of path, radians per root metre."}},
+      .help = "Every step slips a little: a random walk of position and heading.",
+      .formula = "independent steps in body x, y and theta, variance sigma^2 * path length",
+      .signature = "spread grows with the root of distance",
+      .example = "walk_noise: {xy_sigma: 0.01, theta_sigma: 0.02}",
+      .spread_only = true,
+      .locomotion =
+          [](Values p, Locomotion& walk) {
+            walk.xy_sigma = std::sqrt(walk.xy_sigma * walk.xy_sigma + p[0] * p[0]);
+            walk.theta_sigma = std::sqrt(walk.theta_sigma * walk.theta_sigma + p[1] * p[1]);
+          },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,24 @@
+#include "effects/effect.h"
+#include "effects/stages/optics.h"
+
+namespace seam::effects {
+
+EffectDefinition veiling_glare() {
+  return {
+      .name = "veiling_glare",
+      .stage = Stage::radiometry,
+      .kinds = kPhotometry | kFrames | kRanges,
+      .parameters = {{.name = "fraction",
+                      .min = 0,
+                      .max = 1,
+                      .scale = 0.05,
+                      .help = "Part of the light that is scattered over the whole image."}},
+      .help = "Light scattered in the lens lifts the dark parts.",
+      .formula = "(1 - fraction) L + fraction mean(L)",
+      .signature = "dark parts lifted by the scene's mean",
+      .example = "veiling_glare: {fraction: 0.05}",
+      .optics = [](Values p, Optics& optics) { optics.glare_fraction = p[0]; },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,26 @@
+#include "effects/effect.h"
+#include "effects/stages/sensor/sensor.h"
+
+namespace seam::effects {
+
+EffectDefinition quantisation() {
+  return {
+      .name = "quantisation",
+      .stage = Stage::sensor,
+      .kinds = kPhotometry | kFrames | kRanges,
+      .parameters = {{.name = "bits",
+                      .neutral = 0,
+                      .min = 1,
+                      .max = 16,
+                      .scale = 1,
+                      .help = "Bits of the converter.",
+                      .integer = true}},
+      .help = "The converter has fewer bits than the file.",
+      .formula = "rounded to multiples of 2^(file bits - bits)",
+      .signature = "steps, a floor of the variance",
+      .example = "quantisation: {bits: 6}",
+      .sensor = [](Values p, SensorChain& chain) { chain.bits = static_cast<int>(p[0]); },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,22 @@
+#include "effects/effect.h"
+#include "effects/stages/sensor/sensor.h"
+
+namespace seam::effects {
+
+EffectDefinition row_noise() {
+  return {
+      .name = "row_noise",
+      .stage = Stage::sensor,
+      .kinds = kPhotometry | kFrames | kRanges,
+      .parameters =
+          {{.name = "sigma_dn", .min = 0, .max = 10000.0, .scale = 1, .help = "One sigma, DN."}},
+      .help = "Each row of each frame has an offset of its own.",
+      .formula = "dn + N(0, sigma^2), new for each row of each frame",
+      .signature = "horizontal stripes that change",
+      .example = "row_noise: {sigma_dn: 0.8}",
+      .spread_only = true,
+      .sensor = [](Values p, SensorChain& chain) { chain.row_sigma_dn = p[0]; },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,28 @@
+#include <limits>
+
+#include "effects/effect.h"
+#include "effects/stages/sensor/sensor.h"
+
+namespace seam::effects {
+
+EffectDefinition saturation() {
+  return {
+      .name = "saturation",
+      .stage = Stage::sensor,
+      .kinds = kPhotometry | kFrames | kRanges,
+      .parameters = {{.name = "full_dn",
+                      .neutral = std::numeric_limits<double>::infinity(),
+                      .min = 0.5,
+                      .max = 1000000.0,
+                      .scale = 200,
+                      .help = "The largest DN.",
+                      .resolution = 1}},
+      .help = "The read-out clips above a level.",
+      .formula = "min(dn, full_dn)",
+      .signature = "mean bends and variance falls near the top",
+      .example = "saturation: {full_dn: 235}",
+      .sensor = [](Values p, SensorChain& chain) { chain.full_dn = p[0]; },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,22 @@
+#include "effects/effect.h"
+#include "effects/stages/timing.h"
+
+namespace seam::effects {
+
+EffectDefinition frame_jitter() {
+  return {
+      .name = "frame_jitter",
+      .stage = Stage::timing,
+      .kinds = kPoints | kLandmarks | kRanges | kFrames,
+      .parameters = {{.name = "sigma_s", .min = 0, .max = 0.5, .scale = 5e-3,
+                      .help = "Standard deviation of the latency of each frame, seconds."}},
+      .help = "Each frame has a random latency of its own.",
+      .formula = "true time = stamp + latency, latency normal with this sigma, drawn for each frame",
+      .signature = "displacement with rate, one value a frame",
+      .example = "frame_jitter: {sigma_s: 0.002}",
+      .spread_only = true,
+      .timing = [](Values p, Timing& timing) { timing.jitter_sigma_s = p[0]; },
+  };
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,281 @@
+// Expression effects: formulas over a stage's variables with named parameters, written in a
+// model's YAML. Variables and outputs by stage: definitions.md, "Expression effects".
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "effects/stages/detector.h"
+#include "effects/formulas/formula.h"
+#include "effects/stages/geometry.h"
+#include "effects/stages/joint_track.h"
+#include "effects/stages/locomotion.h"
+#include "effects/model.h"
+#include "effects/registry.h"
+#include "effects/stages/sensor/sensor.h"
+#include "sim_core/base/error.h"
+
+#include <yaml-cpp/yaml.h>
+
+namespace seam::effects {
+namespace {
+
+struct StageVariables {
+  Stage stage;
+  std::vector<std::string> variables;
+  std::vector<std::string> outputs;  // Each is a variable too, but for gain, which multiplies.
+  unsigned kinds;
+};
+
+const std::vector<StageVariables>& stages() {
+  static const std::vector<StageVariables> all = {
+      {Stage::joint, {"q", "rate", "command", "t"}, {"q"}, kJoints | kPoints | kFrames | kRanges},
+      {Stage::geometry, {"x", "y", "r2", "u", "v", "cx", "cy", "fx", "fy", "t", "row"}, {"u", "v"}, kPoints | kFrames | kRanges},
+      {Stage::radiometry, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
+      {Stage::light, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
+      {Stage::sensor, {"mean", "t"}, {"mean"}, kPhotometry | kFrames | kRanges},
+      {Stage::detector, {"range", "bearing", "t"}, {"range", "bearing"}, kLandmarks | kRanges},
+      {Stage::locomotion, {"vx", "vy", "omega", "theta", "t"}, {"vx", "vy", "omega"}, kOdometry | kRanges},
+  };
+  return all;
+}
+
+const StageVariables& stage_named(const ConfigNode& node) {
+  std::vector<std::string> names;
+  for (const StageVariables& s : stages()) names.push_back(to_string(s.stage));
+  return stages()[node.choice(names)];
+}
+
+// No stage maps more than three quantities.
+using Outputs = std::array<double, 3>;
+
+// The compiled formulas of one effect: variables of the stage, then extra columns, then parameters.
+struct Program {
+  std::vector<Formula> formulas;
+  std::vector<int> output;      // By formula: which of the stage's outputs it gives.
+  std::vector<double> neutral;  // Of the parameters: there the effect does nothing, bit for bit.
+
+  bool absent(Values p) const { return std::equal(p.begin(), p.end(), neutral.begin(), neutral.end()); }
+
+  // Runs every formula on the same inputs, then hands out the results.
+  void run(std::span<const double> variables, Values p, Outputs& outputs) const {
+    if (absent(p)) return;
+    std::array<double, 64> inputs;
+    const size_t count = variables.size() + p.size();
+    std::copy(variables.begin(), variables.end(), inputs.begin());
+    std::copy(p.begin(), p.end(), inputs.begin() + static_cast<std::ptrdiff_t>(variables.size()));
+    for (size_t i = 0; i < formulas.size(); ++i) outputs[output[i]] = formulas[i]({inputs.data(), count});
+  }
+};
+
+constexpr size_t kMostInputs = 64;
+
+Parameter read_parameter(const std::string& name, const ConfigNode& node) {
+  Parameter parameter{.name = name, .min = -1e6, .max = 1e6, .scale = 0};
+  if (node.is_map()) {
+    parameter.neutral = node.number_or("neutral", 0, {-1e300, 1e300});
+    parameter.min = node.number_or("min", parameter.min, {-1e300, 1e300});
+    parameter.max = node.number_or("max", parameter.max, {-1e300, 1e300});
+    parameter.scale = node.number_or("scale", 0, {0, 1e300});
+    parameter.help = node.text_or("help", "");
+    if (!(parameter.min < parameter.max)) node.fail("expected min below max");
+    for (const char* key : {"value", "sigma", "free", "spread"}) node.has(key);
+    node.finish();
+  }
+  // A tenth of the stated range is a typical size; a range that nobody stated says nothing.
+  if (parameter.scale == 0) parameter.scale = std::min(0.1 * (parameter.max - parameter.min), 1.0);
+  return parameter;
+}
+
+// Hooks of one stage that run the program.
+void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
+  switch (effect.stage) {
+    case Stage::geometry:
+      effect.image_map = [program](Values p, ImagePoint& at) {
+        Outputs out = {at.u, at.v};
+        const double r2 = at.x * at.x + at.y * at.y;
+        program->run(std::array{at.x, at.y, r2, at.u, at.v, at.cx, at.cy, at.fx, at.fy, at.t_s, at.row}, p, out);
+        at.u = out[0], at.v = out[1];
+      };
+      break;
+    case Stage::joint:
+      effect.joint_map = [program, columns = effect.columns](Values p, const JointSample& at) {
+        std::array<double, kMostInputs> in = {at.q_rad, at.rate_rad_per_s, at.command_rad, at.t_s};
+        size_t count = 4;
+        for (const std::string& column : columns) {
+          // Columns that this log lacks are refused before; without a log (the simulator) they are 0.
+          in[count] = 0;
+          for (size_t i = 0; at.extra_names != nullptr && i < at.extra_names->size(); ++i) {
+            if ((*at.extra_names)[i] == column) in[count] = at.extra_values[i];
+          }
+          ++count;
+        }
+        Outputs out = {at.q_rad};
+        program->run({in.data(), count}, p, out);
+        return out[0];
+      };
+      break;
+    case Stage::radiometry:
+    case Stage::light:
+      effect.gain = [program](Values p, const ImagePoint& at) {
+        Outputs out = {1};
+        program->run(std::array{at.u, at.v, rho(at.u, at.v, at.width_px, at.height_px), at.t_s}, p, out);
+        return out[0];
+      };
+      break;
+    case Stage::sensor:
+      effect.sensor = [program](Values p, SensorChain& chain) {
+        if (program->absent(p)) return;
+        chain.maps.push_back([program, values = std::vector<double>(p.begin(), p.end())](double mean_dn, double t_s) {
+          Outputs out = {mean_dn};
+          program->run(std::array{mean_dn, t_s}, values, out);
+          return out[0];
+        });
+      };
+      break;
+    case Stage::detector:
+      effect.detector = [program](Values p, Detection& at) {
+        Outputs out = {at.range_m, at.bearing_rad};
+        program->run(std::array{at.range_m, at.bearing_rad, at.t_s}, p, out);
+        at.range_m = out[0], at.bearing_rad = out[1];
+      };
+      break;
+    case Stage::locomotion:
+      effect.velocity_map = [program](Values p, VelocitySample& at) {
+        Outputs out = {at.velocity.vx_mps, at.velocity.vy_mps, at.velocity.omega_radps};
+        program->run(std::array{out[0], out[1], out[2], at.theta_rad, at.t_s}, p, out);
+        at.velocity = {out[0], out[1], out[2]};
+      };
+      break;
+    default:
+      break;
+  }
+}
+
+// Whether the formulas give back their variables (or a gain of 1) at neutral parameters, at a few
+// points: an effect that does not is a replacement, and has no neutral value.
+bool is_neutral(const Program& program, const StageVariables& stage, size_t columns) {
+  for (const double at : {0.3, 1.7, -0.9}) {
+    std::vector<double> inputs;
+    for (size_t i = 0; i < stage.variables.size() + columns; ++i) inputs.push_back(at + 0.37 * static_cast<double>(i));
+    const std::vector<double> variables = inputs;
+    inputs.insert(inputs.end(), program.neutral.begin(), program.neutral.end());
+    for (size_t i = 0; i < program.formulas.size(); ++i) {
+      const std::string& output = stage.outputs[program.output[i]];
+      const auto place = std::find(stage.variables.begin(), stage.variables.end(), output);
+      const double expected = place == stage.variables.end() ? 1 : variables[place - stage.variables.begin()];
+      const double value = program.formulas[i](inputs);
+      if (std::isfinite(value) && std::abs(value - expected) > 1e-9 * std::max(1.0, std::abs(expected))) return false;
+    }
+  }
+  return true;
+}
+
+std::string yaml_quoted(const std::string& text) {
+  YAML::Emitter out;
+  out << YAML::DoubleQuoted << text;
+  return out.c_str();
+}
+
+}  // namespace
+
+std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name, const ConfigNode& node) {
+  if (find_effect(name)) node.fail(fmt::format("'{}' is an effect of the catalogue, expected a new name", name));
+  const StageVariables& stage = stage_named(node.at("stage"));
+  auto effect = std::make_shared<EffectDefinition>();
+  effect->name = name;
+  effect->stage = stage.stage;
+  effect->kinds = stage.kinds;
+  effect->help = node.text_or("help", "An effect given by a formula.");
+  effect->signature = node.text_or("signature", "");
+  effect->source = "    stage: " + to_string(stage.stage) + "\n";
+  if (node.has("help")) effect->source += "    help: " + yaml_quoted(effect->help) + "\n";
+  if (node.has("signature")) effect->source += "    signature: " + yaml_quoted(effect->signature) + "\n";
+  auto program = std::make_shared<Program>();
+  std::vector<std::string> inputs = stage.variables, parameter_names;
+  if (const auto parameters = node.find("parameters")) {
+    for (const std::string& key : parameters->keys()) {
+      if (std::find(inputs.begin(), inputs.end(), key) != inputs.end()) {
+        parameters->fail(fmt::format("'{}' is a variable of the stage, expected another name", key));
+      }
+      effect->parameters.push_back(read_parameter(key, parameters->at(key)));
+      program->neutral.push_back(effect->parameters.back().neutral);
+      parameter_names.push_back(key);
+    }
+  }
+  // What a joint's formula names besides is a column of the log.
+  std::vector<std::pair<int, std::string>> texts;
+  try {
+    for (size_t i = 0; i < stage.outputs.size(); ++i) {
+      if (!node.has(stage.outputs[i])) continue;
+      texts.emplace_back(static_cast<int>(i), node.at(stage.outputs[i]).text());
+      if (stage.stage != Stage::joint) continue;
+      for (const std::string& used : Formula::names_in(texts.back().second)) {
+        const auto known = [&](const std::vector<std::string>& list) {
+          return std::find(list.begin(), list.end(), used) != list.end();
+        };
+        if (!known(inputs) && !known(parameter_names)) effect->columns.push_back(used), inputs.push_back(used);
+      }
+    }
+    if (texts.empty()) node.fail(fmt::format("no formula, expected one for {}", fmt::join(stage.outputs, " or ")));
+    inputs.insert(inputs.end(), parameter_names.begin(), parameter_names.end());
+    if (inputs.size() > kMostInputs) {
+      node.fail(fmt::format("{} variables and parameters, at most {}", inputs.size(), kMostInputs));
+    }
+    for (const auto& [output, text] : texts) {
+      program->formulas.emplace_back(text, inputs);
+      program->output.push_back(output);
+      effect->source += "    " + stage.outputs[output] + ": " + yaml_quoted(text) + "\n";
+      effect->formula += (effect->formula.empty() ? "" : ", ") + stage.outputs[output] + " = " + text;
+    }
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    if (what.starts_with(node.file())) throw;
+    node.fail(what);
+  }
+  node.finish();
+  effect->has_neutral = is_neutral(*program, stage, effect->columns.size());
+  // Nothing switches off a formula that is no identity at neutral values.
+  if (!effect->has_neutral) program->neutral = {NAN};
+  set_hook(*effect, program);
+  return effect;
+}
+
+std::vector<ParameterValue> expression_values(const EffectDefinition& definition, const ConfigNode& node) {
+  std::vector<ParameterValue> values;
+  for (const Parameter& parameter : definition.parameters) {
+    const ConfigNode given = node.at("parameters").at(parameter.name);
+    ParameterValue value{.value = parameter.neutral};
+    const Range bounds{std::min(parameter.min, parameter.neutral), std::max(parameter.max, parameter.neutral)};
+    if (given.is_map()) {
+      value.value = given.number_or("value", parameter.neutral, bounds);
+      if (const auto sigma = given.find("sigma")) value.sigma = sigma->number({0, 1e300});
+      value.free = given.boolean_or("free", false);
+      value.spread = given.number_or("spread", 0, {0, 1e300});
+    } else {
+      value.value = given.number(bounds);
+    }
+    values.push_back(value);
+  }
+  return values;
+}
+
+std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> expression_effects(
+    const ConfigNode& root) {
+  // A file of candidates: a map of names, or a model whose effects are all expressions.
+  const ConfigNode effects = root.has("effects") ? root.at("effects") : root;
+  std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> all;
+  for (const std::string& name : effects.keys()) {
+    if (!root.has("effects") && (name == "format" || name == "name")) continue;
+    const ConfigNode node = effects.at(name);
+    if (!node.is_map() || !node.has("stage")) node.fail("no stage, expected an expression effect");
+    auto definition = expression_effect(name, node);
+    auto values = expression_values(*definition, node);
+    all.emplace_back(std::move(definition), std::move(values));
+  }
+  if (all.empty()) root.fail("no effects");
+  return all;
+}
+
+std::string expression_source(const EffectDefinition& definition) { return definition.source; }
+
+}  // namespace seam::effects

@@ -1,0 +1,142 @@
+#include "effects/formulas/formula.h"
+
+#include <muParser.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+
+#include "sim_core/base/error.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::effects {
+namespace {
+
+double add(double a, double b) { return a + b; }
+double subtract(double a, double b) { return a - b; }
+double multiply(double a, double b) { return a * b; }
+double divide(double a, double b) { return a / b; }
+double less(double a, double b) { return a < b; }
+double greater(double a, double b) { return a > b; }
+double at_most(double a, double b) { return a <= b; }
+double at_least(double a, double b) { return a >= b; }
+double equal(double a, double b) { return a == b; }
+double unequal(double a, double b) { return a != b; }
+double both(double a, double b) { return a != 0 && b != 0; }
+double either(double a, double b) { return a != 0 || b != 0; }
+double sign_of(double a) { return a > 0 ? 1 : a < 0 ? -1 : 0; }
+double square_root(double a) { return std::sqrt(a); }
+double absolute(double a) { return std::abs(a); }
+double round_down(double a) { return std::floor(a); }
+double nearest(double a) { return std::round(a); }
+double hyperbolic_tangent(double a) {
+  const double e = maths::expm1(-2 * std::abs(a));
+  return std::copysign(-e / (e + 2), a);
+}
+double smaller(double a, double b) { return a < b ? a : b; }
+double larger(double a, double b) { return a > b ? a : b; }
+double choose(double condition, double then, double otherwise) { return condition != 0 ? then : otherwise; }
+
+// Powers with small whole exponents are products, exact in the same way everywhere.
+double power(double base, double exponent) {
+  if (exponent == std::floor(exponent) && std::abs(exponent) <= 16) {
+    double product = 1;
+    for (int i = 0; i < std::abs(exponent); ++i) product *= base;
+    return exponent < 0 ? 1 / product : product;
+  }
+  return maths::pow(base, exponent);
+}
+
+// muParser with none of its own arithmetic: its powers and functions are those of the C library,
+// whose last bits depend on the CPU.
+std::unique_ptr<mu::Parser> bare_parser() {
+  auto parser = std::make_unique<mu::Parser>();
+  parser->ClearFun();
+  parser->ClearConst();
+  parser->EnableBuiltInOprt(false);
+  const struct {
+    const char* name;
+    double (*function)(double, double);
+    unsigned priority;
+    mu::EOprtAssociativity side;
+  } operators[] = {
+      {"||", either, mu::prLOR, mu::oaLEFT},     {"&&", both, mu::prLAND, mu::oaLEFT},
+      {"<=", at_most, mu::prCMP, mu::oaLEFT},    {">=", at_least, mu::prCMP, mu::oaLEFT},
+      {"==", equal, mu::prCMP, mu::oaLEFT},      {"!=", unequal, mu::prCMP, mu::oaLEFT},
+      {"<", less, mu::prCMP, mu::oaLEFT},        {">", greater, mu::prCMP, mu::oaLEFT},
+      {"+", add, mu::prADD_SUB, mu::oaLEFT},     {"-", subtract, mu::prADD_SUB, mu::oaLEFT},
+      {"*", multiply, mu::prMUL_DIV, mu::oaLEFT}, {"/", divide, mu::prMUL_DIV, mu::oaLEFT},
+      {"^", power, mu::prPOW, mu::oaRIGHT},
+  };
+  for (const auto& o : operators) parser->DefineOprt(o.name, o.function, o.priority, o.side, true);
+  const struct {
+    const char* name;
+    double (*function)(double);
+  } functions[] = {
+      {"sin", maths::sin}, {"cos", maths::cos}, {"tan", maths::tan}, {"asin", maths::asin}, {"acos", maths::acos},
+      {"atan", maths::atan}, {"exp", maths::exp}, {"log", maths::log}, {"ln", maths::log}, {"tanh", hyperbolic_tangent},
+      {"sqrt", square_root}, {"abs", absolute}, {"sign", sign_of}, {"floor", round_down}, {"round", nearest},
+  };
+  for (const auto& f : functions) parser->DefineFun(f.name, f.function);
+  parser->DefineFun("atan2", maths::atan2);
+  parser->DefineFun("pow", power);
+  parser->DefineFun("min", smaller);
+  parser->DefineFun("max", larger);
+  parser->DefineFun("if", choose);
+  parser->DefineConst("pi", maths::kPi);
+  return parser;
+}
+
+// One thread's parser of one formula, with the variables that it reads.
+struct Compiled {
+  std::unique_ptr<mu::Parser> parser = bare_parser();
+  std::vector<double> values;
+
+  Compiled(const std::string& text, const std::vector<std::string>& variables) : values(variables.size(), 0) {
+    for (size_t i = 0; i < variables.size(); ++i) parser->DefineVar(variables[i], &values[i]);
+    parser->SetExpr(text);
+  }
+};
+
+std::atomic<uint64_t> next_id{1};
+
+}  // namespace
+
+Formula::Formula(const std::string& text, std::vector<std::string> variables)
+    : text_(text), variables_(std::move(variables)), id_(next_id++) {
+  for (const std::string& name : names_in(text)) {
+    if (std::find(variables_.begin(), variables_.end(), name) == variables_.end()) {
+      throw InputError(fmt::format("formula '{}': unknown name '{}'{}", text, name, suggestion_for(name, variables_)));
+    }
+  }
+  const std::vector<double> ones(variables_.size(), 1);
+  (*this)(ones);
+}
+
+double Formula::operator()(std::span<const double> values) const {
+  thread_local std::map<uint64_t, Compiled> compiled;
+  auto found = compiled.find(id_);
+  try {
+    if (found == compiled.end()) found = compiled.try_emplace(id_, text_, variables_).first;
+    SEAM_CHECK(values.size() == variables_.size(), "{} for {}", values.size(), variables_.size());
+    std::copy(values.begin(), values.end(), found->second.values.begin());
+    return found->second.parser->Eval();
+  } catch (const mu::Parser::exception_type& error) {
+    throw InputError(fmt::format("formula '{}': {}", text_, error.GetMsg()));
+  }
+}
+
+std::vector<std::string> Formula::names_in(const std::string& text) {
+  try {
+    const auto parser = bare_parser();
+    parser->SetExpr(text);
+    std::vector<std::string> names;
+    for (const auto& [name, place] : parser->GetUsedVar()) names.push_back(name);
+    return names;
+  } catch (const mu::Parser::exception_type& error) {
+    throw InputError(fmt::format("formula '{}': {}", text, error.GetMsg()));
+  }
+}
+
+}  // namespace seam::effects

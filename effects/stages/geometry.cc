@@ -1,0 +1,85 @@
+#include "effects/stages/geometry.h"
+
+#include <cmath>
+
+#include "sim_core/base/error.h"
+
+namespace seam::effects {
+
+Projection::Projection(const Model& model, int width_px, int height_px)
+    : width_px_(width_px), height_px_(height_px) {
+  if (!model.has("pinhole")) throw InputError("the model has no 'pinhole', expected one: it makes the image");
+  if (model.has("fisheye") && (model.has("radial_distortion") || model.has("radial_polynomial"))) {
+    throw InputError("the model has 'fisheye' and another radial effect, expected one of them");
+  }
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->geometry || effect.definition->image_map) effects_.push_back(effect);
+  }
+}
+
+ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int channel) const {
+  ImagePoint point{.p_C = p_C, .t_s = t_s, .row = row, .channel = channel,
+                   .width_px = width_px_, .height_px = height_px_};
+  // Behind the camera only a fisheye sees; it sets `visible` and x, y itself.
+  point.visible = p_C.z > 0;
+  point.x = point.xd = p_C.x / p_C.z;
+  point.y = point.yd = p_C.y / p_C.z;
+  for (const ModelEffect& effect : effects_) {
+    if (effect.definition->geometry) effect.definition->geometry(effect.values(), point);
+  }
+  point.u = point.fx * point.xd + point.cx;
+  point.v = point.fy * point.yd + point.cy;
+  for (const ModelEffect& effect : effects_) {
+    if (effect.definition->image_map) effect.definition->image_map(effect.values(), point);
+  }
+  if (!std::isfinite(point.u) || !std::isfinite(point.v)) point.visible = false;
+  return point;
+}
+
+std::optional<Vec3> Projection::unproject(double u, double v, double t_s, int channel) const {
+  // Newton's method over the direction, from the axis outwards along the undistorted guess.
+  const ImagePoint axis = project({0, 0, 1}, t_s, v, channel);
+  if (!axis.visible) return std::nullopt;
+  double x = (u - axis.u) / axis.fx;
+  double y = (v - axis.v) / axis.fy;
+  for (int shrink = 0; shrink < 8 && !project({x, y, 1}, t_s, v, channel).visible; ++shrink) x *= 0.7, y *= 0.7;
+  for (int step = 0; step < 30; ++step) {
+    const ImagePoint here = project({x, y, 1}, t_s, v, channel);
+    if (!here.visible) return std::nullopt;
+    const double error_u = u - here.u;
+    const double error_v = v - here.v;
+    if (std::abs(error_u) < 1e-10 && std::abs(error_v) < 1e-10) return Vec3{x, y, 1};
+    constexpr double kStep = 1e-6;
+    const ImagePoint px = project({x + kStep, y, 1}, t_s, v, channel);
+    const ImagePoint py = project({x, y + kStep, 1}, t_s, v, channel);
+    if (!px.visible || !py.visible) return std::nullopt;
+    const double a = (px.u - here.u) / kStep, b = (py.u - here.u) / kStep;
+    const double c = (px.v - here.v) / kStep, d = (py.v - here.v) / kStep;
+    const double determinant = a * d - b * c;
+    // A lens whose image folds back has no inverse there.
+    if (!(determinant * axis.fx * axis.fy > 0)) return std::nullopt;
+    double dx = (d * error_u - b * error_v) / determinant;
+    double dy = (a * error_v - c * error_u) / determinant;
+    for (int half = 0; half < 20 && !project({x + dx, y + dy, 1}, t_s, v, channel).visible; ++half) dx /= 2, dy /= 2;
+    x += dx, y += dy;
+  }
+  const ImagePoint end = project({x, y, 1}, t_s, v, channel);
+  if (!end.visible || std::abs(end.u - u) > 1e-6 || std::abs(end.v - v) > 1e-6) return std::nullopt;
+  return Vec3{x, y, 1};
+}
+
+Pose mount_of(const Model& model) {
+  Pose X_LC;
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->mount) effect.definition->mount(effect.values(), X_LC);
+  }
+  return X_LC * rotation(link_to_camera_axes());
+}
+
+double rho(double u, double v, int width_px, int height_px) {
+  const double du = u - 0.5 * (width_px - 1);
+  const double dv = v - 0.5 * (height_px - 1);
+  return std::sqrt((du * du + dv * dv) / (0.25 * width_px * width_px + 0.25 * height_px * height_px));
+}
+
+}  // namespace seam::effects

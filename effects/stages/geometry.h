@@ -1,0 +1,55 @@
+// Stages `mount` and `geometry`: from a point in the camera's frame to a point in the image.
+#pragma once
+
+#include <optional>
+
+#include "effects/model.h"
+#include "sim_core/base/pose.h"
+
+namespace seam::effects {
+
+// What geometry effects read and change, in this order: projection (pinhole sets the intrinsics;
+// fisheye replaces x, y), radial terms, tangential terms, focal length and principal point;
+// then u = fx xd + cx, v = fy yd + cy; then `image_map` hooks (expression effects) act on u, v.
+struct ImagePoint {
+  Vec3 p_C{0.0};        // The point (or a direction) in the camera's frame: x right, y down, z forward.
+  double x = 0, y = 0;  // Normalised pinhole coordinates p.x / p.z, p.y / p.z, before distortion.
+  double xd = 0, yd = 0;  // After distortion.
+  double fx = 0, fy = 0, cx = 0, cy = 0;  // Pixels.
+  double u = 0, v = 0;    // Pixels; (0, 0) is the centre of the top-left pixel.
+  double t_s = 0;         // Time of the observation since the set's reference.
+  double row = 0;         // The (distorted) row at which it is seen.
+  int channel = 1;        // 0 red, 1 green, 2 blue; grey is green.
+  int width_px = 0, height_px = 0;
+  bool visible = true;    // False when no image point exists (behind the camera, outside the
+                          // range in which the distortion is defined).
+};
+
+// The geometry of one model, ready to project many points.
+class Projection {
+ public:
+  Projection(const Model& model, int width_px, int height_px);
+
+  // The image point of a point in the camera's frame; invisible ones have `visible` false.
+  ImagePoint project(const Vec3& p_C, double t_s = 0, double row = 0, int channel = 1) const;
+
+  // The direction (z = 1, or a unit vector for fisheye) whose image is (u, v); nothing where the
+  // lens maps no ray to that point. Newton's method on `project`.
+  std::optional<Vec3> unproject(double u, double v, double t_s = 0, int channel = 1) const;
+
+  int width_px() const { return width_px_; }
+  int height_px() const { return height_px_; }
+
+ private:
+  std::vector<ModelEffect> effects_;  // Those with geometry or image_map hooks, in order.
+  int width_px_;
+  int height_px_;
+};
+
+// X_LC: the camera in its last link after mount effects (includes the camera's axes).
+Pose mount_of(const Model& model);
+
+// rho of the catalogue: distance from the image centre over half the diagonal.
+double rho(double u, double v, int width_px, int height_px);
+
+}  // namespace seam::effects

@@ -1,0 +1,117 @@
+#include "effects/stages/locomotion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_core/base/maths.h"
+
+namespace seam::effects {
+namespace {
+
+// After this many time constants the lag is over to double precision of a millimetre.
+constexpr double kLagIsOver = 30;
+
+BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& v) {
+  return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale), v.omega_radps * (1 + walk.omega_scale)};
+}
+
+double speed(const BodyVelocity& v) { return std::sqrt(v.vx_mps * v.vx_mps + v.vy_mps * v.vy_mps); }
+
+// The command as followed `t_s` after the state's time.
+BodyVelocity followed_after(const Locomotion& walk, const BodyVelocity& command, const WalkState& state, double t_s) {
+  if (walk.tau_s <= 0) return command;
+  const double fading = maths::exp(-t_s / walk.tau_s);
+  const auto mix = [&](double to, double from) { return to + (from - to) * fading; };
+  return {mix(command.vx_mps, state.followed.vx_mps), mix(command.vy_mps, state.followed.vy_mps),
+          mix(command.omega_radps, state.followed.omega_radps)};
+}
+
+struct Rates {
+  double x, y, theta, path;
+};
+
+// d(x, y, theta, path)/dt at a time and heading.
+Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkState& state, double t_s, double theta_rad) {
+  VelocitySample sample{.velocity = scaled(walk, followed_after(walk, command, state, t_s)),
+                        .theta_rad = theta_rad, .t_s = state.t_s + t_s};
+  sample.velocity.omega_radps += walk.heading_rad_per_m * speed(sample.velocity);
+  for (const ModelEffect& formula : walk.formulas) formula.definition->velocity_map(formula.values(), sample);
+  const BodyVelocity& v = sample.velocity;
+  const double c = maths::cos(theta_rad), s = maths::sin(theta_rad);
+  return {c * v.vx_mps - s * v.vy_mps, s * v.vx_mps + c * v.vy_mps, v.omega_radps, speed(v)};
+}
+
+// Fourth-order Runge-Kutta steps fine enough for lag, turn and formula; they grow as the lag fades.
+void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
+  const double turn = std::abs(command.omega_radps) + std::abs(state.followed.omega_radps) +
+                      std::abs(walk.heading_rad_per_m) * (speed(command) + speed(state.followed));
+  double longest = 0.1 / std::max(turn, 1e-3);
+  if (!walk.formulas.empty()) longest = std::min(longest, 0.02);
+  longest = std::max(longest, dt_s * 1e-4);
+  const WalkState start = state;
+  double t = 0;
+  while (t < dt_s) {
+    const double fading = walk.tau_s > 0 ? 0.125 * walk.tau_s + 0.15 * t : longest;
+    double h = std::min(longest, fading);
+    // No sliver at the end.
+    h = t + 1.01 * h >= dt_s ? dt_s - t : h;
+    const Rates a = rates_at(walk, command, start, t, state.theta_rad);
+    const Rates b = rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * a.theta);
+    const Rates c = rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * b.theta);
+    const Rates d = rates_at(walk, command, start, t + h, state.theta_rad + h * c.theta);
+    state.x_m += h / 6 * (a.x + 2 * b.x + 2 * c.x + d.x);
+    state.y_m += h / 6 * (a.y + 2 * b.y + 2 * c.y + d.y);
+    state.theta_rad += h / 6 * (a.theta + 2 * b.theta + 2 * c.theta + d.theta);
+    state.path_m += h / 6 * (a.path + 2 * b.path + 2 * c.path + d.path);
+    t = t + 1.01 * h >= dt_s ? dt_s : t + h;
+  }
+  state.followed = followed_after(walk, command, start, dt_s);
+  state.t_s = start.t_s + dt_s;
+}
+
+}  // namespace
+
+void move_along_arc(const BodyVelocity& v, double dt_s, double& x_m, double& y_m, double& theta_rad) {
+  const double turn = v.omega_radps * dt_s;
+  // sin(turn)/turn and (1 - cos(turn))/turn, by series where the quotient loses digits.
+  double along = 1 - turn * turn / 6, across = turn / 2 * (1 - turn * turn / 12);
+  if (std::abs(turn) > 1e-3) {
+    const double half_sine = maths::sin(turn / 2);
+    along = maths::sin(turn) / turn;
+    across = 2 * half_sine * half_sine / turn;
+  }
+  const double dx = (along * v.vx_mps - across * v.vy_mps) * dt_s;
+  const double dy = (across * v.vx_mps + along * v.vy_mps) * dt_s;
+  const double c = maths::cos(theta_rad), s = maths::sin(theta_rad);
+  x_m += c * dx - s * dy;
+  y_m += s * dx + c * dy;
+  theta_rad += turn;
+}
+
+Locomotion locomotion_of(const Model& model) {
+  Locomotion walk;
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->locomotion) effect.definition->locomotion(effect.values(), walk);
+    if (effect.definition->velocity_map) walk.formulas.push_back(effect);
+  }
+  return walk;
+}
+
+void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
+  if (dt_s <= 0) return;
+  double left_s = dt_s;
+  if (walk.tau_s > 0 || !walk.formulas.empty()) {
+    const double lagging_s = walk.formulas.empty() ? std::min(left_s, kLagIsOver * walk.tau_s) : left_s;
+    integrate(walk, command, lagging_s, state);
+    left_s -= lagging_s;
+  }
+  if (left_s <= 0) return;
+  BodyVelocity v = scaled(walk, command);
+  v.omega_radps += walk.heading_rad_per_m * speed(v);
+  move_along_arc(v, left_s, state.x_m, state.y_m, state.theta_rad);
+  state.path_m += speed(v) * left_s;
+  state.followed = command;
+  state.t_s += left_s;
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,51 @@
+// Stage `locomotion`: from commanded to true motion of the body. The command holds between its
+// changes; the velocity follows it with a lag, is scaled, and turns the body a little for each
+// metre of path. Constant velocities are integrated as exact arcs.
+#pragma once
+
+#include <vector>
+
+#include "effects/model.h"
+#include "sim_core/body/locomotion.h"
+
+namespace seam::effects {
+
+// What a locomotion formula (an expression effect) reads and changes.
+struct VelocitySample {
+  BodyVelocity velocity;
+  double theta_rad = 0;  // Heading.
+  double t_s = 0;        // Since the start of the run.
+};
+
+// What the locomotion effects of a model add up to.
+struct Locomotion {
+  double vx_scale = 0;
+  double vy_scale = 0;
+  double omega_scale = 0;
+  double heading_rad_per_m = 0;
+  double tau_s = 0;
+  // Random walk: independent steps in body x, y and theta, variance sigma^2 a metre of path.
+  double xy_sigma = 0;
+  double theta_sigma = 0;
+  std::vector<ModelEffect> formulas;  // Expression effects, in order.
+};
+
+Locomotion locomotion_of(const Model& model);
+
+struct WalkState {
+  double x_m = 0;
+  double y_m = 0;
+  double theta_rad = 0;      // Not wrapped.
+  BodyVelocity followed;     // The lagged command, before scales.
+  double path_m = 0;         // Walked since the start.
+  double t_s = 0;            // Since the start of the run.
+};
+
+// Walks for `dt_s` under a command that holds, without noise. Exact arcs where the velocity is
+// constant; with a lag or formulas Runge-Kutta steps whose error is below 10 micrometres.
+void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state);
+
+// Moves along the arc of a constant body velocity.
+void move_along_arc(const BodyVelocity& velocity, double dt_s, double& x_m, double& y_m, double& theta_rad);
+
+}  // namespace seam::effects

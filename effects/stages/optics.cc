@@ -1,0 +1,51 @@
+#include "effects/stages/optics.h"
+
+#include <cmath>
+
+#include "sim_core/base/maths.h"
+
+namespace seam::effects {
+
+Optics optics_of(const Model& model) {
+  Optics optics;
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->optics) effect.definition->optics(effect.values(), optics);
+  }
+  return optics;
+}
+
+GainField::GainField(const Model& model, Stage stage, int width_px, int height_px)
+    : width_px_(width_px), height_px_(height_px) {
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->gain && effect.definition->stage == stage) effects_.push_back(effect);
+  }
+}
+
+double GainField::at(double u, double v, double t_s, int channel) const {
+  const ImagePoint point{.u = u, .v = v, .t_s = t_s, .row = v, .channel = channel,
+                         .width_px = width_px_, .height_px = height_px_};
+  double gain = 1;
+  for (const ModelEffect& effect : effects_) {
+    gain *= effect.definition->gain(effect.values(), point);
+  }
+  return gain;
+}
+
+double lamp_brightness(const Model& model, const LightWindow& window) {
+  double light = 1;
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->light) light *= effect.definition->light(effect.values(), window);
+  }
+  return light;
+}
+
+bool lamps_flicker(const Model& model) {
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->light) return true;
+  }
+  return false;
+}
+
+double sinc(double x) { return std::abs(x) < 1e-8 ? 1.0 : maths::sin(x) / x; }
+
+}  // namespace seam::effects

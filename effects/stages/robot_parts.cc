@@ -1,0 +1,187 @@
+#include "effects/stages/robot_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "effects/stages/joint_track.h"
+#include "effects/stages/locomotion.h"
+#include "effects/stages/servo.h"
+#include "sim_core/base/error.h"
+#include "sim_core/body/joints.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::effects {
+namespace {
+
+// One command in force: the joint's state where it began to act, from which the motion is closed.
+struct Piece {
+  SimTime issued;
+  SimTime acts;
+  double command_rad = 0;
+  double speed_radps = 0;
+  bool rests = false;  // The first piece: no command acts.
+  ServoState state;
+
+  void visit(StateVisitor& visitor) {
+    visitor.field("issued", issued);
+    visitor.field("acts", acts);
+    visitor.field("command_rad", command_rad);
+    visitor.field("speed_radps", speed_radps);
+    visitor.field("rests", rests);
+    visitor.field("motor_rad", state.motor_rad);
+    visitor.field("motor_radps", state.motor_radps);
+    visitor.field("load_rad", state.load_rad);
+  }
+};
+
+class ServoActuator final : public JointActuator {
+ public:
+  ServoActuator(Model model, ServoModel servo, JointRole role, double initial_rad)
+      : model_(std::move(model)), servo_(std::move(servo)), role_(role) {
+    formulas_.swap(servo_.formulas);
+    const SimTime always = SimTime::from_ns(std::numeric_limits<int64_t>::min() / 4);
+    pieces_.push_back({always, always, initial_rad, 0, true, servo_at_rest(servo_, initial_rad)});
+  }
+
+  void command(SimTime time, double target_rad, double max_speed_radps) override {
+    while (pieces_.size() > 1 && pieces_.back().issued >= time) pieces_.pop_back();
+    const SimTime acts = time + SimDuration::from_s(servo_.latency_s);
+    pieces_.push_back({time, acts, target_rad, max_speed_radps, false, state_at(acts)});
+  }
+
+  double angle(SimTime time) const override {
+    const Piece& piece = piece_at(time);
+    const ServoState state = state_at(time);
+    JointSample sample{.q_rad = joint_angle(servo_, state), .rate_rad_per_s = state.motor_radps,
+                       .command_rad = piece.command_rad, .t_s = time.s(), .role = role_};
+    for (const ModelEffect& formula : formulas_) {
+      sample.q_rad = formula.definition->joint_map(formula.values(), sample);
+    }
+    return sample.q_rad;
+  }
+
+  double encoder(SimTime time) const override {
+    double q = state_at(time).motor_rad;
+    const auto& all = model_.effects();
+    for (auto effect = all.rbegin(); effect != all.rend(); ++effect) {
+      if (effect->definition->logged) q = effect->definition->logged(effect->values(), role_, q);
+    }
+    return q;
+  }
+
+  void forget_before(SimTime time) override {
+    size_t keep = 0;
+    while (keep + 1 < pieces_.size() && pieces_[keep + 1].acts <= time) ++keep;
+    pieces_.erase(pieces_.begin(), pieces_.begin() + static_cast<std::ptrdiff_t>(keep));
+  }
+
+  void visit(StateVisitor& visitor) override {
+    visitor.list("pieces", pieces_);
+    if (pieces_.empty()) throw InputError("snapshot: a joint without motion");
+  }
+
+ private:
+  const Piece& piece_at(SimTime time) const {
+    size_t i = pieces_.size() - 1;
+    while (i > 0 && pieces_[i].acts > time) --i;
+    return pieces_[i];
+  }
+  ServoState state_at(SimTime time) const {
+    const Piece& piece = piece_at(time);
+    ServoState state = piece.state;
+    if (piece.rests) return state;
+    ServoModel servo = servo_;
+    servo.rad_per_s = std::min(servo.rad_per_s, piece.speed_radps);
+    advance_servo(servo, piece.command_rad, (time - piece.acts).s(), state);
+    return state;
+  }
+
+  Model model_;
+  ServoModel servo_;  // Without its formulas, so that copies are cheap.
+  std::vector<ModelEffect> formulas_;
+  JointRole role_;
+  std::vector<Piece> pieces_;  // Never empty, ascending.
+};
+
+// The constant body velocity whose arc ends where this displacement ends.
+BodyVelocity velocity_of_arc(double dx_m, double dy_m, double turn_rad, double dt_s) {
+  double along = 1 - turn_rad * turn_rad / 6, across = turn_rad / 2;
+  if (std::abs(turn_rad) > 1e-3) {
+    const double half = maths::sin(turn_rad / 2);
+    along = maths::sin(turn_rad) / turn_rad;
+    across = 2 * half * half / turn_rad;
+  }
+  const double det = along * along + across * across;
+  return {(along * dx_m + across * dy_m) / det / dt_s, (along * dy_m - across * dx_m) / det / dt_s, turn_rad / dt_s};
+}
+
+class ModelLocomotion final : public LocomotionModel {
+ public:
+  ModelLocomotion(Locomotion walk, RandomStream noise) : walk_(std::move(walk)), noise_(noise.child("walk_noise")) {}
+
+  BodyVelocity velocity(const BodyVelocity& command, SimTime start, SimDuration step) override {
+    // From the origin each step; only the lag, and what formulas see, last longer.
+    WalkState state{.theta_rad = state_.theta_rad, .followed = state_.followed, .t_s = start.s()};
+    const double before_rad = state.theta_rad;
+    advance_walk(walk_, command, step.s(), state);
+    const double c = maths::cos(before_rad), s = maths::sin(before_rad);
+    double dx = c * state.x_m + s * state.y_m, dy = -s * state.x_m + c * state.y_m;
+    double turn = state.theta_rad - before_rad;
+    const double root = std::sqrt(std::max(0.0, state.path_m));
+    if (root > 0 && (walk_.xy_sigma > 0 || walk_.theta_sigma > 0)) {
+      const auto draw = [&](uint64_t i) { return root * normal(noise_, 3 * static_cast<uint64_t>(start.ns()) + i); };
+      dx += walk_.xy_sigma * draw(0);
+      dy += walk_.xy_sigma * draw(1);
+      turn += walk_.theta_sigma * draw(2);
+    }
+    state_ = {.theta_rad = before_rad + turn, .followed = state.followed};
+    return velocity_of_arc(dx, dy, turn, step.s());
+  }
+
+  void visit(StateVisitor& visitor) override {
+    visitor.field("theta_rad", state_.theta_rad);
+    state_.followed.visit(visitor);
+  }
+
+ private:
+  Locomotion walk_;
+  RandomStream noise_;
+  WalkState state_;
+};
+
+bool has_joint_effects(const Model& model) {
+  return std::any_of(model.effects().begin(), model.effects().end(), [](const ModelEffect& effect) {
+    const EffectDefinition& d = *effect.definition;
+    return d.servo || d.joint_map || d.logged;
+  });
+}
+
+}  // namespace
+
+std::unique_ptr<JointActuator> ModelParts::joint(const RobotSpec& robot, int joint, double initial_rad,
+                                                 RandomStream noise) const {
+  const auto found = models_.find(robot.id);
+  if (found == models_.end() || !has_joint_effects(found->second)) {
+    return RobotPartsFactory::joint(robot, joint, initial_rad, noise);
+  }
+  const Model& model = found->second;
+  const JointRole role = joint_role(std::string(kJointNames[static_cast<size_t>(joint)]));
+  ServoModel servo = servo_of(model);
+  const char* const widths[] = {"tilt_width_rad", "width_rad", "roll_width_rad"};
+  const ModelEffect* play = model.find("backlash");
+  servo.backlash_rad = play && role != JointRole::other ? play->value(widths[static_cast<int>(role)]) : 0;
+  return std::make_unique<ServoActuator>(model, std::move(servo), role, initial_rad);
+}
+
+std::unique_ptr<LocomotionModel> ModelParts::locomotion(const RobotSpec& robot, RandomStream noise) const {
+  const auto found = models_.find(robot.id);
+  const bool walks = found != models_.end() &&
+                     std::any_of(found->second.effects().begin(), found->second.effects().end(), [](const ModelEffect& e) {
+                       return e.definition->locomotion || e.definition->velocity_map;
+                     });
+  if (!walks) return RobotPartsFactory::locomotion(robot, noise);
+  return std::make_unique<ModelLocomotion>(locomotion_of(found->second), noise);
+}
+
+}  // namespace seam::effects

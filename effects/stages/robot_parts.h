@@ -1,0 +1,28 @@
+// The simulator's joints and legs as a model has them: the same solvers that predict measurements
+// move the robots, each by its own model.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "effects/model.h"
+#include "sim_core/world/world.h"
+
+namespace seam::effects {
+
+class ModelParts final : public RobotPartsFactory {
+ public:
+  // By robot id; a robot without one has joints with their speed limits and ideal walking.
+  explicit ModelParts(std::map<std::string, Model> models) : models_(std::move(models)) {}
+
+  // Servo effects act on every joint; the play of tilt and roll is that of `tilt_width_rad` and
+  // `roll_width_rad`, legs have none. The encoder sits on the motor, before play and sag.
+  std::unique_ptr<JointActuator> joint(const RobotSpec& robot, int joint, double initial_rad,
+                                       RandomStream noise) const override;
+  std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot, RandomStream noise) const override;
+
+ private:
+  std::map<std::string, Model> models_;
+};
+
+}  // namespace seam::effects

@@ -1,0 +1,38 @@
+// What a sensor makes of a signal in the file: mean, variance in time and the weights of fixed
+// patterns, tabulated over the signals of an image.
+#pragma once
+
+#include <vector>
+
+#include "effects/stages/sensor/sensor.h"
+
+namespace seam::measurement {
+
+struct Response {
+  double mean = 0;          // DN, averaged over fixed patterns and row noise.
+  double variance = 0;      // Of one value in time without row noise, DN^2; with rounding.
+  double offset_slope = 0;  // d mean / d offset: 1, less near clipping.
+  double gain_slope = 0;    // d mean / d log(signal), DN.
+  double hot_mean = 0;      // Mean of a hot sample.
+};
+
+class ResponseTable {
+ public:
+  // For signals (effects::signal_dn) from `low` to `high`; `colour` 0 red, 1 green, 2 blue.
+  ResponseTable(const effects::SensorChain& chain, const effects::SensorExposure& exposure, int colour,
+                double set_noise_dn, double low, double high);
+
+  Response at(double signal) const;
+
+ private:
+  Response compute(double signal) const;
+
+  effects::SensorChain chain_;
+  effects::SensorExposure exposure_;
+  int colour_;
+  double noise2_;
+  double low_ = 0, width_ = 1;
+  std::vector<Response> entries_;
+};
+
+}  // namespace seam::measurement

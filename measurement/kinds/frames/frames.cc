@@ -1,0 +1,360 @@
+// Kind `frames`: whole images, predicted by rendering them.
+#include "measurement/kinds/frames/frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "effects/stages/sensor/sensor.h"
+#include "effects/stages/timing.h"
+#include "measurement/imaging/converter_steps.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+bool is_spread(const EffectDefinition& effect) { return effect.spread_only; }
+
+effects::SensorExposure exposure_of(const Model& model, double t_s) {
+  return {.exposure_s = effects::timing_of(model).exposure_s, .t_s = t_s, .file_bits = 8};
+}
+
+}  // namespace
+
+FramesProblem::FramesProblem(const MeasurementSet& set)
+    : table_(set.table("frames")),
+      protocol_(set, table_),
+      store_(protocol_.frames(), protocol_.width_px(), protocol_.height_px(),
+             [this](const Model& model, const std::vector<size_t>& frames) { return protocol_.render(model, frames); }) {
+  const auto files = table_.texts("file");
+  for (size_t row = 0; row < table_.rows(); ++row) {
+    Image image = read_png(set.folder / files[row]);
+    if (image.width_px != protocol_.width_px() || image.height_px != protocol_.height_px() ||
+        image.channels != 3 || image.bits != 8) {
+      table_.fail(row, "file",
+                  fmt::format("an image of {} x {}, {} channels of {} bits", image.width_px,
+                              image.height_px, image.channels, image.bits),
+                  fmt::format("{} x {}, 3 channels of 8 bits", protocol_.width_px(),
+                              protocol_.height_px()));
+    }
+    images_.push_back(std::move(image.samples));
+    facts_.line_of_row.push_back(table_.line(row));
+    facts_.time_of_row.push_back((protocol_.stamp(row) - protocol_.reference()).s());
+  }
+  facts_.kind = "frames";
+  facts_.kind_bit = effects::kFrames;
+  facts_.title = set.title;
+  facts_.fingerprint = set.fingerprint();
+  facts_.file = table_.file();
+  const auto noise = set.noise.find("dn");
+  facts_.channels = {{.name = "dn", .noise = noise == set.noise.end() ? 0 : noise->second}};
+  facts_.group_of_row = number_groups(table_.texts(table_.has(set.group) ? set.group : "frame"), facts_.groups);
+  samples_ = images_.front().size();
+  facts_.channel_of.assign(samples_ * images_.size(), 0);
+  for (size_t row = 0; row < images_.size(); ++row) facts_.row_of.insert(facts_.row_of.end(), samples_, static_cast<int>(row));
+}
+
+std::vector<size_t> FramesProblem::frames_of(const Groups& groups) const {
+  std::vector<size_t> frames;
+  for (size_t f = 0; f < images_.size(); ++f) {
+    if (groups[facts_.group_of_row[f]]) frames.push_back(f);
+  }
+  return frames;
+}
+
+Evaluation FramesProblem::evaluate(const Model& model, const Groups& groups, const Evaluation*) const {
+  Evaluation out;
+  const size_t n = facts_.scalars();
+  out.used.assign(n, 0);
+  for (auto* v : {&out.residual, &out.whitened, &out.sigma}) v->assign(n, 0);
+  out.log_det.assign(facts_.groups.size(), 0);
+  const std::vector<size_t> frames = frames_of(groups);
+  std::vector<LightImage> light;
+  try {
+    light = store_.light(model, frames);
+  } catch (const InputError&) {
+    out.valid = false;  // No image: the lens cannot be inverted over it.
+    return out;
+  }
+  const effects::SensorChain chain = effects::sensor_of(model);
+  float low = std::numeric_limits<float>::max(), high = 0;
+  for (const LightImage& image : light) {
+    const auto [least, most] = std::minmax_element(image->begin(), image->end());
+    low = std::min(low, *least), high = std::max(high, *most);
+  }
+  std::vector<ResponseTable> tables;
+  for (size_t k = 0; k < frames.size(); ++k) {
+    const effects::SensorExposure exposure = exposure_of(model, facts_.time_of_row[frames[k]]);
+    // Only maps of time give each frame a response of its own; a table costs as much as a frame.
+    if (tables.empty() || !chain.maps.empty()) {
+      tables.clear();
+      for (int c = 0; c < 3; ++c) {
+        tables.emplace_back(chain, exposure, c, facts_.channels[0].noise, effects::signal_dn(chain, low, exposure),
+                            effects::signal_dn(chain, high, exposure));
+      }
+    }
+    predict_frame(chain, tables, effects::signal_dn(chain, 1, exposure), frames[k], *light[k], out);
+  }
+  whiten(chain, frames, out);
+  return out;
+}
+
+// Residuals of a frame and their sigmas from the sensor alone.
+void FramesProblem::predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables,
+                                  double scale, size_t frame, const std::vector<float>& light, Evaluation& out) const {
+  const size_t first = frame * samples_;
+  const double offset2 = chain.pixel_offset_sigma_dn * chain.pixel_offset_sigma_dn +
+                         chain.hot_fraction * (1 - chain.hot_fraction) * chain.hot_level_dn * chain.hot_level_dn;
+  const double hot_mean = chain.hot_fraction * chain.hot_level_dn;
+  for (size_t i = 0; i < samples_; ++i) {
+    const Response response = tables[i % 3].at(scale * light[i]);
+    const double gain = chain.pixel_gain_sigma * response.gain_slope;
+    const double slope2 = response.offset_slope * response.offset_slope;
+    out.residual[first + i] = images_[frame][i] - response.mean - hot_mean;
+    out.sigma[first + i] = std::sqrt(response.variance + gain * gain + offset2 * slope2);
+  }
+}
+
+// Of the predicted images.
+std::vector<ImageSlope> FramesProblem::slopes_of(const std::vector<size_t>& frames, const Evaluation& here) const {
+  std::vector<ImageSlope> slopes;
+  std::vector<float> predicted(samples_);
+  for (const size_t frame : frames) {
+    const double* residual = &here.residual[frame * samples_];
+    for (size_t i = 0; i < samples_; ++i) predicted[i] = static_cast<float>(images_[frame][i] - residual[i]);
+    slopes.push_back(image_slope(predicted, protocol_.width_px(), protocol_.height_px()));
+  }
+  return slopes;
+}
+
+// Adds the renderers' difference to each sample's sigma, then whitens what samples share.
+void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames, Evaluation& out) const {
+  constexpr double shift2 = kRendererShiftPx * kRendererShiftPx;
+  std::vector<ImageSlope> slopes = slopes_of(frames, out);
+  for (size_t k = 0; k < frames.size(); ++k) {
+    const size_t first = frames[k] * samples_;
+    double& log_det = out.log_det[facts_.group_of_row[frames[k]]];
+    for (size_t i = 0; i < samples_; ++i) {
+      const double right = slopes[k].right[i], down = slopes[k].down[i];
+      double& sigma = out.sigma[first + i];
+      const double variance = sigma * sigma + shift2 * (right * right + down * down);
+      sigma = std::sqrt(variance);
+      if (left_out(first + i)) continue;
+      out.used[first + i] = 1;
+      out.whitened[first + i] = out.residual[first + i] / sigma;
+      log_det += std::log(variance);
+    }
+  }
+  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), chain, frames, std::move(slopes), out);
+  errors.whiten(out.whitened);
+  for (size_t k = 0; k < frames.size(); ++k) out.log_det[facts_.group_of_row[frames[k]]] += errors.log_det(k);
+}
+
+// Differences large enough that the renderer's own sampling of edges does not show: about a third
+// of the noise, root mean square, on the first frame.
+double FramesProblem::step_of(const Model& model, const Unknown& unknown, const Groups& groups) const {
+  const std::string key = fmt::format("{}.{}", unknown.effect, unknown.parameter);
+  {
+    const std::scoped_lock lock(steps_mutex_);
+    if (const auto known = steps_.find(key); known != steps_.end()) return known->second;
+  }
+  const double step = find_step(model, unknown, groups);
+  const std::scoped_lock lock(steps_mutex_);
+  return steps_.try_emplace(key, step).first->second;
+}
+
+double FramesProblem::find_step(const Model& model, const Unknown& unknown, const Groups& groups) const {
+  const auto& parameter = model.find(unknown.effect)->definition->parameters[unknown.parameter];
+  const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
+  Groups one(groups.size(), 0);
+  const std::vector<size_t> frames = frames_of(groups);
+  if (frames.empty()) return 0;
+  one[facts_.group_of_row[frames[frames.size() / 2]]] = 1;
+  const Evaluation here = evaluate(model, one);
+  double h = 0.02 * std::min(parameter.scale, std::max(1.0, std::abs(parameter.scale)));
+  double coarse = 0;  // A step that changes much.
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    if (value + h > parameter.max) h = -h;
+    Model moved = model;
+    moved.set_value(unknown.effect, unknown.parameter, value + h);
+    const Evaluation there = evaluate(moved, one);
+    if (!there.valid) {
+      h *= 0.1;
+      continue;
+    }
+    double square = 0, count = 0;
+    for (size_t i = 0; i < here.used.size(); ++i) {
+      if (!here.used[i]) continue;
+      const double d = (there.residual[i] - here.residual[i]) / here.sigma[i];
+      square += d * d, count += 1;
+    }
+    const double rms = std::sqrt(square / std::max(count, 1.0));
+    if (rms > 0.1 && rms < 1) break;
+    // Rounding hides smaller ones: a limit of clipped samples.
+    if (rms < 1e-9 && coarse > 0) return coarse;
+    if (rms >= 1) coarse = std::abs(h);
+    const double most = 0.5 * (parameter.max - parameter.min);
+    h = std::min(std::abs(h) * std::clamp(0.3 / std::max(rms, 1e-9), 0.02, 30.0), std::max(most, 1e-12));
+  }
+  return h;
+}
+
+std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, const std::vector<Unknown>& unknowns,
+                                                         const Groups& groups, const Evaluation& here) const {
+  std::vector<std::vector<double>> columns;
+  double chi2 = 0, count = 0;
+  for (size_t i = 0; i < here.used.size(); ++i) {
+    if (here.used[i]) chi2 += here.whitened[i] * here.whitened[i], count += 1;
+  }
+  const bool far = chi2 > 2 * count;
+  const std::vector<size_t> frames = frames_of(groups);
+  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), effects::sensor_of(model), frames,
+                           slopes_of(frames, here), here);
+  for (const Unknown& unknown : unknowns) {
+    const auto& parameter = model.find(unknown.effect)->definition->parameters[unknown.parameter];
+    const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
+    double h = step_of(model, unknown, groups);
+    if (value + h > parameter.max || value + h < parameter.min) h = -h;
+    std::vector<double> column(facts_.scalars(), 0);
+    Model moved = model;
+    moved.set_value(unknown.effect, unknown.parameter, value + h);
+    const Evaluation plus = evaluate(moved, groups);
+    // Far from the truth one side will do.
+    const bool both = !far && value - h >= parameter.min && value - h <= parameter.max;
+    Evaluation minus;
+    if (both) {
+      moved.set_value(unknown.effect, unknown.parameter, value - h);
+      minus = evaluate(moved, groups);
+    }
+    const bool central = both && minus.valid;
+    for (size_t i = 0; i < column.size() && plus.valid; ++i) {
+      if (!here.used[i]) continue;
+      const double rise = central ? (plus.residual[i] - minus.residual[i]) / 2 : plus.residual[i] - here.residual[i];
+      column[i] = rise / h / here.sigma[i];
+    }
+    errors.whiten(column);
+    columns.push_back(std::move(column));
+  }
+  return columns;
+}
+
+// Groups of `count` training frames, evenly spread.
+Groups FramesProblem::some_training_frames(size_t count) const {
+  Groups groups(facts_.groups.size(), 0);
+  const std::vector<size_t> training = frames_of(training_groups());
+  count = std::min(count, training.size());
+  for (size_t k = 0; k < count; ++k) groups[facts_.group_of_row[training[k * training.size() / count]]] = 1;
+  return groups;
+}
+
+std::optional<Groups> FramesProblem::screening_groups() const { return some_training_frames(3); }
+
+// Two right renderers displace edges, each sample by its own amount and all by a common one, up to
+// twice kRendererShiftPx. What differs by no more than that, beside an edge or on it, cannot be told
+// apart, however many samples say so.
+bool FramesProblem::is_visible(const Model& a, const Model& b) const {
+  constexpr double kShare = 0.02;
+  constexpr double kAccuracy2 = 4 * kRendererShiftPx * kRendererShiftPx;
+  const Groups groups = some_training_frames(3);
+  const Evaluation before = evaluate(a, groups), after = evaluate(b, groups);
+  if (!before.valid || !after.valid) return true;
+  const std::vector<size_t> frames = frames_of(groups);
+  const std::vector<ImageSlope> slopes = slopes_of(frames, before);
+  double mean_excess = 0, mean_accuracy = 0, spread_change = 0, spread_accuracy = 0;
+  for (size_t k = 0; k < frames.size(); ++k) {
+    const std::vector<float> square = steepest_nearby(slopes[k], protocol_.width_px(), protocol_.height_px());
+    for (size_t i = 0; i < samples_; ++i) {
+      const size_t at = frames[k] * samples_ + i;
+      const double tolerance = kAccuracy2 * square[i];
+      const double mean = after.residual[at] - before.residual[at];
+      const double spread = after.sigma[at] * after.sigma[at] - before.sigma[at] * before.sigma[at];
+      mean_excess += std::max(0.0, mean * mean - tolerance);
+      mean_accuracy += tolerance;
+      const double right = slopes[k].right[i], down = slopes[k].down[i];
+      spread_change += std::abs(spread);
+      spread_accuracy += kAccuracy2 * (right * right + down * down);
+    }
+  }
+  // Errors at edges look like a spread of all bright samples: only the sums can be compared.
+  return mean_excess > kShare * mean_accuracy || spread_change > spread_accuracy;
+}
+
+std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const EffectDefinition& effect) const {
+  std::vector<double> start;
+  for (const auto& parameter : effect.parameters) {
+    double value = parameter.neutral;
+    if (!std::isfinite(value)) value = 20 * parameter.scale;
+    else if (is_spread(effect) && !parameter.integer) value += 0.3 * parameter.scale;
+    else if (!parameter.integer && parameter.min >= parameter.neutral) value += 0.02 * parameter.scale;
+    start.push_back(std::clamp(value, std::min(parameter.min, value), parameter.max));
+  }
+  if (std::all_of(effect.parameters.begin(), effect.parameters.end(), [](const auto& p) { return p.integer; })) {
+    if (effect.name != "quantisation") return {};
+    std::vector<std::vector<double>> choices;
+    for (int bits = std::max(4, fewest_bits(images_, 8)); bits < 8; ++bits) choices.push_back({static_cast<double>(bits)});
+    return choices;
+  }
+  if (is_spread(effect)) return {start};
+  if (effect.name == "lamp_flicker") return {flicker_start(model)};
+  // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried.
+  const Groups few = some_training_frames(2);
+  const auto likelihood = [&](const std::vector<double>& values) {
+    std::vector<effects::ParameterValue> given;
+    for (const double value : values) given.push_back({.value = value});
+    Model tried = model;
+    tried.set(std::make_shared<const EffectDefinition>(effect), std::move(given));
+    const Score score = Problem::score(tried, few);
+    return score.valid && std::isfinite(score.log_likelihood) ? score.log_likelihood : -std::numeric_limits<double>::infinity();
+  };
+  if (effect.name == "saturation") {
+    // A limit that the light never reaches has no slope: it is sought from the brightest sample down.
+    double highest = 0;
+    for (const size_t frame : frames_of(few)) {
+      for (const uint16_t dn : images_[frame]) highest = std::max<double>(highest, dn);
+    }
+    start = {highest};
+    double start_value = likelihood(start);
+    for (const double share : {0.99, 0.97, 0.94, 0.9, 0.8, 0.7}) {
+      const double there = likelihood({share * highest});
+      if (there > start_value) start_value = there, start = {share * highest};
+    }
+    // A limit that brings nothing anywhere is none.
+    if (start_value < Problem::score(model, few).log_likelihood + 10) return {};
+    return {start};
+  }
+  std::vector<double> best = start;
+  double best_value = likelihood(start) + 10;
+  for (size_t i = 0; i < start.size(); ++i) {
+    const auto& parameter = effect.parameters[i];
+    for (const double size : {0.5, -0.5, 2.0, -2.0, 6.0, -6.0}) {
+      std::vector<double> values = start;
+      values[i] = (std::isfinite(parameter.neutral) ? parameter.neutral : start[i]) + size * parameter.scale;
+      if (values[i] < parameter.min || values[i] > parameter.max) continue;
+      const double there = likelihood(values);
+      if (there > best_value) best_value = there, best = values;
+    }
+  }
+  return {best};
+}
+
+bool FramesProblem::acts(const EffectDefinition& effect) const {
+  // Spreads in time and angle have no closed form over whole images.
+  if (effect.name == "frame_jitter" || effect.name == "encoder_quantisation" || effect.name == "frame_sync") return false;
+  return Problem::acts(effect);
+}
+
+void FramesProblem::check_model(const Model& model) const {
+  if (!model.has("pinhole") && !model.has("fisheye")) {
+    throw InputError(fmt::format("model '{}': pinhole is missing: a set of frames needs a projection", model.name()));
+  }
+}
+
+std::vector<char> FramesProblem::find_outliers(const Model&) const { return std::vector<char>(facts_.scalars(), 0); }
+
+Kind frames_kind() {
+  return {.name = "frames",
+          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> { return std::make_unique<FramesProblem>(set); },
+          .measure = measure_frames};
+}
+
+}  // namespace seam::measurement

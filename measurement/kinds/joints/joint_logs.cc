@@ -1,0 +1,169 @@
+// Reading servo logs, and predicting them.
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "effects/stages/servo.h"
+#include "measurement/kinds/joints/joints.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+// Angles beyond this are a wrong unit or a broken log.
+constexpr double kLargestAngle_rad = 1e4;
+
+void check_angles(const CsvTable& table, const std::vector<double>& values, const char* column) {
+  for (size_t row = 0; row < values.size(); ++row) {
+    if (std::abs(values[row]) > kLargestAngle_rad) {
+      table.fail(row, column, table.cell(row, column), "an angle in radians");
+    }
+  }
+}
+
+// The joint's angle as its encoder logs it: catalogue encoders, in reverse order of composition.
+double logged_angle(const Model& model, effects::JointRole role, double q_rad) {
+  const auto& all = model.effects();
+  for (auto effect = all.rbegin(); effect != all.rend(); ++effect) {
+    if (effect->definition->logged) q_rad = effect->definition->logged(effect->values(), role, q_rad);
+  }
+  return q_rad;
+}
+
+// Values of a formula's extra columns in one row.
+struct FormulaColumns {
+  std::vector<double> values;
+  explicit FormulaColumns(const JointLog& log) : values(log.columns.size()) {}
+  void load(const JointLog& log, size_t k) {
+    for (size_t c = 0; c < values.size(); ++c) values[c] = log.columns[c][k];
+  }
+};
+
+}  // namespace
+
+JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column, bool measured) {
+  const auto times = table.times_ns("time_s");
+  const auto commands = table.numbers("command_rad");
+  const auto joints = table.texts("joint");
+  const auto runs = table.texts(table.has("run") ? "run" : group_column);
+  check_angles(table, commands, "command_rad");
+  std::vector<double> angles(table.rows(), 0);
+  if (measured) {
+    angles = table.numbers("measured_rad");
+    check_angles(table, angles, "measured_rad");
+  }
+  std::vector<double> enable(table.rows(), 1);
+  if (table.has("torque_enable")) enable = table.numbers("torque_enable");
+  JointLogs set;
+  set.column_names = table.extra_numeric_columns({"run", "time_s", "joint", "command_rad", "measured_rad", group_column});
+  std::vector<std::vector<double>> columns;
+  for (const std::string& name : set.column_names) columns.push_back(table.numbers(name));
+  std::unordered_map<std::string, size_t> place;  // Only looked up.
+  std::vector<int64_t> first_ns, last_ns;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    if (joints[row].empty()) table.fail(row, "joint", "", "the joint's name");
+    const auto [found, is_new] = place.try_emplace(runs[row] + "\n" + joints[row], set.logs.size());
+    if (is_new) {
+      JointLog log{.joint = joints[row]};
+      const auto role = effects::joint_role(joints[row]);
+      log.role = role == effects::JointRole::other ? effects::JointRole::pan : role;
+      log.columns.resize(columns.size());
+      set.logs.push_back(std::move(log));
+      first_ns.push_back(times[row]);
+      last_ns.push_back(times[row] - 1);
+    }
+    const size_t i = found->second;
+    JointLog& log = set.logs[i];
+    if (times[row] <= last_ns[i]) {
+      table.fail(row, "time_s", table.cell(row, "time_s"), "a later time than the row before it in its run");
+    }
+    last_ns[i] = times[row];
+    log.rows.push_back(row);
+    log.time_s.push_back(static_cast<double>(times[row] - first_ns[i]) * 1e-9);
+    log.command_rad.push_back(commands[row]);
+    log.measured_rad.push_back(angles[row]);
+    log.enabled.push_back(enable[row] != 0);
+    for (size_t c = 0; c < columns.size(); ++c) log.columns[c].push_back(columns[c][row]);
+  }
+  return set;
+}
+
+std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log, double start_rad) {
+  const effects::ServoModel servo = effects::servo_of(model);
+  FormulaColumns columns(log);
+  effects::JointSample sample{.role = log.role, .extra_names = &set.column_names, .extra_values = columns.values.data()};
+  // What the log shows when the joint (before formulas) is at q.
+  const auto shown = [&](double q, double rate, double command, size_t k) {
+    if (!servo.formulas.empty()) {
+      columns.load(log, k);
+      sample.q_rad = q, sample.rate_rad_per_s = rate, sample.command_rad = command, sample.t_s = log.time_s[k];
+      for (const auto& formula : servo.formulas) sample.q_rad = formula.definition->joint_map(formula.values(), sample);
+      q = sample.q_rad;
+    }
+    return logged_angle(model, log.role, q);
+  };
+  // At rest where the log shows start_rad: a fixed point, since formulas and encoders change angles little.
+  double start = start_rad;
+  for (int step = 0; step < 40; ++step) {
+    const double miss = start_rad - shown(start, 0, start_rad, 0);
+    if (!(std::abs(miss) > 1e-14)) break;
+    start += miss;
+  }
+  if (!std::isfinite(start)) start = start_rad;
+  effects::Servo joint(servo, log.time_s.front(), start);
+  std::vector<double> angles(log.time_s.size());
+  double before = start;
+  for (size_t k = 0; k < angles.size(); ++k) {
+    joint.advance_to(log.time_s[k]);
+    const double q = joint.joint_rad();
+    const double rate = k == 0 ? 0 : (q - before) / (log.time_s[k] - log.time_s[k - 1]);
+    angles[k] = shown(q, rate, joint.acting_command_rad(), k);
+    before = q;
+    joint.command(log.time_s[k], log.command_rad[k], log.enabled[k] != 0);
+  }
+  return angles;
+}
+
+double noise_from_neighbours(const std::vector<std::vector<double>>& time_s, const std::vector<std::vector<double>>& values) {
+  std::vector<double> misses;
+  double smallest_step = INFINITY;
+  for (size_t s = 0; s < values.size(); ++s) {
+    const auto& t = time_s[s];
+    const auto& x = values[s];
+    for (size_t k = 2; k + 2 < x.size(); ++k) {
+      // Lagrange's cubic through the two neighbours on either side.
+      double miss = x[k], weight2 = 1;
+      for (const size_t a : {k - 2, k - 1, k + 1, k + 2}) {
+        double weight = 1;
+        for (const size_t b : {k - 2, k - 1, k + 1, k + 2}) {
+          if (b != a) weight *= (t[k] - t[b]) / (t[a] - t[b]);
+        }
+        miss -= weight * x[a];
+        weight2 += weight * weight;
+      }
+      misses.push_back(std::abs(miss) / std::sqrt(weight2));
+    }
+    for (size_t k = 1; k < x.size(); ++k) {
+      const double step = std::abs(x[k] - x[k - 1]);
+      if (step > 1e-12) smallest_step = std::min(smallest_step, step);
+    }
+  }
+  const double floor = std::isfinite(smallest_step) ? smallest_step / std::sqrt(12.0) : 1e-9;
+  if (misses.empty()) return floor;
+  std::sort(misses.begin(), misses.end());
+  double sigma = misses[misses.size() / 2] / 0.6745;
+  if (sigma < floor) return floor;
+  // The clipped root mean square uses more of the data than the median; 0.9733 is what clipping a
+  // Gaussian at 3 sigma leaves of its variance, as a share of the rows kept.
+  for (int round = 0; round < 10; ++round) {
+    double sum2 = 0;
+    size_t n = 0;
+    while (n < misses.size() && misses[n] <= 3 * sigma) sum2 += misses[n] * misses[n], ++n;
+    const double next = std::sqrt(sum2 / (0.9733 * static_cast<double>(n)));
+    if (std::abs(next - sigma) < 1e-9 * sigma) break;
+    sigma = next;
+  }
+  return std::max(sigma, floor);
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,228 @@
+#include "measurement/kinds/joints/joints.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/stages/servo.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+// Slope and value at row k of a parabola through the rows around it, without row k itself, so that
+// its own noise is not in its covariates.
+struct Around {
+  double value = NAN, slope = NAN, curvature = NAN;
+};
+
+Around parabola_around(const std::vector<double>& t, const std::vector<double>& x, size_t k) {
+  constexpr size_t kReach = 4;
+  double s[5] = {}, b[3] = {};
+  size_t n = 0;
+  const size_t from = k >= kReach ? k - kReach : 0, to = std::min(t.size(), k + kReach + 1);
+  for (size_t i = from; i < to; ++i) {
+    if (i == k) continue;
+    const double d = t[i] - t[k];
+    double power = 1;
+    for (int p = 0; p < 5; ++p, power *= d) {
+      s[p] += power;
+      if (p < 3) b[p] += power * x[i];
+    }
+    ++n;
+  }
+  if (n < 3) return {};
+  const double m[3][3] = {{s[0], s[1], s[2]}, {s[1], s[2], s[3]}, {s[2], s[3], s[4]}};
+  const auto minor = [&](int r0, int r1, int c0, int c1) { return m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0]; };
+  const double det = m[0][0] * minor(1, 2, 1, 2) - m[0][1] * minor(1, 2, 0, 2) + m[0][2] * minor(1, 2, 0, 1);
+  if (!(std::abs(det) > 0)) return {};
+  // Cramer's rule, symmetric matrix.
+  const double i00 = minor(1, 2, 1, 2), i01 = -minor(1, 2, 0, 2), i02 = minor(1, 2, 0, 1);
+  const double i11 = minor(0, 2, 0, 2), i12 = -minor(0, 2, 0, 1), i22 = minor(0, 1, 0, 1);
+  return {(i00 * b[0] + i01 * b[1] + i02 * b[2]) / det, (i01 * b[0] + i11 * b[1] + i12 * b[2]) / det,
+          2 * (i02 * b[0] + i12 * b[1] + i22 * b[2]) / det};
+}
+
+}  // namespace
+
+JointsProblem::JointsProblem(const MeasurementSet& set) {
+  const CsvTable table = set.table("joints");
+  if (table.rows() == 0) throw InputError(fmt::format("{}: no rows, expected observations", table.file()));
+  set_ = read_joint_logs(table, set.group, true);
+  describe(set, table);
+  add_covariates();
+  look_for_steps();
+}
+
+void JointsProblem::describe(const MeasurementSet& set, const CsvTable& table) {
+  facts_.kind = "joints";
+  facts_.kind_bit = effects::kJoints;
+  facts_.title = set.title;
+  facts_.fingerprint = set.fingerprint();
+  facts_.file = table.file();
+  facts_.group_of_row = number_groups(table.texts(set.group), facts_.groups);
+  facts_.time_of_row.resize(table.rows());
+  facts_.series_of_row.resize(table.rows());
+  for (size_t row = 0; row < table.rows(); ++row) {
+    facts_.line_of_row.push_back(table.line(row));
+    facts_.row_of.push_back(static_cast<int>(row));
+    facts_.channel_of.push_back(0);
+  }
+  std::vector<std::vector<double>> times, values;
+  for (size_t i = 0; i < set_.logs.size(); ++i) {
+    const JointLog& log = set_.logs[i];
+    for (size_t k = 0; k < log.rows.size(); ++k) {
+      facts_.time_of_row[log.rows[k]] = log.time_s[k];
+      facts_.series_of_row[log.rows[k]] = static_cast<int>(i);
+      const int group = facts_.group_of_row[log.rows[k]];
+      if (group != facts_.group_of_row[log.rows[0]]) {
+        table.fail(log.rows[k], set.group, table.cell(log.rows[k], set.group), "one group a run");
+      }
+    }
+    times.push_back(log.time_s);
+    values.push_back(log.measured_rad);
+  }
+  Channel channel{.name = "measured_rad"};
+  const auto given = set.noise.find("measured_rad");
+  channel.estimated = given == set.noise.end();
+  channel.noise = channel.estimated ? noise_from_neighbours(times, values) : given->second;
+  facts_.channels = {channel};
+}
+
+void JointsProblem::add_covariates() {
+  const size_t rows = facts_.rows();
+  std::vector<std::string> names;  // Of joints, in order of appearance.
+  for (const JointLog& log : set_.logs) {
+    if (std::find(names.begin(), names.end(), log.joint) == names.end()) names.push_back(log.joint);
+  }
+  const auto blank = [&] { return std::vector<double>(rows, NAN); };
+  auto time = blank(), command = blank(), command_rate = blank();
+  std::map<std::string, std::vector<double>> angle, rate, sign, acceleration;
+  for (const std::string& name : names) {
+    angle[name] = rate[name] = sign[name] = acceleration[name] = blank();
+  }
+  for (const JointLog& log : set_.logs) {
+    for (size_t k = 0; k < log.rows.size(); ++k) {
+      const size_t row = log.rows[k];
+      Around around = parabola_around(log.time_s, log.measured_rad, k);
+      // A run of one or two rows: as if at rest at its command.
+      if (!std::isfinite(around.value)) around = {log.command_rad[k], 0, 0};
+      time[row] = log.time_s[k];
+      command[row] = k == 0 ? log.command_rad[0] : log.command_rad[k - 1];
+      command_rate[row] = k == 0 ? 0 : (log.command_rad[k] - log.command_rad[k - 1]) / (log.time_s[k] - log.time_s[k - 1]);
+      angle[log.joint][row] = around.value;
+      rate[log.joint][row] = around.slope;
+      acceleration[log.joint][row] = around.curvature;
+      // Slower than its own uncertainty (noise over the reach of some rows) counts as at rest.
+      const size_t near = std::min<size_t>(k + 1, log.rows.size() - 1), far = k > 0 ? k - 1 : 0;
+      const double dt = near > far ? (log.time_s[near] - log.time_s[far]) / static_cast<double>(near - far) : 1;
+      const double slowest = 3 * facts_.channels[0].noise / (dt * 7.7);
+      sign[log.joint][row] = std::abs(around.slope) < slowest ? 0 : std::copysign(1, around.slope);
+    }
+  }
+  const auto add = [&](std::string name, Covariate::Type type, std::vector<double> values, bool products) {
+    facts_.covariates.push_back({std::move(name), type, std::move(values), products});
+  };
+  add("time", Covariate::Type::smooth, std::move(time), true);
+  for (const std::string& name : names) {
+    add(name, Covariate::Type::smooth, angle[name], true);
+    add(name + "_rate", Covariate::Type::smooth, rate[name], true);
+    add("sign(" + name + "_rate)", Covariate::Type::sign, sign[name], true);
+    add(name + "_acceleration", Covariate::Type::smooth, acceleration[name], false);
+  }
+  add("command_rad", Covariate::Type::smooth, std::move(command), false);
+  add("command_rate", Covariate::Type::smooth, std::move(command_rate), false);
+  for (size_t c = 0; c < set_.column_names.size(); ++c) {
+    auto values = blank();
+    for (const JointLog& log : set_.logs) {
+      for (size_t k = 0; k < log.rows.size(); ++k) values[log.rows[k]] = log.columns[c][k];
+    }
+    add(set_.column_names[c], Covariate::Type::smooth, std::move(values), true);
+  }
+}
+
+double JointsProblem::evaluate_log(const Model& model, const JointLog& log, double sigma_rad,
+                                   std::vector<double>& residual) const {
+  const double seen = log.measured_rad.front();
+  const size_t n = log.rows.size();
+  const auto chi2_of = [&](const std::vector<double>& predicted) {
+    double sum = 0;
+    for (size_t k = 0; k < n; ++k) {
+      if (left_out(log.rows[k])) continue;
+      const double miss = log.measured_rad[k] - predicted[k];
+      sum += miss * miss;
+    }
+    return sum;
+  };
+  std::vector<double> predicted = predict_joint_log(model, set_, log, seen);
+  const double h = sigma_rad;
+  const std::vector<double> moved = predict_joint_log(model, set_, log, seen + h);
+  double along = 0, norm = 0;
+  for (size_t k = 0; k < n; ++k) {
+    if (left_out(log.rows[k])) continue;
+    const double slope = (moved[k] - predicted[k]) / h;
+    along += slope * (log.measured_rad[k] - predicted[k]);
+    norm += slope * slope;
+  }
+  // The start is measured as well: a model that fails later must not move it far from there.
+  double start = norm > 0 ? std::clamp(along / norm, -4 * sigma_rad, 4 * sigma_rad) : 0;
+  if (start != 0) {
+    std::vector<double> better = predict_joint_log(model, set_, log, seen + start);
+    if (chi2_of(better) < chi2_of(predicted)) predicted = std::move(better);
+    else start = 0;
+  }
+  for (size_t k = 0; k < n; ++k) residual[log.rows[k]] = log.measured_rad[k] - predicted[k];
+  return start;
+}
+
+Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups, const Evaluation*) const {
+  Evaluation evaluation;
+  const size_t n = facts_.scalars();
+  evaluation.residual.assign(n, 0);
+  effects::JointTrack track;
+  effects::apply_encoder_effects(model, track);
+  const double step = std::min(track.quantisation_step_rad, largest_step_rad_), noise = facts_.channels[0].noise;
+  const double sigma = step == 0 ? noise : std::sqrt(noise * noise + step * step / 12);
+  evaluation.sigma.assign(n, sigma);
+  for (const JointLog& log : set_.logs) {
+    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
+    evaluation.nuisance_values.push_back(evaluate_log(model, log, sigma, evaluation.residual));
+    ++evaluation.nuisances;
+  }
+  for (const double r : evaluation.residual) evaluation.valid &= std::isfinite(r);
+  if (lattice_rad_ > 0 && step > 0.99 * lattice_rad_ && noise < lattice_rad_) round_to_lattice(noise, evaluation);
+  whiten_diagonal(*this, groups, evaluation);
+  return evaluation;
+}
+
+void JointsProblem::check_model(const Model& model) const {
+  for (const auto& effect : model.effects()) {
+    for (const std::string& column : effect.definition->columns) {
+      const auto& known = set_.column_names;
+      if (std::find(known.begin(), known.end(), column) != known.end()) continue;
+      throw InputError(fmt::format("{}: effect '{}' reads column '{}', which the set lacks{}", facts_.file,
+                                   effect.definition->name, column, suggestion_for(column, known)));
+    }
+  }
+}
+
+std::string JointsProblem::not_testable(const Model&, const EffectDefinition& effect, size_t parameter) const {
+  const std::string& name = effect.parameters[parameter].name;
+  const auto has = [&](effects::JointRole role) {
+    return std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) { return log.role == role; });
+  };
+  if (effect.name == "backlash" && name != "width_rad") return "width_rad is the play of a logged joint";
+  if (effect.name == "encoder_eccentricity") return has(effects::JointRole::pan) ? "" : "the set has no pan joint";
+  if (!effect.logged) return "";
+  if (name.starts_with("tilt_") && !has(effects::JointRole::tilt)) return "the set has no tilt joint";
+  if (name.starts_with("roll_") && !has(effects::JointRole::roll)) return "the set has no roll joint";
+  if (name.starts_with("pan_") && !has(effects::JointRole::pan)) return "the set has no joint besides tilt and roll";
+  return "";
+}
+
+Kind joints_kind() {
+  return {.name = "joints",
+          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> { return std::make_unique<JointsProblem>(set); },
+          .measure = measure_joints};
+}
+
+}  // namespace seam::measurement

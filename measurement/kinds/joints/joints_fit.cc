@@ -1,0 +1,133 @@
+// Fits of servo models, and what measurement would tell servo effects apart.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "measurement/kinds/joints/joints.h"
+#include "measurement/fitting/wide_fit.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+
+namespace {
+
+// A load that hangs the other way round at the opposite level is the same load. Told with the level within a right
+// angle of zero, as far as the data can tell a right angle; there with a positive sag.
+void tell_sag_once(Fit& fit, const std::vector<Unknown>& unknowns) {
+  constexpr double kMargin_rad = 0.2;
+  std::optional<size_t> sag, level;
+  for (size_t i = 0; i < unknowns.size(); ++i) {
+    if (unknowns[i].effect == "gravity_sag") (unknowns[i].parameter == 0 ? sag : level) = i;
+  }
+  if (!sag || !level) return;
+  double& sag_rad = fit.value[*sag];
+  double& level_rad = fit.value[*level];
+  const double beyond_rad = std::abs(level_rad) - maths::kPi / 2;
+  if (beyond_rad < -kMargin_rad || (beyond_rad < kMargin_rad && sag_rad >= 0)) return;
+  sag_rad = -sag_rad;
+  level_rad -= std::copysign(maths::kPi, level_rad);
+  fit.model.set_value("gravity_sag", 0, sag_rad);
+  fit.model.set_value("gravity_sag", 1, level_rad);
+}
+
+}  // namespace
+
+Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+  Fit fit = wide_fit(*this, start, unknowns, groups);
+  tell_sag_once(fit, unknowns);
+  return fit;
+}
+
+std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model, const std::vector<Unknown>& unknowns,
+                                                         const Groups& groups, const Evaluation&) const {
+  return wide_jacobian(*this, model, unknowns, groups);
+}
+
+constexpr double kCoarse = 1.2;  // From one value of the coarse look to the next.
+
+// A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
+// likelihood has several valleys (a speed limit that never binds, a latency of another row). The
+// best of it comes first, then a small effect, from which other parameters can make way.
+std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const EffectDefinition& effect) const {
+  if (effect.spread_only) return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
+  if (effect.parameters.empty() || (!effect.servo && !effect.logged)) return Problem::starts(model, effect);
+  const effects::Parameter& first = effect.parameters[0];
+  std::vector<double> neutral;
+  for (const effects::Parameter& parameter : effect.parameters) neutral.push_back(parameter.neutral);
+  std::vector<std::vector<double>> grid;
+  // An eccentricity has a phase besides, and the likelihood is wide in its amplitude.
+  const bool wave = effect.name == "encoder_eccentricity";
+  for (double factor = 0.03; factor < 40; factor *= wave ? 3 : kCoarse) {
+    for (const double sign : {1.0, -1.0}) {
+      std::vector<double> values = neutral;
+      if (effect.logged && !wave) {
+        // One parameter a joint: small in all, either sign; encoders are smooth.
+        for (double& value : values) value = sign * 0.1 * first.scale;
+        if (factor < 0.04) grid.push_back(values);
+        continue;
+      }
+      values[0] = sign * factor * first.scale;
+      if (values[0] < first.min || values[0] > first.max) continue;
+      grid.push_back(values);
+      if (!wave) continue;
+      for (const double phase : {1.5, 3.0, -1.5}) {
+        values[1] = phase;
+        grid.push_back(values);
+      }
+    }
+  }
+  const Groups training = folds().size() == 1 ? training_groups() : all_groups();
+  Model trial = model;
+  trial.add_neutral(std::make_shared<EffectDefinition>(effect));
+  double best = std::numeric_limits<double>::infinity();
+  std::vector<double> best_values = grid.front();
+  const auto look = [&](const std::vector<double>& values) {
+    for (size_t i = 0; i < values.size(); ++i) trial.set_value(effect.name, i, values[i]);
+    const Evaluation evaluation = evaluate(trial, training, nullptr);
+    const double cost = evaluation.valid ? -score_of(*this, evaluation).log_likelihood : best;
+    if (cost < best) best = cost, best_values = values;
+  };
+  for (const auto& values : grid) look(values);
+  // The likelihood of a dead band jumps wherever one more move falls into it, so that no descent leads to
+  // its best value: the look goes nearer, three times between the neighbours of the best so far.
+  if (effect.servo) {
+    double ratio = kCoarse;
+    for (int nearer = 0; nearer < 3; ++nearer) {
+      constexpr int kLooks = 12;  // To each side.
+      const std::vector<double> centre = best_values;
+      for (int k = -kLooks; k <= kLooks; ++k) {
+        std::vector<double> values = centre;
+        values[0] = std::clamp(centre[0] * std::pow(ratio, static_cast<double>(k) / kLooks), first.min, first.max);
+        if (k != 0) look(values);
+      }
+      ratio = std::pow(ratio, 2.0 / kLooks);
+    }
+  }
+  std::vector<double> small = neutral;
+  small[0] = first.fit_reciprocal ? 10 * first.scale : 0.2 * first.scale;
+  return {best_values, small};
+}
+
+std::string JointsProblem::advice(const std::string& effect, const std::string& other) const {
+  const auto pair = [&](const char* a, const char* b) {
+    return (effect == a && other == b) || (effect == b && other == a);
+  };
+  if (pair("servo_lag", "servo_latency")) {
+    return "steps of the command, sampled several times within the delay: a lag rounds them, a latency moves them";
+  }
+  if (pair("backlash", "stiction")) {
+    return "small moves in one direction, one after the other: play is taken up once, a dead band stops each of them";
+  }
+  if (pair("speed_limit", "acceleration_limit")) {
+    return "steps of different heights: the time of a ramp grows with the height, that of a rounded one with its root";
+  }
+  if (pair("speed_limit", "servo_lag")) return "steps of different heights: a lag takes the same time for each";
+  if (pair("encoder_offset", "gravity_sag")) return "a wide range of angles: an offset is the same at each";
+  if (effect == "speed_limit") return "steps larger and faster than the joint can follow";
+  if (effect == "acceleration_limit") return "large steps and quick reversals";
+  if (effect == "gravity_sag") return "slow moves over the whole range of angles";
+  return "";
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,84 @@
+// Encoders with steps: whether a log's angles are multiples of one, and the mean and spread of an
+// angle that is rounded to it.
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/kinds/joints/joints.h"
+
+namespace seam::measurement {
+namespace {
+
+double below(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
+
+}  // namespace
+
+void JointsProblem::look_for_steps() {
+  std::vector<double> angles;
+  std::vector<std::vector<double>> times, values;
+  for (const JointLog& log : set_.logs) {
+    angles.insert(angles.end(), log.measured_rad.begin(), log.measured_rad.end());
+    times.push_back(log.time_s);
+    values.push_back(log.measured_rad);
+  }
+  std::sort(angles.begin(), angles.end());
+  // The file's own rounding makes multiples differ by this much.
+  constexpr double kPrinted_rad = 1.5e-6;
+  double step = INFINITY;
+  for (size_t i = 1; i < angles.size(); ++i) {
+    const double gap = angles[i] - angles[i - 1];
+    if (gap > 2 * kPrinted_rad) step = std::min(step, gap);
+  }
+  const double noise = facts_.channels[0].noise;
+  const double scatter = facts_.channels[0].estimated ? noise : noise_from_neighbours(times, values);
+  if (std::isfinite(step) && step > 20 * kPrinted_rad) {
+    // Many multiples apart, rounding errors of the step add up: refine it on the way out.
+    bool whole = true;
+    std::vector<double> sizes;
+    for (const double angle : angles) sizes.push_back(std::abs(angle));
+    std::sort(sizes.begin(), sizes.end());
+    for (const double size : sizes) {
+      const double count = std::round(size / step);
+      whole = whole && std::abs(size - count * step) < kPrinted_rad * (1 + 0.02 * count);
+      if (count > 0 && whole) step = size / count;
+    }
+    if (whole) lattice_rad_ = step;
+  }
+  if (lattice_rad_ > 0) {
+    largest_step_rad_ = lattice_rad_;
+  } else if (scatter > 1.2 * noise) {
+    largest_step_rad_ = 1.3 * std::sqrt(12 * (scatter * scatter - noise * noise));
+  }
+}
+
+bool JointsProblem::acts(const EffectDefinition& effect) const {
+  return Problem::acts(effect) && (effect.name != "encoder_quantisation" || largest_step_rad_ > 0);
+}
+
+void JointsProblem::round_to_lattice(double sigma_rad, Evaluation& evaluation) const {
+  const double step = lattice_rad_;
+  // The angle itself is known only so well, which softens the edges between steps.
+  const double sigma = std::hypot(sigma_rad, 0.05 * step);
+  for (const JointLog& log : set_.logs) {
+    for (size_t k = 0; k < log.rows.size(); ++k) {
+      const size_t i = log.rows[k];
+      const double q = log.measured_rad[k] - evaluation.residual[i];
+      if (!std::isfinite(q)) continue;
+      const double nearest = std::round(q / step);
+      double weight = 0, mean = 0, square = 0;
+      // The noise is below a step: four steps to each side hold all of it.
+      double under = below(((nearest - 4.5) * step - q) / sigma);
+      for (int j = -4; j <= 4; ++j) {
+        const double over = below(((nearest + j + 0.5) * step - q) / sigma);
+        const double p = over - under;
+        under = over;
+        weight += p, mean += p * j * step, square += p * j * j * step * step;
+      }
+      mean /= weight;
+      const double variance = square / weight - mean * mean;
+      evaluation.residual[i] = log.measured_rad[k] - (nearest * step + mean);
+      evaluation.sigma[i] = std::sqrt(std::max(variance, 0.0025 * step * step));
+    }
+  }
+}
+
+}  // namespace seam::measurement

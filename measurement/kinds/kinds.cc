@@ -1,0 +1,65 @@
+#include "measurement/kinds/kinds.h"
+
+#include <algorithm>
+
+#include "sim_core/base/error.h"
+
+// One line a kind; `measurement/<name>.cc` defines <name>_kind().
+#define SEAM_KINDS(X) \
+  X(points) \
+  X(photometry) \
+  X(landmarks) \
+  X(joints) \
+  X(odometry) \
+  X(ranges) \
+  X(frames)
+
+namespace seam::measurement {
+
+#define SEAM_DECLARE(name) Kind name##_kind();
+SEAM_KINDS(SEAM_DECLARE)
+#undef SEAM_DECLARE
+
+namespace {
+
+std::vector<Kind>& kinds() {
+  static std::vector<Kind> all = {
+#define SEAM_LIST(name) name##_kind(),
+      SEAM_KINDS(SEAM_LIST)
+#undef SEAM_LIST
+  };
+  return all;
+}
+
+}  // namespace
+
+const Kind& find_kind(const std::string& name) {
+  for (const Kind& kind : kinds()) {
+    if (kind.name == name) return kind;
+  }
+  throw InputError(fmt::format("measurement sets of kind '{}' are not supported", name));
+}
+
+void register_kind(Kind kind) { kinds().push_back(std::move(kind)); }
+
+std::unique_ptr<Problem> open_problem(const std::filesystem::path& path) {
+  const MeasurementSet set = MeasurementSet::open(path);
+  return find_kind(set.kind).open(set);
+}
+
+void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& out,
+                   const std::vector<std::string>& except_files) {
+  namespace fs = std::filesystem;
+  fs::create_directories(out);
+  if (fs::equivalent(out, protocol.folder)) {
+    throw InputError(fmt::format("{}: the protocol itself, expected another folder to write to", out.string()));
+  }
+  fs::copy_file(protocol.root.file(), out / "measurement.yaml", fs::copy_options::overwrite_existing);
+  for (const auto& [name, relative] : protocol.files) {
+    if (std::find(except_files.begin(), except_files.end(), name) != except_files.end()) continue;
+    fs::create_directories((out / relative).parent_path());
+    fs::copy_file(protocol.folder / relative, out / relative, fs::copy_options::overwrite_existing);
+  }
+}
+
+}  // namespace seam::measurement

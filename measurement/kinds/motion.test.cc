@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "measurement/kinds/joints/joints.h"
+#include "measurement/kinds/odometry/odometry.h"
+#include "sim_core/base/random.h"
+
+namespace seam::measurement {
+namespace {
+
+Model model_in_blocks(const std::string& effects) {
+  return Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
+}
+
+JointLogs logs_of(const std::string& rows) {
+  return read_joint_logs(CsvTable::from_text("run,time_s,joint,command_rad,measured_rad\n" + rows, "joints.csv"), "run", true);
+}
+
+TEST(JointLogs, AStepUnderALagIsTheClosedForm) {
+  // Times since an epoch keep their precision.
+  const JointLogs set = logs_of("0,1200000000.000,arm,0.2,0.2\n0,1200000000.010,arm,1.2,0.2\n"
+                                "0,1200000000.025,arm,1.2,0.2\n0,1200000000.075,arm,1.2,0.2\n");
+  const auto angles = predict_joint_log(model_in_blocks("  servo_lag: {tau_s: 0.05}"), set, set.logs[0], 0.2);
+  EXPECT_DOUBLE_EQ(angles[0], 0.2);
+  EXPECT_DOUBLE_EQ(angles[1], 0.2);
+  EXPECT_NEAR(angles[2], 1.2 - std::exp(-0.015 / 0.05), 1e-9);
+  EXPECT_NEAR(angles[3], 1.2 - std::exp(-0.065 / 0.05), 1e-9);
+}
+
+TEST(JointLogs, EncodersLogTheInverse) {
+  const JointLogs set = logs_of("0,0,arm,0.5,0.4\n0,0.01,arm,0.5,0.4\n");
+  const auto angles = predict_joint_log(model_in_blocks("  ideal_servo: {}\n  encoder_offset: {pan_rad: 0.1}\n"
+                                                 "  encoder_scale: {pan_scale: 0.25}"), set, set.logs[0], 0.4);
+  EXPECT_NEAR(angles[1] * 1.25 + 0.1, 0.5, 1e-12);
+}
+
+TEST(JointLogs, BadRowsAreNamed) {
+  EXPECT_ANY_THROW(logs_of("0,0.1,arm,0,0\n0,0.1,arm,0,0\n"));
+  EXPECT_ANY_THROW(logs_of("0,0.1,arm,nan,0\n"));
+  EXPECT_ANY_THROW(logs_of("0,0.1,,0,0\n"));
+  EXPECT_ANY_THROW(logs_of("0,0.1,arm,0,1e9\n"));
+}
+
+TEST(JointNoise, IsFoundUnderASwing) {
+  const RandomStream random{3, 1};
+  std::vector<double> t, x;
+  for (int k = 0; k < 4000; ++k) {
+    t.push_back(0.008 * k + 0.001 * uniform(random, k));
+    x.push_back(0.5 * std::sin(12 * t.back()) + 0.001 * normal(random, 10000 + k));
+  }
+  EXPECT_NEAR(noise_from_neighbours({t}, {x}), 0.001, 0.00006);
+}
+
+TEST(WalkRuns, NoiseIsFoundWithAndWithoutARandomWalk) {
+  const RandomStream random{4, 1};
+  for (const double step : {0.0, 0.004}) {
+    WalkRun run;
+    double slip = 0;
+    for (int k = 0; k < 6000; ++k) {
+      slip += step * normal(random, 10 * k);
+      run.time_s.push_back(0.2 * k);
+      run.command.push_back({0.1, 0, 0});
+      run.pose.push_back({0.02 * k + slip + 0.002 * normal(random, 10 * k + 1),
+                          slip + 0.002 * normal(random, 10 * k + 2), 0.003 * normal(random, 10 * k + 3)});
+    }
+    const auto noise = noise_of_walks({run});
+    EXPECT_NEAR(noise[0], 0.002, 0.0003) << step;
+    EXPECT_NEAR(noise[2], 0.003, 0.0003) << step;
+  }
+}
+
+}  // namespace
+}  // namespace seam::measurement

@@ -1,0 +1,110 @@
+// `seam measure` for joints and odometry: the protocol's commands through the model's own solvers.
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/kinds/joints/joints.h"
+#include "measurement/kinds/odometry/odometry.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/maths.h"
+#include "sim_core/base/random.h"
+
+namespace seam::measurement {
+namespace {
+
+// Writes the table with some columns replaced (or appended where the protocol lacks them).
+void write_with(const CsvTable& table, const std::vector<std::string>& names,
+                const std::vector<std::vector<double>>& values, const std::filesystem::path& path) {
+  std::vector<std::string> columns = table.columns();
+  for (const std::string& name : names) {
+    if (!table.has(name)) columns.push_back(name);
+  }
+  CsvWriter out(columns);
+  for (size_t row = 0; row < table.rows(); ++row) {
+    std::vector<std::string> cells;
+    for (const std::string& column : columns) {
+      const auto made = std::find(names.begin(), names.end(), column);
+      cells.push_back(made == names.end() ? std::string(table.cell(row, column))
+                                          : fmt::format("{:.9g}", values[made - names.begin()][row]));
+    }
+    out.row(cells);
+  }
+  out.write(path);
+}
+
+double noise_of(const MeasurementSet& set, const char* column) {
+  const auto given = set.noise.find(column);
+  return given == set.noise.end() ? 0 : given->second;
+}
+
+// A wandering pose: the model's path with the steps of walk_noise, each in the body's frame at the
+// end of its interval.
+std::vector<std::array<double, 3>> wander(const effects::Locomotion& walk, const WalkRun& run, RandomStream random, bool noise) {
+  const auto path = predict_walk(walk, run);
+  std::array<double, 3> pose = {0, 0, 0};
+  std::vector<std::array<double, 3>> poses;
+  for (size_t k = 0; k < path.size(); ++k) {
+    if (k > 0) {
+      const auto& from = path[k - 1];
+      const double c0 = maths::cos(from.theta_rad), s0 = maths::sin(from.theta_rad);
+      const double dx = path[k].x_m - from.x_m, dy = path[k].y_m - from.y_m;
+      double along = c0 * dx + s0 * dy, across = -s0 * dx + c0 * dy, turn = path[k].theta_rad - from.theta_rad;
+      const double root = noise ? std::sqrt(std::max(0.0, path[k].path_m - from.path_m)) : 0;
+      const double nx = root * walk.xy_sigma * normal(random, 3 * k), ny = root * walk.xy_sigma * normal(random, 3 * k + 1);
+      const double c = maths::cos(pose[2]), s = maths::sin(pose[2]);
+      // The slip is in the body's frame after the turn.
+      const double ct = maths::cos(turn), st = maths::sin(turn);
+      along += ct * nx - st * ny, across += st * nx + ct * ny;
+      turn += root * walk.theta_sigma * normal(random, 3 * k + 2);
+      pose = {pose[0] + c * along - s * across, pose[1] + s * along + c * across, pose[2] + turn};
+    }
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+}  // namespace
+
+void measure_joints(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options) {
+  const CsvTable table = protocol.table("joints");
+  const JointLogs set = read_joint_logs(table, protocol.group, false);
+  effects::JointTrack track;
+  effects::apply_encoder_effects(truth, track);
+  const double step = track.quantisation_step_rad, sigma = noise_of(protocol, "measured_rad");
+  const RandomStream random = RandomStream{options.seed, 0}.child("joints");
+  std::vector<double> measured(table.rows(), 0);
+  for (const JointLog& log : set.logs) {
+    const auto angles = predict_joint_log(truth, set, log, log.command_rad.front());
+    for (size_t k = 0; k < angles.size(); ++k) {
+      double angle = angles[k];
+      if (options.noise) angle += sigma * normal(random, log.rows[k]);
+      if (step > 0) angle = step * std::round(angle / step);
+      measured[log.rows[k]] = angle;
+    }
+  }
+  copy_protocol(protocol, options.out, {"joints"});
+  write_with(table, {"measured_rad"}, {measured}, options.out / protocol.files.at("joints"));
+}
+
+void measure_odometry(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options) {
+  const CsvTable table = protocol.table("odometry");
+  const auto runs = read_walk_runs(table, protocol.group, false);
+  const effects::Locomotion walk = effects::locomotion_of(truth);
+  const RandomStream random = RandomStream{options.seed, 0}.child("odometry");
+  std::vector<std::vector<double>> measured(3, std::vector<double>(table.rows(), 0));
+  const char* const names[3] = {"x_m", "y_m", "theta_rad"};
+  for (size_t i = 0; i < runs.size(); ++i) {
+    const auto poses = wander(walk, runs[i], random.child("walk").child(i), options.noise);
+    for (size_t k = 0; k < poses.size(); ++k) {
+      const size_t row = runs[i].rows[k];
+      for (int channel = 0; channel < 3; ++channel) {
+        double value = poses[k][channel];
+        if (options.noise) value += noise_of(protocol, names[channel]) * normal(random, 3 * row + channel);
+        measured[channel][row] = channel == 2 ? maths::wrap_angle(value) : value;
+      }
+    }
+  }
+  copy_protocol(protocol, options.out, {"odometry"});
+  write_with(table, {names[0], names[1], names[2]}, measured, options.out / protocol.files.at("odometry"));
+}
+
+}  // namespace seam::measurement

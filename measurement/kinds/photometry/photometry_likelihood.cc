@@ -1,0 +1,350 @@
+#include "measurement/kinds/photometry/photometry_likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "measurement/kinds/photometry/photometry_rows.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+namespace {
+
+// Variance below which a value is certain, DN^2.
+constexpr double kCertain = 2e-3;
+
+// Changes in time: rows' means from frame to frame, and what is left within rows.
+class TemporalPart {
+ public:
+  TemporalPart(const PhotometryData& data, const PhotometryPrediction& prediction, bool share)
+      : data_(data), prediction_(prediction), share_(share) {}
+
+  Quadratic add(const LevelSums& sum, const LevelPrediction& level, std::vector<double>& by_frame) {
+    Quadratic total;
+    const size_t frames = sum.frames.size();
+    // Of the means over time, whose patterns PatternPart adds, and of the changes.
+    LogSum logs;
+    for (const double v : level.variance) logs.add(v);
+    const double log_variance = logs.total();
+    total.log_det = log_variance;
+    if (frames < 2) return total;
+    const size_t rows = data_.rows();
+    const auto width = static_cast<double>(data_.width_px);
+    std::vector<double> variance(rows, 0), slope2(rows, 0), gain(rows, 0);
+    const double part = 1 / width;
+    each_sample([&](size_t i, size_t row) {
+      variance[row] += level.variance[i] * part;
+      slope2[row] += level.offset_slope[i] * level.offset_slope[i] * part;
+      gain[row] += level.gain_slope[i] * part;
+    });
+    const double freedom = static_cast<double>(frames - 1);
+    // Within rows: (frames - 1) (width - 1) degrees of freedom a row. Flicker moves a row's parts
+    // in proportion to their light; what that adds to the scatter is subtracted.
+    const double share = freedom * (width - 1) / width;
+    std::vector<double> moved(rows, 0);
+    if (prediction_.moves) {
+      for (size_t row = 0; row < rows; ++row) {
+        for (const auto& shift : level.row_shift) moved[row] += shift[row] * shift[row];
+        moved[row] /= std::max(gain[row] * gain[row], 1e-9);
+      }
+    }
+    total.log_det += share * log_variance;
+    each_sample([&](size_t i, size_t row) {
+      const double d = level.gain_slope[i] - gain[row];
+      total.chi2 += (sum.scatter[i] - moved[row] * d * d) / level.variance[i];
+    });
+    const double spread = prediction_.chain.row_sigma_dn * prediction_.chain.row_sigma_dn;
+    for (size_t f = 0; f < frames; ++f) {
+      const Quadratic of_frame = frame_rows(sum, level, f, variance, slope2, spread);
+      total.chi2 += of_frame.chi2;
+      total.log_det += of_frame.log_det * freedom / static_cast<double>(frames);
+      by_frame[sum.frames[f]] -=
+          0.5 * (of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames));
+      own_ += of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames);
+    }
+    return total;
+  }
+
+  double assigned_to_frames() const { return own_; }
+
+ private:
+  template <typename F>
+  void each_sample(F&& f) const {
+    size_t i = 0;
+    for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
+      for (int u = 0; u < data_.width_px; ++u) {
+        for (int c = 0; c < data_.channels; ++c, ++i) f(i, v * data_.channels + c);
+      }
+    }
+  }
+
+  Quadratic frame_rows(const LevelSums& sum, const LevelPrediction& level, size_t f,
+                       const std::vector<double>& variance, const std::vector<double>& slope2,
+                       double spread) const {
+    Quadratic total;
+    LogSum logs;
+    const auto& means = data_.row_mean[sum.frames[f]];
+    const int channels = data_.channels;
+    for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
+      double info = 0, score = 0;
+      for (int c = 0; c < channels; ++c) {
+        const size_t row = v * channels + c;
+        const double own = variance[row] / data_.width_px;
+        const double r = means[row] - sum.row_mean[row] - level.row_shift[f][row];
+        total.chi2 += r * r / own;
+        logs.add(variance[row]);
+        const double load2 = spread * slope2[row];
+        if (load2 == 0) continue;
+        info += load2 / own;
+        score += std::sqrt(load2) * r / own;
+        if (share_ && c + 1 < channels) continue;
+        total.chi2 -= score * score / (1 + info);
+        total.log_det += std::log1p(info);
+        info = score = 0;
+      }
+    }
+    total.log_det += logs.total();
+    return total;
+  }
+
+  const PhotometryData& data_;
+  const PhotometryPrediction& prediction_;
+  bool share_;
+  double own_ = 0;
+};
+
+// Means over time of every sample, with fixed patterns as random effects.
+class PatternPart {
+ public:
+  PatternPart(const PhotometryData& data, const PhotometrySums& sums,
+              const PhotometryPrediction& prediction, bool share)
+      : data_(data),
+        sums_(sums),
+        prediction_(prediction),
+        chain_(prediction.chain),
+        share_(share),
+        rows_(data, sums, share) {
+    for (size_t l = 0; l < sums.levels.size(); ++l) {
+      if (!sums.levels[l].frames.empty()) present_.push_back(l);
+    }
+    const size_t count = present_.size();
+    for (auto* v : {&r_, &inverse_, &load_offset_, &load_gain_, &solved_, &slope_, &column_})
+      v->resize(count);
+  }
+
+  Quadratic run() {
+    if (!has_patterns()) return plain();
+    structured_ = chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
+    if (chain_.hot_fraction > 0) choose_hot();
+    each_sample([&](size_t i, int v, int, int c) { add_sample(i, v, c); });
+    if (chain_.column_sigma_dn > 0) add_columns();
+    if (structured_) rows_.add(chain_, total_);
+    return total_;
+  }
+
+ private:
+  template <typename F>
+  void each_sample(F&& f) const {
+    size_t i = 0;
+    for (int v = 0; v < data_.height_px; ++v) {
+      for (int u = 0; u < data_.width_px; ++u) {
+        for (int c = 0; c < data_.channels; ++c, ++i) f(i, v, u, c);
+      }
+    }
+  }
+
+  bool has_patterns() const {
+    return chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0 ||
+           chain_.hot_fraction > 0 || chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
+  }
+
+  Quadratic plain() const {
+    Quadratic total;
+    for (const size_t l : present_) {
+      const LevelSums& sum = sums_.levels[l];
+      const LevelPrediction& level = prediction_.levels[l];
+      double chi2 = 0;
+      for (size_t i = 0; i < sum.mean.size(); ++i) {
+        const double r = sum.mean[i] - level.mean[i];
+        chi2 += r * r / level.variance[i];
+      }
+      total.chi2 += chi2 * static_cast<double>(sum.frames.size());
+    }
+    return total;
+  }
+
+  void load_sample(size_t i) {
+    for (size_t k = 0; k < present_.size(); ++k) {
+      const LevelSums& sum = sums_.levels[present_[k]];
+      const LevelPrediction& level = prediction_.levels[present_[k]];
+      r_[k] = residual(k, i);
+      inverse_[k] = static_cast<double>(sum.frames.size()) / level.variance[i];
+      slope_[k] = level.offset_slope[i];
+      load_offset_[k] = chain_.pixel_offset_sigma_dn * level.offset_slope[i];
+      load_gain_[k] = chain_.pixel_gain_sigma * level.gain_slope[i];
+    }
+  }
+
+  PatternInverse effects_of_sample() const {
+    if (chain_.pixel_offset_sigma_dn == 0 && chain_.pixel_gain_sigma == 0) return {};
+    return pattern_inverse(load_offset_.data(), load_gain_.data(), inverse_.data(),
+                           present_.size());
+  }
+
+  // out = Sigma^-1 x of this sample; returns x' Sigma^-1 x.
+  double solve(const PatternInverse& two, const std::vector<double>& x,
+               std::vector<double>& out) const {
+    double b0 = 0, b1 = 0;
+    for (size_t k = 0; k < x.size(); ++k) {
+      b0 += load_offset_[k] * inverse_[k] * x[k];
+      b1 += load_gain_[k] * inverse_[k] * x[k];
+    }
+    const double e0 = two.i00 * b0 + two.i01 * b1, e1 = two.i01 * b0 + two.i11 * b1;
+    double sum = 0;
+    for (size_t k = 0; k < x.size(); ++k) {
+      out[k] = inverse_[k] * (x[k] - load_offset_[k] * e0 - load_gain_[k] * e1);
+      sum += out[k] * x[k];
+    }
+    return sum;
+  }
+
+  void add_sample(size_t i, int v, int c) {
+    load_sample(i);
+    const size_t count = present_.size();
+    const PatternInverse two = effects_of_sample();
+    total_.chi2 += solve(two, r_, solved_);
+    total_.log_det += two.log_det;
+    if (!structured_) return;
+    double* score = rows_.score(rows_.unit(v, c));
+    double* precision = rows_.precision(rows_.unit(v, c));
+    for (size_t k = 0; k < count; ++k) {
+      score[k] += slope_[k] * solved_[k];
+      precision[k * count + k] += slope_[k] * slope_[k] * inverse_[k];
+      const double offset = load_offset_[k] * inverse_[k], gain = load_gain_[k] * inverse_[k];
+      const double e0 = two.i00 * offset + two.i01 * gain, e1 = two.i01 * offset + two.i11 * gain;
+      if (e0 == 0 && e1 == 0) continue;
+      for (size_t l = 0; l < count; ++l)
+        precision[k * count + l] -=
+            slope_[k] * slope_[l] * inverse_[l] * (load_offset_[l] * e0 + load_gain_[l] * e1);
+    }
+  }
+
+  // A sample is hot where that is likelier; its residual is then taken from the hot mean.
+  void choose_hot() {
+    const double log_cold = std::log1p(-chain_.hot_fraction),
+                 log_hot = std::log(chain_.hot_fraction);
+    is_hot_.assign(data_.samples(), 0);
+    for (size_t i = 0; i < is_hot_.size(); ++i) {
+      load_sample(i);
+      const PatternInverse two = effects_of_sample();
+      const double cold = solve(two, r_, solved_);
+      is_hot_[i] = 1;
+      load_sample(i);
+      const double hot = solve(two, r_, solved_);
+      is_hot_[i] = -0.5 * hot + log_hot > -0.5 * cold + log_cold;
+      total_.log_det -= 2 * (is_hot_[i] ? log_hot : log_cold);
+    }
+  }
+
+  double residual(size_t k, size_t i) const {
+    const LevelPrediction& level = prediction_.levels[present_[k]];
+    const bool hot = !is_hot_.empty() && is_hot_[i];
+    return sums_.levels[present_[k]].mean[i] - (hot ? level.hot_mean[i] : level.mean[i]);
+  }
+
+  // Beside what their rows have in common.
+  void add_columns() {
+    struct Column {
+      double info = 0, score = 0;
+    };
+    const double variance = chain_.column_sigma_dn * chain_.column_sigma_dn;
+    std::vector<Column> columns(static_cast<size_t>(data_.width_px) *
+                                (share_ ? 1 : data_.channels));
+    std::vector<double> offset;
+    each_sample([&](size_t i, int v, int u, int c) {
+      if (u == 0 && (c == 0 || !share_)) {
+        if (c == 0) offset.clear();
+        const auto own = rows_.estimate(rows_.unit(v, c));
+        offset.insert(offset.end(), own.begin(), own.end());
+      }
+      load_sample(i);
+      Column& column = columns[share_ ? u : static_cast<size_t>(u) * data_.channels + c];
+      column.info += solve(effects_of_sample(), slope_, column_);
+      const double* own = &offset[share_ ? 0 : c * present_.size()];
+      for (size_t k = 0; k < column_.size(); ++k)
+        column.score += column_[k] * (r_[k] - slope_[k] * own[k]);
+    });
+    // Their mean over columns is taken with the rows.
+    const double share = (data_.width_px - 1.0) / data_.width_px;
+    for (const Column& column : columns) {
+      const double info = variance * column.info;
+      total_.chi2 -= variance * column.score * column.score / (1 + info);
+      total_.log_det += share * std::log1p(info);
+    }
+  }
+
+  const PhotometryData& data_;
+  const PhotometrySums& sums_;
+  const PhotometryPrediction& prediction_;
+  const effects::SensorChain& chain_;
+  bool share_;
+  bool structured_ = false;
+  std::vector<size_t> present_;  // Levels with frames.
+  std::vector<double> r_, inverse_, load_offset_, load_gain_, solved_, slope_, column_;
+  std::vector<char> is_hot_;
+  RowOffsets rows_;
+  Quadratic total_;
+};
+
+}  // namespace
+
+PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySums& sums,
+                                 const PhotometryPrediction& prediction, bool channels_share) {
+  PhotometryScore score{.values = sums.values, .nuisances = prediction.nuisances};
+  score.by_frame.assign(data.frames.size(), 0);
+  const bool share = channels_share || data.channels == 1;
+  TemporalPart temporal(data, prediction, share);
+  Quadratic total;
+  double frames = 0;
+  for (size_t l = 0; l < sums.levels.size(); ++l) {
+    const LevelSums& sum = sums.levels[l];
+    if (sum.frames.empty()) continue;
+    const Quadratic part = temporal.add(sum, prediction.levels[l], score.by_frame);
+    total.chi2 += part.chi2;
+    total.log_det += part.log_det;
+    const auto count = static_cast<double>(sum.frames.size());
+    frames += count;
+    // log det of the means' variances s^2 / F and of the contrasts' s^2 differ from that of the
+    // values by constants, which cancel between models.
+    for (size_t i = 0; i < sum.mean.size(); ++i) {
+      const double r = sum.mean[i] - prediction.levels[l].mean[i];
+      // Values that are certain (a field clipped whole) say nothing of the error when they fit.
+      const bool fits = count * r * r + sum.scatter[i] < kCertain * count;
+      if (fits && prediction.levels[l].variance[i] < kCertain)
+        score.values -= static_cast<int64_t>(sum.frames.size());
+      score.square += count * r * r + sum.scatter[i];
+    }
+    for (const int frame : sum.frames) {
+      for (size_t row = 0; row < data.rows(); ++row) {
+        const double d = data.row_mean[frame][row] - sum.row_mean[row];
+        score.square += data.width_px * d * d;
+      }
+    }
+  }
+  const Quadratic pattern = PatternPart(data, sums, prediction, share).run();
+  total.chi2 += pattern.chi2;
+  total.log_det += pattern.log_det;
+  // See CellLikelihood::run.
+  score.chi2 = total.chi2 >= 0 ? total.chi2 : std::numeric_limits<double>::quiet_NaN();
+  score.log_likelihood = -0.5 * (total.chi2 + total.log_det +
+                                 static_cast<double>(sums.values) * std::log(2 * maths::kPi));
+  double assigned = 0;
+  for (const double own : score.by_frame) assigned += own;
+  for (const LevelSums& sum : sums.levels) {
+    for (const int frame : sum.frames)
+      score.by_frame[frame] += (score.log_likelihood - assigned) / frames;
+  }
+  return score;
+}
+
+}  // namespace seam::measurement

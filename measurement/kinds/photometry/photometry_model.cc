@@ -1,0 +1,236 @@
+#include "measurement/kinds/photometry/photometry_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/stages/optics.h"
+#include "effects/stages/timing.h"
+#include "measurement/imaging/sensor_response.h"
+
+namespace seam::measurement {
+namespace {
+
+using effects::Moments;
+using effects::SensorChain;
+using effects::SensorExposure;
+
+class LevelPredictor {
+ public:
+  LevelPredictor(const PhotometryData& data, const effects::Model& model, const SensorChain& chain,
+                 const PhotometryLevel& level, const LevelSums& sum, double set_noise_dn)
+      : data_(data), model_(model), chain_(chain), level_(level), sum_(sum), noise_(set_noise_dn) {
+    for (const int frame : sum.frames) mean_time_ += time_of(frame) / static_cast<double>(sum.frames.size());
+  }
+
+  LevelPrediction run(const std::vector<double>& light, bool moving_light) {
+    std::vector<std::vector<double>> lamps;
+    if (effects::lamps_flicker(model_)) {
+      for (const int frame : sum_.frames) lamps.push_back(lamp_rows(data_, frame, level_.exposure_s, model_));
+    }
+    std::vector<double> row_light(data_.height_px, 1);
+    for (int v = 0; v < data_.height_px && !lamps.empty(); ++v) {
+      double mean = 0;
+      for (const auto& frame : lamps) mean += frame[v];
+      row_light[v] = mean / static_cast<double>(lamps.size());
+    }
+    const bool blank = std::isnan(level_.illumination);
+    LevelPrediction out;
+    out.illumination = level_.illumination;
+    if (blank) {
+      out.illumination = first_guess();
+      for (int step = 0; step < 4; ++step) {
+        fill(out, light, row_light);
+        correct_illumination(out, step == 3);
+      }
+    } else {
+      fill(out, light, row_light);
+    }
+    shift_rows(out, lamps, row_light);
+    if (moving_light) drift_rows(out);
+    return out;
+  }
+
+ private:
+  double time_of(int frame) const { return data_.frames[frame].time_s - data_.frames[0].time_s; }
+  SensorExposure exposure(double t_s) const {
+    return {.exposure_s = level_.exposure_s, .exposure_ratio = level_.exposure_ratio,
+            .gain = level_.gain, .t_s = t_s, .file_bits = data_.file_bits};
+  }
+
+  double first_guess() const {
+    double mean = 0;
+    for (const double value : sum_.mean) mean += value;
+    mean /= static_cast<double>(sum_.mean.size());
+    const double per_light = effects::signal_dn(chain_, 1, exposure(0));
+    return std::max(1e-6, (mean - chain_.black_dn) / per_light);
+  }
+
+  void fill(LevelPrediction& out, const std::vector<double>& light, const std::vector<double>& row_light) {
+    const size_t samples = data_.samples();
+    const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
+    for (auto* v : {&out.mean, &out.variance, &out.offset_slope, &out.gain_slope}) v->resize(samples);
+    if (chain_.hot_fraction > 0) out.hot_mean.resize(samples);
+    std::vector<ResponseTable> tables;
+    const size_t row_samples = static_cast<size_t>(data_.width_px) * data_.channels;
+    for (int c = 0; c < data_.channels; ++c) {
+      double low = 1e300, high = -1e300;
+      for (size_t i = c; i < samples; i += data_.channels) {
+        const double value = scale * light[i] * row_light[i / row_samples];
+        low = std::min(low, value), high = std::max(high, value);
+      }
+      tables.emplace_back(chain_, exposure(mean_time_), data_.colour(c), noise_, low, high);
+    }
+    for (size_t i = 0; i < samples; ++i) {
+      const Response response = tables[i % data_.channels].at(scale * light[i] * row_light[i / row_samples]);
+      out.mean[i] = response.mean;
+      out.variance[i] = response.variance;
+      out.offset_slope[i] = response.offset_slope;
+      out.gain_slope[i] = response.gain_slope;
+      if (chain_.hot_fraction > 0) out.hot_mean[i] = response.hot_mean;
+    }
+  }
+
+  // One step towards the illumination that fits the level's mean best.
+  void correct_illumination(LevelPrediction& out, bool shift_mean) {
+    double slope2 = 0, slope_residual = 0;
+    for (size_t i = 0; i < out.mean.size(); ++i) {
+      const double w = out.gain_slope[i] / out.variance[i];
+      slope2 += w * out.gain_slope[i];
+      slope_residual += w * (sum_.mean[i] - out.mean[i]);
+    }
+    if (!(slope2 > 0)) return;
+    const double relative = std::clamp(slope_residual / slope2, -0.5, 1.0);
+    out.illumination *= 1 + relative;
+    if (!shift_mean) return;
+    for (size_t i = 0; i < out.mean.size(); ++i) out.mean[i] += out.gain_slope[i] * relative;
+  }
+
+  void shift_rows(LevelPrediction& out, const std::vector<std::vector<double>>& lamps,
+                  const std::vector<double>& row_light) {
+    out.row_shift.assign(sum_.frames.size(), std::vector<double>(data_.rows(), 0));
+    if (lamps.empty()) return;
+    std::vector<double> slope(data_.rows(), 0);
+    for (size_t i = 0; i < out.mean.size(); ++i) slope[row_of(i)] += out.gain_slope[i] / data_.width_px;
+    for (size_t f = 0; f < lamps.size(); ++f) {
+      for (size_t row = 0; row < data_.rows(); ++row) {
+        const size_t v = row / data_.channels;
+        out.row_shift[f][row] = slope[row] * (lamps[f][v] / std::max(row_light[v], 1e-6) - 1);
+      }
+    }
+  }
+
+  // Users' formulas of time: the change of each row's mean from the level's mean time.
+  void drift_rows(LevelPrediction& out) {
+    const effects::GainField lens(model_, effects::Stage::radiometry, data_.width_px, data_.height_px);
+    const effects::GainField lamps(model_, effects::Stage::light, data_.width_px, data_.height_px);
+    const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
+    const auto row_value = [&](int v, int colour, double t) {
+      double sum = 0;
+      constexpr int kPlaces = 5;
+      for (int k = 0; k < kPlaces; ++k) {
+        const double u = (k + 0.5) / kPlaces * data_.width_px - 0.5;
+        const double light = std::max(0.0, lens.at(u, v, t, colour) * lamps.at(u, v, t, colour));
+        sum += effects::response_moments(chain_, scale * light, colour, exposure(t)).mean_dn;
+      }
+      return sum / kPlaces;
+    };
+    std::vector<double> mean_shift(data_.rows(), 0);
+    for (size_t row = 0; row < data_.rows(); ++row) {
+      const int v = static_cast<int>(row) / data_.channels;
+      const int colour = data_.colour(static_cast<int>(row) % data_.channels);
+      const double at_mean = row_value(v, colour, mean_time_);
+      for (size_t f = 0; f < sum_.frames.size(); ++f) {
+        const double shift = row_value(v, colour, time_of(sum_.frames[f])) - at_mean;
+        out.row_shift[f][row] += shift;
+        mean_shift[row] += shift / static_cast<double>(sum_.frames.size());
+      }
+      for (auto& frame : out.row_shift) frame[row] -= mean_shift[row];
+    }
+    for (size_t i = 0; i < out.mean.size(); ++i) out.mean[i] += mean_shift[row_of(i)];
+  }
+
+  size_t row_of(size_t sample) const {
+    return sample / (static_cast<size_t>(data_.width_px) * data_.channels) * data_.channels + sample % data_.channels;
+  }
+
+  const PhotometryData& data_;
+  const effects::Model& model_;
+  const SensorChain& chain_;
+  const PhotometryLevel& level_;
+  const LevelSums& sum_;
+  double noise_;
+  double mean_time_ = 0;
+};
+
+}  // namespace
+
+bool depends_on_time(const effects::Model& model) {
+  for (const auto& effect : model.effects()) {
+    const bool user = !effects::expression_source(*effect.definition).empty();
+    if (user && (effect.definition->gain || effect.definition->sensor)) return true;
+  }
+  return false;
+}
+
+std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model, double t_s) {
+  const effects::GainField lens(model, effects::Stage::radiometry, data.width_px, data.height_px);
+  const effects::GainField lamps(model, effects::Stage::light, data.width_px, data.height_px);
+  std::vector<double> light(data.samples(), 1);
+  if (lens.uniform() && lamps.uniform()) return light;
+  size_t i = 0;
+  for (int v = 0; v < data.height_px; ++v) {
+    for (int u = 0; u < data.width_px; ++u) {
+      for (int c = 0; c < data.channels; ++c, ++i) {
+        light[i] = std::max(0.0, lens.at(u, v, t_s, data.colour(c)) * lamps.at(u, v, t_s, data.colour(c)));
+      }
+    }
+  }
+  const double glare = effects::optics_of(model).glare_fraction;
+  if (glare > 0) {
+    double mean[3] = {0, 0, 0};
+    for (size_t k = 0; k < light.size(); ++k) mean[k % data.channels] += light[k];
+    const double pixels = static_cast<double>(data.width_px) * data.height_px;
+    for (size_t k = 0; k < light.size(); ++k) {
+      light[k] = (1 - glare) * light[k] + glare * mean[k % data.channels] / pixels;
+    }
+  }
+  return light;
+}
+
+double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s, const effects::Model& model) {
+  const double stamp = data.frames[frame].time_s;
+  const double after = effects::timing_of(model).row_start_after_stamp_s(row, stamp - data.frames[0].time_s);
+  return effects::lamp_brightness(model, {.start_s = stamp + after, .exposure_s = exposure_s});
+}
+
+std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s, const effects::Model& model) {
+  std::vector<double> brightness;
+  for (int v = 0; v < data.height_px; ++v) brightness.push_back(lamp_row(data, frame, v, exposure_s, model));
+  return brightness;
+}
+
+PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& sums,
+                             const effects::Model& model, double set_noise_dn) {
+  PhotometryPrediction out{.chain = effects::sensor_of(model)};
+  const bool moving = depends_on_time(model);
+  out.moves = moving || effects::lamps_flicker(model);
+  std::vector<double> light;
+  if (!moving) light = relative_light(data, model, 0);
+  for (size_t l = 0; l < data.levels.size(); ++l) {
+    if (sums.levels[l].frames.empty()) {
+      out.levels.emplace_back();
+      continue;
+    }
+    if (moving) {
+      double t = 0;
+      for (const int frame : sums.levels[l].frames) t += data.frames[frame].time_s - data.frames[0].time_s;
+      light = relative_light(data, model, t / static_cast<double>(sums.levels[l].frames.size()));
+    }
+    out.levels.push_back(LevelPredictor(data, model, out.chain, data.levels[l], sums.levels[l], set_noise_dn)
+                             .run(light, moving));
+    out.nuisances += std::isnan(data.levels[l].illumination);
+  }
+  return out;
+}
+
+}  // namespace seam::measurement

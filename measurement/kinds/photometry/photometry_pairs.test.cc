@@ -1,0 +1,123 @@
+// Effects of photometry that are easily taken for each other: told apart where the data can,
+// declared tied where they cannot.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "measurement/kinds/kinds.h"
+#include "measurement/search/search.h"
+#include "sim_core/base/files.h"
+
+namespace seam::measurement {
+namespace {
+
+const std::string kSensor =
+    "linear_response: {gain_dn: 220, black_dn: 16}, rolling_shutter: {line_delay_s: 0.0012}";
+const std::string kNoise = kSensor + ", read_noise: {sigma_dn: 1.4}";
+
+Model model_with(const std::string& effects) {
+  return Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects: {" + effects + "}\n", "model"));
+}
+
+// What the search finds in flat fields of 24 x 18 made with `hidden` beside the nominal effects.
+SearchResult found(const std::string& name, const std::string& nominal, const std::string& hidden,
+                   const std::vector<double>& levels = {0, 0.1, 0.3, 0.6}, int frames_each = 8) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("pair-" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "protocol");
+  std::string table = "frame,file,time_s,exposure_s,illumination\n";
+  int frame = 0;
+  for (const double light : levels) {
+    for (int k = 0; k < frames_each; ++k, ++frame)
+      table += fmt::format("{0},{0}.png,{1:.6f},0.005,{2}\n", frame, 0.041 * frame, light);
+  }
+  write_file_atomically(folder / "protocol" / "frames.csv", table);
+  write_file_atomically(folder / "protocol" / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: photometry\ntitle: pair\ncamera: "
+                        "{width_px: 24, height_px: 18, "
+                        "frame_period_s: 0.041}\ngroup: frame\nfiles: {frames: frames.csv}\n");
+  find_kind("photometry")
+      .measure(model_with(nominal + ", " + hidden), MeasurementSet::open(folder / "protocol"),
+               {.seed = 5, .out = folder / "set"});
+  const auto problem = open_problem(folder / "set");
+  SearchResult result = search(*problem, model_with(nominal), {}, [](const std::string&) {});
+  std::filesystem::remove_all(folder);
+  return result;
+}
+
+std::string steps_of(const SearchResult& result) {
+  std::string text;
+  for (const Step& step : result.steps) text += step.effect + " ";
+  return text;
+}
+
+TEST(PhotometryPairs, ToldApart) {
+  struct Case {
+    std::string effect, values, other;
+  };
+  const std::vector<Case> cases = {
+      {"vignetting", "{a2: 0.05, a4: 0}", "uneven_lighting"},
+      {"uneven_lighting", "{gx: 0.03, gy: -0.02}", "vignetting"},
+      {"lamp_flicker", "{frequency_hz: 100, depth: 0.04, phase_rad: 1}", "row_noise"},
+      {"row_noise", "{sigma_dn: 0.8}", "lamp_flicker"},
+      {"pixel_gain_spread", "{sigma: 0.015}", "shot_noise"},
+      {"shot_noise", "{electrons_per_dn: 25}", "pixel_gain_spread"},
+      {"column_offsets", "{sigma_dn: 0.8}", "shot_noise"},
+  };
+  for (const Case& c : cases) {
+    const SearchResult result = found(c.effect, kNoise, c.effect + ": " + c.values);
+    ASSERT_EQ(result.steps.size(), 1u) << c.effect << " found as " << steps_of(result);
+    const Candidate& first = result.first.candidates.front();
+    EXPECT_EQ(first.effect->name, c.effect);
+    EXPECT_EQ(result.steps[0].effect, c.effect);
+    for (const auto& ties : {first.indistinguishable_from, result.steps[0].indistinguishable_from})
+      EXPECT_EQ(std::count(ties.begin(), ties.end(), c.other), 0) << c.effect;
+    EXPECT_NEAR(result.best.assessment.error, 1, 0.04) << c.effect;
+  }
+}
+
+TEST(PhotometryPairs, BothAtOnceAreBothFound) {
+  for (const auto& [a, b] :
+       {std::pair("vignetting: {a2: 0.05, a4: 0}", "uneven_lighting: {gx: 0.03, gy: -0.02}"),
+        std::pair("lamp_flicker: {frequency_hz: 100, depth: 0.04}", "row_noise: {sigma_dn: 0.8}"),
+        std::pair("pixel_gain_spread: {sigma: 0.015}", "shot_noise: {electrons_per_dn: 25}"),
+        std::pair("shot_noise: {electrons_per_dn: 25}", "column_offsets: {sigma_dn: 0.8}")}) {
+    const SearchResult result = found("both", kNoise, std::string(a) + ", " + b);
+    EXPECT_EQ(result.steps.size(), 2u) << a << " " << b << " found as " << steps_of(result);
+    for (const Step& step : result.steps)
+      EXPECT_TRUE(std::string(a).starts_with(step.effect) ||
+                  std::string(b).starts_with(step.effect))
+          << step.effect;
+  }
+}
+
+// The first candidate or its declared ties hold both.
+void expect_tie(const SearchResult& result, const std::string& a, const std::string& b) {
+  ASSERT_FALSE(result.first.candidates.empty());
+  const Candidate& first = result.first.candidates.front();
+  EXPECT_TRUE(first.significant);
+  std::vector<std::string> names = first.indistinguishable_from;
+  names.push_back(first.effect->name);
+  for (const std::string& name : {a, b})
+    EXPECT_EQ(std::count(names.begin(), names.end(), name), 1)
+        << name << " in " << fmt::format("{}", first.effect->name);
+  ASSERT_EQ(result.steps.size(), 1u) << steps_of(result);
+  std::vector<std::string> step = result.steps[0].indistinguishable_from;
+  step.push_back(result.steps[0].effect);
+  for (const std::string& name : {a, b})
+    EXPECT_EQ(std::count(step.begin(), step.end(), name), 1) << name;
+}
+
+// One level of light tells neither how a variance grows with the light nor how a pattern does.
+TEST(PhotometryPairs, DeclaredTiedAtOneLevelOfLight) {
+  expect_tie(found("shot-read", kSensor, "shot_noise: {electrons_per_dn: 25}", {0.5}, 12),
+             "shot_noise", "read_noise");
+  expect_tie(found("gain-offset", kNoise, "pixel_gain_spread: {sigma: 0.015}", {0.5}, 12),
+             "pixel_gain_spread", "pixel_offset_spread");
+}
+
+}  // namespace
+}  // namespace seam::measurement

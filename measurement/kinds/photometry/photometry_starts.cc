@@ -1,0 +1,227 @@
+#include "measurement/kinds/photometry/photometry_starts.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "effects/registry.h"
+#include "measurement/numerics/linear_algebra.h"
+
+namespace seam::measurement {
+namespace {
+
+using Values = std::vector<double>;
+
+std::shared_ptr<const EffectDefinition> shared(const EffectDefinition& effect) {
+  if (auto known = effects::find_effect(effect.name)) return known;
+  return std::make_shared<const EffectDefinition>(effect);
+}
+
+Model with(const Model& model, const EffectDefinition& effect, const Values& values) {
+  std::vector<effects::ParameterValue> given;
+  for (const double value : values) given.push_back({.value = value});
+  Model out = model;
+  out.set(shared(effect), std::move(given));
+  return out;
+}
+
+// Moments of the residuals, summed over levels and samples.
+struct Excess {
+  double temporal = 0;    // Variance in time beyond the prediction, mean over values.
+  double per_signal = 0;  // Its slope against the signal.
+  double pattern_offset = 0;
+  double pattern_gain = 0;
+  double column = 0;
+  double row = 0;
+};
+
+Excess excess_of(const PhotometryView& view, const PhotometryPrediction& prediction) {
+  Excess out;
+  const PhotometryData& data = view.data;
+  double n = 0, xy = 0, xx = 0, po = 0, pg = 0, pgg = 0, count = 0;
+  double row_sum = 0, row_count = 0, column_sum = 0, column_count = 0;
+  for (size_t l = 0; l < view.sums.levels.size(); ++l) {
+    const LevelSums& sum = view.sums.levels[l];
+    const LevelPrediction& level = prediction.levels[l];
+    const auto frames = static_cast<double>(sum.frames.size());
+    if (frames == 0) continue;
+    std::vector<double> column(static_cast<size_t>(data.width_px), 0);
+    double variance = 0;
+    for (size_t i = 0; i < sum.mean.size(); ++i) {
+      const double r = sum.mean[i] - level.mean[i];
+      // Without noise the file's steps hide the slope: then it is that of the light.
+      const double signal = std::max(0.0, level.mean[i] - prediction.chain.black_dn);
+      const double gain = level.gain_slope[i] > 0 ? level.gain_slope[i] : signal;
+      const double g2 = gain * gain, shot = gain * data.levels[l].gain;
+      const double left = r * r - level.variance[i] / frames;
+      po += left, pg += left * g2, pgg += g2 * g2, count += 1;
+      column[i / data.channels % data.width_px] += r / (data.height_px * data.channels);
+      variance += level.variance[i];
+      if (frames < 2) continue;
+      const double v = sum.scatter[i] / ((frames - 1) * (1 - 1.0 / data.width_px)) - level.variance[i];
+      n += 1, out.temporal += v, xy += v * shot, xx += shot * shot;
+    }
+    variance /= static_cast<double>(sum.mean.size());
+    for (const double c : column) column_sum += c * c - variance / (frames * data.height_px * data.channels);
+    column_count += data.width_px;
+    for (size_t f = 0; f < sum.frames.size() && frames > 1; ++f) {
+      for (size_t row = 0; row < data.rows(); ++row) {
+        const double d = data.row_mean[sum.frames[f]][row] - sum.row_mean[row] - level.row_shift[f][row];
+        row_sum += d * d * frames / (frames - 1) - variance / data.width_px;
+        row_count += 1;
+      }
+    }
+  }
+  if (n > 0) out.temporal /= n;
+  if (xx > 0) out.per_signal = xy / xx;
+  if (count > 0) out.pattern_offset = po / count;
+  if (pgg > 0) out.pattern_gain = pg / pgg;
+  if (row_count > 0) out.row = row_sum / row_count;
+  if (column_count > 0) out.column = column_sum / column_count;
+  return out;
+}
+
+double root(double square, double least) { return std::sqrt(std::max(square, least * least)); }
+
+// Straight from neutral: the least-squares step of the parameters on which the mean depends.
+Values linear_start(const PhotometryView& view, const Model& model, const EffectDefinition& effect,
+                    const PhotometryPrediction& base) {
+  Values neutral;
+  for (const auto& p : effect.parameters) neutral.push_back(p.neutral);
+  const auto n = static_cast<Eigen::Index>(neutral.size());
+  std::vector<PhotometryPrediction> moved;
+  Values step;
+  for (size_t k = 0; k < neutral.size(); ++k) {
+    const auto& p = effect.parameters[k];
+    double h = 1e-3 * p.scale;
+    if (p.neutral + h > p.max) h = -h;
+    Values values = neutral;
+    values[k] += h;
+    step.push_back(h);
+    moved.push_back(predict(view.data, view.sums, with(model, effect, values), view.set_noise_dn));
+  }
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n), slope(n);
+  for (size_t l = 0; l < base.levels.size(); ++l) {
+    const LevelSums& sum = view.sums.levels[l];
+    for (size_t i = 0; i < sum.mean.size(); ++i) {
+      const double w = static_cast<double>(sum.frames.size()) / base.levels[l].variance[i];
+      for (Eigen::Index k = 0; k < n; ++k) slope[k] = (moved[k].levels[l].mean[i] - base.levels[l].mean[i]) / step[k];
+      normal.noalias() += w * slope * slope.transpose();
+      right += w * (sum.mean[i] - base.levels[l].mean[i]) * slope;
+    }
+  }
+  for (Eigen::Index k = 0; k < n; ++k) normal(k, k) += 1e-9 * normal(k, k) + 1e-30;
+  const Eigen::VectorXd solution = solve_symmetric(normal, right);
+  Values start = neutral;
+  for (size_t k = 0; k < neutral.size(); ++k) {
+    const auto& p = effect.parameters[k];
+    double value = p.neutral + solution[static_cast<Eigen::Index>(k)];
+    if (!std::isfinite(value)) value = p.neutral;
+    start[k] = std::clamp(value, p.min, p.max);
+  }
+  return start;
+}
+
+Values best_of(const PhotometryView& view, const Model& model, const EffectDefinition& effect,
+               const std::vector<Values>& choices) {
+  double best = -std::numeric_limits<double>::infinity();
+  Values chosen = choices.front();
+  for (const Values& values : choices) {
+    const double here = log_likelihood(view, with(model, effect, values));
+    if (here > best) best = here, chosen = values;
+  }
+  return chosen;
+}
+
+std::vector<Values> gamma_choices() {
+  std::vector<Values> choices;
+  for (const double gamma : {0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.93, 0.98, 1.02, 1.08, 1.18, 1.35, 1.6, 2.0, 2.6}) {
+    choices.push_back({gamma});
+  }
+  return choices;
+}
+
+std::vector<Values> full_choices(const PhotometryView& view, const PhotometryPrediction& prediction) {
+  double top = 0, low = 1e300;
+  for (const LevelSums& sum : view.sums.levels) {
+    for (const double mean : sum.mean) top = std::max(top, mean), low = std::min(low, mean);
+  }
+  double highest = 0;
+  for (const auto& level : prediction.levels) {
+    for (const double mean : level.mean) highest = std::max(highest, mean);
+  }
+  std::vector<Values> choices;
+  for (int i = 0; i <= 16; ++i) choices.push_back({std::max(0.6, low + (std::max(top, 1.0) - low) * (0.4 + 0.6 * i / 16))});
+  for (const double above : {0.5, 1.0, 2.0, 4.0, 8.0}) choices.push_back({top + above});
+  return choices;
+}
+
+// Samples that stand out of the residual means.
+Values hot_start(const PhotometryView& view, const PhotometryPrediction& prediction) {
+  std::vector<double> residual(view.data.samples(), 0), weight(view.data.samples(), 0);
+  for (size_t l = 0; l < prediction.levels.size(); ++l) {
+    const LevelSums& sum = view.sums.levels[l];
+    for (size_t i = 0; i < sum.mean.size(); ++i) {
+      const double w = static_cast<double>(sum.frames.size()) / prediction.levels[l].variance[i];
+      residual[i] += w * (sum.mean[i] - prediction.levels[l].mean[i]);
+      weight[i] += w;
+    }
+  }
+  for (size_t i = 0; i < residual.size(); ++i) residual[i] /= std::max(weight[i], 1e-300);
+  std::vector<double> sorted = residual;
+  const auto median_of = [](std::vector<double>& x) {
+    std::nth_element(x.begin(), x.begin() + static_cast<long>(x.size() / 2), x.end());
+    return x[x.size() / 2];
+  };
+  const double centre = median_of(sorted);
+  for (double& r : sorted) r = std::abs(r - centre);
+  const double sigma = 1.4826 * median_of(sorted);
+  std::vector<double> high;
+  for (const double r : residual) {
+    if (std::abs(r - centre) > 6 * sigma) high.push_back(r);
+  }
+  if (high.empty()) return {1.0 / static_cast<double>(residual.size()), 20};
+  const double share = static_cast<double>(high.size()) / static_cast<double>(residual.size());
+  return {std::min(share, 0.1), median_of(high)};
+}
+
+}  // namespace
+
+double log_likelihood(const PhotometryView& view, const Model& model) {
+  if (view.cells) {
+    const auto fast = cell_log_likelihood(view.data, view.sums, *view.cells, model, view.set_noise_dn, view.channels_share);
+    if (fast) return *fast;
+  }
+  const auto prediction = predict(view.data, view.sums, model, view.set_noise_dn);
+  return score_photometry(view.data, view.sums, prediction, view.channels_share).log_likelihood;
+}
+
+std::vector<Values> photometry_starts(const PhotometryView& view, const Model& model, const EffectDefinition& effect) {
+  const PhotometryPrediction prediction = predict(view.data, view.sums, model, view.set_noise_dn);
+  const std::string& name = effect.name;
+  if (name == "lamp_flicker") return flicker_starts(view, model, prediction);
+  if (name == "response_gamma") return {best_of(view, model, effect, gamma_choices())};
+  if (name == "saturation") return {best_of(view, model, effect, full_choices(view, prediction))};
+  if (name == "hot_pixels") return {hot_start(view, prediction)};
+  if (name == "quantisation") {
+    std::vector<Values> choices;
+    for (int bits = view.data.fewest_bits; bits < view.data.file_bits; ++bits) choices.push_back({static_cast<double>(bits)});
+    if (choices.empty()) return {};
+    return {best_of(view, model, effect, choices)};
+  }
+  if (name == "read_noise" || name == "shot_noise" || name == "pixel_gain_spread" ||
+      name == "pixel_offset_spread" || name == "column_offsets" || name == "row_noise") {
+    const Excess excess = excess_of(view, prediction);
+    if (name == "read_noise") return {{root(excess.temporal, 0.05)}};
+    if (name == "shot_noise") return {{1 / std::clamp(excess.per_signal, 1e-6, 100.0)}};
+    if (name == "pixel_gain_spread") return {{std::min(0.3, root(excess.pattern_gain, 1e-4))}};
+    if (name == "pixel_offset_spread") return {{root(excess.pattern_offset, 0.02)}};
+    if (name == "column_offsets") return {{root(excess.column, 0.01)}};
+    return {{root(excess.row, 0.01)}};
+  }
+  return {linear_start(view, model, effect, prediction)};
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,124 @@
+#include "measurement/kinds/points/points_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/stages/geometry.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+const std::vector<std::string> kColumns = {"frame", "time_s", "point", "x_m", "y_m", "z_m", "u_px", "v_px"};
+
+Covariate named(const std::string& name, std::vector<double> values, Covariate::Type type = Covariate::Type::smooth) {
+  return {.name = name, .type = type, .values = std::move(values)};
+}
+
+}  // namespace
+
+PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
+  PointsData data{.rig = Rig::from_set(set), .camera = set.camera};
+  if (data.camera.width_px == 0) set.root.at("camera").fail("missing");
+  const CsvTable table = set.table("points");
+  if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
+  facts.kind = "points";
+  facts.kind_bit = effects::kPoints;
+  facts.title = set.title;
+  facts.file = table.file();
+  const std::vector<int64_t> ns = table.times_ns("time_s");
+  if (data.rig.type() == Rig::Type::unknown || data.rig.reference_ns() == 0) {
+    if (data.rig.type() == Rig::Type::unknown) data.rig.set_reference_ns(*std::min_element(ns.begin(), ns.end()));
+  }
+  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"), z = table.numbers("z_m");
+  data.u_px = measured ? table.numbers("u_px") : std::vector<double>(table.rows(), 0);
+  data.v_px = measured ? table.numbers("v_px") : std::vector<double>(table.rows(), 0);
+  std::vector<std::string> frames;
+  data.frame_of_row = number_groups(table.texts("frame"), frames);
+  data.rows_of_frame.resize(frames.size());
+  facts.group_of_row = number_groups(table.texts(set.group), facts.groups);
+  std::vector<int> group_of_frame(frames.size(), -1);
+  for (size_t row = 0; row < table.rows(); ++row) {
+    data.p_W.emplace_back(x[row], y[row], z[row]);
+    data.stamp_s.push_back(1e-9 * static_cast<double>(ns[row] - data.rig.reference_ns()));
+    if (data.rig.type() != Rig::Type::unknown &&
+        (data.stamp_s[row] < data.rig.first_s() - 1 || data.stamp_s[row] > data.rig.last_s() + 1)) {
+      table.fail(row, "time_s", table.cell(row, "time_s"), "a time within the log of the rig");
+    }
+    int& group = group_of_frame[data.frame_of_row[row]];
+    if (group >= 0 && group != facts.group_of_row[row]) {
+      table.fail(row, set.group, table.cell(row, set.group), "one group for all rows of a frame");
+    }
+    group = facts.group_of_row[row];
+    data.rows_of_frame[data.frame_of_row[row]].push_back(static_cast<int>(row));
+    facts.line_of_row.push_back(table.line(row));
+    for (int channel = 0; channel < 2; ++channel) {
+      facts.row_of.push_back(static_cast<int>(row));
+      facts.channel_of.push_back(channel);
+    }
+  }
+  facts.time_of_row = data.stamp_s;
+  facts.series_of_row = data.frame_of_row;
+  if (measured) add_points_covariates(data, table, facts);
+  return data;
+}
+
+void place_covariates(const PointsData& data, const std::vector<double>& residual, Facts& facts) {
+  const size_t n = data.u_px.size();
+  std::vector<double> row(n), column(n), radius(n);
+  // Along the radius and across it: lenses push points along it.
+  CombinedChannel along{.name = "radial_px"}, across{.name = "tangential_px"};
+  for (size_t i = 0; i < n; ++i) {
+    column[i] = data.u_px[i] - residual[2 * i];
+    row[i] = data.v_px[i] - residual[2 * i + 1];
+    radius[i] = effects::rho(column[i], row[i], data.camera.width_px, data.camera.height_px);
+    const double du = column[i] - 0.5 * (data.camera.width_px - 1), dv = row[i] - 0.5 * (data.camera.height_px - 1);
+    const double length = std::sqrt(du * du + dv * dv);
+    along.weight_a.push_back(length > 0 ? du / length : 1);
+    along.weight_b.push_back(length > 0 ? dv / length : 0);
+    across.weight_a.push_back(-along.weight_b.back());
+    across.weight_b.push_back(along.weight_a.back());
+  }
+  facts.combined = {std::move(along), std::move(across)};
+  facts.covariates[0].values = std::move(row);
+  facts.covariates[1].values = std::move(column);
+  facts.covariates[2].values = std::move(radius);
+}
+
+void add_points_covariates(const PointsData& data, const CsvTable& table, Facts& facts) {
+  auto& all = facts.covariates;
+  for (const char* name : {"row", "column", "radius"}) all.push_back(named(name, {}));
+  place_covariates(data, std::vector<double>(2 * data.u_px.size(), 0), facts);
+  const auto [first, last] = std::minmax_element(data.stamp_s.begin(), data.stamp_s.end());
+  if (*last > *first) all.push_back(named("time", data.stamp_s));
+  for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {
+    std::vector<double> angle, rate, sign;
+    for (const double t : data.stamp_s) {
+      angle.push_back(data.rig.logged(j).value(t));
+      rate.push_back(data.rig.logged(j).rate(t));
+      sign.push_back(rate.back() > 0 ? 1 : rate.back() < 0 ? -1 : 0);
+    }
+    const std::string& name = data.rig.joint_names()[j];
+    all.push_back(named(name, std::move(angle)));
+    all.push_back(named(name + "_rate", std::move(rate)));
+    all.push_back(named("sign(" + name + "_rate)", std::move(sign), Covariate::Type::sign));
+  }
+  if (data.rig.type() != Rig::Type::unknown) {
+    const Model none = Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));
+    const Rig::Motion motion = data.rig.motion(none);
+    std::vector<double> range;
+    for (size_t i = 0; i < data.p_W.size(); ++i) range.push_back(glm::length(data.p_W[i] - motion.X_WC(data.stamp_s[i]).p));
+    all.push_back(named("range", std::move(range)));
+  }
+  std::vector<std::string> labels;
+  const std::vector<int> points = number_groups(table.texts("point"), labels);
+  if (labels.size() > 1 && labels.size() * 4 < points.size()) {
+    all.push_back(named("point", {points.begin(), points.end()}, Covariate::Type::category));
+  }
+  if (data.rows_of_frame.size() > 1) {
+    all.push_back(named("frame", {data.frame_of_row.begin(), data.frame_of_row.end()}, Covariate::Type::category));
+  }
+  for (const std::string& column : table.extra_numeric_columns(kColumns)) all.push_back(named(column, table.numbers(column)));
+}
+
+}  // namespace seam::measurement

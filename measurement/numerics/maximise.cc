@@ -1,0 +1,200 @@
+#include "measurement/numerics/maximise.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "measurement/numerics/linear_algebra.h"
+
+namespace seam::measurement {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+class Search {
+ public:
+  Search(const std::function<double(const std::vector<double>&)>& f, const std::vector<SearchParameter>& parameters)
+      : f_(f), parameters_(parameters), n_(static_cast<int>(parameters.size())), z_(n_), low_(n_), high_(n_), step_(n_) {
+    for (int i = 0; i < n_; ++i) {
+      const SearchParameter& p = parameters[i];
+      const auto inner = [&](double x) { return p.logarithmic ? std::log(std::max(x, 1e-12)) : x; };
+      low_[i] = inner(p.min), high_[i] = inner(p.max);
+      z_[i] = std::clamp(inner(p.start), low_[i], high_[i]);
+      step_[i] = p.step;
+    }
+  }
+
+  Maximum run() {
+    double here = value(z_);
+    constexpr double kNothing = 1e-4;  // A gain of log-likelihood that is not worth an evaluation.
+    double damping = 1e-3;
+    Maximum out;
+    for (int iteration = 0; iteration < 30 && n_ > 0; ++iteration) {
+      // Parameters' correlations change little between steps: they are measured at the start and
+      // at the end.
+      derivatives(here, iteration == 0 || settled_);
+      double gained = 0;
+      VectorXd best = z_;
+      double best_value = here;
+      bool accepted = false;
+      for (int attempt = 0; attempt < 9; ++attempt) {
+        const VectorXd step = direction(damping);
+        if (0.5 * gradient_.dot(step) < kNothing) break;
+        const VectorXd trial = (z_ + step).cwiseMax(low_).cwiseMin(high_);
+        const double there = value(trial);
+        if (there > best_value) {
+          best = trial, best_value = there, accepted = true;
+          damping = std::max(damping / 8, 1e-9);
+          break;
+        }
+        damping = std::min(damping * 6 + 1e-6, 1e9);
+      }
+      gained = best_value - here;
+      z_ = best;
+      here = best_value;
+      if (!accepted || gained < 0.01) {
+        // Once more with steps that fit the curvature, unless they did already.
+        if (settled_ || iteration > 20) {
+          out.converged = true;
+          break;
+        }
+        settled_ = true;
+        damping = 1e-3;
+      } else if (gained > 0.1) {
+        settled_ = false;
+      }
+    }
+    if (!out.converged) derivatives(here, true);
+    finish(out, here);
+    return out;
+  }
+
+ private:
+  double value(const VectorXd& z) const {
+    std::vector<double> x(n_);
+    for (int i = 0; i < n_; ++i) x[i] = parameters_[i].logarithmic ? std::exp(z[i]) : z[i];
+    const double v = f_(x);
+    return std::isfinite(v) ? v : -std::numeric_limits<double>::max();
+  }
+
+  void derivatives(double here, bool correlations) {
+    const MatrixXd before = curvature_;
+    gradient_ = VectorXd::Zero(n_);
+    curvature_ = MatrixXd::Zero(n_, n_);
+    VectorXd plus(n_);
+    for (int i = 0; i < n_; ++i) {
+      // Inside the bounds, one-sided where they are near.
+      double h = std::min(step_[i], 0.5 * (high_[i] - low_[i]));
+      VectorXd at = z_;
+      double centre = z_[i];
+      if (centre + h > high_[i]) centre = high_[i] - h;
+      if (centre - h < low_[i]) centre = low_[i] + h;
+      at[i] = centre;
+      const double middle = centre == z_[i] ? here : value(at);
+      at[i] = centre + h;
+      plus[i] = value(at);
+      at[i] = centre - h;
+      const double minus = value(at);
+      const double second = (plus[i] - 2 * middle + minus) / (h * h);
+      gradient_[i] = (plus[i] - minus) / (2 * h) + second * (z_[i] - centre);
+      curvature_(i, i) = -second;
+      used_[i] = h, shifted_[i] = centre != z_[i];
+      if (-second > 0) {
+        const double wanted = 0.5 / std::sqrt(-second);
+        step_[i] = std::clamp(wanted, 0.02 * h, 5 * h);
+        if (parameters_[i].logarithmic) step_[i] = std::min(step_[i], 0.5);
+      } else if (std::abs(plus[i] - minus) < 1) {
+        step_[i] = std::min(2 * h, parameters_[i].logarithmic ? 0.5 : 2 * h);
+      }
+    }
+    for (int i = 0; i < n_; ++i) {
+      for (int k = 0; k < i; ++k) {
+        if (shifted_[i] || shifted_[k]) continue;
+        if (!correlations) {
+          const double was = before(i, i) * before(k, k), is = curvature_(i, i) * curvature_(k, k);
+          if (was > 0 && is > 0) {
+            curvature_(i, k) = curvature_(k, i) = before(i, k) * std::sqrt(is / was);
+            continue;
+          }
+        }
+        VectorXd a = z_;
+        a[i] += used_[i], a[k] += used_[k];
+        VectorXd b = z_;
+        b[i] -= used_[i], b[k] -= used_[k];
+        const double diagonal = 0.5 * (curvature_(i, i) * used_[i] * used_[i] + curvature_(k, k) * used_[k] * used_[k]);
+        const double mixed = (value(a) + value(b) - 2 * here) / 2 + diagonal;
+        curvature_(i, k) = curvature_(k, i) = -mixed / (used_[i] * used_[k]);
+      }
+    }
+  }
+
+  VectorXd direction(double damping) const {
+    MatrixXd system = curvature_;
+    for (int i = 0; i < n_; ++i) {
+      const double size = std::max(std::abs(curvature_(i, i)), 1e-12);
+      system(i, i) = (curvature_(i, i) > 0 ? curvature_(i, i) : size) + damping * size;
+      const bool pushed = (z_[i] <= low_[i] && gradient_[i] <= 0) || (z_[i] >= high_[i] && gradient_[i] >= 0);
+      if (pushed) {
+        system.row(i).setZero();
+        system.col(i).setZero();
+        system(i, i) = 1e300;
+      }
+    }
+    VectorXd out(n_);
+    if (!solve_positive(system, gradient_, out)) {
+      for (int i = 0; i < n_; ++i) out[i] = gradient_[i] / system(i, i);
+    }
+    return out;
+  }
+
+  void finish(Maximum& out, double here) {
+    out.log_likelihood = here;
+    out.covariance.assign(static_cast<size_t>(n_) * n_, 0);
+    // Directions without curvature have no estimate.
+    MatrixXd covariance = MatrixXd::Zero(n_, n_);
+    std::vector<char> free(n_, 1);
+    if (n_ > 0) {
+      VectorXd scale(n_);
+      for (int i = 0; i < n_; ++i) {
+        free[i] = curvature_(i, i) > 0;
+        scale[i] = free[i] ? 1 / std::sqrt(curvature_(i, i)) : 0;
+      }
+      MatrixXd unit = scale.asDiagonal() * curvature_ * scale.asDiagonal();
+      for (int i = 0; i < n_; ++i) if (!free[i]) unit(i, i) = 1;
+      covariance = scale.asDiagonal() * floored_inverse(unit, 1e-10) * scale.asDiagonal();
+    }
+    for (int i = 0; i < n_; ++i) {
+      const SearchParameter& p = parameters_[i];
+      out.value.push_back(p.logarithmic ? std::exp(z_[i]) : z_[i]);
+      out.at_bound.push_back(z_[i] <= low_[i] || z_[i] >= high_[i]);
+      const double jacobian = p.logarithmic ? out.value[i] : 1;
+      out.sigma.push_back(free[i] ? jacobian * std::sqrt(covariance(i, i)) : std::numeric_limits<double>::infinity());
+    }
+    for (int i = 0; i < n_; ++i) {
+      for (int k = 0; k < n_; ++k) {
+        const double ji = parameters_[i].logarithmic ? out.value[i] : 1;
+        const double jk = parameters_[k].logarithmic ? out.value[k] : 1;
+        out.covariance[static_cast<size_t>(i) * n_ + k] = ji * jk * covariance(i, k);
+      }
+    }
+  }
+
+  const std::function<double(const std::vector<double>&)>& f_;
+  const std::vector<SearchParameter>& parameters_;
+  int n_;
+  VectorXd z_, low_, high_, step_, gradient_;
+  VectorXd used_ = VectorXd::Zero(n_), shifted_ = VectorXd::Zero(n_);
+  MatrixXd curvature_;
+  bool settled_ = false;
+};
+
+}  // namespace
+
+Maximum maximise(const std::function<double(const std::vector<double>&)>& log_likelihood,
+                 const std::vector<SearchParameter>& parameters) {
+  return Search(log_likelihood, parameters).run();
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,193 @@
+#include "measurement/report/report_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "measurement/report/report_plots.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+using nlohmann::json;
+
+// The models that a page lays beside each other.
+struct Stages {
+  const Assessment* before = nullptr;
+  const Assessment* after = nullptr;  // May be missing.
+  std::vector<std::string> added;     // Effects of `after` that `before` lacks.
+};
+
+json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+Groups shown_groups(const Problem& problem) {
+  return problem.folds().size() == 1 ? problem.folds()[0] : problem.all_groups();
+}
+
+json model_json(const Model& model, const std::string& file) {
+  json effects = json::object();
+  for (const effects::ModelEffect& effect : model.effects()) {
+    json parameters = json::object();
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      const effects::ParameterValue& value = effect.parameters[i];
+      parameters[effect.definition->parameters[i].name] = {
+          {"value", number(value.value)}, {"sigma", value.sigma ? number(*value.sigma) : json(nullptr)}, {"free", value.free}};
+    }
+    effects[effect.definition->name] = std::move(parameters);
+  }
+  return {{"name", model.name()}, {"file", file}, {"effects", std::move(effects)}};
+}
+
+json data_json(const Problem& problem, const Assessment& before, const std::string& folder) {
+  const Facts& facts = problem.facts();
+  const Groups shown = shown_groups(problem);
+  json noise = json::object();
+  bool estimated = false;
+  for (const Channel& channel : facts.channels) {
+    noise[channel.name] = number(channel.noise);
+    estimated = estimated || channel.estimated;
+  }
+  return {{"folder", folder}, {"title", facts.title}, {"kind", facts.kind}, {"fingerprint", facts.fingerprint},
+          {"n", std::max(before.held.n, static_cast<int64_t>(count_used(problem)))},
+          {"groups", facts.groups.size()}, {"held_out_n", before.held.n},
+          {"held_out_groups", std::count(shown.begin(), shown.end(), 1)},
+          {"noise", std::move(noise)}, {"noise_from", estimated ? "estimated" : "file"}};
+}
+
+// One cause shows in many places: of each residual two plots against a covariate and two against a
+// product tell more than many of one; residuals made of two others come last.
+std::vector<Structure> chosen_for_plots(const Facts& facts, const std::vector<Structure>& structures) {
+  constexpr size_t kMost = 8;
+  std::vector<Structure> chosen;
+  std::set<std::string> seen;
+  std::map<std::string, int> alike;
+  for (const bool combined : {false, true}) {
+    for (const Structure& structure : structures) {
+      const bool native = std::any_of(facts.channels.begin(), facts.channels.end(),
+                                      [&](const Channel& channel) { return channel.name == structure.residual; });
+      // Labels have no order to be plotted along.
+      if (native == combined || structure.covariate == "frame" || structure.covariate == "point") continue;
+      const bool product = structure.covariate.find('*') != std::string::npos;
+      int& same = alike[structure.residual + structure.moment + (product ? "*" : "")];
+      // What moves the mean widens the spread too: one plot of it is enough.
+      const bool spread = structure.moment == "spread";
+      if (chosen.size() == kMost || same == (combined || spread ? 1 : 2)) continue;
+      if (!seen.insert(structure.residual + " " + structure.covariate + " " + structure.moment).second) continue;
+      chosen.push_back(structure);
+      ++same;
+    }
+  }
+  return chosen;
+}
+
+void append_stage(const Problem& problem, const Assessment& assessment, const std::string& stage,
+                  const std::vector<Structure>& structures, json& plots) {
+  const ResidualView view = problem.residual_view(assessment.model, shown_groups(problem));
+  for (const Structure& structure : chosen_for_plots(problem.facts(), structures)) {
+    json plot = residual_plot(view, structure, stage);
+    if (!plot.is_null()) plots["residuals"].push_back(std::move(plot));
+  }
+  if (json arrows = arrow_plot(view, stage); !arrows.is_null()) plots["arrows"].push_back(std::move(arrows));
+  if (json map = image_map(view, stage); !map.is_null()) plots["maps"].push_back(std::move(map));
+  if (!plots.contains("histograms")) plots["histograms"] = json::array();
+  append_histograms(view, problem.facts().channels.size(), stage, plots["histograms"]);
+}
+
+// The error without each effect that was fitted or added, the rest refitted.
+json leave_one_out(const Problem& problem, const Assessment& whole, const std::vector<std::string>& added) {
+  constexpr size_t kMost = 8;
+  json list = json::array();
+  for (const effects::ModelEffect& effect : whole.model.effects()) {
+    const std::string& name = effect.definition->name;
+    const bool fitted = std::any_of(whole.unknowns.begin(), whole.unknowns.end(),
+                                    [&](const Unknown& u) { return u.effect == name; });
+    const bool new_here = std::find(added.begin(), added.end(), name) != added.end();
+    if ((!fitted && !new_here) || list.size() == kMost) continue;
+    Model without = whole.model;
+    without.remove(name);
+    std::vector<Unknown> unknowns = whole.unknowns;
+    std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == name; });
+    try {
+      problem.check_model(without);
+    } catch (const InputError&) {
+      continue;  // The model means nothing without it (a projection).
+    }
+    const Assessment rest = assess(problem, without, unknowns);
+    if (!rest.valid) continue;
+    list.push_back({{"effect", name}, {"error_with", number(whole.error)}, {"error_without", number(rest.error)}});
+  }
+  return list;
+}
+
+std::string document(const Problem& problem, const ReportHeader& header, const Stages& stages,
+                     const std::vector<Structure>& structures, const std::string& result) {
+  json plots = json::object();
+  append_stage(problem, *stages.before, "before", structures, plots);
+  if (stages.after) append_stage(problem, *stages.after, "after", structures, plots);
+  const Assessment& last = stages.after ? *stages.after : *stages.before;
+  if (json worth = leave_one_out(problem, last, stages.added); !worth.empty()) plots["leave_one_out"] = std::move(worth);
+  const json report = {{"format", "seam-report/1"}, {"title", problem.facts().title}, {"command", header.command},
+                       {"version", "0.1.0"}, {"model", model_json(stages.before->model, header.model_file)},
+                       {"data", data_json(problem, *stages.before, header.data_folder)},
+                       {"result", json::parse(result)}, {"plots", std::move(plots)}};
+  return report.dump();
+}
+
+}  // namespace
+
+std::string compare_report(const Problem& problem, const CompareResult& result, const ReportHeader& header) {
+  return document(problem, header, {.before = &result.base.assessment}, result.structure, compare_json(problem, result));
+}
+
+std::string diagnose_report(const Problem& problem, const SearchResult& result, const ReportHeader& header) {
+  Stages stages{.before = &result.base.assessment};
+  std::vector<Structure> structures = result.base_structure;
+  // The page shows the first step; where structure remains after all, what the last step leaves.
+  if (result.verdict == "unexplained_structure" && !result.steps.empty()) {
+    stages.after = &result.best.assessment;
+    stages.added = result.best.added;
+    structures.insert(structures.begin(), result.remaining.begin(), result.remaining.end());
+  } else if (!result.first.candidates.empty() && result.first.candidates.front().significant) {
+    stages.after = &result.first.candidates.front().grown.assessment;
+    stages.added = result.first.candidates.front().grown.added;
+  }
+  return document(problem, header, stages, structures, diagnose_json(problem, result));
+}
+
+std::string discover_report(const Problem& problem, const SearchResult& result, const ReportHeader& header) {
+  Stages stages{.before = &result.base.assessment};
+  if (!result.steps.empty()) {
+    stages.after = &result.best.assessment;
+    stages.added = result.best.added;
+  }
+  std::vector<Structure> structures = result.base_structure;
+  structures.insert(structures.begin(), result.remaining.begin(), result.remaining.end());
+  return document(problem, header, stages, structures, discover_json(problem, result));
+}
+
+std::string history_json(const Model& model) {
+  json versions = json::array();
+  for (const effects::HistoryStep& step : model.history()) {
+    json parameters = json::object();
+    for (const auto& [name, value] : step.parameters) {
+      parameters[name] = {{"value", number(value.value)}, {"sigma", value.sigma ? number(*value.sigma) : json(nullptr)}};
+    }
+    versions.push_back({{"version", versions.size() + 1}, {"effect", step.effect.empty() ? json(nullptr) : json(step.effect)},
+                        {"parameters", std::move(parameters)}, {"data", step.data}, {"fingerprint", step.data_fingerprint},
+                        {"error_before", number(step.error_before)}, {"error_after", number(step.error_after)}});
+  }
+  return json{{"format", "seam-history/1"}, {"model", model.name()}, {"versions", std::move(versions)}}.dump(2) + "\n";
+}
+
+std::string history_report(const Model& model, const ReportHeader& header) {
+  return json{{"format", "seam-report/1"}, {"title", fmt::format("How the model {} came about", model.name())},
+              {"command", header.command}, {"version", "0.1.0"}, {"model", model_json(model, header.model_file)},
+              {"result", json::parse(history_json(model))}}
+      .dump();
+}
+
+}  // namespace seam::measurement

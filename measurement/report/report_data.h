@@ -1,0 +1,25 @@
+// The document of a report page (docs/report_data.md) for the analysis commands: their result and
+// what its plots show. Filled into the page by report.h.
+#pragma once
+
+#include <string>
+
+#include "measurement/report/results.h"
+
+namespace seam::measurement {
+
+struct ReportHeader {
+  std::string command;      // As it was typed.
+  std::string model_file;
+  std::string data_folder;
+};
+
+std::string compare_report(const Problem& problem, const CompareResult& result, const ReportHeader& header);
+std::string diagnose_report(const Problem& problem, const SearchResult& result, const ReportHeader& header);
+std::string discover_report(const Problem& problem, const SearchResult& result, const ReportHeader& header);
+
+// The versions of a model; needs no data.
+std::string history_json(const Model& model);
+std::string history_report(const Model& model, const ReportHeader& header);
+
+}  // namespace seam::measurement

@@ -1,0 +1,227 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "measurement/report/results.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+using nlohmann::ordered_json;
+
+// JSON has no infinities: null where a number does not exist.
+ordered_json number(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json noise_json(const Problem& problem) {
+  ordered_json noise = ordered_json::object();
+  for (const Channel& channel : problem.facts().channels)
+    noise[channel.name] = number(channel.noise);
+  return noise;
+}
+
+void add_noise(ordered_json& json, const Problem& problem) {
+  json["noise"] = noise_json(problem);
+  bool estimated = false;
+  for (const Channel& channel : problem.facts().channels)
+    estimated = estimated || channel.estimated;
+  json["noise_estimated"] = estimated;
+}
+
+ordered_json native_json(const Problem& problem, const Score& score) {
+  ordered_json native = ordered_json::object();
+  for (size_t c = 0; c < problem.facts().channels.size(); ++c)
+    native[problem.facts().channels[c].name] = number(score.native[c]);
+  return native;
+}
+
+ordered_json structure_json(const std::vector<Structure>& structure) {
+  ordered_json list = ordered_json::array();
+  for (const Structure& s : structure) {
+    list.push_back({{"residual", s.residual},
+                    {"moment", s.moment},
+                    {"covariate", s.covariate},
+                    {"strength", number(s.strength)},
+                    {"p_value", s.p_value},
+                    {"explained", number(s.explained)}});
+  }
+  return list;
+}
+
+ordered_json outliers_json(const Problem& problem, const std::vector<Outlier>& outliers) {
+  ordered_json list = ordered_json::array();
+  for (const Outlier& o : outliers) {
+    list.push_back(
+        {{"file", problem.facts().file},
+         {"line", o.line},
+         {"channel", problem.facts().channels[problem.facts().channel_of[o.scalar]].name},
+         {"residual", number(o.residual)}});
+  }
+  return list;
+}
+
+ordered_json parameters_json(const Assessment& assessment, const std::string& effect) {
+  ordered_json json = ordered_json::object();
+  const effects::ModelEffect* entry = assessment.model.find(effect);
+  if (!entry) return json;
+  for (size_t i = 0; i < entry->parameters.size(); ++i) {
+    double sigma = NAN;
+    bool at_bound = false;
+    for (size_t k = 0; k < assessment.unknowns.size(); ++k) {
+      if (assessment.unknowns[k].effect != effect || assessment.unknowns[k].parameter != i)
+        continue;
+      sigma = assessment.fit.sigma[k];
+      at_bound = assessment.fit.at_bound[k];
+    }
+    ordered_json value{{"value", number(entry->parameters[i].value)}, {"sigma", number(sigma)}};
+    if (at_bound) value["at_bound"] = true;
+    json[entry->definition->parameters[i].name] = value;
+  }
+  return json;
+}
+
+// 1 - (after^2 - 1) / (before^2 - 1); null where there was nothing above the noise to gain.
+ordered_json gain_json(double before, double after, double n) {
+  const double excess = before * before - 1;
+  if (excess < 3 * std::sqrt(2 / std::max(1.0, n))) return nullptr;
+  return number(1 - (after * after - 1) / excess);
+}
+
+std::string why(const SearchResult& result, const Candidate& candidate) {
+  std::string text = candidate.effect->signature;
+  if (!result.base_structure.empty() && candidate.significant) {
+    const Structure& strongest = result.base_structure.front();
+    text += fmt::format("; without it the {} of {} depends on {} ({:.3g} rms)", strongest.moment,
+                        strongest.residual, strongest.covariate, strongest.strength);
+  }
+  return text;
+}
+
+ordered_json not_testable_json(const std::vector<NotTestable>& list) {
+  ordered_json json = ordered_json::array();
+  for (const NotTestable& n : list)
+    json.push_back({{"effect", n.effect}, {"parameter", n.parameter}, {"why", n.why}});
+  return json;
+}
+
+ordered_json baseline_json(const Problem& problem, const Assessment& base) {
+  return {{"error", number(base.error)},
+          {"native", native_json(problem, base.held)},
+          {"noise_floor", 1.0}};
+}
+
+std::string dumped(const ordered_json& json) {
+  return json.dump(1) + "\n";
+}
+
+}  // namespace
+
+std::string compare_json(const Problem& problem, const CompareResult& result) {
+  ordered_json json = {{"format", "seam-compare/1"},
+                       {"kind", problem.facts().kind},
+                       {"n", count_used(problem)},
+                       {"groups", problem.facts().groups.size()}};
+  json.update(baseline_json(problem, result.base.assessment));
+  add_noise(json, problem);
+  json["structure"] = structure_json(result.structure);
+  json["outliers"] = outliers_json(problem, result.outliers);
+  json["outlier_share"] = result.outlier_share;
+  return dumped(json);
+}
+
+std::string diagnose_json(const Problem& problem, const SearchResult& result,
+                          const std::optional<Suggestion>& suggestion) {
+  const Assessment& base = result.base.assessment;
+  ordered_json json = {{"format", "seam-diagnose/1"},
+                       {"kind", problem.facts().kind},
+                       {"n", problem.facts().rows()},
+                       {"residuals", count_used(problem)},
+                       {"groups", problem.facts().groups.size()},
+                       {"verdict", result.verdict}};
+  json["baseline"] = baseline_json(problem, base);
+  add_noise(json, problem);
+  ordered_json list = ordered_json::array();
+  int rank = 0;
+  for (const Candidate& c : result.first.candidates) {
+    const Assessment& after = c.grown.assessment;
+    ordered_json entry = {
+        {"effect", c.effect->name},
+        {"rank", ++rank},
+        {"error", number(after.error)},
+        {"gain", gain_json(base.error, after.error, static_cast<double>(base.held.n))},
+        {"p_value", c.p_value},
+        {"significant", c.significant},
+        {"log_likelihood_gain", number(c.gain_ll)},
+        {"parameters", parameters_json(after, c.effect->name)},
+        {"indistinguishable_from", c.indistinguishable_from}};
+    if (c.at_bound) entry["at_bound"] = true;
+    entry["why"] = why(result, c);
+    list.push_back(entry);
+  }
+  json["candidates"] = list;
+  json["structure"] = structure_json(
+      result.verdict == "unexplained_structure" ? result.remaining : result.base_structure);
+  ordered_json explanation = ordered_json::array();
+  for (const Step& step : result.steps)
+    explanation.push_back({{"effect", step.effect}, {"error_after", number(step.error_after)}});
+  json["explanation"] = {{"steps", explanation}, {"error", number(result.best.assessment.error)}};
+  json["not_testable"] = not_testable_json(result.first.not_testable);
+  json["outliers"] = outliers_json(problem, result.outliers);
+  json["outlier_share"] = result.outlier_share;
+  json["advice"] = advice_for(problem, result);
+  if (suggestion) {
+    json["suggestion"] = {{"effect", suggestion->effect},
+                          {"error", number(suggestion->error)},
+                          {"error_before", number(suggestion->error_before)},
+                          {"terms", suggestion->terms},
+                          {"beside", suggestion->beside}};
+  }
+  return dumped(json);
+}
+
+std::string discover_json(const Problem& problem, const SearchResult& result) {
+  ordered_json json = {
+      {"format", "seam-discover/1"},
+      {"kind", problem.facts().kind},
+      {"verdict",
+       result.verdict == "unexplained_structure" ? "unexplained_structure" : "adequate"}};
+  ordered_json steps = ordered_json::array();
+  for (const Step& step : result.steps) {
+    steps.push_back({{"effect", step.effect},
+                     {"parameters", parameters_json(result.best.assessment, step.effect)},
+                     {"parameters_when_added", parameters_json(step.after, step.effect)},
+                     {"error_before", number(step.error_before)},
+                     {"error_after", number(step.error_after)},
+                     {"indistinguishable_from", step.indistinguishable_from}});
+  }
+  json["steps"] = steps;
+  json["error"] = number(result.best.assessment.error);
+  json["baseline"] = baseline_json(problem, result.base.assessment);
+  json["native"] = native_json(problem, result.best.assessment.held);
+  add_noise(json, problem);
+  json["structure"] = structure_json(result.remaining);
+  json["not_testable"] = not_testable_json(result.first.not_testable);
+  json["outliers"] = outliers_json(problem, result.outliers);
+  json["outlier_share"] = result.outlier_share;
+  json["advice"] = advice_for(problem, result);
+  return dumped(json);
+}
+
+std::string add_json(const Problem& problem, const AddResult& result, const std::string& format) {
+  ordered_json parameters = ordered_json::object();
+  for (const auto& [name, value] : result.parameters) {
+    parameters[name] = {{"value", number(value.value)},
+                        {"sigma", value.sigma ? number(*value.sigma) : ordered_json(nullptr)}};
+  }
+  ordered_json json = {{"format", format},
+                       {"effect", result.effect},
+                       {"parameters", parameters},
+                       {"error_before", number(result.error_before)},
+                       {"error_after", number(result.error_after)},
+                       {"not_testable", not_testable_json(result.not_testable)}};
+  add_noise(json, problem);
+  return dumped(json);
+}
+
+}  // namespace seam::measurement

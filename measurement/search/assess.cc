@@ -1,0 +1,130 @@
+#include "measurement/search/assess.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+namespace seam::measurement {
+namespace {
+
+void pool(Score& into, const Score& part) {
+  if (into.by_group.empty()) {
+    into = part;
+    return;
+  }
+  into.chi2 += part.chi2;
+  into.n += part.n;
+  into.nuisances += part.nuisances;
+  into.log_likelihood += part.log_likelihood;
+  into.valid = into.valid && part.valid;
+  for (size_t g = 0; g < part.by_group.size(); ++g) into.by_group[g] += part.by_group[g];
+  for (size_t c = 0; c < part.native_sum2.size(); ++c) {
+    into.native_sum2[c] += part.native_sum2[c];
+    into.native_count[c] += part.native_count[c];
+    into.native[c] = into.native_count[c] ? std::sqrt(into.native_sum2[c] / static_cast<double>(into.native_count[c])) : 0;
+  }
+}
+
+}  // namespace
+
+std::vector<Unknown> refitted_unknowns(const Model& model) {
+  std::vector<Unknown> unknowns;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      if (effect.parameters[i].refitted() && !effect.definition->parameters[i].integer) {
+        unknowns.push_back({effect.definition->name, i});
+      }
+    }
+  }
+  return unknowns;
+}
+
+Assessment assess(const Problem& problem, const Model& model, const std::vector<Unknown>& unknowns) {
+  Assessment result{.model = model, .unknowns = unknowns};
+  const std::vector<Groups>& folds = problem.folds();
+  const Groups all = problem.all_groups();
+  const bool single = folds.size() == 1;
+  const auto fit_on = [&](const Groups& groups, const Model& start) {
+    if (unknowns.empty()) return Fit{.model = start, .converged = true};
+    Fit fit = problem.fit(start, unknowns, groups);
+    for (size_t k = 0; k < unknowns.size(); ++k) {
+      const effects::ModelEffect& effect = *fit.model.find(unknowns[k].effect);
+      const double resolution = effect.definition->parameters[unknowns[k].parameter].resolution;
+      fit.sigma[k] = std::sqrt(fit.sigma[k] * fit.sigma[k] + resolution * resolution / 12);
+    }
+    return fit;
+  };
+  if (single) {
+    const Groups training = problem.training_groups();
+    result.fit = fit_on(training, model);
+    result.model = result.fit.model;
+    result.held = problem.score(result.model, folds[0]);
+    // One group alone is both trained on and held out, and counts once.
+    const bool sum = problem.groups_are_independent() && problem.facts().groups.size() > 1;
+    const Score rest = problem.score(result.model, sum ? training : all);
+    result.total_ll = rest.log_likelihood + (sum ? result.held.log_likelihood : 0);
+    result.valid = result.held.valid && rest.valid;
+  } else {
+    result.fit = fit_on(all, model);
+    result.model = result.fit.model;
+    const Score whole = problem.score(result.model, all);
+    result.total_ll = whole.log_likelihood;
+    result.valid = whole.valid;
+    for (const Groups& fold : folds) {
+      const Fit fit = fit_on(complement(fold), result.model);
+      pool(result.held, problem.score(fit.model, fold));
+    }
+    result.valid = result.valid && result.held.valid;
+  }
+  result.error = result.held.error();
+  if (!std::isfinite(result.total_ll)) result.valid = false;
+  return result;
+}
+
+Assessment assess_fixed(const Problem& problem, const Model& model) { return assess(problem, model, {}); }
+
+void write_sigmas(Model& model, const std::vector<Unknown>& unknowns, const Fit& fit) {
+  for (size_t i = 0; i < unknowns.size(); ++i) {
+    const effects::ModelEffect* effect = model.find(unknowns[i].effect);
+    effects::ModelEffect changed = *effect;
+    effects::ParameterValue value = changed.parameters[unknowns[i].parameter];
+    if (std::isfinite(fit.sigma[i])) value.sigma = fit.sigma[i];
+    std::vector<effects::ParameterValue> values = changed.parameters;
+    values[unknowns[i].parameter] = value;
+    model.set(changed.definition, std::move(values));
+  }
+}
+
+size_t count_used(const Problem& problem) {
+  size_t count = 0;
+  for (size_t i = 0; i < problem.facts().scalars(); ++i) count += !problem.left_out(i);
+  return count;
+}
+
+void parallel_for(size_t count, const std::function<void(size_t)>& job) {
+  const size_t workers = std::min<size_t>(count, std::max(1u, std::thread::hardware_concurrency()));
+  std::atomic<size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex mutex;
+  const auto work = [&] {
+    for (size_t i = next++; i < count; i = next++) {
+      try {
+        job(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (size_t w = 1; w < workers; ++w) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,42 @@
+// One model held against one set: its refitted parameters on training groups and its score on
+// held-out groups.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "measurement/problem/problem.h"
+
+namespace seam::measurement {
+
+struct Assessment {
+  Model model;  // Unknowns at their estimates.
+  std::vector<Unknown> unknowns;
+  Fit fit;
+  Score held;              // On held-out groups, pooled over folds.
+  double total_ll = 0;     // Log-likelihood of training and held-out groups together.
+  double error = 0;        // sqrt(chi2 / (N - nuisances)) on held-out groups.
+  bool valid = false;
+
+  double held_ll() const { return held.log_likelihood; }
+};
+
+// Parameters that comparisons refit: `free` ones and those fitted earlier (with a sigma).
+std::vector<Unknown> refitted_unknowns(const Model& model);
+
+Assessment assess(const Problem& problem, const Model& model, const std::vector<Unknown>& unknowns);
+
+// The same without any fit.
+Assessment assess_fixed(const Problem& problem, const Model& model);
+
+// Writes the fit's sigmas into the model's parameters. `free` marks stay.
+void write_sigmas(Model& model, const std::vector<Unknown>& unknowns, const Fit& fit);
+
+// How many scalars take part.
+size_t count_used(const Problem& problem);
+
+// Runs job(0) ... job(count - 1) on the machine's cores; results must go to places of their own.
+void parallel_for(size_t count, const std::function<void(size_t)>& job);
+
+}  // namespace seam::measurement

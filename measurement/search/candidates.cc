@@ -1,0 +1,314 @@
+#include "measurement/search/candidates.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "effects/registry.h"
+#include "measurement/numerics/regression.h"
+
+namespace seam::measurement {
+namespace {
+
+using effects::Parameter;
+using effects::ParameterValue;
+
+bool is_radial(const std::string& name) {
+  return name == "radial_distortion" || name == "radial_polynomial";
+}
+
+// The model with the effect at these values; replacements push out what they replace.
+Model with_effect(Model model, const std::shared_ptr<const EffectDefinition>& effect,
+                  const std::vector<double>& values) {
+  if (effect->name == "fisheye") {
+    for (const char* name : {"radial_distortion", "radial_polynomial"}) model.remove(name);
+  }
+  std::vector<ParameterValue> parameters;
+  for (size_t i = 0; i < values.size(); ++i) parameters.push_back({.value = values[i]});
+  model.set(effect, std::move(parameters));
+  return model;
+}
+
+double column_dot(const std::vector<double>& a, const std::vector<double>& b) {
+  return Eigen::Map<const Eigen::VectorXd>(a.data(), a.size())
+      .dot(Eigen::Map<const Eigen::VectorXd>(b.data(), b.size()));
+}
+
+// Which of the effect's parameters these groups can say anything of, beyond what the parameters that
+// are refitted anyway absorb; and, where the problem is smooth, what one step would reach on them.
+std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
+                                        const std::vector<Unknown>& others,
+                                        const EffectDefinition& effect, const Groups& groups,
+                                        std::vector<NotTestable>& reasons, double& expected_ll) {
+  std::vector<size_t> open;
+  for (size_t i = 0; i < effect.parameters.size(); ++i) {
+    if (effect.parameters[i].integer) continue;
+    const std::string why = problem.not_testable(model, effect, i);
+    if (why.empty()) {
+      open.push_back(i);
+    } else {
+      reasons.push_back({effect.name, effect.parameters[i].name, why});
+    }
+  }
+  if (effect.spread_only || open.empty() || !effect.has_neutral) return open;
+  std::vector<Unknown> unknowns = others;
+  for (const size_t i : open) unknowns.push_back({effect.name, i});
+  const Evaluation here = problem.evaluate(model, groups);
+  if (!here.valid) return open;
+  auto columns = problem.jacobian(model, unknowns, groups, here);
+  // Gram-Schmidt: what is left of each column is its leverage.
+  std::vector<size_t> testable;
+  std::vector<std::vector<double>> basis;
+  double gain = 0;
+  for (size_t k = 0; k < unknowns.size(); ++k) {
+    std::vector<double>& column = columns[k];
+    const double before = std::sqrt(column_dot(column, column));
+    for (int twice = 0; twice < 2; ++twice) {
+      for (const auto& direction : basis) {
+        const double along = column_dot(direction, column);
+        for (size_t i = 0; i < column.size(); ++i) column[i] -= along * direction[i];
+      }
+    }
+    const double after = std::sqrt(column_dot(column, column));
+    const bool candidate = k >= others.size();
+    const size_t parameter = unknowns[k].parameter;
+    const double width =
+        candidate ? effect.parameters[parameter].max - effect.parameters[parameter].min : 0;
+    if (before <= 0 || after < 1e-5 * before) {
+      if (candidate) {
+        reasons.push_back({effect.name, effect.parameters[parameter].name,
+                           before <= 0 ? "it does not change the prediction of these data"
+                                       : "other free parameters absorb it"});
+      }
+      continue;
+    }
+    if (candidate && after * width < 2) {
+      reasons.push_back({effect.name, effect.parameters[parameter].name,
+                         "these data could not see it at any size in its bounds"});
+      continue;
+    }
+    for (double& value : column) value /= after;
+    const double along = column_dot(column, here.whitened);
+    gain += 0.5 * along * along;
+    basis.push_back(column);
+    if (candidate) testable.push_back(parameter);
+  }
+  if (problem.is_smooth()) expected_ll = score_of(problem, here).log_likelihood + gain;
+  return testable;
+}
+
+// A model whose refitted parameters are back at the values that they were given with.
+Model as_given(Model model, const std::vector<Unknown>& refitted, const Model& given) {
+  for (const Unknown& unknown : refitted) {
+    const effects::ModelEffect* effect = given.find(unknown.effect);
+    if (effect != nullptr) model.set_value(unknown.effect, unknown.parameter, effect->parameters[unknown.parameter].value);
+  }
+  return model;
+}
+
+// Fits from each start in turn and keeps the best; later starts only where the first may have
+// been unlucky. An effect that replaces another is far from what was fitted without it, so the fit
+// starts from the given values as well.
+std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
+                                     const std::shared_ptr<const EffectDefinition>& effect,
+                                     const std::vector<size_t>& open,
+                                     std::vector<std::vector<double>> starts) {
+  for (auto& start : starts) {
+    for (size_t i = 0; i < start.size(); ++i) {
+      const bool fitted = std::find(open.begin(), open.end(), i) != open.end();
+      if (!fitted && !effect->parameters[i].integer) start[i] = effect->parameters[i].neutral;
+    }
+  }
+  const bool counts = has_counts(*effect);
+  if (counts && starts.size() > 1) {  // Counts are not fitted but tried: the best two go on.
+    std::vector<std::pair<double, size_t>> order;
+    // Effects of spread do not change which of them fits the mean, and would cost most of the time. A converter's steps
+    // are another thing: what noise leaves of them is all that is seen.
+    Model plain = base.assessment.model;
+    for (const effects::ModelEffect& other : base.assessment.model.effects()) {
+      if (other.definition->spread_only && effect->stage != effects::Stage::sensor) plain.remove(other.definition->name);
+    }
+    for (size_t i = 0; i < starts.size(); ++i) {
+      const Score score =
+          problem.score(with_effect(plain, effect, starts[i]), problem.all_groups());
+      order.emplace_back(
+          score.valid ? -score.log_likelihood : std::numeric_limits<double>::infinity(), i);
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<std::vector<double>> best;
+    for (size_t i = 0; i < std::min<size_t>(2, order.size()); ++i)
+      best.push_back(starts[order[i].second]);
+    starts = best;
+  }
+  std::vector<Model> bases = {base.assessment.model};
+  if (!effect->has_neutral) bases.push_back(as_given(bases[0], base.assessment.unknowns, problem.given()));
+  std::optional<Grown> best;
+  for (size_t s = 0; s < starts.size() * bases.size(); ++s) {
+    const Model start = with_effect(bases[s / starts.size()], effect, starts[s % starts.size()]);
+    std::vector<Unknown> unknowns;
+    for (const Unknown& unknown : base.assessment.unknowns) {
+      if (start.has(unknown.effect)) unknowns.push_back(unknown);
+    }
+    for (const size_t i : open) unknowns.push_back({effect->name, i});
+    Grown grown{.added = base.added, .assessment = assess(problem, start, unknowns)};
+    std::erase_if(grown.added, [&](const std::string& name) { return !start.has(name); });
+    grown.added.push_back(effect->name);
+    if (!grown.assessment.valid) continue;
+    if (!best || grown.assessment.total_ll > best->assessment.total_ll) best = std::move(grown);
+    // Two starts are the two directions of a smooth effect, which meet at the same optimum.
+    const bool stuck =
+        std::find(best->assessment.fit.at_bound.begin(), best->assessment.fit.at_bound.end(), 1) !=
+        best->assessment.fit.at_bound.end();
+    if (starts.size() == 2 && !counts && best->assessment.fit.converged && !stuck &&
+        effect->has_neutral)
+      break;
+  }
+  return best;
+}
+
+}  // namespace
+
+EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own) {
+  EffectList absent;
+  const auto consider = [&](const std::shared_ptr<const EffectDefinition>& effect) {
+    if (model.has(effect->name) || effect->parameters.empty()) return;
+    const bool required = std::any_of(effect->parameters.begin(), effect->parameters.end(),
+                                      [](const Parameter& p) { return p.required; });
+    if (required || !problem.acts(*effect)) return;
+    if (is_radial(effect->name) && model.has("fisheye")) return;
+    absent.push_back(effect);
+  };
+  for (const auto& effect : effects::catalogue()) consider(effect);
+  for (const auto& effect : own) consider(effect);
+  return absent;
+}
+
+std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
+                                    const std::shared_ptr<const EffectDefinition>& effect,
+                                    std::vector<NotTestable>& reasons) {
+  if (is_radial(effect->name) && base.assessment.model.has("fisheye")) return std::nullopt;
+  Prospect prospect{.effect = effect, .starts = problem.starts(base.assessment.model, *effect)};
+  if (prospect.starts.empty()) return std::nullopt;
+  const Model probe = with_effect(base.assessment.model, effect, prospect.starts.front());
+  std::vector<Unknown> others;
+  for (const Unknown& unknown : base.assessment.unknowns) {
+    if (probe.has(unknown.effect) && !probe.find(unknown.effect)->definition->spread_only)
+      others.push_back(unknown);
+  }
+  if (has_counts(*effect)) {
+    for (size_t i = 0; i < effect->parameters.size(); ++i) {
+      const std::string why = problem.not_testable(probe, *effect, i);
+      if (why.empty()) continue;
+      reasons.push_back({effect->name, effect->parameters[i].name, why});
+      return std::nullopt;
+    }
+  }
+  const std::optional<Groups> screening = problem.screening_groups();
+  const Groups groups = screening.value_or(problem.all_groups());
+  double expected = prospect.expected_ll;
+  prospect.free = testable_parameters(problem, probe, others, *effect, groups, reasons, expected);
+  if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
+  if (screening && std::isfinite(expected)) {
+    // All groups are expected to gain as these do.
+    const Score before = problem.score(base.assessment.model, groups);
+    const double share = static_cast<double>(before.n) / static_cast<double>(count_used(problem));
+    expected = base.assessment.total_ll + (expected - before.log_likelihood) / share;
+  }
+  // More than four starts (a phase's quarters): several valleys, of which the first says little.
+  if (prospect.starts.size() <= 4 && !has_counts(*effect)) prospect.expected_ll = expected;
+  return prospect;
+}
+
+std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
+                                      const Prospect& prospect, std::vector<NotTestable>& reasons) {
+  auto grown = fit_from_starts(problem, base, prospect.effect, prospect.free, prospect.starts);
+  if (!grown) {
+    reasons.push_back(
+        {prospect.effect->name, "", "with it the model predicts no image for some observations"});
+    return std::nullopt;
+  }
+  return Candidate{.effect = prospect.effect, .grown = std::move(*grown), .free = prospect.free};
+}
+
+std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
+                                    const std::shared_ptr<const EffectDefinition>& effect,
+                                    std::vector<NotTestable>& reasons) {
+  const auto prospect = prospect_of(problem, base, effect, reasons);
+  return prospect ? fit_prospect(problem, base, *prospect, reasons) : std::nullopt;
+}
+
+namespace {
+
+// Marks the prospects worth a fit: those that the score test calls significant or nearly so, and of
+// these the best few. What a step of Gauss and Newton cannot judge is always fitted.
+std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
+                                const std::vector<std::optional<Prospect>>& prospects) {
+  constexpr size_t kMost = 6;
+  constexpr double kMargin = 1.5;  // Gains may exceed the step's by this much.
+  const double n = static_cast<double>(std::max<size_t>(1, count_used(problem)));
+  std::vector<char> worth(prospects.size(), 0);
+  std::vector<std::pair<double, size_t>> ranked;
+  for (size_t i = 0; i < prospects.size(); ++i) {
+    if (!prospects[i]) continue;
+    if (!std::isfinite(prospects[i]->expected_ll)) {
+      worth[i] = 1;
+      continue;
+    }
+    const double gain = prospects[i]->expected_ll - base.assessment.total_ll;
+    const double error = base.assessment.error;
+    const double misfit = std::max(1.0, error * error - 2 * gain / n);
+    const double freedom = static_cast<double>(std::max<size_t>(1, prospects[i]->free.size()));
+    const double tail = chi2_tail(kMargin * 2 * std::max(gain, 0.0) / misfit, freedom);
+    if (tail * static_cast<double>(prospects.size()) < 0.5)
+      ranked.emplace_back(-prospects[i]->expected_ll, i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  if (ranked.size() > kMost) ranked.resize(kMost);
+  for (const auto& [order, i] : ranked) worth[i] = 1;
+  return worth;
+}
+
+}  // namespace
+
+Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects,
+              bool promising_only) {
+  std::vector<std::optional<Prospect>> prospects(effects.size());
+  std::vector<std::vector<NotTestable>> reasons(effects.size());
+  promising_only = problem.is_smooth() && (promising_only || problem.screening_groups());
+  // A spread was taken since no effect of the mean helped: where a misfit stays nevertheless, only
+  // another spread can help.
+  const bool spread_taken = std::any_of(
+      base.added.begin(), base.added.end(),
+      [&](const auto& name) { return base.assessment.model.find(name)->definition->spread_only; });
+  const bool spreads_only = promising_only && spread_taken && base.assessment.error > kMisfit;
+  parallel_for(effects.size(), [&](size_t i) {
+    if (spreads_only && !effects[i]->spread_only) return;
+    prospects[i] = prospect_of(problem, base, effects[i], reasons[i]);
+  });
+  Looks looks;
+  for (const auto& prospect : prospects) looks.tried += prospect.has_value();
+  std::vector<char> worth(effects.size(), 1);
+  if (promising_only) worth = worth_fitting(problem, base, prospects);
+  std::vector<std::optional<Candidate>> found(effects.size());
+  const auto fit = [&](const auto& chosen) {
+    parallel_for(effects.size(), [&](size_t i) {
+      if (!prospects[i] || !worth[i] || !chosen(*effects[i])) return;
+      found[i] = fit_prospect(problem, base, *prospects[i], reasons[i]);
+      if (found[i]) judge(problem, base, looks.tried, *found[i]);
+    });
+  };
+  fit([](const EffectDefinition& effect) { return !effect.spread_only; });
+  const bool clear =
+      std::any_of(found.begin(), found.end(), [](const auto& c) { return c && clearly_helps(*c); });
+  if (!promising_only || !clear)
+    fit([](const EffectDefinition& effect) { return effect.spread_only; });
+  for (size_t i = 0; i < effects.size(); ++i) {
+    looks.not_testable.insert(looks.not_testable.end(), reasons[i].begin(), reasons[i].end());
+    if (found[i]) looks.candidates.push_back(std::move(*found[i]));
+  }
+  rank_candidates(looks.candidates);
+  return looks;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,62 @@
+// Effects that might be missing: each is fitted beside what the model has, and compared.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measurement/search/judge.h"
+
+namespace seam::measurement {
+
+using EffectList = std::vector<std::shared_ptr<const EffectDefinition>>;
+
+struct NotTestable {
+  std::string effect;
+  std::string parameter;  // Empty: the whole effect.
+  std::string why;
+};
+
+struct Looks {
+  std::vector<Candidate> candidates;  // Best first.
+  std::vector<NotTestable> not_testable;
+  double tried = 0;  // Effects that were looked at, for the correction of p-values.
+};
+
+// The effects of the catalogue that act on this set, and the user's own, less those in the model.
+EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own);
+
+// What one linearisation says of an effect beside a model, before anything is fitted.
+struct Prospect {
+  std::shared_ptr<const EffectDefinition> effect;
+  std::vector<std::vector<double>> starts;
+  std::vector<size_t> free;  // Its parameters that the data can see.
+  // Total log-likelihood after one step of Gauss and Newton in all unknowns (the score test);
+  // infinite where such a step says nothing: spreads, counts, servos, replacements.
+  double expected_ll = std::numeric_limits<double>::infinity();
+};
+
+// Nothing where the effect cannot be tested (and says why in `reasons`).
+std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
+                                    const std::shared_ptr<const EffectDefinition>& effect,
+                                    std::vector<NotTestable>& reasons);
+
+// Fits a prospect beside the model it was seen with.
+std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
+                                      const Prospect& prospect, std::vector<NotTestable>& reasons);
+
+// Both in one.
+std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
+                                    const std::shared_ptr<const EffectDefinition>& effect,
+                                    std::vector<NotTestable>& reasons);
+
+// Fits every effect of the list beside the model. With `promising_only` or where predictions are
+// dear (screening_groups), and where the problem is smooth, those whose score test says that they
+// would not be significant are left out, of the others the best few are fitted, and spreads only
+// where no effect of the mean clearly helps.
+Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects,
+              bool promising_only = false);
+
+}  // namespace seam::measurement

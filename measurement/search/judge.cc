@@ -1,0 +1,169 @@
+#include "measurement/search/judge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "measurement/numerics/regression.h"
+
+namespace seam::measurement {
+namespace {
+
+using effects::Parameter;
+
+// Fitted parameters of an effect that are clearly away from neutral.
+size_t clear_parameters(const Grown& grown, const std::string& name) {
+  const effects::ModelEffect* effect = grown.assessment.model.find(name);
+  size_t clear = 0;
+  for (size_t k = 0; k < grown.assessment.unknowns.size(); ++k) {
+    const Unknown& unknown = grown.assessment.unknowns[k];
+    if (unknown.effect != name) continue;
+    const double away = std::abs(grown.assessment.fit.value[k] -
+                                 effect->definition->parameters[unknown.parameter].neutral);
+    clear += away > 2.5 * grown.assessment.fit.sigma[k];
+  }
+  return clear;
+}
+
+size_t needed_parameters(const Grown& grown) {
+  size_t needed = 0;
+  for (const std::string& name : grown.added) needed += std::max<size_t>(1, clear_parameters(grown, name));
+  return needed;
+}
+
+size_t fitted_parameters(const Grown& grown) {
+  size_t count = 0;
+  for (const Unknown& unknown : grown.assessment.unknowns) {
+    count += std::find(grown.added.begin(), grown.added.end(), unknown.effect) != grown.added.end();
+  }
+  return count;
+}
+
+bool bounded_at_neutral(const EffectDefinition& effect) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [](const Parameter& p) { return p.min >= p.neutral || p.max <= p.neutral; });
+}
+
+// What the model loses without the effect, all else as it is: at least what the effect gained, or else some of that gain
+// is the base's, whose fit had stopped early.
+double loss_without(const Problem& problem, const Candidate& candidate) {
+  const Model& with = candidate.grown.assessment.model;
+  Model without = with;
+  without.remove(candidate.effect->name);
+  const Score there = problem.score(without, problem.all_groups());
+  return there.valid ? candidate.grown.assessment.total_ll - there.log_likelihood : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+bool has_counts(const EffectDefinition& effect) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [](const Parameter& p) { return p.integer; });
+}
+
+double gain_over_scatter(const Score& before, const Score& after) {
+  double count = 0, sum = 0, sum2 = 0;
+  for (size_t g = 0; g < after.by_group.size(); ++g) {
+    if (g >= before.by_group.size() || (after.by_group[g] == 0 && before.by_group[g] == 0))
+      continue;
+    const double gain = after.by_group[g] - before.by_group[g];
+    ++count, sum += gain, sum2 += gain * gain;
+  }
+  if (count < 3) return 0;
+  const double variance = (sum2 - sum * sum / count) / (count - 1);
+  return sum / std::sqrt(std::max(variance * count, 1e-300));
+}
+
+double tie_width(double error) {
+  return 4.6 * std::max(1.0, error * error);
+}
+
+double merit_of(const Problem& problem, const Grown& grown) {
+  const double size = std::log(static_cast<double>(std::max<size_t>(count_used(problem), 3)));
+  const size_t needed = needed_parameters(grown);
+  const size_t fitted = std::max(fitted_parameters(grown), needed);
+  return grown.assessment.total_ll - 0.5 * size * static_cast<double>(needed) -
+         static_cast<double>(fitted - needed);
+}
+
+void judge(const Problem& problem, const Grown& base, double looks, Candidate& candidate) {
+  const Assessment& before = base.assessment;
+  const Assessment& after = candidate.grown.assessment;
+  candidate.gain_ll = after.held_ll() - before.held_ll();
+  candidate.total_gain_ll = after.total_ll - before.total_ll;
+  candidate.held_z = gain_over_scatter(before.held, after.held);
+  candidate.at_bound = false;
+  for (size_t k = 0; k < after.unknowns.size(); ++k) {
+    if (after.unknowns[k].effect == candidate.effect->name && after.fit.at_bound[k])
+      candidate.at_bound = true;
+  }
+  looks *= problem.looks(before.model, *candidate.effect);
+  // Where the model misses more than the noise, likelihood ratios are worth less in proportion.
+  const double misfit = std::max(1.0, after.error * after.error);
+  const double ratio = 2 * candidate.total_gain_ll / misfit;
+  const double freedom = static_cast<double>(std::max<size_t>(1, candidate.free.size()));
+  const double tail = chi2_tail(ratio, freedom);
+  candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
+  // One parameter gains as much as it stands clear of neutral; a gain without is the base's, whose fit had stopped early.
+  const bool clear = has_counts(*candidate.effect) || candidate.effect->spread_only ||
+                     clear_parameters(candidate.grown, candidate.effect->name) > 0;
+  // Beyond the noise a likelihood says little: held-out groups must agree that they gain, and some value be clear.
+  const bool agreed = after.error <= kMisfit ? clear || candidate.free.size() > 1 : clear && candidate.held_z > 1;
+  // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by as much as noise makes them
+  // in one of ten cases at five standard errors, or by what their scatter does in one of ten.
+  const bool beyond_doubt = candidate.p_value < 0.01 * kCandidateAlarm && after.error < kMisfit;
+  const bool held_out_agree =
+      candidate.gain_ll > 0 || (beyond_doubt && (candidate.gain_ll > -2 || candidate.held_z > -1.3));
+  candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
+                          problem.is_visible(before.model, after.model);
+  if (candidate.significant && candidate.effect->has_neutral && !has_counts(*candidate.effect))
+    candidate.significant = loss_without(problem, candidate) > 0.5 * candidate.total_gain_ll;
+  candidate.merit = merit_of(problem, candidate.grown);
+}
+
+bool clearly_helps(const Candidate& candidate) {
+  constexpr double kClear = 4;  // Standard errors.
+  return candidate.significant && !candidate.effect->spread_only && candidate.held_z > kClear;
+}
+
+void rank_candidates(std::vector<Candidate>& candidates) {
+  // While nothing explains the set by far, training groups can be fitted by what is wrong elsewhere.
+  const bool far = std::all_of(candidates.begin(), candidates.end(), [](const Candidate& c) {
+    return c.grown.assessment.error > kUseless;
+  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [&](const Candidate& a, const Candidate& b) {
+                     if (a.significant != b.significant) return a.significant;
+                     return far ? a.gain_ll > b.gain_ll : a.merit > b.merit;
+                   });
+  if (candidates.empty() || !candidates.front().significant) return;
+  // Among those as good as the best: fewer parameters, then no bound at neutral.
+  const double width = tie_width(candidates.front().grown.assessment.error);
+  const double best_merit = candidates.front().merit;
+  const double best_total = candidates.front().total_gain_ll;
+  const auto tied = [&](const Candidate& c) {
+    return c.significant && best_merit - c.merit < width &&
+           std::abs(best_total - c.total_gain_ll) < width;
+  };
+  const auto end = std::stable_partition(candidates.begin(), candidates.end(), tied);
+  std::stable_sort(candidates.begin(), end, [](const Candidate& a, const Candidate& b) {
+    if (a.free.size() != b.free.size() && std::abs(a.total_gain_ll - b.total_gain_ll) < 2)
+      return a.free.size() < b.free.size();
+    if (std::abs(a.total_gain_ll - b.total_gain_ll) < 0.5)
+      return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
+    return false;
+  });
+  for (Candidate& candidate : candidates) {
+    if (!candidate.significant) continue;
+    const double own = tie_width(candidate.grown.assessment.error);
+    for (const Candidate& other : candidates) {
+      if (&other == &candidate || !other.significant) continue;
+      if (std::abs(other.total_gain_ll - candidate.total_gain_ll) < own &&
+          candidate.indistinguishable_from.size() < 3) {
+        candidate.indistinguishable_from.push_back(other.effect->name);
+      }
+    }
+  }
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,63 @@
+// When an effect counts as found: likelihood ratios corrected for the number of looks, the agreement of groups that were
+// held out, and which of several explanations comes first.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measurement/search/assess.h"
+
+namespace seam::measurement {
+
+// A model that grew from the one given by the user: the effects added so far and how it does.
+struct Grown {
+  std::vector<std::string> added;
+  Assessment assessment;
+};
+
+struct Candidate {
+  std::shared_ptr<const EffectDefinition> effect;
+  Grown grown;               // The model with it.
+  std::vector<size_t> free;  // Its parameters that were fitted.
+  double gain_ll = 0;        // Held-out log-likelihood gained.
+  double total_gain_ll = 0;  // Of training and held-out groups together.
+  double held_z = 0;         // gain_ll over its standard error, from the scatter between groups.
+  double p_value = 1;        // Likelihood ratio, corrected for the number of candidates.
+  double merit = 0;          // Total log-likelihood less a price for each parameter needed.
+  bool at_bound = false;
+  bool significant = false;
+  std::vector<std::string> indistinguishable_from;
+};
+
+// False alarms are designed for 1 % a set: half for candidates, half for structure tests.
+inline constexpr double kCandidateAlarm = 0.005;
+inline constexpr double kStructureAlarm = 0.005;
+// An error above this is no sampling error of a model that lacks nothing.
+inline constexpr double kMisfit = 1.15;
+// A model above this explains nothing yet.
+inline constexpr double kUseless = 10;
+
+// Whether a parameter of the effect is a whole number: it is tried, not fitted.
+bool has_counts(const EffectDefinition& effect);
+
+// Fills p-value and merit of a candidate against what it grew from.
+void judge(const Problem& problem, const Grown& base, double looks, Candidate& candidate);
+
+// Sum of the held-out groups' gains over its standard error; 0 with fewer than three groups.
+double gain_over_scatter(const Score& before, const Score& after);
+
+// Whether an effect of the mean helps in most held-out groups, not by the luck of a few: what
+// moves whole groups (jitter) lets other effects seem to help.
+bool clearly_helps(const Candidate& candidate);
+
+// Best first: merit, then by preference among ties; fills `indistinguishable_from`.
+void rank_candidates(std::vector<Candidate>& candidates);
+
+// The log-likelihood below which two explanations count as equally good.
+double tie_width(double error);
+
+// Total log-likelihood less the price of the parameters that the added effects need.
+double merit_of(const Problem& problem, const Grown& grown);
+
+}  // namespace seam::measurement

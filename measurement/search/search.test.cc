@@ -1,0 +1,129 @@
+// The search finds what was hidden, and nothing where nothing was.
+#include "measurement/search/search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "measurement/kinds/kinds.h"
+#include "measurement/report/results.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+
+namespace seam::measurement {
+namespace {
+
+Model model_of(const std::string& effects) {
+  return Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects: " + effects + "\n", "test.yaml"));
+}
+
+// A robot that walks in circles of changing width among six landmarks.
+std::filesystem::path landmark_protocol(const std::string& name, double first_time_s, int runs = 8) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / name;
+  std::filesystem::create_directories(folder);
+  std::string landmarks = "landmark,x_m,y_m\n";
+  for (int k = 0; k < 6; ++k)
+    landmarks += fmt::format("{},{},{}\n", k, 2.2 * std::cos(k * 1.05), 1.6 * std::sin(k * 1.05));
+  std::string poses = "run,time_s,x_m,y_m,theta_rad\n";
+  std::string seen = "run,time_s,landmark,range_m,bearing_rad\n";
+  for (int run = 0; run < runs; ++run) {
+    for (int i = 0; i <= 400; ++i) {
+      const double t = 0.02 * i, turn = 0.9 * t + run;
+      const double at = first_time_s + 10 * run + t;
+      poses += fmt::format("{},{:.4f},{:.7f},{:.7f},{:.7f}\n", run, at, 0.8 * std::cos(turn),
+                           0.6 * std::sin(turn + 0.3 * run),
+                           turn + std::numbers::pi / 2 + 0.3 * std::sin(2 * t));
+      if (i % 20 == 10) {
+        for (int k = 0; k < 6; k += 2)
+          seen += fmt::format("{},{:.4f},{},0,0\n", run, at, (k + i / 20) % 6);
+      }
+    }
+  }
+  write_file_atomically(folder / "landmarks.csv", landmarks);
+  write_file_atomically(folder / "poses.csv", poses);
+  write_file_atomically(folder / "observations.csv", seen);
+  write_file_atomically(
+      folder / "measurement.yaml",
+      "format: seam-measurement/1\nkind: landmarks\nnoise: {range_m: 0.03, bearing_rad: "
+      "0.006}\ngroup: run\n"
+      "files: {observations: observations.csv, landmarks: landmarks.csv, poses: poses.csv}\n");
+  return folder;
+}
+
+SearchResult found_in(const std::string& truth, const std::string& name, double first_time_s = 0, int runs = 8) {
+  const auto protocol = landmark_protocol(name + "-protocol", first_time_s, runs);
+  const auto out = std::filesystem::path(testing::TempDir()) / name;
+  find_kind("landmarks")
+      .measure(model_of(truth), MeasurementSet::open(protocol), {.seed = 7, .out = out});
+  const auto problem = open_problem(out);
+  return search(*problem, model_of("{ideal_detector: {}}"), {}, [](const std::string&) {});
+}
+
+TEST(Search, CallsAnAdequateModelAdequate) {
+  const SearchResult result = found_in("{ideal_detector: {}}", "landmarks-none");
+  EXPECT_EQ(result.verdict, "adequate");
+  EXPECT_TRUE(result.steps.empty());
+  EXPECT_NEAR(result.base.assessment.error, 1.0, 0.12);
+}
+
+TEST(Search, FindsTwoEffectsAtOnce) {
+  const SearchResult result = found_in(
+      "{ideal_detector: {}, range_scale: {scale: 0.06}, mount_misalignment: {yaw_rad: -0.02}}",
+      "landmarks-two");
+  EXPECT_EQ(result.verdict, "missing_effect");
+  ASSERT_EQ(result.steps.size(), 2u);
+  EXPECT_NE(result.best.assessment.model.find("range_scale"), nullptr);
+  ASSERT_NE(result.best.assessment.model.find("mount_misalignment"), nullptr);
+  EXPECT_NEAR(result.best.assessment.model.find("range_scale")->value("scale"), 0.06, 0.004);
+  EXPECT_NEAR(result.best.assessment.model.find("mount_misalignment")->value("yaw_rad"), -0.02,
+              0.002);
+  EXPECT_NEAR(result.best.assessment.error, 1.0, 0.12);
+}
+
+// Seconds since an epoch: a latency of milliseconds survives.
+TEST(Search, KeepsThePrecisionOfEpochTimes) {
+  const SearchResult result = found_in("{ideal_detector: {}, frame_latency: {latency_s: 0.03}}",
+                                       "landmarks-epoch", 1248272278.25);
+  ASSERT_EQ(result.steps.size(), 1u);
+  EXPECT_EQ(result.steps[0].effect, "frame_latency");
+  EXPECT_NEAR(result.best.assessment.model.find("frame_latency")->value("latency_s"), 0.03, 0.004);
+}
+
+// A single walk is both what is fitted and what is held out, and counts once: else chance would look twice as sure.
+TEST(Search, OneGroupCountsOnce) {
+  const auto protocol = landmark_protocol("landmarks-one-protocol", 0, 1);
+  const auto out = std::filesystem::path(testing::TempDir()) / "landmarks-one";
+  const Model model = model_of("{ideal_detector: {}}");
+  find_kind("landmarks").measure(model, MeasurementSet::open(protocol), {.seed = 3, .out = out});
+  const auto problem = open_problem(out);
+  ASSERT_EQ(problem->facts().groups.size(), 1u);
+  const double likelihood = problem->score(model, problem->all_groups()).log_likelihood;
+  EXPECT_NEAR(assess_fixed(*problem, model).total_ll, likelihood, 1e-9 * std::abs(likelihood));
+}
+
+TEST(Search, FindsAnEffectInOneGroup) {
+  const SearchResult result = found_in("{ideal_detector: {}, range_scale: {scale: 0.06}}", "landmarks-one-scale", 0, 1);
+  EXPECT_EQ(result.verdict, "missing_effect");
+  ASSERT_EQ(result.steps.size(), 1u);
+  EXPECT_EQ(result.steps[0].effect, "range_scale");
+}
+
+TEST(Landmarks, UnknownLandmarkIsNamed) {
+  const auto folder = landmark_protocol("landmarks-unknown", 0);
+  write_file_atomically(folder / "observations.csv",
+                        "run,time_s,landmark,range_m,bearing_rad\n0,1.0,99,1.0,0.1\n");
+  try {
+    open_problem(folder);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("observations.csv:2: column landmark: found '99'"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace seam::measurement

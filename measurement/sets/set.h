@@ -1,0 +1,52 @@
+// A measurement set's folder: `measurement.yaml` (seam-measurement/1) and the files that it names.
+// What every kind shares; the kinds read their own tables.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "measurement/sets/csv.h"
+#include "sim_core/base/config.h"
+
+namespace seam::measurement {
+
+struct CameraFacts {
+  int width_px = 0;   // 0 where the set names no camera.
+  int height_px = 0;
+  double frame_period_s = 0;
+  std::string channels = "grey";  // grey | rgb
+  int bits = 8;
+};
+
+struct MeasurementSet {
+  std::filesystem::path folder;
+  std::string kind;
+  std::string title;
+  CameraFacts camera;
+  std::map<std::string, double> noise;  // One sigma by column; empty where unknown.
+  std::string group;                    // The column whose groups are held out whole.
+  std::map<std::string, std::string> files;
+  ConfigNode root;  // For what a kind reads itself: rig, scene, detector.
+
+  // `path` is the folder or its measurement.yaml. Throws InputError.
+  static MeasurementSet open(const std::filesystem::path& path);
+
+  // The full path of a named file; throws when `files:` does not name it.
+  std::filesystem::path file(const std::string& name) const;
+  bool has_file(const std::string& name) const { return files.contains(name); }
+  CsvTable table(const std::string& name) const { return CsvTable::read(file(name)); }
+
+  // Of measurement.yaml and the files it names, as 16 hexadecimal digits.
+  std::string fingerprint() const;
+};
+
+// Which groups are held out: the ceil(0.3 G) with the smallest hash of (group id, fixed seed).
+std::vector<char> held_out_groups(const std::vector<std::string>& group_ids);
+
+// Numbers text values in order of first appearance; `names` gets each new one.
+std::vector<int> number_groups(const std::vector<std::string>& values, std::vector<std::string>& names);
+
+}  // namespace seam::measurement

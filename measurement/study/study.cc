@@ -1,0 +1,219 @@
+#include "measurement/study/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "effects/registry.h"
+#include "measurement/kinds/kinds.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// One study: the protocol, the nominal model, and the effect that is hidden.
+class Study {
+ public:
+  Study(const StudyPlan& plan, const Progress& progress) : plan_(plan), progress_(progress) {
+    nominal_ = write_study_protocol(plan.kind, plan.folder / "protocol");
+    if (plan.effect.empty()) return;
+    effect_ = effects::find_effect(plan.effect);
+    if (!effect_) throw InputError(fmt::format("unknown effect '{}'", plan.effect));
+    const auto& all = effect_->parameters;
+    const auto found = std::find_if(all.begin(), all.end(), [&](const effects::Parameter& p) {
+      return plan.parameter.empty() || p.name == plan.parameter;
+    });
+    if (found == all.end())
+      throw InputError(
+          fmt::format("effect '{}' has no parameter '{}'", plan.effect, plan.parameter));
+    parameter_ = static_cast<size_t>(found - all.begin());
+  }
+
+  StudyResult run() {
+    StudyResult result;
+    if (!effect_) result.rows.push_back(at(kNaN, 0));
+    if (effect_ && !plan_.sizes.empty()) {
+      const double sigma = standard_error();
+      for (const double size : plan_.sizes)
+        result.rows.push_back(at(size, neutral() + size * sigma));
+    }
+    for (const double value : plan_.values) result.rows.push_back(at(kNaN, value));
+    result.residuals = residuals_;
+    return result;
+  }
+
+ private:
+  double neutral() const { return effect_->parameters[parameter_].neutral; }
+
+  Model truth(double value) const {
+    Model model = nominal_;
+    if (!effect_) return model;
+    model.add_neutral(effect_);
+    model.set_value(effect_->name, parameter_, value);
+    return model;
+  }
+
+  std::unique_ptr<Problem> made(const Model& truth, uint64_t seed) {
+    const std::filesystem::path out = plan_.folder / "set";
+    std::filesystem::remove_all(out);
+    find_kind(plan_.kind)
+        .measure(truth, MeasurementSet::open(plan_.folder / "protocol"),
+                 {.seed = seed, .out = out});
+    auto problem = open_problem(out);
+    residuals_ = problem->facts().scalars();
+    return problem;
+  }
+
+  // What a fit of the effect's parameters beside the nominal model says of this one's error.
+  double standard_error() {
+    if (effect_->spread_only || !std::isfinite(neutral()))
+      throw InputError(fmt::format(
+          "effect '{}': its detectability is no standard error; give its value", effect_->name));
+    const auto problem = made(nominal_, plan_.first_seed);
+    std::vector<NotTestable> reasons;
+    const Grown base{.assessment = assess(*problem, nominal_, refitted_unknowns(nominal_))};
+    const auto candidate =
+        problem->acts(*effect_) ? try_effect(*problem, base, effect_, reasons) : std::nullopt;
+    if (candidate) {
+      const Assessment& fitted = candidate->grown.assessment;
+      for (size_t k = 0; k < fitted.unknowns.size(); ++k) {
+        const Unknown& unknown = fitted.unknowns[k];
+        if (unknown.effect == effect_->name && unknown.parameter == parameter_ &&
+            std::isfinite(fitted.fit.sigma[k]))
+          return fitted.fit.sigma[k];
+      }
+    }
+    throw InputError(fmt::format("effect '{}': these sets do not tell '{}'{}", effect_->name,
+                                 effect_->parameters[parameter_].name,
+                                 reasons.empty() ? "" : " (" + reasons.front().why + ")"));
+  }
+
+  StudyRow at(double size, double value) {
+    StudyRow row{.size = size, .value = value};
+    double sum = 0, sum2 = 0;
+    for (int i = 0; i < plan_.seeds; ++i) {
+      progress_(fmt::format("{} {} = {:.4g}: set {} of {}", plan_.kind, plan_.effect, value, i + 1,
+                            plan_.seeds));
+      const auto problem = made(truth(value), plan_.first_seed + static_cast<uint64_t>(i));
+      const SearchResult result = search(*problem, nominal_, {}, [](const std::string&) {});
+      count(result, value, row);
+      const double error = result.best.assessment.error;
+      sum += error, sum2 += error * error;
+    }
+    const double n = plan_.seeds;
+    row.error = sum / n;
+    row.error_sigma =
+        n > 1 ? std::sqrt(std::max(0.0, sum2 / n - row.error * row.error) / (n - 1)) : kNaN;
+    return row;
+  }
+
+  void count(const SearchResult& result, double value, StudyRow& row) const {
+    const auto tally = [](Rate& rate, bool hit) { rate.hits += hit, ++rate.trials; };
+    tally(row.alarms, result.verdict != "adequate");
+    if (!effect_) return;
+    const auto named = [&](const std::string& name, const std::vector<std::string>& ties) {
+      return name == effect_->name ||
+             std::find(ties.begin(), ties.end(), effect_->name) != ties.end();
+    };
+    const auto& candidates = result.first.candidates;
+    tally(row.first,
+          !candidates.empty() && candidates.front().significant &&
+              named(candidates.front().effect->name, candidates.front().indistinguishable_from));
+    tally(row.exact, result.steps.size() == 1 &&
+                         named(result.steps[0].effect, result.steps[0].indistinguishable_from));
+    const Assessment& best = result.best.assessment;
+    for (size_t k = 0; k < best.unknowns.size(); ++k) {
+      if (best.unknowns[k].effect == effect_->name && best.unknowns[k].parameter == parameter_)
+        tally(row.covered, std::abs(best.fit.value[k] - value) <= 2 * best.fit.sigma[k]);
+    }
+  }
+
+  const StudyPlan& plan_;
+  const Progress& progress_;
+  Model nominal_;
+  std::shared_ptr<const EffectDefinition> effect_;
+  size_t parameter_ = 0;
+  size_t residuals_ = 0;
+};
+
+double wilson(int hits, int trials, double side) {
+  if (trials == 0) return side > 0 ? 1 : 0;
+  constexpr double z = 1.959964;
+  const double n = trials, p = hits / n, z2n = z * z / n;
+  const double middle = p + 0.5 * z2n, reach = z * std::sqrt(p * (1 - p) / n + 0.25 * z2n / n);
+  return std::clamp((middle + side * reach) / (1 + z2n), 0.0, 1.0);
+}
+
+std::string percent(const Rate& rate) {
+  if (rate.trials == 0) return "-";
+  return fmt::format("{}/{} = {:.0f} % ({:.0f}-{:.0f})", rate.hits, rate.trials, 100 * rate.value(),
+                     100 * rate.low(), 100 * rate.high());
+}
+
+}  // namespace
+
+double Rate::low() const {
+  return wilson(hits, trials, -1);
+}
+double Rate::high() const {
+  return wilson(hits, trials, 1);
+}
+
+StudyResult study(const StudyPlan& plan, const Progress& progress) {
+  return Study(plan, progress).run();
+}
+
+std::string study_json(const StudyPlan& plan, const StudyResult& result) {
+  const auto rate = [](const Rate& r) {
+    return nlohmann::ordered_json{{"hits", r.hits},
+                                  {"trials", r.trials},
+                                  {"rate", r.value()},
+                                  {"low", r.low()},
+                                  {"high", r.high()}};
+  };
+  const auto number = [](double x) {
+    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
+  };
+  nlohmann::ordered_json json = {{"format", "seam-study/1"},
+                                 {"kind", plan.kind},
+                                 {"effect", plan.effect},
+                                 {"seeds", plan.seeds},
+                                 {"residuals", result.residuals}};
+  json["rows"] = nlohmann::ordered_json::array();
+  for (const StudyRow& row : result.rows) {
+    nlohmann::ordered_json entry = {
+        {"size", number(row.size)}, {"value", row.value}, {"alarms", rate(row.alarms)}};
+    if (!plan.effect.empty()) {
+      entry["first"] = rate(row.first), entry["exact"] = rate(row.exact),
+      entry["covered"] = rate(row.covered);
+    }
+    entry["error"] = number(row.error), entry["error_sigma"] = number(row.error_sigma);
+    json["rows"].push_back(std::move(entry));
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string study_text(const StudyPlan& plan, const StudyResult& result) {
+  std::string text =
+      fmt::format("{}: {} sets of {} residuals; intervals hold the true rate with 95 %\n",
+                  plan.kind, plan.seeds, result.residuals);
+  for (const StudyRow& row : result.rows) {
+    if (plan.effect.empty()) {
+      text += fmt::format("nothing hidden: false alarms {}", percent(row.alarms));
+    } else {
+      text += fmt::format(
+          "{} = {:.5g}{}: found {}, first {}, alone {}, within 2 sigma {}", plan.effect, row.value,
+          std::isfinite(row.size) ? fmt::format(" ({:g} sigma)", row.size) : "",
+          percent(row.alarms), percent(row.first), percent(row.exact), percent(row.covered));
+    }
+    text += fmt::format("; final error {:.4f} +- {:.4f}\n", row.error, row.error_sigma);
+  }
+  return text;
+}
+
+}  // namespace seam::measurement

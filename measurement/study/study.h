@@ -1,0 +1,61 @@
+// Studies of the search itself: many small sets with a known answer, made by the simulator's own
+// definitions, diagnosed one after another (`seam study`).
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "measurement/search/search.h"
+
+namespace seam::measurement {
+
+// A count of successes and the interval that holds the true rate with 95 % (Wilson 1927).
+struct Rate {
+  int hits = 0;
+  int trials = 0;
+  double value() const { return trials > 0 ? static_cast<double>(hits) / trials : 0; }
+  double low() const;
+  double high() const;
+};
+
+struct StudyPlan {
+  std::string kind;       // points, joints, odometry, landmarks, photometry, frames.
+  std::string effect;     // Hidden in each set; empty: none, so that all findings are false alarms.
+  std::string parameter;  // The one that is not neutral; empty: the effect's first.
+  std::vector<double> sizes;   // In standard errors of that parameter, as these sets tell it.
+  std::vector<double> values;  // The same in its own unit.
+  int seeds = 2;
+  uint64_t first_seed = 1;
+  std::filesystem::path folder;  // Sets are made here and removed again.
+};
+
+// What came out at one size of the effect.
+struct StudyRow {
+  double size = 0;   // In standard errors; NaN where the value was given.
+  double value = 0;  // Of the parameter.
+  Rate alarms;       // Verdict other than adequate.
+  Rate first;        // The effect ranks first or is declared tied with the first.
+  Rate exact;        // The search ends with the effect (or its declared tie) and no other.
+  Rate covered;  // True value within two standard errors, where the search ends with the effect.
+  double error = 0;        // Mean of the final error.
+  double error_sigma = 0;  // Standard error of this mean.
+};
+
+struct StudyResult {
+  size_t residuals = 0;  // In one set.
+  std::vector<StudyRow> rows;
+};
+
+// Throws InputError for a kind without a protocol, or an effect that does not act on it.
+StudyResult study(const StudyPlan& plan, const Progress& progress);
+
+std::string study_json(const StudyPlan& plan, const StudyResult& result);
+std::string study_text(const StudyPlan& plan, const StudyResult& result);
+
+// Writes the kind's protocol of about 1,000 residuals (images: of a few thousand samples) into a
+// folder; returns its nominal model.
+Model write_study_protocol(const std::string& kind, const std::filesystem::path& folder);
+
+}  // namespace seam::measurement

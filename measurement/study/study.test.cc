@@ -1,0 +1,116 @@
+// A quick form of the studies, and proposals of formulas.
+#include "measurement/study/study.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "measurement/kinds/kinds.h"
+#include "measurement/search/suggest.h"
+#include "measurement/search/term.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+void silent(const std::string&) {}
+
+std::filesystem::path scratch(const std::string& name) {
+  return std::filesystem::path(testing::TempDir()) / name;
+}
+
+TEST(Rate, WilsonsInterval) {
+  // Brown, Cai and DasGupta (2001): no successes in 10 trials give 0 to 0.2775.
+  EXPECT_NEAR((Rate{0, 10}.low()), 0, 1e-12);
+  EXPECT_NEAR((Rate{0, 10}.high()), 0.2775, 1e-4);
+  EXPECT_NEAR((Rate{95, 100}.low()), 0.8882, 1e-3);
+}
+
+TEST(Study, TwoSeedsOfEachKind) {
+  for (const auto& [kind, effect] :
+       {std::pair("points", "frame_latency"), std::pair("landmarks", "range_scale"),
+        std::pair("joints", "gravity_sag"), std::pair("odometry", "odometry_scale"),
+        std::pair("photometry", "vignetting")}) {
+    const StudyPlan plan{
+        .kind = kind, .effect = effect, .sizes = {12}, .seeds = 2, .folder = scratch("study")};
+    const StudyResult result = study(plan, silent);
+    EXPECT_GT(result.residuals, 500u) << kind;
+    EXPECT_LT(result.residuals, kind == std::string("photometry") ? 10000u : 2000u) << kind;
+    ASSERT_EQ(result.rows.size(), 1u);
+    EXPECT_EQ(result.rows[0].first.hits, 2) << study_text(plan, result);
+    EXPECT_NEAR(result.rows[0].error, 1.0, 0.15) << kind;
+  }
+}
+
+// The first row of a servo log holds the start that is fitted to it, and nothing else.
+TEST(Study, StartsOfServoLogsAreNoStructure) {
+  const StudyPlan plan{.kind = "joints", .seeds = 3, .folder = scratch("study-none")};
+  const StudyResult result = study(plan, silent);
+  EXPECT_EQ(result.rows.at(0).alarms.hits, 0) << study_text(plan, result);
+}
+
+TEST(Study, WrongUseIsNamed) {
+  EXPECT_THROW(study({.kind = "walls", .folder = scratch("bad")}, silent), InputError);
+  EXPECT_THROW(
+      study({.kind = "points", .effect = "frame_latancy", .folder = scratch("bad")}, silent),
+      InputError);
+  EXPECT_THROW(
+      study({.kind = "points", .effect = "vignetting", .sizes = {5}, .folder = scratch("bad")},
+            silent),
+      InputError);
+}
+
+// A set whose truth is an effect of no catalogue; what `suggest` makes of it.
+std::optional<Suggestion> proposed(const std::string& kind, const std::string& effect,
+                                   const std::string& name) {
+  const Model nominal = write_study_protocol(kind, scratch(name + "-protocol"));
+  const ConfigNode node = ConfigNode::from_text(effect, "truth");
+  const auto definition = effects::expression_effect("truth", node);
+  Model truth = nominal;
+  truth.set(definition, effects::expression_values(*definition, node));
+  find_kind(kind).measure(truth, MeasurementSet::open(scratch(name + "-protocol")),
+                          {.seed = 3, .out = scratch(name)});
+  const auto problem = open_problem(scratch(name));
+  const SearchResult result = search(*problem, nominal, {}, silent);
+  return suggest(*problem, result, silent);
+}
+
+TEST(Suggest, AFocalLengthThatGrowsWithTimeIsOneTerm) {
+  const auto found = proposed(
+      "points",
+      "{stage: geometry, u: 'cx + (u - cx) * (1 + k * t)', v: 'cy + (v - cy) * (1 + k * t)', "
+      "parameters: {k: 0.03}}",
+      "suggest-focus");
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->terms.size(), 1u) << found->yaml;
+  EXPECT_EQ(found->terms[0], "u: (u - cx) * t, v: (v - cy) * t");
+  EXPECT_TRUE(found->beside.empty());
+  EXPECT_GT(found->error_before, 2);
+  EXPECT_NEAR(found->error, 1.0, 0.1);
+  // The file reads back, with the coefficient that was hidden.
+  const ConfigNode node =
+      ConfigNode::from_text(found->yaml, "yaml").at("effects").at(found->effect);
+  const auto effect = effects::expression_effect(found->effect, node);
+  EXPECT_NEAR(effects::expression_values(*effect, node)[0].value, 0.03, 0.002);
+}
+
+TEST(Suggest, AWaveOverTheRowsHasItsFrequency) {
+  const auto found = proposed(
+      "points", "{stage: geometry, u: 'u + k * sin(0.21 * v)', v: v, parameters: {k: 0.6}}",
+      "suggest-wave");
+  ASSERT_TRUE(found);
+  EXPECT_NE(found->terms[0].find("u: sin(0.2"), std::string::npos) << found->terms[0];
+  EXPECT_NEAR(found->error, 1.0, 0.1);
+}
+
+TEST(Suggest, NothingWhereTheCatalogueExplains) {
+  const Model nominal = write_study_protocol("landmarks", scratch("suggest-none-protocol"));
+  find_kind("landmarks")
+      .measure(nominal, MeasurementSet::open(scratch("suggest-none-protocol")),
+               {.seed = 3, .out = scratch("suggest-none")});
+  const auto problem = open_problem(scratch("suggest-none"));
+  EXPECT_FALSE(suggest(*problem, search(*problem, nominal, {}, silent), silent));
+}
+
+}  // namespace
+}  // namespace seam::measurement

@@ -1,0 +1,387 @@
+#include "render/cast/prepared_scene.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace seam::render {
+namespace {
+
+// Bounds on the plane z = 1.
+struct Bounds {
+  double x_min = 1e30, x_max = -1e30, y_min = 1e30, y_max = -1e30;
+  void add(double x, double y) {
+    x_min = std::min(x_min, x), x_max = std::max(x_max, x);
+    y_min = std::min(y_min, y), y_max = std::max(y_max, y);
+  }
+  void add(const Bounds& other) { add(other.x_min, other.y_min), add(other.x_max, other.y_max); }
+  static Bounds everything() { return {-1e30, 1e30, -1e30, 1e30}; }
+};
+
+Vec3 bounding_centre(const Primitive& primitive) {
+  const bool stands = primitive.shape == Shape::cylinder || primitive.shape == Shape::capsule;
+  return {0, 0, stands ? 0.5 * primitive.size.z : 0};
+}
+
+double bounding_radius(const Primitive& primitive) {
+  const Vec3& size = primitive.size;
+  switch (primitive.shape) {
+    case Shape::rectangle:
+      return 0.5 * std::sqrt(size.x * size.x + size.y * size.y);
+    case Shape::sphere:
+      return size.x;
+    case Shape::cylinder:
+      return std::sqrt(size.x * size.x + 0.25 * size.z * size.z);
+    case Shape::capsule:
+      return size.x + 0.5 * size.z;
+    case Shape::box:
+      return 0.5 * std::sqrt(glm::dot(size, size));
+  }
+  return 0;
+}
+
+// A radius of at least the bounding sphere's, without a root.
+double loose_radius(const Primitive& primitive) {
+  const Vec3& size = primitive.size;
+  switch (primitive.shape) {
+    case Shape::rectangle:
+      return 0.5 * (size.x + size.y);
+    case Shape::sphere:
+      return size.x;
+    case Shape::cylinder:
+    case Shape::capsule:
+      return size.x + 0.5 * size.z;
+    case Shape::box:
+      return 0.5 * (size.x + size.y + size.z);
+  }
+  return 0;
+}
+
+// Nothing of the sphere lies inside the pyramid of these rows' rays.
+bool outside_view(const Vec3& centre_C, double radius, const CameraRays& rays, RowRange rows) {
+  if (!rays.perspective) return false;
+  if (centre_C.z < -radius) return true;
+  const auto beyond = [&](double along, double limit) {
+    // Distance from the plane along = limit * z, whose normal has the length sqrt(1 + limit^2).
+    const double distance = along - limit * centre_C.z;
+    return distance > 0 && distance * distance > radius * radius * (1 + limit * limit);
+  };
+  return beyond(centre_C.x, rays.x_max) || beyond(-centre_C.x, -rays.x_min) ||
+         beyond(centre_C.y, rays.row_y_max[rows.last]) ||
+         beyond(-centre_C.y, -rays.row_y_min[rows.first]);
+}
+
+// The tangent planes through the camera that hold a sphere between them, on one axis.
+bool sphere_interval(double along, double z, double radius, double& low, double& high) {
+  const double below = z * z - radius * radius;
+  if (z <= radius || below <= 0) return false;
+  const double half = radius * std::sqrt(along * along + below);
+  low = (along * z - half) / below;
+  high = (along * z + half) / below;
+  return true;
+}
+
+Bounds sphere_bounds(const Vec3& centre_C, double radius) {
+  Bounds bounds;
+  if (!sphere_interval(centre_C.x, centre_C.z, radius, bounds.x_min, bounds.x_max) ||
+      !sphere_interval(centre_C.y, centre_C.z, radius, bounds.y_min, bounds.y_max)) {
+    return Bounds::everything();
+  }
+  return bounds;
+}
+
+// Of what lies between corners in the object's frame.
+Bounds corner_bounds(const Pose& X_CO, const Vec3& low, const Vec3& high) {
+  Bounds bounds;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p_C = X_CO * Vec3(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                                 corner & 4 ? high.z : low.z);
+    if (p_C.z < kNear) return Bounds::everything();
+    bounds.add(p_C.x / p_C.z, p_C.y / p_C.z);
+  }
+  return bounds;
+}
+
+// Where the way from one point to the other crosses the near plane.
+Vec3 at_near_plane(const Vec3& from, const Vec3& to) {
+  Vec3 cut = from + (kNear - from.z) / (to.z - from.z) * (to - from);
+  cut.z = kNear;
+  return cut;
+}
+
+void add_edge(const Vec3& p, const Vec3& q, Bounds& bounds, std::vector<OutlineEdge>& edges) {
+  const double px = p.x / p.z, py = p.y / p.z, qx = q.x / q.z, qy = q.y / q.z;
+  bounds.add(px, py), bounds.add(qx, qy);
+  OutlineEdge edge{static_cast<float>(px), static_cast<float>(py), static_cast<float>(qx),
+                   static_cast<float>(qy)};
+  if (edge.y0 > edge.y1) std::swap(edge.x0, edge.x1), std::swap(edge.y0, edge.y1);
+  edges.push_back(edge);
+}
+
+// The rectangle's outline, cut off at the near plane.
+Bounds rectangle_bounds(const Pose& X_CO, const Vec3& size, std::vector<OutlineEdge>& edges) {
+  const Vec3 a = 0.5 * size.x * X_CO.R[0], b = 0.5 * size.y * X_CO.R[1];
+  const Vec3 corners[4] = {X_CO.p - a - b, X_CO.p + a - b, X_CO.p + a + b, X_CO.p - a + b};
+  Vec3 outline[8];
+  int count = 0;
+  for (int k = 0; k < 4; ++k) {
+    const Vec3& from = corners[k];
+    const Vec3& to = corners[(k + 1) % 4];
+    if (from.z >= kNear) outline[count++] = from;
+    if ((from.z >= kNear) != (to.z >= kNear)) outline[count++] = at_near_plane(from, to);
+  }
+  Bounds bounds;
+  for (int k = 0; k < count; ++k) add_edge(outline[k], outline[(k + 1) % count], bounds, edges);
+  return bounds;
+}
+
+// The box's outline, cut off at the near plane: edges between a face that looks at the camera and
+// one that does not, and where the near plane cuts faces that do.
+Bounds box_bounds(const Pose& X_CO, const Vec3& half, std::vector<OutlineEdge>& edges) {
+  bool faces_camera[3][2];
+  bool inside = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double camera = -glm::dot(X_CO.R[axis], X_CO.p);
+    faces_camera[axis][0] = camera<-half[axis], faces_camera[axis][1] = camera> half[axis];
+    inside &= !faces_camera[axis][0] && !faces_camera[axis][1];
+  }
+  if (inside) return Bounds::everything();
+  Vec3 corners[8];
+  for (int corner = 0; corner < 8; ++corner) {
+    corners[corner] = X_CO.p + (corner & 1 ? half.x : -half.x) * X_CO.R[0] +
+                      (corner & 2 ? half.y : -half.y) * X_CO.R[1] +
+                      (corner & 4 ? half.z : -half.z) * X_CO.R[2];
+  }
+  Bounds bounds;
+  Vec3 cuts[3][2][2];
+  int cuts_of[3][2] = {};
+  for (int along = 0; along < 3; ++along) {
+    const int b = (along + 1) % 3, c = (along + 2) % 3;
+    for (int side = 0; side < 4; ++side) {
+      const int side_b = side & 1, side_c = side >> 1;
+      const bool front_b = faces_camera[b][side_b], front_c = faces_camera[c][side_c];
+      if (!front_b && !front_c) continue;
+      const int low = (side_b << b) | (side_c << c);
+      Vec3 from = corners[low], to = corners[low | (1 << along)];
+      if (from.z < kNear && to.z < kNear) continue;
+      if (from.z < kNear || to.z < kNear) {
+        const Vec3 cut = at_near_plane(from, to);
+        (from.z < kNear ? from : to) = cut;
+        if (front_b) cuts[b][side_b][cuts_of[b][side_b]++] = cut;
+        if (front_c) cuts[c][side_c][cuts_of[c][side_c]++] = cut;
+      }
+      if (front_b != front_c) add_edge(from, to, bounds, edges);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) {
+      const Vec3(&cut)[2] = cuts[axis][side];
+      if (cuts_of[axis][side] == 2) add_edge(cut[0], cut[1], bounds, edges);
+    }
+  }
+  return bounds;
+}
+
+Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, std::vector<OutlineEdge>& edges) {
+  const Vec3& size = primitive.size;
+  switch (primitive.shape) {
+    case Shape::rectangle:
+      return rectangle_bounds(X_CO, size, edges);
+    case Shape::sphere:
+      return sphere_bounds(X_CO.p, size.x);
+    case Shape::cylinder:
+      return corner_bounds(X_CO, {-size.x, -size.x, 0}, {size.x, size.x, size.z});
+    case Shape::capsule: {
+      Bounds bounds = sphere_bounds(X_CO.p, size.x);
+      bounds.add(sphere_bounds(X_CO * Vec3(0, 0, size.z), size.x));
+      return bounds;
+    }
+    case Shape::box:
+      return box_bounds(X_CO, 0.5 * size, edges);
+  }
+  return Bounds::everything();
+}
+
+Footprint footprint_of(const Bounds& bounds, const CameraRays& rays, RowRange rows) {
+  constexpr float kSlack = 1e-5f;
+  Footprint footprint;
+  if (!rays.perspective) {
+    footprint.first_row = rows.first, footprint.last_row = rows.last;
+    footprint.x_min = -1e30f, footprint.x_max = 1e30f;
+    return footprint;
+  }
+  const auto& y_max = rays.row_y_max;
+  const auto& y_min = rays.row_y_min;
+  footprint.first_row = static_cast<int>(
+      std::lower_bound(y_max.begin(), y_max.end(), static_cast<float>(bounds.y_min) - kSlack) -
+      y_max.begin());
+  footprint.last_row =
+      static_cast<int>(
+          std::upper_bound(y_min.begin(), y_min.end(), static_cast<float>(bounds.y_max) + kSlack) -
+          y_min.begin()) -
+      1;
+  footprint.x_min = static_cast<float>(bounds.x_min) - kSlack;
+  footprint.x_max = static_cast<float>(bounds.x_max) + kSlack;
+  footprint.first_row = std::max(footprint.first_row, rows.first);
+  footprint.last_row = std::min(footprint.last_row, rows.last);
+  if (footprint.x_max < rays.x_min || footprint.x_min > rays.x_max) footprint.last_row = -1;
+  return footprint;
+}
+
+CastShape cast_shape(const Primitive& primitive, const Pose& X_CO, const Vec3& light_C,
+                     const Lighting& lighting) {
+  CastShape shape{};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int k = 0; k < 3; ++k) shape.R_OC[3 * axis + k] = static_cast<float>(X_CO.R[axis][k]);
+    shape.origin_O[axis] = static_cast<float>(-glm::dot(X_CO.R[axis], X_CO.p));
+    shape.centre_C[axis] = static_cast<float>(X_CO.p[axis]);
+    shape.light_O[axis] = static_cast<float>(lighting.diffuse * glm::dot(X_CO.R[axis], light_C));
+    const bool half_edges = primitive.shape == Shape::rectangle || primitive.shape == Shape::box;
+    shape.size[axis] =
+        static_cast<float>(half_edges ? 0.5 * primitive.size[axis] : primitive.size[axis]);
+  }
+  shape.ambient = static_cast<float>(lighting.ambient);
+  return shape;
+}
+
+Colour colour_of(const Rgb& rgb) {
+  return {
+      {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 0.0f}};
+}
+
+uint32_t signature_of(const Primitive& primitive, size_t source, const Lighting& lighting) {
+  if (lighting.lambert) return static_cast<uint32_t>(source) + 1;
+  uint32_t mixed = 0x9e3779b9u;
+  for (const double channel : primitive.rgb) {
+    mixed = (mixed ^ std::bit_cast<uint32_t>(static_cast<float>(channel))) * 0x85ebca6bu;
+    mixed ^= mixed >> 13;
+  }
+  return mixed | 1u;
+}
+
+double angle_between(const Mat3& a, const Mat3& b) {
+  // |R_a - R_b| (Frobenius) is sqrt(8) sin(angle / 2); the arc is at most pi/2 times its chord.
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) sum += glm::dot(a[k] - b[k], a[k] - b[k]);
+  const double chord = std::sqrt(sum / 2);
+  return chord < 0.5 ? chord * 1.011 : chord * 1.571;
+}
+
+Pose between(const Pose& a, const Pose& b, double fraction) {
+  Pose pose{a.R, a.p + fraction * (b.p - a.p)};
+  if (a.R == b.R) return pose;
+  Vec3 x = a.R[0] + fraction * (b.R[0] - a.R[0]);
+  Vec3 y = a.R[1] + fraction * (b.R[1] - a.R[1]);
+  x /= std::sqrt(glm::dot(x, x));
+  y -= glm::dot(x, y) * x;
+  y /= std::sqrt(glm::dot(y, y));
+  pose.R = Mat3(x, y, glm::cross(x, y));
+  return pose;
+}
+
+// Calls f(from, to) for each primitive of both instants. They come in the same order, but what stands behind the camera
+// may be left out of either, whole objects at a time (World::primitives_at).
+template <typename F>
+void for_each_pair(const std::vector<Primitive>& a, const std::vector<Primitive>& b, F&& f) {
+  for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {
+    if (a[i].object_id == b[j].object_id && a[i].shape == b[j].shape) {
+      f(i++, j++);
+      continue;
+    }
+    size_t found = j;
+    while (found < b.size() && b[found].object_id != a[i].object_id) ++found;
+    if (found < b.size() && found > j) {
+      j = found;
+    } else {
+      ++i;
+    }
+  }
+}
+
+}  // namespace
+
+void PreparedInstant::clear() {
+  shapes.clear(), kinds.clear(), footprints.clear(), colours.clear(), signatures.clear();
+  sources.clear(), outline_edges.clear();
+}
+
+void PreparedInstant::reserve(size_t primitives) {
+  shapes.reserve(primitives), kinds.reserve(primitives), footprints.reserve(primitives);
+  colours.reserve(primitives + 1), signatures.reserve(primitives + 1), sources.reserve(primitives);
+  outline_edges.reserve(4 * primitives);
+}
+
+void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
+             const CameraRays& rays, RowRange rows, PreparedInstant& out) {
+  out.clear();
+  // About as many as a few rows see.
+  out.reserve(32);
+  out.colours.push_back(colour_of(background));
+  out.signatures.push_back(0);
+  const Pose X_CW = instant.X_WC.inverse();
+  const Vec3 light_C = X_CW.R * lighting.direction_W;
+  for (size_t source = 0; source < instant.primitives.size(); ++source) {
+    const Primitive& primitive = instant.primitives[source];
+    const Vec3 centre_C = X_CW * (primitive.X_WO * bounding_centre(primitive));
+    if (outside_view(centre_C, loose_radius(primitive), rays, rows) ||
+        outside_view(centre_C, bounding_radius(primitive), rays, rows)) {
+      continue;
+    }
+    const Pose X_CO = X_CW * primitive.X_WO;
+    const size_t first_edge = out.outline_edges.size();
+    Footprint footprint = footprint_of(bounds_of(primitive, X_CO, out.outline_edges), rays, rows);
+    if (footprint.last_row < footprint.first_row) {
+      out.outline_edges.resize(first_edge);
+      continue;
+    }
+    footprint.first_edge = static_cast<int>(first_edge);
+    footprint.edges =
+        rays.perspective ? static_cast<int>(out.outline_edges.size() - first_edge) : 0;
+    CastShape shape = cast_shape(primitive, X_CO, light_C, lighting);
+    shape.id = static_cast<int32_t>(out.shapes.size());
+    out.shapes.push_back(shape);
+    out.kinds.push_back(static_cast<uint8_t>(primitive.shape));
+    out.footprints.push_back(footprint);
+    out.colours.push_back(colour_of(primitive.rgb));
+    out.signatures.push_back(signature_of(primitive, source, lighting));
+    out.sources.push_back(static_cast<int>(source));
+  }
+}
+
+SceneInstant interpolate(const SceneInstant& a, const SceneInstant& b, SimTime time) {
+  const double span = static_cast<double>((b.time - a.time).ns());
+  const double fraction = span == 0 ? 0 : static_cast<double>((time - a.time).ns()) / span;
+  SceneInstant scene = fraction < 0.5 ? a : b;
+  scene.time = time;
+  scene.X_WC = between(a.X_WC, b.X_WC, fraction);
+  // A primitive that exists at one of the instants alone stays as the nearer instant has it.
+  for_each_pair(a.primitives, b.primitives, [&](size_t from, size_t to) {
+    scene.primitives[fraction < 0.5 ? from : to].X_WO =
+        between(a.primitives[from].X_WO, b.primitives[to].X_WO, fraction);
+  });
+  return scene;
+}
+
+double image_motion_px(const SceneInstant& a, const SceneInstant& b, double focal_px) {
+  const double turned = angle_between(a.X_WC.R, b.X_WC.R);
+  const Vec3 camera_step = b.X_WC.p - a.X_WC.p;
+  // Nothing is seen closer than this: the robot's own nose is.
+  constexpr double kNearest_m = 0.1;
+  double shifted = std::sqrt(glm::dot(camera_step, camera_step)) / kNearest_m;
+  for_each_pair(a.primitives, b.primitives, [&](size_t from, size_t to) {
+    const Pose& X_WA = a.primitives[from].X_WO;
+    const Pose& X_WB = b.primitives[to].X_WO;
+    if (X_WA.p == X_WB.p && X_WA.R == X_WB.R) return;
+    const Vec3 centre_O = bounding_centre(a.primitives[from]);
+    const double radius = bounding_radius(a.primitives[from]);
+    const Vec3 step = X_WB * centre_O - X_WA * centre_O - camera_step;
+    const Vec3 from_camera = X_WA * centre_O - a.X_WC.p;
+    const double distance =
+        std::max(std::sqrt(glm::dot(from_camera, from_camera)) - radius, kNearest_m);
+    const double moved = std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * radius;
+    shifted = std::max(shifted, moved / distance);
+  });
+  return focal_px * (turned + shifted);
+}
+
+}  // namespace seam::render

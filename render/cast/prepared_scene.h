@@ -1,0 +1,63 @@
+// A scene at one instant, made ready for the ray caster: primitives in the camera's frame, with
+// conservative bounds of where the image can show them.
+#pragma once
+
+#include <vector>
+
+#include "render/cast/cast_kernels.h"
+#include "render/cast/ray_table.h"
+#include "sim_core/scene/scene.h"
+
+namespace seam::render {
+
+// An edge of a primitive's straight outline on the plane z = 1, from the smaller to the greater y.
+struct OutlineEdge {
+  float x0, y0, x1, y1;
+};
+
+// Where a primitive can be seen: rows [first_row, last_row] of the camera's rays, and in these its
+// x (on the plane z = 1) within [x_min, x_max], or tighter inside its outline, if it has one.
+struct Footprint {
+  int first_row = 0;
+  int last_row = -1;
+  float x_min = 0;
+  float x_max = 0;
+  int first_edge = 0;
+  int edges = 0;
+};
+
+struct PreparedInstant {
+  std::vector<CastShape>
+      shapes;  // Visible ones, in the scene's order; CastShape::id is the place here.
+  std::vector<uint8_t> kinds;  // Shape of each, as the kernels count them.
+  std::vector<Footprint> footprints;
+  // Place 0 is the background; a hit's id + 1 is its place.
+  std::vector<Colour> colours;
+  // Equal for hits that look the same: of one colour, or with Lambert's law of one primitive.
+  std::vector<uint32_t> signatures;
+  std::vector<int> sources;  // Places in SceneInstant::primitives.
+  std::vector<OutlineEdge> outline_edges;
+
+  void clear();
+  void reserve(size_t primitives);
+};
+
+// Rows of a camera's rays, both included.
+struct RowRange {
+  int first = 0;
+  int last = -1;
+};
+
+// What these rows can see.
+void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
+             const CameraRays& rays, RowRange rows, PreparedInstant& out);
+
+// The scene at `time` between (or a little beyond) two instants: poses are interpolated, which is
+// exact for constant velocities and good to the third power of the angle turned in between.
+SceneInstant interpolate(const SceneInstant& a, const SceneInstant& b, SimTime time);
+
+// An upper bound of how far any visible point moves in the image from a to b, pixels; focal_px is
+// the greatest number of pixels per unit of x or y.
+double image_motion_px(const SceneInstant& a, const SceneInstant& b, double focal_px);
+
+}  // namespace seam::render

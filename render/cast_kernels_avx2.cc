@@ -1,2 +1,0 @@
-#define SEAM_KERNEL_SET cast_kernels_avx2
-#include "render/cast_kernels.inc"

@@ -1,2 +1,0 @@
-#define SEAM_KERNEL_SET cast_kernels_base
-#include "render/cast_kernels.inc"

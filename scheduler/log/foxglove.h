@@ -1,0 +1,26 @@
+// A match in Foxglove's well-known schemas, so that other MCAP tools show it. Frames of reference:
+// "world" (W), "ROBOT" (B, the body), "ROBOT/camera" (C: x right, y down, z forward; before the
+// model's mount effects).
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sim_core/world/world.h"
+
+namespace seam::scheduler {
+
+inline constexpr std::string_view kCompressedImage = "foxglove.CompressedImage";
+inline constexpr std::string_view kFrameTransforms = "foxglove.FrameTransforms";
+inline constexpr std::string_view kSceneUpdate = "foxglove.SceneUpdate";
+
+// Each returns the bytes of one message.
+std::string compressed_image(SimTime time, const std::string& frame_id, std::string png);
+std::string frame_transforms(const World& world, SimTime time);
+// Ball and robots; with `all`, also what stands still.
+std::string scene_update(const World& world, SimTime time, bool all);
+
+// The PNG in a foxglove.CompressedImage; throws InputError where the bytes are none.
+std::string picture_of(std::string_view compressed_image);
+
+}  // namespace seam::scheduler

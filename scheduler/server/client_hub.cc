@@ -1,0 +1,272 @@
+#include "scheduler/server/client_hub.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "scheduler/wire/token.h"
+#include "sim_core/base/error.h"
+
+namespace seam::scheduler {
+
+namespace {
+
+// Faults that are kept until the loop takes them; a flooding client cannot fill the memory.
+constexpr size_t kMaxFaults = 1000;
+
+}  // namespace
+
+ClientHub::ClientHub(std::vector<HubRobot> robots, RunControl& control) : control_(control) {
+  for (HubRobot& robot : robots) {
+    slots_.emplace_back();
+    slots_.back().frozen = !robot.expected;
+    slots_.back().robot = std::move(robot);
+  }
+  control_.set_waker([this] {
+    const std::lock_guard lock(mutex_);
+    changed_.notify_all();
+  });
+}
+
+int ClientHub::robot_number(const std::string& id) const {
+  for (size_t i = 0; i < slots_.size(); ++i)
+    if (slots_[i].robot.id == id) return static_cast<int>(i);
+  return -1;
+}
+
+ClientHub::Attached ClientHub::attach(const std::string& robot, const std::string& token,
+                                      std::shared_ptr<ClientConnection> connection) {
+  const int number = robot_number(robot);
+  if (number < 0) return {Attachment::unknown_robot};
+  std::shared_ptr<ClientConnection> previous;
+  Attached attached{Attachment::accepted, number};
+  {
+    const std::lock_guard lock(mutex_);
+    Slot& slot = slots_[number];
+    if (!same_token(token, slot.robot.token)) return {Attachment::wrong_token};
+    if (ended_) return {Attachment::ended};
+    previous = std::exchange(slot.connection, std::move(connection));
+    slot.active = false;
+    slot.ever_connected = true;
+    slot.returning = true;
+    slot.gone = false;
+    attached.next_sequence = slot.last_sequence + (slot.owes ? 0 : 1);
+  }
+  // A half-open connection that nobody noticed yet must not keep the robot's client out.
+  if (previous) previous->drop("another connection with this robot's token took over");
+  return attached;
+}
+
+void ClientHub::activate(int robot, const ClientConnection& connection) {
+  const std::lock_guard lock(mutex_);
+  Slot& slot = slots_[robot];
+  if (slot.connection.get() != &connection) return;
+  slot.active = true;
+  if (slot.owes) slot.connection->send(slot.pending);
+}
+
+void ClientHub::detach(int robot, const ClientConnection& connection) {
+  const std::lock_guard lock(mutex_);
+  Slot& slot = slots_[robot];
+  if (slot.connection.get() != &connection) return;
+  slot.connection.reset();
+  slot.active = false;
+}
+
+Acceptance ClientHub::answer(int robot, const ClientConnection& connection, uint64_t sequence,
+                             Decision decision) {
+  const std::lock_guard lock(mutex_);
+  Slot& slot = slots_[robot];
+  if (slot.connection.get() != &connection) return Acceptance::stale;
+  slot.returning = true;
+  if (sequence > slot.last_sequence) return Acceptance::future;
+  if (sequence < slot.last_sequence) return Acceptance::stale;
+  if (!slot.owes) return Acceptance::duplicate;
+  slot.decision = std::move(decision);
+  slot.owes = false;
+  if (--owed_ == 0) changed_.notify_all();
+  return Acceptance::accepted;
+}
+
+void ClientHub::note_fault(int robot, const std::string& name, const std::string& detail) {
+  const std::lock_guard lock(mutex_);
+  if (faults_.size() >= kMaxFaults) return;
+  faults_.push_back({now_, EventKind::fault, robot < 0 ? "" : slots_[robot].robot.id, name, detail});
+}
+
+void ClientHub::give_up(const std::string& robot, const std::string& reason) {
+  const int number = robot_number(robot);
+  if (number < 0) return;
+  const std::lock_guard lock(mutex_);
+  slots_[number].gone = true;
+  slots_[number].gone_reason = reason;
+  changed_.notify_all();
+}
+
+void ClientHub::act(std::vector<SupervisorAction> actions) {
+  const std::lock_guard lock(mutex_);
+  actions_.insert(actions_.end(), actions.begin(), actions.end());
+}
+
+std::vector<HubRobotStatus> ClientHub::status() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<HubRobotStatus> all;
+  for (const Slot& slot : slots_)
+    all.push_back({slot.robot.id, slot.connection != nullptr, slot.frozen, slot.owes});
+  return all;
+}
+
+std::vector<std::string> ClientHub::waiting_for(double& since_s) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> ids;
+  since_s = 0;
+  for (const Slot& slot : slots_)
+    if (slot.owes) ids.push_back(slot.robot.id);
+  if (!ids.empty())
+    since_s = std::chrono::duration<double>(WallClock::now() - asked_at_).count();
+  return ids;
+}
+
+double ClientHub::wall_waiting_s() const {
+  const std::lock_guard lock(mutex_);
+  return waited_s_;
+}
+
+uint64_t ClientHub::decisions() const {
+  const std::lock_guard lock(mutex_);
+  return decisions_;
+}
+
+void ClientHub::hand_out(std::span<const std::shared_ptr<const Observation>> observations) {
+  // Sending happens outside the lock, so that early answers do not wait for late observations.
+  std::vector<std::pair<std::shared_ptr<ClientConnection>, std::shared_ptr<const Observation>>> out;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& observation : observations) {
+      Slot& slot = slots_[observation->robot];
+      slot.pending = observation;
+      slot.last_sequence = observation->sequence;
+      slot.decision.reset();
+      const bool takes_part = !slot.frozen || (slot.returning && slot.active);
+      slot.returning = false;
+      if (!takes_part) continue;
+      slot.owes = true;
+      ++owed_;
+      if (slot.active) out.emplace_back(slot.connection, observation);
+    }
+    asked_at_ = WallClock::now();
+  }
+  for (const auto& [connection, observation] : out) connection->send(observation);
+}
+
+ClientHub::WallClock::time_point ClientHub::deadline_of(const Slot& slot) const {
+  if (slot.gone) return asked_at_;
+  if (slot.robot.policy == SilencePolicy::wait) return WallClock::time_point::max();
+  const double limit_s = slot.ever_connected ? slot.robot.limit_s : slot.robot.connect_limit_s;
+  if (limit_s > 1e6) return WallClock::time_point::max();
+  return asked_at_ + std::chrono::duration_cast<WallClock::duration>(
+                         std::chrono::duration<double>(limit_s));
+}
+
+void ClientHub::apply_policies(WallClock::time_point now) {
+  for (size_t i = 0; i < slots_.size(); ++i) {
+    Slot& slot = slots_[i];
+    if (!slot.owes || now < deadline_of(slot)) continue;
+    slot.owes = false;
+    --owed_;
+    applied_.emplace_back(
+        static_cast<int>(i),
+        slot.gone ? slot.gone_reason
+                  : fmt::format("no answer within {} s of wall time",
+                                slot.ever_connected ? slot.robot.limit_s
+                                                    : slot.robot.connect_limit_s));
+  }
+}
+
+std::optional<ClientHub::WallClock::time_point> ClientHub::next_deadline() const {
+  auto earliest = WallClock::time_point::max();
+  for (const Slot& slot : slots_)
+    if (slot.owes) earliest = std::min(earliest, deadline_of(slot));
+  if (earliest == WallClock::time_point::max()) return std::nullopt;
+  return earliest;
+}
+
+Answer ClientHub::answer_of(Slot& slot) {
+  const int number = static_cast<int>(&slot - slots_.data());
+  Answer answer{number, slot.pending->sequence, Outcome::absent, {}, {}};
+  const auto applied = std::find_if(applied_.begin(), applied_.end(),
+                                    [&](const auto& entry) { return entry.first == number; });
+  if (slot.decision) {
+    answer.outcome = slot.frozen ? Outcome::resumed : Outcome::decided;
+    answer.decision = std::move(*slot.decision);
+    slot.decision.reset();
+    slot.frozen = false;
+    ++decisions_;
+  } else if (applied != applied_.end()) {
+    answer.reason = applied->second;
+    if (slot.robot.policy != SilencePolicy::freeze) {
+      answer.outcome = Outcome::abort;
+    } else {
+      answer.outcome = slot.frozen ? Outcome::absent : Outcome::frozen;
+      slot.frozen = true;
+    }
+  }
+  slot.pending.reset();
+  return answer;
+}
+
+std::optional<Turn> ClientHub::decide(
+    SimTime now, std::span<const std::shared_ptr<const Observation>> observations) {
+  {
+    const std::lock_guard lock(mutex_);
+    now_ = now;
+    applied_.clear();
+  }
+  hand_out(observations);
+  std::unique_lock lock(mutex_);
+  while (owed_ > 0) {
+    if (control_.wanted()) {
+      lock.unlock();
+      control_.serve();
+      lock.lock();
+      if (control_.stop_requested()) {
+        for (Slot& slot : slots_) slot.owes = false;
+        owed_ = 0;
+        return std::nullopt;
+      }
+    }
+    apply_policies(WallClock::now());
+    if (owed_ == 0) break;
+    const auto deadline = next_deadline();
+    // While something stays wanted (a pause that begins after this instant), look every 10 ms.
+    if (control_.wanted())
+      changed_.wait_for(lock, std::chrono::milliseconds(10));
+    else if (deadline)
+      changed_.wait_until(lock, *deadline);
+    else
+      changed_.wait(lock);
+  }
+  waited_s_ += std::chrono::duration<double>(WallClock::now() - asked_at_).count();
+  Turn turn;
+  for (const auto& observation : observations)
+    turn.answers.push_back(answer_of(slots_[observation->robot]));
+  turn.actions = std::exchange(actions_, {});
+  return turn;
+}
+
+std::vector<SimulationEvent> ClientHub::take_faults() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(faults_, {});
+}
+
+void ClientHub::finish(SimTime time, const std::string& reason) {
+  std::vector<std::shared_ptr<ClientConnection>> connections;
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    for (Slot& slot : slots_)
+      if (slot.connection) connections.push_back(slot.connection);
+  }
+  for (const auto& connection : connections) connection->say_goodbye(time, reason);
+}
+
+}  // namespace seam::scheduler

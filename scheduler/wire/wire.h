@@ -1,0 +1,55 @@
+// Between the loop's structs and the messages of proto/seam/v1, without their headers: bytes in and
+// out. The gRPC service and the log use the same conversions, so that they cannot drift apart.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "scheduler/loop/exchange.h"
+
+namespace seam::v1 {
+class Decision;
+class Observation;
+class SupervisorAction;
+}  // namespace seam::v1
+
+namespace seam::scheduler {
+
+// A field that a message must not have like this.
+struct FieldError {
+  std::string field;    // "walk.vx_m_s"
+  std::string message;  // "found nan, expected a number from -10 to 10"
+};
+
+// What a client may send beyond the limits of sim_core/body/command.h.
+struct WireLimits {
+  static constexpr int kMaxMessageBytes = 256 << 10;  // A whole decision; gRPC refuses larger ones.
+  static constexpr int kMaxRowsBytes = 192 << 10;  // Of a renderer's pixels in one message.
+  static constexpr int kMaxFrameRequests = 8;
+  static constexpr uint32_t kMaxFramesARequest = 1000;
+  static constexpr int kMaxRadioMessages = 8;
+  static constexpr int kMaxDebugItems = 64;
+  static constexpr size_t kMaxNameBytes = 64;
+  static constexpr size_t kMaxTextBytes = 1024;
+  static constexpr int kMaxDrawingPoints = 256;
+  static constexpr int kMaxSupervisorActions = 64;
+};
+
+std::variant<Decision, FieldError> decision_from_wire(const v1::Decision& wire,
+                                                      int64_t max_radio_bytes);
+void decision_to_wire(const Decision& decision, uint64_t sequence, v1::Decision& wire);
+void observation_to_wire(const Observation& observation, v1::Observation& wire);
+std::variant<SupervisorAction, FieldError> action_from_wire(const v1::SupervisorAction& wire,
+                                                            const std::vector<std::string>& robots);
+
+// A time as a log tells it. Throws InputError, with the field, where sums of such times could overflow: beyond
+// 73 years, a quarter of what fits.
+SimTime time_from_log(int64_t time_ns, std::string_view field);
+
+// A seam.v1.Turn and back. `decode_turn` throws InputError for bytes that are no valid turn.
+std::string encode_turn(SimTime time, const Turn& turn, const std::vector<std::string>& robots);
+std::pair<SimTime, Turn> decode_turn(std::string_view bytes,
+                                     const std::vector<std::string>& robots);
+
+}  // namespace seam::scheduler

@@ -1,0 +1,231 @@
+#include "sim_core/base/config.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+
+namespace seam {
+namespace {
+
+constexpr uint64_t kMaxConfigBytes = 16 << 20;
+constexpr int kMaxDepth = 64;
+
+// yaml-cpp recurses over nesting, so that depth must be bounded before it parses: brackets for flow
+// style, indentation for block style (a "- - - -" line nests without indentation, hence both).
+void refuse_hostile_nesting(const std::string& text, const std::string& name) {
+  int line = 1, flow_depth = 0, dashes = 0;
+  size_t indent = 0;
+  bool at_indent = true;
+  char quote = 0;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\n') {
+      ++line, indent = 0, dashes = 0, at_indent = true;
+      continue;
+    }
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+      continue;
+    }
+    if (at_indent && c == ' ') {
+      ++indent;
+    } else if (at_indent && (c == '-' || c == '?' || c == ':') && i + 1 < text.size() && text[i + 1] == ' ') {
+      ++dashes;
+    } else {
+      at_indent = at_indent && c == '\t';
+      if ((c == '"' || c == '\'') && (i == 0 || !std::isalnum(static_cast<unsigned char>(text[i - 1])))) quote = c;
+      if (c == '#' && (i == 0 || text[i - 1] == ' ' || text[i - 1] == '\n')) {
+        while (i + 1 < text.size() && text[i + 1] != '\n') ++i;
+      }
+      if (c == '[' || c == '{') ++flow_depth;
+      if (c == ']' || c == '}') --flow_depth;
+    }
+    if (flow_depth > kMaxDepth || dashes > kMaxDepth || indent > 8 * kMaxDepth) {
+      throw InputError(fmt::format("{}:{}: nested deeper than {} levels", name, line, kMaxDepth));
+    }
+  }
+}
+
+}  // namespace
+
+ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string path, int line_of_parent)
+    : node_(std::make_shared<const YAML::Node>(node)),
+      file_(std::move(file)),
+      path_(std::move(path)),
+      line_of_parent_(line_of_parent),
+      asked_(std::make_shared<std::set<std::string>>()) {}
+
+bool ConfigNode::is_map() const { return node_->IsMap(); }
+bool ConfigNode::is_list() const { return node_->IsSequence(); }
+bool ConfigNode::is_scalar() const { return node_->IsScalar(); }
+bool ConfigNode::is_null() const { return node_->IsNull(); }
+
+ConfigNode ConfigNode::from_file(const std::filesystem::path& path) {
+  return from_text(read_file(path, kMaxConfigBytes), path.string());
+}
+
+ConfigNode ConfigNode::from_text(const std::string& text, const std::string& name) {
+  refuse_hostile_nesting(text, name);
+  try {
+    ConfigNode root(YAML::Load(text), name, "", 1);
+    if (!root.node_->IsDefined() || root.node_->IsNull()) root.fail("the file is empty");
+    return root;
+  } catch (const YAML::Exception& error) {
+    throw InputError(fmt::format("{}:{}: {}", name, error.mark.line + 1, error.msg));
+  }
+}
+
+int ConfigNode::line() const {
+  const YAML::Mark mark = node_->Mark();
+  return mark.line >= 0 ? mark.line + 1 : line_of_parent_;
+}
+
+std::string ConfigNode::where() const {
+  return path_.empty() ? fmt::format("{}:{}", file_, line()) : fmt::format("{}:{}: {}", file_, line(), path_);
+}
+
+void ConfigNode::fail(const std::string& message) const {
+  throw InputError(fmt::format("{}: {}", where(), message));
+}
+
+bool ConfigNode::has(const std::string& key) const {
+  if (!node_->IsMap()) fail("expected a map of keys to values");
+  asked_->insert(key);
+  return (*node_)[key].IsDefined() && !(*node_)[key].IsNull();
+}
+
+std::optional<ConfigNode> ConfigNode::find(const std::string& key) const {
+  if (!has(key)) return std::nullopt;
+  return ConfigNode((*node_)[key], file_, path_.empty() ? key : path_ + "." + key, line());
+}
+
+ConfigNode ConfigNode::at(const std::string& key) const {
+  auto found = find(key);
+  if (!found) fail(fmt::format("key '{}' is missing", key));
+  return *found;
+}
+
+std::vector<std::string> ConfigNode::keys() const {
+  if (!node_->IsMap()) fail("expected a map of keys to values");
+  std::vector<std::string> keys;
+  for (const auto& entry : *node_) {
+    if (!entry.first.IsScalar()) fail("expected plain words as keys");
+    keys.push_back(entry.first.Scalar());
+  }
+  return keys;
+}
+
+void ConfigNode::finish() const {
+  std::set<std::string> seen;
+  for (const std::string& key : keys()) {
+    if (!seen.insert(key).second) fail(fmt::format("key '{}' stands twice", key));
+    if (asked_->contains(key)) continue;
+    const std::vector<std::string> known(asked_->begin(), asked_->end());
+    const auto value = ConfigNode((*node_)[key], file_, path_, line());
+    value.fail(fmt::format("unknown key '{}'{}", key, suggestion_for(key, known)));
+  }
+}
+
+std::vector<ConfigNode> ConfigNode::items() const {
+  if (!node_->IsSequence()) fail("expected a list");
+  std::vector<ConfigNode> items;
+  for (size_t i = 0; i < node_->size(); ++i) {
+    items.push_back(ConfigNode((*node_)[i], file_, fmt::format("{}[{}]", path_, i), line()));
+  }
+  return items;
+}
+
+double ConfigNode::number() const {
+  double value = 0;
+  if (!node_->IsScalar()) fail("expected a number");
+  try {
+    value = node_->as<double>();
+  } catch (const YAML::Exception&) {
+    fail(fmt::format("found '{}', expected a number", node_->Scalar()));
+  }
+  if (!std::isfinite(value)) fail(fmt::format("found '{}', expected a finite number", node_->Scalar()));
+  return value;
+}
+
+double ConfigNode::number(Range range) const {
+  const double value = number();
+  if (value < range.min || value > range.max) {
+    fail(fmt::format("found {}, expected a number from {} to {}", value, range.min, range.max));
+  }
+  return value;
+}
+
+int64_t ConfigNode::integer(int64_t min, int64_t max) const {
+  if (!node_->IsScalar()) fail("expected a whole number");
+  const std::string& text = node_->Scalar();
+  int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    fail(fmt::format("found '{}', expected a whole number", text));
+  }
+  if (value < min || value > max) {
+    fail(fmt::format("found {}, expected a whole number from {} to {}", value, min, max));
+  }
+  return value;
+}
+
+bool ConfigNode::boolean() const {
+  try {
+    return node_->as<bool>();
+  } catch (const YAML::Exception&) {
+    fail("expected true or false");
+  }
+}
+
+std::string ConfigNode::text() const {
+  if (!node_->IsScalar()) fail("expected text");
+  return node_->Scalar();
+}
+
+size_t ConfigNode::choice(const std::vector<std::string>& words) const {
+  const std::string word = text();
+  for (size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == word) return i;
+  }
+  fail(fmt::format("found '{}'{}", word, suggestion_for(word, words)));
+}
+
+std::vector<double> ConfigNode::numbers(size_t count) const {
+  const auto nodes = items();
+  if (nodes.size() != count) fail(fmt::format("found {} numbers, expected {}", nodes.size(), count));
+  std::vector<double> values;
+  for (const ConfigNode& node : nodes) values.push_back(node.number());
+  return values;
+}
+
+Vec3 ConfigNode::vec3() const {
+  const auto values = numbers(3);
+  return {values[0], values[1], values[2]};
+}
+
+double ConfigNode::number_or(const std::string& key, double fallback, Range range) const {
+  const auto node = find(key);
+  return node ? node->number(range) : fallback;
+}
+
+int64_t ConfigNode::integer_or(const std::string& key, int64_t fallback, int64_t min, int64_t max) const {
+  const auto node = find(key);
+  return node ? node->integer(min, max) : fallback;
+}
+
+bool ConfigNode::boolean_or(const std::string& key, bool fallback) const {
+  const auto node = find(key);
+  return node ? node->boolean() : fallback;
+}
+
+std::string ConfigNode::text_or(const std::string& key, const std::string& fallback) const {
+  const auto node = find(key);
+  return node ? node->text() : fallback;
+}
+
+}  // namespace seam

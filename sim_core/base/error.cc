@@ -1,0 +1,47 @@
+#include "sim_core/base/error.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
+
+namespace seam {
+namespace {
+
+size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string suggestion_for(std::string_view unknown, const std::vector<std::string>& known) {
+  if (known.empty()) return "";
+  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+    return edit_distance(unknown, a) < edit_distance(unknown, b);
+  });
+  if (edit_distance(unknown, *nearest) <= std::max<size_t>(2, unknown.size() / 2)) {
+    return fmt::format(", did you mean '{}'?", *nearest);
+  }
+  return fmt::format(", known: {}", fmt::join(known, ", "));
+}
+
+void check_failed(const char* file, int line, const char* condition, const std::string& values) {
+  std::fprintf(stderr, "%s:%d: internal check failed: %s %s\n", file, line, condition, values.c_str());
+  std::abort();
+}
+
+}  // namespace seam

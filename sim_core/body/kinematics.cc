@@ -1,0 +1,64 @@
+#include "sim_core/body/kinematics.h"
+
+#include "sim_core/base/maths.h"
+
+namespace seam {
+namespace {
+
+// Rotations about a coordinate axis, without the general formula's work.
+Mat3 about_x(double angle) {
+  const double c = maths::cos(angle), s = maths::sin(angle);
+  return Mat3(1, 0, 0, 0, c, s, 0, -s, c);
+}
+Mat3 about_y(double angle) {
+  const double c = maths::cos(angle), s = maths::sin(angle);
+  return Mat3(c, 0, -s, 0, 1, 0, s, 0, c);
+}
+Mat3 about_z(double angle) {
+  const double c = maths::cos(angle), s = maths::sin(angle);
+  return Mat3(c, s, 0, -s, c, 0, 0, 0, 1);
+}
+
+}  // namespace
+
+Pose neck_pose(const RobotBody& body, double tilt_rad) { return {about_y(-tilt_rad), body.tilt_axis_m}; }
+
+Pose head_pose(const RobotBody& body, double tilt_rad, double pan_rad, double roll_rad) {
+  const Pose X_BN = neck_pose(body, tilt_rad);
+  const Mat3 R_BP = X_BN.R * about_z(pan_rad);
+  return {R_BP * about_x(roll_rad), X_BN.p + R_BP * Vec3(0, 0, body.roll_height_m)};
+}
+
+Pose camera_link_pose(const RobotBody& body, double tilt_rad, double pan_rad, double roll_rad) {
+  Pose X = head_pose(body, tilt_rad, pan_rad, roll_rad);
+  X.p += X.R[0] * body.camera_forward_m;
+  return X;
+}
+
+LegPose leg_pose(const RobotBody& body, int leg, const JointAngles& joints) {
+  const double rotator = joints[static_cast<size_t>(leg_joint(leg, 0))];
+  const double elevator = joints[static_cast<size_t>(leg_joint(leg, 1))];
+  const double knee = joints[static_cast<size_t>(leg_joint(leg, 2))];
+  const double sx = leg_side_x(leg), sy = leg_side_y(leg);
+  LegPose pose;
+  pose.X_BU = {about_y(-sx * rotator) * about_x(sy * elevator), {sx * body.shoulder_x_m, sy * body.shoulder_y_m, 0}};
+  const Vec3 knee_U{sx * body.upper_leg_offset_m, 0, -body.upper_leg_m};
+  pose.X_BL = pose.X_BU * Pose{about_y(-sx * knee), knee_U};
+  pose.p_BPaw = pose.X_BL * Vec3(0, 0, -(leg < 2 ? body.lower_front_m : body.lower_hind_m));
+  return pose;
+}
+
+std::array<Pose, kLinks> link_poses(const RobotBody& body, const JointAngles& joints) {
+  std::array<Pose, kLinks> X_BLinks;
+  X_BLinks[0] = Pose{};
+  X_BLinks[1] = neck_pose(body, joints[kTilt]);
+  X_BLinks[2] = head_pose(body, joints[kTilt], joints[kPan], joints[kRoll]);
+  for (int leg = 0; leg < kLegs; ++leg) {
+    const LegPose pose = leg_pose(body, leg, joints);
+    X_BLinks[static_cast<size_t>(3 + 2 * leg)] = pose.X_BU;
+    X_BLinks[static_cast<size_t>(4 + 2 * leg)] = pose.X_BL;
+  }
+  return X_BLinks;
+}
+
+}  // namespace seam

@@ -1,0 +1,66 @@
+// What a camera can see: solid primitives with linear radiance, and their state at an instant.
+// The same description serves matches, experiments and the `scene:` files of measurement sets.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim_core/base/pose.h"
+#include "sim_core/base/time.h"
+
+namespace seam {
+
+enum class Shape : uint8_t {
+  rectangle,  // In the object's xy-plane, centred; size.x by size.y; seen from both sides.
+  sphere,     // Centred; radius size.x.
+  cylinder,   // Closed, along z from 0 to size.z (height); radius size.x.
+  capsule,    // A cylinder along z from 0 to size.z with hemispheres beyond; radius size.x.
+  box,        // Centred; full edge lengths size.
+};
+
+using Rgb = std::array<double, 3>;  // Linear radiance, 0 to 1 is the camera's nominal range.
+
+// Ground-truth classes; also the index of the colour class where an object has one.
+enum class Label : uint8_t {
+  background, carpet, line, wall, ball, goal_yellow, goal_skyblue, beacon_pink, beacon_yellow,
+  beacon_skyblue, beacon_green, beacon_white, robot_red, robot_blue, robot_body, other,
+};
+
+struct Primitive {
+  Shape shape = Shape::sphere;
+  Label label = Label::other;
+  uint16_t object_id = 0;  // The same for all parts of one object (a robot); for ground truth.
+  Pose X_WO;               // The object's frame in the world at the instant.
+  Vec3 size{0.0};          // Metres; meaning by shape, see above.
+  Rgb rgb{0, 0, 0};
+};
+
+// Lambertian shading: rgb * (ambient + diffuse * max(0, n . direction)). Flat when `lambert` is
+// false: an object's own rgb.
+struct Lighting {
+  bool lambert = false;
+  Vec3 direction_W{0, 0, 1};  // Unit vector towards the light.
+  double ambient = 1;
+  double diffuse = 0;
+};
+
+// Everything that light-sampling needs at one instant.
+struct SceneInstant {
+  SimTime time;
+  Pose X_WC;  // Camera frame C (x right, y down, z forward) in the world.
+  std::vector<Primitive> primitives;
+};
+
+// A scene as a function of continuous time.
+class SceneSource {
+ public:
+  virtual ~SceneSource() = default;
+  virtual Rgb background() const = 0;
+  virtual Lighting lighting() const = 0;
+  // The primitives at this instant, appended to `out` in an order that never depends on anything
+  // but the scene.
+  virtual void primitives_at(SimTime time, std::vector<Primitive>& out) const = 0;
+};
+
+}  // namespace seam

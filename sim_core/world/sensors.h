@@ -1,0 +1,97 @@
+// What a robot senses besides its camera: each sensor samples by its own clock, with its own
+// noise, and its readings reach the behaviour after its own latency.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "sim_core/body/joints.h"
+#include "sim_core/base/pose.h"
+#include "sim_core/base/random.h"
+#include "sim_core/scenario/scenario.h"
+#include "sim_core/body/state.h"
+#include "sim_core/base/time.h"
+
+namespace seam {
+
+struct JointReading {
+  SimTime time;
+  JointAngles rad{};  // Encoders, in the order of joints.h.
+};
+
+// What a robot may be told at an instant. Times say when each value was measured.
+struct RobotSensors {
+  SimTime time;  // When this was asked for.
+
+  JointReading joints;                  // The newest delivered.
+  std::vector<JointReading> joint_log;  // All delivered since the time that was asked for.
+
+  SimTime odometry_time;
+  Pose2 odometry;  // Dead reckoning of what the legs were told, in the frame of the first pose.
+
+  SimTime acceleration_time;
+  Vec3 acceleration_m_s2{0.0};  // Specific force in the body's frame: +9.81 in z at rest.
+
+  SimTime paws_time;
+  std::array<bool, kLegs> paw_contact{};
+
+  double chest_distance_m = 0;  // Always 0: the ERS-210's distance sensor is not documented here.
+};
+
+// What the sensors of a robot measure at an instant, free of noise.
+struct SensorTruth {
+  JointAngles encoders_rad{};
+  Pose2 dead_reckoning;
+  Vec3 specific_force_B{0.0};
+  std::array<bool, kLegs> paw_contact{};
+};
+
+// The readings of one robot's sensors.
+class SensorSuite {
+ public:
+  // Joint readings are kept until `memory` after their delivery.
+  SensorSuite(const SensorsSpec& spec, SimDuration memory, RandomStream stream);
+
+  // Instants after `after`, up to and including `until`, at which some sensor samples, ascending.
+  std::vector<SimTime> sampling_times(SimTime after, SimTime until) const;
+  // The truth at one of these instants.
+  void sample(SimTime time, const SensorTruth& truth);
+  // What has arrived by `time`; `joint_log` holds what arrived after `since`.
+  RobotSensors read(SimTime time, SimTime since) const;
+  void visit(StateVisitor& visitor);
+
+ private:
+  struct Acceleration {
+    SimTime time;
+    Vec3 value{0.0};
+    void visit(StateVisitor& visitor);
+  };
+  struct Odometry {
+    SimTime time;
+    Pose2 value;
+    void visit(StateVisitor& visitor);
+  };
+  struct Paws {
+    SimTime time;
+    std::array<bool, kLegs> value{};
+    void visit(StateVisitor& visitor);
+  };
+  struct Joints {
+    JointReading reading;
+    void visit(StateVisitor& visitor);
+  };
+  void forget_old(SimTime time);
+
+  const SensorsSpec* spec_;
+  SimDuration memory_;
+  RandomStream stream_;
+  // Readings still needed: those not delivered yet, and the newest delivered one. Ascending.
+  std::vector<Joints> joints_;
+  std::vector<Odometry> odometry_;
+  std::vector<Acceleration> accelerations_;
+  std::vector<Paws> paws_;
+  Pose2 odometry_error_;       // What noise has added up to.
+  Pose2 last_dead_reckoning_;
+};
+
+}  // namespace seam

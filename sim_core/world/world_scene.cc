@@ -1,0 +1,99 @@
+// What the world looks like at an instant.
+#include <cmath>
+
+#include "sim_core/base/maths.h"
+#include "sim_core/world/world_impl.h"
+
+namespace seam {
+namespace {
+
+constexpr uint16_t kBallId = 1;
+constexpr uint16_t kFirstRobotId = 2;
+constexpr uint16_t kFirstObjectId = 100;
+constexpr double kRobotReach = 0.5;  // No part of a robot is farther from its place, m.
+
+Label uniform_label(Team team) { return team == Team::red ? Label::robot_red : Label::robot_blue; }
+
+// Turns the z axis to the normal, keeping the x axis horizontal.
+Mat3 facing(const Vec3& normal) {
+  const Vec3 z = glm::normalize(normal);
+  if (std::abs(z.z) > 1 - 1e-12) return z.z > 0 ? Mat3(1.0) : Mat3(1, 0, 0, 0, -1, 0, 0, 0, -1);
+  const Vec3 x = glm::normalize(glm::cross(Vec3(0, 0, 1), z));
+  return Mat3(x, glm::cross(z, x), z);
+}
+
+}  // namespace
+
+void World::Impl::add_objects(SimTime time, std::vector<Primitive>& out) const {
+  uint16_t id = kFirstObjectId;
+  for (const ObjectSpec& object : scenario.objects) {
+    const Mat3 R = object.shape == Shape::rectangle ? facing(object.normal) : Mat3(1.0);
+    out.push_back({.shape = object.shape,
+                   .label = object.label,
+                   .object_id = id++,
+                   .X_WO = {rotation_zyx(0, 0, object.yaw_rad) * R, object.centre_m + time.s() * object.velocity_mps},
+                   .size = object.size_m,
+                   .rgb = object.rgb});
+  }
+}
+
+void World::Impl::add_ball(SimTime time, std::vector<Primitive>& out) const {
+  if (!scenario.ball.present) return;
+  out.push_back({.shape = Shape::sphere,
+                 .label = Label::ball,
+                 .object_id = kBallId,
+                 .X_WO = translation(ball_at(time)),
+                 .size = {0.5 * scenario.ball.diameter_m, 0, 0},
+                 .rgb = scenario.field.colours.orange});
+}
+
+void World::Impl::add_robot(size_t index, SimTime time, bool is_viewer, std::vector<Primitive>& out) const {
+  const Robot& robot = robots[index];
+  const RobotSpec& spec = robot.spec();
+  const Pose X_WB = robot.body_pose(robot.track.at(fraction(time)), fraction(time));
+  auto X_WLinks = link_poses(spec.body, robot.joint_angles(time));
+  for (Pose& X : X_WLinks) X = X_WB * X;
+  const Rgb& uniform = spec.team == Team::red ? spec.body.red_rgb : spec.body.blue_rgb;
+  for (size_t i = 0; i < spec.body.parts.size(); ++i) {
+    const BodyPart& part = spec.body.parts[i];
+    if (is_viewer && (part.link == Link::head || part.link == Link::neck)) continue;
+    const bool team = part.paint == Paint::team;
+    out.push_back({.shape = part.shape,
+                   .label = team ? uniform_label(spec.team) : Label::robot_body,
+                   .object_id = static_cast<uint16_t>(kFirstRobotId + index),
+                   .X_WO = X_WLinks[static_cast<size_t>(part.link)] * robot.part_poses()[i],
+                   .size = part.size_m,
+                   .rgb = team ? uniform : spec.body.body_rgb});
+  }
+}
+
+// Whether a robot stands wholly behind the camera, with a margin for lenses that look sideways.
+bool World::Impl::behind(const Pose& X_WL, size_t robot, SimTime time) const {
+  const Pose2 place = robots[robot].track.at(fraction(time));
+  const Vec3 p_L = glm::transpose(X_WL.R) * (Vec3(place.x_m, place.y_m, X_WL.p.z) - X_WL.p);
+  return p_L.x < -kRobotReach;
+}
+
+void World::primitives_at(SimTime time, std::vector<Primitive>& out, std::optional<size_t> viewer) const {
+  // This is called for each instant of each frame.
+  size_t parts = 0;
+  for (const Robot& robot : impl_->robots) parts += robot.spec().body.parts.size();
+  out.reserve(out.size() + impl_->fixed.size() + parts + 16);
+  out.insert(out.end(), impl_->fixed.begin(), impl_->fixed.end());
+  impl_->add_objects(time, out);
+  impl_->add_ball(time, out);
+  const Pose X_WL = viewer ? camera_link_pose(*viewer, time) : Pose{};
+  for (size_t i = 0; i < impl_->robots.size(); ++i) {
+    if (viewer && i != *viewer && impl_->behind(X_WL, i, time)) continue;
+    impl_->add_robot(i, time, viewer == i, out);
+  }
+}
+
+Pose World::camera_link_pose(size_t index, SimTime time) const {
+  const Robot& robot = impl_->robots.at(index);
+  return robot.body_pose(robot.track.at(impl_->fraction(time)), impl_->fraction(time)) *
+         seam::camera_link_pose(robot.spec().body, robot.joint_angle(kTilt, time), robot.joint_angle(kPan, time),
+                                robot.joint_angle(kRoll, time));
+}
+
+}  // namespace seam

@@ -1,0 +1,61 @@
+// `seam add`: fits one effect and adds it to a model.
+#include "measurement/kinds/kinds.h"
+#include "sim_core/base/error.h"
+#include "tools/commands/analysis.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+namespace {
+
+std::string told(const measurement::AddResult& result) {
+  std::string text = result.effect.empty() ? "refitted\n" : "added " + result.effect + "\n";
+  for (const auto& [name, value] : result.parameters) {
+    text += fmt::format("  {} = {:.6g}{}\n", name, value.value,
+                        value.sigma ? fmt::format(" +- {:.2g}", *value.sigma) : "");
+  }
+  return text + fmt::format("error on held-out groups {:.4f} -> {:.4f} (1.0 is the noise)\n",
+                            result.error_before, result.error_after);
+}
+
+}  // namespace
+
+void add_add(Command app) {
+  Command command =
+      app.add_subcommand("add", "Fits an effect to measurements and adds it to a model");
+  auto flags = std::make_shared<AnalysisFlags>();
+  auto effect = std::make_shared<std::string>();
+  auto out = std::make_shared<std::string>();
+  command.add_option("EFFECT", *effect, "A name of the catalogue, or a file with effects")
+      .required();
+  add_analysis_flags(command, *flags, false);
+  command.add_option("--out", *out, "The model with the effect").required();
+  command.footer(
+      "Example: seam add rolling_shutter --model nominal.yaml --data sets/points-a --out "
+      "better.yaml");
+  command.callback([flags, effect, out] {
+    const effects::Model model = read_model(flags->model);
+    const auto effects = effects_named(*effect);
+    const auto problem = measurement::open_problem(flags->data);
+    const auto result = measurement::add_effects(*problem, model, effects);
+    result.model.write(*out);
+    tell(*flags, told(result), measurement::add_json(*problem, result, "seam-add/1"));
+  });
+}
+
+void add_fit(Command app) {
+  Command command = app.add_subcommand("fit", "Refits the parameters that a model has");
+  auto flags = std::make_shared<AnalysisFlags>();
+  auto out = std::make_shared<std::string>();
+  add_analysis_flags(command, *flags, false);
+  command.add_option("--out", *out, "The refitted model").required();
+  command.footer("Example: seam fit --model better.yaml --data sets/points-a --out refitted.yaml");
+  command.callback([flags, out] {
+    const effects::Model model = read_model(flags->model);
+    const auto problem = measurement::open_problem(flags->data);
+    const auto result = measurement::refit_all(*problem, model);
+    result.model.write(*out);
+    tell(*flags, told(result), measurement::add_json(*problem, result, "seam-fit/1"));
+  });
+}
+
+}  // namespace seam::tools

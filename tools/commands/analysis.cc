@@ -1,0 +1,69 @@
+#include "tools/commands/analysis.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "effects/registry.h"
+#include "sim_core/base/config.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+
+namespace seam::tools {
+
+void add_analysis_flags(Command command, AnalysisFlags& flags, bool with_report) {
+  command.add_option("--model", flags.model, "The model (seam-model/1)").required();
+  command.add_option("--data", flags.data, "The folder of the measurement set").required();
+  command.add_option("--json", flags.json, "Writes the result as JSON");
+  if (with_report) command.add_option("--report", flags.report, "Writes the result as a web page");
+}
+
+effects::Model read_model(const std::string& path) {
+  return effects::Model::from_file(path);
+}
+
+void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json) {
+  std::fputs(text.c_str(), stdout);
+  if (!flags.json.empty()) write_file_atomically(flags.json, json);
+}
+
+measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags) {
+  return {.command = fmt::format("seam {} --model {} --data {} --report {}", command, flags.model,
+                                 flags.data, flags.report),
+          .model_file = flags.model,
+          .data_folder = flags.data};
+}
+
+measurement::Progress progress_to_terminal() {
+  const bool watched = isatty(STDERR_FILENO) != 0;
+  return [watched](const std::string& what) {
+    if (watched) std::fprintf(stderr, "%s\n", what.c_str());
+  };
+}
+
+measurement::EffectList effects_named(const std::string& name_or_file) {
+  if (auto effect = effects::find_effect(name_or_file)) return {effect};
+  const bool is_file =
+      name_or_file.find('.') != std::string::npos || name_or_file.find('/') != std::string::npos;
+  if (!is_file)
+    throw InputError(fmt::format("unknown effect '{}'{}", name_or_file,
+                                 suggestion_for(name_or_file, effects::effect_names())));
+  const ConfigNode root = ConfigNode::from_file(name_or_file);
+  measurement::EffectList list;
+  const ConfigNode effects = root.at("effects");
+  for (const std::string& name : effects.keys()) {
+    const ConfigNode node = effects.at(name);
+    if (node.is_map() && node.has("stage")) {
+      list.push_back(effects::expression_effect(name, node));
+    } else if (auto effect = effects::find_effect(name)) {
+      list.push_back(effect);
+    } else {
+      effects.fail(fmt::format("unknown effect '{}'{}", name,
+                               suggestion_for(name, effects::effect_names())));
+    }
+  }
+  if (list.empty()) effects.fail("found no effects, expected one or more");
+  return list;
+}
+
+}  // namespace seam::tools

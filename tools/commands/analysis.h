@@ -1,0 +1,37 @@
+// What the analysis commands (compare, diagnose, add, fit, discover) share.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "measurement/report/report_data.h"
+#include "measurement/report/results.h"
+#include "tools/command_line.h"
+
+namespace seam::tools {
+
+struct AnalysisFlags {
+  std::string model;
+  std::string data;
+  std::string json;
+  std::string report;
+};
+
+// --model, --data and --json; --report where wanted.
+void add_analysis_flags(Command command, AnalysisFlags& flags, bool with_report);
+
+effects::Model read_model(const std::string& path);
+
+// Prints the text; writes the JSON where the user asked for it.
+void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json);
+
+// What a report says of where it comes from: `seam <command> --model M --data D`.
+measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags);
+
+// Progress to standard error when a person watches.
+measurement::Progress progress_to_terminal();
+
+// Effects by a catalogue name, or of a file (`effects:` with expression effects).
+measurement::EffectList effects_named(const std::string& name_or_file);
+
+}  // namespace seam::tools

@@ -1,0 +1,53 @@
+// `seam diagnose`: which effect is missing from a model.
+#include <fmt/ranges.h>
+
+#include "measurement/kinds/kinds.h"
+#include "measurement/report/report.h"
+#include "sim_core/base/files.h"
+#include "tools/commands/analysis.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+namespace {
+
+std::string told(const std::optional<measurement::Suggestion>& suggestion, const std::string& file) {
+  if (!suggestion) return "no effect is suggested: held-out groups support none beyond the catalogue\n";
+  std::string text = fmt::format("suggested effect, in {}:\n", file);
+  for (const std::string& term : suggestion->terms) text += "  " + term + "\n";
+  text += fmt::format("  error {:.4f} -> {:.4f} on held-out groups", suggestion->error_before, suggestion->error);
+  if (!suggestion->beside.empty()) text += fmt::format(", beside {}: add these first", fmt::join(suggestion->beside, ", "));
+  return text + "\n";
+}
+
+}  // namespace
+
+void add_diagnose(Command app) {
+  Command command = app.add_subcommand("diagnose", "Names the effect that a model lacks, or says that none is missing");
+  auto flags = std::make_shared<AnalysisFlags>();
+  auto candidates = std::make_shared<std::string>();
+  add_analysis_flags(command, *flags, true);
+  command.add_option("--candidates", *candidates, "A file with effects of your own, tried beside the catalogue");
+  auto suggested = std::make_shared<std::string>();
+  command.add_option("--suggest", *suggested,
+                     "Writes an effect proposed from the residuals, for seam add; no file where none is supported");
+  command.footer("Example: seam diagnose --model nominal.yaml --data sets/points-a");
+  command.callback([flags, candidates, suggested] {
+    const effects::Model model = read_model(flags->model);
+    const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
+    const auto problem = measurement::open_problem(flags->data);
+    const auto result = measurement::search(*problem, model, own, progress_to_terminal());
+    std::optional<measurement::Suggestion> suggestion;
+    std::string text = measurement::diagnose_text(*problem, result);
+    if (!suggested->empty()) {
+      suggestion = measurement::suggest(*problem, result, progress_to_terminal());
+      text += told(suggestion, *suggested);
+      if (suggestion) write_file_atomically(*suggested, suggestion->yaml);
+    }
+    tell(*flags, text, measurement::diagnose_json(*problem, result, suggestion));
+    if (!flags->report.empty()) {
+      measurement::write_report(flags->report, measurement::diagnose_report(*problem, result, report_header("diagnose", *flags)));
+    }
+  });
+}
+
+}  // namespace seam::tools

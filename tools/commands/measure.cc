@@ -1,0 +1,36 @@
+// `seam measure`: makes the measurement set that a model would give.
+#include "measurement/kinds/kinds.h"
+#include "tools/commands/analysis.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+
+void add_measure(Command app) {
+  Command command =
+      app.add_subcommand("measure", "Makes a measurement set with the simulator, by a protocol");
+  struct Flags {
+    std::string model, protocol, out, noise = "on";
+    uint64_t seed = 0;
+  };
+  auto flags = std::make_shared<Flags>();
+  command.add_option("--model", flags->model, "The true model").required();
+  command
+      .add_option("--protocol", flags->protocol,
+                   "A measurement set; its measured columns are made anew")
+      .required();
+  command.add_option("--seed", flags->seed, "Seed of all noise");
+  command.add_option("--out", flags->out, "The folder to write").required();
+  command.add_option("--noise", flags->noise, "on or off").one_of({"on", "off"});
+  command.footer(
+      "Example: seam measure --model truth.yaml --protocol sets/points-a --seed 1 --out made");
+  command.callback([flags] {
+    const effects::Model truth = read_model(flags->model);
+    const auto protocol = measurement::MeasurementSet::open(flags->protocol);
+    measurement::find_kind(protocol.kind)
+        .measure(truth, protocol,
+                 {.seed = flags->seed, .noise = flags->noise == "on", .out = flags->out});
+    std::printf("%s\n", flags->out.c_str());
+  });
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,48 @@
+// `seam report RESULT.json --out F.html`: a page from a result written earlier.
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "measurement/report/report.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+namespace {
+
+using nlohmann::json;
+
+json read_result(const std::string& file) {
+  try {
+    json result = json::parse(read_file(file));
+    if (result.is_object() && result.contains("format") && result["format"].is_string()) return result;
+  } catch (const json::parse_error& error) {
+    throw InputError(fmt::format("{}: byte {}: found no JSON, expected a result that a command wrote with --json",
+                                 file, error.byte));
+  }
+  throw InputError(fmt::format("{}: format: found nothing, expected for example \"seam-diagnose/1\"", file));
+}
+
+}  // namespace
+
+void add_report(Command app) {
+  Command command = app.add_subcommand(
+      "report", "Makes the page of a result: seam report result.json --out result.html");
+  auto file = std::make_shared<std::string>();
+  auto out = std::make_shared<std::string>();
+  command.add_option("RESULT", *file, "What a command wrote with --json").required();
+  command.add_option("--out", *out, "The page to write").required();
+  command.callback([file, out] {
+    json result = read_result(*file);
+    const std::string format = result["format"];
+    if (format != "seam-report/1") {
+      result = {{"format", "seam-report/1"},
+                {"command", fmt::format("seam report {} --out {}", *file, *out)},
+                {"result", std::move(result)}};
+    }
+    measurement::write_report(*out, result.dump());
+    std::printf("%s: a page of %s\n", out->c_str(), format.c_str());
+  });
+}
+
+}  // namespace seam::tools

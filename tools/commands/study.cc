@@ -1,0 +1,89 @@
+// `seam study`: how often diagnose is right, on many small sets with a known answer.
+#include "measurement/study/study.h"
+
+#include <fmt/format.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "tools/commands/analysis.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+namespace {
+
+// A folder of its own, which goes when the study ends, however it ends.
+class Scratch {
+ public:
+  Scratch() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "seam-study-XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw InputError(fmt::format("cannot make a folder like {}", pattern));
+    path_ = pattern;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::vector<double> numbers(const std::vector<std::string>& words, const char* option) {
+  std::vector<double> all;
+  for (const std::string& word : words) all.push_back(ConfigNode::from_text(word, option).number());
+  return all;
+}
+
+}  // namespace
+
+void add_study(Command app) {
+  Command command = app.add_subcommand(
+      "study", "How often an effect is found, and false alarms: many small made sets, diagnosed");
+  struct Flags {
+    measurement::StudyPlan plan;
+    std::vector<std::string> sizes, values;
+    std::string json;
+  };
+  auto flags = std::make_shared<Flags>();
+  command
+      .add_option("KIND", flags->plan.kind,
+                  "points, joints, odometry, landmarks, photometry or frames")
+      .required();
+  command.add_option("--seeds", flags->plan.seeds, "How many sets at each size").range(1, 100000);
+  command.add_option("--first-seed", flags->plan.first_seed,
+                     "Seed of the first set; the others follow");
+  command.add_option("--effect", flags->plan.effect,
+                     "What is hidden in each set; left out: nothing, to count false alarms");
+  command.add_option("--parameter", flags->plan.parameter,
+                     "The parameter that is not neutral; left out: the effect's first");
+  command.add_option("--size", flags->sizes,
+                     "Its size in standard errors of such a set (once or more; left out: 5)");
+  command.add_option("--value", flags->values, "Its value in its own unit, instead of a size");
+  command.add_option("--json", flags->json, "Writes the result as JSON");
+  command.footer("Example: seam study points --effect frame_latency --size 2 --size 5 --seeds 20");
+  command.callback([flags] {
+    measurement::StudyPlan& plan = flags->plan;
+    plan.sizes = numbers(flags->sizes, "--size"), plan.values = numbers(flags->values, "--value");
+    if (plan.effect.empty() &&
+        (!plan.sizes.empty() || !plan.values.empty() || !plan.parameter.empty()))
+      throw UsageError("--size, --value and --parameter need --effect");
+    if (!plan.effect.empty() && plan.sizes.empty() && plan.values.empty()) plan.sizes = {5};
+    const Scratch scratch;
+    plan.folder = scratch.path();
+    const auto result = measurement::study(plan, progress_to_terminal());
+    std::fputs(measurement::study_text(plan, result).c_str(), stdout);
+    if (!flags->json.empty())
+      write_file_atomically(flags->json, measurement::study_json(plan, result));
+  });
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,16 @@
+// `seam replay ...`: what can be done with the log of a run. One file a subcommand.
+#include "tools/replay/replay.h"
+
+#include "tools/command.h"
+
+namespace seam::tools {
+
+void add_replay(Command app) {
+  Command replay = app.add_subcommand("replay", "Verifies, shows, compares, resumes and mends logs");
+  replay.require_subcommand();
+#define SEAM_ADD(name) add_replay_##name(replay);
+  SEAM_REPLAY_COMMANDS(SEAM_ADD)
+#undef SEAM_ADD
+}
+
+}  // namespace seam::tools

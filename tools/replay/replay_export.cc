@@ -1,0 +1,192 @@
+// `seam replay export F --out DIR`: a log as CSV files and pictures.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "sim_core/base/error.h"
+#include "sim_core/base/hash.h"
+#include "tools/command.h"
+#include "tools/replay/replay.h"
+#include "app/logs/replay_match.h"
+
+namespace seam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using scheduler::Answer;
+
+struct Settings {
+  std::string file;
+  std::string out;
+};
+
+// Text as one CSV cell.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+class CsvFile {
+ public:
+  CsvFile(const fs::path& path, const std::string& header) : path_(path), file_(path) {
+    if (!file_) throw InputError(path.string() + ": cannot be written");
+    file_ << header << '\n';
+  }
+  template <typename... Cells>
+  void row(const Cells&... cells) {
+    std::string line;
+    ((line += line.empty() ? fmt::format("{}", cells) : fmt::format(",{}", cells)), ...);
+    file_ << line << '\n';
+    if (!file_) throw InputError(path_.string() + ": cannot be written");
+  }
+
+ private:
+  fs::path path_;
+  std::ofstream file_;
+};
+
+const char* outcome_text(scheduler::Outcome outcome) {
+  constexpr const char* kWords[] = {"decided", "frozen", "absent", "resumed", "abort"};
+  return kWords[static_cast<int>(outcome)];
+}
+
+const char* kind_text(scheduler::EventKind kind) {
+  constexpr const char* kWords[] = {"referee", "radio", "world", "policy", "fault", "debug"};
+  return kWords[static_cast<int>(kind)];
+}
+
+class Exporter {
+ public:
+  Exporter(const scheduler::Log& log, const fs::path& folder)
+      : log_(log),
+        folder_(folder),
+        poses_(folder / "poses.csv",
+               "time_s,robot,x_m,y_m,heading_rad,tilt_rad,pan_rad,roll_rad"),
+        ball_(folder / "ball.csv", "time_s,x_m,y_m,z_m"),
+        steps_(folder / "steps.csv", "step,time_s,fingerprint"),
+        decisions_(folder / "decisions.csv",
+                   "time_s,robot,sequence,outcome,vx_mps,vy_mps,omega_radps,kick,frame_requests,"
+                   "messages,reason"),
+        joints_(folder / "joint_commands.csv",
+                "time_s,robot,offset_s,joint,angle_rad,speed_radps"),
+        debug_(folder / "debug.csv", "time_s,robot,name,kind,value"),
+        frames_(folder / "frames.csv", "robot,frame,stamp_s,end_s,fingerprint,file"),
+        events_(folder / "events.csv", "time_s,kind,robot,name,detail") {}
+
+  void operator()(const scheduler::RunHeader&) {}
+  void operator()(const scheduler::SnapshotRecord&) {}
+  void operator()(const scheduler::EndRecord&) {}
+
+  void operator()(const scheduler::StepRecord& step) {
+    steps_.row(step.step, step.time.s(), to_hex(step.fingerprint));
+    const auto& robots = log_.header().robots;
+    if (step.poses.size() != 6 * robots.size() + 3) return;
+    for (size_t i = 0; i < robots.size(); ++i) {
+      const float* pose = &step.poses[6 * i];
+      poses_.row(step.time.s(), cell(robots[i]), pose[0], pose[1], pose[2], pose[3], pose[4],
+                 pose[5]);
+    }
+    const float* ball = &step.poses[6 * robots.size()];
+    ball_.row(step.time.s(), ball[0], ball[1], ball[2]);
+  }
+
+  void operator()(const scheduler::TurnRecord& turn) {
+    for (const Answer& answer : turn.turn.answers) write(turn.time.s(), answer);
+  }
+
+  void operator()(const scheduler::FrameRecord& frame) {
+    const std::string& robot = log_.header().robots[static_cast<size_t>(frame.robot)];
+    std::string name;
+    if (const auto png = log_.has_pictures() ? log_.picture(frame) : std::nullopt) {
+      name = fmt::format("{}_{:06}.png", robot, frame.index);
+      write_file(name, *png);
+    }
+    frames_.row(cell(robot), frame.index, frame.stamp.s(), frame.time.s(),
+                to_hex(frame.fingerprint), name);
+  }
+
+  void operator()(const scheduler::SimulationEvent& event) {
+    events_.row(event.time.s(), kind_text(event.kind), cell(event.robot), cell(event.name),
+                cell(event.detail));
+  }
+
+  void write_file(const std::string& name, const std::string& bytes) {
+    std::ofstream file(folder_ / name, std::ios::binary);
+    file << bytes;
+    if (!file) throw InputError((folder_ / name).string() + ": cannot be written");
+  }
+
+ private:
+  void write(double time_s, const Answer& answer) {
+    const std::string robot = cell(log_.header().robots[static_cast<size_t>(answer.robot)]);
+    const RobotCommand& command = answer.decision.command;
+    const auto walk = [&](double BodyVelocity::* part) {
+      return command.walk ? fmt::format("{}", (*command.walk).*part) : std::string();
+    };
+    decisions_.row(time_s, robot, answer.sequence, outcome_text(answer.outcome),
+                   walk(&BodyVelocity::vx_mps), walk(&BodyVelocity::vy_mps),
+                   walk(&BodyVelocity::omega_radps), to_string(command.kick),
+                   answer.decision.frame_requests.size(), answer.decision.messages.size(),
+                   cell(answer.reason));
+    for (const JointFrame& frame : command.joints) {
+      for (const JointTarget& target : frame.targets) {
+        joints_.row(time_s, robot, frame.offset.s(),
+                    kJointNames[static_cast<size_t>(target.joint)], target.angle_rad,
+                    target.speed_radps);
+      }
+    }
+    for (const scheduler::DebugItem& item : answer.decision.debug) write(time_s, robot, item);
+  }
+
+  void write(double time_s, const std::string& robot, const scheduler::DebugItem& item) {
+    using Kind = scheduler::DebugItem::Kind;
+    if (item.kind == Kind::value) {
+      debug_.row(time_s, robot, cell(item.name), "value", item.value);
+    } else if (item.kind == Kind::text) {
+      debug_.row(time_s, robot, cell(item.name), "text", cell(item.text));
+    } else {
+      debug_.row(time_s, robot, cell(item.name), item.in_image ? "image" : "field",
+                 fmt::format("{}", fmt::join(item.points, " ")));
+    }
+  }
+
+  const scheduler::Log& log_;
+  fs::path folder_;
+  CsvFile poses_, ball_, steps_, decisions_, joints_, debug_, frames_, events_;
+};
+
+void run(const Settings& settings) {
+  const scheduler::Log log = scheduler::Log::open(settings.file);
+  std::error_code error;
+  fs::create_directories(settings.out, error);
+  if (error) throw InputError(settings.out + ": cannot be made: " + error.message());
+  Exporter exporter(log, settings.out);
+  exporter.write_file("scenario.yaml", log.header().scenario_text);
+  using scheduler::Topic;
+  scheduler::LogCursor cursor(log, {Topic::turn, Topic::step, Topic::frame, Topic::event});
+  uint64_t records = 0;
+  while (const auto record = cursor.next()) {
+    std::visit(exporter, *record);
+    ++records;
+  }
+  std::printf("%s: %llu records as CSV%s\n", settings.out.c_str(),
+              static_cast<unsigned long long>(records),
+              log.has_pictures() ? " and pictures"
+                                 : "; the log holds no pictures: seam replay frames makes them");
+}
+
+}  // namespace
+
+void add_replay_export(Command replay) {
+  Command command = replay.add_subcommand(
+      "export", "Writes poses, decisions, frames and events as CSV, and the pictures of the log");
+  auto settings = std::make_shared<Settings>();
+  command.add_option("F", settings->file, "The log").required();
+  command.add_option("--out", settings->out, "Folder to write to").required();
+  command.footer("Example: seam replay export match.mcap --out match");
+  command.callback([settings] { run(*settings); });
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,98 @@
+// `seam replay recover F --out G`: a whole log from a damaged one.
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "scheduler/log/log_recovery.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "tools/command.h"
+#include "tools/replay/replay.h"
+#include "app/logs/replay_match.h"
+
+namespace seam::tools {
+namespace {
+
+struct Settings {
+  std::string file;
+  std::string out;
+  std::string json;
+};
+
+void write_json(const std::string& path, const scheduler::Recovery& recovery) {
+  nlohmann::ordered_json losses = nlohmann::ordered_json::array();
+  for (const auto& loss : recovery.losses) {
+    nlohmann::ordered_json entry = {{"offset", loss.place.offset},
+                                    {"bytes", loss.place.bytes},
+                                    {"what", loss.place.what},
+                                    {"from_ns", loss.from.ns()},
+                                    {"to_ns", nullptr}};
+    if (loss.to) entry["to_ns"] = loss.to->ns();
+    losses.push_back(std::move(entry));
+  }
+  const nlohmann::ordered_json json = {{"format", "seam-recover/1"},
+                                       {"whole", recovery.whole()},
+                                       {"messages", recovery.messages},
+                                       {"chunks", recovery.chunks},
+                                       {"unknown_messages", recovery.unknown_messages},
+                                       {"losses", std::move(losses)}};
+  write_file_atomically(path, json.dump(2) + "\n");
+}
+
+void tell(const scheduler::Recovery& recovery) {
+  for (const auto& loss : recovery.losses) {
+    std::printf("lost: %llu bytes at offset %llu: %s; simulated time after %s%s\n",
+                static_cast<unsigned long long>(loss.place.bytes),
+                static_cast<unsigned long long>(loss.place.offset), loss.place.what.c_str(),
+                seconds(loss.from).c_str(),
+                loss.to ? (" up to " + seconds(*loss.to)).c_str() : ", to the end");
+  }
+  if (recovery.unknown_messages > 0) {
+    std::printf("lost: %llu messages of channels whose definition is lost\n",
+                static_cast<unsigned long long>(recovery.unknown_messages));
+  }
+}
+
+void run(const Settings& settings) {
+  if (std::filesystem::exists(settings.out) &&
+      std::filesystem::equivalent(settings.file, settings.out)) {
+    throw UsageError("--out: the same file as the damaged log; give another name");
+  }
+  // Beside the target and renamed, so that nobody takes half of it for a whole log.
+  const std::string partial = settings.out + ".partial";
+  std::unique_ptr<mcap::Input> input = mcap::open_file(settings.file);
+  std::unique_ptr<mcap::Output> output = mcap::create_file(partial);
+  scheduler::Recovery recovery;
+  try {
+    recovery = scheduler::recover_log(std::move(input), *output);
+  } catch (const InputError&) {
+    output.reset();
+    std::filesystem::remove(partial);
+    throw;
+  }
+  output.reset();
+  std::filesystem::rename(partial, settings.out);
+  if (!settings.json.empty()) write_json(settings.json, recovery);
+  tell(recovery);
+  std::printf("%s: %llu messages in %llu chunks%s\n", settings.out.c_str(),
+              static_cast<unsigned long long>(recovery.messages),
+              static_cast<unsigned long long>(recovery.chunks),
+              recovery.whole() ? ", nothing was lost" : "");
+  if (!recovery.whole()) throw ExitCode{3};
+}
+
+}  // namespace
+
+void add_replay_recover(Command replay) {
+  Command command =
+      replay.add_subcommand("recover", "Writes a whole log from a damaged or unfinished one");
+  auto settings = std::make_shared<Settings>();
+  command.add_option("F", settings->file, "The damaged log").required();
+  command.add_option("--out", settings->out, "The log to write").required();
+  command.add_option("--json", settings->json, "Write what was read and lost to this file");
+  command.footer("Exit code 0: nothing was lost; 3: something was; 1: nothing could be read.\n"
+                  "Example: seam replay recover damaged.mcap --out whole.mcap");
+  command.callback([settings] { run(*settings); });
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,162 @@
+// `seam replay show F [--at T]`: what a log holds, or the state at a time.
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/hash.h"
+#include "tools/command.h"
+#include "tools/replay/replay.h"
+#include "app/logs/replay_match.h"
+
+namespace seam::tools {
+namespace {
+
+struct Settings {
+  std::string file;
+  std::optional<double> at_s;
+  std::string json;
+};
+
+const char* to_text(scheduler::EndReason reason) {
+  constexpr const char* kWords[] = {"finished", "stopped", "aborted"};
+  return kWords[static_cast<int>(reason)];
+}
+
+const char* to_text(scheduler::EventKind kind) {
+  constexpr const char* kWords[] = {"referee", "radio", "world", "policy", "fault", "debug"};
+  return kWords[static_cast<int>(kind)];
+}
+
+nlohmann::ordered_json summary_of(const scheduler::Log& log) {
+  const scheduler::RunHeader& header = log.header();
+  nlohmann::ordered_json json = {{"format", "seam-show/1"},
+                                 {"scenario", header.scenario_name},
+                                 {"seed", header.seed},
+                                 {"robots", header.robots},
+                                 {"end_s", log.end_time().s()}};
+  for (const auto& [name, version] : header.versions) json["versions"][name] = version;
+  std::map<std::string, uint64_t> counts;
+  scheduler::LogCursor cursor(log, {scheduler::Topic::turn, scheduler::Topic::step,
+                                    scheduler::Topic::snapshot, scheduler::Topic::frame,
+                                    scheduler::Topic::event});
+  while (cursor.next()) ++counts[std::string(topic_name(cursor.last_topic()))];
+  json["messages"] = counts;
+  json["chunks"] = log.file().contents().chunks.size();
+  json["bytes"] = log.file().file_bytes();
+  json["pictures"] = log.has_pictures();
+  const auto end = log.end();
+  json["end"] = end ? to_text(end->reason) : "unknown: the log has no end";
+  json["fingerprint"] = end ? nlohmann::ordered_json(to_hex(end->fingerprint)) : nullptr;
+  json["losses"] = nlohmann::ordered_json::array();
+  for (const mcap::Loss& loss : log.file().contents().losses) json["losses"].push_back(loss.what);
+  return json;
+}
+
+void print_summary(const nlohmann::ordered_json& json) {
+  for (const auto& [key, value] : json.items()) {
+    if (key == "format") continue;
+    std::printf("%-12s %s\n", key.c_str(),
+                value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+  }
+}
+
+nlohmann::ordered_json state_at(const scheduler::Log& log, SimTime time) {
+  ReplayMatch match(log);
+  const SimTime reached = match.rewinder().to(time);
+  nlohmann::ordered_json json = {{"format", "seam-state/1"},
+                                 {"time_ns", reached.ns()},
+                                 {"step", match.rewinder().step()},
+                                 {"step_time_ns", match.world().start().ns()}};
+  for (const StateSection& section : match.world().sections()) {
+    nlohmann::ordered_json& fields = json["sections"][section.name];
+    fields = nlohmann::ordered_json::array();
+    for (const StateSection::Field& field : section.fields) {
+      std::visit([&](auto value) { fields.push_back({field.name, value}); }, field.value);
+    }
+  }
+  const auto& robots = match.scenario().robots;
+  for (size_t i = 0; i < robots.size(); ++i) {
+    const RobotTruth truth = match.world().robot(i, reached);
+    json["robots"][robots[i].id] = {{"x_m", truth.pose.x_m},
+                                    {"y_m", truth.pose.y_m},
+                                    {"heading_rad", truth.pose.theta_rad},
+                                    {"tilt_rad", truth.joints_rad[kTilt]},
+                                    {"pan_rad", truth.joints_rad[kPan]},
+                                    {"roll_rad", truth.joints_rad[kRoll]}};
+  }
+  const Vec3 ball = match.world().ball(reached).p_W;
+  json["ball"] = {{"x_m", ball.x}, {"y_m", ball.y}, {"z_m", ball.z}};
+  return json;
+}
+
+void print_state(const nlohmann::ordered_json& json) {
+  std::printf("time %.9g s, step %llu\n", json["time_ns"].get<double>() * 1e-9,
+              json["step"].get<unsigned long long>());
+  const auto print_numbers = [](const std::string& name, const nlohmann::ordered_json& numbers) {
+    std::printf("%s:", name.c_str());
+    for (const auto& [key, value] : numbers.items()) {
+      std::printf(" %s %.6g", key.c_str(), value.get<double>());
+    }
+    std::printf("\n");
+  };
+  print_numbers("ball", json["ball"]);
+  for (const auto& [robot, truth] : json["robots"].items()) print_numbers(robot, truth);
+  std::printf("all fields:\n");
+  for (const auto& [section, fields] : json["sections"].items()) {
+    for (const auto& field : fields) {
+      std::printf("  %s %s %s\n", section.c_str(), field[0].get<std::string>().c_str(),
+                  field[1].dump().c_str());
+    }
+  }
+}
+
+void print_events(const scheduler::Log& log) {
+  constexpr int kMost = 40;
+  scheduler::LogCursor cursor(log, {scheduler::Topic::event});
+  int shown = 0;
+  uint64_t left_out = 0;
+  while (const auto record = cursor.next()) {
+    const auto& event = std::get<scheduler::SimulationEvent>(*record);
+    if (event.kind == scheduler::EventKind::radio || ++shown > kMost) {
+      ++left_out;
+      continue;
+    }
+    std::printf("  %10s  %-8s %-8s %s %s\n", seconds(event.time).c_str(), to_text(event.kind),
+                event.robot.c_str(), event.name.c_str(), event.detail.c_str());
+  }
+  if (left_out > 0) {
+    std::printf("  and %llu more: seam replay export\n", static_cast<unsigned long long>(left_out));
+  }
+}
+
+void run(const Settings& settings) {
+  const scheduler::Log log = scheduler::Log::open(settings.file);
+  if (settings.at_s) {
+    if (*settings.at_s < 0) throw UsageError("--at: expected seconds from 0 on");
+    const nlohmann::ordered_json state = state_at(log, SimTime::from_s(*settings.at_s));
+    if (!settings.json.empty()) write_file_atomically(settings.json, state.dump(2) + "\n");
+    print_state(state);
+    return;
+  }
+  const nlohmann::ordered_json summary = summary_of(log);
+  if (!settings.json.empty()) write_file_atomically(settings.json, summary.dump(2) + "\n");
+  print_summary(summary);
+  print_events(log);
+}
+
+}  // namespace
+
+void add_replay_show(Command replay) {
+  Command command = replay.add_subcommand("show", "What a log holds, or the whole state at a time");
+  auto settings = std::make_shared<Settings>();
+  command.add_option("F", settings->file, "The log").required();
+  command.add_option("--at", settings->at_s, "Simulated seconds: show the state at this time")
+      .range(-1e9, 9e9);
+  command.add_option("--json", settings->json, "Write the same to this file");
+  command.footer("Example: seam replay show match.mcap --at 12.5");
+  command.callback([settings] { run(*settings); });
+}
+
+}  // namespace seam::tools

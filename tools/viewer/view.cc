@@ -1,0 +1,161 @@
+// `seam view F`: the viewer's page over one or two logs, on this machine alone
+// (docs/viewer_api.md).
+#include <httplib.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+
+#include "sim_core/base/error.h"
+#include "tools/command.h"
+#include "app/logs/log_difference.h"
+#include "tools/viewer/view_data.h"
+
+namespace seam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Settings {
+  std::vector<std::string> files;
+  int port = 0;
+};
+
+fs::path page_folder() {
+  if (const char* given = std::getenv("SEAM_VIEWER_DIR")) return given;
+  return fs::read_symlink("/proc/self/exe").parent_path() / "share/seam/viewer";
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+void refuse(httplib::Response& response, int status, const std::string& sentence) {
+  response.status = status;
+  response.set_content("{\"error\": " + quoted(sentence) + "}", "application/json");
+}
+
+// A page of another site must not read logs through the browser: only requests that name this
+// machine are answered.
+bool is_local(const httplib::Request& request) {
+  const std::string host = request.get_header_value("Host");
+  return host.starts_with("127.0.0.1:") || host.starts_with("localhost:");
+}
+
+class Viewer {
+ public:
+  explicit Viewer(const Settings& settings) {
+    const char* ids[] = {"a", "b"};
+    for (size_t i = 0; i < settings.files.size(); ++i) {
+      logs_.push_back(std::make_unique<ViewData>(settings.files[i], ids[i]));
+    }
+    server_.set_pre_routing_handler([](const httplib::Request& request, httplib::Response& response) {
+      if (is_local(request)) return httplib::Server::HandlerResponse::Unhandled;
+      refuse(response, 403, "only requests from this machine are answered");
+      return httplib::Server::HandlerResponse::Handled;
+    });
+    server_.set_error_handler([](const httplib::Request&, httplib::Response& response) {
+      if (response.body.empty()) refuse(response, response.status, "there is nothing here");
+    });
+    add_pages();
+    add_answers();
+  }
+
+  void serve(int port) {
+    const int bound = port == 0 ? server_.bind_to_any_port("127.0.0.1")
+                                : (server_.bind_to_port("127.0.0.1", port) ? port : -1);
+    if (bound < 0) throw InputError(fmt::format("--port {}: cannot be had", port));
+    std::printf("http://127.0.0.1:%d/\nCtrl-C ends it.\n", bound);
+    std::fflush(stdout);
+    server_.listen_after_bind();
+  }
+
+ private:
+  using Answer = std::string (ViewData::*)(const Query&);
+
+  void add_pages() {
+    const fs::path folder = page_folder();
+    if (!fs::exists(folder / "index.html") || !server_.set_mount_point("/", folder.string())) {
+      std::fprintf(stderr, "%s: no page there; scripts/build.sh builds it. /api works.\n",
+                   folder.c_str());
+    }
+  }
+
+  void add_answers() {
+    get("info", [this](const Query&, httplib::Response& response) {
+      std::string logs;
+      for (const auto& log : logs_) logs += (logs.empty() ? "" : ",") + log->info();
+      response.set_content("{\"format\":\"seam-view/1\",\"logs\":[" + logs + "]}", "application/json");
+    });
+    const std::pair<const char*, Answer> answers[] = {
+        {"truth", &ViewData::truth},   {"state", &ViewData::state},
+        {"events", &ViewData::events}, {"steps", &ViewData::steps},
+        {"debug", &ViewData::debug},   {"series", &ViewData::series},
+        {"frames", &ViewData::frames}, {"frame_rows", &ViewData::frame_rows}};
+    for (const auto& [name, answer] : answers) {
+      get(name, [this, answer = answer](const Query& query, httplib::Response& response) {
+        response.set_content((log(query).*answer)(query), "application/json");
+      });
+    }
+    get("frame", [this](const Query& query, httplib::Response& response) {
+      ViewPicture picture = log(query).frame(query);
+      for (const auto& [name, value] : picture.headers) response.set_header(name, value);
+      response.set_content(std::move(picture.png), "image/png");
+    });
+    get("diff", [this](const Query&, httplib::Response& response) {
+      if (logs_.size() < 2) throw NotFound("there is only one log");
+      std::call_once(compared_, [this] {
+        difference_ = to_view_json(difference_of(logs_[0]->log(), logs_[1]->log()));
+      });
+      response.set_content(difference_, "application/json");
+    });
+  }
+
+  ViewData& log(const Query& query) {
+    const std::string id = text_of(query, "log", "a");
+    if (id == "a") return *logs_[0];
+    if (id == "b" && logs_.size() > 1) return *logs_[1];
+    throw NotFound("log: expected a" + std::string(logs_.size() > 1 ? " or b" : ""));
+  }
+
+  void get(const std::string& name,
+           std::function<void(const Query&, httplib::Response&)> answer) {
+    server_.Get("/api/" + name, [answer](const httplib::Request& request, httplib::Response& response) {
+      Query query;
+      for (const auto& [key, value] : request.params) query.emplace(key, value);
+      try {
+        answer(query, response);
+      } catch (const UsageError& error) {
+        refuse(response, 400, error.what());
+      } catch (const NotFound& error) {
+        refuse(response, 404, error.what());
+      } catch (const std::exception& error) {
+        refuse(response, 500, error.what());
+      }
+    });
+  }
+
+  std::vector<std::unique_ptr<ViewData>> logs_;
+  httplib::Server server_;
+  std::once_flag compared_;
+  std::string difference_;
+};
+
+}  // namespace
+
+void add_view(Command app) {
+  Command command = app.add_subcommand("view", "A web page that shows a log, or two side by side");
+  auto settings = std::make_shared<Settings>();
+  command.add_option("F", settings->files, "A log, or two to compare").required().count(1, 2);
+  command.add_option("--port", settings->port, "Port on 127.0.0.1; 0: a free one")
+      .range(0, 65535);
+  command.footer("Example: seam view match.mcap");
+  command.callback([settings] { Viewer(*settings).serve(settings->port); });
+}
+
+}  // namespace seam::tools

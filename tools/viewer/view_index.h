@@ -1,0 +1,42 @@
+// One pass over a log: what the viewer's page asks for again and again.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scheduler/log/log.h"
+
+namespace seam::tools {
+
+struct Series {
+  std::vector<double> t;
+  std::vector<double> values;
+};
+
+struct DebugEntry {
+  double t = 0;
+  scheduler::DebugItem item;
+};
+
+struct RobotIndex {
+  std::vector<scheduler::FrameRecord> frames;
+  std::vector<DebugEntry> debug;
+  std::map<std::string, Series> series;  // Poses, commands, debug values.
+};
+
+struct ViewIndex {
+  std::vector<double> pose_t;
+  std::vector<std::vector<float>> poses;  // As StepRecord::poses, one a time of pose_t.
+  std::vector<SimTime> step_times;
+  std::vector<uint64_t> step_fingerprints;
+  std::vector<scheduler::SimulationEvent> events;
+  std::vector<RobotIndex> robots;
+};
+
+ViewIndex index_log(const scheduler::Log& log);
+
+// At most `points` rows or so: of each bucket of time the first, least, greatest and last value.
+Series thinned(const Series& series, double from_s, double to_s, size_t points);
+
+}  // namespace seam::tools
