@@ -15,7 +15,7 @@
 
 extern char** environ;  // NOLINT: POSIX's name.
 
-namespace seam::tools {
+namespace seam::app {
 
 namespace {
 
@@ -150,4 +150,4 @@ SignalWatch::~SignalWatch() {
   thread_.join();
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

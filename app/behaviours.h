@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace seam::tools {
+namespace seam::app {
 
 struct BehaviourProcess {
   std::string robot;
@@ -58,4 +58,4 @@ class SignalWatch {
   std::thread thread_;
 };
 
-}  // namespace seam::tools
+}  // namespace seam::app

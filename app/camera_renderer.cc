@@ -8,7 +8,7 @@
 #include "effects/stages/row_schedule.h"
 #include "sim_core/base/error.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 namespace {
 
@@ -29,10 +29,10 @@ std::unique_ptr<render::Renderer> make_renderer(const RobotSpec& robot, const ef
     return std::make_unique<render::Renderer>(model, static_cast<int>(robot.camera.width_px),
                                               static_cast<int>(robot.camera.height_px), options);
   } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}",
-                                 robot.camera.model_name.empty() ? "robot '" + robot.id + "'"
-                                                                 : robot.camera.model_name,
-                                 error.what()));
+    throw InputError(fmt::format(
+        "{}: {}",
+        robot.camera.model_name.empty() ? "robot '" + robot.id + "'" : robot.camera.model_name,
+        error.what()));
   }
 }
 
@@ -40,9 +40,9 @@ std::unique_ptr<render::Renderer> make_renderer(const RobotSpec& robot, const ef
 
 CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effects::Model>& models,
                                int workers, const render::RendererOptions& options)
-    : workers_(workers > 0 ? workers
-                           : std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()),
-                                             1, 64)),
+    : workers_(workers > 0
+                   ? workers
+                   : std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, 64)),
       options_(options) {
   SEAM_CHECK(models.size() == scenario.robots.size(), "{} models", models.size());
   const RandomStream root{static_cast<uint64_t>(scenario.seed), 0};
@@ -52,8 +52,8 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
     camera.spec = robot.camera;
     camera.renderer = make_renderer(robot, models[i], options);
     if (!robot.camera.colour_table_yaml.empty())
-      camera.colours = render::ColourTable::from_config(ConfigNode::from_text(
-          robot.camera.colour_table_yaml, robot.camera.colour_table_name));
+      camera.colours = render::ColourTable::from_config(
+          ConfigNode::from_text(robot.camera.colour_table_yaml, robot.camera.colour_table_name));
     camera.timing = effects::timing_of(models[i]);
     camera.X_LC = effects::mount_of(models[i]);
     camera.jitter = root.child("camera").child(robot.id).child("frame_jitter");
@@ -94,4 +94,4 @@ void CameraRenderer::develop(int robot, Frame& frame) const {
   detect_colours(robot, frame);
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -12,7 +12,7 @@
 #include "scheduler/loop/frame_renderer.h"
 #include "sim_core/scenario/scenario.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 class CameraRenderer final : public scheduler::FrameRenderer {
  public:
@@ -47,4 +47,4 @@ class CameraRenderer final : public scheduler::FrameRenderer {
   render::RendererOptions options_;
 };
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -7,7 +7,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/image.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 namespace {
 
@@ -117,4 +117,4 @@ void FrameFiles::on_end(SimTime, scheduler::EndReason, uint64_t) {
   if (!error_.empty()) throw InputError(fmt::format("{}: {}", folder_.string(), error_));
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -12,7 +12,7 @@
 
 #include "scheduler/loop/observer.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 class FrameFiles final : public scheduler::SimulationObserver {
  public:
@@ -45,4 +45,4 @@ class FrameFiles final : public scheduler::SimulationObserver {
   std::thread thread_;
 };
 
-}  // namespace seam::tools
+}  // namespace seam::app

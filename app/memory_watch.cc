@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <memory>
 
-namespace seam::tools {
+namespace seam::app {
 
 namespace {
 
@@ -27,4 +27,4 @@ void MemoryWatch::on_step(SimTime time, uint64_t, const StateDigest&) {
   next_ = next_ + kPeriod;
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -7,7 +7,7 @@
 
 #include "scheduler/loop/observer.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 // Resident memory of this process now; 0 where the system does not tell.
 uint64_t resident_bytes();
@@ -28,4 +28,4 @@ class MemoryWatch final : public scheduler::SimulationObserver {
   std::vector<MemorySample> samples_;
 };
 
-}  // namespace seam::tools
+}  // namespace seam::app

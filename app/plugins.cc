@@ -8,21 +8,25 @@
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
 
-namespace seam::tools {
+namespace seam::app {
 namespace {
 
 void load(const std::string& file) {
-  if (!std::filesystem::exists(file)) throw InputError(fmt::format("{}: no such file, expected a plugin", file));
+  if (!std::filesystem::exists(file))
+    throw InputError(fmt::format("{}: no such file, expected a plugin", file));
   // Never closed: the effects' functions live in it.
   void* object = dlopen(std::filesystem::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (object == nullptr) throw InputError(fmt::format("{}: {}", file, dlerror()));
   const auto version = reinterpret_cast<int (*)()>(dlsym(object, "seam_plugin_version"));
-  const auto effects = reinterpret_cast<void (*)(std::vector<effects::EffectDefinition>&)>(dlsym(object, "seam_plugin_effects"));
+  const auto effects = reinterpret_cast<void (*)(std::vector<effects::EffectDefinition>&)>(
+      dlsym(object, "seam_plugin_effects"));
   if (version == nullptr || effects == nullptr) {
-    throw InputError(fmt::format("{}: exports no SEAM_PLUGIN, expected a plugin (effects/plugin.h)", file));
+    throw InputError(
+        fmt::format("{}: exports no SEAM_PLUGIN, expected a plugin (effects/plugin.h)", file));
   }
   if (version() != SEAM_PLUGIN_VERSION) {
-    throw InputError(fmt::format("{}: plugin interface {}, expected {}", file, version(), SEAM_PLUGIN_VERSION));
+    throw InputError(
+        fmt::format("{}: plugin interface {}, expected {}", file, version(), SEAM_PLUGIN_VERSION));
   }
   std::vector<effects::EffectDefinition> found;
   effects(found);
@@ -47,4 +51,4 @@ std::vector<std::string> load_plugins(const std::vector<std::string>& arguments)
   return others;
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

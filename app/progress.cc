@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-namespace seam::tools {
+namespace seam::app {
 
 Progress::Progress(const scheduler::ClientHub& hub, const scheduler::RunControl& control,
                    SimDuration total)
@@ -40,7 +40,8 @@ void Progress::show() {
   std::string line = fmt::format("\r\033[K{:8.2f} of {:.2f} s   {:.1f} x real time", sim_s,
                                  total_.s(), sim_s / wall.count());
   if (control_.paused()) line += "   paused";
-  if (since_s > 0.3) line += fmt::format("   waiting for {} ({:.1f} s)", fmt::join(waiting, ", "), since_s);
+  if (since_s > 0.3)
+    line += fmt::format("   waiting for {} ({:.1f} s)", fmt::join(waiting, ", "), since_s);
   std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
@@ -56,4 +57,4 @@ void Progress::warn_of_silence() {
   }
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -7,15 +7,16 @@
 #include <mutex>
 #include <thread>
 
-#include "scheduler/server/client_hub.h"
 #include "scheduler/loop/run_control.h"
+#include "scheduler/server/client_hub.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 class Progress {
  public:
   // Shows nothing when stderr is no terminal, but for a client that is waited for over 5 s.
-  Progress(const scheduler::ClientHub& hub, const scheduler::RunControl& control, SimDuration total);
+  Progress(const scheduler::ClientHub& hub, const scheduler::RunControl& control,
+           SimDuration total);
   ~Progress();
 
  private:
@@ -34,4 +35,4 @@ class Progress {
   std::thread thread_;
 };
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -6,7 +6,7 @@
 
 #include "sim_core/base/error.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 namespace {
 
@@ -102,4 +102,4 @@ void add_remote_rendering_options(Command command, RemoteRenderingOptions& optio
       .show_default();
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

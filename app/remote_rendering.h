@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/remote_render/remote_renderer.h"
 #include "app/behaviours.h"
-#include "tools/command_line.h"
+#include "app/command_line.h"
 #include "app/simulator.h"
+#include "scheduler/remote_render/remote_renderer.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 struct RemoteRenderingOptions {
   int renderers = 0;                // 0: the server renders.
@@ -35,4 +35,4 @@ std::vector<BehaviourProcess> render_processes(int count, const std::string& add
 
 void add_remote_rendering_options(Command command, RemoteRenderingOptions& options);
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -8,15 +8,15 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/behaviours.h"
+#include "app/frame_files.h"
+#include "app/progress.h"
 #include "mcap/io.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
-#include "app/behaviours.h"
-#include "app/frame_files.h"
-#include "app/progress.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 namespace {
 
@@ -84,13 +84,14 @@ std::vector<scheduler::HubRobot> hub_robots(const Scenario& scenario,
                                             const SessionOptions& options) {
   std::vector<scheduler::HubRobot> robots;
   for (const RobotSpec& robot : scenario.robots)
-    robots.push_back({.id = robot.id,
-                      .token = robot.token.empty() ? new_token() : robot.token,
-                      .policy = robot.behaviour.silence,
-                      .limit_s = robot.behaviour.wall_limit.s(),
-                      .connect_limit_s = options.start_behaviours ? 60 : 1e9,
-                      // Nobody will come for a robot without a behaviour that `run` could start.
-                      .expected = !options.start_behaviours || !command_of(robot, options).empty()});
+    robots.push_back(
+        {.id = robot.id,
+         .token = robot.token.empty() ? new_token() : robot.token,
+         .policy = robot.behaviour.silence,
+         .limit_s = robot.behaviour.wall_limit.s(),
+         .connect_limit_s = options.start_behaviours ? 60 : 1e9,
+         // Nobody will come for a robot without a behaviour that `run` could start.
+         .expected = !options.start_behaviours || !command_of(robot, options).empty()});
   return robots;
 }
 
@@ -116,8 +117,8 @@ void wait_for_renderers(const scheduler::RemoteRenderer& remote,
       control.stop_requested())
     return;
   throw InputError(one_ended ? std::string("a renderer ended before the run began")
-                             : fmt::format("{} of {} renderers came within {} s", remote.renderers(),
-                                           wanted, options.connect_limit_s));
+                             : fmt::format("{} of {} renderers came within {} s",
+                                           remote.renderers(), wanted, options.connect_limit_s));
 }
 
 }  // namespace
@@ -185,33 +186,35 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
   Behaviours behaviours;
   for (BehaviourProcess& process : processes) {
     const auto& robot = robots[static_cast<size_t>(hub.robot_number(process.robot))];
-    process.environment = {{"SEAM_ADDRESS", socket.address()}, {"SEAM_ROBOT", robot.id},
-                           {"SEAM_TOKEN", robot.token}};
+    process.environment = {
+        {"SEAM_ADDRESS", socket.address()}, {"SEAM_ROBOT", robot.id}, {"SEAM_TOKEN", robot.token}};
     behaviours.start(process);
   }
 
   SessionSummary summary;
   {
     std::atomic<bool> renderer_ended = false;
-    const SignalWatch signals([&] { control.stop(); }, [&] {
-      renderers.reap([&](const std::string& name, const std::string& how) {
-        if (how != "ended with exit code 0")
-          std::fprintf(stderr, "%s %s\n", name.c_str(), how.c_str());
-        renderer_ended = true;
-      });
-      behaviours.reap([&](const std::string& robot, const std::string& how) {
-        hub.give_up(robot, "its behaviour " + how);
-      });
-    });
+    const SignalWatch signals(
+        [&] { control.stop(); },
+        [&] {
+          renderers.reap([&](const std::string& name, const std::string& how) {
+            if (how != "ended with exit code 0")
+              std::fprintf(stderr, "%s %s\n", name.c_str(), how.c_str());
+            renderer_ended = true;
+          });
+          behaviours.reap([&](const std::string& robot, const std::string& how) {
+            hub.give_up(robot, "its behaviour " + how);
+          });
+        });
     if (remote) wait_for_renderers(*remote, rendering, control, renderer_ended);
     const Progress progress(hub, control, scenario.duration);
     const auto source = wrap ? wrap(hub) : nullptr;
     scheduler::DecisionSource& decisions = source ? *source : hub;
-    scheduler::Simulation simulation({scenario, simulator.world, decisions, control,
-                                      remote ? static_cast<scheduler::FrameRenderer*>(remote.get())
-                                             : simulator.renderer.get(),
-                                      observers, simulator.header},
-                                     {.camera_at_rows = frames.has_value()});
+    scheduler::Simulation simulation(
+        {scenario, simulator.world, decisions, control,
+         remote ? static_cast<scheduler::FrameRenderer*>(remote.get()) : simulator.renderer.get(),
+         observers, simulator.header},
+        {.camera_at_rows = frames.has_value()});
     // Also on the way out of an error: threads that wait for a frame go on.
     const struct Finisher {
       scheduler::RemoteRenderer* remote;
@@ -246,12 +249,12 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 int report(const SessionSummary& summary, const SessionOptions& options) {
   const char* ends[] = {"finished", "stopped", "aborted"};
   const char* end = ends[static_cast<size_t>(summary.end)];
-  std::printf("%s: %.3f simulated seconds in %.3f s, %.2f x real time; %llu frames, %llu decisions\n"
-              "fingerprint %s\n",
-              end, summary.sim_s, summary.wall_s, summary.real_time_factor(),
-              static_cast<unsigned long long>(summary.frames),
-              static_cast<unsigned long long>(summary.decisions),
-              to_hex(summary.fingerprint).c_str());
+  std::printf(
+      "%s: %.3f simulated seconds in %.3f s, %.2f x real time; %llu frames, %llu decisions\n"
+      "fingerprint %s\n",
+      end, summary.sim_s, summary.wall_s, summary.real_time_factor(),
+      static_cast<unsigned long long>(summary.frames),
+      static_cast<unsigned long long>(summary.decisions), to_hex(summary.fingerprint).c_str());
   std::string score;
   if (summary.has_score) {
     std::printf("score red %d, blue %d\n", summary.red_score, summary.blue_score);
@@ -260,18 +263,19 @@ int report(const SessionSummary& summary, const SessionOptions& options) {
   }
   std::string memory;
   for (const MemorySample& sample : summary.memory)
-    memory += fmt::format("{}\n    {{\"sim_s\": {}, \"rss_bytes\": {}}}", memory.empty() ? "" : ",", sample.sim_s,
-                          sample.resident_bytes);
+    memory += fmt::format("{}\n    {{\"sim_s\": {}, \"rss_bytes\": {}}}", memory.empty() ? "" : ",",
+                          sample.sim_s, sample.resident_bytes);
   if (!options.json.empty())
     write_file_atomically(
         options.json,
         fmt::format("{{\n  \"format\": \"seam-run/1\",\n  \"sim_s\": {},\n  \"wall_s\": {},\n"
                     "  \"real_time_factor\": {},\n  \"frames\": {},\n  \"fingerprint\": \"{}\",\n"
-                    "  \"rendered_remotely\": {},\n  \"decisions\": {},\n  \"waiting_s\": {},\n  \"end\": \"{}\"{},\n"
+                    "  \"rendered_remotely\": {},\n  \"decisions\": {},\n  \"waiting_s\": {},\n  "
+                    "\"end\": \"{}\"{},\n"
                     "  \"log_bytes\": {},\n  \"memory\": [{}]\n}}\n",
                     summary.sim_s, summary.wall_s, summary.real_time_factor(), summary.frames,
-                    to_hex(summary.fingerprint), summary.rendered_remotely, summary.decisions, summary.waiting_s, end, score,
-                    summary.log_bytes, memory));
+                    to_hex(summary.fingerprint), summary.rendered_remotely, summary.decisions,
+                    summary.waiting_s, end, score, summary.log_bytes, memory));
   if (summary.end != scheduler::EndReason::aborted) return 0;
   std::fprintf(stderr, "seam: the run was aborted: %s\n", summary.abort_reason.c_str());
   return 1;
@@ -283,8 +287,7 @@ void add_session_options(Command command, SessionOptions& session, SimulatorOpti
   command.add_flag("--log-frames", session.recording.pictures,
                    "The log also holds each frame as a picture (foxglove.CompressedImage)");
   command.add_flag(
-      "--log-poses",
-      [&session] { session.recording.transforms = session.recording.scene = true; },
+      "--log-poses", [&session] { session.recording.transforms = session.recording.scene = true; },
       "The log also holds poses and the scene for other MCAP tools (foxglove.FrameTransforms,\n"
       "foxglove.SceneUpdate)");
   command.add_option("--frames", session.frames,
@@ -292,10 +295,11 @@ void add_session_options(Command command, SessionOptions& session, SimulatorOpti
   command.add_option("--json", session.json, "Writes the summary here");
   command.add_option("--model", simulator.models,
                      "[ROBOT=]FILE: a seam-model/1 file in place of the scenario's");
-  command.add_option("--render-threads", simulator.render_workers,
-                     "Frames made at once; 0 is one for each core")
+  command
+      .add_option("--render-threads", simulator.render_workers,
+                  "Frames made at once; 0 is one for each core")
       .range(0, 64);
   add_remote_rendering_options(command, session.rendering);
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -9,19 +9,19 @@
 #include <string>
 #include <vector>
 
-#include "scheduler/server/client_hub.h"
-#include "scheduler/log/recorder.h"
-#include "scheduler/server/server.h"
-#include "scheduler/loop/simulation.h"
-#include "tools/command_line.h"
+#include "app/command_line.h"
 #include "app/memory_watch.h"
 #include "app/remote_rendering.h"
 #include "app/simulator.h"
+#include "scheduler/log/recorder.h"
+#include "scheduler/loop/simulation.h"
+#include "scheduler/server/client_hub.h"
+#include "scheduler/server/server.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 struct SessionOptions {
-  std::string log;     // Empty: none.
+  std::string log;  // Empty: none.
   scheduler::RecorderOptions recording;
   std::string frames;  // Folder; empty: none.
   std::string json;    // Summary; empty: none.
@@ -66,4 +66,4 @@ int report(const SessionSummary& summary, const SessionOptions& options);
 // The options that run and serve share.
 void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator);
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -4,13 +4,13 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "scheduler/replay/frame_maker.h"
+#include "app/run_session.h"
 #include "scheduler/log/log.h"
+#include "scheduler/replay/frame_maker.h"
 #include "scheduler/replay/rewinder.h"
 #include "sim_core/base/error.h"
-#include "app/run_session.h"
 
-namespace seam::tools {
+namespace seam::app {
 namespace {
 
 // Gone with this object.
@@ -74,4 +74,4 @@ void visit_scenario_frames(
                          [&](const scheduler::FinishedFrame& frame) { visit(frame, camera); });
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -5,10 +5,10 @@
 #include <functional>
 #include <string>
 
-#include "scheduler/loop/frame_pipeline.h"
 #include "app/simulator.h"
+#include "scheduler/loop/frame_pipeline.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 // `visit` gets each frame of the robot's camera clock whose stamp is in [from, to], in order, and
 // the camera that made it. Throws UsageError for an unknown robot or times beyond the scenario's
@@ -18,4 +18,4 @@ void visit_scenario_frames(
     SimTime from, SimTime to,
     const std::function<void(const scheduler::FinishedFrame&, const render::Renderer&)>& visit);
 
-}  // namespace seam::tools
+}  // namespace seam::app

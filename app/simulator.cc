@@ -3,11 +3,11 @@
 #include <map>
 
 #include "effects/stages/robot_parts.h"
-#include "sim_core/base/error.h"
 #include "scheduler/log/log_records.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 namespace {
 
@@ -23,9 +23,9 @@ std::string ideal_model_yaml(const CameraSpec& camera) {
 
 effects::Model model_of(const RobotSpec& robot) {
   const bool given = !robot.camera.model_yaml.empty();
-  const effects::Model model = effects::Model::from_config(ConfigNode::from_text(
-      given ? robot.camera.model_yaml : ideal_model_yaml(robot.camera),
-      given ? robot.camera.model_name : "ideal model of " + robot.id));
+  const effects::Model model = effects::Model::from_config(
+      ConfigNode::from_text(given ? robot.camera.model_yaml : ideal_model_yaml(robot.camera),
+                            given ? robot.camera.model_name : "ideal model of " + robot.id));
   // An individual belongs to the robot's id, whatever the seed of the run.
   return model.individual(RandomStream{}.child("individual").child(robot.id));
 }
@@ -72,8 +72,8 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
   std::map<std::string, effects::Model> by_robot;
   for (size_t i = 0; i < models.size(); ++i) by_robot.emplace(scenario.robots[i].id, models[i]);
   World world(scenario, effects::ModelParts(std::move(by_robot)));
-  auto renderer = std::make_unique<CameraRenderer>(scenario, models, options.render_workers,
-                                                   options.rendering);
+  auto renderer =
+      std::make_unique<CameraRenderer>(scenario, models, options.render_workers, options.rendering);
   scheduler::RunHeader header;
   header.scenario_text = scenario.to_yaml();
   header.scenario_name = scenario.name;
@@ -94,4 +94,4 @@ Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOpti
   return make_simulator(std::move(scenario), options);
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

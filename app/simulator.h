@@ -8,27 +8,28 @@
 #include <string>
 #include <vector>
 
+#include "app/camera_renderer.h"
 #include "effects/model.h"
 #include "scheduler/loop/observer.h"
 #include "sim_core/scenario/scenario.h"
 #include "sim_core/world/world.h"
-#include "app/camera_renderer.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 struct SimulatorOptions {
-  std::optional<int64_t> seed;      // Replaces the scenario's.
-  std::vector<std::string> models;  // "FILE" for all robots or "ROBOT=FILE"; replace the scenario's.
-  int render_workers = 0;           // 0: one for each core.
+  std::optional<int64_t> seed;  // Replaces the scenario's.
+  std::vector<std::string>
+      models;              // "FILE" for all robots or "ROBOT=FILE"; replace the scenario's.
+  int render_workers = 0;  // 0: one for each core.
   render::RendererOptions rendering;
 };
 
 struct Simulator {
-  Scenario scenario;                    // With seed and models replaced.
-  std::vector<effects::Model> models;   // One a robot: its own values drawn from spreads.
+  Scenario scenario;                   // With seed and models replaced.
+  std::vector<effects::Model> models;  // One a robot: its own values drawn from spreads.
   World world;
   std::unique_ptr<CameraRenderer> renderer;
-  scheduler::RunHeader header;          // Its scenario text holds everything, files included.
+  scheduler::RunHeader header;  // Its scenario text holds everything, files included.
 };
 
 // One a robot: its file's or the ideal one, with the robot's own values drawn from spreads.
@@ -43,4 +44,4 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options = {}
 // From a log's header, to the same bits as the run that was recorded.
 Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOptions& options = {});
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -13,11 +13,11 @@
 #include <fstream>
 #include <map>
 
+#include "app/simulator.h"
+#include "scheduler/loop/simulation.h"
 #include "scheduler/server/client_hub.h"
 #include "scheduler/server/server.h"
-#include "scheduler/loop/simulation.h"
 #include "seam/v1/simulation.grpc.pb.h"
-#include "app/simulator.h"
 
 namespace {
 
@@ -88,7 +88,7 @@ class Clients {
 // One run that the benchmark's iterations advance piece by piece.
 struct Live {
   Live(int64_t robots, int64_t decision_ms, Cameras cameras)
-      : simulator(tools::make_simulator(
+      : simulator(app::make_simulator(
             Scenario::from_text(scenario_yaml(robots, decision_ms, cameras), "bench.yaml"))),
         hub(hub_robots(simulator.scenario), control),
         address(fmt::format("unix:{}/seam-bench-{}",
@@ -113,7 +113,7 @@ struct Live {
     return robots;
   }
 
-  tools::Simulator simulator;
+  app::Simulator simulator;
   scheduler::RunControl control;
   scheduler::ClientHub hub;
   std::string address;
@@ -182,7 +182,7 @@ BENCHMARK(lockstep_frames)
 
 // The same loop without gRPC: what the simulation itself takes.
 void loop_alone(benchmark::State& state) {
-  tools::Simulator simulator = tools::make_simulator(Scenario::from_text(
+  app::Simulator simulator = app::make_simulator(Scenario::from_text(
       scenario_yaml(state.range(0), state.range(1), Cameras::none), "bench.yaml"));
   scheduler::RunControl control;
   scheduler::FunctionSource source([](const scheduler::Observation& seen) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "effects/stages/geometry.h"
 #include "effects/model.h"
+#include "effects/stages/geometry.h"
 #include "effects/stages/row_schedule.h"
 #include "sim_core/scene/frame.h"
 #include "sim_core/world/world.h"

@@ -25,7 +25,9 @@ Decision behaviour(const Observation& seen) {
   return decision;
 }
 
-std::string text(double duration_s) { return scenario_text(SEAM_SOURCE_DIR, kRobots, duration_s); }
+std::string text(double duration_s) {
+  return scenario_text(SEAM_SOURCE_DIR, kRobots, duration_s);
+}
 
 // One run without log or with one, in memory; returns the log.
 std::string run(const Scenario& scenario, const std::string& yaml, bool with_log) {

@@ -1,10 +1,10 @@
-// What the world costs without clients and without frames: steps with their hashes, and the scene as
-// one robot's camera sees it at an instant, for 2 to 16 robots.
+// What the world costs without clients and without frames: steps with their hashes, and the scene
+// as one robot's camera sees it at an instant, for 2 to 16 robots.
+#include "sim_core/world/world.h"
+
 #include <benchmark/benchmark.h>
 
 #include <string>
-
-#include "sim_core/world/world.h"
 
 namespace seam {
 namespace {
@@ -40,7 +40,13 @@ void world_second(benchmark::State& state) {
   }
   state.SetItemsProcessed(state.iterations());
 }
-BENCHMARK(world_second)->ArgName("robots")->Arg(2)->Arg(4)->Arg(8)->Arg(16)->Unit(benchmark::kMillisecond);
+BENCHMARK(world_second)
+    ->ArgName("robots")
+    ->Arg(2)
+    ->Arg(4)
+    ->Arg(8)
+    ->Arg(16)
+    ->Unit(benchmark::kMillisecond);
 
 void world_scene(benchmark::State& state) {
   World world = walking_robots(static_cast<size_t>(state.range(0)));
@@ -54,7 +60,13 @@ void world_scene(benchmark::State& state) {
     benchmark::DoNotOptimize(primitives.data());
   }
 }
-BENCHMARK(world_scene)->ArgName("robots")->Arg(2)->Arg(4)->Arg(8)->Arg(16)->Unit(benchmark::kMicrosecond);
+BENCHMARK(world_scene)
+    ->ArgName("robots")
+    ->Arg(2)
+    ->Arg(4)
+    ->Arg(8)
+    ->Arg(16)
+    ->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 }  // namespace seam

@@ -14,7 +14,7 @@ endif()
 
 # seam_fuzzers(FOLDER): one program for each *.fuzz.cc of the folder.
 function(seam_fuzzers folder)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${folder}/*.fuzz.cc)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${folder}/*.fuzz.cc)
   foreach(source ${sources})
     get_filename_component(name ${source} NAME_WE)
     add_executable(fuzz_${name} ${source})

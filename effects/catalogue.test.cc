@@ -6,12 +6,12 @@
 #include <sstream>
 
 #include "effects/catalogue_help.h"
+#include "effects/registry.h"
 #include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/locomotion.h"
 #include "effects/stages/optics.h"
-#include "effects/registry.h"
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/servo.h"
 #include "effects/stages/timing.h"
@@ -20,24 +20,28 @@ namespace seam::effects {
 namespace {
 
 Model model_of(const std::string& effects) {
-  return Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
+  return Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
 }
 
 const char* const kBase =
-    "  pinhole: {fx_px: 160, fy_px: 162, cx_px: 88.5, cy_px: 71.5}\n  linear_response: {gain_dn: 200, black_dn: 8}\n";
+    "  pinhole: {fx_px: 160, fy_px: 162, cx_px: 88.5, cy_px: 71.5}\n  linear_response: {gain_dn: "
+    "200, black_dn: 8}\n";
 
 // Everything that a model predicts, as one list of numbers.
 std::vector<double> everything(const Model& model) {
   std::vector<double> all;
   const Timing timing = timing_of(model);
-  for (const double row : {0.0, 71.0, 143.0}) all.push_back(timing.row_middle_after_stamp_s(row, 12.5));
+  for (const double row : {0.0, 71.0, 143.0})
+    all.push_back(timing.row_middle_after_stamp_s(row, 12.5));
   all.push_back(timing.jitter_sigma_s);
   JointTrack track{.time_s = {0, 0.1, 0.2, 0.3}};
   for (const JointRole role : {JointRole::tilt, JointRole::pan, JointRole::roll}) {
     track.joints.push_back({.name = "j", .role = role, .q_rad = {0.1, 0.3, -0.2, 0.25}});
   }
   apply_encoder_effects(model, track);
-  for (const JointSeries& joint : track.joints) all.insert(all.end(), joint.q_rad.begin(), joint.q_rad.end());
+  for (const JointSeries& joint : track.joints)
+    all.insert(all.end(), joint.q_rad.begin(), joint.q_rad.end());
   all.push_back(track.quantisation_step_rad);
   Servo servo(servo_of(model), 0, 0.1);
   for (int k = 0; k < 20; ++k) {
@@ -57,25 +61,30 @@ std::vector<double> everything(const Model& model) {
   }
   const Optics optics = optics_of(model);
   all.insert(all.end(), {optics.blur_sigma_px, optics.glare_fraction});
-  for (const Stage stage : {Stage::radiometry, Stage::light}) all.push_back(GainField(model, stage, 178, 144).at(20, 130, 2.0));
+  for (const Stage stage : {Stage::radiometry, Stage::light})
+    all.push_back(GainField(model, stage, 178, 144).at(20, 130, 2.0));
   all.push_back(lamp_brightness(model, {.start_s = 0.123, .exposure_s = 0.005}));
   const SensorChain chain = sensor_of(model);
   for (int channel = 0; channel < 3; ++channel) {
     const SensorExposure exposure{.exposure_s = 0.005};
     for (const double light : {0.4, 1.2}) {
-      const Moments moments = response_moments(chain, signal_dn(chain, light, exposure), channel, exposure);
+      const Moments moments =
+          response_moments(chain, signal_dn(chain, light, exposure), channel, exposure);
       const Moments file = file_moments(chain, moments, 8);
-      all.insert(all.end(), {moments.mean_dn, moments.variance_dn2, file.mean_dn, file.variance_dn2});
+      all.insert(all.end(),
+                 {moments.mean_dn, moments.variance_dn2, file.mean_dn, file.variance_dn2});
     }
   }
-  all.insert(all.end(), {chain.pixel_gain_sigma, chain.pixel_offset_sigma_dn, chain.column_sigma_dn, chain.row_sigma_dn,
-                         chain.read_sigma_dn, chain.hot_fraction});
+  all.insert(all.end(), {chain.pixel_gain_sigma, chain.pixel_offset_sigma_dn, chain.column_sigma_dn,
+                         chain.row_sigma_dn, chain.read_sigma_dn, chain.hot_fraction});
   Detection detection{.range_m = 1.7, .bearing_rad = -0.3, .t_s = 4};
   apply_detector(model, detection);
-  all.insert(all.end(), {detection.range_m, detection.bearing_rad, detection.range_variance, detection.bearing_variance});
+  all.insert(all.end(), {detection.range_m, detection.bearing_rad, detection.range_variance,
+                         detection.bearing_variance});
   const Locomotion walk = locomotion_of(model);
   WalkState state;
-  for (const BodyVelocity& v : {BodyVelocity{0.2, 0.05, 0.4}, BodyVelocity{-0.1, 0, 0}}) advance_walk(walk, v, 0.7, state);
+  for (const BodyVelocity& v : {BodyVelocity{0.2, 0.05, 0.4}, BodyVelocity{-0.1, 0, 0}})
+    advance_walk(walk, v, 0.7, state);
   all.insert(all.end(), {state.x_m, state.y_m, state.theta_rad, walk.xy_sigma, walk.theta_sigma});
   return all;
 }
@@ -94,18 +103,22 @@ TEST_P(Catalogue, NeutralIsAbsentBitForBit) {
 
 TEST_P(Catalogue, HelpAndExampleAreWhole) {
   const auto effect = find_effect(GetParam());
-  for (const std::string& text : {effect->help, effect->formula, effect->signature, effect->example}) EXPECT_FALSE(text.empty());
+  for (const std::string& text :
+       {effect->help, effect->formula, effect->signature, effect->example})
+    EXPECT_FALSE(text.empty());
   EXPECT_NE(effect->kinds, 0u);
   const Model example = model_of("  " + effect->example + "\n");
   ASSERT_TRUE(example.has(effect->name));
-  EXPECT_EQ(Model::from_config(ConfigNode::from_text(example.to_yaml(), "again")).to_yaml(), example.to_yaml());
+  EXPECT_EQ(Model::from_config(ConfigNode::from_text(example.to_yaml(), "again")).to_yaml(),
+            example.to_yaml());
   for (const Parameter& parameter : effect->parameters) {
     EXPECT_FALSE(parameter.help.empty()) << parameter.name;
     EXPECT_LT(parameter.min, parameter.max) << parameter.name;
     EXPECT_GT(parameter.scale, 0) << parameter.name;
     const bool inside = parameter.neutral >= parameter.min && parameter.neutral <= parameter.max;
     // The neutral value of a count (bits: as many as the file has) is no count itself.
-    EXPECT_TRUE(parameter.required || parameter.integer || inside || std::isinf(parameter.neutral)) << parameter.name;
+    EXPECT_TRUE(parameter.required || parameter.integer || inside || std::isinf(parameter.neutral))
+        << parameter.name;
     EXPECT_NE(effect_help(*effect).find(parameter.name), std::string::npos);
   }
 }
@@ -113,7 +126,8 @@ TEST_P(Catalogue, HelpAndExampleAreWhole) {
 // The example's values change something that the model predicts.
 TEST_P(Catalogue, ExampleActs) {
   const auto effect = find_effect(GetParam());
-  if (effect->parameters.empty() || effect->name == "linear_response" || effect->name == "pinhole") {
+  if (effect->parameters.empty() || effect->name == "linear_response" ||
+      effect->name == "pinhole") {
     GTEST_SKIP() << GetParam() << " is a base";
   }
   if (effect->name == "frame_sync") GTEST_SKIP() << "acts on whole sets of frames";
@@ -125,7 +139,8 @@ TEST_P(Catalogue, ExampleActs) {
   EXPECT_NE(everything(with), before);
 }
 
-INSTANTIATE_TEST_SUITE_P(AllEffects, Catalogue, testing::ValuesIn(effect_names()), [](const auto& info) { return info.param; });
+INSTANTIATE_TEST_SUITE_P(AllEffects, Catalogue, testing::ValuesIn(effect_names()),
+                         [](const auto& info) { return info.param; });
 
 TEST(CataloguePage, IsTheProgramsOwn) {
   const std::string path = SEAM_SOURCE_DIR "/docs/effects.md";
@@ -134,8 +149,8 @@ TEST(CataloguePage, IsTheProgramsOwn) {
   text << file.rdbuf();
   if (text.str() == catalogue_markdown()) return;
   std::ofstream(path + ".new") << catalogue_markdown();
-  ADD_FAILURE() << path << " differs from the program; the right page is "
-                << path << ".new (or: seam effects --markdown > docs/effects.md)";
+  ADD_FAILURE() << path << " differs from the program; the right page is " << path
+                << ".new (or: seam effects --markdown > docs/effects.md)";
 }
 
 }  // namespace

@@ -13,32 +13,48 @@
 
 namespace seam::effects {
 
-struct Timing;         // timing.h
-struct JointTrack;     // joint_track.h
-struct ServoModel;     // servo.h
-struct JointSample;    // joint_track.h
-struct ImagePoint;     // geometry.h
-struct Optics;         // optics.h
-struct LightWindow;    // optics.h
-struct SensorChain;    // sensor.h
-struct Detection;      // detector.h
-struct Locomotion;     // locomotion.h
-struct VelocitySample; // locomotion.h
+struct Timing;          // timing.h
+struct JointTrack;      // joint_track.h
+struct ServoModel;      // servo.h
+struct JointSample;     // joint_track.h
+struct ImagePoint;      // geometry.h
+struct Optics;          // optics.h
+struct LightWindow;     // optics.h
+struct SensorChain;     // sensor.h
+struct Detection;       // detector.h
+struct Locomotion;      // locomotion.h
+struct VelocitySample;  // locomotion.h
 
-enum class JointRole;   // joint_track.h
+enum class JointRole;  // joint_track.h
 
-enum class Stage { timing, joint, mount, geometry, radiometry, light, sensor, detector, locomotion };
+enum class Stage {
+  timing,
+  joint,
+  mount,
+  geometry,
+  radiometry,
+  light,
+  sensor,
+  detector,
+  locomotion
+};
 std::string to_string(Stage stage);
 
 // Kinds of measurement (measurement_sets.md); an effect names those that it touches.
 enum Kind : unsigned {
-  kPoints = 1, kPhotometry = 2, kJoints = 4, kOdometry = 8, kLandmarks = 16, kRanges = 32, kFrames = 64,
+  kPoints = 1,
+  kPhotometry = 2,
+  kJoints = 4,
+  kOdometry = 8,
+  kLandmarks = 16,
+  kRanges = 32,
+  kFrames = 64,
 };
 
 struct Parameter {
-  std::string name;       // With its unit: line_delay_s.
-  double neutral = 0;     // At this value (of all parameters) the effect is absent, bit for bit.
-  double min = 0;         // Bounds of what is meaningful; a fit stays inside.
+  std::string name;    // With its unit: line_delay_s.
+  double neutral = 0;  // At this value (of all parameters) the effect is absent, bit for bit.
+  double min = 0;      // Bounds of what is meaningful; a fit stays inside.
   double max = 0;
   double scale = 1;       // A typical size: where fits start and how long their steps are.
   std::string help;       // A sentence: what it is, in which unit, with which sign.
@@ -49,7 +65,8 @@ struct Parameter {
   bool fit_reciprocal = false;
   // Stays at its neutral value unless the data ask for it: a fit frees it only when that pays.
   bool on_demand = false;
-  // Values closer than this give the same rounded samples: a fit knows it to no better than this / sqrt(12).
+  // Values closer than this give the same rounded samples: a fit knows it to no better than this /
+  // sqrt(12).
   double resolution = 0;
 };
 
@@ -61,31 +78,31 @@ struct EffectDefinition {
   Stage stage = Stage::geometry;
   unsigned kinds = 0;  // Kind bits.
   std::vector<Parameter> parameters;
-  std::string help;       // What it is, for `seam effects NAME`.
-  std::string formula;    // As in the catalogue.
-  std::string signature;  // What it leaves in residuals when it is missing.
-  std::string example;    // One line of a model's YAML.
-  bool spread_only = false;    // Changes the spread of measurements, never their mean.
-  bool has_neutral = true;     // False for a base (pinhole) or a replacement (fisheye).
+  std::string help;                  // What it is, for `seam effects NAME`.
+  std::string formula;               // As in the catalogue.
+  std::string signature;             // What it leaves in residuals when it is missing.
+  std::string example;               // One line of a model's YAML.
+  bool spread_only = false;          // Changes the spread of measurements, never their mean.
+  bool has_neutral = true;           // False for a base (pinhole) or a replacement (fisheye).
   std::vector<std::string> columns;  // Further columns of a set that a joint's formula reads.
-  std::string source;          // Of an expression effect: the YAML of its definition.
+  std::string source;                // Of an expression effect: the YAML of its definition.
 
   // The hooks; an effect sets those of its stage and leaves the others empty.
-  std::function<void(Values, Timing&)> timing;          // Contributes to row times.
-  std::function<void(Values, JointTrack&)> encoder;     // Encoder log to true angle, in place.
+  std::function<void(Values, Timing&)> timing;       // Contributes to row times.
+  std::function<void(Values, JointTrack&)> encoder;  // Encoder log to true angle, in place.
   // The inverse, pointwise: what the encoder of one joint logs at a true angle.
   std::function<double(Values, JointRole, double)> logged;
-  std::function<void(Values, ServoModel&)> servo;       // Command to angle.
+  std::function<void(Values, ServoModel&)> servo;               // Command to angle.
   std::function<double(Values, const JointSample&)> joint_map;  // A formula on the angle.
-  std::function<void(Values, Pose&)> mount;             // X_LC of the camera in its last link.
-  std::function<void(Values, ImagePoint&)> geometry;    // Ray to image point, in stage order.
-  std::function<void(Values, ImagePoint&)> image_map;   // Acts on (u, v) after all of geometry.
-  std::function<void(Values, Optics&)> optics;          // Point spread, glare.
-  std::function<double(Values, const ImagePoint&)> gain;          // Gain field over the image.
-  std::function<double(Values, const LightWindow&)> light;        // Mean of the lamps in a window.
-  std::function<void(Values, SensorChain&)> sensor;     // Contributes to the sensor's equation.
-  std::function<void(Values, Detection&)> detector;     // Range and bearing.
-  std::function<void(Values, Locomotion&)> locomotion;  // Commanded to true body velocity.
+  std::function<void(Values, Pose&)> mount;                 // X_LC of the camera in its last link.
+  std::function<void(Values, ImagePoint&)> geometry;        // Ray to image point, in stage order.
+  std::function<void(Values, ImagePoint&)> image_map;       // Acts on (u, v) after all of geometry.
+  std::function<void(Values, Optics&)> optics;              // Point spread, glare.
+  std::function<double(Values, const ImagePoint&)> gain;    // Gain field over the image.
+  std::function<double(Values, const LightWindow&)> light;  // Mean of the lamps in a window.
+  std::function<void(Values, SensorChain&)> sensor;         // Contributes to the sensor's equation.
+  std::function<void(Values, Detection&)> detector;         // Range and bearing.
+  std::function<void(Values, Locomotion&)> locomotion;      // Commanded to true body velocity.
   std::function<void(Values, VelocitySample&)> velocity_map;  // A formula on the body velocity.
 };
 

@@ -25,7 +25,8 @@ ParameterValue read_value(const ConfigNode& node, const Parameter& parameter) {
   }
   const bool in_bounds = value.value >= parameter.min && value.value <= parameter.max;
   if (!in_bounds && value.value != parameter.neutral) {
-    node.fail(fmt::format("found {}, expected {} from {} to {}", value.value, parameter.name, parameter.min, parameter.max));
+    node.fail(fmt::format("found {}, expected {} from {} to {}", value.value, parameter.name,
+                          parameter.min, parameter.max));
   }
   if (parameter.integer && value.value != std::floor(value.value)) {
     node.fail(fmt::format("found {}, expected a whole number", value.value));
@@ -33,18 +34,23 @@ ParameterValue read_value(const ConfigNode& node, const Parameter& parameter) {
   return value;
 }
 
-std::vector<ParameterValue> read_parameters(const ConfigNode& node, const EffectDefinition& effect) {
+std::vector<ParameterValue> read_parameters(const ConfigNode& node,
+                                            const EffectDefinition& effect) {
   std::vector<ParameterValue> values;
   for (const Parameter& parameter : effect.parameters) {
     const auto given = node.find(parameter.name);
-    if (!given && parameter.required) node.fail(fmt::format("parameter '{}' is missing", parameter.name));
-    values.push_back(given ? read_value(*given, parameter) : ParameterValue{.value = parameter.neutral});
+    if (!given && parameter.required)
+      node.fail(fmt::format("parameter '{}' is missing", parameter.name));
+    values.push_back(given ? read_value(*given, parameter)
+                           : ParameterValue{.value = parameter.neutral});
   }
   node.finish();
   return values;
 }
 
-std::string number_text(double value) { return fmt::format("{}", value); }
+std::string number_text(double value) {
+  return fmt::format("{}", value);
+}
 
 std::string value_text(const ParameterValue& value) {
   if (!value.sigma && !value.free && value.spread == 0) return number_text(value.value);
@@ -74,7 +80,9 @@ HistoryStep read_history_step(const ConfigNode& node) {
   step.effect = node.text_or("effect", "");
   if (const auto parameters = node.find("parameters")) {
     for (const std::string& key : parameters->keys()) {
-      step.parameters.emplace_back(key, read_value(parameters->at(key), Parameter{.name = key, .min = -1e300, .max = 1e300}));
+      step.parameters.emplace_back(
+          key,
+          read_value(parameters->at(key), Parameter{.name = key, .min = -1e300, .max = 1e300}));
     }
   }
   step.data_fingerprint = node.text_or("data_fingerprint", "");
@@ -104,7 +112,9 @@ double ModelEffect::value(const std::string& parameter) const {
   SEAM_CHECK(false, "{} has no parameter {}", definition->name, parameter);
 }
 
-Model Model::from_file(const std::filesystem::path& path) { return from_config(ConfigNode::from_file(path)); }
+Model Model::from_file(const std::filesystem::path& path) {
+  return from_config(ConfigNode::from_file(path));
+}
 
 Model Model::from_config(const ConfigNode& root) {
   Model model;
@@ -120,11 +130,14 @@ Model Model::from_config(const ConfigNode& root) {
       continue;
     }
     const auto definition = find_effect(name);
-    if (!definition) effects.fail(fmt::format("unknown effect '{}'{}", name, suggestion_for(name, effect_names())));
+    if (!definition)
+      effects.fail(
+          fmt::format("unknown effect '{}'{}", name, suggestion_for(name, effect_names())));
     model.set(definition, read_parameters(node, *definition));
   }
   if (const auto history = root.find("history")) {
-    for (const ConfigNode& step : history->items()) model.history_.push_back(read_history_step(step));
+    for (const ConfigNode& step : history->items())
+      model.history_.push_back(read_history_step(step));
   }
   root.finish();
   return model;
@@ -142,8 +155,8 @@ std::string Model::to_yaml() const {
       for (size_t i = 0; i < effect.parameters.size(); ++i) {
         const Parameter& parameter = definition.parameters[i];
         const ParameterValue& value = effect.parameters[i];
-        out += fmt::format("      {}: {{value: {}, neutral: {}, min: {}, max: {}", parameter.name, value.value,
-                           parameter.neutral, parameter.min, parameter.max);
+        out += fmt::format("      {}: {{value: {}, neutral: {}, min: {}, max: {}", parameter.name,
+                           value.value, parameter.neutral, parameter.min, parameter.max);
         if (value.sigma) out += ", sigma: " + number_text(*value.sigma);
         if (value.free) out += ", free: true";
         out += "}\n";
@@ -155,7 +168,8 @@ std::string Model::to_yaml() const {
     for (size_t i = 0; i < effect.parameters.size(); ++i) {
       // An infinite limit is absent; YAML files of ours hold finite numbers only.
       if (!std::isfinite(effect.parameters[i].value)) continue;
-      out += (first ? "" : ", ") + definition.parameters[i].name + ": " + value_text(effect.parameters[i]);
+      out += (first ? "" : ", ") + definition.parameters[i].name + ": " +
+             value_text(effect.parameters[i]);
       first = false;
     }
     out += "}\n";
@@ -166,24 +180,31 @@ std::string Model::to_yaml() const {
     bool first = true;
     for (size_t i = 0; i < step.parameters.size(); ++i) {
       if (!std::isfinite(step.parameters[i].second.value)) continue;
-      out += (first ? "" : ", ") + step.parameters[i].first + ": " + value_text(step.parameters[i].second);
+      out += (first ? "" : ", ") + step.parameters[i].first + ": " +
+             value_text(step.parameters[i].second);
       first = false;
     }
-    out += "}\n    data: " + quoted(step.data) + "\n    data_fingerprint: " + quoted(step.data_fingerprint);
-    out += "\n    error_before: " + number_text(step.error_before) + "\n    error_after: " + number_text(step.error_after) + "\n";
+    out += "}\n    data: " + quoted(step.data) +
+           "\n    data_fingerprint: " + quoted(step.data_fingerprint);
+    out += "\n    error_before: " + number_text(step.error_before) +
+           "\n    error_after: " + number_text(step.error_after) + "\n";
   }
   return out;
 }
 
-void Model::write(const std::filesystem::path& path) const { write_file_atomically(path, to_yaml()); }
+void Model::write(const std::filesystem::path& path) const {
+  write_file_atomically(path, to_yaml());
+}
 
 const ModelEffect* Model::find(const std::string& effect) const {
-  const auto found = std::find_if(effects_.begin(), effects_.end(),
-                                  [&](const ModelEffect& e) { return e.definition->name == effect; });
+  const auto found = std::find_if(effects_.begin(), effects_.end(), [&](const ModelEffect& e) {
+    return e.definition->name == effect;
+  });
   return found == effects_.end() ? nullptr : &*found;
 }
 
-void Model::set(std::shared_ptr<const EffectDefinition> definition, std::vector<ParameterValue> values) {
+void Model::set(std::shared_ptr<const EffectDefinition> definition,
+                std::vector<ParameterValue> values) {
   SEAM_CHECK(values.size() == definition->parameters.size(), "{}", definition->name);
   remove(definition->name);
   ModelEffect effect;
@@ -199,7 +220,8 @@ void Model::set(std::shared_ptr<const EffectDefinition> definition, std::vector<
 
 void Model::add_neutral(std::shared_ptr<const EffectDefinition> definition) {
   std::vector<ParameterValue> values;
-  for (const Parameter& parameter : definition->parameters) values.push_back({.value = parameter.neutral});
+  for (const Parameter& parameter : definition->parameters)
+    values.push_back({.value = parameter.neutral});
   set(std::move(definition), std::move(values));
 }
 
@@ -226,7 +248,8 @@ Model Model::individual(RandomStream robot) const {
       ParameterValue value = effect.parameters[i];
       if (value.spread == 0) continue;
       const Parameter& parameter = effect.definition->parameters[i];
-      value.value = std::clamp(value.value + value.spread * normal(stream, i), parameter.min, parameter.max);
+      value.value =
+          std::clamp(value.value + value.spread * normal(stream, i), parameter.min, parameter.max);
       value.spread = 0;
       effect.set(i, value);
     }

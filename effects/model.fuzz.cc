@@ -1,5 +1,6 @@
 // Whatever a model file holds, reading it ends in a model or an InputError.
 #include "effects/model.h"
+
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 

@@ -16,9 +16,10 @@ namespace seam::effects {
 
 struct ParameterValue {
   double value = 0;
-  std::optional<double> sigma;  // Fitted earlier, with this standard deviation: refitted in comparisons.
-  bool free = false;            // A nuisance: refitted in every comparison.
-  double spread = 0;            // Individual robots differ by this much (one sigma).
+  std::optional<double>
+      sigma;          // Fitted earlier, with this standard deviation: refitted in comparisons.
+  bool free = false;  // A nuisance: refitted in every comparison.
+  double spread = 0;  // Individual robots differ by this much (one sigma).
 
   bool refitted() const { return free || sigma.has_value(); }
 };
@@ -84,12 +85,14 @@ class Model {
 };
 
 // Effects defined by expressions in a YAML map of name to definition (expression.cc).
-std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name, const ConfigNode& node);
+std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name,
+                                                          const ConfigNode& node);
 // The values that the same node gives to its parameters.
-std::vector<ParameterValue> expression_values(const EffectDefinition& definition, const ConfigNode& node);
+std::vector<ParameterValue> expression_values(const EffectDefinition& definition,
+                                              const ConfigNode& node);
 // All expression effects of a file: a map of names to definitions, or one under `effects:`.
-std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> expression_effects(
-    const ConfigNode& root);
+std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>>
+expression_effects(const ConfigNode& root);
 // The YAML of an expression effect's definition without its values; empty for catalogue effects.
 std::string expression_source(const EffectDefinition& definition);
 

@@ -14,6 +14,8 @@
 
 #define SEAM_PLUGIN_VERSION 1
 
-#define SEAM_PLUGIN(effects)                                                                  \
-  extern "C" int seam_plugin_version() { return SEAM_PLUGIN_VERSION; }                        \
+#define SEAM_PLUGIN(effects)             \
+  extern "C" int seam_plugin_version() { \
+    return SEAM_PLUGIN_VERSION;          \
+  }                                      \
   extern "C" void seam_plugin_effects(std::vector<seam::effects::EffectDefinition>& effects)

@@ -8,11 +8,12 @@
 namespace seam::mcap {
 
 bool within_expansion(uint64_t compressed, uint64_t uncompressed, const Limits& limits) {
-  return uncompressed <= limits.chunk_bytes &&
-         uncompressed / limits.expansion <= compressed + 256;
+  return uncompressed <= limits.chunk_bytes && uncompressed / limits.expansion <= compressed + 256;
 }
 
-void Compressor::Free::operator()(ZSTD_CCtx_s* context) const { ZSTD_freeCCtx(context); }
+void Compressor::Free::operator()(ZSTD_CCtx_s* context) const {
+  ZSTD_freeCCtx(context);
+}
 
 Compressor::Compressor(int level) : context_(ZSTD_createCCtx()), level_(level) {
   SEAM_CHECK(level >= 0 && level <= 19, "zstd level {}", level);
@@ -47,8 +48,8 @@ std::string unpack(const Chunk& chunk, const Limits& limits) {
                                   chunk.records.size(), chunk.uncompressed_size));
     }
     records.resize(chunk.uncompressed_size);
-    const size_t size = ZSTD_decompress(records.data(), records.size(), chunk.records.data(),
-                                        chunk.records.size());
+    const size_t size =
+        ZSTD_decompress(records.data(), records.size(), chunk.records.data(), chunk.records.size());
     if (ZSTD_isError(size)) throw Malformed(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
     records.resize(size);
   } else if (chunk.compression.empty()) {
@@ -58,8 +59,8 @@ std::string unpack(const Chunk& chunk, const Limits& limits) {
                                 chunk.compression.substr(0, 32)));
   }
   if (records.size() != chunk.uncompressed_size) {
-    throw Malformed(fmt::format("a chunk of {} bytes, expected {}", records.size(),
-                                chunk.uncompressed_size));
+    throw Malformed(
+        fmt::format("a chunk of {} bytes, expected {}", records.size(), chunk.uncompressed_size));
   }
   if (chunk.uncompressed_crc != 0 && crc32(records) != chunk.uncompressed_crc) {
     throw Malformed("the CRC of a chunk does not match");

@@ -16,9 +16,9 @@ namespace seam::mcap {
 // What a reader accepts. Every length in a file is checked against these before memory is taken,
 // so that no file makes a reader use more.
 struct Limits {
-  uint64_t chunk_bytes = uint64_t{64} << 20;       // Uncompressed.
+  uint64_t chunk_bytes = uint64_t{64} << 20;  // Uncompressed.
   uint64_t attachment_bytes = uint64_t{64} << 20;
-  uint64_t definition_bytes = uint64_t{1} << 20;   // Header, schema, channel, metadata.
+  uint64_t definition_bytes = uint64_t{1} << 20;  // Header, schema, channel, metadata.
   uint64_t summary_bytes = uint64_t{256} << 20;
   // A chunk may unpack to this many times (its compressed size + 256 bytes): more is a bomb.
   // The writer stores a chunk uncompressed rather than beyond it.

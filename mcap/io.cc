@@ -46,7 +46,7 @@ class FileInput : public Input {
  public:
   FileInput(const std::filesystem::path& path) : name_(path.string()) {
     descriptor_ = ::open(name_.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat status{};
+    struct stat status {};
     if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) fail(std::strerror(errno));
     if (!S_ISREG(status.st_mode)) fail("not a regular file");
     size_ = static_cast<uint64_t>(status.st_size);
@@ -65,8 +65,8 @@ class FileInput : public Input {
     std::string bytes(size, '\0');
     uint64_t done = 0;
     while (done < size) {
-      const ssize_t got = ::pread(descriptor_, bytes.data() + done, size - done,
-                                  static_cast<off_t>(offset + done));
+      const ssize_t got =
+          ::pread(descriptor_, bytes.data() + done, size - done, static_cast<off_t>(offset + done));
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) fail(std::strerror(errno));
       if (got == 0) fail("became shorter while it was read");

@@ -190,8 +190,8 @@ TEST(Mcap, AnIndexThatNamesOneChunkTwiceIsNotBelieved) {
   Footer footer{data.size(), 0, 0};
   ByteSink record;
   append(record, footer);
-  footer.summary_crc = crc32(std::string_view(record.bytes()).substr(0, record.size() - 4),
-                             crc32(summary.bytes()));
+  footer.summary_crc =
+      crc32(std::string_view(record.bytes()).substr(0, record.size() - 4), crc32(summary.bytes()));
   data.raw(summary.bytes());
   append(data, footer);
   data.raw(kMagic);

@@ -13,8 +13,8 @@ constexpr uint64_t kFooterBytes = kRecordHeadBytes + 8 + 8 + 4;
 Chunk chunk_at(const Input& input, const ChunkPlace& place, const Limits& limits,
                std::string& bytes) {
   if (place.length > limits.chunk_bytes) {
-    throw Malformed(fmt::format("a chunk of {} bytes, at most {} are read", place.length,
-                                limits.chunk_bytes));
+    throw Malformed(
+        fmt::format("a chunk of {} bytes, at most {} are read", place.length, limits.chunk_bytes));
   }
   bytes = input.read(place.offset, place.length);
   ByteSource source(bytes);
@@ -125,8 +125,8 @@ Contents read_summary(const Input& input, const Limits& limits) {
       const ChunkIndex index = decode_chunk_index(content);
       check_place(index.chunk_offset, index.chunk_length, chunks_end);
       if (index.start_time_ns > index.end_time_ns) throw Malformed("a chunk that ends too early");
-      ChunkPlace place{index.chunk_offset, index.chunk_length, index.start_time_ns,
-                       index.end_time_ns, {}};
+      ChunkPlace place{
+          index.chunk_offset, index.chunk_length, index.start_time_ns, index.end_time_ns, {}};
       for (const auto& [channel, offset] : index.message_index_offsets) {
         place.channels.push_back(channel);
       }
@@ -152,8 +152,8 @@ Contents read_summary(const Input& input, const Limits& limits) {
   ByteSource head_source(std::string_view(head).substr(1));
   const uint64_t header_bytes = head_source.number<uint64_t>();
   if (header_bytes > limits.definition_bytes) throw Malformed("a header of absurd length");
-  contents.header = decode_header(
-      content_at(kMagic.size(), kRecordHeadBytes + header_bytes, Opcode::header));
+  contents.header =
+      decode_header(content_at(kMagic.size(), kRecordHeadBytes + header_bytes, Opcode::header));
   for (const MetadataIndex& index : metadata) {
     contents.metadata.push_back(
         decode_metadata(content_at(index.offset, index.length, Opcode::metadata)));

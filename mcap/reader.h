@@ -20,7 +20,7 @@ namespace seam::mcap {
 struct Loss {
   uint64_t offset = 0;  // Of its first byte in the file.
   uint64_t bytes = 0;
-  std::string what;     // A sentence for people.
+  std::string what;  // A sentence for people.
   // Whether only an index was lost, which holds nothing that is not elsewhere.
   bool index_only = false;
 };

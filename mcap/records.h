@@ -17,9 +17,20 @@ inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 inline constexpr uint64_t kRecordHeadBytes = 9;
 
 enum class Opcode : uint8_t {
-  header = 0x01, footer = 0x02, schema = 0x03, channel = 0x04, message = 0x05, chunk = 0x06,
-  message_index = 0x07, chunk_index = 0x08, attachment = 0x09, attachment_index = 0x0A,
-  statistics = 0x0B, metadata = 0x0C, metadata_index = 0x0D, summary_offset = 0x0E,
+  header = 0x01,
+  footer = 0x02,
+  schema = 0x03,
+  channel = 0x04,
+  message = 0x05,
+  chunk = 0x06,
+  message_index = 0x07,
+  chunk_index = 0x08,
+  attachment = 0x09,
+  attachment_index = 0x0A,
+  statistics = 0x0B,
+  metadata = 0x0C,
+  metadata_index = 0x0D,
+  summary_offset = 0x0E,
   data_end = 0x0F,
 };
 

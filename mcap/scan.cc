@@ -108,8 +108,8 @@ class Scanner {
       default:
         // Applications may add records from 0x80 on; anything else has no place here.
         if (static_cast<uint8_t>(opcode) < 0x80) {
-          throw Malformed(fmt::format("a record of unknown type {:#04x}",
-                                      static_cast<unsigned>(opcode)));
+          throw Malformed(
+              fmt::format("a record of unknown type {:#04x}", static_cast<unsigned>(opcode)));
         }
     }
   }
@@ -129,8 +129,8 @@ class Scanner {
   void add_chunk(uint64_t start, std::string_view content) {
     const Chunk chunk = decode_chunk(content);
     const std::string records = unpack(chunk, limits_);
-    ChunkPlace place{start, kRecordHeadBytes + content.size(), chunk.start_time_ns,
-                     chunk.end_time_ns, {}};
+    ChunkPlace place{
+        start, kRecordHeadBytes + content.size(), chunk.start_time_ns, chunk.end_time_ns, {}};
     std::map<uint16_t, uint64_t> counts;
     std::vector<std::string_view> schemas;
     std::vector<std::string_view> channels;

@@ -62,8 +62,8 @@ void Writer::write(uint16_t channel_id, uint64_t log_time_ns, uint64_t publish_t
   MessageIndex& index = chunk_messages_[channel_id];
   index.channel_id = channel_id;
   index.entries.push_back({log_time_ns, chunk_.size()});
-  append(chunk_, Message{channel_id, sequences_[channel_id - 1]++, log_time_ns, publish_time_ns,
-                         data});
+  append(chunk_,
+         Message{channel_id, sequences_[channel_id - 1]++, log_time_ns, publish_time_ns, data});
   if (chunk_.size() >= options_.chunk_bytes) flush();
 }
 
@@ -72,8 +72,8 @@ void Writer::attach(const Attachment& attachment) {
   ByteSink sink;
   append(sink, attachment);
   attachment_indexes_.push_back({offset_, sink.size(), attachment.log_time_ns,
-                                 attachment.create_time_ns, attachment.data.size(),
-                                 attachment.name, attachment.media_type});
+                                 attachment.create_time_ns, attachment.data.size(), attachment.name,
+                                 attachment.media_type});
   emit_data(sink);
 }
 
@@ -97,8 +97,8 @@ void Writer::flush() {
   index.uncompressed_size = chunk_.size();
 
   ByteSink sink;
-  append(sink, Chunk{index.start_time_ns, index.end_time_ns, chunk_.size(),
-                     crc32(chunk_.bytes()), index.compression, packed});
+  append(sink, Chunk{index.start_time_ns, index.end_time_ns, chunk_.size(), crc32(chunk_.bytes()),
+                     index.compression, packed});
   index.chunk_length = sink.size();
   for (const auto& [channel_id, messages] : chunk_messages_) {
     index.message_index_offsets[channel_id] = offset_ + sink.size();

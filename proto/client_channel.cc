@@ -15,10 +15,12 @@ std::string file_text(const std::string& path) {
 
 }  // namespace
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address, const std::string& certificates) {
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address,
+                                            const std::string& certificates) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxServerMessageBytes);
-  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // Lockstep on a near machine: no probing of the line.
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE,
+                   0);  // Lockstep on a near machine: no probing of the line.
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
   arguments.SetInt(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);

@@ -7,11 +7,11 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/optics.h"
 #include "effects/stages/sensor/sensor.h"
-#include "render/filter/camera_filter.h"
-#include "render/colour/colour_space.h"
-#include "render/ground_truth.h"
 #include "render/cast/light_integrator.h"
+#include "render/colour/colour_space.h"
+#include "render/filter/camera_filter.h"
 #include "render/filter/optics_filter.h"
+#include "render/ground_truth.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 
@@ -25,12 +25,15 @@ using effects::GainField;
 std::string geometry_keys(const effects::Model& model) {
   std::string keys;
   for (const effects::ModelEffect& effect : model.effects()) {
-    if (effect.definition->stage != effects::Stage::geometry || effect.definition->name == "pinhole") continue;
+    if (effect.definition->stage != effects::Stage::geometry ||
+        effect.definition->name == "pinhole")
+      continue;
     std::string values;
     for (size_t i = 0; i < effect.parameters.size(); ++i)
       values += fmt::format("{}{}: {}", i > 0 ? ", " : "", effect.definition->parameters[i].name,
                             effect.parameters[i].value);
-    keys += fmt::format("{}effects.{} {{{}}}", keys.empty() ? "" : ", ", effect.definition->name, values);
+    keys += fmt::format("{}effects.{} {{{}}}", keys.empty() ? "" : ", ", effect.definition->name,
+                        values);
   }
   return keys.empty() ? "effects.pinhole" : keys;
 }

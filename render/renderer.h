@@ -2,8 +2,8 @@
 //
 // scene radiance at the sampling instants -> lens (distortion is in the rays) -> integration over
 // each row's window -> lamps, blur, gain field, glare (effects/stages/optics.h) -> sensor
-// (effects/stages/sensor/sensor.h) -> YCrCb. Bits depend on the job, the model and the image size alone: not on
-// threads, the machine's vector width, the compiler or its optimisation.
+// (effects/stages/sensor/sensor.h) -> YCrCb. Bits depend on the job, the model and the image size
+// alone: not on threads, the machine's vector width, the compiler or its optimisation.
 #pragma once
 
 #include <array>

@@ -7,14 +7,23 @@ namespace seam::sdk {
 namespace {
 
 JointAngles joints_from(const v1::JointAngles& wire) {
-  return {wire.time_ns(), wire.tilt_rad(), wire.pan_rad(), wire.roll_rad(),
+  return {wire.time_ns(),
+          wire.tilt_rad(),
+          wire.pan_rad(),
+          wire.roll_rad(),
           {wire.legs_rad().begin(), wire.legs_rad().end()}};
 }
 
 Frame frame_from(const v1::Frame& wire) {
-  Frame frame{wire.index(), wire.stamp_ns(), static_cast<int>(wire.width_px()),
-              static_cast<int>(wire.height_px()), wire.rgb(), wire.ycrcb(), wire.colours(),
-              static_cast<int>(wire.colours_width_px()), static_cast<int>(wire.colours_height_px())};
+  Frame frame{wire.index(),
+              wire.stamp_ns(),
+              static_cast<int>(wire.width_px()),
+              static_cast<int>(wire.height_px()),
+              wire.rgb(),
+              wire.ycrcb(),
+              wire.colours(),
+              static_cast<int>(wire.colours_width_px()),
+              static_cast<int>(wire.colours_height_px())};
   frame.row_start_ns.assign(wire.row_start_ns().begin(), wire.row_start_ns().end());
   frame.row_end_ns.assign(wire.row_end_ns().begin(), wire.row_end_ns().end());
   return frame;
@@ -42,9 +51,13 @@ Observation from_wire(const v1::Observation& wire) {
     observation.messages.push_back(
         {message.from(), message.sent_ns(), message.arrived_ns(), message.payload()});
   const v1::GameState& game = wire.game();
-  observation.game = {static_cast<Game::State>(game.state()), game.first_half(),
-                      game.kick_off_team(), game.own_score(), game.opponent_score(),
-                      game.remaining_ns(), static_cast<int>(game.penalty()),
+  observation.game = {static_cast<Game::State>(game.state()),
+                      game.first_half(),
+                      game.kick_off_team(),
+                      game.own_score(),
+                      game.opponent_score(),
+                      game.remaining_ns(),
+                      static_cast<int>(game.penalty()),
                       game.penalty_remaining_ns()};
   return observation;
 }

@@ -16,9 +16,9 @@ struct PerceptionOptions {
   // True: the head's angles are taken at the middle of each row's exposure. False: one angle for
   // the whole frame, at its stamp, as a program without knowledge of the rolling shutter does.
   bool row_times = true;
-  // True: what cannot be a beacon by its height, or the ball by its shape and size, is left out (see
-  // has_plausible_height, could_be_ball), and the ball's radius allows for its lost rim. False: every
-  // region is believed, as in the founding paper's experiments.
+  // True: what cannot be a beacon by its height, or the ball by its shape and size, is left out
+  // (see has_plausible_height, could_be_ball), and the ball's radius allows for its lost rim.
+  // False: every region is believed, as in the founding paper's experiments.
   bool check = false;
 };
 

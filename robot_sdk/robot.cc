@@ -97,9 +97,15 @@ Robot::Robot(Connection connection) : implementation_(std::make_unique<Implement
 
 Robot::~Robot() = default;
 
-const std::string& Robot::name() const { return implementation_->connection.robot; }
-const std::string& Robot::team() const { return implementation_->welcome.team(); }
-int Robot::number() const { return static_cast<int>(implementation_->welcome.robot_number()); }
+const std::string& Robot::name() const {
+  return implementation_->connection.robot;
+}
+const std::string& Robot::team() const {
+  return implementation_->welcome.team();
+}
+int Robot::number() const {
+  return static_cast<int>(implementation_->welcome.robot_number());
+}
 double Robot::decision_latency_s() const {
   return static_cast<double>(implementation_->welcome.decision_latency_ns()) * 1e-9;
 }
@@ -119,7 +125,8 @@ int Robot::run() {
     return 1;
   }
   try {
-    const auto stub = v1::Simulation::NewStub(open_channel(self.connection.address, self.connection.certificates));
+    const auto stub = v1::Simulation::NewStub(
+        open_channel(self.connection.address, self.connection.certificates));
     auto last_connected = std::chrono::steady_clock::now();
     while (true) {
       self.was_connected = false;

@@ -41,8 +41,8 @@ struct Sensors {
   std::vector<JointAngles> joint_log;  // All encoder readings since the last observation.
   Vector3d acceleration_m_s2;          // In the body's frame, gravity included.
   Odometry odometry;
-  std::array<bool, 4> paw_contact{};   // Left front, right front, left rear, right rear.
-  double chest_distance_m = 0;         // 0 where nothing is in range.
+  std::array<bool, 4> paw_contact{};  // Left front, right front, left rear, right rear.
+  double chest_distance_m = 0;        // 0 where nothing is in range.
 };
 
 // A camera image. Row v collected light from row_start_ns[v] to row_end_ns[v].
@@ -60,7 +60,9 @@ struct Frame {
   uint8_t red(int u, int v) const { return byte(rgb, u, v, 0); }
   uint8_t green(int u, int v) const { return byte(rgb, u, v, 1); }
   uint8_t blue(int u, int v) const { return byte(rgb, u, v, 2); }
-  int64_t row_middle_ns(int v) const { return row_start_ns[v] + (row_end_ns[v] - row_start_ns[v]) / 2; }
+  int64_t row_middle_ns(int v) const {
+    return row_start_ns[v] + (row_end_ns[v] - row_start_ns[v]) / 2;
+  }
 
  private:
   uint8_t byte(const std::string& image, int u, int v, int channel) const {
@@ -171,11 +173,11 @@ class Robot {
   // Joint targets, this long after the decision acts (several calls make several frames, in
   // ascending order). Leg targets replace the gait until the next walk().
   void joints(const std::vector<JointTarget>& targets, int64_t offset_ns = 0);
-  void request_frame(int64_t after_ns = 0);          // The next whose stamp is not before this time.
+  void request_frame(int64_t after_ns = 0);  // The next whose stamp is not before this time.
   void request_frames(int count);
   void request_all_frames();
   void request_no_frames();
-  void send(std::string_view payload);               // To team mates.
+  void send(std::string_view payload);  // To team mates.
 
   // ---- For the log and the viewer ----
   void log_value(std::string_view name, double value);

@@ -2,38 +2,37 @@
 // flags and examples. A command throws UsageError (exit code 2) or InputError (exit code 1).
 #pragma once
 
-#include "tools/command_line.h"
-
+#include "app/command_line.h"
 
 namespace seam::tools {
 
 // One line a command; `tools/<name>.cc` defines add_<name>.
 #define SEAM_COMMANDS(X) \
-  X(add)            \
-  X(camera_calibrate) \
-  X(certs)          \
-  X(check)          \
-  X(colour_table)   \
-  X(compare)        \
-  X(contact_sheet)  \
-  X(diagnose)       \
-  X(diff)           \
-  X(discover)       \
-  X(effects)        \
-  X(experiment)     \
-  X(fit)            \
-  X(frame)          \
-  X(history)        \
-  X(measure)        \
-  X(new_effect)     \
-  X(replay)         \
-  X(report)         \
-  X(run)            \
-  X(serve)          \
-  X(study)          \
+  X(add)                 \
+  X(camera_calibrate)    \
+  X(certs)               \
+  X(check)               \
+  X(colour_table)        \
+  X(compare)             \
+  X(contact_sheet)       \
+  X(diagnose)            \
+  X(diff)                \
+  X(discover)            \
+  X(effects)             \
+  X(experiment)          \
+  X(fit)                 \
+  X(frame)               \
+  X(history)             \
+  X(measure)             \
+  X(new_effect)          \
+  X(replay)              \
+  X(report)              \
+  X(run)                 \
+  X(serve)               \
+  X(study)               \
   X(view)
 
-#define SEAM_DECLARE(name) void add_##name(Command app);
+#define SEAM_DECLARE(name) void add_##name(app::Command app);
 SEAM_COMMANDS(SEAM_DECLARE)
 #undef SEAM_DECLARE
 

@@ -4,26 +4,27 @@
 #include <cstdio>
 #include <exception>
 
+#include "app/plugins.h"
+#include "app/predictors/frame_predictor.h"
+#include "app/predictors/range_detector.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
-#include "app/predictors/frame_predictor.h"
-#include "app/plugins.h"
-#include "app/predictors/range_detector.h"
 
 int main(int argc, char** argv) {
-  // A bad message from a client or a log is answered by an error of ours; the library's own lines would let anybody
-  // fill the terminal.
+  // A bad message from a client or a log is answered by an error of ours; the library's own lines
+  // would let anybody fill the terminal.
   google::protobuf::SetLogHandler(nullptr);
-  seam::tools::supply_renderer_to_measurements();
-  seam::tools::supply_detectors_to_measurements();
+  seam::app::supply_renderer_to_measurements();
+  seam::app::supply_detectors_to_measurements();
   try {
-    return seam::tools::parse_and_run("SEAM: simulator of environment and measurement", "seam", "seam 0.1.0",
-                                      seam::tools::load_plugins({argv + 1, argv + argc}), [](seam::tools::Command app) {
-                                        app.require_subcommand();
+    return seam::app::parse_and_run("SEAM: simulator of environment and measurement", "seam",
+                                    "seam 0.1.0", seam::app::load_plugins({argv + 1, argv + argc}),
+                                    [](seam::app::Command app) {
+                                      app.require_subcommand();
 #define SEAM_ADD(name) seam::tools::add_##name(app);
-                                        SEAM_COMMANDS(SEAM_ADD)
+                                      SEAM_COMMANDS(SEAM_ADD)
 #undef SEAM_ADD
-                                      });
+                                    });
   } catch (const seam::tools::ExitCode& exit) {
     return exit.code;
   } catch (const seam::UsageError& error) {

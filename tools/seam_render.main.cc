@@ -7,11 +7,11 @@
 #include <exception>
 #include <thread>
 
-#include "scheduler/remote_render/render_client.h"
-#include "sim_core/base/error.h"
-#include "tools/command_line.h"
+#include "app/command_line.h"
 #include "app/plugins.h"
 #include "app/remote_rendering.h"
+#include "scheduler/remote_render/render_client.h"
+#include "sim_core/base/error.h"
 
 namespace {
 
@@ -21,7 +21,7 @@ std::string host_and_process() {
   return fmt::format("{}:{}", host, getpid());
 }
 
-void add_options(seam::tools::Command app, seam::scheduler::RenderClientOptions& options) {
+void add_options(seam::app::Command app, seam::scheduler::RenderClientOptions& options) {
   app.add_option("--address", options.address, "The server's: host:port or unix:/path")
       .environment("SEAM_ADDRESS")
       .required();
@@ -51,7 +51,7 @@ void add_options(seam::tools::Command app, seam::scheduler::RenderClientOptions&
       options.threads = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 32);
     seam::scheduler::render_for_server(
         options, [&options](const seam::scheduler::RenderSetup& setup) {
-          return seam::tools::make_told_renderer(setup, options.threads);
+          return seam::app::make_told_renderer(setup, options.threads);
         });
   });
 }
@@ -64,10 +64,10 @@ int main(int argc, char** argv) {
   options.name = host_and_process();
   options.threads = 0;
   try {
-    return seam::tools::parse_and_run(
+    return seam::app::parse_and_run(
         "Renders frames of a run on this machine, the same bits as in the server", "seam-render",
-        "seam-render " SEAM_VERSION, seam::tools::load_plugins({argv + 1, argv + argc}),
-        [&](seam::tools::Command app) { add_options(app, options); });
+        "seam-render " SEAM_VERSION, seam::app::load_plugins({argv + 1, argv + argc}),
+        [&](seam::app::Command app) { add_options(app, options); });
   } catch (const seam::UsageError& error) {
     std::fprintf(stderr, "seam-render: %s\n", error.what());
     return 2;

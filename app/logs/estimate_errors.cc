@@ -7,7 +7,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 namespace {
 
@@ -82,7 +82,8 @@ void compare(const Truth& truth, SimTime time, const scheduler::Answer& answer,
     out.push_back(
         {Kind::position_m, time, answer.robot, maths::length(*x_m - pose.x_m, *y_m - pose.y_m)});
   if (const auto theta_rad = value_of(decision, "theta_rad"))
-    out.push_back({Kind::heading_rad, time, answer.robot, maths::wrap_angle(*theta_rad - pose.theta_rad)});
+    out.push_back(
+        {Kind::heading_rad, time, answer.robot, maths::wrap_angle(*theta_rad - pose.theta_rad)});
   const Pose2 ball = truth.ball(time);
   const double dx_m = ball.x_m - pose.x_m, dy_m = ball.y_m - pose.y_m,
                distance_m = maths::length(dx_m, dy_m);
@@ -90,7 +91,8 @@ void compare(const Truth& truth, SimTime time, const scheduler::Answer& answer,
     out.push_back({Kind::ball_distance_m, time, answer.robot, *estimate - distance_m, distance_m});
   if (const auto estimate = value_of(decision, "ball_bearing_rad"))
     out.push_back({Kind::ball_bearing_rad, time, answer.robot,
-                   maths::wrap_angle(*estimate - (maths::atan2(dy_m, dx_m) - pose.theta_rad)), distance_m});
+                   maths::wrap_angle(*estimate - (maths::atan2(dy_m, dx_m) - pose.theta_rad)),
+                   distance_m});
 }
 
 }  // namespace
@@ -126,4 +128,4 @@ ErrorSummary summarise(std::vector<double> errors) {
   return summary;
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -12,7 +12,7 @@
 
 #include "scheduler/log/log.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 // One decision's error: estimate minus truth.
 struct EstimateError {
@@ -40,4 +40,4 @@ struct ErrorSummary {
 
 ErrorSummary summarise(std::vector<double> errors);
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace seam::tools {
+namespace seam::app {
 namespace {
 
 TEST(EstimateErrors, SummariesAreThoseOfTheirDefinitions) {
@@ -23,4 +23,4 @@ TEST(EstimateErrors, SummariesAreThoseOfTheirDefinitions) {
 }
 
 }  // namespace
-}  // namespace seam::tools
+}  // namespace seam::app

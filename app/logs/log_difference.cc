@@ -4,10 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "sim_core/base/error.h"
 #include "app/logs/replay_match.h"
+#include "sim_core/base/error.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler::Log& b) {
   scheduler::LogDifference difference = scheduler::compare_logs(a, b);
@@ -37,9 +37,9 @@ std::string to_text(const scheduler::LogDifference& difference) {
   }
   if (difference.first) {
     const auto& first = *difference.first;
-    text += fmt::format("first difference: {} ({} ns), section {}, field {}", seconds(first.time),
-                        first.time.ns(), first.section,
-                        first.field.empty() ? "unknown" : first.field);
+    text +=
+        fmt::format("first difference: {} ({} ns), section {}, field {}", seconds(first.time),
+                    first.time.ns(), first.section, first.field.empty() ? "unknown" : first.field);
     if (!first.a.empty() || !first.b.empty()) {
       text += fmt::format(": {} and {}", first.a, first.b);
     }
@@ -49,8 +49,8 @@ std::string to_text(const scheduler::LogDifference& difference) {
     }
   }
   if (difference.end_a != difference.end_b) {
-    text += fmt::format("lengths: {} and {}\n", seconds(difference.end_a),
-                        seconds(difference.end_b));
+    text +=
+        fmt::format("lengths: {} and {}\n", seconds(difference.end_a), seconds(difference.end_b));
   }
   text += difference.equal() ? "equal" : "different";
   text += fmt::format(" (compared up to {})\n", seconds(difference.compared_until));
@@ -66,8 +66,10 @@ std::string to_json(const scheduler::LogDifference& difference) {
                                  {"first_decision", nullptr}};
   if (difference.first) {
     const auto& first = *difference.first;
-    json["first"] = {{"time_ns", first.time.ns()}, {"section", first.section},
-                     {"field", first.field},       {"a", first.a},
+    json["first"] = {{"time_ns", first.time.ns()},
+                     {"section", first.section},
+                     {"field", first.field},
+                     {"a", first.a},
                      {"b", first.b}};
   }
   if (difference.first_decision) {
@@ -90,9 +92,12 @@ std::string to_view_json(const scheduler::LogDifference& difference) {
                                  {"spread", nlohmann::ordered_json::array()}};
   if (difference.first) {
     const auto& first = *difference.first;
-    json["first"] = {{"t", first.time.s()},     {"time_ns", std::to_string(first.time.ns())},
-                     {"section", first.section}, {"field", first.field},
-                     {"a", first.a},             {"b", first.b}};
+    json["first"] = {{"t", first.time.s()},
+                     {"time_ns", std::to_string(first.time.ns())},
+                     {"section", first.section},
+                     {"field", first.field},
+                     {"a", first.a},
+                     {"b", first.b}};
   }
   for (const auto& step : difference.spread) {
     json["spread"].push_back({{"t", step.time.s()}, {"section", step.section}});
@@ -100,4 +105,4 @@ std::string to_view_json(const scheduler::LogDifference& difference) {
   return json.dump();
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -5,7 +5,7 @@
 
 #include "scheduler/replay/log_diff.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 // Compares hashes and decisions, and the states themselves at the first difference.
 scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler::Log& b);
@@ -16,4 +16,4 @@ std::string to_json(const scheduler::LogDifference& difference);
 // As the viewer asks for it (docs/viewer_api.md).
 std::string to_view_json(const scheduler::LogDifference& difference);
 
-}  // namespace seam::tools
+}  // namespace seam::app

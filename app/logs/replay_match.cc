@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "sim_core/base/error.h"
 #include "app/simulator.h"
+#include "sim_core/base/error.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 struct ReplayMatch::Impl {
   const scheduler::Log& log;
@@ -48,14 +48,20 @@ ReplayMatch::ReplayMatch(const scheduler::Log& log, const ReplayOptions& options
 }
 ReplayMatch::~ReplayMatch() = default;
 
-const Scenario& ReplayMatch::scenario() const { return impl_->simulator.scenario; }
-World& ReplayMatch::world() { return impl_->simulator.world; }
+const Scenario& ReplayMatch::scenario() const {
+  return impl_->simulator.scenario;
+}
+World& ReplayMatch::world() {
+  return impl_->simulator.world;
+}
 
 CameraRenderer& ReplayMatch::renderer() {
   return impl_->other_models ? *impl_->other_models->renderer : *impl_->simulator.renderer;
 }
 
-const scheduler::RunHeader& ReplayMatch::header() const { return impl_->simulator.header; }
+const scheduler::RunHeader& ReplayMatch::header() const {
+  return impl_->simulator.header;
+}
 
 scheduler::Rewinder& ReplayMatch::rewinder() {
   if (!impl_->rewinder) impl_->rewinder.emplace(impl_->log, impl_->simulator.world);
@@ -70,6 +76,8 @@ int ReplayMatch::robot(const std::string& id) const {
   throw UsageError(fmt::format("--robot: unknown robot '{}'{}", id, suggestion_for(id, ids)));
 }
 
-std::string seconds(SimTime time) { return fmt::format("{:.6g} s", time.s()); }
+std::string seconds(SimTime time) {
+  return fmt::format("{:.6g} s", time.s());
+}
 
-}  // namespace seam::tools
+}  // namespace seam::app

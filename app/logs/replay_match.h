@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "app/camera_renderer.h"
 #include "scheduler/log/log.h"
 #include "scheduler/replay/rewinder.h"
 #include "sim_core/world/world.h"
-#include "app/camera_renderer.h"
 
-namespace seam::tools {
+namespace seam::app {
 
 struct ReplayOptions {
   // `[ROBOT=]MODEL` as given to --model: other models than the log's.
@@ -44,4 +44,4 @@ class ReplayMatch {
 // "12.345 s", as text for people.
 std::string seconds(SimTime time);
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -4,13 +4,15 @@
 #include "measurement/imaging/frame_predictor.h"
 #include "render/renderer.h"
 
-namespace seam::tools {
+namespace seam::app {
 namespace {
 
 class RenderedFrames final : public measurement::FramePredictor {
  public:
   RenderedFrames(const effects::Model& model, int width_px, int height_px, SimTime reference)
-      : renderer_(model, width_px, height_px, {.samples_per_pixel = 16, .edge_samples_per_pixel = 512, .reference = reference}) {}
+      : renderer_(
+            model, width_px, height_px,
+            {.samples_per_pixel = 16, .edge_samples_per_pixel = 512, .reference = reference}) {}
 
   std::vector<float> light(const FrameJob& job) const override {
     const render::LinearImage image = renderer_.render_linear(job);
@@ -26,10 +28,11 @@ class RenderedFrames final : public measurement::FramePredictor {
 }  // namespace
 
 void supply_renderer_to_measurements() {
-  measurement::supply_frame_predictor([](const effects::Model& model, int width_px, int height_px,
-                                         SimTime reference) -> std::unique_ptr<measurement::FramePredictor> {
-    return std::make_unique<RenderedFrames>(model, width_px, height_px, reference);
-  });
+  measurement::supply_frame_predictor(
+      [](const effects::Model& model, int width_px, int height_px,
+         SimTime reference) -> std::unique_ptr<measurement::FramePredictor> {
+        return std::make_unique<RenderedFrames>(model, width_px, height_px, reference);
+      });
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -1,8 +1,8 @@
 // Supplies render/'s renderer to measurement sets of kind `frames`.
 #pragma once
 
-namespace seam::tools {
+namespace seam::app {
 
 void supply_renderer_to_measurements();
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -1,23 +1,23 @@
-// `ball_ranger` as sets of kind `ranges` need it: the robot of the ball-distance experiment at rest,
-// the colour table of its camera, and the very detector that the behaviour calls.
+// `ball_ranger` as sets of kind `ranges` need it: the robot of the ball-distance experiment at
+// rest, the colour table of its camera, and the very detector that the behaviour calls.
 #include "app/predictors/range_detector.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "app/data_file.h"
 #include "effects/stages/robot_parts.h"
 #include "measurement/imaging/range_detector.h"
 #include "render/colour/colour_space.h"
 #include "render/colour/colour_table.h"
 #include "robot_sdk/vision/ball_detector.h"
 #include "sim_core/base/error.h"
-#include "sim_core/body/kinematics.h"
 #include "sim_core/base/maths.h"
-#include "sim_core/world/robot.h"
+#include "sim_core/body/kinematics.h"
 #include "sim_core/scenario/scenario.h"
-#include "tools/experiments/runs.h"
+#include "sim_core/world/robot.h"
 
-namespace seam::tools {
+namespace seam::app {
 namespace {
 
 using measurement::Gaze;
@@ -41,9 +41,11 @@ class BallRanger final : public measurement::RangeDetector {
     robot_.pose = {};
     // The size of the colour image, and where its first pixel lies.
     const render::Detections none =
-        table_.detect(std::vector<uint8_t>(static_cast<size_t>(width_px_) * height_px_ * 3), width_px_, height_px_);
+        table_.detect(std::vector<uint8_t>(static_cast<size_t>(width_px_) * height_px_ * 3),
+                      width_px_, height_px_);
     colours_width_px_ = none.width_px, colours_height_px_ = none.height_px;
-    left_px_ = (width_px_ - 2 * colours_width_px_) / 2, top_px_ = (height_px_ - 2 * colours_height_px_) / 2;
+    left_px_ = (width_px_ - 2 * colours_width_px_) / 2,
+    top_px_ = (height_px_ - 2 * colours_height_px_) / 2;
   }
 
   Gaze gaze(const effects::Model& model, double true_m) const override {
@@ -51,13 +53,16 @@ class BallRanger final : public measurement::RangeDetector {
     Robot robot(robot_, parts, RandomStream{}, 1);
     const SimTime rest = SimTime::from_s(kSettled_s);
     RobotCommand command;
-    command.joints.push_back({.targets = {{.joint = kTilt, .angle_rad = tilt_to_ball_rad(true_m)}}});
+    command.joints.push_back(
+        {.targets = {{.joint = kTilt, .angle_rad = tilt_to_ball_rad(true_m)}}});
     robot.apply(command, SimTime(), rest);
     robot.begin_interval(SimTime(), rest);
-    const Pose X_BL = camera_link_pose(robot_.body, robot.joint_angle(kTilt, rest), robot.joint_angle(kPan, rest),
-                                       robot.joint_angle(kRoll, rest));
+    const Pose X_BL =
+        camera_link_pose(robot_.body, robot.joint_angle(kTilt, rest), robot.joint_angle(kPan, rest),
+                         robot.joint_angle(kRoll, rest));
     return {.X_WL = robot.body_pose(robot_.pose, 1) * X_BL,
-            .encoder_rad = {robot.encoder(kTilt, rest), robot.encoder(kPan, rest), robot.encoder(kRoll, rest)}};
+            .encoder_rad = {robot.encoder(kTilt, rest), robot.encoder(kPan, rest),
+                            robot.encoder(kRoll, rest)}};
   }
 
   std::vector<uint8_t> colours(std::span<const uint8_t> rgb) const override {
@@ -67,7 +72,9 @@ class BallRanger final : public measurement::RangeDetector {
   PixelWindow whole(const PixelWindow& window) const override {
     // The colour table takes widths of a multiple of 8 colour pixels.
     constexpr int kStep = 8;
-    const auto first = [](int px, int offset, int count) { return std::clamp((px - offset) / 2, 0, count - 1); };
+    const auto first = [](int px, int offset, int count) {
+      return std::clamp((px - offset) / 2, 0, count - 1);
+    };
     int u0 = first(window.u, left_px_, colours_width_px_);
     int u1 = first(window.u + window.width_px - 1, left_px_, colours_width_px_);
     const int v0 = first(window.v, top_px_, colours_height_px_);
@@ -76,7 +83,8 @@ class BallRanger final : public measurement::RangeDetector {
     return {left_px_ + 2 * u0, top_px_ + 2 * v0, 2 * (u1 - u0 + 1), 2 * (v1 - v0 + 1)};
   }
 
-  void recolour(const PixelWindow& window, std::span<const uint8_t> rgb, std::vector<uint8_t>& colours) const override {
+  void recolour(const PixelWindow& window, std::span<const uint8_t> rgb,
+                std::vector<uint8_t>& colours) const override {
     const render::Detections part = detect(rgb, window.width_px, window.height_px);
     const int u0 = (window.u - left_px_) / 2, v0 = (window.v - top_px_) / 2;
     for (int v = 0; v < part.height_px; ++v) {
@@ -85,11 +93,14 @@ class BallRanger final : public measurement::RangeDetector {
     }
   }
 
-  std::optional<measurement::RangeSighting> measure(std::span<const uint8_t> colours, const Gaze& gaze) const override {
-    const sdk::HeadAngles head{static_cast<float>(gaze.encoder_rad[0]), static_cast<float>(gaze.encoder_rad[1]),
+  std::optional<measurement::RangeSighting> measure(std::span<const uint8_t> colours,
+                                                    const Gaze& gaze) const override {
+    const sdk::HeadAngles head{static_cast<float>(gaze.encoder_rad[0]),
+                               static_cast<float>(gaze.encoder_rad[1]),
                                static_cast<float>(gaze.encoder_rad[2])};
-    const auto ball = sdk::find_ball_in_frame({colours_width_px_, colours_height_px_, colours}, width_px_, height_px_,
-                                              [&](float) { return head; }, {}, {});
+    const auto ball =
+        sdk::find_ball_in_frame({colours_width_px_, colours_height_px_, colours}, width_px_,
+                                height_px_, [&](float) { return head; }, {}, {});
     if (!ball) return std::nullopt;
     return measurement::RangeSighting{ball->distance_m, ball->bearing_rad};
   }
@@ -116,11 +127,12 @@ double tilt_to_ball_rad(double distance_m) {
 
 void supply_detectors_to_measurements() {
   measurement::supply_range_detectors(
-      [](const measurement::RangeDetectorSpec& spec) -> std::unique_ptr<measurement::RangeDetector> {
+      [](const measurement::RangeDetectorSpec& spec)
+          -> std::unique_ptr<measurement::RangeDetector> {
         if (spec.name != "ball_ranger") return nullptr;
         return std::make_unique<BallRanger>(spec);
       },
       {"ball_ranger"});
 }
 
-}  // namespace seam::tools
+}  // namespace seam::app

@@ -1,12 +1,13 @@
 // Supplies the SDK's ball detector, on a standing robot, to measurement sets of kind `ranges`.
 #pragma once
 
-namespace seam::tools {
+namespace seam::app {
 
 // Where a head looks to see a ball at this distance on the ground from the robot's place, as the
-// founding paper's Fig. 10 shows: the camera is about 0.23 m high. To 1e-4 rad, as a command line gives it.
+// founding paper's Fig. 10 shows: the camera is about 0.23 m high. To 1e-4 rad, as a command line
+// gives it.
 double tilt_to_ball_rad(double distance_m);
 
 void supply_detectors_to_measurements();
 
-}  // namespace seam::tools
+}  // namespace seam::app

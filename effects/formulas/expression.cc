@@ -1,20 +1,20 @@
 // Expression effects: formulas over a stage's variables with named parameters, written in a
 // model's YAML. Variables and outputs by stage: definitions.md, "Expression effects".
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "effects/stages/detector.h"
 #include "effects/formulas/formula.h"
+#include "effects/model.h"
+#include "effects/registry.h"
+#include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/locomotion.h"
-#include "effects/model.h"
-#include "effects/registry.h"
 #include "effects/stages/sensor/sensor.h"
 #include "sim_core/base/error.h"
-
-#include <yaml-cpp/yaml.h>
 
 namespace seam::effects {
 namespace {
@@ -29,12 +29,18 @@ struct StageVariables {
 const std::vector<StageVariables>& stages() {
   static const std::vector<StageVariables> all = {
       {Stage::joint, {"q", "rate", "command", "t"}, {"q"}, kJoints | kPoints | kFrames | kRanges},
-      {Stage::geometry, {"x", "y", "r2", "u", "v", "cx", "cy", "fx", "fy", "t", "row"}, {"u", "v"}, kPoints | kFrames | kRanges},
+      {Stage::geometry,
+       {"x", "y", "r2", "u", "v", "cx", "cy", "fx", "fy", "t", "row"},
+       {"u", "v"},
+       kPoints | kFrames | kRanges},
       {Stage::radiometry, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
       {Stage::light, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
       {Stage::sensor, {"mean", "t"}, {"mean"}, kPhotometry | kFrames | kRanges},
       {Stage::detector, {"range", "bearing", "t"}, {"range", "bearing"}, kLandmarks | kRanges},
-      {Stage::locomotion, {"vx", "vy", "omega", "theta", "t"}, {"vx", "vy", "omega"}, kOdometry | kRanges},
+      {Stage::locomotion,
+       {"vx", "vy", "omega", "theta", "t"},
+       {"vx", "vy", "omega"},
+       kOdometry | kRanges},
   };
   return all;
 }
@@ -54,7 +60,9 @@ struct Program {
   std::vector<int> output;      // By formula: which of the stage's outputs it gives.
   std::vector<double> neutral;  // Of the parameters: there the effect does nothing, bit for bit.
 
-  bool absent(Values p) const { return std::equal(p.begin(), p.end(), neutral.begin(), neutral.end()); }
+  bool absent(Values p) const {
+    return std::equal(p.begin(), p.end(), neutral.begin(), neutral.end());
+  }
 
   // Runs every formula on the same inputs, then hands out the results.
   void run(std::span<const double> variables, Values p, Outputs& outputs) const {
@@ -63,7 +71,8 @@ struct Program {
     const size_t count = variables.size() + p.size();
     std::copy(variables.begin(), variables.end(), inputs.begin());
     std::copy(p.begin(), p.end(), inputs.begin() + static_cast<std::ptrdiff_t>(variables.size()));
-    for (size_t i = 0; i < formulas.size(); ++i) outputs[output[i]] = formulas[i]({inputs.data(), count});
+    for (size_t i = 0; i < formulas.size(); ++i)
+      outputs[output[i]] = formulas[i]({inputs.data(), count});
   }
 };
 
@@ -93,7 +102,9 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
       effect.image_map = [program](Values p, ImagePoint& at) {
         Outputs out = {at.u, at.v};
         const double r2 = at.x * at.x + at.y * at.y;
-        program->run(std::array{at.x, at.y, r2, at.u, at.v, at.cx, at.cy, at.fx, at.fy, at.t_s, at.row}, p, out);
+        program->run(
+            std::array{at.x, at.y, r2, at.u, at.v, at.cx, at.cy, at.fx, at.fy, at.t_s, at.row}, p,
+            out);
         at.u = out[0], at.v = out[1];
       };
       break;
@@ -102,7 +113,8 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
         std::array<double, kMostInputs> in = {at.q_rad, at.rate_rad_per_s, at.command_rad, at.t_s};
         size_t count = 4;
         for (const std::string& column : columns) {
-          // Columns that this log lacks are refused before; without a log (the simulator) they are 0.
+          // Columns that this log lacks are refused before; without a log (the simulator) they are
+          // 0.
           in[count] = 0;
           for (size_t i = 0; at.extra_names != nullptr && i < at.extra_names->size(); ++i) {
             if ((*at.extra_names)[i] == column) in[count] = at.extra_values[i];
@@ -118,14 +130,16 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
     case Stage::light:
       effect.gain = [program](Values p, const ImagePoint& at) {
         Outputs out = {1};
-        program->run(std::array{at.u, at.v, rho(at.u, at.v, at.width_px, at.height_px), at.t_s}, p, out);
+        program->run(std::array{at.u, at.v, rho(at.u, at.v, at.width_px, at.height_px), at.t_s}, p,
+                     out);
         return out[0];
       };
       break;
     case Stage::sensor:
       effect.sensor = [program](Values p, SensorChain& chain) {
         if (program->absent(p)) return;
-        chain.maps.push_back([program, values = std::vector<double>(p.begin(), p.end())](double mean_dn, double t_s) {
+        chain.maps.push_back([program, values = std::vector<double>(p.begin(), p.end())](
+                                 double mean_dn, double t_s) {
           Outputs out = {mean_dn};
           program->run(std::array{mean_dn, t_s}, values, out);
           return out[0];
@@ -156,15 +170,19 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
 bool is_neutral(const Program& program, const StageVariables& stage, size_t columns) {
   for (const double at : {0.3, 1.7, -0.9}) {
     std::vector<double> inputs;
-    for (size_t i = 0; i < stage.variables.size() + columns; ++i) inputs.push_back(at + 0.37 * static_cast<double>(i));
+    for (size_t i = 0; i < stage.variables.size() + columns; ++i)
+      inputs.push_back(at + 0.37 * static_cast<double>(i));
     const std::vector<double> variables = inputs;
     inputs.insert(inputs.end(), program.neutral.begin(), program.neutral.end());
     for (size_t i = 0; i < program.formulas.size(); ++i) {
       const std::string& output = stage.outputs[program.output[i]];
       const auto place = std::find(stage.variables.begin(), stage.variables.end(), output);
-      const double expected = place == stage.variables.end() ? 1 : variables[place - stage.variables.begin()];
+      const double expected =
+          place == stage.variables.end() ? 1 : variables[place - stage.variables.begin()];
       const double value = program.formulas[i](inputs);
-      if (std::isfinite(value) && std::abs(value - expected) > 1e-9 * std::max(1.0, std::abs(expected))) return false;
+      if (std::isfinite(value) &&
+          std::abs(value - expected) > 1e-9 * std::max(1.0, std::abs(expected)))
+        return false;
     }
   }
   return true;
@@ -178,8 +196,10 @@ std::string yaml_quoted(const std::string& text) {
 
 }  // namespace
 
-std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name, const ConfigNode& node) {
-  if (find_effect(name)) node.fail(fmt::format("'{}' is an effect of the catalogue, expected a new name", name));
+std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name,
+                                                          const ConfigNode& node) {
+  if (find_effect(name))
+    node.fail(fmt::format("'{}' is an effect of the catalogue, expected a new name", name));
   const StageVariables& stage = stage_named(node.at("stage"));
   auto effect = std::make_shared<EffectDefinition>();
   effect->name = name;
@@ -189,13 +209,15 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
   effect->signature = node.text_or("signature", "");
   effect->source = "    stage: " + to_string(stage.stage) + "\n";
   if (node.has("help")) effect->source += "    help: " + yaml_quoted(effect->help) + "\n";
-  if (node.has("signature")) effect->source += "    signature: " + yaml_quoted(effect->signature) + "\n";
+  if (node.has("signature"))
+    effect->source += "    signature: " + yaml_quoted(effect->signature) + "\n";
   auto program = std::make_shared<Program>();
   std::vector<std::string> inputs = stage.variables, parameter_names;
   if (const auto parameters = node.find("parameters")) {
     for (const std::string& key : parameters->keys()) {
       if (std::find(inputs.begin(), inputs.end(), key) != inputs.end()) {
-        parameters->fail(fmt::format("'{}' is a variable of the stage, expected another name", key));
+        parameters->fail(
+            fmt::format("'{}' is a variable of the stage, expected another name", key));
       }
       effect->parameters.push_back(read_parameter(key, parameters->at(key)));
       program->neutral.push_back(effect->parameters.back().neutral);
@@ -213,10 +235,12 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
         const auto known = [&](const std::vector<std::string>& list) {
           return std::find(list.begin(), list.end(), used) != list.end();
         };
-        if (!known(inputs) && !known(parameter_names)) effect->columns.push_back(used), inputs.push_back(used);
+        if (!known(inputs) && !known(parameter_names))
+          effect->columns.push_back(used), inputs.push_back(used);
       }
     }
-    if (texts.empty()) node.fail(fmt::format("no formula, expected one for {}", fmt::join(stage.outputs, " or ")));
+    if (texts.empty())
+      node.fail(fmt::format("no formula, expected one for {}", fmt::join(stage.outputs, " or ")));
     inputs.insert(inputs.end(), parameter_names.begin(), parameter_names.end());
     if (inputs.size() > kMostInputs) {
       node.fail(fmt::format("{} variables and parameters, at most {}", inputs.size(), kMostInputs));
@@ -225,7 +249,8 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
       program->formulas.emplace_back(text, inputs);
       program->output.push_back(output);
       effect->source += "    " + stage.outputs[output] + ": " + yaml_quoted(text) + "\n";
-      effect->formula += (effect->formula.empty() ? "" : ", ") + stage.outputs[output] + " = " + text;
+      effect->formula +=
+          (effect->formula.empty() ? "" : ", ") + stage.outputs[output] + " = " + text;
     }
   } catch (const InputError& error) {
     const std::string what = error.what();
@@ -240,12 +265,14 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
   return effect;
 }
 
-std::vector<ParameterValue> expression_values(const EffectDefinition& definition, const ConfigNode& node) {
+std::vector<ParameterValue> expression_values(const EffectDefinition& definition,
+                                              const ConfigNode& node) {
   std::vector<ParameterValue> values;
   for (const Parameter& parameter : definition.parameters) {
     const ConfigNode given = node.at("parameters").at(parameter.name);
     ParameterValue value{.value = parameter.neutral};
-    const Range bounds{std::min(parameter.min, parameter.neutral), std::max(parameter.max, parameter.neutral)};
+    const Range bounds{std::min(parameter.min, parameter.neutral),
+                       std::max(parameter.max, parameter.neutral)};
     if (given.is_map()) {
       value.value = given.number_or("value", parameter.neutral, bounds);
       if (const auto sigma = given.find("sigma")) value.sigma = sigma->number({0, 1e300});
@@ -259,8 +286,8 @@ std::vector<ParameterValue> expression_values(const EffectDefinition& definition
   return values;
 }
 
-std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> expression_effects(
-    const ConfigNode& root) {
+std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>>
+expression_effects(const ConfigNode& root) {
   // A file of candidates: a map of names, or a model whose effects are all expressions.
   const ConfigNode effects = root.has("effects") ? root.at("effects") : root;
   std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> all;
@@ -276,6 +303,8 @@ std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<Param
   return all;
 }
 
-std::string expression_source(const EffectDefinition& definition) { return definition.source; }
+std::string expression_source(const EffectDefinition& definition) {
+  return definition.source;
+}
 
 }  // namespace seam::effects

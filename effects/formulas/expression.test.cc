@@ -3,19 +3,22 @@
 #include <cmath>
 
 #include "effects/formulas/formula.h"
+#include "effects/model.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/locomotion.h"
-#include "effects/model.h"
 
 namespace seam::effects {
 namespace {
 
 Model model_of(const std::string& effects) {
-  return Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
+  return Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
 }
 
-double value_of(const std::string& text) { return Formula(text, {"x"})(std::array{2.0}); }
+double value_of(const std::string& text) {
+  return Formula(text, {"x"})(std::array{2.0});
+}
 
 TEST(Formula, ArithmeticIsThatOfMathematics) {
   EXPECT_EQ(value_of("1 + 2 * 3 ^ 2 - 4 / 2"), 17);
@@ -24,8 +27,9 @@ TEST(Formula, ArithmeticIsThatOfMathematics) {
   EXPECT_EQ(value_of("(1 - x) * -3"), 3);
   EXPECT_EQ(value_of("x > 1 && x <= 2 ? 5 : 6"), 5);
   EXPECT_EQ(value_of("if(x < 0, 1, max(x, 7)) + sign(-x) + abs(-1) + floor(1.5)"), 8);
-  EXPECT_NEAR(value_of("sin(pi / 6) + exp(log(x)) + sqrt(x + 2) + atan2(1, 1) + tanh(0.5) + pow(x, 0.5)"),
-              0.5 + 2 + 2 + std::atan(1.0) + std::tanh(0.5) + std::sqrt(2.0), 1e-14);
+  EXPECT_NEAR(
+      value_of("sin(pi / 6) + exp(log(x)) + sqrt(x + 2) + atan2(1, 1) + tanh(0.5) + pow(x, 0.5)"),
+      0.5 + 2 + 2 + std::atan(1.0) + std::tanh(0.5) + std::sqrt(2.0), 1e-14);
 }
 
 TEST(Formula, ErrorsNameWhatIsWrong) {
@@ -37,7 +41,9 @@ TEST(Formula, ErrorsNameWhatIsWrong) {
 TEST(Expression, ActsOnTheImageAndIsAbsentAtNeutral) {
   const std::string base = "  pinhole: {fx_px: 160, fy_px: 162, cx_px: 88.5, cy_px: 71.5}\n";
   const auto with = [&](double k) {
-    return model_of(base + "  thermal: {stage: geometry, u: \"cx + (u - cx) * (1 + k * t)\", parameters: {k: {value: " +
+    return model_of(base +
+                    "  thermal: {stage: geometry, u: \"cx + (u - cx) * (1 + k * t)\", parameters: "
+                    "{k: {value: " +
                     std::to_string(k) + ", neutral: 0, min: -0.1, max: 0.1}}}");
   };
   const Vec3 point{0.2, -0.1, 2.0};
@@ -51,8 +57,9 @@ TEST(Expression, ActsOnTheImageAndIsAbsentAtNeutral) {
 }
 
 TEST(Expression, FileRoundTripKeepsTheFormula) {
-  const Model model = model_of("  friction: {stage: joint, help: \"a test\", q: \"q + k * load_nm * sign(rate)\", "
-                               "parameters: {k: {value: 0.5, sigma: 0.01, neutral: 0, min: -1, max: 1}}}");
+  const Model model = model_of(
+      "  friction: {stage: joint, help: \"a test\", q: \"q + k * load_nm * sign(rate)\", "
+      "parameters: {k: {value: 0.5, sigma: 0.01, neutral: 0, min: -1, max: 1}}}");
   const std::string yaml = model.to_yaml();
   const Model again = Model::from_config(ConfigNode::from_text(yaml, "again"));
   EXPECT_EQ(again.to_yaml(), yaml);
@@ -60,17 +67,25 @@ TEST(Expression, FileRoundTripKeepsTheFormula) {
   EXPECT_EQ(effect.definition->columns, std::vector<std::string>{"load_nm"});
   const std::vector<std::string> names = {"other", "load_nm"};
   const double values[2] = {9, 2};
-  const JointSample sample{.q_rad = 1, .rate_rad_per_s = -3, .extra_names = &names, .extra_values = values};
+  const JointSample sample{
+      .q_rad = 1, .rate_rad_per_s = -3, .extra_names = &names, .extra_values = values};
   EXPECT_EQ(effect.definition->joint_map(effect.values(), sample), 1 - 0.5 * 2);
 }
 
 TEST(Expression, EachStageHasItsVariables) {
-  EXPECT_NO_THROW(model_of("  a: {stage: radiometry, gain: \"1 - k * rho^2\", parameters: {k: 0.1}}"));
-  EXPECT_NO_THROW(model_of("  a: {stage: light, gain: \"1 + k * sin(t)\", parameters: {k: {value: 0.1}}}"));
-  EXPECT_NO_THROW(model_of("  a: {stage: sensor, mean: \"mean + k * mean^2\", parameters: {k: {value: 0.1}}}"));
-  EXPECT_NO_THROW(model_of("  a: {stage: detector, range: \"range * (1 + k * bearing)\", parameters: {k: {value: 0.1}}}"));
-  EXPECT_NO_THROW(model_of("  a: {stage: locomotion, omega: \"omega + k * vx\", parameters: {k: {value: 0.1}}}"));
-  EXPECT_ANY_THROW(model_of("  a: {stage: locomotion, omega: \"omega + k * v\", parameters: {k: {value: 0.1}}}"));
+  EXPECT_NO_THROW(
+      model_of("  a: {stage: radiometry, gain: \"1 - k * rho^2\", parameters: {k: 0.1}}"));
+  EXPECT_NO_THROW(
+      model_of("  a: {stage: light, gain: \"1 + k * sin(t)\", parameters: {k: {value: 0.1}}}"));
+  EXPECT_NO_THROW(
+      model_of("  a: {stage: sensor, mean: \"mean + k * mean^2\", parameters: {k: {value: 0.1}}}"));
+  EXPECT_NO_THROW(
+      model_of("  a: {stage: detector, range: \"range * (1 + k * bearing)\", parameters: {k: "
+               "{value: 0.1}}}"));
+  EXPECT_NO_THROW(model_of(
+      "  a: {stage: locomotion, omega: \"omega + k * vx\", parameters: {k: {value: 0.1}}}"));
+  EXPECT_ANY_THROW(model_of(
+      "  a: {stage: locomotion, omega: \"omega + k * v\", parameters: {k: {value: 0.1}}}"));
   EXPECT_ANY_THROW(model_of("  a: {stage: timing, omega: \"1\"}"));
   EXPECT_ANY_THROW(model_of("  a: {stage: detector, omega: \"1\"}"));
   EXPECT_ANY_THROW(model_of("  a: {stage: detector}"));
@@ -79,7 +94,9 @@ TEST(Expression, EachStageHasItsVariables) {
 
 TEST(Expression, ALocomotionFormulaIsIntegrated) {
   // A turn in proportion to the heading: theta = exp(k t).
-  const Model model = model_of("  spin: {stage: locomotion, omega: \"omega + k * (1 + theta)\", parameters: {k: {value: 0.5}}}");
+  const Model model = model_of(
+      "  spin: {stage: locomotion, omega: \"omega + k * (1 + theta)\", parameters: {k: {value: "
+      "0.5}}}");
   WalkState state;
   advance_walk(locomotion_of(model), {}, 2.0, state);
   EXPECT_NEAR(state.theta_rad, std::exp(1.0) - 1, 1e-9);

@@ -13,30 +13,70 @@
 namespace seam::effects {
 namespace {
 
-double add(double a, double b) { return a + b; }
-double subtract(double a, double b) { return a - b; }
-double multiply(double a, double b) { return a * b; }
-double divide(double a, double b) { return a / b; }
-double less(double a, double b) { return a < b; }
-double greater(double a, double b) { return a > b; }
-double at_most(double a, double b) { return a <= b; }
-double at_least(double a, double b) { return a >= b; }
-double equal(double a, double b) { return a == b; }
-double unequal(double a, double b) { return a != b; }
-double both(double a, double b) { return a != 0 && b != 0; }
-double either(double a, double b) { return a != 0 || b != 0; }
-double sign_of(double a) { return a > 0 ? 1 : a < 0 ? -1 : 0; }
-double square_root(double a) { return std::sqrt(a); }
-double absolute(double a) { return std::abs(a); }
-double round_down(double a) { return std::floor(a); }
-double nearest(double a) { return std::round(a); }
+double add(double a, double b) {
+  return a + b;
+}
+double subtract(double a, double b) {
+  return a - b;
+}
+double multiply(double a, double b) {
+  return a * b;
+}
+double divide(double a, double b) {
+  return a / b;
+}
+double less(double a, double b) {
+  return a < b;
+}
+double greater(double a, double b) {
+  return a > b;
+}
+double at_most(double a, double b) {
+  return a <= b;
+}
+double at_least(double a, double b) {
+  return a >= b;
+}
+double equal(double a, double b) {
+  return a == b;
+}
+double unequal(double a, double b) {
+  return a != b;
+}
+double both(double a, double b) {
+  return a != 0 && b != 0;
+}
+double either(double a, double b) {
+  return a != 0 || b != 0;
+}
+double sign_of(double a) {
+  return a > 0 ? 1 : a < 0 ? -1 : 0;
+}
+double square_root(double a) {
+  return std::sqrt(a);
+}
+double absolute(double a) {
+  return std::abs(a);
+}
+double round_down(double a) {
+  return std::floor(a);
+}
+double nearest(double a) {
+  return std::round(a);
+}
 double hyperbolic_tangent(double a) {
   const double e = maths::expm1(-2 * std::abs(a));
   return std::copysign(-e / (e + 2), a);
 }
-double smaller(double a, double b) { return a < b ? a : b; }
-double larger(double a, double b) { return a > b ? a : b; }
-double choose(double condition, double then, double otherwise) { return condition != 0 ? then : otherwise; }
+double smaller(double a, double b) {
+  return a < b ? a : b;
+}
+double larger(double a, double b) {
+  return a > b ? a : b;
+}
+double choose(double condition, double then, double otherwise) {
+  return condition != 0 ? then : otherwise;
+}
 
 // Powers with small whole exponents are products, exact in the same way everywhere.
 double power(double base, double exponent) {
@@ -61,11 +101,11 @@ std::unique_ptr<mu::Parser> bare_parser() {
     unsigned priority;
     mu::EOprtAssociativity side;
   } operators[] = {
-      {"||", either, mu::prLOR, mu::oaLEFT},     {"&&", both, mu::prLAND, mu::oaLEFT},
-      {"<=", at_most, mu::prCMP, mu::oaLEFT},    {">=", at_least, mu::prCMP, mu::oaLEFT},
-      {"==", equal, mu::prCMP, mu::oaLEFT},      {"!=", unequal, mu::prCMP, mu::oaLEFT},
-      {"<", less, mu::prCMP, mu::oaLEFT},        {">", greater, mu::prCMP, mu::oaLEFT},
-      {"+", add, mu::prADD_SUB, mu::oaLEFT},     {"-", subtract, mu::prADD_SUB, mu::oaLEFT},
+      {"||", either, mu::prLOR, mu::oaLEFT},      {"&&", both, mu::prLAND, mu::oaLEFT},
+      {"<=", at_most, mu::prCMP, mu::oaLEFT},     {">=", at_least, mu::prCMP, mu::oaLEFT},
+      {"==", equal, mu::prCMP, mu::oaLEFT},       {"!=", unequal, mu::prCMP, mu::oaLEFT},
+      {"<", less, mu::prCMP, mu::oaLEFT},         {">", greater, mu::prCMP, mu::oaLEFT},
+      {"+", add, mu::prADD_SUB, mu::oaLEFT},      {"-", subtract, mu::prADD_SUB, mu::oaLEFT},
       {"*", multiply, mu::prMUL_DIV, mu::oaLEFT}, {"/", divide, mu::prMUL_DIV, mu::oaLEFT},
       {"^", power, mu::prPOW, mu::oaRIGHT},
   };
@@ -74,9 +114,14 @@ std::unique_ptr<mu::Parser> bare_parser() {
     const char* name;
     double (*function)(double);
   } functions[] = {
-      {"sin", maths::sin}, {"cos", maths::cos}, {"tan", maths::tan}, {"asin", maths::asin}, {"acos", maths::acos},
-      {"atan", maths::atan}, {"exp", maths::exp}, {"log", maths::log}, {"ln", maths::log}, {"tanh", hyperbolic_tangent},
-      {"sqrt", square_root}, {"abs", absolute}, {"sign", sign_of}, {"floor", round_down}, {"round", nearest},
+      {"sin", maths::sin},   {"cos", maths::cos},
+      {"tan", maths::tan},   {"asin", maths::asin},
+      {"acos", maths::acos}, {"atan", maths::atan},
+      {"exp", maths::exp},   {"log", maths::log},
+      {"ln", maths::log},    {"tanh", hyperbolic_tangent},
+      {"sqrt", square_root}, {"abs", absolute},
+      {"sign", sign_of},     {"floor", round_down},
+      {"round", nearest},
   };
   for (const auto& f : functions) parser->DefineFun(f.name, f.function);
   parser->DefineFun("atan2", maths::atan2);
@@ -93,7 +138,8 @@ struct Compiled {
   std::unique_ptr<mu::Parser> parser = bare_parser();
   std::vector<double> values;
 
-  Compiled(const std::string& text, const std::vector<std::string>& variables) : values(variables.size(), 0) {
+  Compiled(const std::string& text, const std::vector<std::string>& variables)
+      : values(variables.size(), 0) {
     for (size_t i = 0; i < variables.size(); ++i) parser->DefineVar(variables[i], &values[i]);
     parser->SetExpr(text);
   }
@@ -107,7 +153,8 @@ Formula::Formula(const std::string& text, std::vector<std::string> variables)
     : text_(text), variables_(std::move(variables)), id_(next_id++) {
   for (const std::string& name : names_in(text)) {
     if (std::find(variables_.begin(), variables_.end(), name) == variables_.end()) {
-      throw InputError(fmt::format("formula '{}': unknown name '{}'{}", text, name, suggestion_for(name, variables_)));
+      throw InputError(fmt::format("formula '{}': unknown name '{}'{}", text, name,
+                                   suggestion_for(name, variables_)));
     }
   }
   const std::vector<double> ones(variables_.size(), 1);

@@ -8,7 +8,8 @@ namespace seam::effects {
 
 Projection::Projection(const Model& model, int width_px, int height_px)
     : width_px_(width_px), height_px_(height_px) {
-  if (!model.has("pinhole")) throw InputError("the model has no 'pinhole', expected one: it makes the image");
+  if (!model.has("pinhole"))
+    throw InputError("the model has no 'pinhole', expected one: it makes the image");
   if (model.has("fisheye") && (model.has("radial_distortion") || model.has("radial_polynomial"))) {
     throw InputError("the model has 'fisheye' and another radial effect, expected one of them");
   }
@@ -18,8 +19,12 @@ Projection::Projection(const Model& model, int width_px, int height_px)
 }
 
 ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int channel) const {
-  ImagePoint point{.p_C = p_C, .t_s = t_s, .row = row, .channel = channel,
-                   .width_px = width_px_, .height_px = height_px_};
+  ImagePoint point{.p_C = p_C,
+                   .t_s = t_s,
+                   .row = row,
+                   .channel = channel,
+                   .width_px = width_px_,
+                   .height_px = height_px_};
   // Behind the camera only a fisheye sees; it sets `visible` and x, y itself.
   point.visible = p_C.z > 0;
   point.x = point.xd = p_C.x / p_C.z;
@@ -42,7 +47,8 @@ std::optional<Vec3> Projection::unproject(double u, double v, double t_s, int ch
   if (!axis.visible) return std::nullopt;
   double x = (u - axis.u) / axis.fx;
   double y = (v - axis.v) / axis.fy;
-  for (int shrink = 0; shrink < 8 && !project({x, y, 1}, t_s, v, channel).visible; ++shrink) x *= 0.7, y *= 0.7;
+  for (int shrink = 0; shrink < 8 && !project({x, y, 1}, t_s, v, channel).visible; ++shrink)
+    x *= 0.7, y *= 0.7;
   for (int step = 0; step < 30; ++step) {
     const ImagePoint here = project({x, y, 1}, t_s, v, channel);
     if (!here.visible) return std::nullopt;
@@ -60,7 +66,8 @@ std::optional<Vec3> Projection::unproject(double u, double v, double t_s, int ch
     if (!(determinant * axis.fx * axis.fy > 0)) return std::nullopt;
     double dx = (d * error_u - b * error_v) / determinant;
     double dy = (a * error_v - c * error_u) / determinant;
-    for (int half = 0; half < 20 && !project({x + dx, y + dy, 1}, t_s, v, channel).visible; ++half) dx /= 2, dy /= 2;
+    for (int half = 0; half < 20 && !project({x + dx, y + dy, 1}, t_s, v, channel).visible; ++half)
+      dx /= 2, dy /= 2;
     x += dx, y += dy;
   }
   const ImagePoint end = project({x, y, 1}, t_s, v, channel);
@@ -79,7 +86,8 @@ Pose mount_of(const Model& model) {
 double rho(double u, double v, int width_px, int height_px) {
   const double du = u - 0.5 * (width_px - 1);
   const double dv = v - 0.5 * (height_px - 1);
-  return std::sqrt((du * du + dv * dv) / (0.25 * width_px * width_px + 0.25 * height_px * height_px));
+  return std::sqrt((du * du + dv * dv) /
+                   (0.25 * width_px * width_px + 0.25 * height_px * height_px));
 }
 
 }  // namespace seam::effects

@@ -12,17 +12,17 @@ namespace seam::effects {
 // fisheye replaces x, y), radial terms, tangential terms, focal length and principal point;
 // then u = fx xd + cx, v = fy yd + cy; then `image_map` hooks (expression effects) act on u, v.
 struct ImagePoint {
-  Vec3 p_C{0.0};        // The point (or a direction) in the camera's frame: x right, y down, z forward.
-  double x = 0, y = 0;  // Normalised pinhole coordinates p.x / p.z, p.y / p.z, before distortion.
+  Vec3 p_C{0.0};  // The point (or a direction) in the camera's frame: x right, y down, z forward.
+  double x = 0, y = 0;    // Normalised pinhole coordinates p.x / p.z, p.y / p.z, before distortion.
   double xd = 0, yd = 0;  // After distortion.
   double fx = 0, fy = 0, cx = 0, cy = 0;  // Pixels.
-  double u = 0, v = 0;    // Pixels; (0, 0) is the centre of the top-left pixel.
-  double t_s = 0;         // Time of the observation since the set's reference.
-  double row = 0;         // The (distorted) row at which it is seen.
-  int channel = 1;        // 0 red, 1 green, 2 blue; grey is green.
+  double u = 0, v = 0;                    // Pixels; (0, 0) is the centre of the top-left pixel.
+  double t_s = 0;                         // Time of the observation since the set's reference.
+  double row = 0;                         // The (distorted) row at which it is seen.
+  int channel = 1;                        // 0 red, 1 green, 2 blue; grey is green.
   int width_px = 0, height_px = 0;
-  bool visible = true;    // False when no image point exists (behind the camera, outside the
-                          // range in which the distortion is defined).
+  bool visible = true;  // False when no image point exists (behind the camera, outside the
+                        // range in which the distortion is defined).
 };
 
 // The geometry of one model, ready to project many points.

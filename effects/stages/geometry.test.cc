@@ -8,11 +8,13 @@ namespace seam::effects {
 namespace {
 
 Model model_of(const std::string& effects) {
-  return Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
+  return Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
 }
 
 TEST(Projection, PinholeIsTheClosedForm) {
-  const Projection camera(model_of("  pinhole: {fx_px: 160, fy_px: 162, cx_px: 88.5, cy_px: 71.5}"), 178, 144);
+  const Projection camera(model_of("  pinhole: {fx_px: 160, fy_px: 162, cx_px: 88.5, cy_px: 71.5}"),
+                          178, 144);
   const ImagePoint point = camera.project({0.2, -0.1, 2.0});
   EXPECT_TRUE(point.visible);
   EXPECT_DOUBLE_EQ(point.u, 160 * 0.1 + 88.5);
@@ -22,7 +24,8 @@ TEST(Projection, PinholeIsTheClosedForm) {
 
 TEST(Projection, UnprojectInvertsDistortion) {
   const Projection camera(model_of("  pinhole: {fx_px: 160, fy_px: 162, cx_px: 88.5, cy_px: 71.5}\n"
-                                   "  radial_distortion: {kappa: -0.4}"), 178, 144);
+                                   "  radial_distortion: {kappa: -0.4}"),
+                          178, 144);
   for (double u : {0.0, 50.0, 177.0}) {
     for (double v : {0.0, 71.5, 143.0}) {
       const auto ray = camera.unproject(u, v);
@@ -35,8 +38,9 @@ TEST(Projection, UnprojectInvertsDistortion) {
 }
 
 TEST(Model, FileRoundTripKeepsEverything) {
-  const Model model = model_of("  pinhole: {fx_px: {value: 160, free: true}, fy_px: 162, cx_px: 88.5, cy_px: 71.5}\n"
-                               "  rolling_shutter: {line_delay_s: {value: 2.41e-4, sigma: 1.2e-6}}");
+  const Model model = model_of(
+      "  pinhole: {fx_px: {value: 160, free: true}, fy_px: 162, cx_px: 88.5, cy_px: 71.5}\n"
+      "  rolling_shutter: {line_delay_s: {value: 2.41e-4, sigma: 1.2e-6}}");
   const std::string yaml = model.to_yaml();
   EXPECT_EQ(Model::from_config(ConfigNode::from_text(yaml, "again")).to_yaml(), yaml);
   EXPECT_EQ(model.effects().front().definition->name, "rolling_shutter");
@@ -47,7 +51,8 @@ TEST(Model, UnknownNamesAreSuggested) {
     model_of("  rolling_shuter: {line_delay_s: 1e-4}");
     FAIL();
   } catch (const std::exception& error) {
-    EXPECT_NE(std::string(error.what()).find("did you mean 'rolling_shutter'"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("did you mean 'rolling_shutter'"), std::string::npos)
+        << error.what();
   }
   EXPECT_ANY_THROW(model_of("  rolling_shutter: {line_delay: 1e-4}"));
   EXPECT_ANY_THROW(model_of("  rolling_shutter: {line_delay_s: 1e9}"));

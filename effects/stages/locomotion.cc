@@ -12,13 +12,17 @@ namespace {
 constexpr double kLagIsOver = 30;
 
 BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& v) {
-  return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale), v.omega_radps * (1 + walk.omega_scale)};
+  return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale),
+          v.omega_radps * (1 + walk.omega_scale)};
 }
 
-double speed(const BodyVelocity& v) { return std::sqrt(v.vx_mps * v.vx_mps + v.vy_mps * v.vy_mps); }
+double speed(const BodyVelocity& v) {
+  return std::sqrt(v.vx_mps * v.vx_mps + v.vy_mps * v.vy_mps);
+}
 
 // The command as followed `t_s` after the state's time.
-BodyVelocity followed_after(const Locomotion& walk, const BodyVelocity& command, const WalkState& state, double t_s) {
+BodyVelocity followed_after(const Locomotion& walk, const BodyVelocity& command,
+                            const WalkState& state, double t_s) {
   if (walk.tau_s <= 0) return command;
   const double fading = maths::exp(-t_s / walk.tau_s);
   const auto mix = [&](double to, double from) { return to + (from - to) * fading; };
@@ -31,11 +35,14 @@ struct Rates {
 };
 
 // d(x, y, theta, path)/dt at a time and heading.
-Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkState& state, double t_s, double theta_rad) {
+Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkState& state,
+               double t_s, double theta_rad) {
   VelocitySample sample{.velocity = scaled(walk, followed_after(walk, command, state, t_s)),
-                        .theta_rad = theta_rad, .t_s = state.t_s + t_s};
+                        .theta_rad = theta_rad,
+                        .t_s = state.t_s + t_s};
   sample.velocity.omega_radps += walk.heading_rad_per_m * speed(sample.velocity);
-  for (const ModelEffect& formula : walk.formulas) formula.definition->velocity_map(formula.values(), sample);
+  for (const ModelEffect& formula : walk.formulas)
+    formula.definition->velocity_map(formula.values(), sample);
   const BodyVelocity& v = sample.velocity;
   const double c = maths::cos(theta_rad), s = maths::sin(theta_rad);
   return {c * v.vx_mps - s * v.vy_mps, s * v.vx_mps + c * v.vy_mps, v.omega_radps, speed(v)};
@@ -71,7 +78,8 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
 
 }  // namespace
 
-void move_along_arc(const BodyVelocity& v, double dt_s, double& x_m, double& y_m, double& theta_rad) {
+void move_along_arc(const BodyVelocity& v, double dt_s, double& x_m, double& y_m,
+                    double& theta_rad) {
   const double turn = v.omega_radps * dt_s;
   // sin(turn)/turn and (1 - cos(turn))/turn, by series where the quotient loses digits.
   double along = 1 - turn * turn / 6, across = turn / 2 * (1 - turn * turn / 12);
@@ -97,11 +105,13 @@ Locomotion locomotion_of(const Model& model) {
   return walk;
 }
 
-void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
+void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt_s,
+                  WalkState& state) {
   if (dt_s <= 0) return;
   double left_s = dt_s;
   if (walk.tau_s > 0 || !walk.formulas.empty()) {
-    const double lagging_s = walk.formulas.empty() ? std::min(left_s, kLagIsOver * walk.tau_s) : left_s;
+    const double lagging_s =
+        walk.formulas.empty() ? std::min(left_s, kLagIsOver * walk.tau_s) : left_s;
     integrate(walk, command, lagging_s, state);
     left_s -= lagging_s;
   }

@@ -35,17 +35,19 @@ Locomotion locomotion_of(const Model& model);
 struct WalkState {
   double x_m = 0;
   double y_m = 0;
-  double theta_rad = 0;      // Not wrapped.
-  BodyVelocity followed;     // The lagged command, before scales.
-  double path_m = 0;         // Walked since the start.
-  double t_s = 0;            // Since the start of the run.
+  double theta_rad = 0;   // Not wrapped.
+  BodyVelocity followed;  // The lagged command, before scales.
+  double path_m = 0;      // Walked since the start.
+  double t_s = 0;         // Since the start of the run.
 };
 
 // Walks for `dt_s` under a command that holds, without noise. Exact arcs where the velocity is
 // constant; with a lag or formulas Runge-Kutta steps whose error is below 10 micrometres.
-void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state);
+void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt_s,
+                  WalkState& state);
 
 // Moves along the arc of a constant body velocity.
-void move_along_arc(const BodyVelocity& velocity, double dt_s, double& x_m, double& y_m, double& theta_rad);
+void move_along_arc(const BodyVelocity& velocity, double dt_s, double& x_m, double& y_m,
+                    double& theta_rad);
 
 }  // namespace seam::effects

@@ -22,8 +22,13 @@ GainField::GainField(const Model& model, Stage stage, int width_px, int height_p
 }
 
 double GainField::at(double u, double v, double t_s, int channel) const {
-  const ImagePoint point{.u = u, .v = v, .t_s = t_s, .row = v, .channel = channel,
-                         .width_px = width_px_, .height_px = height_px_};
+  const ImagePoint point{.u = u,
+                         .v = v,
+                         .t_s = t_s,
+                         .row = v,
+                         .channel = channel,
+                         .width_px = width_px_,
+                         .height_px = height_px_};
   double gain = 1;
   for (const ModelEffect& effect : effects_) {
     gain *= effect.definition->gain(effect.values(), point);
@@ -46,6 +51,8 @@ bool lamps_flicker(const Model& model) {
   return false;
 }
 
-double sinc(double x) { return std::abs(x) < 1e-8 ? 1.0 : maths::sin(x) / x; }
+double sinc(double x) {
+  return std::abs(x) < 1e-8 ? 1.0 : maths::sin(x) / x;
+}
 
 }  // namespace seam::effects

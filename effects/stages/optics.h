@@ -1,11 +1,12 @@
-// Stages `radiometry` and `light`: what happens to linear light before the sensor counts it, in this
-// order: lamps (flicker, uneven lighting of a flat field), lens blur, gain field, veiling glare.
+// Stages `radiometry` and `light`: what happens to linear light before the sensor counts it, in
+// this order: lamps (flicker, uneven lighting of a flat field), lens blur, gain field, veiling
+// glare.
 #pragma once
 
 #include <vector>
 
-#include "effects/stages/geometry.h"
 #include "effects/model.h"
+#include "effects/stages/geometry.h"
 #include "effects/stages/timing.h"
 
 namespace seam::effects {

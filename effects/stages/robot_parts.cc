@@ -8,8 +8,8 @@
 #include "effects/stages/locomotion.h"
 #include "effects/stages/servo.h"
 #include "sim_core/base/error.h"
-#include "sim_core/body/joints.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/body/joints.h"
 
 namespace seam::effects {
 namespace {
@@ -53,8 +53,11 @@ class ServoActuator final : public JointActuator {
   double angle(SimTime time) const override {
     const Piece& piece = piece_at(time);
     const ServoState state = state_at(time);
-    JointSample sample{.q_rad = joint_angle(servo_, state), .rate_rad_per_s = state.motor_radps,
-                       .command_rad = piece.command_rad, .t_s = time.s(), .role = role_};
+    JointSample sample{.q_rad = joint_angle(servo_, state),
+                       .rate_rad_per_s = state.motor_radps,
+                       .command_rad = piece.command_rad,
+                       .t_s = time.s(),
+                       .role = role_};
     for (const ModelEffect& formula : formulas_) {
       sample.q_rad = formula.definition->joint_map(formula.values(), sample);
     }
@@ -113,12 +116,14 @@ BodyVelocity velocity_of_arc(double dx_m, double dy_m, double turn_rad, double d
     across = 2 * half * half / turn_rad;
   }
   const double det = along * along + across * across;
-  return {(along * dx_m + across * dy_m) / det / dt_s, (along * dy_m - across * dx_m) / det / dt_s, turn_rad / dt_s};
+  return {(along * dx_m + across * dy_m) / det / dt_s, (along * dy_m - across * dx_m) / det / dt_s,
+          turn_rad / dt_s};
 }
 
 class ModelLocomotion final : public LocomotionModel {
  public:
-  ModelLocomotion(Locomotion walk, RandomStream noise) : walk_(std::move(walk)), noise_(noise.child("walk_noise")) {}
+  ModelLocomotion(Locomotion walk, RandomStream noise)
+      : walk_(std::move(walk)), noise_(noise.child("walk_noise")) {}
 
   BodyVelocity velocity(const BodyVelocity& command, SimTime start, SimDuration step) override {
     // From the origin each step; only the lag, and what formulas see, last longer.
@@ -130,7 +135,9 @@ class ModelLocomotion final : public LocomotionModel {
     double turn = state.theta_rad - before_rad;
     const double root = std::sqrt(std::max(0.0, state.path_m));
     if (root > 0 && (walk_.xy_sigma > 0 || walk_.theta_sigma > 0)) {
-      const auto draw = [&](uint64_t i) { return root * normal(noise_, 3 * static_cast<uint64_t>(start.ns()) + i); };
+      const auto draw = [&](uint64_t i) {
+        return root * normal(noise_, 3 * static_cast<uint64_t>(start.ns()) + i);
+      };
       dx += walk_.xy_sigma * draw(0);
       dy += walk_.xy_sigma * draw(1);
       turn += walk_.theta_sigma * draw(2);
@@ -159,8 +166,8 @@ bool has_joint_effects(const Model& model) {
 
 }  // namespace
 
-std::unique_ptr<JointActuator> ModelParts::joint(const RobotSpec& robot, int joint, double initial_rad,
-                                                 RandomStream noise) const {
+std::unique_ptr<JointActuator> ModelParts::joint(const RobotSpec& robot, int joint,
+                                                 double initial_rad, RandomStream noise) const {
   const auto found = models_.find(robot.id);
   if (found == models_.end() || !has_joint_effects(found->second)) {
     return RobotPartsFactory::joint(robot, joint, initial_rad, noise);
@@ -170,16 +177,19 @@ std::unique_ptr<JointActuator> ModelParts::joint(const RobotSpec& robot, int joi
   ServoModel servo = servo_of(model);
   const char* const widths[] = {"tilt_width_rad", "width_rad", "roll_width_rad"};
   const ModelEffect* play = model.find("backlash");
-  servo.backlash_rad = play && role != JointRole::other ? play->value(widths[static_cast<int>(role)]) : 0;
+  servo.backlash_rad =
+      play && role != JointRole::other ? play->value(widths[static_cast<int>(role)]) : 0;
   return std::make_unique<ServoActuator>(model, std::move(servo), role, initial_rad);
 }
 
-std::unique_ptr<LocomotionModel> ModelParts::locomotion(const RobotSpec& robot, RandomStream noise) const {
+std::unique_ptr<LocomotionModel> ModelParts::locomotion(const RobotSpec& robot,
+                                                        RandomStream noise) const {
   const auto found = models_.find(robot.id);
   const bool walks = found != models_.end() &&
-                     std::any_of(found->second.effects().begin(), found->second.effects().end(), [](const ModelEffect& e) {
-                       return e.definition->locomotion || e.definition->velocity_map;
-                     });
+                     std::any_of(found->second.effects().begin(), found->second.effects().end(),
+                                 [](const ModelEffect& e) {
+                                   return e.definition->locomotion || e.definition->velocity_map;
+                                 });
   if (!walks) return RobotPartsFactory::locomotion(robot, noise);
   return std::make_unique<ModelLocomotion>(locomotion_of(found->second), noise);
 }

@@ -19,7 +19,8 @@ class ModelParts final : public RobotPartsFactory {
   // `roll_width_rad`, legs have none. The encoder sits on the motor, before play and sag.
   std::unique_ptr<JointActuator> joint(const RobotSpec& robot, int joint, double initial_rad,
                                        RandomStream noise) const override;
-  std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot, RandomStream noise) const override;
+  std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot,
+                                              RandomStream noise) const override;
 
  private:
   std::map<std::string, Model> models_;

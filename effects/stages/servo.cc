@@ -18,7 +18,8 @@ void settle_load(const ServoModel& servo, ServoState& state) {
 }
 
 // Without an acceleration limit the rate is a function of the angle: clamp((command - q) / tau).
-void advance_first_order(const ServoModel& servo, double command_rad, double dt_s, ServoState& state) {
+void advance_first_order(const ServoModel& servo, double command_rad, double dt_s,
+                         ServoState& state) {
   const double error = command_rad - state.motor_rad;
   const double sign = error < 0 ? -1 : 1;
   double distance = std::abs(error);
@@ -35,7 +36,8 @@ void advance_first_order(const ServoModel& servo, double command_rad, double dt_
   if (at_once) {
     distance = 0;
   } else {
-    const double knee = std::max(rest, servo.tau_s * servo.rad_per_s);  // Above: at the speed limit.
+    const double knee =
+        std::max(rest, servo.tau_s * servo.rad_per_s);  // Above: at the speed limit.
     if (distance > knee) {
       const double ramp_s = (distance - knee) / servo.rad_per_s;
       const bool whole = ramp_s >= left_s;
@@ -150,7 +152,8 @@ double advance_piece(SecondOrder& motion, double left_s) {
   return t;
 }
 
-void advance_second_order(const ServoModel& servo, double command_rad, double dt_s, ServoState& state) {
+void advance_second_order(const ServoModel& servo, double command_rad, double dt_s,
+                          ServoState& state) {
   double left_s = dt_s;
   // Each interval has a few pieces; the cap only guards against rounding at a curve's end.
   for (int piece = 0; piece < 100 && left_s > 0; ++piece) {
@@ -167,7 +170,8 @@ void advance_second_order(const ServoModel& servo, double command_rad, double dt
     SecondOrder motion{servo, servo.rad_per_s2, std::abs(error), sign * state.motor_radps};
     const double band_e = motion.e;
     double took = advance_piece(motion, left_s);
-    if (servo.dead_band_rad > 0 && motion.e < servo.dead_band_rad && band_e >= servo.dead_band_rad) {
+    if (servo.dead_band_rad > 0 && motion.e < servo.dead_band_rad &&
+        band_e >= servo.dead_band_rad) {
       motion.e = servo.dead_band_rad * (1 - 1e-15);
       motion.v = 0;
       took = left_s;
@@ -221,7 +225,9 @@ double joint_angle(const ServoModel& servo, const ServoState& state) {
 }
 
 Servo::Servo(ServoModel model, double t_s, double joint_rad)
-    : model_(std::move(model)), state_(servo_at_rest(model_, joint_rad)), now_s_(t_s),
+    : model_(std::move(model)),
+      state_(servo_at_rest(model_, joint_rad)),
+      now_s_(t_s),
       acting_rad_(joint_rad) {}
 
 void Servo::command(double t_s, double command_rad, bool enabled) {
@@ -236,8 +242,10 @@ void Servo::advance_to(double t_s) {
   while (true) {
     const bool more = next_ < queue_.size() && queue_[next_].acts_s < t_s - kSameTime_s;
     const double until = more ? std::max(queue_[next_].acts_s, now_s_) : t_s;
-    if (acting_) advance_servo(model_, acting_rad_, until - now_s_, state_);
-    else state_.motor_radps = 0;
+    if (acting_)
+      advance_servo(model_, acting_rad_, until - now_s_, state_);
+    else
+      state_.motor_radps = 0;
     now_s_ = std::max(now_s_, until);
     if (!more) return;
     acting_ = queue_[next_].enabled;

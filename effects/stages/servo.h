@@ -14,13 +14,13 @@ namespace seam::effects {
 
 // What the servo effects of a model add up to.
 struct ServoModel {
-  double latency_s = 0;       // A command acts this much after its time.
-  double tau_s = 0;           // Wanted rate = (command - q) / tau; 0: at the command at once.
+  double latency_s = 0;  // A command acts this much after its time.
+  double tau_s = 0;      // Wanted rate = (command - q) / tau; 0: at the command at once.
   double rad_per_s = std::numeric_limits<double>::infinity();   // Limit of |rate|.
   double rad_per_s2 = std::numeric_limits<double>::infinity();  // Limit of |acceleration|.
-  double dead_band_rad = 0;   // The joint rests while |command - q| is below this.
-  double backlash_rad = 0;    // Play between motor and load.
-  double sag_rad = 0;         // The load hangs by sag * cos(q - level).
+  double dead_band_rad = 0;  // The joint rests while |command - q| is below this.
+  double backlash_rad = 0;   // Play between motor and load.
+  double sag_rad = 0;        // The load hangs by sag * cos(q - level).
   double level_rad = 0;
   // Joint formulas (expression effects), in order: their result replaces the angle.
   std::vector<ModelEffect> formulas;

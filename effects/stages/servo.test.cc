@@ -56,8 +56,9 @@ TEST(Servo, AgreesWithBruteForceForRandomCombinations) {
       advance_servo(m, command, seconds, state);
       brute.run(command, seconds, h);
       // Euler's own error is of the order of the rate or acceleration times the step.
-      ASSERT_NEAR(state.motor_rad, brute.q, 2e-4) << trial << " " << step << " tau " << m.tau_s << " v "
-          << m.rad_per_s << " a " << m.rad_per_s2 << " band " << m.dead_band_rad << " rate " << brute.v;
+      ASSERT_NEAR(state.motor_rad, brute.q, 2e-4)
+          << trial << " " << step << " tau " << m.tau_s << " v " << m.rad_per_s << " a "
+          << m.rad_per_s2 << " band " << m.dead_band_rad << " rate " << brute.v;
       ASSERT_NEAR(state.load_rad, brute.load, 2e-4) << trial << " " << step;
     }
   }

@@ -10,12 +10,12 @@ namespace seam::effects {
 //   start = s + drift_ppm * 1e-6 * (s - reference) + latency + line_delay * v,
 // and a point is seen at the window's middle.
 struct Timing {
-  double line_delay_s = 0;    // Negative: the last row first.
+  double line_delay_s = 0;  // Negative: the last row first.
   double exposure_s = 0;
   double latency_s = 0;
   double drift_ppm = 0;
-  double jitter_sigma_s = 0;  // A new latency for each frame.
-  int sync_period_frames = 0; // 0: frames follow the camera's own clock.
+  double jitter_sigma_s = 0;   // A new latency for each frame.
+  int sync_period_frames = 0;  // 0: frames follow the camera's own clock.
 
   // Start of a row's window, seconds after the frame's stamp; `since_reference_s` is the stamp
   // minus the first time of the reference log. Small numbers only: stamps may be epoch seconds.

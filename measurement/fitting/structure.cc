@@ -4,8 +4,8 @@
 #include <limits>
 #include <numeric>
 
-#include "measurement/problem/problem.h"
 #include "measurement/numerics/regression.h"
+#include "measurement/problem/problem.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {

@@ -31,7 +31,9 @@ struct Coordinate {
     least_step = 1e-6 * scale;
     spread = model.find(u.effect)->definition->spread_only;
   }
-  double to_value(double z) const { return parameter->fit_reciprocal ? (z > 0 ? 1 / z : kInfinity) : z; }
+  double to_value(double z) const {
+    return parameter->fit_reciprocal ? (z > 0 ? 1 / z : kInfinity) : z;
+  }
   double from_value(double value) const {
     const double z = parameter->fit_reciprocal ? 1 / value : value;
     return std::clamp(z, min, max);
@@ -40,13 +42,15 @@ struct Coordinate {
 
 class WideFitter {
  public:
-  WideFitter(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups)
+  WideFitter(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns,
+             const Groups& groups)
       : problem_(problem), groups_(groups), model_(start) {
     for (const Unknown& unknown : unknowns) coordinates_.emplace_back(start, unknown);
     const size_t count = unknowns.size();
     z_.resize(count);
     for (size_t i = 0; i < count; ++i) {
-      z_[i] = coordinates_[i].from_value(start.find(unknowns[i].effect)->parameters[unknowns[i].parameter].value);
+      z_[i] = coordinates_[i].from_value(
+          start.find(unknowns[i].effect)->parameters[unknowns[i].parameter].value);
     }
     free_.assign(count, 1);
     here_ = problem.evaluate(at(z_), groups);
@@ -96,8 +100,8 @@ class WideFitter {
     const double cost = -2 * score_of(problem_, evaluation).log_likelihood;
     return std::isfinite(cost) ? cost : kInfinity;
   }
-  // What a difference of the cost by 1 means at the noise: where the model misses by more, gains are
-  // worth less in proportion, and a descent ends sooner.
+  // What a difference of the cost by 1 means at the noise: where the model misses by more, gains
+  // are worth less in proportion, and a descent ends sooner.
   double unit() const {
     double sum = 0, count = 0;
     for (size_t i = 0; i < here_.whitened.size(); ++i) {
@@ -105,7 +109,9 @@ class WideFitter {
     }
     return count > 0 && std::isfinite(sum) ? std::max(1.0, sum / count) : 1;
   }
-  double cost_at(const Vector& z) const { return cost_of(problem_.evaluate(at(z), groups_, &here_)); }
+  double cost_at(const Vector& z) const {
+    return cost_of(problem_.evaluate(at(z), groups_, &here_));
+  }
 
   bool move_to(const Vector& z) {
     Evaluation there = problem_.evaluate(at(z), groups_, &here_);
@@ -155,7 +161,8 @@ Eigen::MatrixXd WideFitter::jacobian() {
       const Vector up = moved(i, c.step), down = moved(i, -c.step);
       const double span = up[i] - down[i];
       if (!(span > 0)) break;
-      const Evaluation a = problem_.evaluate(at(up), groups_, &here_), b = problem_.evaluate(at(down), groups_, &here_);
+      const Evaluation a = problem_.evaluate(at(up), groups_, &here_),
+                       b = problem_.evaluate(at(down), groups_, &here_);
       if (!a.valid || !b.valid) {
         c.step *= 0.3;
         continue;
@@ -185,7 +192,8 @@ void WideFitter::levenberg_marquardt() {
   double damping = 1e-4;
   for (int iteration = 0; iteration < 25; ++iteration) {
     const Eigen::MatrixXd j = jacobian();
-    const Eigen::Map<const Vector> r(here_.whitened.data(), static_cast<Eigen::Index>(here_.whitened.size()));
+    const Eigen::Map<const Vector> r(here_.whitened.data(),
+                                     static_cast<Eigen::Index>(here_.whitened.size()));
     const Eigen::MatrixXd hessian = j.transpose() * j;
     const Vector gradient = j.transpose() * r;
     const double before = cost_;
@@ -195,7 +203,8 @@ void WideFitter::levenberg_marquardt() {
       Vector right = -gradient;
       for (size_t i = 0; i < coordinates_.size(); ++i) {
         const Coordinate& c = coordinates_[i];
-        const bool held = (z_[i] <= c.min && gradient[i] > 0) || (z_[i] >= c.max && gradient[i] < 0);
+        const bool held =
+            (z_[i] <= c.min && gradient[i] > 0) || (z_[i] >= c.max && gradient[i] < 0);
         if (!free_[i] || held || !(hessian(i, i) > 0)) {
           damped.row(i).setZero();
           damped.col(i).setZero();
@@ -207,7 +216,8 @@ void WideFitter::levenberg_marquardt() {
       }
       const Vector step = solve_symmetric(damped, right);
       Vector z = z_ + step;
-      for (size_t i = 0; i < coordinates_.size(); ++i) z[i] = std::clamp(z[i], coordinates_[i].min, coordinates_[i].max);
+      for (size_t i = 0; i < coordinates_.size(); ++i)
+        z[i] = std::clamp(z[i], coordinates_[i].min, coordinates_[i].max);
       if (!step.allFinite() || z == z_) break;
       accepted = move_to(z);
       damping = accepted ? damping * 0.2 : std::max(damping * 10, 1e-3);
@@ -334,7 +344,8 @@ Fit WideFitter::result() {
       if (!known[i]) information(i, i) = 1;
     }
     const Vector scale = information.diagonal().cwiseSqrt();
-    const Eigen::MatrixXd unit = scale.cwiseInverse().asDiagonal() * information * scale.cwiseInverse().asDiagonal();
+    const Eigen::MatrixXd unit =
+        scale.cwiseInverse().asDiagonal() * information * scale.cwiseInverse().asDiagonal();
     Eigen::MatrixXd covariance = floored_inverse(unit, 1e-12);
     covariance = scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
     // A misfit larger than the noise makes estimates less certain in proportion.
@@ -354,7 +365,8 @@ Fit WideFitter::result() {
   for (size_t i = 0; i < count; ++i) {
     if (!coordinates_[i].spread || !free_[i]) continue;
     const double h = std::max(0.05 * z_[i], 1e-3 * coordinates_[i].parameter->scale);
-    const double curvature = (cost_at(moved(i, h)) - 2 * cost_ + cost_at(moved(i, -std::min(h, z_[i])))) / (h * h);
+    const double curvature =
+        (cost_at(moved(i, h)) - 2 * cost_ + cost_at(moved(i, -std::min(h, z_[i])))) / (h * h);
     if (curvature > 0) fit.covariance[i * count + i] = 2 / curvature;
   }
   fit.model = at(z_);
@@ -370,13 +382,16 @@ Fit WideFitter::result() {
         fit.covariance[b * count + i] *= slope;
       }
     }
-    const bool at_min = z_[i] <= c.min && !c.parameter->fit_reciprocal && c.parameter->min != c.parameter->neutral;
+    const bool at_min =
+        z_[i] <= c.min && !c.parameter->fit_reciprocal && c.parameter->min != c.parameter->neutral;
     fit.at_bound[i] = at_min || z_[i] >= c.max;
   }
   for (size_t i = 0; i < count; ++i) {
     const double variance = fit.covariance[i * count + i];
-    if (!free_[i]) fit.sigma[i] = 0;
-    else if (variance > 0 && std::isfinite(fit.value[i])) fit.sigma[i] = std::sqrt(variance);
+    if (!free_[i])
+      fit.sigma[i] = 0;
+    else if (variance > 0 && std::isfinite(fit.value[i]))
+      fit.sigma[i] = std::sqrt(variance);
   }
   fit.log_likelihood = -0.5 * cost_;
   return fit;
@@ -385,11 +400,13 @@ Fit WideFitter::result() {
 }  // namespace
 
 std::vector<std::vector<double>> wide_jacobian(const Problem& problem, const Model& model,
-                                               const std::vector<Unknown>& unknowns, const Groups& groups) {
+                                               const std::vector<Unknown>& unknowns,
+                                               const Groups& groups) {
   return WideFitter(problem, model, unknowns, groups).derivatives();
 }
 
-Fit wide_fit(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) {
+Fit wide_fit(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns,
+             const Groups& groups) {
   return WideFitter(problem, start, unknowns, groups).run();
 }
 

@@ -8,11 +8,13 @@
 
 namespace seam::measurement {
 
-Fit wide_fit(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups);
+Fit wide_fit(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns,
+             const Groups& groups);
 
 // Derivatives of the whitened residuals over the same wide steps, by the parameter itself (by its
 // reciprocal where it is infinite).
 std::vector<std::vector<double>> wide_jacobian(const Problem& problem, const Model& model,
-                                               const std::vector<Unknown>& unknowns, const Groups& groups);
+                                               const std::vector<Unknown>& unknowns,
+                                               const Groups& groups);
 
 }  // namespace seam::measurement

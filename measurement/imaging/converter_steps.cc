@@ -8,7 +8,8 @@ namespace seam::measurement {
 int fewest_bits(const std::vector<std::vector<uint16_t>>& images, int file_bits) {
   constexpr double kStrays = 0.01;
   const uint32_t top = (1u << file_bits) - 1;
-  std::vector<size_t> by_zeros(static_cast<size_t>(file_bits) + 1, 0);  // Values by their trailing binary zeros.
+  std::vector<size_t> by_zeros(static_cast<size_t>(file_bits) + 1,
+                               0);  // Values by their trailing binary zeros.
   size_t all = 0;
   for (const auto& image : images) {
     for (const uint16_t value : image) {

@@ -9,12 +9,14 @@ namespace {
 std::vector<uint16_t> values_of(int bits) {
   std::vector<uint16_t> values;
   const int step = 1 << (8 - bits);
-  for (int k = 0; k <= 1 << bits; ++k) values.push_back(static_cast<uint16_t>(std::min(k * step, 255)));
+  for (int k = 0; k <= 1 << bits; ++k)
+    values.push_back(static_cast<uint16_t>(std::min(k * step, 255)));
   return values;
 }
 
 TEST(ConverterSteps, FewestBitsAreThoseOfTheConverter) {
-  for (int bits = 1; bits <= 8; ++bits) EXPECT_EQ(fewest_bits({values_of(bits), values_of(1)}, 8), bits);
+  for (int bits = 1; bits <= 8; ++bits)
+    EXPECT_EQ(fewest_bits({values_of(bits), values_of(1)}, 8), bits);
   EXPECT_EQ(fewest_bits({{0, 0, 255}}, 8), 1);
 }
 

@@ -16,7 +16,7 @@ using Complex = std::complex<double>;
 
 // Which frequencies can be seen.
 struct Band {
-  double readout_s;   // Time from the first row to the last.
+  double readout_s;  // Time from the first row to the last.
   double highest_hz;
 };
 
@@ -49,18 +49,22 @@ std::vector<double> row_delays(const effects::Model& model, int rows) {
   return delays;
 }
 
-double flicker_looks(const std::vector<double>& row_delay_s, const FrameStamps& stamps, size_t lit_frames) {
+double flicker_looks(const std::vector<double>& row_delay_s, const FrameStamps& stamps,
+                     size_t lit_frames) {
   const Band band = band_of(row_delay_s, stamps);
   // As many as the frames' stamps tell, for each wave that the readout tells.
-  return std::max(1.0, static_cast<double>(lit_frames) * std::max(1.0, band.highest_hz * band.readout_s));
+  return std::max(
+      1.0, static_cast<double>(lit_frames) * std::max(1.0, band.highest_hz * band.readout_s));
 }
 
 std::vector<double> strongest_flicker(const RowLight& rows, double period_s) {
   const size_t frames = rows.frame_time_s.size();
   if (frames == 0) return {100, 0.01, 0};
-  const auto [first, last] = std::minmax_element(rows.frame_time_s.begin(), rows.frame_time_s.end());
+  const auto [first, last] =
+      std::minmax_element(rows.frame_time_s.begin(), rows.frame_time_s.end());
   const double span = std::max(*last - *first, 1e-3);
-  const auto [readout, highest] = band_of(rows.row_delay_s, {.count = frames, .span_s = span, .period_s = period_s});
+  const auto [readout, highest] =
+      band_of(rows.row_delay_s, {.count = frames, .span_s = span, .period_s = period_s});
   const double coarse = readout > 0 ? 0.2 / readout : highest;
   const double fine = 0.15 / span;
   struct Peak {
@@ -82,7 +86,8 @@ std::vector<double> strongest_flicker(const RowLight& rows, double period_s) {
       if (f0 <= 0) continue;
       Complex sum = 0;
       for (size_t f = 0; f < frames; ++f) {
-        sum += amplitude[f] * std::polar(1.0, -2 * maths::kPi * f0 * (rows.frame_time_s[f] - *first));
+        sum +=
+            amplitude[f] * std::polar(1.0, -2 * maths::kPi * f0 * (rows.frame_time_s[f] - *first));
       }
       if (std::norm(sum) > best.power) best = {std::norm(sum), f0, sum};
     }
@@ -91,8 +96,9 @@ std::vector<double> strongest_flicker(const RowLight& rows, double period_s) {
   for (const double w : rows.weight) weight += w;
   const Complex a = best.amplitude * 2.0 / weight;
   // residual = Re(a exp(i w (t - first))) = |a| sin(w t + arg a + pi/2 - w first).
-  const double phase = maths::wrap_angle(std::arg(a) + 0.5 * maths::kPi -
-                                         std::remainder(2 * maths::kPi * best.frequency * *first, 2 * maths::kPi));
+  const double phase =
+      maths::wrap_angle(std::arg(a) + 0.5 * maths::kPi -
+                        std::remainder(2 * maths::kPi * best.frequency * *first, 2 * maths::kPi));
   const double depth = std::clamp(std::abs(a), 1e-4, 0.9);
   return {best.frequency, depth, phase};
 }

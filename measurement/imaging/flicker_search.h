@@ -1,4 +1,5 @@
-// The strongest periodic wave of residual light over frames whose rows are exposed one after the other.
+// The strongest periodic wave of residual light over frames whose rows are exposed one after the
+// other.
 #pragma once
 
 #include <cstddef>
@@ -28,6 +29,7 @@ std::vector<double> row_delays(const effects::Model& model, int rows);
 // Parameters of `lamp_flicker` to start from: frequency_hz, depth, phase_rad.
 std::vector<double> strongest_flicker(const RowLight& rows, double period_s);
 // How many frequencies it can tell apart.
-double flicker_looks(const std::vector<double>& row_delay_s, const FrameStamps& stamps, size_t lit_frames);
+double flicker_looks(const std::vector<double>& row_delay_s, const FrameStamps& stamps,
+                     size_t lit_frames);
 
 }  // namespace seam::measurement

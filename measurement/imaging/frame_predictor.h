@@ -12,20 +12,21 @@ namespace seam::measurement {
 class FramePredictor {
  public:
   virtual ~FramePredictor() = default;
-  // Noise-free linear light on the sensor, row-major, red, green and blue interleaved. May be called
-  // from several threads at once.
+  // Noise-free linear light on the sensor, row-major, red, green and blue interleaved. May be
+  // called from several threads at once.
   virtual std::vector<float> light(const FrameJob& job) const = 0;
 };
 
 // `reference` is the time from which drift, flicker and formulas of time count. Throws InputError
 // for a model that gives no image.
-using MakeFramePredictor = std::unique_ptr<FramePredictor> (*)(const effects::Model& model, int width_px,
-                                                               int height_px, SimTime reference);
+using MakeFramePredictor = std::unique_ptr<FramePredictor> (*)(const effects::Model& model,
+                                                               int width_px, int height_px,
+                                                               SimTime reference);
 
 // Called once by the program before sets of kind `frames` are opened.
 void supply_frame_predictor(MakeFramePredictor make);
 // Throws InputError where nobody supplied one.
-std::unique_ptr<FramePredictor> make_frame_predictor(const effects::Model& model, int width_px, int height_px,
-                                                     SimTime reference);
+std::unique_ptr<FramePredictor> make_frame_predictor(const effects::Model& model, int width_px,
+                                                     int height_px, SimTime reference);
 
 }  // namespace seam::measurement

@@ -24,15 +24,18 @@ std::string light_key(const effects::Model& model) {
 
 LightStore::LightStore(size_t frames, int width_px, int height_px, Render render)
     : frames_(frames), render_(std::move(render)) {
-  const size_t bytes = static_cast<size_t>(width_px) * static_cast<size_t>(height_px) * 3 * sizeof(float) * frames;
+  const size_t bytes =
+      static_cast<size_t>(width_px) * static_cast<size_t>(height_px) * 3 * sizeof(float) * frames;
   capacity_ = std::clamp<size_t>(200'000'000 / std::max<size_t>(bytes, 1), 4, 64);
 }
 
-std::vector<LightImage> LightStore::light(const effects::Model& model, const std::vector<size_t>& frames) const {
+std::vector<LightImage> LightStore::light(const effects::Model& model,
+                                          const std::vector<size_t>& frames) const {
   const std::string key = light_key(model);
   std::vector<LightImage> out(frames.size());
   const auto find_entry = [&]() -> Entry& {
-    const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
+    const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const Entry& entry) { return entry.key == key; });
     if (found == entries_.end()) {
       entries_.push_front({key, std::vector<LightImage>(frames_)});
       if (entries_.size() > capacity_) entries_.pop_back();

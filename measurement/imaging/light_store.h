@@ -1,5 +1,5 @@
-// Light on the sensor for models, each rendered once: many models of a search differ in their sensor
-// alone.
+// Light on the sensor for models, each rendered once: many models of a search differ in their
+// sensor alone.
 #pragma once
 
 #include <functional>
@@ -19,10 +19,12 @@ using LightImage = std::shared_ptr<const std::vector<float>>;
 class LightStore {
  public:
   // Renders these frames; may be called from several threads at once.
-  using Render = std::function<std::vector<LightImage>(const effects::Model&, const std::vector<size_t>& frames)>;
+  using Render = std::function<std::vector<LightImage>(const effects::Model&,
+                                                       const std::vector<size_t>& frames)>;
 
   LightStore(size_t frames, int width_px, int height_px, Render render);
-  std::vector<LightImage> light(const effects::Model& model, const std::vector<size_t>& frames) const;
+  std::vector<LightImage> light(const effects::Model& model,
+                                const std::vector<size_t>& frames) const;
 
  private:
   struct Entry {

@@ -1,6 +1,6 @@
 // What the kind `ranges` needs of a robot that stands and looks at a ball: where its camera is, and
-// what its behaviour measures in a frame. tools/ supplies it from sim_core's robot, render/'s colour
-// detection and the SDK's own detector.
+// what its behaviour measures in a frame. tools/ supplies it from sim_core's robot, render/'s
+// colour detection and the SDK's own detector.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct PixelWindow {
 
 // A head at rest. World: the robot stands on z = 0 at the origin and looks along +x.
 struct Gaze {
-  Pose X_WL;  // The camera's last link, before mount effects.
+  Pose X_WL;                            // The camera's last link, before mount effects.
   std::array<double, 3> encoder_rad{};  // Tilt, pan, roll as the behaviour reads them.
 };
 
@@ -46,20 +46,23 @@ class RangeDetector {
   // from its own pixels alone.
   virtual PixelWindow whole(const PixelWindow& window) const = 0;
   // Puts the colours of such a window into those of the frame.
-  virtual void recolour(const PixelWindow& window, std::span<const uint8_t> rgb, std::vector<uint8_t>& colours) const = 0;
+  virtual void recolour(const PixelWindow& window, std::span<const uint8_t> rgb,
+                        std::vector<uint8_t>& colours) const = 0;
 
   // What the behaviour reports; nothing where it sees no ball.
-  virtual std::optional<RangeSighting> measure(std::span<const uint8_t> colours, const Gaze& gaze) const = 0;
+  virtual std::optional<RangeSighting> measure(std::span<const uint8_t> colours,
+                                               const Gaze& gaze) const = 0;
 };
 
 struct RangeDetectorSpec {
-  std::string name;          // Of the behaviour.
-  int width_px = 0;          // Of a frame.
+  std::string name;  // Of the behaviour.
+  int width_px = 0;  // Of a frame.
   int height_px = 0;
   std::string colour_table;  // A seam-colour-table/1 file; empty: that of the field of 2002.
 };
 
-// Nothing for a name that is none of `names`; throws InputError for a colour table that cannot be read.
+// Nothing for a name that is none of `names`; throws InputError for a colour table that cannot be
+// read.
 using MakeRangeDetector = std::unique_ptr<RangeDetector> (*)(const RangeDetectorSpec& spec);
 
 // Called once by the program before sets of kind `ranges` are opened.

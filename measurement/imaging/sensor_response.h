@@ -19,8 +19,8 @@ struct Response {
 class ResponseTable {
  public:
   // For signals (effects::signal_dn) from `low` to `high`; `colour` 0 red, 1 green, 2 blue.
-  ResponseTable(const effects::SensorChain& chain, const effects::SensorExposure& exposure, int colour,
-                double set_noise_dn, double low, double high);
+  ResponseTable(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
+                int colour, double set_noise_dn, double low, double high);
 
   Response at(double signal) const;
 

@@ -6,12 +6,12 @@
 
 // One line a kind; `measurement/<name>.cc` defines <name>_kind().
 #define SEAM_KINDS(X) \
-  X(points) \
-  X(photometry) \
-  X(landmarks) \
-  X(joints) \
-  X(odometry) \
-  X(ranges) \
+  X(points)           \
+  X(photometry)       \
+  X(landmarks)        \
+  X(joints)           \
+  X(odometry)         \
+  X(ranges)           \
   X(frames)
 
 namespace seam::measurement {
@@ -40,7 +40,9 @@ const Kind& find_kind(const std::string& name) {
   throw InputError(fmt::format("measurement sets of kind '{}' are not supported", name));
 }
 
-void register_kind(Kind kind) { kinds().push_back(std::move(kind)); }
+void register_kind(Kind kind) {
+  kinds().push_back(std::move(kind));
+}
 
 std::unique_ptr<Problem> open_problem(const std::filesystem::path& path) {
   const MeasurementSet set = MeasurementSet::open(path);
@@ -52,9 +54,11 @@ void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& 
   namespace fs = std::filesystem;
   fs::create_directories(out);
   if (fs::equivalent(out, protocol.folder)) {
-    throw InputError(fmt::format("{}: the protocol itself, expected another folder to write to", out.string()));
+    throw InputError(
+        fmt::format("{}: the protocol itself, expected another folder to write to", out.string()));
   }
-  fs::copy_file(protocol.root.file(), out / "measurement.yaml", fs::copy_options::overwrite_existing);
+  fs::copy_file(protocol.root.file(), out / "measurement.yaml",
+                fs::copy_options::overwrite_existing);
   for (const auto& [name, relative] : protocol.files) {
     if (std::find(except_files.begin(), except_files.end(), name) != except_files.end()) continue;
     fs::create_directories((out / relative).parent_path());

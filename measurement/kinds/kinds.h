@@ -23,7 +23,8 @@ struct Kind {
   // Writes into `options.out` the set that the model would give by this protocol: measured columns
   // are made (those present are ignored), all else is copied. Random numbers: counters named by
   // (seed, kind, row), see sim_core/base/random.h.
-  void (*measure)(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options) = nullptr;
+  void (*measure)(const Model& truth, const MeasurementSet& protocol,
+                  const MeasureOptions& options) = nullptr;
 };
 
 // Throws InputError for a kind that nobody supplies.

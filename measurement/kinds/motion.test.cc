@@ -10,18 +10,23 @@ namespace seam::measurement {
 namespace {
 
 Model model_in_blocks(const std::string& effects) {
-  return Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
+  return Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
 }
 
 JointLogs logs_of(const std::string& rows) {
-  return read_joint_logs(CsvTable::from_text("run,time_s,joint,command_rad,measured_rad\n" + rows, "joints.csv"), "run", true);
+  return read_joint_logs(
+      CsvTable::from_text("run,time_s,joint,command_rad,measured_rad\n" + rows, "joints.csv"),
+      "run", true);
 }
 
 TEST(JointLogs, AStepUnderALagIsTheClosedForm) {
   // Times since an epoch keep their precision.
-  const JointLogs set = logs_of("0,1200000000.000,arm,0.2,0.2\n0,1200000000.010,arm,1.2,0.2\n"
-                                "0,1200000000.025,arm,1.2,0.2\n0,1200000000.075,arm,1.2,0.2\n");
-  const auto angles = predict_joint_log(model_in_blocks("  servo_lag: {tau_s: 0.05}"), set, set.logs[0], 0.2);
+  const JointLogs set = logs_of(
+      "0,1200000000.000,arm,0.2,0.2\n0,1200000000.010,arm,1.2,0.2\n"
+      "0,1200000000.025,arm,1.2,0.2\n0,1200000000.075,arm,1.2,0.2\n");
+  const auto angles =
+      predict_joint_log(model_in_blocks("  servo_lag: {tau_s: 0.05}"), set, set.logs[0], 0.2);
   EXPECT_DOUBLE_EQ(angles[0], 0.2);
   EXPECT_DOUBLE_EQ(angles[1], 0.2);
   EXPECT_NEAR(angles[2], 1.2 - std::exp(-0.015 / 0.05), 1e-9);
@@ -30,8 +35,10 @@ TEST(JointLogs, AStepUnderALagIsTheClosedForm) {
 
 TEST(JointLogs, EncodersLogTheInverse) {
   const JointLogs set = logs_of("0,0,arm,0.5,0.4\n0,0.01,arm,0.5,0.4\n");
-  const auto angles = predict_joint_log(model_in_blocks("  ideal_servo: {}\n  encoder_offset: {pan_rad: 0.1}\n"
-                                                 "  encoder_scale: {pan_scale: 0.25}"), set, set.logs[0], 0.4);
+  const auto angles =
+      predict_joint_log(model_in_blocks("  ideal_servo: {}\n  encoder_offset: {pan_rad: 0.1}\n"
+                                        "  encoder_scale: {pan_scale: 0.25}"),
+                        set, set.logs[0], 0.4);
   EXPECT_NEAR(angles[1] * 1.25 + 0.1, 0.5, 1e-12);
 }
 
@@ -62,7 +69,8 @@ TEST(WalkRuns, NoiseIsFoundWithAndWithoutARandomWalk) {
       run.time_s.push_back(0.2 * k);
       run.command.push_back({0.1, 0, 0});
       run.pose.push_back({0.02 * k + slip + 0.002 * normal(random, 10 * k + 1),
-                          slip + 0.002 * normal(random, 10 * k + 2), 0.003 * normal(random, 10 * k + 3)});
+                          slip + 0.002 * normal(random, 10 * k + 2),
+                          0.003 * normal(random, 10 * k + 3)});
     }
     const auto noise = noise_of_walks({run});
     EXPECT_NEAR(noise[0], 0.002, 0.0003) << step;

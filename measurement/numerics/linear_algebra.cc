@@ -8,7 +8,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 SymmetricEigen symmetric_eigen(const MatrixXd& m) {
-  if (m.size() == 0) return {VectorXd(0), MatrixXd(0, 0)};  // Eigen's solver stops the program there.
+  if (m.size() == 0)
+    return {VectorXd(0), MatrixXd(0, 0)};  // Eigen's solver stops the program there.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(m);
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
@@ -19,7 +20,9 @@ MatrixXd floored_inverse(const MatrixXd& m, double floor) {
   return eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose();
 }
 
-VectorXd solve_symmetric(const MatrixXd& m, const VectorXd& right) { return m.ldlt().solve(right); }
+VectorXd solve_symmetric(const MatrixXd& m, const VectorXd& right) {
+  return m.ldlt().solve(right);
+}
 
 bool solve_positive(const MatrixXd& m, const VectorXd& right, VectorXd& x) {
   const Eigen::LDLT<MatrixXd> solver(m);

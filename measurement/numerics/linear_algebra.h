@@ -13,8 +13,8 @@ struct SymmetricEigen {
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& m);
 
-// The inverse of a symmetric matrix whose eigenvalues under `floor` count as `floor`: directions that
-// the data hardly determine get a large variance instead of an infinite one.
+// The inverse of a symmetric matrix whose eigenvalues under `floor` count as `floor`: directions
+// that the data hardly determine get a large variance instead of an infinite one.
 Eigen::MatrixXd floored_inverse(const Eigen::MatrixXd& m, double floor);
 
 // x of m x = right, m symmetric (LDL').
@@ -22,8 +22,10 @@ Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& m, const Eigen::VectorXd&
 // The same where m must be positive definite: false, and x untouched, when it is not.
 bool solve_positive(const Eigen::MatrixXd& m, const Eigen::VectorXd& right, Eigen::VectorXd& x);
 
-// The least-squares solution of least norm, for a matrix of any rank; `rank` receives the rank found.
-Eigen::MatrixXd solve_any_rank(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right, Eigen::Index* rank = nullptr);
+// The least-squares solution of least norm, for a matrix of any rank; `rank` receives the rank
+// found.
+Eigen::MatrixXd solve_any_rank(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right,
+                               Eigen::Index* rank = nullptr);
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m);
 
 // Orthonormal columns that span those of m: as many as its rank.

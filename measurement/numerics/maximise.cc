@@ -15,8 +15,15 @@ using Eigen::VectorXd;
 
 class Search {
  public:
-  Search(const std::function<double(const std::vector<double>&)>& f, const std::vector<SearchParameter>& parameters)
-      : f_(f), parameters_(parameters), n_(static_cast<int>(parameters.size())), z_(n_), low_(n_), high_(n_), step_(n_) {
+  Search(const std::function<double(const std::vector<double>&)>& f,
+         const std::vector<SearchParameter>& parameters)
+      : f_(f),
+        parameters_(parameters),
+        n_(static_cast<int>(parameters.size())),
+        z_(n_),
+        low_(n_),
+        high_(n_),
+        step_(n_) {
     for (int i = 0; i < n_; ++i) {
       const SearchParameter& p = parameters[i];
       const auto inner = [&](double x) { return p.logarithmic ? std::log(std::max(x, 1e-12)) : x; };
@@ -123,7 +130,8 @@ class Search {
         a[i] += used_[i], a[k] += used_[k];
         VectorXd b = z_;
         b[i] -= used_[i], b[k] -= used_[k];
-        const double diagonal = 0.5 * (curvature_(i, i) * used_[i] * used_[i] + curvature_(k, k) * used_[k] * used_[k]);
+        const double diagonal =
+            0.5 * (curvature_(i, i) * used_[i] * used_[i] + curvature_(k, k) * used_[k] * used_[k]);
         const double mixed = (value(a) + value(b) - 2 * here) / 2 + diagonal;
         curvature_(i, k) = curvature_(k, i) = -mixed / (used_[i] * used_[k]);
       }
@@ -135,7 +143,8 @@ class Search {
     for (int i = 0; i < n_; ++i) {
       const double size = std::max(std::abs(curvature_(i, i)), 1e-12);
       system(i, i) = (curvature_(i, i) > 0 ? curvature_(i, i) : size) + damping * size;
-      const bool pushed = (z_[i] <= low_[i] && gradient_[i] <= 0) || (z_[i] >= high_[i] && gradient_[i] >= 0);
+      const bool pushed =
+          (z_[i] <= low_[i] && gradient_[i] <= 0) || (z_[i] >= high_[i] && gradient_[i] >= 0);
       if (pushed) {
         system.row(i).setZero();
         system.col(i).setZero();
@@ -162,7 +171,8 @@ class Search {
         scale[i] = free[i] ? 1 / std::sqrt(curvature_(i, i)) : 0;
       }
       MatrixXd unit = scale.asDiagonal() * curvature_ * scale.asDiagonal();
-      for (int i = 0; i < n_; ++i) if (!free[i]) unit(i, i) = 1;
+      for (int i = 0; i < n_; ++i)
+        if (!free[i]) unit(i, i) = 1;
       covariance = scale.asDiagonal() * floored_inverse(unit, 1e-10) * scale.asDiagonal();
     }
     for (int i = 0; i < n_; ++i) {
@@ -170,7 +180,8 @@ class Search {
       out.value.push_back(p.logarithmic ? std::exp(z_[i]) : z_[i]);
       out.at_bound.push_back(z_[i] <= low_[i] || z_[i] >= high_[i]);
       const double jacobian = p.logarithmic ? out.value[i] : 1;
-      out.sigma.push_back(free[i] ? jacobian * std::sqrt(covariance(i, i)) : std::numeric_limits<double>::infinity());
+      out.sigma.push_back(free[i] ? jacobian * std::sqrt(covariance(i, i))
+                                  : std::numeric_limits<double>::infinity());
     }
     for (int i = 0; i < n_; ++i) {
       for (int k = 0; k < n_; ++k) {

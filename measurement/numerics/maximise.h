@@ -12,7 +12,7 @@ struct SearchParameter {
   double start = 0;
   double min = 0;
   double max = 0;
-  double step = 0.01;      // First step of the differences (relative for logarithmic ones).
+  double step = 0.01;        // First step of the differences (relative for logarithmic ones).
   bool logarithmic = false;  // Sought on a logarithmic scale (positive).
 };
 

@@ -13,17 +13,23 @@
 namespace seam::measurement {
 namespace {
 
-double clamped(double p) { return std::clamp(std::isfinite(p) ? p : 1.0, 1e-300, 1.0); }
+double clamped(double p) {
+  return std::clamp(std::isfinite(p) ? p : 1.0, 1e-300, 1.0);
+}
 
 // Sum of squares of y that the first `count` columns explain, from their Gram matrix; rank found
 // by eigenvalues of the scaled matrix.
-double explained_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& moments, Eigen::Index count, int& rank) {
+double explained_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& moments, Eigen::Index count,
+                    int& rank) {
   rank = 0;
   if (count == 0) return 0;
-  const Eigen::VectorXd scale = gram.diagonal().head(count).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * gram.topLeftCorner(count, count) * scale.asDiagonal();
+  const Eigen::VectorXd scale =
+      gram.diagonal().head(count).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  const Eigen::MatrixXd scaled =
+      scale.asDiagonal() * gram.topLeftCorner(count, count) * scale.asDiagonal();
   const SymmetricEigen eigen = symmetric_eigen(scaled);
-  const Eigen::VectorXd along = eigen.vectors.transpose() * (scale.asDiagonal() * moments.head(count));
+  const Eigen::VectorXd along =
+      eigen.vectors.transpose() * (scale.asDiagonal() * moments.head(count));
   double sum = 0;
   for (Eigen::Index i = 0; i < count; ++i) {
     if (eigen.values[i] < 1e-9) continue;
@@ -33,7 +39,8 @@ double explained_by(const Eigen::MatrixXd& gram, const Eigen::VectorXd& moments,
   return sum;
 }
 
-NestedTest finish(double total, double explained_null, double explained_all, int rank_null, int rank_all, double n, double lost) {
+NestedTest finish(double total, double explained_null, double explained_all, int rank_null,
+                  int rank_all, double n, double lost) {
   NestedTest test{.extra = rank_all - rank_null};
   const double freedom = n - rank_all - lost;
   if (test.extra <= 0 || freedom < 3) return test;
@@ -48,7 +55,8 @@ NestedTest finish(double total, double explained_null, double explained_all, int
 
 }  // namespace
 
-NestedTest nested_test(const std::vector<double>& y, const std::vector<std::vector<double>>& null_columns,
+NestedTest nested_test(const std::vector<double>& y,
+                       const std::vector<std::vector<double>>& null_columns,
                        const std::vector<std::vector<double>>& extra_columns, double lost) {
   const Eigen::Index n = static_cast<Eigen::Index>(y.size());
   const Eigen::Index nulls = static_cast<Eigen::Index>(null_columns.size());
@@ -65,7 +73,8 @@ NestedTest nested_test(const std::vector<double>& y, const std::vector<std::vect
   int rank_null = 0, rank_all = 0;
   const double explained_null = explained_by(gram, moments, nulls, rank_null);
   const double explained_all = explained_by(gram, moments, all, rank_all);
-  return finish(target.squaredNorm(), explained_null, explained_all, rank_null, rank_all, static_cast<double>(n), lost);
+  return finish(target.squaredNorm(), explained_null, explained_all, rank_null, rank_all,
+                static_cast<double>(n), lost);
 }
 
 NestedTest category_test(const std::vector<double>& y, const std::vector<int>& label, double lost) {
@@ -102,16 +111,20 @@ double chi2_tail(double x, double freedom) {
   return clamped(boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), x)));
 }
 
-double normal_tail(double z) { return clamped(std::erfc(std::abs(z) / std::sqrt(2.0))); }
+double normal_tail(double z) {
+  return clamped(std::erfc(std::abs(z) / std::sqrt(2.0)));
+}
 
 std::vector<double> normal_scores(const std::vector<double>& values) {
   std::vector<size_t> order(values.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return values[a] < values[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return values[a] < values[b]; });
   std::vector<double> scores(values.size());
   const boost::math::normal standard;
   for (size_t rank = 0; rank < order.size(); ++rank) {
-    scores[order[rank]] = boost::math::quantile(standard, (static_cast<double>(rank) + 0.5) / static_cast<double>(values.size()));
+    scores[order[rank]] = boost::math::quantile(
+        standard, (static_cast<double>(rank) + 0.5) / static_cast<double>(values.size()));
   }
   return scores;
 }

@@ -14,7 +14,8 @@ struct NestedTest {
 
 // F-test of `y` on the null columns against null and extra columns. `lost` degrees of freedom were
 // used up before (fitted parameters and nuisances).
-NestedTest nested_test(const std::vector<double>& y, const std::vector<std::vector<double>>& null_columns,
+NestedTest nested_test(const std::vector<double>& y,
+                       const std::vector<std::vector<double>>& null_columns,
                        const std::vector<std::vector<double>>& extra_columns, double lost);
 
 // The same for group means: `label` numbers the groups.

@@ -38,7 +38,7 @@ struct Covariate {
     cyclic,    // An angle in radians.
     category,  // A label, numbered from 0: structure is a mean for each.
   };
-  std::string name;            // As definitions.md, "Vocabulary".
+  std::string name;  // As definitions.md, "Vocabulary".
   Type type = Type::smooth;
   std::vector<double> values;  // One a row; NaN where unknown.
   bool in_products = true;     // Whether `a*b` with the other covariates is looked at.
@@ -58,7 +58,7 @@ struct Facts {
   unsigned kind_bit = 0;  // effects::kPoints, ...
   std::string title;
   std::string fingerprint;
-  std::string file;                // Of the observations, for messages.
+  std::string file;  // Of the observations, for messages.
   std::vector<int> line_of_row;
   std::vector<Channel> channels;
   std::vector<std::string> groups;  // Their names.
@@ -108,9 +108,9 @@ struct Score {
   int64_t n = 0;    // Residuals.
   int64_t nuisances = 0;
   double log_likelihood = 0;
-  std::vector<double> by_group;  // Log-likelihood of each group; 0 outside the chosen ones.
-  std::vector<double> native;    // By channel: plain root mean square of the residuals.
-  std::vector<double> native_sum2;   // By channel, so that folds can be pooled.
+  std::vector<double> by_group;     // Log-likelihood of each group; 0 outside the chosen ones.
+  std::vector<double> native;       // By channel: plain root mean square of the residuals.
+  std::vector<double> native_sum2;  // By channel, so that folds can be pooled.
   std::vector<int64_t> native_count;
   bool valid = true;
 
@@ -152,19 +152,24 @@ class Problem {
   const Facts& facts() const { return facts_; }
 
   // Thread-safe. `warm` is an earlier evaluation on the same groups, to start nuisances from.
-  virtual Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation* warm = nullptr) const = 0;
+  virtual Evaluation evaluate(const Model& model, const Groups& groups,
+                              const Evaluation* warm = nullptr) const = 0;
 
   // Derivatives of the whitened residuals by each unknown with the nuisances following (one column
   // an unknown, by scalar). Default: differences of `evaluate`.
-  virtual std::vector<std::vector<double>> jacobian(const Model& model, const std::vector<Unknown>& unknowns,
-                                                    const Groups& groups, const Evaluation& here) const;
+  virtual std::vector<std::vector<double>> jacobian(const Model& model,
+                                                    const std::vector<Unknown>& unknowns,
+                                                    const Groups& groups,
+                                                    const Evaluation& here) const;
 
   virtual Score score(const Model& model, const Groups& groups) const;
-  virtual Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const;
+  virtual Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
+                  const Groups& groups) const;
 
   // Tests of mean and spread against every covariate and product, strongest first. Holds all tests
   // that are significant; `fitted` parameters were estimated from these data.
-  virtual std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const;
+  virtual std::vector<Structure> structure(const Model& model, const Groups& groups,
+                                           int fitted) const;
 
   // Residuals beside their covariates, for plots. Default: those of `evaluate`.
   virtual ResidualView residual_view(const Model& model, const Groups& groups) const;
@@ -177,8 +182,9 @@ class Problem {
     given_ = given;
     place(given);
   }
-  // Its values are where a fit may start from, too, where those fitted without an effect lead nowhere
-  // with it: a perspective lens that was bent to a wide-angle one is far from the fisheye that it is.
+  // Its values are where a fit may start from, too, where those fitted without an effect lead
+  // nowhere with it: a perspective lens that was bent to a wide-angle one is far from the fisheye
+  // that it is.
   const Model& given() const { return given_; }
 
   // Whether a model can be held against this set at all; throws InputError with the reason (a
@@ -188,28 +194,30 @@ class Problem {
   // Whether predictions are smooth in the parameters of effects of the mean, so that one step of
   // Gauss and Newton from a small start says about what a fit would reach.
   virtual bool is_smooth() const { return false; }
-  // Whether groups have errors of their own alone. Where they share some (fixed patterns of a sensor), the
-  // likelihood of all of them is not the sum over training and held-out groups.
+  // Whether groups have errors of their own alone. Where they share some (fixed patterns of a
+  // sensor), the likelihood of all of them is not the sum over training and held-out groups.
   virtual bool groups_are_independent() const { return true; }
-  // Whether one effect can do about what several others do together, so that the best first step may be a blind alley
-  // and the search begins with others too.
+  // Whether one effect can do about what several others do together, so that the best first step
+  // may be a blind alley and the search begins with others too.
   virtual bool effects_imitate() const { return false; }
-  // Where predictions are dear: the few training groups on which candidates are screened before any is
-  // fitted to all of them.
+  // Where predictions are dear: the few training groups on which candidates are screened before any
+  // is fitted to all of them.
   virtual std::optional<Groups> screening_groups() const { return std::nullopt; }
-  // Whether two models' predictions differ by more than the accuracy of predicting. Where they do not,
-  // no gain of likelihood speaks for either.
+  // Whether two models' predictions differ by more than the accuracy of predicting. Where they do
+  // not, no gain of likelihood speaks for either.
   virtual bool is_visible(const Model&, const Model&) const { return true; }
 
   // Whether the effect is a candidate here. Default: its kinds hold this kind.
   virtual bool acts(const EffectDefinition& effect) const;
   // Why a parameter cannot be tested with these data before any look at numbers; empty: it can.
-  virtual std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const;
+  virtual std::string not_testable(const Model& model, const EffectDefinition& effect,
+                                   size_t parameter) const;
   // Values from which fits of a candidate start (all are tried, the best is kept). Default: a
   // small step from neutral in each direction.
-  virtual std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const;
-  // At how many independent places the starts of an effect looked for the best one (frequencies, counts): so
-  // many looks it counts for. Default: its starts where it has counts.
+  virtual std::vector<std::vector<double>> starts(const Model& model,
+                                                  const EffectDefinition& effect) const;
+  // At how many independent places the starts of an effect looked for the best one (frequencies,
+  // counts): so many looks it counts for. Default: its starts where it has counts.
   virtual double looks(const Model& model, const EffectDefinition& effect) const;
   // By scalar: rows in which a residual is more than 6 robust sigmas from the median of its
   // neighbours' under this model.
@@ -226,13 +234,14 @@ class Problem {
 
   // Held-out folds: one (30 %) with 4 groups or more, else each group in turn.
   virtual const std::vector<Groups>& folds() const;
-  // What is fitted while the first fold is held out; one group alone cannot be held out and is both.
+  // What is fitted while the first fold is held out; one group alone cannot be held out and is
+  // both.
   Groups training_groups() const;
   Groups all_groups() const { return Groups(facts_.groups.size(), 1); }
 
  protected:
-  // Covariates that stand for a place in the image are taken from the given model's prediction, since
-  // a measured place holds the very noise that stands in the residual.
+  // Covariates that stand for a place in the image are taken from the given model's prediction,
+  // since a measured place holds the very noise that stands in the residual.
   virtual void place(const Model&) {}
 
   Facts facts_;

@@ -9,7 +9,8 @@ namespace {
 std::vector<int> scalars_by_row(const Facts& facts, const Evaluation& evaluation, int channel) {
   std::vector<int> scalar(facts.rows(), -1);
   for (size_t i = 0; i < facts.scalars(); ++i) {
-    if (evaluation.used[i] && facts.channel_of[i] == channel) scalar[facts.row_of[i]] = static_cast<int>(i);
+    if (evaluation.used[i] && facts.channel_of[i] == channel)
+      scalar[facts.row_of[i]] = static_cast<int>(i);
   }
   return scalar;
 }
@@ -42,7 +43,8 @@ ResidualView Problem::residual_view(const Model& model, const Groups& groups) co
 
 ResidualView view_of(const Facts& facts, const Evaluation& evaluation) {
   ResidualView view;
-  for (const Covariate& covariate : facts.covariates) view.covariates.emplace_back(covariate.name, covariate.values);
+  for (const Covariate& covariate : facts.covariates)
+    view.covariates.emplace_back(covariate.name, covariate.values);
   std::vector<std::vector<int>> scalars;
   for (size_t c = 0; c < facts.channels.size(); ++c) {
     scalars.push_back(scalars_by_row(facts, evaluation, static_cast<int>(c)));

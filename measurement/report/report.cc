@@ -18,16 +18,25 @@ std::string escaped(std::string_view text) {
   std::string out;
   for (char c : text) {
     switch (c) {
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '&': out += "&amp;"; break;
-      default: out += c;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '&':
+        out += "&amp;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
 }
 
-bool is_leaf(const json& value) { return !value.is_object() && !value.is_array(); }
+bool is_leaf(const json& value) {
+  return !value.is_object() && !value.is_array();
+}
 
 std::string leaf_text(const json& value) {
   return escaped(value.is_string() ? value.get<std::string>() : value.dump());
@@ -77,8 +86,10 @@ std::string fill_report_template(std::string_view page_template, std::string_vie
   }
   std::string page(page_template.substr(0, marker));
   for (size_t i = 0; i < json.size(); ++i) {
-    // "</script>" in a title would end the data's own script element; "<!--" changes how it is read.
-    bool opens = json[i] == '<' && i + 1 < json.size() && (json[i + 1] == '/' || json[i + 1] == '!');
+    // "</script>" in a title would end the data's own script element; "<!--" changes how it is
+    // read.
+    bool opens =
+        json[i] == '<' && i + 1 < json.size() && (json[i + 1] == '/' || json[i + 1] == '!');
     if (opens) {
       page += "\\u003c";
     } else {
@@ -95,7 +106,8 @@ std::string plain_report(std::string_view text) {
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>SEAM report</title>"
       "<style>body{font:15px/1.5 sans-serif;margin:32px}th{text-align:left;vertical-align:top;"
       "font-weight:500;color:#4a5462;padding:2px 16px 2px 0}td{vertical-align:top}</style>"
-      "<p>This build has no page template (npm was not there), so these are tables without plots.</p>";
+      "<p>This build has no page template (npm was not there), so these are tables without "
+      "plots.</p>";
   for (const char* part : {"title", "command", "result", "data", "model", "tables"}) {
     if (!report.contains(part)) continue;
     page += fmt::format("<h2>{}</h2>", part);

@@ -8,8 +8,8 @@
 
 namespace seam::measurement {
 
-// The page's template `share/seam/report.html`, beside the running program or one folder above it (as
-// for test programs and installed trees), or in $SEAM_SHARE; empty where it was not built.
+// The page's template `share/seam/report.html`, beside the running program or one folder above it
+// (as for test programs and installed trees), or in $SEAM_SHARE; empty where it was not built.
 std::filesystem::path find_report_template();
 
 // The page as text: `json`, a "seam-report/1" document, put into the template's marker so that no

@@ -28,7 +28,8 @@ TEST(Report, TemplateWithoutMarkerIsAnError) {
 }
 
 TEST(Report, PlainPageShowsTheNumbersAndEscapesText) {
-  std::string page = plain_report(R"({"title": "a<b", "result": {"error": 3.5, "steps": [{"effect": "x"}]}})");
+  std::string page =
+      plain_report(R"({"title": "a<b", "result": {"error": 3.5, "steps": [{"effect": "x"}]}})");
   EXPECT_NE(page.find("a&lt;b"), std::string::npos);
   EXPECT_NE(page.find("3.5"), std::string::npos);
   EXPECT_NE(page.find("<th>effect</th><td>x</td>"), std::string::npos);

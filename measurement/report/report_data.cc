@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "measurement/report/finite_or_null.h"
 #include "measurement/report/report_plots.h"
 #include "sim_core/base/error.h"
 
@@ -22,8 +23,6 @@ struct Stages {
   std::vector<std::string> added;     // Effects of `after` that `before` lacks.
 };
 
-json number(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
 Groups shown_groups(const Problem& problem) {
   return problem.folds().size() == 1 ? problem.folds()[0] : problem.all_groups();
 }
@@ -35,7 +34,9 @@ json model_json(const Model& model, const std::string& file) {
     for (size_t i = 0; i < effect.parameters.size(); ++i) {
       const effects::ParameterValue& value = effect.parameters[i];
       parameters[effect.definition->parameters[i].name] = {
-          {"value", number(value.value)}, {"sigma", value.sigma ? number(*value.sigma) : json(nullptr)}, {"free", value.free}};
+          {"value", finite_or_null<json>(value.value)},
+          {"sigma", value.sigma ? finite_or_null<json>(*value.sigma) : json(nullptr)},
+          {"free", value.free}};
     }
     effects[effect.definition->name] = std::move(parameters);
   }
@@ -48,35 +49,45 @@ json data_json(const Problem& problem, const Assessment& before, const std::stri
   json noise = json::object();
   bool estimated = false;
   for (const Channel& channel : facts.channels) {
-    noise[channel.name] = number(channel.noise);
+    noise[channel.name] = finite_or_null<json>(channel.noise);
     estimated = estimated || channel.estimated;
   }
-  return {{"folder", folder}, {"title", facts.title}, {"kind", facts.kind}, {"fingerprint", facts.fingerprint},
+  return {{"folder", folder},
+          {"title", facts.title},
+          {"kind", facts.kind},
+          {"fingerprint", facts.fingerprint},
           {"n", std::max(before.held.n, static_cast<int64_t>(count_used(problem)))},
-          {"groups", facts.groups.size()}, {"held_out_n", before.held.n},
+          {"groups", facts.groups.size()},
+          {"held_out_n", before.held.n},
           {"held_out_groups", std::count(shown.begin(), shown.end(), 1)},
-          {"noise", std::move(noise)}, {"noise_from", estimated ? "estimated" : "file"}};
+          {"noise", std::move(noise)},
+          {"noise_from", estimated ? "estimated" : "file"}};
 }
 
 // One cause shows in many places: of each residual two plots against a covariate and two against a
 // product tell more than many of one; residuals made of two others come last.
-std::vector<Structure> chosen_for_plots(const Facts& facts, const std::vector<Structure>& structures) {
+std::vector<Structure> chosen_for_plots(const Facts& facts,
+                                        const std::vector<Structure>& structures) {
   constexpr size_t kMost = 8;
   std::vector<Structure> chosen;
   std::set<std::string> seen;
   std::map<std::string, int> alike;
   for (const bool combined : {false, true}) {
     for (const Structure& structure : structures) {
-      const bool native = std::any_of(facts.channels.begin(), facts.channels.end(),
-                                      [&](const Channel& channel) { return channel.name == structure.residual; });
+      const bool native =
+          std::any_of(facts.channels.begin(), facts.channels.end(),
+                      [&](const Channel& channel) { return channel.name == structure.residual; });
       // Labels have no order to be plotted along.
-      if (native == combined || structure.covariate == "frame" || structure.covariate == "point") continue;
+      if (native == combined || structure.covariate == "frame" || structure.covariate == "point")
+        continue;
       const bool product = structure.covariate.find('*') != std::string::npos;
       int& same = alike[structure.residual + structure.moment + (product ? "*" : "")];
       // What moves the mean widens the spread too: one plot of it is enough.
       const bool spread = structure.moment == "spread";
       if (chosen.size() == kMost || same == (combined || spread ? 1 : 2)) continue;
-      if (!seen.insert(structure.residual + " " + structure.covariate + " " + structure.moment).second) continue;
+      if (!seen.insert(structure.residual + " " + structure.covariate + " " + structure.moment)
+               .second)
+        continue;
       chosen.push_back(structure);
       ++same;
     }
@@ -91,14 +102,16 @@ void append_stage(const Problem& problem, const Assessment& assessment, const st
     json plot = residual_plot(view, structure, stage);
     if (!plot.is_null()) plots["residuals"].push_back(std::move(plot));
   }
-  if (json arrows = arrow_plot(view, stage); !arrows.is_null()) plots["arrows"].push_back(std::move(arrows));
+  if (json arrows = arrow_plot(view, stage); !arrows.is_null())
+    plots["arrows"].push_back(std::move(arrows));
   if (json map = image_map(view, stage); !map.is_null()) plots["maps"].push_back(std::move(map));
   if (!plots.contains("histograms")) plots["histograms"] = json::array();
   append_histograms(view, problem.facts().channels.size(), stage, plots["histograms"]);
 }
 
 // The error without each effect that was fitted or added, the rest refitted.
-json leave_one_out(const Problem& problem, const Assessment& whole, const std::vector<std::string>& added) {
+json leave_one_out(const Problem& problem, const Assessment& whole,
+                   const std::vector<std::string>& added) {
   constexpr size_t kMost = 8;
   json list = json::array();
   for (const effects::ModelEffect& effect : whole.model.effects()) {
@@ -118,7 +131,9 @@ json leave_one_out(const Problem& problem, const Assessment& whole, const std::v
     }
     const Assessment rest = assess(problem, without, unknowns);
     if (!rest.valid) continue;
-    list.push_back({{"effect", name}, {"error_with", number(whole.error)}, {"error_without", number(rest.error)}});
+    list.push_back({{"effect", name},
+                    {"error_with", finite_or_null<json>(whole.error)},
+                    {"error_without", finite_or_null<json>(rest.error)}});
   }
   return list;
 }
@@ -129,21 +144,29 @@ std::string document(const Problem& problem, const ReportHeader& header, const S
   append_stage(problem, *stages.before, "before", structures, plots);
   if (stages.after) append_stage(problem, *stages.after, "after", structures, plots);
   const Assessment& last = stages.after ? *stages.after : *stages.before;
-  if (json worth = leave_one_out(problem, last, stages.added); !worth.empty()) plots["leave_one_out"] = std::move(worth);
-  const json report = {{"format", "seam-report/1"}, {"title", problem.facts().title}, {"command", header.command},
-                       {"version", "0.1.0"}, {"model", model_json(stages.before->model, header.model_file)},
+  if (json worth = leave_one_out(problem, last, stages.added); !worth.empty())
+    plots["leave_one_out"] = std::move(worth);
+  const json report = {{"format", "seam-report/1"},
+                       {"title", problem.facts().title},
+                       {"command", header.command},
+                       {"version", "0.1.0"},
+                       {"model", model_json(stages.before->model, header.model_file)},
                        {"data", data_json(problem, *stages.before, header.data_folder)},
-                       {"result", json::parse(result)}, {"plots", std::move(plots)}};
+                       {"result", json::parse(result)},
+                       {"plots", std::move(plots)}};
   return report.dump();
 }
 
 }  // namespace
 
-std::string compare_report(const Problem& problem, const CompareResult& result, const ReportHeader& header) {
-  return document(problem, header, {.before = &result.base.assessment}, result.structure, compare_json(problem, result));
+std::string compare_report(const Problem& problem, const CompareResult& result,
+                           const ReportHeader& header) {
+  return document(problem, header, {.before = &result.base.assessment}, result.structure,
+                  compare_json(problem, result));
 }
 
-std::string diagnose_report(const Problem& problem, const SearchResult& result, const ReportHeader& header) {
+std::string diagnose_report(const Problem& problem, const SearchResult& result,
+                            const ReportHeader& header) {
   Stages stages{.before = &result.base.assessment};
   std::vector<Structure> structures = result.base_structure;
   // The page shows the first step; where structure remains after all, what the last step leaves.
@@ -158,7 +181,8 @@ std::string diagnose_report(const Problem& problem, const SearchResult& result, 
   return document(problem, header, stages, structures, diagnose_json(problem, result));
 }
 
-std::string discover_report(const Problem& problem, const SearchResult& result, const ReportHeader& header) {
+std::string discover_report(const Problem& problem, const SearchResult& result,
+                            const ReportHeader& header) {
   Stages stages{.before = &result.base.assessment};
   if (!result.steps.empty()) {
     stages.after = &result.best.assessment;
@@ -174,18 +198,31 @@ std::string history_json(const Model& model) {
   for (const effects::HistoryStep& step : model.history()) {
     json parameters = json::object();
     for (const auto& [name, value] : step.parameters) {
-      parameters[name] = {{"value", number(value.value)}, {"sigma", value.sigma ? number(*value.sigma) : json(nullptr)}};
+      parameters[name] = {
+          {"value", finite_or_null<json>(value.value)},
+          {"sigma", value.sigma ? finite_or_null<json>(*value.sigma) : json(nullptr)}};
     }
-    versions.push_back({{"version", versions.size() + 1}, {"effect", step.effect.empty() ? json(nullptr) : json(step.effect)},
-                        {"parameters", std::move(parameters)}, {"data", step.data}, {"fingerprint", step.data_fingerprint},
-                        {"error_before", number(step.error_before)}, {"error_after", number(step.error_after)}});
+    versions.push_back({{"version", versions.size() + 1},
+                        {"effect", step.effect.empty() ? json(nullptr) : json(step.effect)},
+                        {"parameters", std::move(parameters)},
+                        {"data", step.data},
+                        {"fingerprint", step.data_fingerprint},
+                        {"error_before", finite_or_null<json>(step.error_before)},
+                        {"error_after", finite_or_null<json>(step.error_after)}});
   }
-  return json{{"format", "seam-history/1"}, {"model", model.name()}, {"versions", std::move(versions)}}.dump(2) + "\n";
+  return json{{"format", "seam-history/1"},
+              {"model", model.name()},
+              {"versions", std::move(versions)}}
+             .dump(2) +
+         "\n";
 }
 
 std::string history_report(const Model& model, const ReportHeader& header) {
-  return json{{"format", "seam-report/1"}, {"title", fmt::format("How the model {} came about", model.name())},
-              {"command", header.command}, {"version", "0.1.0"}, {"model", model_json(model, header.model_file)},
+  return json{{"format", "seam-report/1"},
+              {"title", fmt::format("How the model {} came about", model.name())},
+              {"command", header.command},
+              {"version", "0.1.0"},
+              {"model", model_json(model, header.model_file)},
               {"result", json::parse(history_json(model))}}
       .dump();
 }

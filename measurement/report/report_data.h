@@ -9,14 +9,17 @@
 namespace seam::measurement {
 
 struct ReportHeader {
-  std::string command;      // As it was typed.
+  std::string command;  // As it was typed.
   std::string model_file;
   std::string data_folder;
 };
 
-std::string compare_report(const Problem& problem, const CompareResult& result, const ReportHeader& header);
-std::string diagnose_report(const Problem& problem, const SearchResult& result, const ReportHeader& header);
-std::string discover_report(const Problem& problem, const SearchResult& result, const ReportHeader& header);
+std::string compare_report(const Problem& problem, const CompareResult& result,
+                           const ReportHeader& header);
+std::string diagnose_report(const Problem& problem, const SearchResult& result,
+                            const ReportHeader& header);
+std::string discover_report(const Problem& problem, const SearchResult& result,
+                            const ReportHeader& header);
 
 // The versions of a model; needs no data.
 std::string history_json(const Model& model);

@@ -25,21 +25,25 @@ struct Sums {
 
 json bin_of(const Sums& sums, double low, double high) {
   const double n = static_cast<double>(sums.n), mean = sums.r / n;
-  const double scatter = sums.n > 1 ? std::sqrt(std::max(0.0, (sums.r2 - n * mean * mean) / (n - 1))) : NAN;
-  return {{"low", six_digits(low)},       {"high", six_digits(high)},
+  const double scatter =
+      sums.n > 1 ? std::sqrt(std::max(0.0, (sums.r2 - n * mean * mean) / (n - 1))) : NAN;
+  return {{"low", six_digits(low)},           {"high", six_digits(high)},
           {"centre", six_digits(sums.x / n)}, {"n", sums.n},
-          {"mean", six_digits(mean)},     {"mean_sigma", six_digits(std::sqrt(sums.s2) / n)},
+          {"mean", six_digits(mean)},         {"mean_sigma", six_digits(std::sqrt(sums.s2) / n)},
           {"scatter", six_digits(scatter)},   {"formal", six_digits(std::sqrt(sums.s2 / n))}};
 }
 
 // Every k-th index, so that at most `most` remain.
-size_t stride(size_t count, size_t most) { return std::max<size_t>(1, (count + most - 1) / most); }
+size_t stride(size_t count, size_t most) {
+  return std::max<size_t>(1, (count + most - 1) / most);
+}
 
 }  // namespace
 
 json residual_plot(const ResidualView& view, const Structure& structure, const std::string& stage) {
   // Where the mean was averaged over repeats, single values show the spread.
-  const ResidualView::Channel* channel = structure.moment == "spread" ? view.channel(structure.residual + " spread") : nullptr;
+  const ResidualView::Channel* channel =
+      structure.moment == "spread" ? view.channel(structure.residual + " spread") : nullptr;
   if (!channel) channel = view.channel(structure.residual);
   const std::vector<double> covariate = view.covariate(structure.covariate);
   if (!channel || covariate.empty()) return nullptr;
@@ -72,11 +76,13 @@ json residual_plot(const ResidualView& view, const Structure& structure, const s
   json sample = json::array();
   if (stage == "before") {
     for (size_t i = 0; i < channel->row.size(); i += stride(channel->row.size(), 1000)) {
-      if (std::isfinite(x(i))) sample.push_back({six_digits(x(i)), six_digits(channel->residual[i])});
+      if (std::isfinite(x(i)))
+        sample.push_back({six_digits(x(i)), six_digits(channel->residual[i])});
     }
   }
-  json plot = {{"residual", structure.residual}, {"covariate", structure.covariate}, {"moment", structure.moment},
-               {"stage", stage}, {"bins", std::move(list)}, {"sample", std::move(sample)}};
+  json plot = {{"residual", structure.residual}, {"covariate", structure.covariate},
+               {"moment", structure.moment},     {"stage", stage},
+               {"bins", std::move(list)},        {"sample", std::move(sample)}};
   if (stage == "before") {
     plot["strength"] = six_digits(structure.strength);
     plot["p_value"] = structure.p_value;
@@ -94,7 +100,8 @@ json arrow_plot(const ResidualView& view, const std::string& stage) {
   for (size_t i = 0; i < u->row.size(); i += stride(u->row.size(), 600)) {
     const int at = u->row[i];
     if (!std::isfinite(dv[at])) continue;
-    items.push_back({six_digits(column[at]), six_digits(row[at]), six_digits(u->residual[i]), six_digits(dv[at])});
+    items.push_back({six_digits(column[at]), six_digits(row[at]), six_digits(u->residual[i]),
+                     six_digits(dv[at])});
   }
   return {{"stage", stage}, {"plane", "image_px"}, {"unit", "px"}, {"items", std::move(items)}};
 }
@@ -105,22 +112,28 @@ json image_map(const ResidualView& view, const std::string& stage) {
   if (!dn || dn->row.empty() || column.empty() || row.empty()) return nullptr;
   const double width = *std::max_element(column.begin(), column.end()) + 1;
   const double height = *std::max_element(row.begin(), row.end()) + 1;
-  const int columns = static_cast<int>(std::min(44.0, width)), rows = static_cast<int>(std::min(36.0, height));
+  const int columns = static_cast<int>(std::min(44.0, width)),
+            rows = static_cast<int>(std::min(36.0, height));
   std::vector<double> sum(static_cast<size_t>(columns) * rows, 0), count(sum.size(), 0);
   for (size_t i = 0; i < dn->row.size(); ++i) {
     const int at = dn->row[i];
-    const int c = std::clamp(static_cast<int>((column[at] + 0.5) / width * columns), 0, columns - 1);
+    const int c =
+        std::clamp(static_cast<int>((column[at] + 0.5) / width * columns), 0, columns - 1);
     const int r = std::clamp(static_cast<int>((row[at] + 0.5) / height * rows), 0, rows - 1);
     sum[static_cast<size_t>(r) * columns + c] += dn->residual[i];
     count[static_cast<size_t>(r) * columns + c] += 1;
   }
   json values = json::array();
-  for (size_t i = 0; i < sum.size(); ++i) values.push_back(count[i] > 0 ? six_digits(sum[i] / count[i]) : json(nullptr));
-  return {{"stage", stage}, {"title", "Mean residual"}, {"unit", "dn"}, {"columns", columns}, {"rows", rows},
-          {"width_px", width}, {"height_px", height}, {"values", std::move(values)}};
+  for (size_t i = 0; i < sum.size(); ++i)
+    values.push_back(count[i] > 0 ? six_digits(sum[i] / count[i]) : json(nullptr));
+  return {{"stage", stage},      {"title", "Mean residual"},
+          {"unit", "dn"},        {"columns", columns},
+          {"rows", rows},        {"width_px", width},
+          {"height_px", height}, {"values", std::move(values)}};
 }
 
-void append_histograms(const ResidualView& view, size_t channels, const std::string& stage, json& list) {
+void append_histograms(const ResidualView& view, size_t channels, const std::string& stage,
+                       json& list) {
   constexpr double kReach = 6, kWidth = 0.25;
   constexpr int kBins = static_cast<int>(2 * kReach / kWidth);
   for (size_t c = 0; c < std::min(channels, view.channels.size()); ++c) {
@@ -131,11 +144,16 @@ void append_histograms(const ResidualView& view, size_t channels, const std::str
       const double z = channel.residual[i] / channel.sigma[i];
       if (!std::isfinite(z)) continue;
       // What lies beyond is counted in the last bins: it must not vanish.
-      ++counts[std::clamp(static_cast<int>(std::floor((std::clamp(z, -kReach, kReach) + kReach) / kWidth)), 0, kBins - 1)];
+      ++counts[std::clamp(
+          static_cast<int>(std::floor((std::clamp(z, -kReach, kReach) + kReach) / kWidth)), 0,
+          kBins - 1)];
     }
     json edges = json::array();
     for (int i = 0; i <= kBins; ++i) edges.push_back(-kReach + i * kWidth);
-    list.push_back({{"residual", channel.name}, {"stage", stage}, {"edges", std::move(edges)}, {"counts", counts}});
+    list.push_back({{"residual", channel.name},
+                    {"stage", stage},
+                    {"edges", std::move(edges)},
+                    {"counts", counts}});
   }
 }
 

@@ -11,7 +11,8 @@ namespace seam::measurement {
 
 // Residuals against one covariate: bins of equal number, and some of the residuals themselves.
 // Null where the view does not know the covariate or holds too few residuals.
-nlohmann::json residual_plot(const ResidualView& view, const Structure& structure, const std::string& stage);
+nlohmann::json residual_plot(const ResidualView& view, const Structure& structure,
+                             const std::string& stage);
 
 // Arrows over the image where there are u and v; null elsewhere.
 nlohmann::json arrow_plot(const ResidualView& view, const std::string& stage);
@@ -20,6 +21,7 @@ nlohmann::json arrow_plot(const ResidualView& view, const std::string& stage);
 nlohmann::json image_map(const ResidualView& view, const std::string& stage);
 
 // Residuals over their own sigma: one histogram for each of the first `channels`.
-void append_histograms(const ResidualView& view, size_t channels, const std::string& stage, nlohmann::json& list);
+void append_histograms(const ResidualView& view, size_t channels, const std::string& stage,
+                       nlohmann::json& list);
 
 }  // namespace seam::measurement

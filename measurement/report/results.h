@@ -18,7 +18,8 @@ struct CompareResult {
 CompareResult compare(Problem& problem, const Model& model);
 
 std::string compare_json(const Problem& problem, const CompareResult& result);
-std::string diagnose_json(const Problem& problem, const SearchResult& result, const std::optional<Suggestion>& suggestion = {});
+std::string diagnose_json(const Problem& problem, const SearchResult& result,
+                          const std::optional<Suggestion>& suggestion = {});
 std::string discover_json(const Problem& problem, const SearchResult& result);
 std::string compare_text(const Problem& problem, const CompareResult& result);
 std::string diagnose_text(const Problem& problem, const SearchResult& result);

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "measurement/report/finite_or_null.h"
 #include "measurement/report/results.h"
 #include "sim_core/base/error.h"
 
@@ -9,15 +10,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// JSON has no infinities: null where a number does not exist.
-ordered_json number(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
 ordered_json noise_json(const Problem& problem) {
   ordered_json noise = ordered_json::object();
   for (const Channel& channel : problem.facts().channels)
-    noise[channel.name] = number(channel.noise);
+    noise[channel.name] = finite_or_null<ordered_json>(channel.noise);
   return noise;
 }
 
@@ -32,7 +28,7 @@ void add_noise(ordered_json& json, const Problem& problem) {
 ordered_json native_json(const Problem& problem, const Score& score) {
   ordered_json native = ordered_json::object();
   for (size_t c = 0; c < problem.facts().channels.size(); ++c)
-    native[problem.facts().channels[c].name] = number(score.native[c]);
+    native[problem.facts().channels[c].name] = finite_or_null<ordered_json>(score.native[c]);
   return native;
 }
 
@@ -42,9 +38,9 @@ ordered_json structure_json(const std::vector<Structure>& structure) {
     list.push_back({{"residual", s.residual},
                     {"moment", s.moment},
                     {"covariate", s.covariate},
-                    {"strength", number(s.strength)},
+                    {"strength", finite_or_null<ordered_json>(s.strength)},
                     {"p_value", s.p_value},
-                    {"explained", number(s.explained)}});
+                    {"explained", finite_or_null<ordered_json>(s.explained)}});
   }
   return list;
 }
@@ -56,7 +52,7 @@ ordered_json outliers_json(const Problem& problem, const std::vector<Outlier>& o
         {{"file", problem.facts().file},
          {"line", o.line},
          {"channel", problem.facts().channels[problem.facts().channel_of[o.scalar]].name},
-         {"residual", number(o.residual)}});
+         {"residual", finite_or_null<ordered_json>(o.residual)}});
   }
   return list;
 }
@@ -74,7 +70,8 @@ ordered_json parameters_json(const Assessment& assessment, const std::string& ef
       sigma = assessment.fit.sigma[k];
       at_bound = assessment.fit.at_bound[k];
     }
-    ordered_json value{{"value", number(entry->parameters[i].value)}, {"sigma", number(sigma)}};
+    ordered_json value{{"value", finite_or_null<ordered_json>(entry->parameters[i].value)},
+                       {"sigma", finite_or_null<ordered_json>(sigma)}};
     if (at_bound) value["at_bound"] = true;
     json[entry->definition->parameters[i].name] = value;
   }
@@ -85,7 +82,7 @@ ordered_json parameters_json(const Assessment& assessment, const std::string& ef
 ordered_json gain_json(double before, double after, double n) {
   const double excess = before * before - 1;
   if (excess < 3 * std::sqrt(2 / std::max(1.0, n))) return nullptr;
-  return number(1 - (after * after - 1) / excess);
+  return finite_or_null<ordered_json>(1 - (after * after - 1) / excess);
 }
 
 std::string why(const SearchResult& result, const Candidate& candidate) {
@@ -106,7 +103,7 @@ ordered_json not_testable_json(const std::vector<NotTestable>& list) {
 }
 
 ordered_json baseline_json(const Problem& problem, const Assessment& base) {
-  return {{"error", number(base.error)},
+  return {{"error", finite_or_null<ordered_json>(base.error)},
           {"native", native_json(problem, base.held)},
           {"noise_floor", 1.0}};
 }
@@ -148,11 +145,11 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
     ordered_json entry = {
         {"effect", c.effect->name},
         {"rank", ++rank},
-        {"error", number(after.error)},
+        {"error", finite_or_null<ordered_json>(after.error)},
         {"gain", gain_json(base.error, after.error, static_cast<double>(base.held.n))},
         {"p_value", c.p_value},
         {"significant", c.significant},
-        {"log_likelihood_gain", number(c.gain_ll)},
+        {"log_likelihood_gain", finite_or_null<ordered_json>(c.gain_ll)},
         {"parameters", parameters_json(after, c.effect->name)},
         {"indistinguishable_from", c.indistinguishable_from}};
     if (c.at_bound) entry["at_bound"] = true;
@@ -164,16 +161,18 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
       result.verdict == "unexplained_structure" ? result.remaining : result.base_structure);
   ordered_json explanation = ordered_json::array();
   for (const Step& step : result.steps)
-    explanation.push_back({{"effect", step.effect}, {"error_after", number(step.error_after)}});
-  json["explanation"] = {{"steps", explanation}, {"error", number(result.best.assessment.error)}};
+    explanation.push_back(
+        {{"effect", step.effect}, {"error_after", finite_or_null<ordered_json>(step.error_after)}});
+  json["explanation"] = {{"steps", explanation},
+                         {"error", finite_or_null<ordered_json>(result.best.assessment.error)}};
   json["not_testable"] = not_testable_json(result.first.not_testable);
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
   json["advice"] = advice_for(problem, result);
   if (suggestion) {
     json["suggestion"] = {{"effect", suggestion->effect},
-                          {"error", number(suggestion->error)},
-                          {"error_before", number(suggestion->error_before)},
+                          {"error", finite_or_null<ordered_json>(suggestion->error)},
+                          {"error_before", finite_or_null<ordered_json>(suggestion->error_before)},
                           {"terms", suggestion->terms},
                           {"beside", suggestion->beside}};
   }
@@ -191,12 +190,12 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
     steps.push_back({{"effect", step.effect},
                      {"parameters", parameters_json(result.best.assessment, step.effect)},
                      {"parameters_when_added", parameters_json(step.after, step.effect)},
-                     {"error_before", number(step.error_before)},
-                     {"error_after", number(step.error_after)},
+                     {"error_before", finite_or_null<ordered_json>(step.error_before)},
+                     {"error_after", finite_or_null<ordered_json>(step.error_after)},
                      {"indistinguishable_from", step.indistinguishable_from}});
   }
   json["steps"] = steps;
-  json["error"] = number(result.best.assessment.error);
+  json["error"] = finite_or_null<ordered_json>(result.best.assessment.error);
   json["baseline"] = baseline_json(problem, result.base.assessment);
   json["native"] = native_json(problem, result.best.assessment.held);
   add_noise(json, problem);
@@ -211,14 +210,15 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
 std::string add_json(const Problem& problem, const AddResult& result, const std::string& format) {
   ordered_json parameters = ordered_json::object();
   for (const auto& [name, value] : result.parameters) {
-    parameters[name] = {{"value", number(value.value)},
-                        {"sigma", value.sigma ? number(*value.sigma) : ordered_json(nullptr)}};
+    parameters[name] = {{"value", finite_or_null<ordered_json>(value.value)},
+                        {"sigma", value.sigma ? finite_or_null<ordered_json>(*value.sigma)
+                                              : ordered_json(nullptr)}};
   }
   ordered_json json = {{"format", format},
                        {"effect", result.effect},
                        {"parameters", parameters},
-                       {"error_before", number(result.error_before)},
-                       {"error_after", number(result.error_after)},
+                       {"error_before", finite_or_null<ordered_json>(result.error_before)},
+                       {"error_after", finite_or_null<ordered_json>(result.error_after)},
                        {"not_testable", not_testable_json(result.not_testable)}};
   add_noise(json, problem);
   return dumped(json);

@@ -25,7 +25,10 @@ void pool(Score& into, const Score& part) {
   for (size_t c = 0; c < part.native_sum2.size(); ++c) {
     into.native_sum2[c] += part.native_sum2[c];
     into.native_count[c] += part.native_count[c];
-    into.native[c] = into.native_count[c] ? std::sqrt(into.native_sum2[c] / static_cast<double>(into.native_count[c])) : 0;
+    into.native[c] =
+        into.native_count[c]
+            ? std::sqrt(into.native_sum2[c] / static_cast<double>(into.native_count[c]))
+            : 0;
   }
 }
 
@@ -43,7 +46,8 @@ std::vector<Unknown> refitted_unknowns(const Model& model) {
   return unknowns;
 }
 
-Assessment assess(const Problem& problem, const Model& model, const std::vector<Unknown>& unknowns) {
+Assessment assess(const Problem& problem, const Model& model,
+                  const std::vector<Unknown>& unknowns) {
   Assessment result{.model = model, .unknowns = unknowns};
   const std::vector<Groups>& folds = problem.folds();
   const Groups all = problem.all_groups();
@@ -85,7 +89,9 @@ Assessment assess(const Problem& problem, const Model& model, const std::vector<
   return result;
 }
 
-Assessment assess_fixed(const Problem& problem, const Model& model) { return assess(problem, model, {}); }
+Assessment assess_fixed(const Problem& problem, const Model& model) {
+  return assess(problem, model, {});
+}
 
 void write_sigmas(Model& model, const std::vector<Unknown>& unknowns, const Fit& fit) {
   for (size_t i = 0; i < unknowns.size(); ++i) {

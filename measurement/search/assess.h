@@ -14,9 +14,9 @@ struct Assessment {
   Model model;  // Unknowns at their estimates.
   std::vector<Unknown> unknowns;
   Fit fit;
-  Score held;              // On held-out groups, pooled over folds.
-  double total_ll = 0;     // Log-likelihood of training and held-out groups together.
-  double error = 0;        // sqrt(chi2 / (N - nuisances)) on held-out groups.
+  Score held;           // On held-out groups, pooled over folds.
+  double total_ll = 0;  // Log-likelihood of training and held-out groups together.
+  double error = 0;     // sqrt(chi2 / (N - nuisances)) on held-out groups.
   bool valid = false;
 
   double held_ll() const { return held.log_likelihood; }

@@ -35,8 +35,9 @@ double column_dot(const std::vector<double>& a, const std::vector<double>& b) {
       .dot(Eigen::Map<const Eigen::VectorXd>(b.data(), b.size()));
 }
 
-// Which of the effect's parameters these groups can say anything of, beyond what the parameters that
-// are refitted anyway absorb; and, where the problem is smooth, what one step would reach on them.
+// Which of the effect's parameters these groups can say anything of, beyond what the parameters
+// that are refitted anyway absorb; and, where the problem is smooth, what one step would reach on
+// them.
 std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
                                         const std::vector<Unknown>& others,
                                         const EffectDefinition& effect, const Groups& groups,
@@ -102,7 +103,9 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
 Model as_given(Model model, const std::vector<Unknown>& refitted, const Model& given) {
   for (const Unknown& unknown : refitted) {
     const effects::ModelEffect* effect = given.find(unknown.effect);
-    if (effect != nullptr) model.set_value(unknown.effect, unknown.parameter, effect->parameters[unknown.parameter].value);
+    if (effect != nullptr)
+      model.set_value(unknown.effect, unknown.parameter,
+                      effect->parameters[unknown.parameter].value);
   }
   return model;
 }
@@ -123,11 +126,12 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
   const bool counts = has_counts(*effect);
   if (counts && starts.size() > 1) {  // Counts are not fitted but tried: the best two go on.
     std::vector<std::pair<double, size_t>> order;
-    // Effects of spread do not change which of them fits the mean, and would cost most of the time. A converter's steps
-    // are another thing: what noise leaves of them is all that is seen.
+    // Effects of spread do not change which of them fits the mean, and would cost most of the time.
+    // A converter's steps are another thing: what noise leaves of them is all that is seen.
     Model plain = base.assessment.model;
     for (const effects::ModelEffect& other : base.assessment.model.effects()) {
-      if (other.definition->spread_only && effect->stage != effects::Stage::sensor) plain.remove(other.definition->name);
+      if (other.definition->spread_only && effect->stage != effects::Stage::sensor)
+        plain.remove(other.definition->name);
     }
     for (size_t i = 0; i < starts.size(); ++i) {
       const Score score =
@@ -142,7 +146,8 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
     starts = best;
   }
   std::vector<Model> bases = {base.assessment.model};
-  if (!effect->has_neutral) bases.push_back(as_given(bases[0], base.assessment.unknowns, problem.given()));
+  if (!effect->has_neutral)
+    bases.push_back(as_given(bases[0], base.assessment.unknowns, problem.given()));
   std::optional<Grown> best;
   for (size_t s = 0; s < starts.size() * bases.size(); ++s) {
     const Model start = with_effect(bases[s / starts.size()], effect, starts[s % starts.size()]);

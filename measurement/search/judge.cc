@@ -27,7 +27,8 @@ size_t clear_parameters(const Grown& grown, const std::string& name) {
 
 size_t needed_parameters(const Grown& grown) {
   size_t needed = 0;
-  for (const std::string& name : grown.added) needed += std::max<size_t>(1, clear_parameters(grown, name));
+  for (const std::string& name : grown.added)
+    needed += std::max<size_t>(1, clear_parameters(grown, name));
   return needed;
 }
 
@@ -44,14 +45,15 @@ bool bounded_at_neutral(const EffectDefinition& effect) {
                      [](const Parameter& p) { return p.min >= p.neutral || p.max <= p.neutral; });
 }
 
-// What the model loses without the effect, all else as it is: at least what the effect gained, or else some of that gain
-// is the base's, whose fit had stopped early.
+// What the model loses without the effect, all else as it is: at least what the effect gained, or
+// else some of that gain is the base's, whose fit had stopped early.
 double loss_without(const Problem& problem, const Candidate& candidate) {
   const Model& with = candidate.grown.assessment.model;
   Model without = with;
   without.remove(candidate.effect->name);
   const Score there = problem.score(without, problem.all_groups());
-  return there.valid ? candidate.grown.assessment.total_ll - there.log_likelihood : std::numeric_limits<double>::infinity();
+  return there.valid ? candidate.grown.assessment.total_ll - there.log_likelihood
+                     : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -104,16 +106,20 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   const double freedom = static_cast<double>(std::max<size_t>(1, candidate.free.size()));
   const double tail = chi2_tail(ratio, freedom);
   candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
-  // One parameter gains as much as it stands clear of neutral; a gain without is the base's, whose fit had stopped early.
+  // One parameter gains as much as it stands clear of neutral; a gain without is the base's, whose
+  // fit had stopped early.
   const bool clear = has_counts(*candidate.effect) || candidate.effect->spread_only ||
                      clear_parameters(candidate.grown, candidate.effect->name) > 0;
-  // Beyond the noise a likelihood says little: held-out groups must agree that they gain, and some value be clear.
-  const bool agreed = after.error <= kMisfit ? clear || candidate.free.size() > 1 : clear && candidate.held_z > 1;
-  // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by as much as noise makes them
-  // in one of ten cases at five standard errors, or by what their scatter does in one of ten.
+  // Beyond the noise a likelihood says little: held-out groups must agree that they gain, and some
+  // value be clear.
+  const bool agreed =
+      after.error <= kMisfit ? clear || candidate.free.size() > 1 : clear && candidate.held_z > 1;
+  // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by
+  // as much as noise makes them in one of ten cases at five standard errors, or by what their
+  // scatter does in one of ten.
   const bool beyond_doubt = candidate.p_value < 0.01 * kCandidateAlarm && after.error < kMisfit;
-  const bool held_out_agree =
-      candidate.gain_ll > 0 || (beyond_doubt && (candidate.gain_ll > -2 || candidate.held_z > -1.3));
+  const bool held_out_agree = candidate.gain_ll > 0 ||
+                              (beyond_doubt && (candidate.gain_ll > -2 || candidate.held_z > -1.3));
   candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
   if (candidate.significant && candidate.effect->has_neutral && !has_counts(*candidate.effect))
@@ -127,7 +133,8 @@ bool clearly_helps(const Candidate& candidate) {
 }
 
 void rank_candidates(std::vector<Candidate>& candidates) {
-  // While nothing explains the set by far, training groups can be fitted by what is wrong elsewhere.
+  // While nothing explains the set by far, training groups can be fitted by what is wrong
+  // elsewhere.
   const bool far = std::all_of(candidates.begin(), candidates.end(), [](const Candidate& c) {
     return c.grown.assessment.error > kUseless;
   });

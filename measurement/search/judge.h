@@ -1,5 +1,5 @@
-// When an effect counts as found: likelihood ratios corrected for the number of looks, the agreement of groups that were
-// held out, and which of several explanations comes first.
+// When an effect counts as found: likelihood ratios corrected for the number of looks, the
+// agreement of groups that were held out, and which of several explanations comes first.
 #pragma once
 
 #include <memory>

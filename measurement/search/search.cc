@@ -87,7 +87,8 @@ bool clearly_needed(const Grown& grown, const std::string& name) {
     if (here.unknowns[k].effect != name) continue;
     const double neutral = effect->definition->parameters[here.unknowns[k].parameter].neutral;
     // Every value is infinitely far from a limit's neutral one: that says nothing.
-    if (std::isfinite(neutral) && std::abs(here.fit.value[k] - neutral) > kFar * here.fit.sigma[k]) return true;
+    if (std::isfinite(neutral) && std::abs(here.fit.value[k] - neutral) > kFar * here.fit.sigma[k])
+      return true;
   }
   return false;
 }
@@ -215,8 +216,8 @@ void Searcher::forward(SearchResult& result) {
   constexpr size_t kBeginnings = 3;
   result.best = grow(base_, &result.first);
   if (!problem_.effects_imitate()) return;
-  // The best first step may stand for several effects at once, from where none of them helps alone: others begin too,
-  // the simplest first.
+  // The best first step may stand for several effects at once, from where none of them helps alone:
+  // others begin too, the simplest first.
   std::vector<const Candidate*> beginnings;
   for (const Candidate& candidate : result.first.candidates) {
     const auto& added = result.best.added;
@@ -224,9 +225,12 @@ void Searcher::forward(SearchResult& result) {
     const bool helps = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
     if (helps && !is_spread(candidate.effect) && !taken) beginnings.push_back(&candidate);
   }
-  std::stable_sort(beginnings.begin(), beginnings.end(),
-                   [](const Candidate* a, const Candidate* b) { return a->free.size() < b->free.size(); });
-  for (size_t i = 0; i < std::min(kBeginnings, beginnings.size()) && result.best.assessment.error > kMisfit; ++i) {
+  std::stable_sort(
+      beginnings.begin(), beginnings.end(),
+      [](const Candidate* a, const Candidate* b) { return a->free.size() < b->free.size(); });
+  for (size_t i = 0;
+       i < std::min(kBeginnings, beginnings.size()) && result.best.assessment.error > kMisfit;
+       ++i) {
     progress_("trying again from " + beginnings[i]->effect->name);
     Grown other = grow(beginnings[i]->grown, nullptr);
     if (merit_of(problem_, other) > merit_of(problem_, result.best)) result.best = std::move(other);
@@ -234,7 +238,8 @@ void Searcher::forward(SearchResult& result) {
 }
 
 // A model less those of its effects that are left, but for one, fitted again from its own values.
-Grown Searcher::part_of(const Grown& whole, const std::vector<std::string>& left, size_t kept) const {
+Grown Searcher::part_of(const Grown& whole, const std::vector<std::string>& left,
+                        size_t kept) const {
   Grown part = whole;
   for (const std::string& name : left) {
     if (name != left[kept]) part = without(part, name);

@@ -19,21 +19,22 @@ struct Step {
 };
 
 struct SearchResult {
-  Grown base;                          // The model given, refitted.
+  Grown base;  // The model given, refitted.
   std::vector<Structure> base_structure;
-  Looks first;                         // Candidates for the first step.
-  Grown best;                          // With all effects found.
-  std::vector<Step> steps;             // In the order in which they help most.
-  std::vector<Structure> remaining;    // Significant structure after the last step.
+  Looks first;                       // Candidates for the first step.
+  Grown best;                        // With all effects found.
+  std::vector<Step> steps;           // In the order in which they help most.
+  std::vector<Structure> remaining;  // Significant structure after the last step.
   std::vector<Outlier> outliers;
-  double outlier_share = 0;            // Above 0.1 none is left out.
-  std::string verdict;                 // Of diagnose.
+  double outlier_share = 0;  // Above 0.1 none is left out.
+  std::string verdict;       // Of diagnose.
 };
 
 using Progress = std::function<void(const std::string&)>;
 
 // Leaves the problem with its outliers marked.
-SearchResult search(Problem& problem, const Model& model, const EffectList& own, const Progress& progress);
+SearchResult search(Problem& problem, const Model& model, const EffectList& own,
+                    const Progress& progress);
 
 // Marks outliers under this model; returns whether the marks changed.
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result);

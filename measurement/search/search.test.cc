@@ -21,7 +21,8 @@ Model model_of(const std::string& effects) {
 }
 
 // A robot that walks in circles of changing width among six landmarks.
-std::filesystem::path landmark_protocol(const std::string& name, double first_time_s, int runs = 8) {
+std::filesystem::path landmark_protocol(const std::string& name, double first_time_s,
+                                        int runs = 8) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / name;
   std::filesystem::create_directories(folder);
   std::string landmarks = "landmark,x_m,y_m\n";
@@ -53,7 +54,8 @@ std::filesystem::path landmark_protocol(const std::string& name, double first_ti
   return folder;
 }
 
-SearchResult found_in(const std::string& truth, const std::string& name, double first_time_s = 0, int runs = 8) {
+SearchResult found_in(const std::string& truth, const std::string& name, double first_time_s = 0,
+                      int runs = 8) {
   const auto protocol = landmark_protocol(name + "-protocol", first_time_s, runs);
   const auto out = std::filesystem::path(testing::TempDir()) / name;
   find_kind("landmarks")
@@ -92,7 +94,8 @@ TEST(Search, KeepsThePrecisionOfEpochTimes) {
   EXPECT_NEAR(result.best.assessment.model.find("frame_latency")->value("latency_s"), 0.03, 0.004);
 }
 
-// A single walk is both what is fitted and what is held out, and counts once: else chance would look twice as sure.
+// A single walk is both what is fitted and what is held out, and counts once: else chance would
+// look twice as sure.
 TEST(Search, OneGroupCountsOnce) {
   const auto protocol = landmark_protocol("landmarks-one-protocol", 0, 1);
   const auto out = std::filesystem::path(testing::TempDir()) / "landmarks-one";
@@ -105,7 +108,8 @@ TEST(Search, OneGroupCountsOnce) {
 }
 
 TEST(Search, FindsAnEffectInOneGroup) {
-  const SearchResult result = found_in("{ideal_detector: {}, range_scale: {scale: 0.06}}", "landmarks-one-scale", 0, 1);
+  const SearchResult result =
+      found_in("{ideal_detector: {}, range_scale: {scale: 0.06}}", "landmarks-one-scale", 0, 1);
   EXPECT_EQ(result.verdict, "missing_effect");
   ASSERT_EQ(result.steps.size(), 1u);
   EXPECT_EQ(result.steps[0].effect, "range_scale");

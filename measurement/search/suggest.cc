@@ -69,7 +69,7 @@ class Proposer {
   const Groups all_;
   std::vector<char> training_;  // By scalar.
   double count_ = 0;
-  Evaluation start_;             // Of the model without the formula.
+  Evaluation start_;               // Of the model without the formula.
   std::vector<ByScalar> library_;  // Derivatives by each term's coefficient.
   std::vector<ByScalar> basis_;    // What the fitted parameters span, orthonormal.
   ByScalar rest_;                  // What they leave.

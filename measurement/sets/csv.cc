@@ -13,8 +13,10 @@ namespace {
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) text.remove_suffix(1);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
+    text.remove_suffix(1);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
+    text = text.substr(1, text.size() - 2);
   return text;
 }
 
@@ -60,14 +62,17 @@ bool parse_decimal_ns(std::string_view text, int64_t& ns) {
 
 }  // namespace
 
-CsvTable CsvTable::read(const std::filesystem::path& path) { return from_text(read_file(path), path.string()); }
+CsvTable CsvTable::read(const std::filesystem::path& path) {
+  return from_text(read_file(path), path.string());
+}
 
 CsvTable CsvTable::from_text(std::string text, const std::string& name) {
   CsvTable table;
   table.file_ = name;
   table.text_ = std::move(text);
   const std::string& all = table.text_;
-  if (all.size() > std::numeric_limits<uint32_t>::max() - 1) throw InputError(name + ": larger than 4 GiB");
+  if (all.size() > std::numeric_limits<uint32_t>::max() - 1)
+    throw InputError(name + ": larger than 4 GiB");
   size_t position = all.rfind("\xEF\xBB\xBF", 0) == 0 ? 3 : 0;
   for (int line = 1; position < all.size(); ++line) {
     const size_t end = std::min(all.find('\n', position), all.size());
@@ -83,14 +88,18 @@ CsvTable CsvTable::from_text(std::string text, const std::string& name) {
     cells.push_back(static_cast<uint32_t>(end + 1));
     if (table.columns_.empty()) {
       for (size_t i = 0; i + 1 < cells.size(); ++i) {
-        const std::string column(trimmed(std::string_view(all).substr(cells[i], cells[i + 1] - cells[i] - 1)));
-        if (column.empty()) throw InputError(fmt::format("{}:{}: column {} has no name", name, line, i + 1));
-        if (table.has(column)) throw InputError(fmt::format("{}:{}: column '{}' stands twice", name, line, column));
+        const std::string column(
+            trimmed(std::string_view(all).substr(cells[i], cells[i + 1] - cells[i] - 1)));
+        if (column.empty())
+          throw InputError(fmt::format("{}:{}: column {} has no name", name, line, i + 1));
+        if (table.has(column))
+          throw InputError(fmt::format("{}:{}: column '{}' stands twice", name, line, column));
         table.columns_.push_back(column);
       }
     } else {
       if (cells.size() != table.columns_.size() + 1) {
-        throw InputError(fmt::format("{}:{}: found {} cells, expected {}", name, line, cells.size() - 1, table.columns_.size()));
+        throw InputError(fmt::format("{}:{}: found {} cells, expected {}", name, line,
+                                     cells.size() - 1, table.columns_.size()));
       }
       table.starts_.insert(table.starts_.end(), cells.begin(), cells.end());
       table.lines_.push_back(line);
@@ -109,23 +118,28 @@ bool CsvTable::has(std::string_view column) const {
 size_t CsvTable::index_of(std::string_view column) const {
   const auto found = std::find(columns_.begin(), columns_.end(), column);
   if (found == columns_.end()) {
-    throw InputError(fmt::format("{}:1: column '{}' is missing{}", file_, column, suggestion_for(column, columns_)));
+    throw InputError(fmt::format("{}:1: column '{}' is missing{}", file_, column,
+                                 suggestion_for(column, columns_)));
   }
   return found - columns_.begin();
 }
 
 std::string_view CsvTable::at(size_t row, size_t column) const {
   const size_t first = row * (columns_.size() + 1) + column;
-  return trimmed(std::string_view(text_).substr(starts_[first], starts_[first + 1] - starts_[first] - 1));
+  return trimmed(
+      std::string_view(text_).substr(starts_[first], starts_[first + 1] - starts_[first] - 1));
 }
 
-std::string_view CsvTable::cell(size_t row, std::string_view column) const { return at(row, index_of(column)); }
+std::string_view CsvTable::cell(size_t row, std::string_view column) const {
+  return at(row, index_of(column));
+}
 
 std::vector<double> CsvTable::numbers(std::string_view column) const {
   const size_t index = index_of(column);
   std::vector<double> values(rows_);
   for (size_t row = 0; row < rows_; ++row) {
-    if (!parse_number(at(row, index), values[row])) fail(row, column, at(row, index), "a finite number");
+    if (!parse_number(at(row, index), values[row]))
+      fail(row, column, at(row, index), "a finite number");
   }
   return values;
 }
@@ -135,7 +149,8 @@ std::vector<double> CsvTable::numbers_or_blank(std::string_view column) const {
   std::vector<double> values(rows_, std::numeric_limits<double>::quiet_NaN());
   for (size_t row = 0; row < rows_; ++row) {
     const std::string_view text = at(row, index);
-    if (!text.empty() && !parse_number(text, values[row])) fail(row, column, text, "a finite number or nothing");
+    if (!text.empty() && !parse_number(text, values[row]))
+      fail(row, column, text, "a finite number or nothing");
   }
   return values;
 }
@@ -154,26 +169,32 @@ std::vector<int64_t> CsvTable::times_ns(std::string_view column) const {
     const std::string_view text = at(row, index);
     if (parse_decimal_ns(text, values[row])) continue;
     double seconds = 0;  // Exponents: a double holds what they can say.
-    if (!parse_number(text, seconds) || std::abs(seconds) > 9e9) fail(row, column, text, "a time in seconds");
-    values[row] = std::llround(std::floor(seconds)) * 1'000'000'000 + std::llround((seconds - std::floor(seconds)) * 1e9);
+    if (!parse_number(text, seconds) || std::abs(seconds) > 9e9)
+      fail(row, column, text, "a time in seconds");
+    values[row] = std::llround(std::floor(seconds)) * 1'000'000'000 +
+                  std::llround((seconds - std::floor(seconds)) * 1e9);
   }
   return values;
 }
 
-std::vector<std::string> CsvTable::extra_numeric_columns(const std::vector<std::string>& known) const {
+std::vector<std::string> CsvTable::extra_numeric_columns(
+    const std::vector<std::string>& known) const {
   std::vector<std::string> extra;
   for (size_t column = 0; column < columns_.size(); ++column) {
     if (std::find(known.begin(), known.end(), columns_[column]) != known.end()) continue;
     double value = 0;
     bool numeric = rows_ > 0;
-    for (size_t row = 0; row < rows_ && numeric; ++row) numeric = parse_number(at(row, column), value);
+    for (size_t row = 0; row < rows_ && numeric; ++row)
+      numeric = parse_number(at(row, column), value);
     if (numeric) extra.push_back(columns_[column]);
   }
   return extra;
 }
 
-void CsvTable::fail(size_t row, std::string_view column, std::string_view found, std::string_view expected) const {
-  throw InputError(fmt::format("{}:{}: column {}: found '{}', expected {}", file_, lines_[row], column, found, expected));
+void CsvTable::fail(size_t row, std::string_view column, std::string_view found,
+                    std::string_view expected) const {
+  throw InputError(fmt::format("{}:{}: column {}: found '{}', expected {}", file_, lines_[row],
+                               column, found, expected));
 }
 
 CsvWriter::CsvWriter(const std::vector<std::string>& columns) : width_(columns.size()) {
@@ -190,6 +211,8 @@ void CsvWriter::row(const std::vector<std::string>& cells) {
   text_ += '\n';
 }
 
-void CsvWriter::write(const std::filesystem::path& path) const { write_file_atomically(path, text_); }
+void CsvWriter::write(const std::filesystem::path& path) const {
+  write_file_atomically(path, text_);
+}
 
 }  // namespace seam::measurement

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "effects/stages/joint_track.h"
 #include "effects/model.h"
+#include "effects/stages/joint_track.h"
 #include "measurement/sets/set.h"
 #include "measurement/sets/spline.h"
 #include "sim_core/base/pose.h"
@@ -69,8 +69,8 @@ class Rig {
 
  private:
   struct Link {
-    Pose fixed;       // Before the joint.
-    int joint = -1;   // Index of the joint, -1 for a fixed link.
+    Pose fixed;      // Before the joint.
+    int joint = -1;  // Index of the joint, -1 for a fixed link.
     Vec3 axis{0.0};
   };
 
@@ -93,7 +93,8 @@ class Rig {
 
 // Times of a log in seconds since its first; throws where they do not increase. Rows that repeat
 // the time before are dropped from `keep`.
-std::vector<double> log_seconds(const CsvTable& table, const std::string& column, int64_t reference_ns,
-                                const std::vector<size_t>& rows, std::vector<size_t>& keep);
+std::vector<double> log_seconds(const CsvTable& table, const std::string& column,
+                                int64_t reference_ns, const std::vector<size_t>& rows,
+                                std::vector<size_t>& keep);
 
 }  // namespace seam::measurement

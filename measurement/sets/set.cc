@@ -13,8 +13,9 @@ namespace {
 
 const std::vector<std::string> kKinds = {"points",    "photometry", "joints", "odometry",
                                          "landmarks", "ranges",     "frames"};
-const std::vector<std::string> kKeys = {"format", "kind",  "title", "camera", "noise",
-                                        "group",  "files", "rig",   "scene",  "detector", "colour_table"};
+const std::vector<std::string> kKeys = {"format", "kind",     "title",       "camera",
+                                        "noise",  "group",    "files",       "rig",
+                                        "scene",  "detector", "colour_table"};
 
 CameraFacts read_camera(const ConfigNode& node) {
   CameraFacts camera;

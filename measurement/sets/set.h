@@ -14,7 +14,7 @@
 namespace seam::measurement {
 
 struct CameraFacts {
-  int width_px = 0;   // 0 where the set names no camera.
+  int width_px = 0;  // 0 where the set names no camera.
   int height_px = 0;
   double frame_period_s = 0;
   std::string channels = "grey";  // grey | rgb
@@ -47,6 +47,7 @@ struct MeasurementSet {
 std::vector<char> held_out_groups(const std::vector<std::string>& group_ids);
 
 // Numbers text values in order of first appearance; `names` gets each new one.
-std::vector<int> number_groups(const std::vector<std::string>& values, std::vector<std::string>& names);
+std::vector<int> number_groups(const std::vector<std::string>& values,
+                               std::vector<std::string>& names);
 
 }  // namespace seam::measurement

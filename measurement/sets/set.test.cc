@@ -26,22 +26,29 @@ TEST(CsvTable, NumbersTextsAndBlanks) {
   EXPECT_EQ(table.numbers_or_blank("b")[0], 2.5e-3);
   EXPECT_TRUE(std::isnan(table.numbers_or_blank("b")[1]));
   EXPECT_EQ(table.texts("c"), (std::vector<std::string>{"x", "y"}));
-  EXPECT_EQ(message_of([&] { table.numbers("b"); }), "t.csv:3: column b: found '', expected a finite number");
+  EXPECT_EQ(message_of([&] { table.numbers("b"); }),
+            "t.csv:3: column b: found '', expected a finite number");
 }
 
 TEST(CsvTable, ErrorsNameTheLine) {
-  EXPECT_NE(message_of([] { CsvTable::from_text("a,b\n1\n", "t.csv"); }).find("t.csv:2"), std::string::npos);
-  EXPECT_NE(message_of([] { CsvTable::from_text("a,a\n1,2\n", "t.csv"); }).find("twice"), std::string::npos);
+  EXPECT_NE(message_of([] { CsvTable::from_text("a,b\n1\n", "t.csv"); }).find("t.csv:2"),
+            std::string::npos);
+  EXPECT_NE(message_of([] { CsvTable::from_text("a,a\n1,2\n", "t.csv"); }).find("twice"),
+            std::string::npos);
   EXPECT_NE(message_of([] { CsvTable::from_text("", "t.csv"); }).find("empty"), std::string::npos);
   for (const char* bad : {"nan", "inf", "1e999", "0x10", "1,5", "abc"}) {
     const std::string text = std::string("a\n") + bad + "\n";
-    EXPECT_NE(message_of([&] { CsvTable::from_text(text, "t.csv").numbers("a"); }).find("t.csv:2"), std::string::npos) << bad;
+    EXPECT_NE(message_of([&] { CsvTable::from_text(text, "t.csv").numbers("a"); }).find("t.csv:2"),
+              std::string::npos)
+        << bad;
   }
 }
 
 TEST(CsvTable, EpochTimesKeepNanoseconds) {
-  const CsvTable table = CsvTable::from_text("t\n1248272278.000000001\n-0.5\n1.25e1\n0.0000000005\n", "t.csv");
-  EXPECT_EQ(table.times_ns("t"), (std::vector<int64_t>{1248272278000000001, -500000000, 12500000000, 1}));
+  const CsvTable table =
+      CsvTable::from_text("t\n1248272278.000000001\n-0.5\n1.25e1\n0.0000000005\n", "t.csv");
+  EXPECT_EQ(table.times_ns("t"),
+            (std::vector<int64_t>{1248272278000000001, -500000000, 12500000000, 1}));
 }
 
 TEST(HeldOutGroups, ThirtyPerCentRoundedUp) {
@@ -49,7 +56,8 @@ TEST(HeldOutGroups, ThirtyPerCentRoundedUp) {
     std::vector<std::string> ids;
     for (size_t i = 0; i < count; ++i) ids.push_back(std::to_string(i));
     const std::vector<char> held_out = held_out_groups(ids);
-    EXPECT_EQ(std::count(held_out.begin(), held_out.end(), 1), static_cast<long>(std::ceil(0.3 * count)));
+    EXPECT_EQ(std::count(held_out.begin(), held_out.end(), 1),
+              static_cast<long>(std::ceil(0.3 * count)));
     EXPECT_EQ(held_out, held_out_groups(ids));
   }
 }

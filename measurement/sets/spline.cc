@@ -32,7 +32,9 @@ std::vector<double> knot_slopes(const std::vector<double>& t, const std::vector<
   }
   lower[n - 1] = h(n - 2) + h(n - 3);
   diagonal[n - 1] = h(n - 3);
-  right[n - 1] = (h(n - 2) * h(n - 2) * d(n - 3) + (2 * lower[n - 1] + h(n - 2)) * h(n - 3) * d(n - 2)) / lower[n - 1];
+  right[n - 1] =
+      (h(n - 2) * h(n - 2) * d(n - 3) + (2 * lower[n - 1] + h(n - 2)) * h(n - 3) * d(n - 2)) /
+      lower[n - 1];
   for (size_t i = 1; i < n; ++i) {
     const double factor = lower[i] / diagonal[i - 1];
     diagonal[i] -= factor * upper[i - 1];
@@ -54,8 +56,9 @@ Spline::Spline(std::vector<double> times, const std::vector<double>& values, dou
   for (size_t first = 0; first < n;) {
     size_t last = first;
     while (last + 1 < n && times_[last + 1] - times_[last] <= max_gap_s) ++last;
-    const std::vector<double> slopes = knot_slopes({times_.begin() + first, times_.begin() + last + 1},
-                                                   {values_.begin() + first, values_.begin() + last + 1});
+    const std::vector<double> slopes =
+        knot_slopes({times_.begin() + first, times_.begin() + last + 1},
+                    {values_.begin() + first, values_.begin() + last + 1});
     std::copy(slopes.begin(), slopes.end(), slopes_.begin() + first);
     straight_[last] = 1;
     first = last + 1;
@@ -63,14 +66,16 @@ Spline::Spline(std::vector<double> times, const std::vector<double>& values, dou
   if (n < 2) return;
   step_ = (times_.back() - times_.front()) / static_cast<double>(n - 1);
   for (size_t i = 0; i < n; ++i) {
-    if (std::abs(times_[i] - (times_.front() + step_ * static_cast<double>(i))) > 0.4 * step_) step_ = 0;
+    if (std::abs(times_[i] - (times_.front() + step_ * static_cast<double>(i))) > 0.4 * step_)
+      step_ = 0;
   }
 }
 
 size_t Spline::interval(double t) const {
   const size_t last = times_.size() - 2;
   if (step_ > 0) {
-    size_t i = static_cast<size_t>(std::clamp((t - times_.front()) / step_, 0.0, static_cast<double>(last)));
+    size_t i = static_cast<size_t>(
+        std::clamp((t - times_.front()) / step_, 0.0, static_cast<double>(last)));
     while (i > 0 && t < times_[i]) --i;
     while (i < last && t >= times_[i + 1]) ++i;
     return i;

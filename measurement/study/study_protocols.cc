@@ -23,7 +23,8 @@ std::string head_rig(const char* tilt_axis) {
   return fmt::format(
       "rig:\n  chain:\n    - {{translate_m: [0, 0, 0.195]}}\n    - {{joint: tilt, axis: {}}}\n"
       "    - {{translate_m: [0, 0, 0.048]}}\n    - {{joint: pan, axis: [0, 0, 1]}}\n"
-      "    - {{translate_m: [0.0666, 0, 0]}}\n", tilt_axis);
+      "    - {{translate_m: [0.0666, 0, 0]}}\n",
+      tilt_axis);
 }
 
 // A head that nods and swings before a room of points.
@@ -48,12 +49,12 @@ std::string points(const std::filesystem::path& folder) {
   }
   write_file_atomically(folder / "joints.csv", joints);
   write_file_atomically(folder / "points.csv", table);
-  write_file_atomically(
-      folder / "measurement.yaml",
-      "format: seam-measurement/1\nkind: points\ntitle: Study of points\n"
-      "camera: {width_px: 178, height_px: 144, frame_period_s: 0.08}\n"
-      "noise: {u_px: 0.15, v_px: 0.15}\ngroup: frame\n"
-      "files: {points: points.csv, joints: joints.csv}\n" + head_rig("[0, -1, 0]"));
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: points\ntitle: Study of points\n"
+                        "camera: {width_px: 178, height_px: 144, frame_period_s: 0.08}\n"
+                        "noise: {u_px: 0.15, v_px: 0.15}\ngroup: frame\n"
+                        "files: {points: points.csv, joints: joints.csv}\n" +
+                            head_rig("[0, -1, 0]"));
   return "{pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}}";
 }
 
@@ -173,7 +174,8 @@ std::string frames(const std::filesystem::path& folder) {
       folder / "measurement.yaml",
       "format: seam-measurement/1\nkind: frames\ntitle: Study of images\n"
       "camera: {width_px: 60, height_px: 48, frame_period_s: 0.13}\ngroup: frame\n"
-      "files: {frames: frames.csv, joints: joints.csv}\nscene: scene.yaml\n" + head_rig("[0, 1, 0]"));
+      "files: {frames: frames.csv, joints: joints.csv}\nscene: scene.yaml\n" +
+          head_rig("[0, 1, 0]"));
   return "{pinhole: {fx_px: 54.6, fy_px: 54.8, cx_px: 29.5, cy_px: 23.5}, "
          "exposure: {exposure_s: 0.005}, read_noise: {sigma_dn: 1.5}}";
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "render/cast/ray_table.h"
-#include "render/renderer.h"
 #include "render/cast/row_caster.h"
+#include "render/renderer.h"
 
 namespace seam::render {
 

@@ -279,8 +279,9 @@ Pose between(const Pose& a, const Pose& b, double fraction) {
   return pose;
 }
 
-// Calls f(from, to) for each primitive of both instants. They come in the same order, but what stands behind the camera
-// may be left out of either, whole objects at a time (World::primitives_at).
+// Calls f(from, to) for each primitive of both instants. They come in the same order, but what
+// stands behind the camera may be left out of either, whole objects at a time
+// (World::primitives_at).
 template <typename F>
 void for_each_pair(const std::vector<Primitive>& a, const std::vector<Primitive>& b, F&& f) {
   for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {

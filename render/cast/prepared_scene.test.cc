@@ -12,14 +12,16 @@ namespace {
 
 using namespace testing;
 
-// Objects of three parts each, all moving by `moved_m` to the left; those in `left_out` are not there.
+// Objects of three parts each, all moving by `moved_m` to the left; those in `left_out` are not
+// there.
 SceneInstant objects(double moved_m, SimTime time, const std::vector<uint16_t>& left_out) {
   SceneInstant instant{.time = time, .X_WC = head_camera(0.2, 0, 0, 0), .primitives = {}};
   for (const uint16_t id : {uint16_t{1}, uint16_t{5}, uint16_t{3}, uint16_t{8}}) {
     if (std::find(left_out.begin(), left_out.end(), id) != left_out.end()) continue;
     for (int part = 0; part < 3; ++part) {
-      Primitive primitive = part == 1 ? box({2.0 + part, 0.3 * id + moved_m, 0.1}, {0.1, 0.1, 0.1}, 0, {1, 0, 0})
-                                      : sphere({2.0 + part, 0.3 * id + moved_m, 0.1}, 0.05, {0, 1, 0});
+      Primitive primitive =
+          part == 1 ? box({2.0 + part, 0.3 * id + moved_m, 0.1}, {0.1, 0.1, 0.1}, 0, {1, 0, 0})
+                    : sphere({2.0 + part, 0.3 * id + moved_m, 0.1}, 0.05, {0, 1, 0});
       primitive.object_id = id;
       instant.primitives.push_back(primitive);
     }
@@ -31,19 +33,25 @@ constexpr double kFocal_px = 160, kMoved_m = 0.004;
 
 TEST(SceneBetweenInstants, WhatOneInstantLacksIsNoMotion) {
   const SimTime start = SimTime::from_s(1), end = SimTime::from_s(1.01);
-  const double whole = image_motion_px(objects(0, start, {}), objects(kMoved_m, end, {}), kFocal_px);
+  const double whole =
+      image_motion_px(objects(0, start, {}), objects(kMoved_m, end, {}), kFocal_px);
   EXPECT_GT(whole, 0.2);
   EXPECT_LT(whole, 0.5);
-  for (const std::vector<uint16_t>& left_out : {std::vector<uint16_t>{1}, {5}, {8}, {5, 3}, {1, 8}}) {
-    EXPECT_LE(image_motion_px(objects(0, start, left_out), objects(kMoved_m, end, {}), kFocal_px), whole);
-    EXPECT_LE(image_motion_px(objects(0, start, {}), objects(kMoved_m, end, left_out), kFocal_px), whole);
+  for (const std::vector<uint16_t>& left_out :
+       {std::vector<uint16_t>{1}, {5}, {8}, {5, 3}, {1, 8}}) {
+    EXPECT_LE(image_motion_px(objects(0, start, left_out), objects(kMoved_m, end, {}), kFocal_px),
+              whole);
+    EXPECT_LE(image_motion_px(objects(0, start, {}), objects(kMoved_m, end, left_out), kFocal_px),
+              whole);
   }
 }
 
 TEST(SceneBetweenInstants, WhatBothHaveMovesAllTheSame) {
-  const SimTime start = SimTime::from_s(1), middle = SimTime::from_s(1.004), end = SimTime::from_s(1.01);
+  const SimTime start = SimTime::from_s(1), middle = SimTime::from_s(1.004),
+                end = SimTime::from_s(1.01);
   // The later instant lacks an object, the nearer one has it: there it stays, all else moves on.
-  const SceneInstant between = interpolate(objects(0, start, {}), objects(kMoved_m, end, {5}), middle);
+  const SceneInstant between =
+      interpolate(objects(0, start, {}), objects(kMoved_m, end, {5}), middle);
   const SceneInstant before = objects(0, start, {});
   ASSERT_EQ(between.primitives.size(), before.primitives.size());
   for (size_t i = 0; i < before.primitives.size(); ++i) {

@@ -25,8 +25,8 @@ int main(int argc, char** argv) {
     const double sweep_s = 2 * amplitude_rad / rate_rad_s;
     const double sweeps = seen.time_s() / sweep_s + 0.5;
     const bool leftwards = std::fmod(std::floor(sweeps), 2) == 0;
-    robot.head({.pan_rad = leftwards ? amplitude_rad : -amplitude_rad,
-                .max_speed_rad_s = rate_rad_s});
+    robot.head(
+        {.pan_rad = leftwards ? amplitude_rad : -amplitude_rad, .max_speed_rad_s = rate_rad_s});
   });
   return robot.run();
 }

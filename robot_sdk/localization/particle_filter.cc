@@ -9,15 +9,19 @@ namespace seam::sdk {
 namespace {
 
 constexpr float kPi = 3.14159265f;
-constexpr int kMemory = 25;  // Updates for which a landmark's place in the body frame is remembered.
+constexpr int kMemory =
+    25;  // Updates for which a landmark's place in the body frame is remembered.
 // Two landmarks whose seen distance is this much off, in part, are not both where they seem.
 constexpr float kPairTolerance = 0.2f;
 constexpr double kFitOfTheFound = 0.4;
 constexpr double kMostRenewed = 0.25;  // Of the samples, in one update.
-constexpr double kMostRenewedByOne = 0.05;  // The same where a single landmark is all there is to go by.
+constexpr double kMostRenewedByOne =
+    0.05;  // The same where a single landmark is all there is to go by.
 constexpr float kSeedSigma_m = 0.10f, kSeedSigma_rad = 0.08f;  // Of a pose from two landmarks.
 
-float wrap(float angle) { return angle - 2 * kPi * std::round(angle / (2 * kPi)); }
+float wrap(float angle) {
+  return angle - 2 * kPi * std::round(angle / (2 * kPi));
+}
 
 }  // namespace
 
@@ -34,7 +38,8 @@ std::vector<LandmarkPosition> standard_landmarks(bool swap_ends) {
           {LandmarkKind::goal_yellow, -2.25f, 0}};
 }
 
-ParticleFilter::ParticleFilter(const ParticleFilterOptions& options, std::vector<LandmarkPosition> landmarks)
+ParticleFilter::ParticleFilter(const ParticleFilterOptions& options,
+                               std::vector<LandmarkPosition> landmarks)
     : options_(options), landmarks_(std::move(landmarks)), samples_(options.particles) {
   for (FieldPose& pose : samples_) {
     pose.x_m = (2 * uniform() - 1) * options_.half_length_m;
@@ -44,8 +49,10 @@ ParticleFilter::ParticleFilter(const ParticleFilterOptions& options, std::vector
 }
 
 float ParticleFilter::uniform() {
-  const philox4x32_ctr_t counter = {{static_cast<uint32_t>(draws_), static_cast<uint32_t>(draws_ >> 32), 0, 0}};
-  const philox4x32_key_t key = {{static_cast<uint32_t>(options_.seed), static_cast<uint32_t>(options_.seed >> 32)}};
+  const philox4x32_ctr_t counter = {
+      {static_cast<uint32_t>(draws_), static_cast<uint32_t>(draws_ >> 32), 0, 0}};
+  const philox4x32_key_t key = {
+      {static_cast<uint32_t>(options_.seed), static_cast<uint32_t>(options_.seed >> 32)}};
   ++draws_;
   return (static_cast<float>(philox4x32(counter, key)[0] >> 8) + 0.5f) * 0x1p-24f;
 }
@@ -59,16 +66,20 @@ void ParticleFilter::move(float dx_m, float dy_m, float dtheta_rad) {
   const float step = std::sqrt(dx_m * dx_m + dy_m * dy_m);
   const float sigma_m = options_.motion_fraction * step + options_.jitter_m;
   const float sigma_rad = options_.motion_fraction * std::abs(dtheta_rad) + options_.jitter_rad;
-  const auto blocked = static_cast<size_t>(options_.blocked_share * static_cast<float>(samples_.size()));
+  const auto blocked =
+      static_cast<size_t>(options_.blocked_share * static_cast<float>(samples_.size()));
   for (size_t i = 0; i < samples_.size(); ++i) {
     FieldPose& pose = samples_[i];
     const float heading = pose.theta_rad + 0.5f * dtheta_rad;
     const float c = std::cos(heading), s = std::sin(heading);
-    const float part = i * blocked / samples_.size() != (i + 1) * blocked / samples_.size() ? uniform() : 1.0f;
+    const float part =
+        i * blocked / samples_.size() != (i + 1) * blocked / samples_.size() ? uniform() : 1.0f;
     const float dx = part * dx_m + sigma_m * normal();
     const float dy = part * dy_m + sigma_m * normal();
-    pose.x_m = std::clamp(pose.x_m + c * dx - s * dy, -options_.half_length_m, options_.half_length_m);
-    pose.y_m = std::clamp(pose.y_m + s * dx + c * dy, -options_.half_width_m, options_.half_width_m);
+    pose.x_m =
+        std::clamp(pose.x_m + c * dx - s * dy, -options_.half_length_m, options_.half_length_m);
+    pose.y_m =
+        std::clamp(pose.y_m + s * dx + c * dy, -options_.half_width_m, options_.half_width_m);
     pose.theta_rad = wrap(pose.theta_rad + part * dtheta_rad + sigma_rad * normal());
   }
   const float c = std::cos(dtheta_rad), s = std::sin(dtheta_rad);
@@ -80,7 +91,8 @@ void ParticleFilter::move(float dx_m, float dy_m, float dtheta_rad) {
   std::erase_if(remembered_, [](const Remembered& seen) { return seen.age > kMemory; });
 }
 
-void ParticleFilter::place(const std::vector<FieldPose>& poses, float share, float sigma_m, float sigma_rad) {
+void ParticleFilter::place(const std::vector<FieldPose>& poses, float share, float sigma_m,
+                           float sigma_rad) {
   const auto placed = static_cast<size_t>(share * static_cast<float>(samples_.size()));
   remembered_.clear();
   for (size_t i = 0, k = 0; i < samples_.size() && !poses.empty(); ++i) {
@@ -98,29 +110,38 @@ FieldPose ParticleFilter::on_field(FieldPose pose) const {
 }
 
 const LandmarkPosition* ParticleFilter::position_of(LandmarkKind kind) const {
-  const auto found = std::find_if(landmarks_.begin(), landmarks_.end(),
-                                  [&](const LandmarkPosition& landmark) { return landmark.kind == kind; });
+  const auto found =
+      std::find_if(landmarks_.begin(), landmarks_.end(),
+                   [&](const LandmarkPosition& landmark) { return landmark.kind == kind; });
   return found == landmarks_.end() ? nullptr : &*found;
 }
 
-ParticleFilter::Fit ParticleFilter::fit_of(const FieldPose& pose, const LandmarkSighting& sighting) const {
+ParticleFilter::Fit ParticleFilter::fit_of(const FieldPose& pose,
+                                           const LandmarkSighting& sighting) const {
   const LandmarkPosition* landmark = position_of(sighting.kind);
   if (landmark == nullptr) return {1, 1};
   const float dx = landmark->x_m - pose.x_m, dy = landmark->y_m - pose.y_m;
   const float bearing_error = wrap(std::atan2(dy, dx) - pose.theta_rad - sighting.bearing_rad);
   const float bearing_sigma = sighting.bearing_sigma_rad + options_.bearing_floor_rad;
   const float bearing_exponent = bearing_error * bearing_error / (bearing_sigma * bearing_sigma);
-  const auto with_outliers = [](float likelihood, float outliers) { return (1 - outliers) * likelihood + outliers; };
-  const float bearing = with_outliers(std::exp(-0.5f * bearing_exponent), options_.outlier_probability);
+  const auto with_outliers = [](float likelihood, float outliers) {
+    return (1 - outliers) * likelihood + outliers;
+  };
+  const float bearing =
+      with_outliers(std::exp(-0.5f * bearing_exponent), options_.outlier_probability);
   if (!(sighting.range_m > 0)) return {bearing, bearing};
   const float range_error = std::sqrt(dx * dx + dy * dy) - sighting.range_m;
-  const float range_sigma = sighting.range_sigma_m + options_.range_floor_fraction * sighting.range_m;
+  const float range_sigma =
+      sighting.range_sigma_m + options_.range_floor_fraction * sighting.range_m;
   const float range_exponent = range_error * range_error / (range_sigma * range_sigma);
   if (options_.range_outlier_probability == 0) {
-    return {bearing, with_outliers(std::exp(-0.5f * (bearing_exponent + range_exponent)), options_.outlier_probability)};
+    return {bearing, with_outliers(std::exp(-0.5f * (bearing_exponent + range_exponent)),
+                                   options_.outlier_probability)};
   }
-  const float range = with_outliers(std::exp(-0.5f * range_exponent), options_.range_outlier_probability);
-  return {bearing, with_outliers(std::exp(-0.5f * bearing_exponent) * range, options_.outlier_probability)};
+  const float range =
+      with_outliers(std::exp(-0.5f * range_exponent), options_.range_outlier_probability);
+  return {bearing,
+          with_outliers(std::exp(-0.5f * bearing_exponent) * range, options_.outlier_probability)};
 }
 
 void ParticleFilter::observe(const std::vector<LandmarkSighting>& sightings) {
@@ -140,8 +161,9 @@ void ParticleFilter::observe(const std::vector<LandmarkSighting>& sightings) {
   resample(weights, sightings, renewed);
 }
 
-// By bearings alone: a range is often wrong while the robot knows where it is. A filter that never found its
-// place has nothing better to compare with, so what sightings fit at least once it is found counts too.
+// By bearings alone: a range is often wrong while the robot knows where it is. A filter that never
+// found its place has nothing better to compare with, so what sightings fit at least once it is
+// found counts too.
 double ParticleFilter::share_to_renew(double fit) {
   slow_fit_ += options_.slow_rate * (fit - slow_fit_);
   fast_fit_ += options_.fast_rate * (fit - fast_fit_);
@@ -151,7 +173,8 @@ double ParticleFilter::share_to_renew(double fit) {
 void ParticleFilter::remember(const std::vector<LandmarkSighting>& sightings) {
   for (const LandmarkSighting& sighting : sightings) {
     // A goal's range is a guess while robots stand before it.
-    const bool is_goal = sighting.kind == LandmarkKind::goal_yellow || sighting.kind == LandmarkKind::goal_skyblue;
+    const bool is_goal =
+        sighting.kind == LandmarkKind::goal_yellow || sighting.kind == LandmarkKind::goal_skyblue;
     if (is_goal || sighting.range_m == 0 || position_of(sighting.kind) == nullptr) continue;
     std::erase_if(remembered_, [&](const Remembered& seen) { return seen.kind == sighting.kind; });
     remembered_.push_back({sighting.kind, sighting.range_m * std::cos(sighting.bearing_rad),
@@ -167,13 +190,16 @@ std::vector<FieldPose> ParticleFilter::poses_from_pairs() const {
       const LandmarkPosition &at_a = *position_of(a.kind), &at_b = *position_of(b.kind);
       const float dx = at_b.x_m - at_a.x_m, dy = at_b.y_m - at_a.y_m;
       const float seen_dx = b.x_m - a.x_m, seen_dy = b.y_m - a.y_m;
-      const float apart = std::sqrt(dx * dx + dy * dy), seen_apart = std::sqrt(seen_dx * seen_dx + seen_dy * seen_dy);
+      const float apart = std::sqrt(dx * dx + dy * dy),
+                  seen_apart = std::sqrt(seen_dx * seen_dx + seen_dy * seen_dy);
       if (std::abs(seen_apart - apart) > kPairTolerance * apart) continue;
-      // The turn that lays the seen line from a to b along the true one; then the middles of both are one.
+      // The turn that lays the seen line from a to b along the true one; then the middles of both
+      // are one.
       const float theta = wrap(std::atan2(dy, dx) - std::atan2(seen_dy, seen_dx));
       const float c = std::cos(theta), s = std::sin(theta);
       const float x = 0.5f * (a.x_m + b.x_m), y = 0.5f * (a.y_m + b.y_m);
-      poses.push_back({0.5f * (at_a.x_m + at_b.x_m) - (c * x - s * y), 0.5f * (at_a.y_m + at_b.y_m) - (s * x + c * y), theta});
+      poses.push_back({0.5f * (at_a.x_m + at_b.x_m) - (c * x - s * y),
+                       0.5f * (at_a.y_m + at_b.y_m) - (s * x + c * y), theta});
     }
   }
   return poses;
@@ -183,8 +209,10 @@ FieldPose ParticleFilter::pose_from(const LandmarkSighting& sighting) {
   const LandmarkPosition& landmark = *position_of(sighting.kind);
   const float range = sighting.range_m * (1 + options_.range_floor_fraction * normal());
   const float around = (2 * uniform() - 1) * kPi;  // Direction from the landmark to the robot.
-  FieldPose pose{landmark.x_m + range * std::cos(around), landmark.y_m + range * std::sin(around), 0};
-  pose.theta_rad = wrap(around + kPi - sighting.bearing_rad + options_.bearing_floor_rad * normal());
+  FieldPose pose{landmark.x_m + range * std::cos(around), landmark.y_m + range * std::sin(around),
+                 0};
+  pose.theta_rad =
+      wrap(around + kPi - sighting.bearing_rad + options_.bearing_floor_rad * normal());
   return pose;
 }
 
@@ -196,8 +224,8 @@ FieldPose ParticleFilter::turned_towards(FieldPose pose, const LandmarkSighting&
   return pose;
 }
 
-void ParticleFilter::resample(const std::vector<float>& weights, const std::vector<LandmarkSighting>& sightings,
-                              double renewed) {
+void ParticleFilter::resample(const std::vector<float>& weights,
+                              const std::vector<LandmarkSighting>& sightings, double renewed) {
   double total = 0;
   for (float weight : weights) total += weight;
   const size_t count = samples_.size();
@@ -214,7 +242,8 @@ void ParticleFilter::resample(const std::vector<float>& weights, const std::vect
     seeds = poses_from_pairs();
     renewed = std::min(renewed, seeds.empty() ? kMostRenewedByOne : kMostRenewed);
   }
-  const size_t fresh = usable.empty() ? 0 : static_cast<size_t>(renewed * static_cast<double>(count));
+  const size_t fresh =
+      usable.empty() ? 0 : static_cast<size_t>(renewed * static_cast<double>(count));
   std::vector<FieldPose> drawn;
   drawn.reserve(count);
   // Low-variance resampling: one random number, equal steps.
@@ -236,26 +265,31 @@ void ParticleFilter::resample(const std::vector<float>& weights, const std::vect
       drawn.push_back(turned_towards(samples_[std::min(count - 1, any)], sighting));
     } else {
       const FieldPose& seed = seeds[k % seeds.size()];
-      drawn.push_back(on_field({seed.x_m + kSeedSigma_m * normal(), seed.y_m + kSeedSigma_m * normal(),
-                                wrap(seed.theta_rad + kSeedSigma_rad * normal())}));
+      drawn.push_back(
+          on_field({seed.x_m + kSeedSigma_m * normal(), seed.y_m + kSeedSigma_m * normal(),
+                    wrap(seed.theta_rad + kSeedSigma_rad * normal())}));
     }
   }
   samples_ = std::move(drawn);
 }
 
-PoseEstimate ParticleFilter::estimate() const { return estimate_of(samples_); }
+PoseEstimate ParticleFilter::estimate() const {
+  return estimate_of(samples_);
+}
 
 PoseEstimate ParticleFilter::densest() const {
   constexpr size_t kCandidates = 40;
   constexpr float kNear_m = 0.35f, kNear_rad = 0.6f;
   const auto near = [&](const FieldPose& a, const FieldPose& b) {
     const float dx = a.x_m - b.x_m, dy = a.y_m - b.y_m;
-    return dx * dx + dy * dy < kNear_m * kNear_m && std::abs(wrap(a.theta_rad - b.theta_rad)) < kNear_rad;
+    return dx * dx + dy * dy < kNear_m * kNear_m &&
+           std::abs(wrap(a.theta_rad - b.theta_rad)) < kNear_rad;
   };
   FieldPose best;
   std::ptrdiff_t most = 0;
   for (size_t i = 0; i < samples_.size(); i += std::max<size_t>(1, samples_.size() / kCandidates)) {
-    const auto count = std::count_if(samples_.begin(), samples_.end(), [&](const FieldPose& p) { return near(p, samples_[i]); });
+    const auto count = std::count_if(samples_.begin(), samples_.end(),
+                                     [&](const FieldPose& p) { return near(p, samples_[i]); });
     if (count > most) most = count, best = samples_[i];
   }
   std::vector<FieldPose> around;
@@ -277,7 +311,8 @@ PoseEstimate ParticleFilter::estimate_of(const std::vector<FieldPose>& samples) 
   std::vector<float> xs, ys, turns;
   double square = 0;
   for (const FieldPose& pose : samples) {
-    xs.push_back(pose.x_m), ys.push_back(pose.y_m), turns.push_back(wrap(pose.theta_rad - result.mean.theta_rad));
+    xs.push_back(pose.x_m), ys.push_back(pose.y_m),
+        turns.push_back(wrap(pose.theta_rad - result.mean.theta_rad));
     const double dx = pose.x_m - result.mean.x_m, dy = pose.y_m - result.mean.y_m;
     square += dx * dx + dy * dy;
   }

@@ -13,14 +13,18 @@ std::vector<LandmarkSighting> sightings_from(const FieldPose& pose, float bearin
     const float dx = landmark.x_m - pose.x_m, dy = landmark.y_m - pose.y_m;
     const float bearing = std::remainder(std::atan2(dy, dx) - pose.theta_rad, 6.2831853f);
     if (std::abs(bearing) > 1.8f) continue;  // The head turns so far.
-    all.push_back({.kind = landmark.kind, .bearing_rad = bearing + bearing_error, .range_m = std::sqrt(dx * dx + dy * dy),
-                   .bearing_sigma_rad = 0.005f, .range_sigma_m = 0.03f});
+    all.push_back({.kind = landmark.kind,
+                   .bearing_rad = bearing + bearing_error,
+                   .range_m = std::sqrt(dx * dx + dy * dy),
+                   .bearing_sigma_rad = 0.005f,
+                   .range_sigma_m = 0.03f});
   }
   return all;
 }
 
 TEST(ParticleFilter, FindsThePoseFromExactSightings) {
-  for (const FieldPose truth : {FieldPose{1.0f, 0.5f, 0.78f}, FieldPose{-1.5f, -1.0f, -2.3f}, FieldPose{0, 0, 2.3f}}) {
+  for (const FieldPose truth :
+       {FieldPose{1.0f, 0.5f, 0.78f}, FieldPose{-1.5f, -1.0f, -2.3f}, FieldPose{0, 0, 2.3f}}) {
     ParticleFilter filter({.particles = 2000, .seed = 7}, standard_landmarks());
     const auto sightings = sightings_from(truth);
     for (int i = 0; i < 60; ++i) {
@@ -69,8 +73,12 @@ TEST(ParticleFilter, RecoversWhenCarriedAway) {
   EXPECT_NEAR(filter.estimate().mean.y_m, -0.6f, 0.2f);
 }
 
-const ParticleFilterOptions kAugmented{.particles = 400, .seed = 5, .range_outlier_probability = 0.2f, .slow_rate = 0.02f,
-                                      .fast_rate = 0.2f, .blocked_share = 0.2f};
+const ParticleFilterOptions kAugmented{.particles = 400,
+                                       .seed = 5,
+                                       .range_outlier_probability = 0.2f,
+                                       .slow_rate = 0.02f,
+                                       .fast_rate = 0.2f,
+                                       .blocked_share = 0.2f};
 
 // Sees two landmarks in turn, as a robot does that looks from one to the other.
 void look(ParticleFilter& filter, const FieldPose& truth, int steps) {
@@ -100,8 +108,12 @@ TEST(AugmentedParticleFilter, StaysWhereItIsWhileAFalseLandmarkIsSeenAmongTrueOn
   for (int i = 0; i < 60; ++i) {
     filter.move(0, 0, 0);
     LandmarkSighting seen = sightings[0];
-    if (i % 3 == 0) seen = {.kind = LandmarkKind::beacon_yellow_pink_low, .bearing_rad = 0.3f, .range_m = 1.1f,
-                            .bearing_sigma_rad = 0.005f, .range_sigma_m = 0.05f};
+    if (i % 3 == 0)
+      seen = {.kind = LandmarkKind::beacon_yellow_pink_low,
+              .bearing_rad = 0.3f,
+              .range_m = 1.1f,
+              .bearing_sigma_rad = 0.005f,
+              .range_sigma_m = 0.05f};
     filter.observe({seen});
     EXPECT_LT(std::abs(filter.densest().mean.x_m - truth.x_m), 0.3f) << i;
     EXPECT_LT(std::abs(filter.densest().mean.y_m - truth.y_m), 0.3f) << i;
@@ -136,7 +148,8 @@ TEST(ParticleFilter, SomeSamplesStayWhenTheRobotIsHeldUp) {
   filter.place({{0, 0, 0}}, 1, 0, 0);
   for (int i = 0; i < 50; ++i) filter.move(0.01f, 0, 0);
   float least = 1, most = 0;
-  for (const FieldPose& pose : filter.samples()) least = std::min(least, pose.x_m), most = std::max(most, pose.x_m);
+  for (const FieldPose& pose : filter.samples())
+    least = std::min(least, pose.x_m), most = std::max(most, pose.x_m);
   EXPECT_LT(least, 0.35f);
   EXPECT_GT(most, 0.45f);
 }

@@ -17,7 +17,9 @@ constexpr float kGoaliesBall_m = 0.9f;
 constexpr float kTouch_m = 0.15f;  // From the body's origin to a ball that touches it.
 constexpr float kHeadPan_rad = 1.5f;
 
-float clamp(float value, float limit) { return std::clamp(value, -limit, limit); }
+float clamp(float value, float limit) {
+  return std::clamp(value, -limit, limit);
+}
 
 float wrap(float angle) {
   constexpr float kTurn = 6.28318531f;
@@ -25,7 +27,9 @@ float wrap(float angle) {
 }
 
 // The part of a period that has passed, 0 to 1.
-float phase_of(float time_s, float period_s) { return time_s / period_s - std::floor(time_s / period_s); }
+float phase_of(float time_s, float period_s) {
+  return time_s / period_s - std::floor(time_s / period_s);
+}
 
 // From -1 to 1 and back.
 float triangle(float time_s, float period_s) {
@@ -46,7 +50,8 @@ HeadAngles look_at_landmark(const WorldModel& world, float near_rad) {
   for (const LandmarkPosition& landmark : kLandmarks) {
     const float bearing = world.bearing_to(landmark.x_m, landmark.y_m);
     const float way = std::abs(wrap(bearing - near_rad));
-    if (std::abs(bearing) < kHeadPan_rad && world.distance_to(landmark.x_m, landmark.y_m) > 0.5f && way < least) {
+    if (std::abs(bearing) < kHeadPan_rad && world.distance_to(landmark.x_m, landmark.y_m) > 0.5f &&
+        way < least) {
       least = way, best_rad = bearing;
     }
   }
@@ -61,12 +66,14 @@ HeadAngles look_at_ball(const WorldModel& world) {
   return {-std::min(down, 1.2f), clamp(ball.bearing_rad() + aside, kHeadPan_rad), 0};
 }
 
-// Mostly on the ball, and at landmarks in between: who never looks up is lost. At the ball the glance is short.
+// Mostly on the ball, and at landmarks in between: who never looks up is lost. At the ball the
+// glance is short.
 HeadAngles watch_ball(const WorldModel& world) {
   constexpr float kPeriod_s = 2.0f, kClose_m = 0.4f, kAtFeet_m = 0.24f;
   const float distance = world.ball().distance_m();
   const float looks_until = distance < kClose_m ? 0.8f : 0.65f;
-  if (phase_of(world.time_s(), kPeriod_s) < looks_until || distance < kAtFeet_m) return look_at_ball(world);
+  if (phase_of(world.time_s(), kPeriod_s) < looks_until || distance < kAtFeet_m)
+    return look_at_ball(world);
   // To one side of the ball and to the other in turn.
   const float aside = phase_of(world.time_s(), 2 * kPeriod_s) < 0.5f ? 0.7f : -0.7f;
   return look_at_landmark(world, clamp(world.ball().bearing_rad() + aside, 1.2f));
@@ -88,8 +95,11 @@ bool can_grab(const WorldModel& world) {
   return seen && ball.x_m > 0.11f && ball.x_m < 0.18f && std::abs(ball.y_m) < 0.05f;
 }
 
-// How far from where the goal is free a kick may point: the rest of the half width is for the kick's own spread.
-float aim_within(const WorldModel& world) { return 0.3f * kGoalHalfWidth_m / std::max(world.goal_distance(), 0.4f); }
+// How far from where the goal is free a kick may point: the rest of the half width is for the
+// kick's own spread.
+float aim_within(const WorldModel& world) {
+  return 0.3f * kGoalHalfWidth_m / std::max(world.goal_distance(), 0.4f);
+}
 
 }  // namespace
 
@@ -100,21 +110,26 @@ Action search_ball(const WorldModel& world) {
   return action;
 }
 
-Action look_around(const WorldModel& world) { return {.head = sweep(world.time_s()), .name = "look"}; }
+Action look_around(const WorldModel& world) {
+  return {.head = sweep(world.time_s()), .name = "look"};
+}
 
 Action approach_ball(const WorldModel& world) {
   const BallBelief& ball = world.ball();
   Action action{.head = watch_ball(world), .name = "approach"};
   const float ahead_m = ball.distance_m() - kTouch_m;
-  // From afar towards a place behind the ball, so as to arrive with the goal ahead; the nearer, the more at the ball.
+  // From afar towards a place behind the ball, so as to arrive with the goal ahead; the nearer, the
+  // more at the ball.
   const float goal_x = world.goal_distance() * std::cos(world.goal_bearing()) - ball.x_m;
   const float goal_y = world.goal_distance() * std::sin(world.goal_bearing()) - ball.y_m;
   const float far = std::max(std::sqrt(goal_x * goal_x + goal_y * goal_y), 0.1f);
   const float behind_m = std::clamp(0.5f * (ball.distance_m() - 0.35f), 0.0f, 0.3f);
-  const float bearing = std::atan2(ball.y_m - behind_m * goal_y / far, ball.x_m - behind_m * goal_x / far);
+  const float bearing =
+      std::atan2(ball.y_m - behind_m * goal_y / far, ball.x_m - behind_m * goal_x / far);
   // Turn first towards a ball at the side; near by come slowly, so that it is not pushed away.
   action.omega_radps = clamp(2.5f * bearing, kTurn_radps);
-  action.vx_mps = std::clamp(0.06f + 0.8f * ahead_m, 0.0f, kWalk_mps) * std::max(0.0f, std::cos(1.5f * bearing));
+  action.vx_mps = std::clamp(0.06f + 0.8f * ahead_m, 0.0f, kWalk_mps) *
+                  std::max(0.0f, std::cos(1.5f * bearing));
   if (behind_m == 0) action.vy_mps = clamp(1.5f * ball.y_m, 0.5f * kSidestep_mps);
   // Too close to turn: a step back.
   if (ahead_m < 0.06f && std::abs(bearing) > 0.5f) action.vx_mps = -0.08f;
@@ -122,7 +137,8 @@ Action approach_ball(const WorldModel& world) {
 }
 
 Action turn_with_ball(const WorldModel& world, float goal) {
-  Action action{.head = look_at_landmark(world, clamp(goal, 1.2f)), .holds_ball = true, .name = "turn"};
+  Action action{
+      .head = look_at_landmark(world, clamp(goal, 1.2f)), .holds_ball = true, .name = "turn"};
   action.omega_radps = clamp(4 * goal, kTurnWithBall_radps);
   // Away from what may be in the way of the turn: the ball is mostly grabbed where it is contested.
   if (std::abs(goal) > 0.8f) action.vx_mps = -0.08f;
@@ -130,24 +146,27 @@ Action turn_with_ball(const WorldModel& world, float goal) {
 }
 
 Action hold_place(const WorldModel& world, float x_m, float y_m) {
-  Action action{.head = world.ball_age_s() < 1 ? watch_ball(world) : sweep(world.time_s()), .name = "hold"};
+  Action action{.head = world.ball_age_s() < 1 ? watch_ball(world) : sweep(world.time_s()),
+                .name = "hold"};
   const float distance = world.distance_to(x_m, y_m);
   if (distance > 0.15f) {
     const float bearing = world.bearing_to(x_m, y_m);
     walk_to(action, distance * std::cos(bearing), distance * std::sin(bearing), 0.4f);
   } else {
-    // Without a ball to face: to the one side of the other half and to the other, so that nothing before the own
-    // goal stays unseen for long.
+    // Without a ball to face: to the one side of the other half and to the other, so that nothing
+    // before the own goal stays unseen for long.
     const float side_m = phase_of(world.time_s(), 6) < 0.5f ? kSideways_m : -kSideways_m;
-    const float face = world.ball_age_s() < 2 ? world.ball().bearing_rad()
-                                              : world.bearing_to(x_m + 0.5f * world.attack_sign(), y_m + side_m);
+    const float face = world.ball_age_s() < 2
+                           ? world.ball().bearing_rad()
+                           : world.bearing_to(x_m + 0.5f * world.attack_sign(), y_m + side_m);
     if (std::abs(face) > 0.2f) action.omega_radps = clamp(face, 0.8f);
   }
   return action;
 }
 
 Role role_of(int player) {
-  static constexpr Role kRoles[kTeamSize] = {Role::goalie, Role::defender, Role::attacker, Role::supporter};
+  static constexpr Role kRoles[kTeamSize] = {Role::goalie, Role::defender, Role::attacker,
+                                             Role::supporter};
   return kRoles[std::clamp(player, 0, kTeamSize - 1)];
 }
 
@@ -184,10 +203,14 @@ Action Player::keep_place(const WorldModel& world) const {
       return hold_place(world, -sign * (kGoalX_m - 0.25f), y);
     }
     // The goalie covers the middle; what comes back from the walls comes along the side.
-    case Role::defender: return hold_place(world, -sign * 1.1f, 0.5f);
-    // Near the goal for what bounces back from it. At the other team's kick-off nobody crosses into its half.
-    case Role::attacker: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.5f : sign * 1.1f, -0.45f);
-    default: return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.4f : sign * 0.5f, 0.5f);
+    case Role::defender:
+      return hold_place(world, -sign * 1.1f, 0.5f);
+    // Near the goal for what bounces back from it. At the other team's kick-off nobody crosses into
+    // its half.
+    case Role::attacker:
+      return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.5f : sign * 1.1f, -0.45f);
+    default:
+      return hold_place(world, world.is_opponents_kick_off() ? -sign * 0.4f : sign * 0.5f, 0.5f);
   }
 }
 
@@ -197,19 +220,23 @@ Action Player::play(const WorldModel& world) {
   const bool knows_ball = world.ball_age_s() < 2;
   if (holds_) {
     // Seen elsewhere: the grab failed, or somebody took the ball.
-    const bool lost = world.ball_age_s() < 0.1f && (ball.distance_m() > 0.22f || std::abs(ball.y_m) > 0.09f);
+    const bool lost =
+        world.ball_age_s() < 0.1f && (ball.distance_m() > 0.22f || std::abs(ball.y_m) > 0.09f);
     if (!lost) return play_held_ball(world);
     holds_ = false;
   }
   if (knows_ball && can_grab(world) && !world.is_opponents_kick_off()) {
     // Already behind it: no time is lost by holding it.
     if (std::abs(world.goal_bearing()) < aim_within(world)) {
-      return {.head = look_at_ball(world), .vx_mps = 0.1f, .kick = Kick::leg_forward, .name = "kick"};
+      return {
+          .head = look_at_ball(world), .vx_mps = 0.1f, .kick = Kick::leg_forward, .name = "kick"};
     }
     holds_ = true, grabbed_s_ = world.time_s();
     return {.head = look_at_ball(world), .kick = Kick::grab, .name = "grab"};
   }
-  if (role_ == Role::goalie) return knows_ball && ball.distance_m() < kGoaliesBall_m ? approach_ball(world) : keep_place(world);
+  if (role_ == Role::goalie)
+    return knows_ball && ball.distance_m() < kGoaliesBall_m ? approach_ball(world)
+                                                            : keep_place(world);
   if (world.is_opponents_kick_off()) return keep_place(world);
   if (knows_ball && world.is_nearest_to_ball()) return approach_ball(world);
   // The goalie watches from its place; the others turn until somebody sees the ball.

@@ -19,7 +19,8 @@ struct Action {
 Action search_ball(const WorldModel& world);
 // Walks to the ball, from afar so as to arrive behind it, slowly at the end, the head mostly on it.
 Action approach_ball(const WorldModel& world);
-// The ball is held: turns until the goal, at this bearing, is ahead, the head up at goal and landmarks.
+// The ball is held: turns until the goal, at this bearing, is ahead, the head up at goal and
+// landmarks.
 Action turn_with_ball(const WorldModel& world, float goal_bearing_rad);
 // Goes to a place on the field, facing the ball, glancing at landmarks.
 Action hold_place(const WorldModel& world, float x_m, float y_m);
@@ -29,7 +30,8 @@ Action look_around(const WorldModel& world);
 enum class Role { goalie, defender, attacker, supporter };
 Role role_of(int player);
 
-// The team's play: the nearest player goes for the ball, grabs it, turns and kicks; the others keep their places.
+// The team's play: the nearest player goes for the ball, grabs it, turns and kicks; the others keep
+// their places.
 class Player {
  public:
   explicit Player(Role role) : role_(role) {}
@@ -42,7 +44,7 @@ class Player {
 
   Role role_;
   float grabbed_s_ = -1e6f;  // When the ball was last grabbed.
-  bool holds_ = false;  // As far as the player knows.
+  bool holds_ = false;       // As far as the player knows.
 };
 
 }  // namespace seam::sdk

@@ -19,10 +19,14 @@ WorldModel placed_at(const FieldPose& truth, int player = 2) {
   for (const LandmarkPosition& landmark : standard_landmarks()) {
     const float dx = landmark.x_m - truth.x_m, dy = landmark.y_m - truth.y_m;
     const float bearing = std::remainder(std::atan2(dy, dx) - truth.theta_rad, 6.2831853f);
-    sightings.push_back({.kind = landmark.kind, .bearing_rad = bearing, .range_m = std::sqrt(dx * dx + dy * dy),
-                         .bearing_sigma_rad = 0.01f, .range_sigma_m = 0.05f});
+    sightings.push_back({.kind = landmark.kind,
+                         .bearing_rad = bearing,
+                         .range_m = std::sqrt(dx * dx + dy * dy),
+                         .bearing_sigma_rad = 0.01f,
+                         .range_sigma_m = 0.05f});
   }
-  for (int i = 0; i < 80; ++i) world.update({.time_s = 0.04f * i, .landmarks = {sightings[i % sightings.size()]}});
+  for (int i = 0; i < 80; ++i)
+    world.update({.time_s = 0.04f * i, .landmarks = {sightings[i % sightings.size()]}});
   return world;
 }
 
@@ -37,7 +41,8 @@ TEST(WorldModel, BallStaysInPlaceWhileTheBodyTurns) {
 
 TEST(WorldModel, BelievesATeamMateWhenTheBallIsOutOfSight) {
   WorldModel world = placed_at({0, 0, 0});
-  const TeamMessage told{.player = 1, .sees_ball = true, .ball_x_m = 1, .ball_y_m = 0, .ball_distance_m = 0.4f};
+  const TeamMessage told{
+      .player = 1, .sees_ball = true, .ball_x_m = 1, .ball_y_m = 0, .ball_distance_m = 0.4f};
   world.update({.time_s = 10, .messages = {told}});
   EXPECT_TRUE(world.ball().told);
   EXPECT_NEAR(world.ball().distance_m(), 1, 0.15f);
@@ -71,16 +76,21 @@ TEST(WorldModel, KnowsWhereTheRefereeLaysTheBallAndPutsTheRobot) {
   EXPECT_TRUE(world.ball().told);
   world.update({.time_s = 5, .situation = {.phase = Situation::playing}});
   ASSERT_TRUE(world.home().has_value());
-  // Two metres on, into the other half: at the next `set` the referee carries it back, and a single landmark is
-  // enough to believe it.
+  // Two metres on, into the other half: at the next `set` the referee carries it back, and a single
+  // landmark is enough to believe it.
   for (int i = 0; i < 20; ++i) {
-    world.update({.time_s = 6, .odometry_step = {0.1f, 0, 0}, .situation = {.phase = Situation::playing}});
+    world.update(
+        {.time_s = 6, .odometry_step = {0.1f, 0, 0}, .situation = {.phase = Situation::playing}});
   }
   EXPECT_NEAR(world.pose().mean.x_m, 1.0f, 0.3f);
   world.update({.time_s = 20, .situation = {.phase = Situation::set}});
-  const LandmarkSighting seen{.kind = LandmarkKind::goal_skyblue, .bearing_rad = std::atan2(-0.5f, 3.25f),
-                              .range_m = std::sqrt(0.25f + 3.25f * 3.25f), .bearing_sigma_rad = 0.01f, .range_sigma_m = 0.1f};
-  for (int i = 0; i < 8; ++i) world.update({.time_s = 20, .landmarks = {seen}, .situation = {.phase = Situation::set}});
+  const LandmarkSighting seen{.kind = LandmarkKind::goal_skyblue,
+                              .bearing_rad = std::atan2(-0.5f, 3.25f),
+                              .range_m = std::sqrt(0.25f + 3.25f * 3.25f),
+                              .bearing_sigma_rad = 0.01f,
+                              .range_sigma_m = 0.1f};
+  for (int i = 0; i < 8; ++i)
+    world.update({.time_s = 20, .landmarks = {seen}, .situation = {.phase = Situation::set}});
   EXPECT_NEAR(world.pose().mean.x_m, -1.0f, 0.25f);
   EXPECT_NEAR(world.pose().mean.y_m, 0.5f, 0.25f);
 }
@@ -129,7 +139,9 @@ TEST(Play, LeavesTheBallAtTheOpponentsKickOff) {
   world.update({.time_s = 4, .situation = {.phase = Situation::set}});
   world.update({.time_s = 5, .situation = {.phase = Situation::playing}});
   EXPECT_STREQ(player.play(world).name, "hold");
-  world.update({.time_s = 6, .ball = BallSighting{.distance_m = 0.5f, .bearing_rad = 1.0f}, .has_frame = true,
+  world.update({.time_s = 6,
+                .ball = BallSighting{.distance_m = 0.5f, .bearing_rad = 1.0f},
+                .has_frame = true,
                 .situation = {.phase = Situation::playing}});
   EXPECT_STREQ(player.play(world).name, "approach");
 }

@@ -12,7 +12,9 @@ constexpr float kHalfLength_m = 2.1f, kHalfWidth_m = 1.35f;
 constexpr float kHold_m = 0.149f;     // A held ball's middle before the body's origin.
 constexpr float kFastest_mps = 2.0f;  // Of a ball that was kicked.
 
-float length(float x, float y) { return std::sqrt(x * x + y * y); }
+float length(float x, float y) {
+  return std::sqrt(x * x + y * y);
+}
 
 // A place in the body frame, after the body has moved by a step.
 void move_under(float& x_m, float& y_m, const FieldPose& step) {
@@ -24,8 +26,12 @@ void move_under(float& x_m, float& y_m, const FieldPose& step) {
 
 }  // namespace
 
-float BallBelief::distance_m() const { return length(x_m, y_m); }
-float BallBelief::bearing_rad() const { return std::atan2(y_m, x_m); }
+float BallBelief::distance_m() const {
+  return length(x_m, y_m);
+}
+float BallBelief::bearing_rad() const {
+  return std::atan2(y_m, x_m);
+}
 
 WorldModel::WorldModel(int player, bool attacks_skyblue, uint64_t seed)
     : player_(player),
@@ -50,7 +56,9 @@ void WorldModel::update(const Percepts& percepts) {
   if (doubted_) move_under(doubted_->x_m, doubted_->y_m, step);
   seen_goal_rad_ -= step.theta_rad;
   for (const LandmarkSighting& sighting : percepts.landmarks) {
-    if (sighting.kind != (attacks_skyblue_ ? LandmarkKind::goal_skyblue : LandmarkKind::goal_yellow)) continue;
+    if (sighting.kind !=
+        (attacks_skyblue_ ? LandmarkKind::goal_skyblue : LandmarkKind::goal_yellow))
+      continue;
     seen_goal_rad_ = sighting.bearing_rad + sighting.free_offset_rad, seen_goal_s_ = time_s_;
   }
 
@@ -72,8 +80,9 @@ bool WorldModel::stands_wrong() const {
   return into_own < 0.05f || length(pose_.mean.x_m, pose_.mean.y_m) < 0.4f;
 }
 
-// What the referee does to a robot is told by the rules: at `set` it carries those that stand wrong to their
-// places and lays the ball into the middle; who was penalised comes back at the half-way line.
+// What the referee does to a robot is told by the rules: at `set` it carries those that stand wrong
+// to their places and lays the ball into the middle; who was penalised comes back at the half-way
+// line.
 void WorldModel::take_situation(const Situation& now) {
   const Situation before = situation_;
   situation_ = now;
@@ -98,7 +107,8 @@ void WorldModel::take_situation(const Situation& now) {
 
 bool WorldModel::is_opponents_kick_off() const {
   constexpr float kLongest_s = 10, kAtMiddle_m = 0.3f;
-  if (situation_.own_kick_off || played_since_s_ == 0 || time_s_ - played_since_s_ > kLongest_s) return false;
+  if (situation_.own_kick_off || played_since_s_ == 0 || time_s_ - played_since_s_ > kLongest_s)
+    return false;
   const TeamMessage view = message();
   return length(view.ball_x_m, view.ball_y_m) < kAtMiddle_m;
 }
@@ -117,11 +127,12 @@ void WorldModel::take_ball(const Percepts& percepts) {
   const float age = ball_age_s();
   if (percepts.ball && could_be_there(*percepts.ball)) {
     const float distance = percepts.ball->distance_m;
-    const BallBelief seen{distance * std::cos(percepts.ball->bearing_rad), distance * std::sin(percepts.ball->bearing_rad),
-                          time_s_, false};
+    const BallBelief seen{distance * std::cos(percepts.ball->bearing_rad),
+                          distance * std::sin(percepts.ball->bearing_rad), time_s_, false};
     const auto reachable = [&](const BallBelief& from) {
       const float age = time_s_ - from.seen_s;
-      return length(seen.x_m - from.x_m, seen.y_m - from.y_m) < 0.15f + 0.2f * distance + kFastest_mps * age;
+      return length(seen.x_m - from.x_m, seen.y_m - from.y_m) <
+             0.15f + 0.2f * distance + kFastest_mps * age;
     };
     // One frame with the ball elsewhere is not believed, the second is.
     if (age < 1 && !ball_.told && !reachable(ball_) && !(doubted_ && reachable(*doubted_))) {
@@ -131,7 +142,8 @@ void WorldModel::take_ball(const Percepts& percepts) {
     // A ball seen a moment ago is smoothed; after a gap or a jump the new sighting stands alone.
     const float trust = age < 0.2f && !ball_.told && !doubted_ ? 0.6f : 1.0f;
     doubted_.reset();
-    ball_ = {ball_.x_m + trust * (seen.x_m - ball_.x_m), ball_.y_m + trust * (seen.y_m - ball_.y_m), time_s_, false};
+    ball_ = {ball_.x_m + trust * (seen.x_m - ball_.x_m), ball_.y_m + trust * (seen.y_m - ball_.y_m),
+             time_s_, false};
     return;
   }
   if (holds_ball_) {
@@ -149,7 +161,8 @@ void WorldModel::take_mates_ball() {
   const Mate* best = nullptr;
   for (const Mate& mate : mates_) {
     if (!mate.message.sees_ball || time_s_ - mate.heard_s > 0.5f) continue;
-    if (best == nullptr || mate.message.ball_distance_m < best->message.ball_distance_m) best = &mate;
+    if (best == nullptr || mate.message.ball_distance_m < best->message.ball_distance_m)
+      best = &mate;
   }
   if (best == nullptr) return;
   field_to_body(best->message.ball_x_m, best->message.ball_y_m, ball_.x_m, ball_.y_m);
@@ -176,15 +189,20 @@ float WorldModel::distance_to(float x_m, float y_m) const {
 }
 
 float WorldModel::goal_bearing() const {
-  return time_s_ - seen_goal_s_ < 0.4f ? seen_goal_rad_ : bearing_to(attack_sign() * kHalfLength_m, 0);
+  return time_s_ - seen_goal_s_ < 0.4f ? seen_goal_rad_
+                                       : bearing_to(attack_sign() * kHalfLength_m, 0);
 }
 
-float WorldModel::goal_distance() const { return distance_to(attack_sign() * kHalfLength_m, 0); }
+float WorldModel::goal_distance() const {
+  return distance_to(attack_sign() * kHalfLength_m, 0);
+}
 
 bool WorldModel::is_nearest_to_ball() const {
   const float own = ball_.distance_m();
   for (const Mate& mate : mates_) {
-    if (!mate.message.sees_ball || time_s_ - mate.heard_s > kMateMemory_s || mate.message.player == 0) continue;
+    if (!mate.message.sees_ball || time_s_ - mate.heard_s > kMateMemory_s ||
+        mate.message.player == 0)
+      continue;
     // The lower number goes when both are as near, so that exactly one does.
     const float margin = mate.message.player < player_ ? 0.05f : -0.05f;
     if (mate.message.ball_distance_m < own + margin) return false;
@@ -193,7 +211,8 @@ bool WorldModel::is_nearest_to_ball() const {
 }
 
 TeamMessage WorldModel::message() const {
-  TeamMessage message{.player = player_, .pose = pose_.mean, .sees_ball = ball_age_s() < 0.5f && !ball_.told};
+  TeamMessage message{
+      .player = player_, .pose = pose_.mean, .sees_ball = ball_age_s() < 0.5f && !ball_.told};
   const float c = std::cos(pose_.mean.theta_rad), s = std::sin(pose_.mean.theta_rad);
   message.ball_x_m = pose_.mean.x_m + c * ball_.x_m - s * ball_.y_m;
   message.ball_y_m = pose_.mean.y_m + s * ball_.x_m + c * ball_.y_m;

@@ -64,7 +64,8 @@ class WorldModel {
   const Situation& situation() const { return situation_; }
   // The ball still lies where the referee put it, and is the other team's to play.
   bool is_opponents_kick_off() const;
-  // Where the robot stood at the first kick-off: there the referee puts those that stand wrong at the next.
+  // Where the robot stood at the first kick-off: there the referee puts those that stand wrong at
+  // the next.
   const std::optional<FieldPose>& home() const { return home_; }
   // Age of the ball belief, seconds.
   float ball_age_s() const { return time_s_ - ball_.seen_s; }
@@ -74,7 +75,8 @@ class WorldModel {
   // Bearing in the body frame, and distance, of a place on the field.
   float bearing_to(float x_m, float y_m) const;
   float distance_to(float x_m, float y_m) const;
-  // The same to the opponents' goal: where it is free, as just seen, or else to its middle by the pose.
+  // The same to the opponents' goal: where it is free, as just seen, or else to its middle by the
+  // pose.
   float goal_bearing() const;
   float goal_distance() const;
   // +1 where the opponents' goal is at +x, -1 where it is at -x.
@@ -106,8 +108,10 @@ class WorldModel {
   std::optional<FieldPose> home_;
   float played_since_s_ = 0;
   bool holds_ball_ = false;
-  float seen_goal_rad_ = 0, seen_goal_s_ = -1e6f;  // The opponents' goal, turned with the body since.
-  std::optional<BallBelief> doubted_;  // A ball far from where it was a moment ago: one more sighting decides.
+  float seen_goal_rad_ = 0,
+        seen_goal_s_ = -1e6f;  // The opponents' goal, turned with the body since.
+  std::optional<BallBelief>
+      doubted_;  // A ball far from where it was a moment ago: one more sighting decides.
   float time_s_ = 0;
 };
 

@@ -31,7 +31,8 @@ std::optional<Circle> fit_circle(const Region& region, const ColourMask& mask) {
   const auto add = [&](double u, double v) {
     u -= region.u_mean, v -= region.v_mean;
     const double w = u * u + v * v;
-    n += 1, su += u, sv += v, suu += u * u, svv += v * v, suv += u * v, sw += w, suw += u * w, svw += v * w;
+    n += 1, su += u, sv += v, suu += u * u, svv += v * v, suv += u * v, sw += w, suw += u * w,
+        svw += v * w;
   };
   int last_v = -1;
   for (size_t i = 0; i < region.runs.size(); ++i) {
@@ -39,7 +40,8 @@ std::optional<Circle> fit_circle(const Region& region, const ColourMask& mask) {
     if (run.v == last_v) continue;
     last_v = run.v;
     int u_last = run.u_last;
-    for (size_t j = i + 1; j < region.runs.size() && region.runs[j].v == run.v; ++j) u_last = region.runs[j].u_last;
+    for (size_t j = i + 1; j < region.runs.size() && region.runs[j].v == run.v; ++j)
+      u_last = region.runs[j].u_last;
     if (run.u_first > 0) add(run.u_first - 0.5, run.v);
     if (u_last < mask.width_px - 1) add(u_last + 0.5, run.v);
   }
@@ -48,7 +50,8 @@ std::optional<Circle> fit_circle(const Region& region, const ColourMask& mask) {
   const double A[3][3] = {{2 * suu, 2 * suv, su}, {2 * suv, 2 * svv, sv}, {2 * su, 2 * sv, n}};
   const double y[3] = {suw, svw, sw};
   const auto det3 = [](const double m[3][3]) {
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
   };
   const double determinant = det3(A);
@@ -63,8 +66,8 @@ std::optional<Circle> fit_circle(const Region& region, const ColourMask& mask) {
   }
   const double r2 = solution[2] + solution[0] * solution[0] + solution[1] * solution[1];
   if (!(r2 > 0)) return std::nullopt;
-  return Circle{static_cast<float>(solution[0]) + region.u_mean, static_cast<float>(solution[1]) + region.v_mean,
-                static_cast<float>(std::sqrt(r2))};
+  return Circle{static_cast<float>(solution[0]) + region.u_mean,
+                static_cast<float>(solution[1]) + region.v_mean, static_cast<float>(std::sqrt(r2))};
 }
 
 constexpr float kElevationSigma_rad = 0.02f;  // Of the body's and the camera's pitch together.
@@ -74,8 +77,8 @@ float distance_between(const Vector3& a, const Vector3& b) {
   return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
 }
 
-// The radius in pixels of a ball on the ground where this ray, turned up by an angle, meets it; 0 above
-// the horizon.
+// The radius in pixels of a ball on the ground where this ray, turned up by an angle, meets it; 0
+// above the horizon.
 float radius_on_ground(const BodyRay& ray, float up_rad, float focal_px, const NeckBelief& neck) {
   const float elevation = ray.elevation_rad() + up_rad;
   const float down_m = neck.body_height_m + ray.origin_m.z - kBallRadius_m;
@@ -86,7 +89,8 @@ float radius_on_ground(const BodyRay& ray, float up_rad, float focal_px, const N
 
 bool could_be_ball(const Region& region, const HeadAtRow& head, const CameraBelief& camera,
                    const NeckBelief& neck, float rim_px, int mask_width_px) {
-  // A disc fills pi/4 of its box; a ball cut by the image's border or by a leg still fills half of it.
+  // A disc fills pi/4 of its box; a ball cut by the image's border or by a leg still fills half of
+  // it.
   constexpr float kLeastFill = 0.5f, kMostRatio = 2.2f, kSlack_px = 0.8f;
   const float wide = region.width_px(), high = region.height_px();
   if (static_cast<float>(region.area_px) < kLeastFill * wide * high) return false;
@@ -100,7 +104,8 @@ bool could_be_ball(const Region& region, const HeadAtRow& head, const CameraBeli
   const bool cut_above = region.at_border && !cut_aside;
   if (!cut_above && wide > kMostRatio * high) return false;
   if (!cut_aside && high > kMostRatio * wide) return false;
-  return region.at_border || radius > 0.5f * radius_on_ground(ray, 3 * kElevationSigma_rad, focal, neck) - kSlack_px;
+  return region.at_border ||
+         radius > 0.5f * radius_on_ground(ray, 3 * kElevationSigma_rad, focal, neck) - kSlack_px;
 }
 
 std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& head,
@@ -108,7 +113,8 @@ std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& h
                                       const BallOptions& options) {
   const auto regions = find_regions(mask, Colour::orange, options.min_area_px);
   const auto chosen = std::find_if(regions.begin(), regions.end(), [&](const Region& region) {
-    return !options.check || could_be_ball(region, head, camera, neck, options.rim_px, mask.width_px);
+    return !options.check ||
+           could_be_ball(region, head, camera, neck, options.rim_px, mask.width_px);
   });
   if (chosen == regions.end()) return std::nullopt;
   BallSighting ball{.region = *chosen};
@@ -134,7 +140,8 @@ std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& h
   if (const auto ground = ray.at_height(kBallRadius_m, neck.body_height_m)) {
     const float distance = distance_between(*ground, ray.origin_m);
     // d(distance)/d(elevation) = distance^2 / height for a camera at this height over the plane.
-    centre_sigma = std::max(0.005f, distance * distance / std::abs(ground->z - ray.origin_m.z) * kElevationSigma_rad);
+    centre_sigma = std::max(
+        0.005f, distance * distance / std::abs(ground->z - ray.origin_m.z) * kElevationSigma_rad);
     ball.from_centre_m = take(distance, centre_sigma);
   }
   const auto take_size = [&](float distance, float sigma) {
@@ -163,12 +170,15 @@ std::optional<BallSighting> find_ball(const ColourMask& mask, const HeadAtRow& h
   return ball;
 }
 
-std::optional<BallSighting> find_ball_in_frame(const ColourMask& colours, int frame_width_px, int frame_height_px,
-                                               const HeadAtRow& head, const CameraBelief& frame_camera,
+std::optional<BallSighting> find_ball_in_frame(const ColourMask& colours, int frame_width_px,
+                                               int frame_height_px, const HeadAtRow& head,
+                                               const CameraBelief& frame_camera,
                                                const NeckBelief& neck, BallOptions options) {
   options.min_area_px = colour_factor(frame_width_px, colours.width_px) > 1 ? 3 : 6;
-  return find_ball(colours, head, frame_camera.of_colours(frame_width_px, frame_height_px, colours.width_px, colours.height_px),
-                   neck, options);
+  return find_ball(
+      colours, head,
+      frame_camera.of_colours(frame_width_px, frame_height_px, colours.width_px, colours.height_px),
+      neck, options);
 }
 
 }  // namespace seam::sdk

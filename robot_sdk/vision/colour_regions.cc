@@ -23,7 +23,9 @@ std::vector<Run> find_runs(const ColourMask& mask, Colour colour) {
 // Union-find over runs.
 struct Forest {
   std::vector<size_t> parent;
-  explicit Forest(size_t count) : parent(count) { std::iota(parent.begin(), parent.end(), size_t{0}); }
+  explicit Forest(size_t count) : parent(count) {
+    std::iota(parent.begin(), parent.end(), size_t{0});
+  }
   size_t root(size_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
@@ -36,8 +38,11 @@ struct Forest {
 };
 
 Region region_of(std::vector<Run> runs, Colour colour, const ColourMask& mask) {
-  Region region{.colour = colour, .u_min = runs.front().u_first, .u_max = runs.front().u_last,
-                .v_min = runs.front().v, .v_max = runs.back().v};
+  Region region{.colour = colour,
+                .u_min = runs.front().u_first,
+                .u_max = runs.front().u_last,
+                .v_min = runs.front().v,
+                .v_max = runs.back().v};
   int64_t sum_u2 = 0, sum_v = 0;  // Twice the sum of columns: exact.
   for (const Run& run : runs) {
     const int count = run.u_last - run.u_first + 1;
@@ -62,11 +67,13 @@ std::vector<Region> find_regions(const ColourMask& mask, Colour colour, int min_
   Forest forest(runs.size());
   size_t above = 0;
   for (size_t i = 0; i < runs.size(); ++i) {
-    while (above < i && (runs[above].v < runs[i].v - 1 ||
-                         (runs[above].v == runs[i].v - 1 && runs[above].u_last < runs[i].u_first - 1))) {
+    while (above < i &&
+           (runs[above].v < runs[i].v - 1 ||
+            (runs[above].v == runs[i].v - 1 && runs[above].u_last < runs[i].u_first - 1))) {
       ++above;
     }
-    for (size_t j = above; j < i && runs[j].v == runs[i].v - 1 && runs[j].u_first <= runs[i].u_last + 1; ++j) {
+    for (size_t j = above;
+         j < i && runs[j].v == runs[i].v - 1 && runs[j].u_first <= runs[i].u_last + 1; ++j) {
       if (runs[j].u_last >= runs[i].u_first - 1) forest.join(i, j);
     }
   }

@@ -24,7 +24,8 @@ struct CameraBelief {
 
   // The same camera for a colour image that is smaller than its frame by a whole factor and taken
   // about the frame's centre.
-  CameraBelief of_colours(int frame_width_px, int frame_height_px, int width_px, int height_px) const;
+  CameraBelief of_colours(int frame_width_px, int frame_height_px, int width_px,
+                          int height_px) const;
 };
 
 // By how much a frame is larger than its colour image.

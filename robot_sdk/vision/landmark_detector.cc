@@ -42,12 +42,13 @@ bool are_bands(const Region& upper, const Region& lower) {
   const float size = std::max(upper.width_px(), lower.width_px());
   const float gap = static_cast<float>(lower.v_min - upper.v_max - 1);
   const float ratio = upper.width_px() / lower.width_px();
-  return std::abs(upper.u_mean - lower.u_mean) < 0.5f * size && std::abs(gap) <= 1.0f + 0.35f * size &&
-         upper.v_mean < lower.v_mean && ratio > 0.5f && ratio < 2.0f;
+  return std::abs(upper.u_mean - lower.u_mean) < 0.5f * size &&
+         std::abs(gap) <= 1.0f + 0.35f * size && upper.v_mean < lower.v_mean && ratio > 0.5f &&
+         ratio < 2.0f;
 }
 
-LandmarkSighting beacon_of(LandmarkKind kind, const Region& upper, const Region& lower, const ColourMask& mask,
-                           const Rays& rays) {
+LandmarkSighting beacon_of(LandmarkKind kind, const Region& upper, const Region& lower,
+                           const ColourMask& mask, const Rays& rays) {
   LandmarkSighting sighting{.kind = kind};
   const float area = static_cast<float>(upper.area_px + lower.area_px);
   const float u = (upper.u_mean * upper.area_px + lower.u_mean * lower.area_px) / area;
@@ -57,29 +58,33 @@ LandmarkSighting beacon_of(LandmarkKind kind, const Region& upper, const Region&
   const float height_px = static_cast<float>(lower.v_max - upper.v_min + 1);
   float range = 0;
   if (whole) {
-    range = range_of_height(rays.at(u, upper.v_min - 0.5f), rays.at(u, lower.v_max + 0.5f), 2 * kBandHeight_m);
+    range = range_of_height(rays.at(u, upper.v_min - 0.5f), rays.at(u, lower.v_max + 0.5f),
+                            2 * kBandHeight_m);
   }
   const BodyRay middle = rays.at(u, v);
   set_polar(sighting, middle, range);
   if (range > 0) {
-    sighting.height_m = rays.neck.body_height_m + middle.origin_m.z + range * std::tan(middle.elevation_rad());
+    sighting.height_m =
+        rays.neck.body_height_m + middle.origin_m.z + range * std::tan(middle.elevation_rad());
   }
   sighting.range_sigma_m = sighting.range_m * std::sqrt(2.0f) * kEdgeSigma_px / height_px;
   // A region cut at its side has its middle displaced by up to half of what is missing.
   const bool cut = upper.u_min == 0 || upper.u_max == mask.width_px - 1;
-  sighting.bearing_sigma_rad = (kEdgeSigma_px + (cut ? 0.5f * upper.width_px() : 0)) / rays.camera.fx_px;
+  sighting.bearing_sigma_rad =
+      (kEdgeSigma_px + (cut ? 0.5f * upper.width_px() : 0)) / rays.camera.fx_px;
   return sighting;
 }
 
-void find_beacons(const ColourMask& mask, const Rays& rays, int min_area_px, std::vector<LandmarkSighting>& out,
-                  std::vector<Region>& used) {
+void find_beacons(const ColourMask& mask, const Rays& rays, int min_area_px,
+                  std::vector<LandmarkSighting>& out, std::vector<Region>& used) {
   struct Other {
     Colour colour;
     LandmarkKind pink_low;
   };
-  static constexpr std::array<Other, 3> kOthers = {{{Colour::yellow, LandmarkKind::beacon_yellow_pink_low},
-                                                    {Colour::skyblue, LandmarkKind::beacon_skyblue_pink_low},
-                                                    {Colour::green, LandmarkKind::beacon_green_pink_low}}};
+  static constexpr std::array<Other, 3> kOthers = {
+      {{Colour::yellow, LandmarkKind::beacon_yellow_pink_low},
+       {Colour::skyblue, LandmarkKind::beacon_skyblue_pink_low},
+       {Colour::green, LandmarkKind::beacon_green_pink_low}}};
   const auto pinks = find_regions(mask, Colour::pink, min_area_px);
   for (const Other& other : kOthers) {
     const auto regions = find_regions(mask, other.colour, min_area_px);
@@ -87,7 +92,8 @@ void find_beacons(const ColourMask& mask, const Rays& rays, int min_area_px, std
       for (const Region& band : regions) {
         const bool pink_low = are_bands(band, pink);
         if (!pink_low && !are_bands(pink, band)) continue;
-        const auto kind = static_cast<LandmarkKind>(static_cast<int>(other.pink_low) + (pink_low ? 0 : 1));
+        const auto kind =
+            static_cast<LandmarkKind>(static_cast<int>(other.pink_low) + (pink_low ? 0 : 1));
         out.push_back(beacon_of(kind, pink_low ? band : pink, pink_low ? pink : band, mask, rays));
         used.push_back(band);
         break;
@@ -96,7 +102,8 @@ void find_beacons(const ColourMask& mask, const Rays& rays, int min_area_px, std
   }
 }
 
-// The middle of the widest stretch of columns in which a goal is seen down to its foot: no robot stands there.
+// The middle of the widest stretch of columns in which a goal is seen down to its foot: no robot
+// stands there.
 float free_middle(const Region& goal, const ColourMask& mask) {
   const int half = (goal.v_min + goal.v_max + 1) / 2;
   int best_first = goal.u_min, best_last = goal.u_min - 1, first = goal.u_min;
@@ -109,11 +116,13 @@ float free_middle(const Region& goal, const ColourMask& mask) {
       best_first = first, best_last = u;
     }
   }
-  return 0.5f * static_cast<float>(best_last < best_first ? goal.u_min + goal.u_max : best_first + best_last);
+  return 0.5f * static_cast<float>(best_last < best_first ? goal.u_min + goal.u_max
+                                                          : best_first + best_last);
 }
 
-void find_goal(const ColourMask& mask, Colour colour, LandmarkKind kind, const Rays& rays, int min_area_px,
-               const std::vector<Region>& used, std::vector<LandmarkSighting>& out) {
+void find_goal(const ColourMask& mask, Colour colour, LandmarkKind kind, const Rays& rays,
+               int min_area_px, const std::vector<Region>& used,
+               std::vector<LandmarkSighting>& out) {
   for (const Region& region : find_regions(mask, colour, 4 * min_area_px)) {
     const bool is_band = std::any_of(used.begin(), used.end(), [&](const Region& band) {
       return band.colour == colour && band.u_min == region.u_min && band.v_min == region.v_min;
@@ -125,12 +134,15 @@ void find_goal(const ColourMask& mask, Colour colour, LandmarkKind kind, const R
     const float u = 0.5f * static_cast<float>(region.u_min + region.u_max);
     float range = 0;
     if (region.v_min > 0 && region.v_max < mask.height_px - 1) {
-      range = range_of_height(rays.at(u, region.v_min - 0.5f), rays.at(u, region.v_max + 0.5f), kGoalHeight_m);
+      range = range_of_height(rays.at(u, region.v_min - 0.5f), rays.at(u, region.v_max + 0.5f),
+                              kGoalHeight_m);
     }
     const BodyRay middle = rays.at(u, region.v_mean);
     set_polar(sighting, middle, range);
-    sighting.free_offset_rad = rays.at(free_middle(region, mask), region.v_mean).bearing_rad() - middle.bearing_rad();
-    // Obliquely seen, a goal's visible middle is not its mouth's: a tenth of its width is allowed for.
+    sighting.free_offset_rad =
+        rays.at(free_middle(region, mask), region.v_mean).bearing_rad() - middle.bearing_rad();
+    // Obliquely seen, a goal's visible middle is not its mouth's: a tenth of its width is allowed
+    // for.
     sighting.bearing_sigma_rad = (kEdgeSigma_px + 0.1f * region.width_px()) / rays.camera.fx_px;
     sighting.range_sigma_m = sighting.range_m * (0.15f + kEdgeSigma_px / region.height_px());
     out.push_back(sighting);
@@ -148,7 +160,8 @@ bool has_plausible_height(const LandmarkSighting& sighting) {
 }
 
 std::vector<LandmarkSighting> find_landmarks(const ColourMask& mask, const HeadAtRow& head,
-                                             const CameraBelief& camera, const NeckBelief& neck, int min_area_px) {
+                                             const CameraBelief& camera, const NeckBelief& neck,
+                                             int min_area_px) {
   std::vector<LandmarkSighting> found;
   std::vector<Region> used;
   const Rays rays{head, camera, neck};

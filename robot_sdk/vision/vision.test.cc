@@ -21,7 +21,8 @@ struct World {
 };
 
 // Colours every pixel by what its ray meets; positions are in the body frame, z above the ground.
-World cast(const HeadAngles& head, const std::function<std::optional<Colour>(const BodyRay&)>& colour_of) {
+World cast(const HeadAngles& head,
+           const std::function<std::optional<Colour>(const BodyRay&)>& colour_of) {
   World world;
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
@@ -76,7 +77,8 @@ TEST_P(BallAt, DistanceAndBearingAreRightWithinThePixels) {
     if (hits_ball(ray, x, y)) return Colour::orange;
     return std::nullopt;
   });
-  const auto ball = find_ball(world.mask(), [&](float) { return head; }, kCamera, kNeck);
+  const auto ball = find_ball(
+      world.mask(), [&](float) { return head; }, kCamera, kNeck);
   ASSERT_TRUE(ball.has_value());
   const float truth = std::sqrt(x * x + y * y);
   // Half a pixel of radius is the limit of a binary mask.
@@ -86,12 +88,14 @@ TEST_P(BallAt, DistanceAndBearingAreRightWithinThePixels) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, BallAt,
-                         testing::Values(std::pair{0.4f, 0.0f}, std::pair{0.7f, 0.2f}, std::pair{1.0f, -0.5f},
-                                         std::pair{1.6f, 0.3f}));
+                         testing::Values(std::pair{0.4f, 0.0f}, std::pair{0.7f, 0.2f},
+                                         std::pair{1.0f, -0.5f}, std::pair{1.6f, 0.3f}));
 
 TEST(BallDetector, SaysNothingWithoutABall) {
   const World world;
-  EXPECT_FALSE(find_ball(world.mask(), [](float) { return HeadAngles{}; }, kCamera, kNeck).has_value());
+  EXPECT_FALSE(find_ball(
+                   world.mask(), [](float) { return HeadAngles{}; }, kCamera, kNeck)
+                   .has_value());
 }
 
 // A mask in which a rectangle of pixels is orange.
@@ -103,8 +107,10 @@ World orange_box(int u_min, int u_max, int v_min, int v_max) {
   return world;
 }
 
-std::optional<BallSighting> checked_ball(const World& world, const HeadAngles& head, float rim_px = 0) {
-  return find_ball(world.mask(), [&](float) { return head; }, kCamera, kNeck, {.rim_px = rim_px, .check = true});
+std::optional<BallSighting> checked_ball(const World& world, const HeadAngles& head,
+                                         float rim_px = 0) {
+  return find_ball(world.mask(), [&](float) { return head; }, kCamera, kNeck,
+                   {.rim_px = rim_px, .check = true});
 }
 
 TEST(BallDetector, LeavesOutLinesAndSizesThatNoBallHas) {
@@ -113,7 +119,8 @@ TEST(BallDetector, LeavesOutLinesAndSizesThatNoBallHas) {
   EXPECT_FALSE(checked_ball(orange_box(0, 30, 80, 81), head));     // The same, cut by the border.
   EXPECT_FALSE(checked_ball(orange_box(90, 93, 120, 123), head));  // Far too small for where it is.
   EXPECT_FALSE(checked_ball(orange_box(60, 110, 40, 80), head));   // Far too large for the horizon.
-  EXPECT_TRUE(find_ball(orange_box(60, 110, 40, 80).mask(), [&](float) { return head; }, kCamera, kNeck));
+  EXPECT_TRUE(find_ball(
+      orange_box(60, 110, 40, 80).mask(), [&](float) { return head; }, kCamera, kNeck));
 }
 
 TEST(BallDetector, TakesTheBallBesideALargerPatchThatIsNone) {
@@ -132,7 +139,8 @@ TEST(BallDetector, APartlyHiddenBallIsWhereItsCentreSays) {
   // Two fifths of it are behind a leg: the area says a quarter farther.
   const HeadAngles head{-0.4f, 0, 0};
   const World world = cast(head, [&](const BodyRay& ray) -> std::optional<Colour> {
-    if (hits_ball(ray, 0.5f, 0) && ray.direction.y > -0.02f * ray.direction.x) return Colour::orange;
+    if (hits_ball(ray, 0.5f, 0) && ray.direction.y > -0.02f * ray.direction.x)
+      return Colour::orange;
     return std::nullopt;
   });
   const auto ball = checked_ball(world, head);
@@ -145,8 +153,10 @@ TEST(BallDetector, AllowsForTheRimThatNoColourClaims) {
   const HeadAngles head{-0.1f, 0, 0};
   const auto smaller = [&](const BodyRay& ray) -> std::optional<Colour> {
     // What is left of a ball at 1.5 m whose outermost pixel is lost.
-    const float cx = 1.5f - ray.origin_m.x, cz = kBallRadius_m - kNeck.body_height_m - ray.origin_m.z;
-    const float along = cx * ray.direction.x - ray.origin_m.y * ray.direction.y + cz * ray.direction.z;
+    const float cx = 1.5f - ray.origin_m.x,
+                cz = kBallRadius_m - kNeck.body_height_m - ray.origin_m.z;
+    const float along =
+        cx * ray.direction.x - ray.origin_m.y * ray.direction.y + cz * ray.direction.z;
     const float off2 = cx * cx + ray.origin_m.y * ray.origin_m.y + cz * cz - along * along;
     const float radius = kBallRadius_m - along / 162;
     if (off2 < radius * radius) return Colour::orange;
@@ -167,9 +177,11 @@ TEST(LandmarkDetector, NamesAndMeasuresABeacon) {
       if (*height < 0.2f) return std::nullopt;  // White.
       return (*height < 0.3f) == pink_low ? Colour::pink : Colour::skyblue;
     });
-    const auto found = find_landmarks(world.mask(), [&](float) { return head; }, kCamera, kNeck);
+    const auto found = find_landmarks(
+        world.mask(), [&](float) { return head; }, kCamera, kNeck);
     ASSERT_EQ(found.size(), 1u);
-    EXPECT_EQ(found[0].kind, pink_low ? LandmarkKind::beacon_skyblue_pink_low : LandmarkKind::beacon_skyblue_pink_high);
+    EXPECT_EQ(found[0].kind, pink_low ? LandmarkKind::beacon_skyblue_pink_low
+                                      : LandmarkKind::beacon_skyblue_pink_high);
     // The near side of the post is 5 cm closer than its axis; one pixel of height is the limit.
     EXPECT_NEAR(found[0].range_m, std::sqrt(x * x + y * y) - 0.05f, 0.09f);
     EXPECT_NEAR(found[0].bearing_rad, std::atan2(y, x), 1.0f / 162);
@@ -183,11 +195,14 @@ TEST(LandmarkDetector, FindsWhereAGoalIsFree) {
   const HeadAngles head{-0.02f, 0, 0};
   const World world = cast(head, [&](const BodyRay& ray) -> std::optional<Colour> {
     const float t = (2 - ray.origin_m.x) / ray.direction.x;
-    const float y = t * ray.direction.y, z = ray.origin_m.z + t * ray.direction.z + kNeck.body_height_m;
-    if (std::abs(y) > 0.3f || z < 0 || z > 0.3f || (y > -0.2f && y < -0.02f && z < 0.2f)) return std::nullopt;
+    const float y = t * ray.direction.y,
+                z = ray.origin_m.z + t * ray.direction.z + kNeck.body_height_m;
+    if (std::abs(y) > 0.3f || z < 0 || z > 0.3f || (y > -0.2f && y < -0.02f && z < 0.2f))
+      return std::nullopt;
     return Colour::skyblue;
   });
-  const auto found = find_landmarks(world.mask(), [&](float) { return head; }, kCamera, kNeck);
+  const auto found = find_landmarks(
+      world.mask(), [&](float) { return head; }, kCamera, kNeck);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].kind, LandmarkKind::goal_skyblue);
   EXPECT_NEAR(found[0].bearing_rad, 0, 0.01f);
@@ -202,7 +217,8 @@ TEST(LandmarkDetector, TellsABeaconFromColoursThatLieNearTheGround) {
     if (!height || *height < 0 || *height > 0.2f) return std::nullopt;
     return *height < 0.1f ? Colour::pink : Colour::skyblue;
   });
-  const auto found = find_landmarks(world.mask(), [&](float) { return head; }, kCamera, kNeck);
+  const auto found = find_landmarks(
+      world.mask(), [&](float) { return head; }, kCamera, kNeck);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].height_m, 0.1f, 0.02f);
   EXPECT_FALSE(has_plausible_height(found[0]));

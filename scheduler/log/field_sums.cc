@@ -60,15 +60,17 @@ Polynomial connection_polynomial(std::span<const uint64_t> S) {
   return C;
 }
 
-// The sums of the fields of one block, whose first has the number `first`. With places i = first + j,
+// The sums of the fields of one block, whose first has the number `first`. With places i = first +
+// j,
 //   sum of h i^k = sum over m of C(k, m) first^(k - m) * (sum of h j^m),
 // and powers of j are too small to need a reduction: 2^31 * (sum of j^5, j < 32) < 2^59.
 constexpr size_t kBlock = 32;
 
 FieldSums::Sums sums_of_block(std::span<const int64_t> words, uint64_t first) {
-  constexpr uint64_t kBinomials[kFieldSums][kFieldSums] = {{1},          {1, 1},          {1, 2, 1},
-                                                           {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}};
-  uint64_t m0 = 0, m1 = 0, m2 = 0, m3 = 0, m4 = 0, m5 = 0;  // Not an array: they shall stay in registers.
+  constexpr uint64_t kBinomials[kFieldSums][kFieldSums] = {
+      {1}, {1, 1}, {1, 2, 1}, {1, 3, 3, 1}, {1, 4, 6, 4, 1}, {1, 5, 10, 10, 5, 1}};
+  uint64_t m0 = 0, m1 = 0, m2 = 0, m3 = 0, m4 = 0,
+           m5 = 0;  // Not an array: they shall stay in registers.
   for (size_t j = 0; j < words.size(); ++j) {
     const uint64_t h = field_hash(words[j]) >> 33;
     const uint64_t h1 = h * j, h2 = h1 * j, h3 = h2 * j, h4 = h3 * j, h5 = h4 * j;
@@ -99,7 +101,8 @@ std::vector<uint32_t> FieldSums::of(std::span<const int64_t> words) {
     const bool known = first / kBlock < blocks_.size();
     if (!known) blocks_.emplace_back();
     Sums& part = blocks_[first / kBlock];
-    if (!known || !std::equal(block.begin(), block.end(), words_.begin() + static_cast<ptrdiff_t>(first))) {
+    if (!known ||
+        !std::equal(block.begin(), block.end(), words_.begin() + static_cast<ptrdiff_t>(first))) {
       std::copy(block.begin(), block.end(), words_.begin() + static_cast<ptrdiff_t>(first));
       part = sums_of_block(block, first + 1);
     }

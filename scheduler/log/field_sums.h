@@ -17,7 +17,8 @@ namespace seam::scheduler {
 
 inline constexpr size_t kFieldSums = 6;
 
-// The sums of states one after the other: what did not change since the state before is not summed again.
+// The sums of states one after the other: what did not change since the state before is not summed
+// again.
 class FieldSums {
  public:
   using Sums = std::array<uint64_t, kFieldSums>;

@@ -25,10 +25,12 @@ std::vector<double> state(size_t fields) {
 }
 
 TEST(FieldSums, FollowTheirDefinition) {
-  // S_k = sum of h_i i^k modulo 2^31 - 1, term by term; many fields, so that blocks end within and at the state's end.
+  // S_k = sum of h_i i^k modulo 2^31 - 1, term by term; many fields, so that blocks end within and
+  // at the state's end.
   for (const size_t fields : {1, 2, 31, 32, 33, 500, 4096}) {
     std::vector<int64_t> words(fields, -1);
-    for (size_t i = 0; i + 1 < fields; ++i) words[i] = static_cast<int64_t>(random_bits({7, 7}, i)[0]) << (i % 40);
+    for (size_t i = 0; i + 1 < fields; ++i)
+      words[i] = static_cast<int64_t>(random_bits({7, 7}, i)[0]) << (i % 40);
     const std::vector<uint32_t> sums = FieldSums().of(words);
     ASSERT_EQ(sums.size(), kFieldSums);
     for (size_t k = 0; k < kFieldSums; ++k) {

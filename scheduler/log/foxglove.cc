@@ -41,7 +41,9 @@ void set(foxglove::Pose* pose, const Pose& X) {
 
 // Screens expect sRGB; radiance is linear.
 void set(foxglove::Color* color, const Rgb& radiance) {
-  const auto display = [](double value) { return maths::pow(std::clamp(value, 0.0, 1.0), 1 / 2.2); };
+  const auto display = [](double value) {
+    return maths::pow(std::clamp(value, 0.0, 1.0), 1 / 2.2);
+  };
   color->set_r(display(radiance[0]));
   color->set_g(display(radiance[1]));
   color->set_b(display(radiance[2]));
@@ -54,8 +56,10 @@ bool moves(const Primitive& primitive) {
     case Label::robot_red:
     case Label::robot_blue:
     case Label::robot_body:
-    case Label::other: return true;
-    default: return false;
+    case Label::other:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -69,8 +73,7 @@ void add_sphere(foxglove::SceneEntity& entity, const Pose& X_W, double radius_m,
 void add_cylinder(foxglove::SceneEntity& entity, const Primitive& primitive) {
   foxglove::CylinderPrimitive* cylinder = entity.add_cylinders();
   set(cylinder->mutable_pose(), primitive.X_WO * translation({0, 0, 0.5 * primitive.size.z}));
-  set(cylinder->mutable_size(),
-      Vec3(2 * primitive.size.x, 2 * primitive.size.x, primitive.size.z));
+  set(cylinder->mutable_size(), Vec3(2 * primitive.size.x, 2 * primitive.size.x, primitive.size.z));
   cylinder->set_bottom_scale(1);
   cylinder->set_top_scale(1);
   set(cylinder->mutable_color(), primitive.rgb);
@@ -87,10 +90,12 @@ void add(foxglove::SceneEntity& entity, const Primitive& primitive) {
   switch (primitive.shape) {
     case Shape::rectangle:
       return add_box(entity, primitive, {primitive.size.x, primitive.size.y, 0.001});
-    case Shape::box: return add_box(entity, primitive, primitive.size);
+    case Shape::box:
+      return add_box(entity, primitive, primitive.size);
     case Shape::sphere:
       return add_sphere(entity, primitive.X_WO, primitive.size.x, primitive.rgb);
-    case Shape::cylinder: return add_cylinder(entity, primitive);
+    case Shape::cylinder:
+      return add_cylinder(entity, primitive);
     case Shape::capsule:
       add_cylinder(entity, primitive);
       add_sphere(entity, primitive.X_WO, primitive.size.x, primitive.rgb);

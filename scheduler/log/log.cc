@@ -14,9 +14,13 @@ constexpr std::string_view kPictureTopics = "/camera/";
 
 }  // namespace
 
-uint64_t log_time(SimTime time) { return static_cast<uint64_t>(std::max<int64_t>(0, time.ns())); }
+uint64_t log_time(SimTime time) {
+  return static_cast<uint64_t>(std::max<int64_t>(0, time.ns()));
+}
 
-std::string picture_topic(const std::string& robot) { return std::string(kPictureTopics) + robot; }
+std::string picture_topic(const std::string& robot) {
+  return std::string(kPictureTopics) + robot;
+}
 
 SimTime time_of(const LogRecord& record) {
   return std::visit(
@@ -123,7 +127,9 @@ std::optional<StepRecord> Log::step_before(SimTime time) const {
   return std::get<StepRecord>(std::move(*record));
 }
 
-bool Log::has_pictures() const { return !picture_channels_.empty(); }
+bool Log::has_pictures() const {
+  return !picture_channels_.empty();
+}
 
 std::optional<std::string> Log::picture(const FrameRecord& frame) const {
   const std::string& robot = header_.robots[static_cast<size_t>(frame.robot)];

@@ -1,7 +1,8 @@
 // Whatever bytes a log has, reading, recovering and walking over it end in results or InputErrors.
+#include "scheduler/log/log.h"
+
 #include <google/protobuf/stubs/logging.h>
 
-#include "scheduler/log/log.h"
 #include "scheduler/log/log_recovery.h"
 #include "sim_core/base/error.h"
 

@@ -57,7 +57,7 @@ class Log {
 
   std::unique_ptr<mcap::Reader> reader_;
   RunHeader header_;
-  std::map<uint16_t, Topic> topics_;                 // By channel.
+  std::map<uint16_t, Topic> topics_;                  // By channel.
   std::map<uint16_t, std::string> picture_channels_;  // Robot by channel.
 };
 

@@ -236,7 +236,8 @@ TEST(Log, RewindsToAnyTime) {
       EXPECT_EQ(world.start(), logged->time);
       // Commands that acted since the step change the state: go exactly to the step for hashes.
       rewinder.to(logged->time);
-      EXPECT_EQ(step_fingerprint(world.digest().section_hashes), logged->fingerprint) << time_s << extra;
+      EXPECT_EQ(step_fingerprint(world.digest().section_hashes), logged->fingerprint)
+          << time_s << extra;
     }
   }
 }

@@ -75,8 +75,10 @@ RunHeader decode_header(std::string_view bytes) {
   header.scenario_name = message.scenario_name();
   header.scenario_text = message.scenario_text();
   header.seed = message.seed();
-  for (const v1::LogFile& file : message.files()) header.files.emplace_back(file.name(), file.text());
-  for (const v1::LogVersion& one : message.versions()) header.versions.emplace_back(one.name(), one.version());
+  for (const v1::LogFile& file : message.files())
+    header.files.emplace_back(file.name(), file.text());
+  for (const v1::LogVersion& one : message.versions())
+    header.versions.emplace_back(one.name(), one.version());
   header.robots.assign(message.robots().begin(), message.robots().end());
   header.sections.assign(message.sections().begin(), message.sections().end());
   return header;
@@ -115,7 +117,8 @@ std::string encode_snapshot(const SnapshotRecord& snapshot) {
 
 SnapshotRecord decode_snapshot(std::string_view bytes) {
   auto message = parse<v1::LogSnapshot>(bytes, Topic::snapshot);
-  return {time_from_log(message.time_ns(), "/seam/snapshot: time_ns"), message.step(), std::move(*message.mutable_state())};
+  return {time_from_log(message.time_ns(), "/seam/snapshot: time_ns"), message.step(),
+          std::move(*message.mutable_state())};
 }
 
 std::string encode_frame(const FrameRecord& frame) {
@@ -134,7 +137,8 @@ FrameRecord decode_frame(std::string_view bytes, size_t robots) {
     throw InputError(fmt::format("/seam/frame: robot: found {}, expected less than {}",
                                  message.robot(), robots));
   }
-  return {time_from_log(message.time_ns(), "/seam/frame: time_ns"), static_cast<int>(message.robot()), message.index(),
+  return {time_from_log(message.time_ns(), "/seam/frame: time_ns"),
+          static_cast<int>(message.robot()), message.index(),
           time_from_log(message.stamp_ns(), "/seam/frame: stamp_ns"), message.fingerprint()};
 }
 
@@ -189,8 +193,12 @@ Overloaded(Cases...) -> Overloaded<Cases...>;  // clang 14 does not deduce it.
 
 }  // namespace
 
-std::string_view topic_name(Topic topic) { return kTopicNames[static_cast<int>(topic)]; }
-std::string_view schema_name(Topic topic) { return kSchemaNames[static_cast<int>(topic)]; }
+std::string_view topic_name(Topic topic) {
+  return kTopicNames[static_cast<int>(topic)];
+}
+std::string_view schema_name(Topic topic) {
+  return kSchemaNames[static_cast<int>(topic)];
+}
 
 std::string encode(const LogRecord& record, const std::vector<std::string>& robots) {
   return std::visit(
@@ -206,16 +214,22 @@ std::string encode(const LogRecord& record, const std::vector<std::string>& robo
 
 LogRecord decode(Topic topic, std::string_view bytes, const std::vector<std::string>& robots) {
   switch (topic) {
-    case Topic::header: return decode_header(bytes);
+    case Topic::header:
+      return decode_header(bytes);
     case Topic::turn: {
       auto [time, turn] = decode_turn(bytes, robots);
       return TurnRecord{time, std::move(turn)};
     }
-    case Topic::step: return decode_step(bytes);
-    case Topic::snapshot: return decode_snapshot(bytes);
-    case Topic::frame: return decode_frame(bytes, robots.size());
-    case Topic::event: return decode_event(bytes);
-    case Topic::end: return decode_end(bytes);
+    case Topic::step:
+      return decode_step(bytes);
+    case Topic::snapshot:
+      return decode_snapshot(bytes);
+    case Topic::frame:
+      return decode_frame(bytes, robots.size());
+    case Topic::event:
+      return decode_event(bytes);
+    case Topic::end:
+      return decode_end(bytes);
   }
   check_failed(__FILE__, __LINE__, "topic", std::to_string(static_cast<int>(topic)));
 }

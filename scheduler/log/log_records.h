@@ -25,11 +25,11 @@ struct TurnRecord {
 struct StepRecord {
   SimTime time;
   uint64_t step = 0;
-  uint64_t fingerprint = 0;               // Over the sections' 64-bit hashes, in order.
-  std::vector<uint32_t> section_hashes;   // The lower half of each.
-  std::string field_checks;               // Two bits a field, on some steps; see field_checks.h.
-  std::vector<float> poses;               // Of each robot kPoseFields, then the ball's x, y, z.
-  std::vector<uint32_t> field_sums;       // See field_sums.h.
+  uint64_t fingerprint = 0;              // Over the sections' 64-bit hashes, in order.
+  std::vector<uint32_t> section_hashes;  // The lower half of each.
+  std::string field_checks;              // Two bits a field, on some steps; see field_checks.h.
+  std::vector<float> poses;              // Of each robot kPoseFields, then the ball's x, y, z.
+  std::vector<uint32_t> field_sums;      // See field_sums.h.
 };
 // In the order of StepRecord::poses.
 inline constexpr std::string_view kPoseFields[] = {"x_m",      "y_m",     "heading_rad",

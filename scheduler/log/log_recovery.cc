@@ -68,8 +68,8 @@ Recovery recover_log(std::unique_ptr<mcap::Input> input, mcap::Output& output) {
   for (const auto& [id, channel] : contents.channels) {
     const auto schema = schema_ids.find(channel.schema_id);
     const uint16_t schema_id = schema == schema_ids.end() ? uint16_t{0} : schema->second;
-    channel_ids[id] = writer.add_channel(schema_id, channel.topic, channel.message_encoding,
-                                         channel.metadata);
+    channel_ids[id] =
+        writer.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata);
   }
   for (const mcap::AttachmentIndex& attachment : contents.attachments) {
     writer.attach(reader.read_attachment(attachment));

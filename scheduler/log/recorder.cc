@@ -29,9 +29,9 @@ std::vector<float> poses_of(const World& world) {
   std::vector<float> poses;
   for (size_t robot = 0; robot < world.scenario().robots.size(); ++robot) {
     const RobotTruth truth = world.robot(robot, time);
-    for (const double value : {truth.pose.x_m, truth.pose.y_m, truth.pose.theta_rad,
-                               truth.joints_rad[kTilt], truth.joints_rad[kPan],
-                               truth.joints_rad[kRoll]}) {
+    for (const double value :
+         {truth.pose.x_m, truth.pose.y_m, truth.pose.theta_rad, truth.joints_rad[kTilt],
+          truth.joints_rad[kPan], truth.joints_rad[kRoll]}) {
       poses.push_back(static_cast<float>(value));
     }
   }
@@ -58,8 +58,8 @@ uint16_t Recorder::add_channel(const std::string& topic, std::string_view messag
   auto schema = schemas_.find(message_name);
   if (schema == schemas_.end()) {
     const std::string name(message_name);
-    schema = schemas_.emplace(name, writer_.add_schema(name, "protobuf", descriptor_set_of(name)))
-                 .first;
+    schema =
+        schemas_.emplace(name, writer_.add_schema(name, "protobuf", descriptor_set_of(name))).first;
   }
   return writer_.add_channel(schema->second, topic, "protobuf");
 }
@@ -79,8 +79,8 @@ void Recorder::on_start(const RunHeader& header) {
 
   // The run's inputs as attachments too: one damaged place must not cost them, and any MCAP tool
   // can take them out.
-  writer_.attach({.name = "scenario.yaml", .media_type = "application/yaml",
-                  .data = header.scenario_text});
+  writer_.attach(
+      {.name = "scenario.yaml", .media_type = "application/yaml", .data = header.scenario_text});
   for (const auto& [name, text] : header.files) {
     writer_.attach({.name = "files/" + name, .media_type = "text/plain", .data = text});
   }
@@ -103,7 +103,9 @@ void Recorder::note(Topic topic, SimTime time, LogRecord record) {
 }
 
 void Recorder::note_message(uint16_t channel, SimTime time, std::string bytes) {
-  batches_.add([this, channel, time, bytes = std::move(bytes)] { writer_.write(channel, log_time(time), bytes); });
+  batches_.add([this, channel, time, bytes = std::move(bytes)] {
+    writer_.write(channel, log_time(time), bytes);
+  });
 }
 
 void Recorder::on_turn(SimTime time, const Turn& turn) {
@@ -129,7 +131,8 @@ void Recorder::note_snapshot(SimTime time, uint64_t step) {
 }
 
 void Recorder::note_foxglove(SimTime time) {
-  if (transforms_channel_ != 0) note_message(transforms_channel_, time, frame_transforms(world_, time));
+  if (transforms_channel_ != 0)
+    note_message(transforms_channel_, time, frame_transforms(world_, time));
   if (scene_channel_ != 0) {
     // What stands still is written once and stays.
     note_message(scene_channel_, time, scene_update(world_, time, !scene_written_));
@@ -140,14 +143,19 @@ void Recorder::note_foxglove(SimTime time) {
 void Recorder::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
   ++frames_;
   const auto robot = std::find(robots_.begin(), robots_.end(), frame.robot) - robots_.begin();
-  note(Topic::frame, time, FrameRecord{time, static_cast<int>(robot), frame.frame_index,
-                                       frame.stamp, frame.fingerprint});
+  note(Topic::frame, time,
+       FrameRecord{time, static_cast<int>(robot), frame.frame_index, frame.stamp,
+                   frame.fingerprint});
   const auto channel = picture_channels_.find(frame.robot);
   if (channel == picture_channels_.end()) return;
-  batches_.add([this, time, stamp = frame.stamp, link = frame.robot + "/camera", number = channel->second,
-                image = Image{.width_px = frame.width_px, .height_px = frame.height_px, .channels = 3,
+  batches_.add([this, time, stamp = frame.stamp, link = frame.robot + "/camera",
+                number = channel->second,
+                image = Image{.width_px = frame.width_px,
+                              .height_px = frame.height_px,
+                              .channels = 3,
                               .samples = {frame.rgb.begin(), frame.rgb.end()}}] {
-    writer_.write(number, log_time(time), log_time(stamp), compressed_image(stamp, link, encode_png(image)));
+    writer_.write(number, log_time(time), log_time(stamp),
+                  compressed_image(stamp, link, encode_png(image)));
   });
 }
 

@@ -1,6 +1,6 @@
 // Writes the log of a run as it goes: everything that a re-run needs, and hashes to check it by.
-// The run's own thread only notes what happened; encoding, compression and writing are done in another
-// one, a chunk at a time, so that a log hardly slows a run.
+// The run's own thread only notes what happened; encoding, compression and writing are done in
+// another one, a chunk at a time, so that a log hardly slows a run.
 #pragma once
 
 #include <map>
@@ -31,8 +31,8 @@ struct RecorderOptions {
 class Recorder final : public SimulationObserver {
  public:
   // `output` and `world` (the one that the run advances) must outlive the recorder, and nobody else
-  // may use `output` before the run's end. What cannot be written is thrown with a later record or at
-  // the end.
+  // may use `output` before the run's end. What cannot be written is thrown with a later record or
+  // at the end.
   Recorder(mcap::Output& output, const World& world, const RecorderOptions& options = {});
 
   void on_start(const RunHeader& header) override;
@@ -66,14 +66,16 @@ class Recorder final : public SimulationObserver {
   uint64_t steps_ = 0;
   uint64_t frames_ = 0;
   FieldSums sums_;   // Of the last step.
-  Batches batches_;  // They use the writer and what `on_start` sets: the last to be made, the first to go.
+  Batches batches_;  // They use the writer and what `on_start` sets: the last to be made, the first
+                     // to go.
 };
 
 // The poses of a step record, from the world at its current step.
 std::vector<float> poses_of(const World& world);
 // The poses are recorded on each of these steps.
 inline constexpr uint64_t kPoseEverySteps = 4;
-// The field checks are recorded on each of these steps; odd, so that all four pairs of bits take turns.
+// The field checks are recorded on each of these steps; odd, so that all four pairs of bits take
+// turns.
 inline constexpr uint64_t kCheckEverySteps = 17;
 // Over 64-bit section hashes in order, and their lower halves.
 uint64_t step_fingerprint(std::span<const uint64_t> section_hashes);

@@ -45,7 +45,9 @@ int64_t Clock::first_at_or_after(SimTime time) const {
 }
 
 ClockSettings clock_settings(const ClockSpec& spec) {
-  return {.offset = spec.phase, .period = spec.period, .drift = spec.drift_ppm * 1e-6,
+  return {.offset = spec.phase,
+          .period = spec.period,
+          .drift = spec.drift_ppm * 1e-6,
           .jitter_sigma_s = spec.jitter_sigma.s()};
 }
 

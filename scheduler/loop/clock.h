@@ -5,16 +5,16 @@
 #include <cstdint>
 
 #include "sim_core/base/random.h"
-#include "sim_core/scenario/scenario.h"
 #include "sim_core/base/time.h"
+#include "sim_core/scenario/scenario.h"
 
 namespace seam::scheduler {
 
 struct ClockSettings {
-  SimDuration offset;       // Of tick 0 after the start of the run.
-  SimDuration period;       // Positive.
-  int64_t divisor = 1;      // Ticks in a period: a clock locked to a cycle that is no multiple of it.
-  double drift = 0;         // 1e-6 is one part in a million slow: each period is longer by this part.
+  SimDuration offset;   // Of tick 0 after the start of the run.
+  SimDuration period;   // Positive.
+  int64_t divisor = 1;  // Ticks in a period: a clock locked to a cycle that is no multiple of it.
+  double drift = 0;     // 1e-6 is one part in a million slow: each period is longer by this part.
   double jitter_sigma_s = 0;  // Spread of each tick alone; cut at 0.45 of the period.
 };
 

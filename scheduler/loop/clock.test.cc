@@ -9,7 +9,8 @@ namespace seam::scheduler {
 namespace {
 
 TEST(Clock, TicksAreOffsetPlusMultiplesNotARunningSum) {
-  const Clock clock({.offset = SimDuration::from_ns(7), .period = SimDuration::from_ns(40'000'000)}, {});
+  const Clock clock({.offset = SimDuration::from_ns(7), .period = SimDuration::from_ns(40'000'000)},
+                    {});
   EXPECT_EQ(clock.tick(0).ns(), 7);
   EXPECT_EQ(clock.tick(1'000'000).ns(), 40'000'000'000'007);
 }
@@ -24,10 +25,14 @@ TEST(Clock, DriftLengthensEveryPeriod) {
 
 TEST(Clock, JitterHasItsSpreadAndNoMemory) {
   const double sigma_s = 1e-3;
-  const Clock clock({.offset = SimDuration::from_s(1), .period = SimDuration::from_s(0.04),
-                     .jitter_sigma_s = sigma_s}, {3, 4});
-  const Clock again({.offset = SimDuration::from_s(1), .period = SimDuration::from_s(0.04),
-                     .jitter_sigma_s = sigma_s}, {3, 4});
+  const Clock clock({.offset = SimDuration::from_s(1),
+                     .period = SimDuration::from_s(0.04),
+                     .jitter_sigma_s = sigma_s},
+                    {3, 4});
+  const Clock again({.offset = SimDuration::from_s(1),
+                     .period = SimDuration::from_s(0.04),
+                     .jitter_sigma_s = sigma_s},
+                    {3, 4});
   double sum = 0, sum_of_squares = 0;
   const int n = 20'000;
   for (int i = 0; i < n; ++i) {
@@ -47,15 +52,20 @@ TEST(Clock, JitterKeepsTheOrderOfTicks) {
 }
 
 TEST(Clock, LockedTicksMeetTheCycleExactly) {
-  const Clock clock({.offset = SimDuration::from_ns(5), .period = SimDuration::from_ns(1'000'000'000),
-                     .divisor = 7}, {});
+  const Clock clock({.offset = SimDuration::from_ns(5),
+                     .period = SimDuration::from_ns(1'000'000'000),
+                     .divisor = 7},
+                    {});
   EXPECT_EQ(clock.tick(7 * 1'000'000).ns(), 1'000'000'000'000'005);
   EXPECT_EQ(clock.tick(1).ns(), 142'857'142 + 5);
 }
 
 TEST(Clock, FirstAtOrAfterAgreesWithSearch) {
-  const Clock clock({.offset = SimDuration::from_s(0.013), .period = SimDuration::from_s(0.04),
-                     .drift = 3e-4, .jitter_sigma_s = 2e-3}, {5, 6});
+  const Clock clock({.offset = SimDuration::from_s(0.013),
+                     .period = SimDuration::from_s(0.04),
+                     .drift = 3e-4,
+                     .jitter_sigma_s = 2e-3},
+                    {5, 6});
   for (int64_t ns = 0; ns < 3'000'000'000; ns += 7'654'321) {
     int64_t expected = 0;
     while (clock.tick(expected) < SimTime::from_ns(ns)) ++expected;

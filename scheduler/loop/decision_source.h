@@ -39,8 +39,8 @@ class FunctionSource final : public DecisionSource {
       SimTime, std::span<const std::shared_ptr<const Observation>> observations) override {
     Turn turn;
     for (const auto& observation : observations)
-      turn.answers.push_back({observation->robot, observation->sequence, Outcome::decided,
-                              behaviour_(*observation)});
+      turn.answers.push_back(
+          {observation->robot, observation->sequence, Outcome::decided, behaviour_(*observation)});
     return turn;
   }
 

@@ -9,12 +9,18 @@ namespace seam::scheduler {
 
 std::string to_string(Phase phase) {
   switch (phase) {
-    case Phase::apply_commands: return "apply_commands";
-    case Phase::step_world: return "step_world";
-    case Phase::sample_light: return "sample_light";
-    case Phase::finish_frames: return "finish_frames";
-    case Phase::deliver_observations: return "deliver_observations";
-    case Phase::wait_for_decisions: return "wait_for_decisions";
+    case Phase::apply_commands:
+      return "apply_commands";
+    case Phase::step_world:
+      return "step_world";
+    case Phase::sample_light:
+      return "sample_light";
+    case Phase::finish_frames:
+      return "finish_frames";
+    case Phase::deliver_observations:
+      return "deliver_observations";
+    case Phase::wait_for_decisions:
+      return "wait_for_decisions";
   }
   return "unknown";
 }

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "sim_core/base/time.h"
 #include "sim_core/body/command.h"
 #include "sim_core/scene/frame.h"
 #include "sim_core/world/radio.h"
 #include "sim_core/world/referee.h"
 #include "sim_core/world/sensors.h"
-#include "sim_core/base/time.h"
 
 namespace seam::scheduler {
 
@@ -57,19 +57,19 @@ struct Answer {
   int robot = 0;          // Its number in the scenario.
   uint64_t sequence = 0;  // Of the observation.
   Outcome outcome = Outcome::decided;
-  Decision decision;      // Of `decided` and `resumed`; else empty.
-  std::string reason;     // For people: why it was frozen or the run aborted.
+  Decision decision;   // Of `decided` and `resumed`; else empty.
+  std::string reason;  // For people: why it was frozen or the run aborted.
 };
 
 // What the supervisor does to the world; acts 1 ns after the instant at which it was taken up.
 struct SupervisorAction {
   enum class Kind : uint8_t { place_ball, place_robot, set_game_state };
   Kind kind = Kind::place_ball;
-  int robot = -1;               // For place_robot.
-  Vec3 position_m{0.0};         // W; of a robot's body x and y count.
-  Vec3 velocity_m_s{0.0};       // Of the ball.
-  double heading_rad = 0;       // Of a robot.
-  uint32_t game_state = 0;      // As the wire numbers them.
+  int robot = -1;           // For place_robot.
+  Vec3 position_m{0.0};     // W; of a robot's body x and y count.
+  Vec3 velocity_m_s{0.0};   // Of the ball.
+  double heading_rad = 0;   // Of a robot.
+  uint32_t game_state = 0;  // As the wire numbers them.
 };
 
 enum class EventKind : uint8_t {
@@ -92,7 +92,7 @@ struct SimulationEvent {
 
 // All that reaches the run from outside at one instant at which decisions were owed.
 struct Turn {
-  std::vector<Answer> answers;             // One for each observation, in the same order.
+  std::vector<Answer> answers;  // One for each observation, in the same order.
   std::vector<SupervisorAction> actions;
 };
 

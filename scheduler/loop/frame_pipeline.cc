@@ -19,8 +19,12 @@ constexpr size_t kMaxPending = 64;
 
 FramePipeline::FramePipeline(const World& world, FrameRenderer& renderer, EventQueue& queue,
                              bool camera_at_rows, std::function<void(FinishedFrame)> on_finished)
-    : world_(world), renderer_(renderer), queue_(queue), camera_at_rows_(camera_at_rows),
-      on_finished_(std::move(on_finished)), pool_(renderer) {
+    : world_(world),
+      renderer_(renderer),
+      queue_(queue),
+      camera_at_rows_(camera_at_rows),
+      on_finished_(std::move(on_finished)),
+      pool_(renderer) {
   const Scenario& scenario = world.scenario();
   const RandomStream root{static_cast<uint64_t>(scenario.seed), 0};
   for (size_t i = 0; i < scenario.robots.size(); ++i) {
@@ -42,7 +46,9 @@ bool FramePipeline::wanted(const Camera& camera, SimTime stamp) const {
 void FramePipeline::request(int robot, const FrameRequest& request, SimTime now) {
   Camera& camera = cameras_[robot];
   switch (request.which) {
-    case FrameRequest::Which::all: camera.all = true; break;
+    case FrameRequest::Which::all:
+      camera.all = true;
+      break;
     case FrameRequest::Which::none:
       camera.all = false;
       camera.requests.clear();
@@ -70,7 +76,8 @@ void FramePipeline::arm(int robot, SimTime now) {
     const SimTime stamp = camera.clock.tick(tick);
     if (wanted(camera, stamp)) {
       RowSchedule schedule = renderer_.schedule(robot, static_cast<uint64_t>(tick), stamp);
-      SEAM_CHECK(!schedule.instants.empty() && !schedule.rows.empty(), "robot {} tick {}", robot, tick);
+      SEAM_CHECK(!schedule.instants.empty() && !schedule.rows.empty(), "robot {} tick {}", robot,
+                 tick);
       if (schedule.instants.front() >= now) {
         InProgress frame = begin(robot, tick, stamp, std::move(schedule));
         if (frame.samples.front().time >= now) {

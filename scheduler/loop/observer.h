@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "scheduler/loop/exchange.h"
-#include "sim_core/scene/frame.h"
-#include "sim_core/body/state.h"
 #include "sim_core/base/time.h"
+#include "sim_core/body/state.h"
+#include "sim_core/scene/frame.h"
 
 namespace seam::scheduler {
 

@@ -6,8 +6,8 @@
 #include "scheduler/loop/clock.h"
 #include "scheduler/loop/event_queue.h"
 #include "scheduler/loop/frame_pipeline.h"
-#include "sim_core/base/error.h"
 #include "scheduler/loop/world_actions.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 
 namespace seam::scheduler {
@@ -36,9 +36,9 @@ class Simulation::Loop {
     int64_t next_tick = 0;
     uint64_t observations = 0;
     uint64_t actions = 0;
-    std::map<uint64_t, Action> pending;  // By the sequence number of their event.
+    std::map<uint64_t, Action> pending;                // By the sequence number of their event.
     std::vector<std::shared_ptr<const Frame>> frames;  // Finished, not yet delivered.
-    SimTime told_until = SimTime::from_ns(-1);  // Of the last observation.
+    SimTime told_until = SimTime::from_ns(-1);         // Of the last observation.
   };
 
   void start();
@@ -131,7 +131,9 @@ EndReason Simulation::Loop::run() {
   return *ended_;
 }
 
-bool Simulation::Loop::run_to(SimTime time) { return advance(std::min(time, until_)); }
+bool Simulation::Loop::run_to(SimTime time) {
+  return advance(std::min(time, until_));
+}
 
 bool Simulation::Loop::advance(SimTime until) {
   if (ended_) return false;
@@ -169,11 +171,21 @@ void Simulation::Loop::dispatch(const EventKey& key) {
       else
         apply_decision(robot, key.sequence);
       break;
-    case Phase::step_world: step_world(); break;
-    case Phase::sample_light: pipeline_->sample(robot, key); break;
-    case Phase::finish_frames: pipeline_->finish(robot, key); break;
-    case Phase::deliver_observations: deliver(robot); break;
-    case Phase::wait_for_decisions: wait_for_decisions(); break;
+    case Phase::step_world:
+      step_world();
+      break;
+    case Phase::sample_light:
+      pipeline_->sample(robot, key);
+      break;
+    case Phase::finish_frames:
+      pipeline_->finish(robot, key);
+      break;
+    case Phase::deliver_observations:
+      deliver(robot);
+      break;
+    case Phase::wait_for_decisions:
+      wait_for_decisions();
+      break;
   }
 }
 
@@ -207,7 +219,8 @@ void Simulation::Loop::step_world() {
   chain(state_.section_hashes);
   for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state_);
   for (const WorldEvent& event : parts_.world.take_events())
-    tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind, event.detail});
+    tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind,
+          event.detail});
 }
 
 void Simulation::Loop::deliver(int robot) {
@@ -224,8 +237,7 @@ void Simulation::Loop::deliver(int robot) {
   state.told_until = now_;
   observation->frames = std::exchange(state.frames, {});
   for (SimulationObserver* observer : parts_.observers) observer->on_observation(*observation);
-  if (due_.empty())
-    queue_.push({now_, Phase::wait_for_decisions, 0, state.observations});
+  if (due_.empty()) queue_.push({now_, Phase::wait_for_decisions, 0, state.observations});
   due_.push_back(std::move(observation));
   push_tick(robot);
 }
@@ -304,12 +316,26 @@ void Simulation::Loop::tell_debug(const Answer& answer) {
 Simulation::Simulation(SimulationParts parts, SimulationOptions options)
     : loop_(std::make_unique<Loop>(std::move(parts), options)) {}
 Simulation::~Simulation() = default;
-EndReason Simulation::run() { return loop_->run(); }
-bool Simulation::run_to(SimTime time) { return loop_->run_to(time); }
-SimTime Simulation::now() const { return loop_->now(); }
-uint64_t Simulation::fingerprint() const { return loop_->fingerprint(); }
-uint64_t Simulation::steps() const { return loop_->steps(); }
-uint64_t Simulation::frames() const { return loop_->frames(); }
-uint64_t Simulation::decisions() const { return loop_->decisions(); }
+EndReason Simulation::run() {
+  return loop_->run();
+}
+bool Simulation::run_to(SimTime time) {
+  return loop_->run_to(time);
+}
+SimTime Simulation::now() const {
+  return loop_->now();
+}
+uint64_t Simulation::fingerprint() const {
+  return loop_->fingerprint();
+}
+uint64_t Simulation::steps() const {
+  return loop_->steps();
+}
+uint64_t Simulation::frames() const {
+  return loop_->frames();
+}
+uint64_t Simulation::decisions() const {
+  return loop_->decisions();
+}
 
 }  // namespace seam::scheduler

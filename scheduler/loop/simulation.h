@@ -20,12 +20,12 @@ namespace seam::scheduler {
 
 struct SimulationParts {
   const Scenario& scenario;
-  World& world;               // At time 0.
+  World& world;  // At time 0.
   DecisionSource& decisions;
   RunControl& control;
   FrameRenderer* renderer = nullptr;  // None: requests for frames are counted and not answered.
   std::vector<SimulationObserver*> observers;
-  RunHeader header;           // What observers are told at the start.
+  RunHeader header;  // What observers are told at the start.
 };
 
 struct SimulationOptions {

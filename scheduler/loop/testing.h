@@ -61,8 +61,12 @@ class HashRenderer final : public FrameRenderer {
       for (const Primitive& primitive : instant.primitives)
         for (int k = 0; k < 3; ++k) hasher.add(primitive.X_WO.p[k]);
     }
-    Frame frame{.robot = job.robot, .frame_index = job.frame_index, .stamp = job.stamp,
-                .width_px = 1, .height_px = 1, .rows = job.schedule.rows};
+    Frame frame{.robot = job.robot,
+                .frame_index = job.frame_index,
+                .stamp = job.stamp,
+                .width_px = 1,
+                .height_px = 1,
+                .rows = job.schedule.rows};
     frame.fingerprint = hasher.digest();
     frame.rgb = {1, 2, 3};
     return frame;

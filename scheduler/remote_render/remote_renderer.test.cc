@@ -6,8 +6,8 @@
 #include <atomic>
 #include <thread>
 
-#include "scheduler/server/live_testing.h"
 #include "scheduler/remote_render/render_client.h"
+#include "scheduler/server/live_testing.h"
 #include "seam/v1/render.grpc.pb.h"
 #include "sim_core/base/error.h"
 

@@ -98,7 +98,9 @@ class Workers {
 class Client {
  public:
   Client(const RenderClientOptions& options, const MakeRenderer& make)
-      : options_(options), make_(make), stub_(v1::Rendering::NewStub(open_channel(options.address, options.certificates))) {}
+      : options_(options),
+        make_(make),
+        stub_(v1::Rendering::NewStub(open_channel(options.address, options.certificates))) {}
 
   std::string run() {
     auto last_connected = std::chrono::steady_clock::now();

@@ -165,8 +165,9 @@ std::string text_of(const StateSection::Field& field) {
 
 const StateSection* find_section(const std::vector<StateSection>& sections,
                                  const std::string& name) {
-  const auto found = std::find_if(sections.begin(), sections.end(),
-                                  [&](const StateSection& section) { return section.name == name; });
+  const auto found =
+      std::find_if(sections.begin(), sections.end(),
+                   [&](const StateSection& section) { return section.name == name; });
   return found == sections.end() ? nullptr : &*found;
 }
 

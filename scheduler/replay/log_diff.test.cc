@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scheduler/replay/frame_maker.h"
 #include "scheduler/log/log_recovery.h"
+#include "scheduler/replay/frame_maker.h"
 #include "scheduler/replay/log_testing.h"
 #include "sim_core/base/error.h"
 
@@ -15,7 +15,9 @@ namespace {
 using ::testing::HasSubstr;
 using namespace seam::scheduler::testing;
 
-std::string three_robots(double duration_s = 2) { return scenario_text(SEAM_SOURCE_DIR, 3, duration_s); }
+std::string three_robots(double duration_s = 2) {
+  return scenario_text(SEAM_SOURCE_DIR, 3, duration_s);
+}
 
 StateAt state_of(const Log& log, World& world, std::optional<Rewinder>& rewinder) {
   rewinder.emplace(log, world);
@@ -37,7 +39,8 @@ TEST(LogDiff, NamesTheFirstDifferenceItsCauseAndItsSpread) {
   const RecordedRun run_a = record(three_robots());
   FunctionSource changed([](const Observation& seen) {
     Decision decision = busy_behaviour(seen);
-    if (seen.robot == 1 && seen.sequence == 20) decision.command.joints[0].targets[0].angle_rad = 0.1;
+    if (seen.robot == 1 && seen.sequence == 20)
+      decision.command.joints[0].targets[0].angle_rad = 0.1;
     return decision;
   });
   const RecordedRun run_b = record(three_robots(), changed);

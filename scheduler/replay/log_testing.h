@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "scheduler/replay/player.h"
 #include "scheduler/log/recorder.h"
-#include "scheduler/replay/rewinder.h"
 #include "scheduler/loop/testing.h"
+#include "scheduler/replay/player.h"
+#include "scheduler/replay/rewinder.h"
 #include "scheduler/replay/verifier.h"
 
 namespace seam::scheduler::testing {
@@ -27,7 +27,8 @@ inline Decision busy_behaviour(const Observation& seen) {
 }
 
 inline RunHeader header_of(const Scenario& scenario, const std::string& yaml) {
-  RunHeader header{.scenario_text = yaml, .scenario_name = "test.yaml",
+  RunHeader header{.scenario_text = yaml,
+                   .scenario_name = "test.yaml",
                    .seed = static_cast<uint64_t>(scenario.seed),
                    .files = {{"model:r0", "format: seam-model/1\n"}},
                    .versions = {{"state", "1"}}};
@@ -52,8 +53,8 @@ inline RecordedRun record(const std::string& yaml, DecisionSource& decisions,
   HashRenderer renderer(scenario);
   mcap::MemoryOutput output;
   std::optional<Recorder> recorder(std::in_place, output, world, options);
-  Simulation simulation({scenario, world, decisions, control, &renderer, {&*recorder},
-                         header_of(scenario, yaml)});
+  Simulation simulation(
+      {scenario, world, decisions, control, &renderer, {&*recorder}, header_of(scenario, yaml)});
   if (kill_after) {
     simulation.run_to(*kill_after);
   } else {
@@ -86,8 +87,13 @@ inline Verified verify(const Log& log, bool frames = true) {
   LogSource decisions(log);
   Verifier verifier(log, world, control);
   if (!frames) verifier.ignore_frames();
-  Simulation simulation({scenario, world, decisions, control, frames ? &renderer : nullptr,
-                         {&verifier}, header_of(scenario, log.header().scenario_text)});
+  Simulation simulation({scenario,
+                         world,
+                         decisions,
+                         control,
+                         frames ? &renderer : nullptr,
+                         {&verifier},
+                         header_of(scenario, log.header().scenario_text)});
   simulation.run();
   return {verifier.divergence(), verifier.steps(), verifier.frames()};
 }

@@ -25,17 +25,18 @@ std::optional<Turn> TurnReader::turn(
   if (!record) return std::nullopt;
   TurnRecord& logged = std::get<TurnRecord>(*record);
   if (logged.time != now) {
-    throw InputError(fmt::format("the log decides at {} ns next, the re-run asks at {} ns: a part "
-                                 "of the log is missing, or it belongs to another run",
-                                 logged.time.ns(), now.ns()));
+    throw InputError(
+        fmt::format("the log decides at {} ns next, the re-run asks at {} ns: a part "
+                    "of the log is missing, or it belongs to another run",
+                    logged.time.ns(), now.ns()));
   }
   bool fits = logged.turn.answers.size() == observations.size();
   for (size_t i = 0; fits && i < observations.size(); ++i) {
     fits = logged.turn.answers[i].robot == observations[i]->robot;
   }
   if (!fits) {
-    throw InputError(fmt::format("the log answers for other robots than were asked at {} ns",
-                                 now.ns()));
+    throw InputError(
+        fmt::format("the log answers for other robots than were asked at {} ns", now.ns()));
   }
   return std::move(logged.turn);
 }

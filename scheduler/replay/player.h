@@ -6,8 +6,8 @@
 #include <set>
 #include <string>
 
-#include "scheduler/loop/decision_source.h"
 #include "scheduler/log/log.h"
+#include "scheduler/loop/decision_source.h"
 
 namespace seam::scheduler {
 

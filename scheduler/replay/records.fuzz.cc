@@ -3,8 +3,8 @@
 // header of a short match of two robots.
 #include <google/protobuf/stubs/logging.h>
 
-#include "scheduler/replay/log_diff.h"
 #include "scheduler/log/log_recovery.h"
+#include "scheduler/replay/log_diff.h"
 #include "scheduler/replay/log_testing.h"
 #include "sim_core/base/error.h"
 

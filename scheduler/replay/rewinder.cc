@@ -45,8 +45,8 @@ void Rewinder::restart(SimTime time) {
   step_ = snapshot->step;
   // A log may be wrong behind right check sums.
   if (now_ < world_.start() || now_ > world_.end()) {
-    throw InputError(fmt::format("{}: the snapshot at {} ns holds a world from {} to {} ns", log_.name(), now_.ns(),
-                                 world_.start().ns(), world_.end().ns()));
+    throw InputError(fmt::format("{}: the snapshot at {} ns holds a world from {} to {} ns",
+                                 log_.name(), now_.ns(), world_.start().ns(), world_.end().ns()));
   }
   // Decisions from before the snapshot may act after it; those that acted are in its state.
   turns_.emplace(log_, TopicSet{Topic::turn}, now_ - longest_latency);
@@ -83,8 +83,7 @@ void Rewinder::read_turns_until(SimTime time) {
       const SimDuration latency = robot.behaviour.decision_latency;
       // Without a latency a decision acts at the next step of the world.
       const SimDuration step = world_.scenario().step;
-      const SimTime next_step =
-          SimTime() + step * (next_turn_->time.ns() / step.ns() + 1);
+      const SimTime next_step = SimTime() + step * (next_turn_->time.ns() / step.ns() + 1);
       const SimTime acts = latency.ns() > 0 ? next_turn_->time + latency : next_step;
       const int who = answer.robot + 1;
       due_[{acts, who, arrivals_++}] = {std::move(answer), std::nullopt};
@@ -100,7 +99,8 @@ void Rewinder::apply_due(SimTime until) {
   while (!due_.empty() && std::get<0>(due_.begin()->first) <= until) {
     const auto node = due_.extract(due_.begin());
     if (std::get<0>(node.key()) < world_.start()) {
-      throw InputError(fmt::format("{}: a turn before {} ns stands behind later ones", log_.name(), world_.start().ns()));
+      throw InputError(fmt::format("{}: a turn before {} ns stands behind later ones", log_.name(),
+                                   world_.start().ns()));
     }
     apply(node.mapped(), std::get<0>(node.key()));
   }

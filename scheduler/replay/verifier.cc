@@ -33,7 +33,8 @@ FieldNames::FieldNames(const World& world) {
   first_.push_back(names_.size());
 }
 
-std::optional<std::string> FieldNames::first_of(size_t section, std::span<const size_t> fields) const {
+std::optional<std::string> FieldNames::first_of(size_t section,
+                                                std::span<const size_t> fields) const {
   if (section + 1 >= first_.size()) return std::nullopt;
   for (const size_t field : fields) {
     if (field >= first_[section] && field < first_[section + 1]) return names_[field];
@@ -100,7 +101,8 @@ std::optional<StepRecord> Verifier::next_step() {
 void Verifier::find_missing(SimTime time) {
   if (const FrameRecord* frame = ignore_frames_ ? nullptr : frames_expected_.overdue(time)) {
     diverge(frame->time, "frame/" + log_.header().robots[static_cast<size_t>(frame->robot)],
-            "index", fmt::format("the log has frame {}, the re-run does not make it", frame->index));
+            "index",
+            fmt::format("the log has frame {}, the re-run does not make it", frame->index));
   }
   if (const SimulationEvent* event = events_expected_.overdue(time)) {
     diverge(event->time, "events", event->name,
@@ -133,7 +135,8 @@ void Verifier::on_step(SimTime time, uint64_t step, const StateDigest& state) {
   if (!divergence_ && step % kStepsBetweenLooks == 0) find_missing(time);
 }
 
-void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t step, const StateDigest& state) {
+void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t step,
+                            const StateDigest& state) {
   const std::vector<uint64_t>& section_hashes = state.section_hashes;
   if (logged.time != time || logged.step != step) {
     return diverge(std::min(time, logged.time), "clock", "step",
@@ -157,16 +160,19 @@ void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t ste
   look_for_field(logged, state);
 }
 
-// At the first step that differs the sums name the field, unless many differ at once. Then the next check bits do.
+// At the first step that differs the sums name the field, unless many differ at once. Then the next
+// check bits do.
 void Verifier::look_for_field(const StepRecord& logged, const StateDigest& state) {
   const FieldNames names(world_);
   std::optional<std::string> field;
   if (steps_looked_ == 0) {
-    field = names.first_of(*field_wanted_in_,
-                           differing_fields(logged.field_sums, FieldSums().of(state.words), state.words.size()));
+    field = names.first_of(
+        *field_wanted_in_,
+        differing_fields(logged.field_sums, FieldSums().of(state.words), state.words.size()));
   }
   if (!field && !logged.field_checks.empty()) {
-    field = names.first_difference(*field_wanted_in_, logged.field_checks, field_checks(state.words, logged.step));
+    field = names.first_difference(*field_wanted_in_, logged.field_checks,
+                                   field_checks(state.words, logged.step));
   }
   if (field) divergence_->field = *field;
   if (field || ++steps_looked_ >= kStepsToLookForField) {
@@ -179,27 +185,29 @@ void Verifier::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
   if (over_ || divergence_ || ignore_frames_) return;
   const std::string section = "frame/" + frame.robot;
   const auto& robots = log_.header().robots;
-  const int robot = static_cast<int>(std::find(robots.begin(), robots.end(), frame.robot) -
-                                     robots.begin());
+  const int robot =
+      static_cast<int>(std::find(robots.begin(), robots.end(), frame.robot) - robots.begin());
   const auto logged = frames_expected_.take({robot, frame.frame_index}, time);
   if (!logged) {
-    if (may_be_cut_off(time) && frames_expected_.exhausted()) return;  // Made, but not yet written when killed.
-    return diverge(time, section, "index",
-                   fmt::format("the re-run made frame {}, which the log does not have",
-                               frame.frame_index));
+    if (may_be_cut_off(time) && frames_expected_.exhausted())
+      return;  // Made, but not yet written when killed.
+    return diverge(
+        time, section, "index",
+        fmt::format("the re-run made frame {}, which the log does not have", frame.frame_index));
   }
   if (logged->stamp != frame.stamp || logged->time != time) {
-    return diverge(time, section, "stamp_ns",
-                   fmt::format("frame {}: the log has the stamp {} ns and ends at {} ns, the re-run "
-                               "{} ns and {} ns",
-                               frame.frame_index, logged->stamp.ns(), logged->time.ns(),
-                               frame.stamp.ns(), time.ns()));
+    return diverge(
+        time, section, "stamp_ns",
+        fmt::format("frame {}: the log has the stamp {} ns and ends at {} ns, the re-run "
+                    "{} ns and {} ns",
+                    frame.frame_index, logged->stamp.ns(), logged->time.ns(), frame.stamp.ns(),
+                    time.ns()));
   }
   if (logged->fingerprint != frame.fingerprint) {
-    return diverge(time, section, "pixels",
-                   fmt::format("frame {}: the log has the fingerprint {}, the re-run {}",
-                               frame.frame_index, to_hex(logged->fingerprint),
-                               to_hex(frame.fingerprint)));
+    return diverge(
+        time, section, "pixels",
+        fmt::format("frame {}: the log has the fingerprint {}, the re-run {}", frame.frame_index,
+                    to_hex(logged->fingerprint), to_hex(frame.fingerprint)));
   }
   ++frames_;
   verified_until_ = std::max(verified_until_, time);

@@ -5,10 +5,10 @@
 #include <string>
 #include <tuple>
 
-#include "scheduler/replay/expected_records.h"
 #include "scheduler/log/log.h"
 #include "scheduler/loop/observer.h"
 #include "scheduler/loop/run_control.h"
+#include "scheduler/replay/expected_records.h"
 #include "sim_core/world/world.h"
 
 namespace seam::scheduler {
@@ -65,7 +65,8 @@ class Verifier final : public SimulationObserver {
   bool may_be_cut_off(SimTime time) const;
   void stop_at_open_end();
   void diverge(SimTime time, std::string section, std::string field, std::string detail);
-  void compare_step(const StepRecord& logged, SimTime time, uint64_t step, const StateDigest& state);
+  void compare_step(const StepRecord& logged, SimTime time, uint64_t step,
+                    const StateDigest& state);
   void look_for_field(const StepRecord& logged, const StateDigest& state);
 
   const Log& log_;

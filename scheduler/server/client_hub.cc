@@ -90,7 +90,8 @@ Acceptance ClientHub::answer(int robot, const ClientConnection& connection, uint
 void ClientHub::note_fault(int robot, const std::string& name, const std::string& detail) {
   const std::lock_guard lock(mutex_);
   if (faults_.size() >= kMaxFaults) return;
-  faults_.push_back({now_, EventKind::fault, robot < 0 ? "" : slots_[robot].robot.id, name, detail});
+  faults_.push_back(
+      {now_, EventKind::fault, robot < 0 ? "" : slots_[robot].robot.id, name, detail});
 }
 
 void ClientHub::give_up(const std::string& robot, const std::string& reason) {
@@ -121,8 +122,7 @@ std::vector<std::string> ClientHub::waiting_for(double& since_s) const {
   since_s = 0;
   for (const Slot& slot : slots_)
     if (slot.owes) ids.push_back(slot.robot.id);
-  if (!ids.empty())
-    since_s = std::chrono::duration<double>(WallClock::now() - asked_at_).count();
+  if (!ids.empty()) since_s = std::chrono::duration<double>(WallClock::now() - asked_at_).count();
   return ids;
 }
 
@@ -163,8 +163,8 @@ ClientHub::WallClock::time_point ClientHub::deadline_of(const Slot& slot) const 
   if (slot.robot.policy == SilencePolicy::wait) return WallClock::time_point::max();
   const double limit_s = slot.ever_connected ? slot.robot.limit_s : slot.robot.connect_limit_s;
   if (limit_s > 1e6) return WallClock::time_point::max();
-  return asked_at_ + std::chrono::duration_cast<WallClock::duration>(
-                         std::chrono::duration<double>(limit_s));
+  return asked_at_ +
+         std::chrono::duration_cast<WallClock::duration>(std::chrono::duration<double>(limit_s));
 }
 
 void ClientHub::apply_policies(WallClock::time_point now) {
@@ -175,10 +175,10 @@ void ClientHub::apply_policies(WallClock::time_point now) {
     --owed_;
     applied_.emplace_back(
         static_cast<int>(i),
-        slot.gone ? slot.gone_reason
-                  : fmt::format("no answer within {} s of wall time",
-                                slot.ever_connected ? slot.robot.limit_s
-                                                    : slot.robot.connect_limit_s));
+        slot.gone
+            ? slot.gone_reason
+            : fmt::format("no answer within {} s of wall time",
+                          slot.ever_connected ? slot.robot.limit_s : slot.robot.connect_limit_s));
   }
 }
 

@@ -27,15 +27,13 @@ class ClientConnection {
   virtual void drop(const std::string& reason) = 0;
 };
 
-
-
 struct HubRobot {
   std::string id;
   std::string token;
   SilencePolicy policy = SilencePolicy::wait;
-  double limit_s = 1;          // Wall time after which freeze and abort act.
-  double connect_limit_s = 60; // The same before the client's first connection.
-  bool expected = true;        // False: the clock does not wait until a client has come.
+  double limit_s = 1;           // Wall time after which freeze and abort act.
+  double connect_limit_s = 60;  // The same before the client's first connection.
+  bool expected = true;         // False: the clock does not wait until a client has come.
 };
 
 struct HubRobotStatus {
@@ -100,14 +98,14 @@ class ClientHub final : public DecisionSource {
   struct Slot {
     HubRobot robot;
     std::shared_ptr<ClientConnection> connection;
-    bool active = false;     // Its Welcome is out; observations may follow.
+    bool active = false;  // Its Welcome is out; observations may follow.
     bool ever_connected = false;
     bool frozen = false;
     bool returning = false;  // Frozen, but has shown signs of life.
     bool gone = false;       // See give_up.
     std::string gone_reason;
-    uint64_t last_sequence = 0;                   // Of the last observation of any instant.
-    std::shared_ptr<const Observation> pending;   // The observation of the current instant.
+    uint64_t last_sequence = 0;                  // Of the last observation of any instant.
+    std::shared_ptr<const Observation> pending;  // The observation of the current instant.
     bool owes = false;
     std::optional<Decision> decision;
   };

@@ -1,8 +1,8 @@
-// Many seeded runs with clients that fail in every way we could think of. Each run must go on by its
-// policy; the robots with good clients must be told, bit for bit, what they are told in a run
+// Many seeded runs with clients that fail in every way we could think of. Each run must go on by
+// its policy; the robots with good clients must be told, bit for bit, what they are told in a run
 // without gRPC that has the same policy events; and its log must verify, step by step. One run in
-// each hundred is a planted fault that must be caught, so that the alarm is known to work: in turn a
-// command that changes in the log, and a good client that is told something else.
+// each hundred is a planted fault that must be caught, so that the alarm is known to work: in turn
+// a command that changes in the log, and a good client that is told something else.
 //
 // SEAM_FAULT_RUNS=500 runs more than the 10 of the normal tests; SEAM_FAULT_SEED starts elsewhere.
 #include <sys/socket.h>
@@ -14,8 +14,8 @@
 #include <mutex>
 #include <set>
 
-#include "scheduler/server/live_testing.h"
 #include "scheduler/replay/log_testing.h"
+#include "scheduler/server/live_testing.h"
 #include "sim_core/base/hash.h"
 
 namespace seam::scheduler {
@@ -53,18 +53,24 @@ struct Witness final : SimulationObserver {
     hasher.add(std::string_view(wire.SerializeAsString()));
     told[static_cast<size_t>(seen.robot)] = hasher.digest();
   }
-  void on_turn(SimTime time, const Turn& turn) override { turns.push_back(encode_turn(time, turn, robots)); }
+  void on_turn(SimTime time, const Turn& turn) override {
+    turns.push_back(encode_turn(time, turn, robots));
+  }
   void on_event(const SimulationEvent& event) override {
     policies += event.kind == EventKind::policy;
     faults += event.kind == EventKind::fault;
   }
-  void on_end(SimTime, EndReason, uint64_t run_fingerprint) override { fingerprint = run_fingerprint; }
+  void on_end(SimTime, EndReason, uint64_t run_fingerprint) override {
+    fingerprint = run_fingerprint;
+  }
 };
 
-// The recorded turns, but healthy robots decide anew from what they are told (`all_recorded` false).
+// The recorded turns, but healthy robots decide anew from what they are told (`all_recorded`
+// false).
 class Again final : public DecisionSource {
  public:
-  Again(const Witness& witness, std::vector<bool> healthy) : witness_(witness), healthy_(std::move(healthy)) {}
+  Again(const Witness& witness, std::vector<bool> healthy)
+      : witness_(witness), healthy_(std::move(healthy)) {}
 
   std::optional<Turn> decide(SimTime now,
                              std::span<const std::shared_ptr<const Observation>> seen) override {
@@ -87,7 +93,8 @@ class Again final : public DecisionSource {
   size_t next_ = 0;
 };
 
-Witness run_again(const std::string& scenario_yaml, const Witness& witness, std::vector<bool> healthy) {
+Witness run_again(const std::string& scenario_yaml, const Witness& witness,
+                  std::vector<bool> healthy) {
   const Scenario scenario = Scenario::from_text(scenario_yaml, "test.yaml");
   World world(scenario);
   RunControl control;
@@ -102,7 +109,20 @@ Witness run_again(const std::string& scenario_yaml, const Witness& witness, std:
 }
 
 // The ways to fail. Each is one client's behaviour until the run is over.
-enum class Fault { killed, silent, slow, reconnecting, garbage, duplicates, stale, nan, huge, half_open, shuffled, stalled };
+enum class Fault {
+  killed,
+  silent,
+  slow,
+  reconnecting,
+  garbage,
+  duplicates,
+  stale,
+  nan,
+  huge,
+  half_open,
+  shuffled,
+  stalled
+};
 constexpr int kFaults = 12;
 
 // Clients that are stalled one by one, each as its turn comes while the others wait already, and
@@ -114,14 +134,16 @@ class Stall {
   // When the client of this place among the stalled ones is to call `hold`.
   static uint64_t sequence_of(int place) { return 20 + 5 * static_cast<uint64_t>(place); }
 
-  // Returns when all are here (or after 2 s: the run ended for one of them) and it is this one's turn.
+  // Returns when all are here (or after 2 s: the run ended for one of them) and it is this one's
+  // turn.
   void hold() {
     std::unique_lock lock(mutex_);
     const auto ticket = random_bits(stream_, static_cast<uint64_t>(held_++))[0];
     tickets_.insert(ticket);
     changed_.notify_all();
     const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-    changed_.wait_until(lock, limit, [&] { return held_ >= clients_ && *tickets_.begin() == ticket; });
+    changed_.wait_until(lock, limit,
+                        [&] { return held_ >= clients_ && *tickets_.begin() == ticket; });
     std::this_thread::sleep_for(std::chrono::microseconds(ticket % 5000));
     tickets_.erase(ticket);
     ++released_;
@@ -142,12 +164,19 @@ class Stall {
 class FaultyClient {
  public:
   // `place` is its place among the clients that `stall` holds.
-  FaultyClient(const LiveRun& run, int robot, Fault fault, uint64_t seed, Stall& stall, int place = 0)
-      : address_(run.address), id_(run.scenario.robots[static_cast<size_t>(robot)].id), robot_(robot),
-        fault_(fault), stream_{seed, static_cast<uint64_t>(robot)}, stall_(stall), place_(place) {}
+  FaultyClient(const LiveRun& run, int robot, Fault fault, uint64_t seed, Stall& stall,
+               int place = 0)
+      : address_(run.address),
+        id_(run.scenario.robots[static_cast<size_t>(robot)].id),
+        robot_(robot),
+        fault_(fault),
+        stream_{seed, static_cast<uint64_t>(robot)},
+        stall_(stall),
+        place_(place) {}
 
   void operator()() {
-    const uint64_t strikes_at = fault_ == Fault::stalled ? Stall::sequence_of(place_) : 3 + draw() % 200;
+    const uint64_t strikes_at =
+        fault_ == Fault::stalled ? Stall::sequence_of(place_) : 3 + draw() % 200;
     while (!over_) {
       RawClient client(address_);
       if (!client.hello(id_, "token-" + id_)) return;
@@ -173,25 +202,46 @@ class FaultyClient {
     v1::Decision decision = busy(robot_, seen);
     const bool once = fault_ == Fault::silent || fault_ == Fault::stalled;
     // A client that was frozen meanwhile may not be told of the very number.
-    const bool strike = once ? !struck_ && seen.sequence() >= strikes_at
-                             : seen.sequence() == strikes_at || (seen.sequence() > strikes_at && draw() % 40 == 0);
+    const bool strike =
+        once ? !struck_ && seen.sequence() >= strikes_at
+             : seen.sequence() == strikes_at || (seen.sequence() > strikes_at && draw() % 40 == 0);
     if (strike) {
       struck_ = true;
       switch (fault_) {
-        case Fault::killed: return false;
-        case Fault::silent: sleep_ms(400); break;  // Longer than the limit: frozen, then back.
-        case Fault::slow: sleep_ms(draw() % 30); break;
-        case Fault::reconnecting: return false;
-        case Fault::garbage: send_garbage(); break;
-        case Fault::duplicates: client.decide(decision); break;
-        case Fault::stale: client.decide(seen.sequence() - draw() % 3); break;
+        case Fault::killed:
+          return false;
+        case Fault::silent:
+          sleep_ms(400);
+          break;  // Longer than the limit: frozen, then back.
+        case Fault::slow:
+          sleep_ms(draw() % 30);
+          break;
+        case Fault::reconnecting:
+          return false;
+        case Fault::garbage:
+          send_garbage();
+          break;
+        case Fault::duplicates:
+          client.decide(decision);
+          break;
+        case Fault::stale:
+          client.decide(seen.sequence() - draw() % 3);
+          break;
         case Fault::nan:
           decision.mutable_walk()->set_vx_m_s(std::numeric_limits<double>::quiet_NaN());
           break;
-        case Fault::huge: decision.add_messages(std::string(WireLimits::kMaxMessageBytes, 'x')); break;
-        case Fault::half_open: open_and_forget(); break;
-        case Fault::shuffled: std::this_thread::sleep_for(std::chrono::microseconds(draw() % 2000)); break;
-        case Fault::stalled: stall_.hold(); break;
+        case Fault::huge:
+          decision.add_messages(std::string(WireLimits::kMaxMessageBytes, 'x'));
+          break;
+        case Fault::half_open:
+          open_and_forget();
+          break;
+        case Fault::shuffled:
+          std::this_thread::sleep_for(std::chrono::microseconds(draw() % 2000));
+          break;
+        case Fault::stalled:
+          stall_.hold();
+          break;
       }
     }
     return client.decide(decision);
@@ -231,7 +281,8 @@ class FaultyClient {
 };
 
 // What was found wrong; empty for a good run.
-std::string check(const std::string& scenario_yaml, const Witness& live, const std::vector<bool>& healthy) {
+std::string check(const std::string& scenario_yaml, const Witness& live,
+                  const std::vector<bool>& healthy) {
   const Witness replayed = run_again(scenario_yaml, live, std::vector<bool>(kRobots, false));
   if (replayed.fingerprint != live.fingerprint) return "the turns replay to another fingerprint";
   const Witness anew = run_again(scenario_yaml, live, healthy);
@@ -246,13 +297,17 @@ std::string check_log(const std::string& bytes, const Witness& live) {
   const Log log = log_of(bytes);
   const Verified verified = verify(log);
   if (verified.divergence)
-    return fmt::format("the log diverges at {} ns in {}", verified.divergence->time.ns(), verified.divergence->section);
-  if (!log.end() || log.end()->fingerprint != live.fingerprint) return "the log ends with another fingerprint";
+    return fmt::format("the log diverges at {} ns in {}", verified.divergence->time.ns(),
+                       verified.divergence->section);
+  if (!log.end() || log.end()->fingerprint != live.fingerprint)
+    return "the log ends with another fingerprint";
   return "";
 }
 
 // A good client is told something that it should not have been.
-void plant_in_what_was_told(Witness& live) { live.told[0] ^= 1; }
+void plant_in_what_was_told(Witness& live) {
+  live.told[0] ^= 1;
+}
 
 // One number of one recorded command changes by 1e-9: the kind of error that the checks are for.
 void plant_in_a_command(Witness& live, uint64_t seed) {
@@ -269,8 +324,8 @@ void plant_in_a_command(Witness& live, uint64_t seed) {
   }
 }
 
-// Who fails in this run, and how: robot 0 never does, the others mostly, each kind in its turn. In one
-// run of six a random subset of two or more is stalled together.
+// Who fails in this run, and how: robot 0 never does, the others mostly, each kind in its turn. In
+// one run of six a random subset of two or more is stalled together.
 std::vector<std::optional<Fault>> faults_of_run(int number) {
   const RandomStream stream{static_cast<uint64_t>(number), 77};
   std::vector<std::optional<Fault>> faults(kRobots);
@@ -278,7 +333,8 @@ std::vector<std::optional<Fault>> faults_of_run(int number) {
   for (int robot = 1; robot < kRobots; ++robot) {
     if (robot == spared) continue;
     const int turn = (kRobots - 1) * number + robot - 1;
-    faults[static_cast<size_t>(robot)] = number % 6 == 5 ? Fault::stalled : static_cast<Fault>(turn % (kFaults - 1));
+    faults[static_cast<size_t>(robot)] =
+        number % 6 == 5 ? Fault::stalled : static_cast<Fault>(turn % (kFaults - 1));
   }
   return faults;
 }
@@ -359,8 +415,10 @@ TEST(Faults, TheMatchGoesOnAndWhatHappenedReplays) {
   if (runs >= 10) {
     EXPECT_GT(stalled, 0);
   }
-  std::printf("%d runs: %zu policy events, %zu refused or lost messages, %d clients stalled; %d of %d planted faults caught\n",
-              runs, policies, refused, stalled, caught, planted);
+  std::printf(
+      "%d runs: %zu policy events, %zu refused or lost messages, %d clients stalled; %d of %d "
+      "planted faults caught\n",
+      runs, policies, refused, stalled, caught, planted);
 }
 
 }  // namespace

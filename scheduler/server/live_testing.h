@@ -17,10 +17,10 @@
 #include <thread>
 #include <vector>
 
-#include "scheduler/server/client_hub.h"
-#include "scheduler/server/server.h"
 #include "scheduler/loop/simulation.h"
 #include "scheduler/loop/testing.h"
+#include "scheduler/server/client_hub.h"
+#include "scheduler/server/server.h"
 #include "scheduler/wire/wire.h"
 #include "seam/v1/simulation.grpc.pb.h"
 
@@ -38,8 +38,10 @@ struct Reply {
   std::vector<std::string> messages;
 };
 
-// Sends one message's bytes to a method ("/package.Service/Method") and reads until the stream ends.
-inline Reply call_by_name(const std::string& address, const std::string& method, const std::string& request,
+// Sends one message's bytes to a method ("/package.Service/Method") and reads until the stream
+// ends.
+inline Reply call_by_name(const std::string& address, const std::string& method,
+                          const std::string& request,
                           const std::map<std::string, std::string>& metadata = {}) {
   grpc::GenericStub stub(open_channel(address));
   grpc::ClientContext context;
@@ -129,7 +131,8 @@ using WireBehaviour = std::function<v1::Decision(int robot, const v1::Observatio
 inline v1::Decision busy(int robot, const v1::Observation& seen) {
   v1::Decision decision;
   decision.set_sequence(seen.sequence());
-  decision.mutable_head()->set_pan_rad(0.4 * static_cast<double>((seen.sequence() + robot) % 3) - 0.4);
+  decision.mutable_head()->set_pan_rad(0.4 * static_cast<double>((seen.sequence() + robot) % 3) -
+                                       0.4);
   decision.mutable_head()->set_max_speed_rad_s(3);
   if (seen.sequence() % 4 == 1) {
     decision.mutable_walk()->set_vx_m_s(0.1);
@@ -153,8 +156,12 @@ class LiveRun {
  public:
   LiveRun(const std::string& yaml, std::vector<SimulationObserver*> observers = {},
           bool frames = true)
-      : scenario(Scenario::from_text(yaml, "test.yaml")), world(scenario), renderer(scenario, 2),
-        hub(hub_robots(scenario), control), observers_(std::move(observers)), frames_(frames) {
+      : scenario(Scenario::from_text(yaml, "test.yaml")),
+        world(scenario),
+        renderer(scenario, 2),
+        hub(hub_robots(scenario), control),
+        observers_(std::move(observers)),
+        frames_(frames) {
     std::string pattern = (std::filesystem::temp_directory_path() / "seam-test-XXXXXX").string();
     EXPECT_NE(mkdtemp(pattern.data()), nullptr);
     folder_ = pattern;
@@ -171,8 +178,8 @@ class LiveRun {
   static std::vector<HubRobot> hub_robots(const Scenario& scenario) {
     std::vector<HubRobot> robots;
     for (const RobotSpec& robot : scenario.robots)
-      robots.push_back({robot.id, "token-" + robot.id, robot.behaviour.silence,
-                        robot.behaviour.wall_limit.s()});
+      robots.push_back(
+          {robot.id, "token-" + robot.id, robot.behaviour.silence, robot.behaviour.wall_limit.s()});
     return robots;
   }
 
@@ -181,8 +188,8 @@ class LiveRun {
   void start(RunHeader header = {}) {
     if (header.robots.empty())
       for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
-    simulation.emplace(SimulationParts{scenario, world, hub, control,
-                                       frames_ ? &renderer : nullptr, observers_, header});
+    simulation.emplace(SimulationParts{scenario, world, hub, control, frames_ ? &renderer : nullptr,
+                                       observers_, header});
     loop_ = std::thread([this] { end = simulation->run(); });
   }
   void wait() {

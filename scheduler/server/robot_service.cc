@@ -84,15 +84,16 @@ void Session::take_hello(const v1::ClientMessage& message) {
                                     std::static_pointer_cast<Session>(shared_from_this()));
   switch (attached.result) {
     case Attachment::unknown_robot:
-      return end({grpc::StatusCode::NOT_FOUND, fmt::format("robot: no robot '{}' here",
-                                                           hello.robot().substr(0, 100))});
+      return end({grpc::StatusCode::NOT_FOUND,
+                  fmt::format("robot: no robot '{}' here", hello.robot().substr(0, 100))});
     case Attachment::wrong_token:
       hub_.note_fault(hub_.robot_number(hello.robot()), "wrong_token", "a client was refused");
       return end({grpc::StatusCode::UNAUTHENTICATED,
                   fmt::format("token: not the token of robot '{}'", hello.robot())});
     case Attachment::ended:
       return end({grpc::StatusCode::FAILED_PRECONDITION, "the run is over"});
-    case Attachment::accepted: break;
+    case Attachment::accepted:
+      break;
   }
   const RobotSpec& robot = scenario_.robots[attached.robot];
   v1::ServerMessage reply;
@@ -126,8 +127,8 @@ void Session::take_decision(const v1::ClientMessage& message) {
   auto decision = decision_from_wire(wire, scenario_.radio.max_message_bytes);
   const FieldError* bad = std::get_if<FieldError>(&decision);
   // A refused decision counts as an empty one: the match goes on.
-  const Acceptance acceptance =
-      hub_.answer(robot_, *this, wire.sequence(), bad ? Decision{} : std::move(std::get<Decision>(decision)));
+  const Acceptance acceptance = hub_.answer(
+      robot_, *this, wire.sequence(), bad ? Decision{} : std::move(std::get<Decision>(decision)));
   const uint64_t sequence = wire.sequence();
   switch (acceptance) {
     case Acceptance::accepted:

@@ -37,7 +37,8 @@ std::vector<std::string> wrong_tokens() {
 
 // Any call, with the supervisor's token also in the places where other services look for one.
 Reply call(const std::string& address, const std::string& method, const std::string& request) {
-  return call_by_name(address, method, request, {{"authorization", "Bearer boss"}, {"token", "boss"}});
+  return call_by_name(address, method, request,
+                      {{"authorization", "Bearer boss"}, {"token", "boss"}});
 }
 
 std::vector<const pb::MethodDescriptor*> methods_of(const pb::FileDescriptor* file) {

@@ -38,7 +38,8 @@ std::shared_ptr<grpc::ServerCredentials> credentials_for(const ServerOptions& op
   if (!options.tls)
     throw UsageError(fmt::format(
         "{}: plain connections are served on a Unix socket or loopback only; give --certs DIR "
-        "(`seam certs DIR` makes a test set)", address));
+        "(`seam certs DIR` makes a test set)",
+        address));
   grpc::SslServerCredentialsOptions tls(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
   tls.pem_root_certs = options.tls->ca;
   tls.pem_key_cert_pairs.push_back({options.tls->key, options.tls->certificate});

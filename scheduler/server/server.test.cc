@@ -40,7 +40,8 @@ TEST(Server, ShuffledAndDelayedAnswersGiveTheSameBits) {
     std::vector<std::thread> clients;
     for (int robot = 0; robot < 3; ++robot)
       clients.push_back(good_client(run, robot, [seed](int r, const v1::Observation& seen) {
-        const auto delay = random_bits({static_cast<uint64_t>(seed * 10 + r), 5}, seen.sequence())[0];
+        const auto delay =
+            random_bits({static_cast<uint64_t>(seed * 10 + r), 5}, seen.sequence())[0];
         std::this_thread::sleep_for(std::chrono::microseconds(delay % 3000));
         return busy(r, seen);
       }));
@@ -66,7 +67,8 @@ TEST(Server, RefusesWhoMustNotBeThere) {
   // A token in part, another's token, the supervisor's token.
   for (const char* token : {"", "token-r", "token-r1", "boss"})
     EXPECT_EQ(status_of([&](RawClient& c) { c.hello("r0", token); }).error_code(),
-              grpc::StatusCode::UNAUTHENTICATED) << token;
+              grpc::StatusCode::UNAUTHENTICATED)
+        << token;
   const auto unknown = status_of([](RawClient& c) { c.hello("nobody", "token-r0"); });
   EXPECT_EQ(unknown.error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_THAT(unknown.error_message(), HasSubstr("robot: no robot 'nobody'"));
@@ -89,11 +91,17 @@ TEST(Server, BadNumbersAreRefusedWithTheFieldNamedAndCountAsAnEmptyDecision) {
       {"walk.vx_m_s", [&](v1::Decision& d) { d.mutable_walk()->set_vx_m_s(nan); }},
       {"head.pan_rad", [&](v1::Decision& d) { d.mutable_head()->set_pan_rad(1e300); }},
       {"head.max_speed_rad_s", [&](v1::Decision& d) { d.mutable_head()->set_max_speed_rad_s(-1); }},
-      {"joints[0].targets[0].joint", [](v1::Decision& d) { d.add_joints()->add_targets()->set_joint(99); }},
-      {"joints[0].offset", [](v1::Decision& d) { d.clear_head(); d.add_joints()->set_offset_ns(-5); }},
+      {"joints[0].targets[0].joint",
+       [](v1::Decision& d) { d.add_joints()->add_targets()->set_joint(99); }},
+      {"joints[0].offset",
+       [](v1::Decision& d) {
+         d.clear_head();
+         d.add_joints()->set_offset_ns(-5);
+       }},
       {"kick", [](v1::Decision& d) { d.set_kick(static_cast<v1::Kick>(77)); }},
       {"messages[0]", [](v1::Decision& d) { d.add_messages(std::string(5000, 'x')); }},
-      {"frame_requests[0].count", [](v1::Decision& d) { d.add_frame_requests()->set_count(1 << 30); }},
+      {"frame_requests[0].count",
+       [](v1::Decision& d) { d.add_frame_requests()->set_count(1 << 30); }},
       {"debug[0].name", [](v1::Decision& d) { d.add_debug()->set_text("unnamed"); }},
   };
   for (const auto& [field, spoil] : bad) {
@@ -139,10 +147,10 @@ TEST(Server, StaleDuplicateAndFutureSequencesChangeNothing) {
       if (message.has_refusal()) refusals.push_back(message.refusal().message());
       if (!message.has_observation()) continue;
       const uint64_t sequence = message.observation().sequence();
-      if (sequence == 3) client.decide(1);            // Stale.
-      if (sequence == 4) client.decide(4'000'000);    // Future.
+      if (sequence == 3) client.decide(1);          // Stale.
+      if (sequence == 4) client.decide(4'000'000);  // Future.
       client.decide(busy(1, message.observation()));
-      if (sequence == 5) {                            // Duplicate, unless time has gone on: stale.
+      if (sequence == 5) {  // Duplicate, unless time has gone on: stale.
         v1::Decision twice = busy(0, message.observation());
         client.decide(twice);
       }
@@ -173,7 +181,8 @@ TEST(Server, OversizedMessageEndsItsStreamOnlyAndTheClientMayComeBack) {
       while (client.read(message)) {
         if (!message.has_observation()) continue;
         v1::Decision decision = busy(1, message.observation());
-        if (decision.sequence() == 4) decision.add_messages(std::string(WireLimits::kMaxMessageBytes, 'x'));
+        if (decision.sequence() == 4)
+          decision.add_messages(std::string(WireLimits::kMaxMessageBytes, 'x'));
         client.decide(decision);
       }
       status = client.finish();
@@ -311,7 +320,8 @@ TEST(Server, PlainConnectionsStayLocal) {
   EXPECT_THROW(Server({{"0.0.0.0:0"}, {}, "boss"}, scenario, world, hub, control), UsageError);
   const Server local({{"127.0.0.1:0"}, {}, "boss"}, scenario, world, hub, control);
   EXPECT_NE(local.addresses()[0], "127.0.0.1:0");
-  EXPECT_THROW(Server({{local.addresses()[0]}, {}, "boss"}, scenario, world, hub, control), InputError);
+  EXPECT_THROW(Server({{local.addresses()[0]}, {}, "boss"}, scenario, world, hub, control),
+               InputError);
 }
 
 // ---- Services that tools expect ----
@@ -319,10 +329,13 @@ TEST(Server, PlainConnectionsStayLocal) {
 TEST(Server, HealthAndReflectionAnswer) {
   LiveRun run(yaml(1));
   // HealthCheckResponse{status: SERVING}.
-  EXPECT_EQ(call_by_name(run.address, "/grpc.health.v1.Health/Check", "").messages.at(0), std::string("\x08\x01", 2));
+  EXPECT_EQ(call_by_name(run.address, "/grpc.health.v1.Health/Check", "").messages.at(0),
+            std::string("\x08\x01", 2));
   // ServerReflectionRequest{list_services: ""}.
-  const std::string services = call_by_name(
-      run.address, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", std::string("\x3a\x00", 2)).messages.at(0);
+  const std::string services =
+      call_by_name(run.address, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+                   std::string("\x3a\x00", 2))
+          .messages.at(0);
   EXPECT_THAT(services, HasSubstr("seam.v1.Simulation"));
   EXPECT_THAT(services, HasSubstr("seam.v1.Supervisor"));
 }
@@ -331,10 +344,12 @@ TEST(Server, HealthAndReflectionAnswer) {
 
 class Supervised : public ::testing::Test {
  protected:
-  Supervised() : run_(yaml(2, "", 2.0)), stub_(v1::Supervisor::NewStub(open_channel(run_.address))) {}
+  Supervised()
+      : run_(yaml(2, "", 2.0)), stub_(v1::Supervisor::NewStub(open_channel(run_.address))) {}
 
   template <class Request, class Reply>
-  grpc::Status call(grpc::Status (v1::Supervisor::Stub::*method)(grpc::ClientContext*, const Request&, Reply*),
+  grpc::Status call(grpc::Status (v1::Supervisor::Stub::*method)(grpc::ClientContext*,
+                                                                 const Request&, Reply*),
                     Request request, Reply& reply, const std::string& token = "boss") {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
@@ -352,8 +367,10 @@ TEST_F(Supervised, EveryCallNeedsTheSupervisorsToken) {
   v1::GroundTruth truth;
   for (const char* token : {"", "token-r0", "Boss"}) {
     const auto refused = grpc::StatusCode::UNAUTHENTICATED;
-    EXPECT_EQ(call(&Stub::GetGroundTruth, v1::SupervisorRequest(), truth, token).error_code(), refused);
-    EXPECT_EQ(call(&Stub::GetStatus, v1::SupervisorRequest(), status_, token).error_code(), refused);
+    EXPECT_EQ(call(&Stub::GetGroundTruth, v1::SupervisorRequest(), truth, token).error_code(),
+              refused);
+    EXPECT_EQ(call(&Stub::GetStatus, v1::SupervisorRequest(), status_, token).error_code(),
+              refused);
     EXPECT_EQ(call(&Stub::Pause, v1::SupervisorRequest(), status_, token).error_code(), refused);
     EXPECT_EQ(call(&Stub::Resume, v1::SupervisorRequest(), status_, token).error_code(), refused);
     EXPECT_EQ(call(&Stub::Stop, v1::SupervisorRequest(), status_, token).error_code(), refused);

@@ -5,9 +5,9 @@
 
 #include <memory>
 
-#include "scheduler/server/client_hub.h"
-#include "scheduler/remote_render/remote_renderer.h"
 #include "scheduler/loop/run_control.h"
+#include "scheduler/remote_render/remote_renderer.h"
+#include "scheduler/server/client_hub.h"
 #include "sim_core/world/world.h"
 
 namespace seam::scheduler {

@@ -29,13 +29,17 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
   grpc::ServerUnaryReactor* GetGroundTruth(grpc::CallbackServerContext* context,
                                            const v1::SupervisorRequest* request,
                                            v1::GroundTruth* reply) override {
-    return serve(context, *request, [this, reply](bool running) {
-      if (running) fill(*reply);
-    }, true);
+    return serve(
+        context, *request,
+        [this, reply](bool running) {
+          if (running) fill(*reply);
+        },
+        true);
   }
 
   grpc::ServerUnaryReactor* Pause(grpc::CallbackServerContext* context,
-                                  const v1::SupervisorRequest* request, v1::Status* reply) override {
+                                  const v1::SupervisorRequest* request,
+                                  v1::Status* reply) override {
     return serve(context, *request, [this, reply](bool) {
       control_.pause();
       fill(*reply);
@@ -82,8 +86,8 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
     std::vector<SupervisorAction> actions;
     if (request->actions_size() > WireLimits::kMaxSupervisorActions) {
       reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT,
-                       fmt::format("actions: found {}, expected at most {}", request->actions_size(),
-                                   WireLimits::kMaxSupervisorActions)});
+                       fmt::format("actions: found {}, expected at most {}",
+                                   request->actions_size(), WireLimits::kMaxSupervisorActions)});
       return reactor;
     }
     for (const v1::SupervisorAction& wire : request->actions()) {

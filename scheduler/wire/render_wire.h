@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/scene/frame.h"
 #include "sim_core/scenario/scenario.h"
+#include "sim_core/scene/frame.h"
 
 namespace seam::v1 {
 class RenderJob;

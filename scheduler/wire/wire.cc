@@ -17,8 +17,10 @@ FieldError error(std::string field, const auto& found, const std::string& expect
 // The head command is a joint frame of its own at offset 0, so that one path moves all joints.
 JointFrame head_frame(const v1::HeadCommand& head) {
   const double speed = head.max_speed_rad_s();
-  return {{}, {{kTilt, head.tilt_rad(), speed}, {kPan, head.pan_rad(), speed},
-               {kRoll, head.roll_rad(), speed}}};
+  return {{},
+          {{kTilt, head.tilt_rad(), speed},
+           {kPan, head.pan_rad(), speed},
+           {kRoll, head.roll_rad(), speed}}};
 }
 
 std::optional<FieldError> check_head(const v1::HeadCommand& head) {
@@ -62,8 +64,8 @@ std::optional<FieldError> joints_from(const v1::Decision& wire, RobotCommand& co
       if (target.joint() >= kJoints)
         return error(fmt::format("joints[{}].targets[{}].joint", i, k), target.joint(),
                      fmt::format("a number from 0 to {}", kJoints - 1));
-      joint_frame.targets.push_back({static_cast<int>(target.joint()), target.angle_rad(),
-                                     target.max_speed_rad_s()});
+      joint_frame.targets.push_back(
+          {static_cast<int>(target.joint()), target.angle_rad(), target.max_speed_rad_s()});
     }
     command.joints.push_back(std::move(joint_frame));
   }
@@ -260,8 +262,12 @@ void decision_to_wire(const Decision& decision, uint64_t sequence, v1::Decision&
     v1::DebugItem& out = *wire.add_debug();
     out.set_name(item.name);
     switch (item.kind) {
-      case DebugItem::Kind::value: out.set_value(item.value); break;
-      case DebugItem::Kind::text: out.set_text(item.text); break;
+      case DebugItem::Kind::value:
+        out.set_value(item.value);
+        break;
+      case DebugItem::Kind::text:
+        out.set_text(item.text);
+        break;
       case DebugItem::Kind::drawing:
         out.mutable_drawing()->set_in_image(item.in_image);
         out.mutable_drawing()->mutable_points()->Add(item.points.begin(), item.points.end());
@@ -294,8 +300,8 @@ void observation_to_wire(const Observation& observation, v1::Observation& wire) 
   out.set_penalty_remaining_ns(game.penalty_remaining.ns());
 }
 
-std::variant<SupervisorAction, FieldError> action_from_wire(const v1::SupervisorAction& wire,
-                                                            const std::vector<std::string>& robots) {
+std::variant<SupervisorAction, FieldError> action_from_wire(
+    const v1::SupervisorAction& wire, const std::vector<std::string>& robots) {
   SupervisorAction action;
   const auto bad = [](const char* field, double value) {
     return error(field, value, "a finite number from -100 to 100");
@@ -314,7 +320,8 @@ std::variant<SupervisorAction, FieldError> action_from_wire(const v1::Supervisor
   } else if (wire.has_place_robot()) {
     const auto found = std::find(robots.begin(), robots.end(), wire.place_robot().robot());
     if (found == robots.end())
-      return FieldError{"place_robot.robot", fmt::format("unknown robot '{}'", wire.place_robot().robot())};
+      return FieldError{"place_robot.robot",
+                        fmt::format("unknown robot '{}'", wire.place_robot().robot())};
     const v1::Pose2& body = wire.place_robot().body();
     for (const double value : {body.x_m(), body.y_m(), body.heading_rad()})
       if (out_of_range(value)) return bad("place_robot.body", value);
@@ -342,25 +349,29 @@ std::string encode_turn(SimTime time, const Turn& turn, const std::vector<std::s
     out.set_reason(answer.reason);
     decision_to_wire(answer.decision, answer.sequence, *out.mutable_decision());
   }
-  for (const SupervisorAction& action : turn.actions) action_to(action, robots, *wire.add_actions());
+  for (const SupervisorAction& action : turn.actions)
+    action_to(action, robots, *wire.add_actions());
   return wire.SerializeAsString();
 }
 
 SimTime time_from_log(int64_t time_ns, std::string_view field) {
   constexpr int64_t kMost_ns = int64_t{1} << 61;
   if (time_ns < -kMost_ns || time_ns > kMost_ns)
-    throw InputError(fmt::format("{}: found {}, expected at most {} from 0", field, time_ns, kMost_ns));
+    throw InputError(
+        fmt::format("{}: found {}, expected at most {} from 0", field, time_ns, kMost_ns));
   return SimTime::from_ns(time_ns);
 }
 
-std::pair<SimTime, Turn> decode_turn(std::string_view bytes, const std::vector<std::string>& robots) {
+std::pair<SimTime, Turn> decode_turn(std::string_view bytes,
+                                     const std::vector<std::string>& robots) {
   v1::Turn wire;
   if (!wire.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     throw InputError("turn: damaged message");
   Turn turn;
   for (const v1::Answer& answer : wire.answers()) {
     if (answer.robot() >= robots.size())
-      throw InputError(fmt::format("turn: found robot {}, expected below {}", answer.robot(), robots.size()));
+      throw InputError(
+          fmt::format("turn: found robot {}, expected below {}", answer.robot(), robots.size()));
     if (answer.outcome() < 0 || answer.outcome() > 4)
       throw InputError(fmt::format("turn: unknown outcome {}", static_cast<int>(answer.outcome())));
     auto decision = decision_from_wire(answer.decision(), WireLimits::kMaxMessageBytes);

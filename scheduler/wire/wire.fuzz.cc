@@ -1,13 +1,14 @@
 // Whatever a client sends, it is a valid decision or refused with the field named; whatever stands
 // in a log's turn, it is a valid turn or an InputError. What is accepted survives the way back.
+#include "scheduler/wire/wire.h"
+
 #include <google/protobuf/stubs/logging.h>
 
 #include <cstdlib>
 
-#include "scheduler/wire/wire.h"
 #include "seam/v1/simulation.pb.h"
-#include "sim_core/body/command.h"
 #include "sim_core/base/error.h"
+#include "sim_core/body/command.h"
 
 using namespace seam;
 

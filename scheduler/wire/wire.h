@@ -25,7 +25,7 @@ struct FieldError {
 // What a client may send beyond the limits of sim_core/body/command.h.
 struct WireLimits {
   static constexpr int kMaxMessageBytes = 256 << 10;  // A whole decision; gRPC refuses larger ones.
-  static constexpr int kMaxRowsBytes = 192 << 10;  // Of a renderer's pixels in one message.
+  static constexpr int kMaxRowsBytes = 192 << 10;     // Of a renderer's pixels in one message.
   static constexpr int kMaxFrameRequests = 8;
   static constexpr uint32_t kMaxFramesARequest = 1000;
   static constexpr int kMaxRadioMessages = 8;
@@ -43,8 +43,8 @@ void observation_to_wire(const Observation& observation, v1::Observation& wire);
 std::variant<SupervisorAction, FieldError> action_from_wire(const v1::SupervisorAction& wire,
                                                             const std::vector<std::string>& robots);
 
-// A time as a log tells it. Throws InputError, with the field, where sums of such times could overflow: beyond
-// 73 years, a quarter of what fits.
+// A time as a log tells it. Throws InputError, with the field, where sums of such times could
+// overflow: beyond 73 years, a quarter of what fits.
 SimTime time_from_log(int64_t time_ns, std::string_view field);
 
 // A seam.v1.Turn and back. `decode_turn` throws InputError for bytes that are no valid turn.

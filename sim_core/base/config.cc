@@ -34,11 +34,14 @@ void refuse_hostile_nesting(const std::string& text, const std::string& name) {
     }
     if (at_indent && c == ' ') {
       ++indent;
-    } else if (at_indent && (c == '-' || c == '?' || c == ':') && i + 1 < text.size() && text[i + 1] == ' ') {
+    } else if (at_indent && (c == '-' || c == '?' || c == ':') && i + 1 < text.size() &&
+               text[i + 1] == ' ') {
       ++dashes;
     } else {
       at_indent = at_indent && c == '\t';
-      if ((c == '"' || c == '\'') && (i == 0 || !std::isalnum(static_cast<unsigned char>(text[i - 1])))) quote = c;
+      if ((c == '"' || c == '\'') &&
+          (i == 0 || !std::isalnum(static_cast<unsigned char>(text[i - 1]))))
+        quote = c;
       if (c == '#' && (i == 0 || text[i - 1] == ' ' || text[i - 1] == '\n')) {
         while (i + 1 < text.size() && text[i + 1] != '\n') ++i;
       }
@@ -53,17 +56,26 @@ void refuse_hostile_nesting(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string path, int line_of_parent)
+ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string path,
+                       int line_of_parent)
     : node_(std::make_shared<const YAML::Node>(node)),
       file_(std::move(file)),
       path_(std::move(path)),
       line_of_parent_(line_of_parent),
       asked_(std::make_shared<std::set<std::string>>()) {}
 
-bool ConfigNode::is_map() const { return node_->IsMap(); }
-bool ConfigNode::is_list() const { return node_->IsSequence(); }
-bool ConfigNode::is_scalar() const { return node_->IsScalar(); }
-bool ConfigNode::is_null() const { return node_->IsNull(); }
+bool ConfigNode::is_map() const {
+  return node_->IsMap();
+}
+bool ConfigNode::is_list() const {
+  return node_->IsSequence();
+}
+bool ConfigNode::is_scalar() const {
+  return node_->IsScalar();
+}
+bool ConfigNode::is_null() const {
+  return node_->IsNull();
+}
 
 ConfigNode ConfigNode::from_file(const std::filesystem::path& path) {
   return from_text(read_file(path, kMaxConfigBytes), path.string());
@@ -86,7 +98,8 @@ int ConfigNode::line() const {
 }
 
 std::string ConfigNode::where() const {
-  return path_.empty() ? fmt::format("{}:{}", file_, line()) : fmt::format("{}:{}: {}", file_, line(), path_);
+  return path_.empty() ? fmt::format("{}:{}", file_, line())
+                       : fmt::format("{}:{}: {}", file_, line(), path_);
 }
 
 void ConfigNode::fail(const std::string& message) const {
@@ -148,7 +161,8 @@ double ConfigNode::number() const {
   } catch (const YAML::Exception&) {
     fail(fmt::format("found '{}', expected a number", node_->Scalar()));
   }
-  if (!std::isfinite(value)) fail(fmt::format("found '{}', expected a finite number", node_->Scalar()));
+  if (!std::isfinite(value))
+    fail(fmt::format("found '{}', expected a finite number", node_->Scalar()));
   return value;
 }
 
@@ -197,7 +211,8 @@ size_t ConfigNode::choice(const std::vector<std::string>& words) const {
 
 std::vector<double> ConfigNode::numbers(size_t count) const {
   const auto nodes = items();
-  if (nodes.size() != count) fail(fmt::format("found {} numbers, expected {}", nodes.size(), count));
+  if (nodes.size() != count)
+    fail(fmt::format("found {} numbers, expected {}", nodes.size(), count));
   std::vector<double> values;
   for (const ConfigNode& node : nodes) values.push_back(node.number());
   return values;
@@ -213,7 +228,8 @@ double ConfigNode::number_or(const std::string& key, double fallback, Range rang
   return node ? node->number(range) : fallback;
 }
 
-int64_t ConfigNode::integer_or(const std::string& key, int64_t fallback, int64_t min, int64_t max) const {
+int64_t ConfigNode::integer_or(const std::string& key, int64_t fallback, int64_t min,
+                               int64_t max) const {
   const auto node = find(key);
   return node ? node->integer(min, max) : fallback;
 }

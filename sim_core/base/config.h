@@ -72,7 +72,8 @@ class ConfigNode {
  private:
   ConfigNode(const YAML::Node& node, std::string file, std::string path, int line_of_parent);
 
-  // Behind a pointer, so that the files that read configuration need not compile the parser's headers.
+  // Behind a pointer, so that the files that read configuration need not compile the parser's
+  // headers.
   std::shared_ptr<const YAML::Node> node_;
   std::string file_;
   std::string path_;

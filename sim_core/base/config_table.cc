@@ -1,8 +1,7 @@
 #include "sim_core/base/config_table.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
 #include <cmath>
 
@@ -53,7 +52,8 @@ class Reader final : public ConfigTable {
   void sizes(ConfigKey key, Vec3& value, size_t count) override {
     numbers(key, std::span<double>(&value.x, count));
     for (size_t i = 0; i < count; ++i) {
-      require((&value.x)[i] > 0, key.key, fmt::format("expected {} lengths of more than 0 metres", count));
+      require((&value.x)[i] > 0, key.key,
+              fmt::format("expected {} lengths of more than 0 metres", count));
     }
   }
   void choice(ConfigKey key, size_t& value, const std::vector<std::string>& words) override {
@@ -74,7 +74,8 @@ class Reader final : public ConfigTable {
   void file_or_yaml(ConfigKey key, std::string& yaml, std::string& name) override {
     const auto found = find(key);
     if (!found) return;
-    name = found->is_scalar() ? beside(*found, found->text()).lexically_normal().string() : found->where();
+    name = found->is_scalar() ? beside(*found, found->text()).lexically_normal().string()
+                              : found->where();
     const ConfigNode content = found->is_scalar() ? open(*found) : *found;
     YAML::Emitter out;
     out.SetDoublePrecision(17);
@@ -121,8 +122,12 @@ class Writer final : public ConfigTable {
   explicit Writer(YAML::Emitter& out) : out_(out) { out_ << YAML::BeginMap; }
   ~Writer() override { out_ << YAML::EndMap; }
 
-  void format(const char* expected) override { out_ << YAML::Key << "format" << YAML::Value << expected; }
-  void number(ConfigKey key, double& value, Range) override { put(key) << fmt::format("{}", value); }
+  void format(const char* expected) override {
+    out_ << YAML::Key << "format" << YAML::Value << expected;
+  }
+  void number(ConfigKey key, double& value, Range) override {
+    put(key) << fmt::format("{}", value);
+  }
   void integer(ConfigKey key, int64_t& value, int64_t, int64_t) override { put(key) << value; }
   void boolean(ConfigKey key, bool& value) override { put(key) << value; }
   void text(ConfigKey key, std::string& value) override { put(key) << YAML::DoubleQuoted << value; }
@@ -136,7 +141,9 @@ class Writer final : public ConfigTable {
     for (const double item : value) out_ << fmt::format("{}", item);
     out_ << YAML::EndSeq;
   }
-  void sizes(ConfigKey key, Vec3& value, size_t count) override { numbers(key, std::span<double>(&value.x, count)); }
+  void sizes(ConfigKey key, Vec3& value, size_t count) override {
+    numbers(key, std::span<double>(&value.x, count));
+  }
   void choice(ConfigKey key, size_t& value, const std::vector<std::string>& words) override {
     put(key) << words.at(value);
   }
@@ -198,11 +205,14 @@ class Schema final : public ConfigTable {
     add(key, R"("type": "array", "items": {"type": ["string", "number"]})");
   }
   void numbers(ConfigKey key, std::span<double> value) override {
-    add(key, fmt::format(R"("type": "array", "items": {{"type": "number"}}, "minItems": {0}, "maxItems": {0})",
-                         value.size()));
+    add(key,
+        fmt::format(
+            R"("type": "array", "items": {{"type": "number"}}, "minItems": {0}, "maxItems": {0})",
+            value.size()));
   }
   void sizes(ConfigKey key, Vec3&, size_t) override {
-    add(key, R"("type": "array", "items": {"type": "number", "exclusiveMinimum": 0}, "minItems": 2, "maxItems": 3)");
+    add(key,
+        R"("type": "array", "items": {"type": "number", "exclusiveMinimum": 0}, "minItems": 2, "maxItems": 3)");
   }
   bool names_alternatives() const override { return true; }
   void choice(ConfigKey key, size_t&, const std::vector<std::string>& words) override {
@@ -210,9 +220,12 @@ class Schema final : public ConfigTable {
     for (const std::string& word : words) list += (list.empty() ? "" : ", ") + quoted(word);
     add(key, fmt::format(R"("enum": [{}])", list));
   }
-  void object(ConfigKey key, const Describe& describe) override { add(key, object_body(describe, 1)); }
+  void object(ConfigKey key, const Describe& describe) override {
+    add(key, object_body(describe, 1));
+  }
   void file_or_object(ConfigKey key, const Describe& describe) override {
-    add(key, fmt::format("\"anyOf\": [{{\"type\": \"string\"}},\n{}    {{{}}}]", indent_, object_body(describe, 2)));
+    add(key, fmt::format("\"anyOf\": [{{\"type\": \"string\"}},\n{}    {{{}}}]", indent_,
+                         object_body(describe, 2)));
   }
   void file_or_yaml(ConfigKey key, std::string&, std::string&) override {
     add(key, R"("type": ["string", "object"])");
@@ -238,8 +251,9 @@ class Schema final : public ConfigTable {
     return inner.body();
   }
   void add(const ConfigKey& key, const std::string& body) {
-    properties_ += fmt::format("{}\n{}  {}: {{\"description\": {}, {}}}", properties_.empty() ? "" : ",", indent_,
-                               quoted(key.key), quoted(key.help), body);
+    properties_ +=
+        fmt::format("{}\n{}  {}: {{\"description\": {}, {}}}", properties_.empty() ? "" : ",",
+                    indent_, quoted(key.key), quoted(key.help), body);
     if (key.required) required_ += (required_.empty() ? "" : ", ") + quoted(key.key);
   }
   std::string indent_;
@@ -269,8 +283,9 @@ std::string write_config(const ConfigTable::Describe& describe) {
 std::string config_schema(const std::string& title, const ConfigTable::Describe& describe) {
   Schema schema(0);
   describe(schema);
-  return fmt::format("{{\"$schema\": \"https://json-schema.org/draft/2020-12/schema\",\n\"title\": {},\n{}}}\n",
-                     quoted(title), schema.body());
+  return fmt::format(
+      "{{\"$schema\": \"https://json-schema.org/draft/2020-12/schema\",\n\"title\": {},\n{}}}\n",
+      quoted(title), schema.body());
 }
 
 }  // namespace seam

@@ -17,7 +17,7 @@ namespace seam {
 
 struct ConfigKey {
   const char* key;
-  const char* help;       // A sentence with the unit.
+  const char* help;  // A sentence with the unit.
   bool required = false;
 };
 
@@ -44,7 +44,8 @@ class ConfigTable {
   // came from.
   virtual void file_or_yaml(ConfigKey key, std::string& yaml, std::string& name) = 0;
   // `describe_item(table, i)` is called for each item; when reading, `resize(count)` comes first.
-  virtual void list(ConfigKey key, size_t count, size_t limit, const std::function<void(size_t)>& resize,
+  virtual void list(ConfigKey key, size_t count, size_t limit,
+                    const std::function<void(size_t)>& resize,
                     const std::function<void(ConfigTable&, size_t)>& describe_item) = 0;
   // A condition on what was read; the message says what was found and what was expected.
   virtual void require(bool condition, const char* key, const std::string& message) = 0;

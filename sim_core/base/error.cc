@@ -30,9 +30,10 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string suggestion_for(std::string_view unknown, const std::vector<std::string>& known) {
   if (known.empty()) return "";
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-    return edit_distance(unknown, a) < edit_distance(unknown, b);
-  });
+  const auto nearest =
+      std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+        return edit_distance(unknown, a) < edit_distance(unknown, b);
+      });
   if (edit_distance(unknown, *nearest) <= std::max<size_t>(2, unknown.size() / 2)) {
     return fmt::format(", did you mean '{}'?", *nearest);
   }
@@ -40,7 +41,8 @@ std::string suggestion_for(std::string_view unknown, const std::vector<std::stri
 }
 
 void check_failed(const char* file, int line, const char* condition, const std::string& values) {
-  std::fprintf(stderr, "%s:%d: internal check failed: %s %s\n", file, line, condition, values.c_str());
+  std::fprintf(stderr, "%s:%d: internal check failed: %s %s\n", file, line, condition,
+               values.c_str());
   std::abort();
 }
 

@@ -22,7 +22,8 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit_bytes) {
   }
   const uint64_t size = std::filesystem::file_size(path, error);
   if (!error && size > limit_bytes) {
-    throw InputError(fmt::format("{}: is {} bytes long, expected at most {}", path.string(), size, limit_bytes));
+    throw InputError(
+        fmt::format("{}: is {} bytes long, expected at most {}", path.string(), size, limit_bytes));
   }
   std::ostringstream contents;
   contents << in.rdbuf();

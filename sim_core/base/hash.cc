@@ -7,12 +7,16 @@
 
 namespace seam {
 
-Hasher::Hasher() : state_(XXH3_createState()) { XXH3_64bits_reset(state_.get()); }
+Hasher::Hasher() : state_(XXH3_createState()) {
+  XXH3_64bits_reset(state_.get());
+}
 Hasher::~Hasher() = default;
 Hasher::Hasher(Hasher&&) noexcept = default;
 Hasher& Hasher::operator=(Hasher&&) noexcept = default;
 
-void Hasher::Free::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
+void Hasher::Free::operator()(XXH3_state_s* state) const {
+  XXH3_freeState(state);
+}
 
 void Hasher::add(uint64_t value) {
   std::array<uint8_t, 8> bytes;
@@ -30,8 +34,12 @@ void Hasher::add_bytes(std::span<const uint8_t> bytes) {
   XXH3_64bits_update(state_.get(), bytes.data(), bytes.size());
 }
 
-uint64_t Hasher::digest() const { return XXH3_64bits_digest(state_.get()); }
+uint64_t Hasher::digest() const {
+  return XXH3_64bits_digest(state_.get());
+}
 
-std::string to_hex(uint64_t fingerprint) { return fmt::format("{:016x}", fingerprint); }
+std::string to_hex(uint64_t fingerprint) {
+  return fmt::format("{:016x}", fingerprint);
+}
 
 }  // namespace seam

@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint64_t kMaxPixels = 64'000'000;
 
-struct Reader {
+struct PngBytes {
   std::string bytes;
   size_t position = 0;
   std::string message;
@@ -27,20 +27,21 @@ void on_error(png_structp png, png_const_charp message) {
 void on_warning(png_structp, png_const_charp) {}
 
 void read_bytes(png_structp png, png_bytep out, size_t count) {
-  auto* reader = static_cast<Reader*>(png_get_io_ptr(png));
+  auto* reader = static_cast<PngBytes*>(png_get_io_ptr(png));
   if (count > reader->bytes.size() - reader->position) png_error(png, "the file ends early");
   std::memcpy(out, reader->bytes.data() + reader->position, count);
   reader->position += count;
 }
 
 void write_bytes(png_structp png, png_bytep data, size_t count) {
-  static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), count);
+  static_cast<std::string*>(png_get_io_ptr(png))
+      ->append(reinterpret_cast<const char*>(data), count);
 }
 
 }  // namespace
 
 Image read_png(const std::filesystem::path& path) {
-  Reader reader{read_file(path), 0, {}};
+  PngBytes reader{read_file(path), 0, {}};
   std::string message;
   Image image;
   std::vector<png_byte> row;
@@ -56,21 +57,24 @@ Image read_png(const std::filesystem::path& path) {
   image.height_px = static_cast<int>(png_get_image_height(png, info));
   image.bits = png_get_bit_depth(png, info);
   const int colour = png_get_color_type(png, info);
-  if (static_cast<uint64_t>(image.width_px) * image.height_px > kMaxPixels) png_error(png, "more than 64 million pixels");
+  if (static_cast<uint64_t>(image.width_px) * image.height_px > kMaxPixels)
+    png_error(png, "more than 64 million pixels");
   if (image.bits < 8) png_set_expand_gray_1_2_4_to_8(png), image.bits = 8;
   if (colour == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
   if ((colour & PNG_COLOR_MASK_ALPHA) != 0) png_set_strip_alpha(png);
   png_read_update_info(png, info);
   image.channels = png_get_channels(png, info);
   if (image.channels != 1 && image.channels != 3) png_error(png, "expected grey or RGB");
-  if (png_get_interlace_type(png, info) != PNG_INTERLACE_NONE) png_error(png, "interlaced, expected plain rows");
+  if (png_get_interlace_type(png, info) != PNG_INTERLACE_NONE)
+    png_error(png, "interlaced, expected plain rows");
   row.resize(png_get_rowbytes(png, info));
   image.samples.reserve(static_cast<size_t>(image.width_px) * image.height_px * image.channels);
   for (int v = 0; v < image.height_px; ++v) {
     png_read_row(png, row.data(), nullptr);
     const size_t count = static_cast<size_t>(image.width_px) * image.channels;
     for (size_t i = 0; i < count; ++i) {
-      image.samples.push_back(image.bits == 16 ? static_cast<uint16_t>(row[2 * i] << 8 | row[2 * i + 1]) : row[i]);
+      image.samples.push_back(
+          image.bits == 16 ? static_cast<uint16_t>(row[2 * i] << 8 | row[2 * i + 1]) : row[i]);
     }
   }
   png_read_end(png, nullptr);
@@ -79,7 +83,8 @@ Image read_png(const std::filesystem::path& path) {
 }
 
 std::string encode_png(const Image& image) {
-  SEAM_CHECK(image.samples.size() == static_cast<size_t>(image.width_px) * image.height_px * image.channels,
+  SEAM_CHECK(image.samples.size() ==
+                 static_cast<size_t>(image.width_px) * image.height_px * image.channels,
              "{} samples", image.samples.size());
   std::string encoded, message;
   std::vector<png_byte> row;

@@ -26,7 +26,9 @@ double log1p(double x);
 double pow(double x, double y);
 
 // Length of the vector (x, y); hypot's last bit differs between machines.
-inline double length(double x, double y) { return std::sqrt(x * x + y * y); }
+inline double length(double x, double y) {
+  return std::sqrt(x * x + y * y);
+}
 
 // Angle wrapped into (-pi, pi].
 double wrap_angle(double angle_rad);

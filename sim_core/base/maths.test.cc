@@ -10,7 +10,9 @@
 namespace seam {
 namespace {
 
-double ulps(double a, double b) { return std::abs(a - b) / std::abs(std::nextafter(b, INFINITY) - b); }
+double ulps(double a, double b) {
+  return std::abs(a - b) / std::abs(std::nextafter(b, INFINITY) - b);
+}
 
 TEST(Maths, AgreesWithTheSystemLibraryWithinTwoUlps) {
   for (int i = -2000; i <= 2000; ++i) {
@@ -32,8 +34,9 @@ TEST(Maths, BitsAreTheSameEverywhere) {
   Hasher hasher;
   for (int i = 1; i < 5000; ++i) {
     const double x = i * 0.00313;
-    for (double y : {maths::sin(x), maths::cos(x), maths::tan(x), maths::exp(-x), maths::log(x), maths::pow(x, 0.3),
-                     maths::atan2(x, 1 - x), maths::asin(1 / (1 + x)), maths::acos(1 / (1 + x))}) {
+    for (double y : {maths::sin(x), maths::cos(x), maths::tan(x), maths::exp(-x), maths::log(x),
+                     maths::pow(x, 0.3), maths::atan2(x, 1 - x), maths::asin(1 / (1 + x)),
+                     maths::acos(1 / (1 + x))}) {
       hasher.add(y);
     }
   }
@@ -74,7 +77,8 @@ TEST(Pose, InverseAndComposition) {
     EXPECT_NEAR(there[i], step_by_step[i], 1e-15);
     EXPECT_NEAR(back[i], p_C[i], 1e-15);
   }
-  const Mat3 R = rotation_from_quaternion(std::cos(0.35), 0, 0.6 * std::sin(0.35), 0.8 * std::sin(0.35));
+  const Mat3 R =
+      rotation_from_quaternion(std::cos(0.35), 0, 0.6 * std::sin(0.35), 0.8 * std::sin(0.35));
   for (int c = 0; c < 3; ++c) {
     for (int r = 0; r < 3; ++r) EXPECT_NEAR(R[c][r], X_BC.R[c][r], 1e-15);
   }

@@ -12,8 +12,8 @@ Mat3 rotation_about(const Vec3& axis, double angle_rad) {
   const double s = maths::sin(angle_rad);
   const double d = 1 - c;
   const auto& [x, y, z] = std::tie(axis.x, axis.y, axis.z);
-  return Mat3(c + x * x * d, y * x * d + z * s, z * x * d - y * s,   //
-              x * y * d - z * s, c + y * y * d, z * y * d + x * s,   //
+  return Mat3(c + x * x * d, y * x * d + z * s, z * x * d - y * s,  //
+              x * y * d - z * s, c + y * y * d, z * y * d + x * s,  //
               x * z * d + y * s, y * z * d - x * s, c + z * z * d);
 }
 
@@ -30,8 +30,12 @@ Mat3 rotation_from_quaternion(double w, double x, double y, double z) {
               2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
 }
 
-Pose translation(const Vec3& p_AB) { return {Mat3(1.0), p_AB}; }
-Pose rotation(const Mat3& R_AB) { return {R_AB, Vec3(0.0)}; }
+Pose translation(const Vec3& p_AB) {
+  return {Mat3(1.0), p_AB};
+}
+Pose rotation(const Mat3& R_AB) {
+  return {R_AB, Vec3(0.0)};
+}
 
 Mat3 link_to_camera_axes() {
   // Columns are the camera's x (right = -y), y (down = -z) and z (forward = +x) in the link.

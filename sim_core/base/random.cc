@@ -51,9 +51,9 @@ RandomStream RandomStream::child(uint64_t number) const {
 }
 
 std::array<uint32_t, 4> random_bits(RandomStream stream, uint64_t index) {
-  const philox4x32_ctr_t counter = {{static_cast<uint32_t>(index), static_cast<uint32_t>(index >> 32),
-                                     static_cast<uint32_t>(stream.stream),
-                                     static_cast<uint32_t>(stream.stream >> 32)}};
+  const philox4x32_ctr_t counter = {
+      {static_cast<uint32_t>(index), static_cast<uint32_t>(index >> 32),
+       static_cast<uint32_t>(stream.stream), static_cast<uint32_t>(stream.stream >> 32)}};
   const philox4x32_key_t key = {
       {static_cast<uint32_t>(stream.seed), static_cast<uint32_t>(stream.seed >> 32)}};
   const philox4x32_ctr_t bits = philox4x32(counter, key);

@@ -39,13 +39,29 @@ class SimTime {
   int64_t ns_ = 0;
 };
 
-constexpr SimDuration operator+(SimDuration a, SimDuration b) { return SimDuration::from_ns(a.ns() + b.ns()); }
-constexpr SimDuration operator-(SimDuration a, SimDuration b) { return SimDuration::from_ns(a.ns() - b.ns()); }
-constexpr SimDuration operator-(SimDuration a) { return SimDuration::from_ns(-a.ns()); }
-constexpr SimDuration operator*(SimDuration a, int64_t n) { return SimDuration::from_ns(a.ns() * n); }
-constexpr SimDuration operator/(SimDuration a, int64_t n) { return SimDuration::from_ns(a.ns() / n); }
-constexpr SimTime operator+(SimTime t, SimDuration d) { return SimTime::from_ns(t.ns() + d.ns()); }
-constexpr SimTime operator-(SimTime t, SimDuration d) { return SimTime::from_ns(t.ns() - d.ns()); }
-constexpr SimDuration operator-(SimTime a, SimTime b) { return SimDuration::from_ns(a.ns() - b.ns()); }
+constexpr SimDuration operator+(SimDuration a, SimDuration b) {
+  return SimDuration::from_ns(a.ns() + b.ns());
+}
+constexpr SimDuration operator-(SimDuration a, SimDuration b) {
+  return SimDuration::from_ns(a.ns() - b.ns());
+}
+constexpr SimDuration operator-(SimDuration a) {
+  return SimDuration::from_ns(-a.ns());
+}
+constexpr SimDuration operator*(SimDuration a, int64_t n) {
+  return SimDuration::from_ns(a.ns() * n);
+}
+constexpr SimDuration operator/(SimDuration a, int64_t n) {
+  return SimDuration::from_ns(a.ns() / n);
+}
+constexpr SimTime operator+(SimTime t, SimDuration d) {
+  return SimTime::from_ns(t.ns() + d.ns());
+}
+constexpr SimTime operator-(SimTime t, SimDuration d) {
+  return SimTime::from_ns(t.ns() - d.ns());
+}
+constexpr SimDuration operator-(SimTime a, SimTime b) {
+  return SimDuration::from_ns(a.ns() - b.ns());
+}
 
 }  // namespace seam

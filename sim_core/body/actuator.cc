@@ -33,7 +33,8 @@ struct Motion {
 class LimitedActuator final : public JointActuator {
  public:
   LimitedActuator(double initial_rad, bool instant) : instant_(instant) {
-    motions_.push_back({SimTime::from_ns(std::numeric_limits<int64_t>::min() / 4), initial_rad, initial_rad, 0});
+    motions_.push_back(
+        {SimTime::from_ns(std::numeric_limits<int64_t>::min() / 4), initial_rad, initial_rad, 0});
   }
   void command(SimTime time, double target_rad, double max_speed_radps) override {
     while (motions_.size() > 1 && motions_.back().start >= time) motions_.pop_back();

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "sim_core/base/random.h"
-#include "sim_core/body/state.h"
 #include "sim_core/base/time.h"
+#include "sim_core/body/state.h"
 
 namespace seam {
 

@@ -7,10 +7,11 @@
 namespace seam {
 namespace {
 
-constexpr std::array<const char*, kKicks> kKickNames = {"none",      "leg_forward", "leg_left", "leg_right",
-                                                        "head_left", "head_right",  "grab",     "release"};
+constexpr std::array<const char*, kKicks> kKickNames = {
+    "none", "leg_forward", "leg_left", "leg_right", "head_left", "head_right", "grab", "release"};
 
-std::optional<std::string> out_of_range(const std::string& field, double value, double min, double max) {
+std::optional<std::string> out_of_range(const std::string& field, double value, double min,
+                                        double max) {
   if (value >= min && value <= max) return std::nullopt;  // False for NaN.
   return fmt::format("{}: found {}, expected a number from {} to {}", field, value, min, max);
 }
@@ -18,7 +19,8 @@ std::optional<std::string> out_of_range(const std::string& field, double value, 
 std::optional<std::string> invalid_target(const std::string& field, const JointTarget& target) {
   using Limits = CommandLimits;
   if (target.joint < 0 || target.joint >= kJoints) {
-    return fmt::format("{}.joint: found {}, expected a joint from 0 to {}", field, target.joint, kJoints - 1);
+    return fmt::format("{}.joint: found {}, expected a joint from 0 to {}", field, target.joint,
+                       kJoints - 1);
   }
   const double angle = Limits::kMaxAngleRad;
   if (auto bad = out_of_range(field + ".angle_rad", target.angle_rad, -angle, angle)) return bad;
@@ -28,23 +30,25 @@ std::optional<std::string> invalid_target(const std::string& field, const JointT
 std::optional<std::string> invalid_frames(const std::vector<JointFrame>& frames) {
   using Limits = CommandLimits;
   if (frames.size() > Limits::kMaxJointFrames) {
-    return fmt::format("joints: found {} frames, expected at most {}", frames.size(), Limits::kMaxJointFrames);
+    return fmt::format("joints: found {} frames, expected at most {}", frames.size(),
+                       Limits::kMaxJointFrames);
   }
   int64_t earliest_ns = 0;
   for (size_t f = 0; f < frames.size(); ++f) {
     const std::string field = fmt::format("joints[{}]", f);
     const int64_t offset_ns = frames[f].offset.ns();
     if (offset_ns < earliest_ns || offset_ns > Limits::kMaxOffsetNs) {
-      return fmt::format("{}.offset: found {} ns, expected from {} to {} ns", field, offset_ns, earliest_ns,
-                         Limits::kMaxOffsetNs);
+      return fmt::format("{}.offset: found {} ns, expected from {} to {} ns", field, offset_ns,
+                         earliest_ns, Limits::kMaxOffsetNs);
     }
     earliest_ns = offset_ns;
     if (frames[f].targets.size() > Limits::kMaxTargetsAFrame) {
-      return fmt::format("{}.targets: found {}, expected at most {}", field, frames[f].targets.size(),
-                         Limits::kMaxTargetsAFrame);
+      return fmt::format("{}.targets: found {}, expected at most {}", field,
+                         frames[f].targets.size(), Limits::kMaxTargetsAFrame);
     }
     for (size_t t = 0; t < frames[f].targets.size(); ++t) {
-      if (auto bad = invalid_target(fmt::format("{}.targets[{}]", field, t), frames[f].targets[t])) return bad;
+      if (auto bad = invalid_target(fmt::format("{}.targets[{}]", field, t), frames[f].targets[t]))
+        return bad;
     }
   }
   return std::nullopt;
@@ -52,7 +56,9 @@ std::optional<std::string> invalid_frames(const std::vector<JointFrame>& frames)
 
 }  // namespace
 
-std::string to_string(Kick kick) { return kKickNames.at(static_cast<size_t>(kick)); }
+std::string to_string(Kick kick) {
+  return kKickNames.at(static_cast<size_t>(kick));
+}
 
 std::optional<Kick> kick_from_string(const std::string& name) {
   for (size_t i = 0; i < kKickNames.size(); ++i) {
@@ -69,10 +75,12 @@ std::optional<std::string> invalid_field(const RobotCommand& command) {
     if (auto bad = out_of_range("walk.vx_mps", command.walk->vx_mps, -v, v)) return bad;
     if (auto bad = out_of_range("walk.vy_mps", command.walk->vy_mps, -v, v)) return bad;
     const double omega = Limits::kMaxTurnRadps;
-    if (auto bad = out_of_range("walk.omega_radps", command.walk->omega_radps, -omega, omega)) return bad;
+    if (auto bad = out_of_range("walk.omega_radps", command.walk->omega_radps, -omega, omega))
+      return bad;
   }
   if (static_cast<size_t>(command.kick) >= kKicks) {
-    return fmt::format("kick: found {}, expected from 0 to {}", static_cast<int>(command.kick), kKicks - 1);
+    return fmt::format("kick: found {}, expected from 0 to {}", static_cast<int>(command.kick),
+                       kKicks - 1);
   }
   return std::nullopt;
 }

@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "sim_core/base/time.h"
 #include "sim_core/body/joints.h"
 #include "sim_core/body/locomotion.h"
-#include "sim_core/base/time.h"
 
 namespace seam {
 
 struct JointTarget {
-  int joint = kTilt;           // Index (joints.h).
-  double angle_rad = 0;        // Targets beyond the joint's range are clamped to it.
-  double speed_radps = 0;      // No faster than this; 0: the joint's top speed.
+  int joint = kTilt;       // Index (joints.h).
+  double angle_rad = 0;    // Targets beyond the joint's range are clamped to it.
+  double speed_radps = 0;  // No faster than this; 0: the joint's top speed.
 };
 
 // OPEN-R takes joint targets in frames of 8 ms; a decision may bring several.
@@ -24,7 +24,16 @@ struct JointFrame {
 };
 
 // `grab` holds a ball that lies between the front legs until a kick or `release`.
-enum class Kick : uint8_t { none, leg_forward, leg_left, leg_right, head_left, head_right, grab, release };
+enum class Kick : uint8_t {
+  none,
+  leg_forward,
+  leg_left,
+  leg_right,
+  head_left,
+  head_right,
+  grab,
+  release
+};
 inline constexpr int kKicks = 8;
 std::string to_string(Kick kick);
 std::optional<Kick> kick_from_string(const std::string& name);

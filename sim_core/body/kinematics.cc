@@ -21,7 +21,9 @@ Mat3 about_z(double angle) {
 
 }  // namespace
 
-Pose neck_pose(const RobotBody& body, double tilt_rad) { return {about_y(-tilt_rad), body.tilt_axis_m}; }
+Pose neck_pose(const RobotBody& body, double tilt_rad) {
+  return {about_y(-tilt_rad), body.tilt_axis_m};
+}
 
 Pose head_pose(const RobotBody& body, double tilt_rad, double pan_rad, double roll_rad) {
   const Pose X_BN = neck_pose(body, tilt_rad);
@@ -41,7 +43,8 @@ LegPose leg_pose(const RobotBody& body, int leg, const JointAngles& joints) {
   const double knee = joints[static_cast<size_t>(leg_joint(leg, 2))];
   const double sx = leg_side_x(leg), sy = leg_side_y(leg);
   LegPose pose;
-  pose.X_BU = {about_y(-sx * rotator) * about_x(sy * elevator), {sx * body.shoulder_x_m, sy * body.shoulder_y_m, 0}};
+  pose.X_BU = {about_y(-sx * rotator) * about_x(sy * elevator),
+               {sx * body.shoulder_x_m, sy * body.shoulder_y_m, 0}};
   const Vec3 knee_U{sx * body.upper_leg_offset_m, 0, -body.upper_leg_m};
   pose.X_BL = pose.X_BU * Pose{about_y(-sx * knee), knee_U};
   pose.p_BPaw = pose.X_BL * Vec3(0, 0, -(leg < 2 ? body.lower_front_m : body.lower_hind_m));

@@ -29,7 +29,11 @@ LegPose leg_pose(const RobotBody& body, int leg, const JointAngles& joints);
 std::array<Pose, kLinks> link_poses(const RobotBody& body, const JointAngles& joints);
 
 // +1 for front legs, -1 for hind legs; +1 for left legs, -1 for right legs.
-constexpr double leg_side_x(int leg) { return leg < 2 ? 1 : -1; }
-constexpr double leg_side_y(int leg) { return leg % 2 == 0 ? 1 : -1; }
+constexpr double leg_side_x(int leg) {
+  return leg < 2 ? 1 : -1;
+}
+constexpr double leg_side_y(int leg) {
+  return leg % 2 == 0 ? 1 : -1;
+}
 
 }  // namespace seam

@@ -13,7 +13,8 @@ const std::string kSource = SEAM_SOURCE_DIR;
 
 RobotBody ers210() {
   RobotBody body;
-  read_config(ConfigNode::from_file(kSource + "/models/robot_ers210.yaml"), [&](ConfigTable& t) { describe(t, body); });
+  read_config(ConfigNode::from_file(kSource + "/models/robot_ers210.yaml"),
+              [&](ConfigTable& t) { describe(t, body); });
   return body;
 }
 
@@ -55,7 +56,8 @@ TEST(Legs, StraightLegReachesStraightDown) {
   const LegPose leg = leg_pose(body, 0, JointAngles{});
   expect_near(leg.p_BPaw, {0.065 + 0.009, 0.0625, -0.0695 - 0.0654});
   JointAngles out{};
-  out[static_cast<size_t>(leg_joint(1, 1))] = 1.5707963267948966;  // Right elevator: out to the right.
+  out[static_cast<size_t>(leg_joint(1, 1))] =
+      1.5707963267948966;  // Right elevator: out to the right.
   expect_near(leg_pose(body, 1, out).p_BPaw, {0.074, -0.0625 - 0.1349, 0});
 }
 
@@ -97,8 +99,9 @@ TEST(Body, HasTheSizeOfTheDataSheet) {
   const auto links = link_poses(body, JointAngles{});  // Straight legs, head ahead.
   Vec3 low{1.0}, high{-1.0};
   for (const BodyPart& part : body.parts) {
-    const Pose X_BP = links[static_cast<size_t>(part.link)] *
-                      Pose{rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z), part.centre_m};
+    const Pose X_BP =
+        links[static_cast<size_t>(part.link)] *
+        Pose{rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z), part.centre_m};
     std::vector<std::pair<Vec3, Vec3>> boxes;  // Centre and half extents in the body's axes.
     if (part.shape == Shape::box) {
       Vec3 half{0.0};
@@ -106,9 +109,11 @@ TEST(Body, HasTheSizeOfTheDataSheet) {
       boxes.emplace_back(X_BP.p, half);
     } else {
       boxes.emplace_back(X_BP.p, Vec3(part.size_m.x));
-      if (part.shape == Shape::capsule) boxes.emplace_back(X_BP * Vec3(0, 0, part.size_m.z), Vec3(part.size_m.x));
+      if (part.shape == Shape::capsule)
+        boxes.emplace_back(X_BP * Vec3(0, 0, part.size_m.z), Vec3(part.size_m.x));
     }
-    for (const auto& [centre, half] : boxes) low = glm::min(low, centre - half), high = glm::max(high, centre + half);
+    for (const auto& [centre, half] : boxes)
+      low = glm::min(low, centre - half), high = glm::max(high, centre + half);
   }
   EXPECT_NEAR(high.y - low.y, 0.154, 0.001);  // Width, height and length of the data sheet.
   EXPECT_NEAR(high.z - low.z, 0.266, 0.001);

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "sim_core/body/state.h"
 #include "sim_core/base/time.h"
+#include "sim_core/body/state.h"
 
 namespace seam {
 
@@ -35,7 +35,9 @@ class LocomotionModel {
 // The body moves as commanded.
 class IdealLocomotion final : public LocomotionModel {
  public:
-  BodyVelocity velocity(const BodyVelocity& command, SimTime, SimDuration) override { return command; }
+  BodyVelocity velocity(const BodyVelocity& command, SimTime, SimDuration) override {
+    return command;
+  }
   void visit(StateVisitor&) override {}
 };
 

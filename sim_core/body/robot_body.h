@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "sim_core/base/config_table.h"
 #include "sim_core/body/actuator.h"
 #include "sim_core/body/command.h"
-#include "sim_core/base/config_table.h"
 #include "sim_core/body/joints.h"
 #include "sim_core/scene/scene.h"
 
@@ -16,9 +16,17 @@ namespace seam {
 
 // Links that parts are fixed to. The neck turns with tilt, the head with tilt, pan and roll.
 enum class Link : uint8_t {
-  body, neck, head,
-  left_front_upper, left_front_lower, right_front_upper, right_front_lower,
-  left_hind_upper, left_hind_lower, right_hind_upper, right_hind_lower,
+  body,
+  neck,
+  head,
+  left_front_upper,
+  left_front_lower,
+  right_front_upper,
+  right_front_lower,
+  left_hind_upper,
+  left_hind_lower,
+  right_hind_upper,
+  right_hind_lower,
 };
 inline constexpr int kLinks = 11;
 
@@ -27,22 +35,22 @@ enum class Paint : uint8_t { body, team };  // The robot's own colour, or its te
 struct BodyPart {
   Link link = Link::body;
   Shape shape = Shape::box;
-  Vec3 centre_m{0.0};     // In the link's frame; capsules and cylinders start here.
-  Vec3 rotate_rad{0.0};   // Rz(z) Ry(y) Rx(x).
-  Vec3 size_m{0.1};       // As Primitive::size.
+  Vec3 centre_m{0.0};    // In the link's frame; capsules and cylinders start here.
+  Vec3 rotate_rad{0.0};  // Rz(z) Ry(y) Rx(x).
+  Vec3 size_m{0.1};      // As Primitive::size.
   Paint paint = Paint::body;
 };
 
 struct Gait {
-  double step_s = 0.6;            // Duration of a whole stride.
+  double step_s = 0.6;  // Duration of a whole stride.
   double max_vx_mps = 0.3;
   double max_vy_mps = 0.2;
   double max_omega_radps = 2.0;
   double stance_rotator_rad = -0.6;
   double stance_elevator_rad = 0.1;
   double stance_knee_rad = 1.2;
-  double lift_knee_rad = 0.5;     // Extra bend of the knee in mid-swing.
-  double settle_s = 0.15;         // Time constant with which strides grow and fade.
+  double lift_knee_rad = 0.5;  // Extra bend of the knee in mid-swing.
+  double settle_s = 0.15;      // Time constant with which strides grow and fade.
 };
 
 // A box in the body's frame, seen from above.
@@ -59,12 +67,12 @@ struct KickMotion {
 };
 
 struct KickSpec {
-  double duration_s = 0;       // The robot stands still for so long.
-  double impact_s = 0;         // When the ball is hit.
-  Reach reach;                 // Where the ball's centre must be then.
-  double speed_mps = 0;        // What the ball gets.
-  double direction_rad = 0;    // From straight ahead, counter-clockwise.
-  double speed_sigma = 0;      // Relative.
+  double duration_s = 0;     // The robot stands still for so long.
+  double impact_s = 0;       // When the ball is hit.
+  Reach reach;               // Where the ball's centre must be then.
+  double speed_mps = 0;      // What the ball gets.
+  double direction_rad = 0;  // From straight ahead, counter-clockwise.
+  double speed_sigma = 0;    // Relative.
   double direction_sigma_rad = 0;
   std::vector<KickMotion> motion;
 };

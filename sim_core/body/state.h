@@ -36,7 +36,7 @@ class StateVisitor {
     value = number != 0;
   }
   template <class Enum>
-    requires std::is_enum_v<Enum>
+  requires std::is_enum_v<Enum>
   void field(std::string_view name, Enum& value) {
     auto number = static_cast<int64_t>(value);
     field(name, number);
@@ -75,7 +75,8 @@ struct StateDifference {
   std::string field;
   bool found = false;
 };
-StateDifference first_difference(const std::vector<StateSection>& a, const std::vector<StateSection>& b);
+StateDifference first_difference(const std::vector<StateSection>& a,
+                                 const std::vector<StateSection>& b);
 
 // Visitors. The bytes of a snapshot are the fields as 8 little-endian bytes each, in order.
 class SnapshotWriter final : public StateVisitor {
@@ -109,7 +110,9 @@ class StateLister final : public StateVisitor {
   using StateVisitor::field;
   void field(std::string_view name, double& value) override;
   void field(std::string_view name, int64_t& value) override;
-  void scope(std::string_view name) override { scope_ = name.empty() ? "" : std::string(name) + "."; }
+  void scope(std::string_view name) override {
+    scope_ = name.empty() ? "" : std::string(name) + ".";
+  }
   std::vector<StateSection::Field> take() { return std::move(fields_); }
 
  private:
@@ -125,7 +128,8 @@ class StateWords final : public StateVisitor {
   explicit StateWords(std::vector<int64_t> used = {}) : words_(std::move(used)) { words_.clear(); }
   void field(std::string_view name, double& value) override;
   void field(std::string_view name, int64_t& value) override;
-  // Of the words from number `begin` on, as their little-endian bytes; over all it is StateSection's.
+  // Of the words from number `begin` on, as their little-endian bytes; over all it is
+  // StateSection's.
   uint64_t hash(size_t begin = 0) const;
   const std::vector<int64_t>& words() const { return words_; }
   std::vector<int64_t> take() { return std::move(words_); }
@@ -134,7 +138,8 @@ class StateWords final : public StateVisitor {
   std::vector<int64_t> words_;
 };
 
-// What a state is told by, found in one visit: a hash of each section, and the words of all its fields.
+// What a state is told by, found in one visit: a hash of each section, and the words of all its
+// fields.
 struct StateDigest {
   std::vector<uint64_t> section_hashes;
   std::vector<int64_t> words;

@@ -19,38 +19,51 @@ constexpr Range kHeading{-7, 7};
 void describe_clock(ConfigTable& table, ClockSpec& clock) {
   table.seconds({"period_s", "Time between ticks, s."}, clock.period, {0.001, 100});
   table.seconds({"phase_s", "Time of tick 0, s."}, clock.phase, {0, 1000});
-  table.number({"drift_ppm", "How much longer the period is, millionths."}, clock.drift_ppm, {-1e5, 1e5});
-  table.seconds({"jitter_sigma_s", "Random displacement of each tick, one sigma, s."}, clock.jitter_sigma, {0, 1});
+  table.number({"drift_ppm", "How much longer the period is, millionths."}, clock.drift_ppm,
+               {-1e5, 1e5});
+  table.seconds({"jitter_sigma_s", "Random displacement of each tick, one sigma, s."},
+                clock.jitter_sigma, {0, 1});
 }
 
 void describe_camera(ConfigTable& table, CameraSpec& camera) {
-  table.file_or_yaml({"model", "Effects of this robot's camera, joints and gait: a seam-model/1 file or its content."},
-                     camera.model_yaml, camera.model_name);
-  table.file_or_yaml({"colour_table", "The colour detection table: a seam-colour-table/1 file or its content."},
-                     camera.colour_table_yaml, camera.colour_table_name);
+  table.file_or_yaml(
+      {"model",
+       "Effects of this robot's camera, joints and gait: a seam-model/1 file or its content."},
+      camera.model_yaml, camera.model_name);
+  table.file_or_yaml(
+      {"colour_table", "The colour detection table: a seam-colour-table/1 file or its content."},
+      camera.colour_table_yaml, camera.colour_table_name);
   table.integer({"width_px", "Image width."}, camera.width_px, 8, 4096);
   table.integer({"height_px", "Image height."}, camera.height_px, 8, 4096);
-  table.object({"clock", "The camera's own clock."}, [&](ConfigTable& clock) { describe_clock(clock, camera.clock); });
-  table.boolean({"locked", "Frames are locked to the head's swing instead of the camera's own clock."}, camera.locked);
+  table.object({"clock", "The camera's own clock."},
+               [&](ConfigTable& clock) { describe_clock(clock, camera.clock); });
+  table.boolean(
+      {"locked", "Frames are locked to the head's swing instead of the camera's own clock."},
+      camera.locked);
   table.seconds({"lock_cycle_s", "The swing's period, s."}, camera.lock_cycle, {0.01, 1000});
   table.seconds({"lock_start_s", "When a swing starts, s."}, camera.lock_start, {0, 1000});
   table.integer({"lock_frames", "Frames a swing."}, camera.lock_frames, 1, 10000);
-  table.integer({"instants_per_row", "At least this many light samples fall into each row's exposure."},
-                camera.instants_per_row, 1, 4096);
+  table.integer(
+      {"instants_per_row", "At least this many light samples fall into each row's exposure."},
+      camera.instants_per_row, 1, 4096);
   table.boolean({"every_frame", "Deliver each frame without being asked."}, camera.every_frame);
 }
 
 void describe_behaviour(ConfigTable& table, BehaviourSpec& behaviour) {
-  table.texts({"command", "Program and arguments that `seam run` starts; a bare name is looked up among the built behaviours."},
+  table.texts({"command",
+               "Program and arguments that `seam run` starts; a bare name is looked up among the "
+               "built behaviours."},
               behaviour.command);
   table.object({"clock", "When the behaviour is asked for decisions."},
                [&](ConfigTable& clock) { describe_clock(clock, behaviour.clock); });
-  table.seconds({"decision_latency_s", "From an observation to the decision's effect, s; 0: the next world step."},
+  table.seconds({"decision_latency_s",
+                 "From an observation to the decision's effect, s; 0: the next world step."},
                 behaviour.decision_latency, {0, 10});
-  table.choice_of({"silence", "What happens when no decision comes: wait, freeze the robot, or abort the run."},
-                  behaviour.silence, {"wait", "freeze", "abort"});
-  table.seconds({"wall_limit_s", "Wall-clock time before `silence` acts, s (wait never acts)."}, behaviour.wall_limit,
-                {0.001, 1e6});
+  table.choice_of(
+      {"silence", "What happens when no decision comes: wait, freeze the robot, or abort the run."},
+      behaviour.silence, {"wait", "freeze", "abort"});
+  table.seconds({"wall_limit_s", "Wall-clock time before `silence` acts, s (wait never acts)."},
+                behaviour.wall_limit, {0.001, 1e6});
 }
 
 void describe_sensor(ConfigTable& table, SensorSpec& sensor) {
@@ -61,10 +74,13 @@ void describe_sensor(ConfigTable& table, SensorSpec& sensor) {
 }
 
 void describe_sensors(ConfigTable& table, SensorsSpec& sensors) {
-  table.object({"joints", "Joint encoders, rad."}, [&](ConfigTable& t) { describe_sensor(t, sensors.joints); });
-  table.object({"odometry", "Dead reckoning; sigma per root metre walked and per root radian turned."},
-               [&](ConfigTable& t) { describe_sensor(t, sensors.odometry); });
-  table.object({"accelerometer", "m/s^2."}, [&](ConfigTable& t) { describe_sensor(t, sensors.accelerometer); });
+  table.object({"joints", "Joint encoders, rad."},
+               [&](ConfigTable& t) { describe_sensor(t, sensors.joints); });
+  table.object(
+      {"odometry", "Dead reckoning; sigma per root metre walked and per root radian turned."},
+      [&](ConfigTable& t) { describe_sensor(t, sensors.odometry); });
+  table.object({"accelerometer", "m/s^2."},
+               [&](ConfigTable& t) { describe_sensor(t, sensors.accelerometer); });
   table.object({"paws", "Paw contacts; sigma is the chance of a wrong reading."},
                [&](ConfigTable& t) { describe_sensor(t, sensors.paws); });
 }
@@ -79,32 +95,41 @@ void describe_pose(ConfigTable& table, Pose2& pose) {
 void describe_common(ConfigTable& table, RobotSpec& robot) {
   table.file_or_object({"body", "What kind of robot: a seam-robot/1 file or its content."},
                        [&](ConfigTable& body) { describe(body, robot.body); });
-  table.object({"camera", "Camera, effects and frame delivery."}, [&](ConfigTable& t) { describe_camera(t, robot.camera); });
-  table.object({"behaviour", "Who decides for it."}, [&](ConfigTable& t) { describe_behaviour(t, robot.behaviour); });
+  table.object({"camera", "Camera, effects and frame delivery."},
+               [&](ConfigTable& t) { describe_camera(t, robot.camera); });
+  table.object({"behaviour", "Who decides for it."},
+               [&](ConfigTable& t) { describe_behaviour(t, robot.behaviour); });
   table.object({"sensors", "Clocks, latencies and noise of its sensors."},
                [&](ConfigTable& t) { describe_sensors(t, robot.sensors); });
   table.numbers({"head_rad", "Tilt, pan and roll at the start, rad."}, robot.head_rad);
-  table.number({"head_speed_radps", "Replaces the head's top speeds where positive, rad/s."}, robot.head_speed_radps, {0, 100});
+  table.number({"head_speed_radps", "Replaces the head's top speeds where positive, rad/s."},
+               robot.head_speed_radps, {0, 100});
   for (size_t j = 0; j < kHeadJoints; ++j) {
     const JointLimits& limits = robot.body.joints[j];
-    table.require(robot.head_rad[j] >= limits.min_rad && robot.head_rad[j] <= limits.max_rad, "head_rad",
-                  fmt::format("found {} for {}, expected from {} to {}", robot.head_rad[j], kJointNames[j], limits.min_rad,
-                              limits.max_rad));
+    table.require(robot.head_rad[j] >= limits.min_rad && robot.head_rad[j] <= limits.max_rad,
+                  "head_rad",
+                  fmt::format("found {} for {}, expected from {} to {}", robot.head_rad[j],
+                              kJointNames[j], limits.min_rad, limits.max_rad));
   }
 }
 
 void describe_robot(ConfigTable& table, RobotSpec& robot) {
   table.text({"id", "Its name: letters, digits, '_' and '-'.", true}, robot.id);
-  const bool plain = robot.id.find_first_not_of(
-                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos;
+  const bool plain =
+      robot.id.find_first_not_of(
+          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos;
   table.require(plain && !robot.id.empty() && robot.id.size() <= 64, "id",
                 fmt::format("found '{}', expected 1 to 64 letters, digits, '_' or '-'", robot.id));
   table.choice_of({"team", "Its team.", true}, robot.team, {"red", "blue"});
   table.integer({"number", "On the uniform."}, robot.number, 1, 64);
-  table.text({"token", "The secret with which its behaviour connects; left out: the server makes one."}, robot.token);
-  table.object({"pose", "Where it stands at the start.", true}, [&](ConfigTable& t) { describe_pose(t, robot.pose); });
+  table.text(
+      {"token", "The secret with which its behaviour connects; left out: the server makes one."},
+      robot.token);
+  table.object({"pose", "Where it stands at the start.", true},
+               [&](ConfigTable& t) { describe_pose(t, robot.pose); });
   describe_common(table, robot);
-  table.require(robot.body.joints[kPan].speed_radps > 0, "body", "robot without a body: give 'body' here or in robot_defaults");
+  table.require(robot.body.joints[kPan].speed_radps > 0, "body",
+                "robot without a body: give 'body' here or in robot_defaults");
 }
 
 void describe_ball(ConfigTable& table, BallSpec& ball) {
@@ -115,32 +140,42 @@ void describe_ball(ConfigTable& table, BallSpec& ball) {
   table.number({"vy_mps", "Its velocity at the start, m/s."}, ball.vy_mps, {-20, 20});
   table.number({"diameter_m", "Diameter, m."}, ball.diameter_m, {0.01, 1});
   table.number({"mass_kg", "Mass, kg."}, ball.mass_kg, {0.001, 10});
-  table.number({"rolling_deceleration_mps2", "How fast it slows while rolling, m/s^2."}, ball.rolling_deceleration_mps2, {0, 20});
-  table.number({"restitution", "Speed after a bounce over speed before, 0 to 1."}, ball.restitution, {0, 1});
+  table.number({"rolling_deceleration_mps2", "How fast it slows while rolling, m/s^2."},
+               ball.rolling_deceleration_mps2, {0, 20});
+  table.number({"restitution", "Speed after a bounce over speed before, 0 to 1."}, ball.restitution,
+               {0, 1});
 }
 
 void describe_radio(ConfigTable& table, RadioSpec& radio) {
   table.seconds({"latency_s", "From sending to receiving, s."}, radio.latency, {0, 10});
   table.number({"loss", "Chance that a message is lost."}, radio.loss, {0, 1});
   table.number({"range_m", "Farther team mates hear nothing, m."}, radio.range_m, {0, 1e6});
-  table.number({"bytes_per_s", "Bandwidth of each sender; messages queue behind it."}, radio.bytes_per_s, {1, 1e9});
-  table.integer({"max_message_bytes", "Longer messages are refused."}, radio.max_message_bytes, 1, 1 << 20);
+  table.number({"bytes_per_s", "Bandwidth of each sender; messages queue behind it."},
+               radio.bytes_per_s, {1, 1e9});
+  table.integer({"max_message_bytes", "Longer messages are refused."}, radio.max_message_bytes, 1,
+                1 << 20);
 }
 
 void describe_referee(ConfigTable& table, RefereeSpec& referee) {
-  table.boolean({"enabled", "Whether the rules are enforced; otherwise play goes on from the start."}, referee.enabled);
+  table.boolean(
+      {"enabled", "Whether the rules are enforced; otherwise play goes on from the start."},
+      referee.enabled);
   table.seconds({"half_s", "Length of a half, s."}, referee.half, {1, 1e5});
   table.integer({"halves", "How many halves."}, referee.halves, 1, 10);
-  table.seconds({"ready_s", "Time for robots to walk to their places, s."}, referee.ready, {0, 1000});
+  table.seconds({"ready_s", "Time for robots to walk to their places, s."}, referee.ready,
+                {0, 1000});
   table.seconds({"set_s", "Time of standing still before play, s."}, referee.set, {0, 1000});
   table.seconds({"penalty_s", "Time off the field, s."}, referee.penalty, {0, 1000});
   table.seconds({"holding_s", "Longest hold of the ball, s."}, referee.holding, {0, 1000});
-  table.seconds({"stuck_s", "A ball that nobody moves for so long is put into the middle, s."}, referee.stuck, {1, 1e5});
+  table.seconds({"stuck_s", "A ball that nobody moves for so long is put into the middle, s."},
+                referee.stuck, {1, 1e5});
   table.choice_of({"kick_off", "Who has the first kick-off."}, referee.kick_off, {"red", "blue"});
 }
 
 void describe_lighting(ConfigTable& table, Lighting& lighting) {
-  table.boolean({"lambert", "Shade by the light's direction; otherwise each object shows its own colour."}, lighting.lambert);
+  table.boolean(
+      {"lambert", "Shade by the light's direction; otherwise each object shows its own colour."},
+      lighting.lambert);
   table.vec3({"direction", "Towards the light; any length."}, lighting.direction_W);
   const double length = glm::length(lighting.direction_W);
   table.require(length > 0, "direction", "expected a direction, found no length");
@@ -151,29 +186,44 @@ void describe_lighting(ConfigTable& table, Lighting& lighting) {
 
 void describe_object(ConfigTable& table, ObjectSpec& object) {
   const std::vector<std::string> labels = {
-      "background",   "carpet",         "line",         "wall",         "ball",      "goal_yellow", "goal_skyblue", "beacon_pink",
-      "beacon_yellow", "beacon_skyblue", "beacon_green", "beacon_white", "robot_red", "robot_blue",  "robot_body",   "other"};
-  table.choice_of({"shape", "Its shape.", true}, object.shape, {"rectangle", "sphere", "cylinder", "capsule", "box"});
+      "background",    "carpet",         "line",         "wall",
+      "ball",          "goal_yellow",    "goal_skyblue", "beacon_pink",
+      "beacon_yellow", "beacon_skyblue", "beacon_green", "beacon_white",
+      "robot_red",     "robot_blue",     "robot_body",   "other"};
+  table.choice_of({"shape", "Its shape.", true}, object.shape,
+                  {"rectangle", "sphere", "cylinder", "capsule", "box"});
   const auto has = [&](std::initializer_list<Shape> shapes) {
-    return table.names_alternatives() || std::find(shapes.begin(), shapes.end(), object.shape) != shapes.end();
+    return table.names_alternatives() ||
+           std::find(shapes.begin(), shapes.end(), object.shape) != shapes.end();
   };
   const bool always = !table.names_alternatives();
-  const bool upright = has({Shape::cylinder, Shape::capsule}), flat = object.shape == Shape::rectangle;
+  const bool upright = has({Shape::cylinder, Shape::capsule}),
+             flat = object.shape == Shape::rectangle;
   if (has({Shape::rectangle, Shape::sphere, Shape::box})) {
-    table.vec3({"centre_m", "Of a rectangle, sphere or box: its centre, m.", always}, object.centre_m);
+    table.vec3({"centre_m", "Of a rectangle, sphere or box: its centre, m.", always},
+               object.centre_m);
   }
-  if (upright) table.vec3({"base_m", "Of a cylinder or capsule: the middle of its base, m.", always}, object.centre_m);
+  if (upright)
+    table.vec3({"base_m", "Of a cylinder or capsule: the middle of its base, m.", always},
+               object.centre_m);
   if (has({Shape::rectangle, Shape::box})) {
-    table.sizes({"size_m", "Of a rectangle its two sides, of a box its three edges, m.", always}, object.size_m, flat ? 2 : 3);
+    table.sizes({"size_m", "Of a rectangle its two sides, of a box its three edges, m.", always},
+                object.size_m, flat ? 2 : 3);
   }
   const Range length{1e-6, 1e6};
   if (upright || has({Shape::sphere})) {
-    table.number({"radius_m", "Of a sphere, cylinder or capsule, m.", always}, object.size_m.x, length);
+    table.number({"radius_m", "Of a sphere, cylinder or capsule, m.", always}, object.size_m.x,
+                 length);
   }
-  if (upright) table.number({"height_m", "Of a cylinder or capsule, m.", always}, object.size_m.z, length);
-  if (has({Shape::rectangle})) table.vec3({"normal", "Of a rectangle; (0, 0, 1) where not given."}, object.normal);
-  if (has({Shape::box})) table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, kHeading);
-  table.vec3({"velocity_mps", "It is at the stated place at time 0 and moves at this velocity, m/s."}, object.velocity_mps);
+  if (upright)
+    table.number({"height_m", "Of a cylinder or capsule, m.", always}, object.size_m.z, length);
+  if (has({Shape::rectangle}))
+    table.vec3({"normal", "Of a rectangle; (0, 0, 1) where not given."}, object.normal);
+  if (has({Shape::box}))
+    table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, kHeading);
+  table.vec3(
+      {"velocity_mps", "It is at the stated place at time 0 and moves at this velocity, m/s."},
+      object.velocity_mps);
   table.numbers({"rgb", "Linear radiance, 0 to 1.", true}, object.rgb);
   table.choice_of({"label", "Ground-truth class."}, object.label, labels);
   table.require(glm::length(object.normal) > 0, "normal", "expected a direction, found no length");
@@ -182,29 +232,36 @@ void describe_object(ConfigTable& table, ObjectSpec& object) {
 void require_ids(ConfigTable& table, const std::vector<RobotSpec>& robots) {
   std::set<std::string> ids, tokens;
   for (const RobotSpec& robot : robots) {
-    table.require(ids.insert(robot.id).second, "robots", fmt::format("found two robots with the id '{}'", robot.id));
+    table.require(ids.insert(robot.id).second, "robots",
+                  fmt::format("found two robots with the id '{}'", robot.id));
     table.require(robot.token.empty() || tokens.insert(robot.token).second, "robots",
                   fmt::format("robot '{}' has the token of another robot", robot.id));
   }
 }
 
 void describe_robots(ConfigTable& table, Scenario& scenario, RobotSpec& defaults) {
-  table.list({"robots", "The robots."}, scenario.robots.size(), kMaxRobots,
-             [&](size_t count) { scenario.robots.assign(count, defaults); },
-             [&](ConfigTable& t, size_t i) { describe_robot(t, scenario.robots[i]); });
+  table.list(
+      {"robots", "The robots."}, scenario.robots.size(), kMaxRobots,
+      [&](size_t count) { scenario.robots.assign(count, defaults); },
+      [&](ConfigTable& t, size_t i) { describe_robot(t, scenario.robots[i]); });
   require_ids(table, scenario.robots);
 }
 
 void describe_surroundings(ConfigTable& table, Scenario& scenario) {
-  table.boolean({"has_field", "Whether there is a field; otherwise only `objects` stand around."}, scenario.has_field);
+  table.boolean({"has_field", "Whether there is a field; otherwise only `objects` stand around."},
+                scenario.has_field);
   table.file_or_object({"field", "The field: a seam-field/1 file or its content."},
                        [&](ConfigTable& t) { describe(t, scenario.field); });
   table.object({"ball", "The ball."}, [&](ConfigTable& t) { describe_ball(t, scenario.ball); });
-  table.list({"objects", "More objects to be seen, as in seam-scene/1; robots and ball pass through them."},
-             scenario.objects.size(), kMaxObjects, [&](size_t count) { scenario.objects.resize(count); },
-             [&](ConfigTable& t, size_t i) { describe_object(t, scenario.objects[i]); });
-  table.numbers({"background_rgb", "What is seen where nothing stands, linear 0 to 1."}, scenario.background_rgb);
-  table.object({"lighting", "Shading."}, [&](ConfigTable& t) { describe_lighting(t, scenario.lighting); });
+  table.list(
+      {"objects",
+       "More objects to be seen, as in seam-scene/1; robots and ball pass through them."},
+      scenario.objects.size(), kMaxObjects, [&](size_t count) { scenario.objects.resize(count); },
+      [&](ConfigTable& t, size_t i) { describe_object(t, scenario.objects[i]); });
+  table.numbers({"background_rgb", "What is seen where nothing stands, linear 0 to 1."},
+                scenario.background_rgb);
+  table.object({"lighting", "Shading."},
+               [&](ConfigTable& t) { describe_lighting(t, scenario.lighting); });
 }
 
 // `with_defaults`: the key robot_defaults exists in files that people write; a written scenario
@@ -213,10 +270,13 @@ void describe_scenario(ConfigTable& table, Scenario& scenario, bool with_default
   table.format("seam-scenario/1");
   table.text({"name", "A short name."}, scenario.name);
   table.text({"description", "What it is for."}, scenario.description);
-  table.seconds({"duration_s", "Length of the run in simulated time, s.", true}, scenario.duration, {0.001, 1e6});
-  table.integer({"seed", "Of all randomness."}, scenario.seed, 0, std::numeric_limits<int64_t>::max());
+  table.seconds({"duration_s", "Length of the run in simulated time, s.", true}, scenario.duration,
+                {0.001, 1e6});
+  table.integer({"seed", "Of all randomness."}, scenario.seed, 0,
+                std::numeric_limits<int64_t>::max());
   table.seconds({"step_s", "World step, s."}, scenario.step, {0.0001, 0.1});
-  table.integer({"physics_substeps", "Physics steps in each world step."}, scenario.physics_substeps, 1, 1000);
+  table.integer({"physics_substeps", "Physics steps in each world step."},
+                scenario.physics_substeps, 1, 1000);
   const SimDuration substep = scenario.step / scenario.physics_substeps;
   table.require(substep * scenario.physics_substeps == scenario.step, "physics_substeps",
                 "expected a divisor of the step in nanoseconds");
@@ -229,10 +289,14 @@ void describe_scenario(ConfigTable& table, Scenario& scenario, bool with_default
                  [&](ConfigTable& t) { describe_common(t, defaults); });
   }
   describe_robots(table, scenario, defaults);
-  table.object({"radio", "The radio between team mates."}, [&](ConfigTable& t) { describe_radio(t, scenario.radio); });
-  table.object({"referee", "The rules."}, [&](ConfigTable& t) { describe_referee(t, scenario.referee); });
-  table.text({"supervisor_token", "The secret of the supervisor; left out: the server makes one."}, scenario.supervisor_token);
-  table.text({"render_token", "The secret of the operator's rendering processes; left out: the server makes one."},
+  table.object({"radio", "The radio between team mates."},
+               [&](ConfigTable& t) { describe_radio(t, scenario.radio); });
+  table.object({"referee", "The rules."},
+               [&](ConfigTable& t) { describe_referee(t, scenario.referee); });
+  table.text({"supervisor_token", "The secret of the supervisor; left out: the server makes one."},
+             scenario.supervisor_token);
+  table.text({"render_token",
+              "The secret of the operator's rendering processes; left out: the server makes one."},
              scenario.render_token);
 }
 
@@ -245,7 +309,9 @@ Scenario from_node(const ConfigNode& root) {
 
 }  // namespace
 
-Scenario Scenario::from_file(const std::filesystem::path& path) { return from_node(ConfigNode::from_file(path)); }
+Scenario Scenario::from_file(const std::filesystem::path& path) {
+  return from_node(ConfigNode::from_file(path));
+}
 
 Scenario Scenario::from_text(const std::string& yaml, const std::string& name) {
   return from_node(ConfigNode::from_text(yaml, name));
@@ -258,7 +324,8 @@ std::string Scenario::to_yaml() const {
 
 std::string Scenario::schema() {
   Scenario scenario;
-  return config_schema("SEAM scenario", [&](ConfigTable& table) { describe_scenario(table, scenario, true); });
+  return config_schema("SEAM scenario",
+                       [&](ConfigTable& table) { describe_scenario(table, scenario, true); });
 }
 
 size_t Scenario::robot_index(const std::string& id) const {

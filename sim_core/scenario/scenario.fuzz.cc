@@ -1,6 +1,7 @@
 // Whatever a scenario file holds, reading it ends in a scenario or an InputError.
-#include "sim_core/base/error.h"
 #include "sim_core/scenario/scenario.h"
+
+#include "sim_core/base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {

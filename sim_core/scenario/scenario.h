@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/scene/field.h"
-#include "sim_core/body/robot_body.h"
 #include "sim_core/base/time.h"
+#include "sim_core/body/robot_body.h"
+#include "sim_core/scene/field.h"
 
 namespace seam {
 
@@ -50,11 +50,13 @@ struct CameraSpec {
 enum class SilencePolicy : uint8_t { wait, freeze, abort };
 
 struct BehaviourSpec {
-  std::vector<std::string> command;  // argv; argv[0] is a name in <build>/behaviours/. Empty: none is started.
+  std::vector<std::string>
+      command;  // argv; argv[0] is a name in <build>/behaviours/. Empty: none is started.
   ClockSpec clock = {.period = SimDuration::from_ns(32'000'000)};
   SimDuration decision_latency;  // 0: the next world step.
   SilencePolicy silence = SilencePolicy::wait;
-  SimDuration wall_limit = SimDuration::from_ns(5'000'000'000);  // Of wall-clock time, before the policy acts.
+  SimDuration wall_limit =
+      SimDuration::from_ns(5'000'000'000);  // Of wall-clock time, before the policy acts.
 };
 
 // A sensor's clock and quality. A reading of time t reaches the behaviour at t + latency.
@@ -75,15 +77,16 @@ struct SensorsSpec {
 struct RobotSpec {
   std::string id;
   Team team = Team::red;
-  int64_t number = 1;   // On the uniform, 1 to 11.
-  std::string token;    // The secret with which its behaviour connects. Empty: derived by the server.
+  int64_t number = 1;  // On the uniform, 1 to 11.
+  std::string token;  // The secret with which its behaviour connects. Empty: derived by the server.
   Pose2 pose;
   RobotBody body;
   CameraSpec camera;
   BehaviourSpec behaviour;
   SensorsSpec sensors;
   std::array<double, kHeadJoints> head_rad{0, 0, 0};  // Tilt, pan, roll at the start.
-  double head_speed_radps = 0;  // Replaces the head's top speeds when positive (the paper's 300 deg/s).
+  double head_speed_radps =
+      0;  // Replaces the head's top speeds when positive (the paper's 300 deg/s).
 };
 
 struct BallSpec {
@@ -98,9 +101,9 @@ struct BallSpec {
 
 struct RadioSpec {
   SimDuration latency = SimDuration::from_ns(20'000'000);
-  double loss = 0;             // Chance that a message is lost.
+  double loss = 0;  // Chance that a message is lost.
   double range_m = 20;
-  double bytes_per_s = 100000; // Of each sender.
+  double bytes_per_s = 100000;  // Of each sender.
   int64_t max_message_bytes = 1024;
 };
 
@@ -111,15 +114,16 @@ struct RefereeSpec {
   SimDuration ready = SimDuration::from_ns(15'000'000'000);  // Robots walk to their places.
   SimDuration set = SimDuration::from_ns(5'000'000'000);
   SimDuration penalty = SimDuration::from_ns(30'000'000'000);
-  SimDuration holding = SimDuration::from_ns(3'000'000'000);   // Longest hold of the ball.
-  SimDuration stuck = SimDuration::from_ns(20'000'000'000);    // Longest time without the ball moving.
+  SimDuration holding = SimDuration::from_ns(3'000'000'000);  // Longest hold of the ball.
+  SimDuration stuck =
+      SimDuration::from_ns(20'000'000'000);  // Longest time without the ball moving.
   Team kick_off = Team::red;
 };
 
 // An extra object, with the keys of seam-scene/1.
 struct ObjectSpec {
   Shape shape = Shape::box;
-  Vec3 centre_m{0.0};    // Of a cylinder the middle of its base.
+  Vec3 centre_m{0.0};  // Of a cylinder the middle of its base.
   Vec3 velocity_mps{0.0};
   Vec3 size_m{0.1};      // As Primitive::size.
   Vec3 normal{0, 0, 1};  // Of a rectangle.

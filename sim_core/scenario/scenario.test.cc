@@ -37,8 +37,10 @@ TEST(Scenario, ErrorsNameFileLineAndKey) {
   EXPECT_NE(error_of(head + "field: nowhere.yaml\n").find("s.yaml:3: field: "), std::string::npos);
   const std::string body = "body: '" + kSource + "/models/robot_ers210.yaml'";
   const std::string robot = "  - {id: a, team: red, pose: {x_m: 0, y_m: 0}, " + body + "}\n";
-  EXPECT_NE(error_of(head + "robots:\n" + robot + robot).find("found two robots with the id 'a'"), std::string::npos);
-  EXPECT_NE(error_of(head + "robots:\n  - {id: a, team: red, pose: {x_m: 0, y_m: 0}}\n").find("robot without a body"),
+  EXPECT_NE(error_of(head + "robots:\n" + robot + robot).find("found two robots with the id 'a'"),
+            std::string::npos);
+  EXPECT_NE(error_of(head + "robots:\n  - {id: a, team: red, pose: {x_m: 0, y_m: 0}}\n")
+                .find("robot without a body"),
             std::string::npos);
   EXPECT_NE(error_of("format: seam-model/1\n").find("seam-scenario/1"), std::string::npos);
 }
@@ -47,13 +49,18 @@ TEST(Scenario, ErrorsNameFileLineAndKey) {
 TEST(Scenario, ObjectsAreThoseOfSceneFiles) {
   const std::string objects =
       "objects:\n"
-      "  - {shape: rectangle, centre_m: [1, 2, 3], size_m: [4.2, 2.7], normal: [1, 1, 0.5], rgb: [0.1, 0.2, 0.3]}\n"
-      "  - {shape: sphere, centre_m: [0.8, 0.1, 0.042], radius_m: 0.042, rgb: [0.9, 0.3, 0.02], velocity_mps: [0, 0.5, 0]}\n"
-      "  - {shape: cylinder, base_m: [2.2, 1.45, 0.0], radius_m: 0.05, height_m: 0.4, rgb: [0.9, 0.4, 0.5]}\n"
-      "  - {shape: box, centre_m: [1.5, -0.5, 0.1], size_m: [0.27, 0.15, 0.2], yaw_rad: 0.4, rgb: [0.2, 0.2, 0.2]}\n";
-  const auto scene =
-      read_scene(ConfigNode::from_text("format: seam-scene/1\nbackground_rgb: [0, 0, 0]\n" + objects, "scene"));
-  const std::string rest = "format: seam-scenario/1\nduration_s: 1\nhas_field: false\nball: {present: false}\n";
+      "  - {shape: rectangle, centre_m: [1, 2, 3], size_m: [4.2, 2.7], normal: [1, 1, 0.5], rgb: "
+      "[0.1, 0.2, 0.3]}\n"
+      "  - {shape: sphere, centre_m: [0.8, 0.1, 0.042], radius_m: 0.042, rgb: [0.9, 0.3, 0.02], "
+      "velocity_mps: [0, 0.5, 0]}\n"
+      "  - {shape: cylinder, base_m: [2.2, 1.45, 0.0], radius_m: 0.05, height_m: 0.4, rgb: [0.9, "
+      "0.4, 0.5]}\n"
+      "  - {shape: box, centre_m: [1.5, -0.5, 0.1], size_m: [0.27, 0.15, 0.2], yaw_rad: 0.4, rgb: "
+      "[0.2, 0.2, 0.2]}\n";
+  const auto scene = read_scene(ConfigNode::from_text(
+      "format: seam-scene/1\nbackground_rgb: [0, 0, 0]\n" + objects, "scene"));
+  const std::string rest =
+      "format: seam-scenario/1\nduration_s: 1\nhas_field: false\nball: {present: false}\n";
   const Scenario scenario = Scenario::from_text(rest + objects, "scenario");
   const World world(Scenario::from_text(scenario.to_yaml(), "copy"));
   std::vector<Primitive> expected, found;

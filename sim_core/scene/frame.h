@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sim_core/base/random.h"
-#include "sim_core/scene/scene.h"
 #include "sim_core/base/time.h"
+#include "sim_core/scene/scene.h"
 
 namespace seam {
 
@@ -24,18 +24,20 @@ struct RowWindow {
 struct RowSchedule {
   std::vector<SimTime> instants;
   std::vector<RowWindow> rows;
-  std::vector<int> first_instant;           // For each row, where its weights start.
-  std::vector<std::vector<double>> weights;  // For each row; weights[row][k] is of instant first + k.
+  std::vector<int> first_instant;  // For each row, where its weights start.
+  std::vector<std::vector<double>>
+      weights;  // For each row; weights[row][k] is of instant first + k.
 };
 
 // Everything a renderer needs to make one frame, and nothing of the live world.
 struct FrameJob {
-  std::string robot;        // Whose camera, and with it which model.
+  std::string robot;         // Whose camera, and with it which model.
   uint64_t frame_index = 0;  // By the camera's clock.
-  SimTime stamp;            // Start of row 0 by the camera's clock.
+  SimTime stamp;             // Start of row 0 by the camera's clock.
   RowSchedule schedule;
   std::vector<SceneInstant> instants;  // One for each of schedule.instants, in that order.
-  std::vector<Pose> row_cameras;  // X_WC at the middle of each row's window; empty unless asked for.
+  std::vector<Pose>
+      row_cameras;  // X_WC at the middle of each row's window; empty unless asked for.
   Rgb background{0, 0, 0};
   Lighting lighting;
   RandomStream camera_noise;  // Of this camera: fixed patterns are drawn from it alone.
@@ -49,13 +51,13 @@ struct Frame {
   int width_px = 0;
   int height_px = 0;
   std::vector<RowWindow> rows;
-  std::vector<uint8_t> rgb;     // Row-major, interleaved, 8 bits: what the sensor's ADC gives.
-  std::vector<uint8_t> ycrcb;   // The same as OPEN-R's Y, Cr, Cb.
+  std::vector<uint8_t> rgb;    // Row-major, interleaved, 8 bits: what the sensor's ADC gives.
+  std::vector<uint8_t> ycrcb;  // The same as OPEN-R's Y, Cr, Cb.
   // The colour detection table's output, a bit a channel; empty where the camera has no table.
   std::vector<uint8_t> colours;
   int colours_width_px = 0;
   int colours_height_px = 0;
-  uint64_t fingerprint = 0;     // Over size, stamp, row windows and rgb, in that order.
+  uint64_t fingerprint = 0;  // Over size, stamp, row windows and rgb, in that order.
 };
 
 }  // namespace seam

@@ -23,8 +23,22 @@ using Rgb = std::array<double, 3>;  // Linear radiance, 0 to 1 is the camera's n
 
 // Ground-truth classes; also the index of the colour class where an object has one.
 enum class Label : uint8_t {
-  background, carpet, line, wall, ball, goal_yellow, goal_skyblue, beacon_pink, beacon_yellow,
-  beacon_skyblue, beacon_green, beacon_white, robot_red, robot_blue, robot_body, other,
+  background,
+  carpet,
+  line,
+  wall,
+  ball,
+  goal_yellow,
+  goal_skyblue,
+  beacon_pink,
+  beacon_yellow,
+  beacon_skyblue,
+  beacon_green,
+  beacon_white,
+  robot_red,
+  robot_blue,
+  robot_body,
+  other,
 };
 
 struct Primitive {

@@ -31,7 +31,8 @@ class FileScene final : public SceneSource {
 Rgb read_rgb(const ConfigNode& node) {
   const auto values = node.numbers(3);
   for (const double value : values) {
-    if (value < 0 || value > 1e6) node.fail(fmt::format("found {}, expected linear radiance of 0 or more", value));
+    if (value < 0 || value > 1e6)
+      node.fail(fmt::format("found {}, expected linear radiance of 0 or more", value));
   }
   return {values[0], values[1], values[2]};
 }
@@ -67,7 +68,8 @@ MovingPrimitive read_object(const ConfigNode& node, uint16_t id) {
       primitive.size = {sides[0], sides[1], 0};
       const auto normal = node.find("normal");
       const Vec3 direction = normal ? normal->vec3() : Vec3{0, 0, 1};
-      primitive.X_WO = {rectangle_axes(normal ? *normal : node, direction), node.at("centre_m").vec3()};
+      primitive.X_WO = {rectangle_axes(normal ? *normal : node, direction),
+                        node.at("centre_m").vec3()};
       break;
     }
     case 1:
@@ -89,7 +91,8 @@ MovingPrimitive read_object(const ConfigNode& node, uint16_t id) {
       if (!(primitive.size.x > 0 && primitive.size.y > 0 && primitive.size.z > 0)) {
         size.fail("expected three lengths of more than 0 metres");
       }
-      primitive.X_WO = {rotation_about({0, 0, 1}, node.number_or("yaw_rad", 0, {-1e3, 1e3})), node.at("centre_m").vec3()};
+      primitive.X_WO = {rotation_about({0, 0, 1}, node.number_or("yaw_rad", 0, {-1e3, 1e3})),
+                        node.at("centre_m").vec3()};
     }
   }
   primitive.rgb = read_rgb(node.at("rgb"));
@@ -109,7 +112,8 @@ std::unique_ptr<SceneSource> read_scene(const ConfigNode& root) {
   if (const auto light = root.find("light")) {
     const ConfigNode direction = light->at("direction");
     const Vec3 towards = direction.vec3();
-    if (!(glm::length(towards) > 1e-12)) direction.fail("found a zero vector, expected a direction");
+    if (!(glm::length(towards) > 1e-12))
+      direction.fail("found a zero vector, expected a direction");
     scene->lighting_.direction_W = glm::normalize(towards);
     scene->lighting_.ambient = light->number_or("ambient", 0.4, {0, 1e3});
     scene->lighting_.diffuse = light->number_or("diffuse", 0.6, {0, 1e3});
@@ -120,12 +124,15 @@ std::unique_ptr<SceneSource> read_scene(const ConfigNode& root) {
   const auto objects = root.find("objects");
   if (objects) {
     uint16_t id = 1;
-    for (const ConfigNode& node : objects->items()) scene->objects_.push_back(read_object(node, id++));
+    for (const ConfigNode& node : objects->items())
+      scene->objects_.push_back(read_object(node, id++));
   }
   root.finish();
   return scene;
 }
 
-std::unique_ptr<SceneSource> read_scene(const std::filesystem::path& path) { return read_scene(ConfigNode::from_file(path)); }
+std::unique_ptr<SceneSource> read_scene(const std::filesystem::path& path) {
+  return read_scene(ConfigNode::from_file(path));
+}
 
 }  // namespace seam

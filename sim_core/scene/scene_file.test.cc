@@ -10,9 +10,11 @@
 namespace seam {
 namespace {
 
-std::unique_ptr<SceneSource> scene(const std::string& objects, const std::string& head = "shading: flat\n") {
+std::unique_ptr<SceneSource> scene(const std::string& objects,
+                                   const std::string& head = "shading: flat\n") {
   return read_scene(ConfigNode::from_text(
-      "format: seam-scene/1\nbackground_rgb: [0.1, 0.2, 0.3]\n" + head + "objects:\n" + objects, "scene.yaml"));
+      "format: seam-scene/1\nbackground_rgb: [0.1, 0.2, 0.3]\n" + head + "objects:\n" + objects,
+      "scene.yaml"));
 }
 
 std::string message_of(const std::string& objects, const std::string& head = "shading: flat\n") {
@@ -25,8 +27,10 @@ std::string message_of(const std::string& objects, const std::string& head = "sh
 }
 
 TEST(SceneFile, ObjectsMoveFromTheirPlaceAtTimeZero) {
-  const auto source = scene("  - {shape: sphere, centre_m: [1, 2, 3], radius_m: 0.1, rgb: [1, 0, 0], velocity_mps: [0, 0.5, 0]}\n"
-                            "  - {shape: cylinder, base_m: [2, 1, 0], radius_m: 0.05, height_m: 0.4, rgb: [0, 1, 0]}\n");
+  const auto source = scene(
+      "  - {shape: sphere, centre_m: [1, 2, 3], radius_m: 0.1, rgb: [1, 0, 0], velocity_mps: [0, "
+      "0.5, 0]}\n"
+      "  - {shape: cylinder, base_m: [2, 1, 0], radius_m: 0.05, height_m: 0.4, rgb: [0, 1, 0]}\n");
   std::vector<Primitive> now;
   source->primitives_at(SimTime::from_s(2), now);
   ASSERT_EQ(now.size(), 2u);
@@ -37,7 +41,8 @@ TEST(SceneFile, ObjectsMoveFromTheirPlaceAtTimeZero) {
 }
 
 TEST(SceneFile, RectanglesStandUprightWithALevelFirstSide) {
-  const std::string rectangle = "  - {shape: rectangle, centre_m: [0, 0, 0], size_m: [4.2, 2.7], rgb: [1, 0, 0], normal: ";
+  const std::string rectangle =
+      "  - {shape: rectangle, centre_m: [0, 0, 0], size_m: [4.2, 2.7], rgb: [1, 0, 0], normal: ";
   const auto source = scene(rectangle + "[0, 0, 1]}\n" + rectangle + "[2, 0, 0]}\n");
   std::vector<Primitive> now;
   source->primitives_at(SimTime(), now);
@@ -50,11 +55,15 @@ TEST(SceneFile, RectanglesStandUprightWithALevelFirstSide) {
 
 TEST(SceneFile, BadInputIsNamed) {
   EXPECT_THAT(message_of("  - {shape: ball}\n"), testing::HasSubstr("sphere"));
-  EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2, 3], radius_m: -1, rgb: [1, 0, 0]}\n"),
-              testing::HasSubstr("radius_m"));
-  EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2], radius_m: 1, rgb: [1, 0, 0]}\n"), testing::HasSubstr("centre_m"));
-  EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2, 3], radius_m: 1, colour: red, rgb: [1, 0, 0]}\n"),
-              testing::HasSubstr("colour"));
+  EXPECT_THAT(
+      message_of("  - {shape: sphere, centre_m: [1, 2, 3], radius_m: -1, rgb: [1, 0, 0]}\n"),
+      testing::HasSubstr("radius_m"));
+  EXPECT_THAT(message_of("  - {shape: sphere, centre_m: [1, 2], radius_m: 1, rgb: [1, 0, 0]}\n"),
+              testing::HasSubstr("centre_m"));
+  EXPECT_THAT(
+      message_of(
+          "  - {shape: sphere, centre_m: [1, 2, 3], radius_m: 1, colour: red, rgb: [1, 0, 0]}\n"),
+      testing::HasSubstr("colour"));
   EXPECT_THAT(message_of("  []\n", "shading: lambert\n"), testing::HasSubstr("light"));
 }
 

@@ -42,21 +42,25 @@ bool BallPlay::ball_in(const Reach& reach, const PlanarBody& body, const PlanarB
   const double c = maths::cos(body.theta_rad), s = maths::sin(body.theta_rad);
   const double dx = ball.x_m - body.x_m, dy = ball.y_m - body.y_m;
   const double forward = c * dx + s * dy, left = c * dy - s * dx;
-  return forward >= reach.min_x_m && forward <= reach.max_x_m && left >= reach.min_y_m && left <= reach.max_y_m;
+  return forward >= reach.min_x_m && forward <= reach.max_x_m && left >= reach.min_y_m &&
+         left <= reach.max_y_m;
 }
 
-void BallPlay::act(SimTime time, SimDuration step, PhysicsState& state, std::vector<WorldEvent>& events) {
+void BallPlay::act(SimTime time, SimDuration step, PhysicsState& state,
+                   std::vector<WorldEvent>& events) {
   if (!scenario_->ball.present) return;
   for (size_t i = 0; i < players_.size(); ++i) act_one(i, time, step, state, events);
 }
 
-void BallPlay::hit(size_t robot, PhysicsState& state, std::vector<WorldEvent>& events, SimTime time) {
+void BallPlay::hit(size_t robot, PhysicsState& state, std::vector<WorldEvent>& events,
+                   SimTime time) {
   Player& player = players_[robot];
   const KickSpec& kick = scenario_->robots[robot].body.kick(player.kick);
-  const RandomStream noise = stream_.child(static_cast<uint64_t>(robot)).child(static_cast<uint64_t>(player.start.ns()));
+  const RandomStream noise =
+      stream_.child(static_cast<uint64_t>(robot)).child(static_cast<uint64_t>(player.start.ns()));
   const double speed = kick.speed_mps * std::max(0.0, 1 + kick.speed_sigma * normal(noise, 0));
-  const double direction =
-      state.robots[robot].theta_rad + kick.direction_rad + kick.direction_sigma_rad * normal(noise, 1);
+  const double direction = state.robots[robot].theta_rad + kick.direction_rad +
+                           kick.direction_sigma_rad * normal(noise, 1);
   state.ball.vx_mps = speed * maths::cos(direction);
   state.ball.vy_mps = speed * maths::sin(direction);
   player.holding = false;
@@ -69,9 +73,11 @@ void BallPlay::act_one(size_t robot, SimTime time, SimDuration step, PhysicsStat
   const RobotBody& body = scenario_->robots[robot].body;
   const PlanarBody& place = state.robots[robot];
   if (player.kick == Kick::grab || player.kick == Kick::release) {
-    const bool grabs = player.kick == Kick::grab && holder() < 0 && ball_in(body.grab, place, state.ball);
+    const bool grabs =
+        player.kick == Kick::grab && holder() < 0 && ball_in(body.grab, place, state.ball);
     if (grabs) events.push_back({time, "grab", static_cast<int>(robot), ""});
-    if (player.kick == Kick::release && player.holding) events.push_back({time, "release", static_cast<int>(robot), ""});
+    if (player.kick == Kick::release && player.holding)
+      events.push_back({time, "release", static_cast<int>(robot), ""});
     player.holding = grabs || (player.holding && player.kick != Kick::release);
     player.kick = Kick::none;
   } else if (player.kick != Kick::none) {
@@ -109,7 +115,8 @@ void BallPlay::Player::visit(StateVisitor& visitor) {
 void BallPlay::visit(StateVisitor& visitor) {
   for (Player& player : players_) {
     player.visit(visitor);
-    if (static_cast<size_t>(player.kick) >= kKicks) throw InputError("snapshot: a kick of an unknown kind");
+    if (static_cast<size_t>(player.kick) >= kKicks)
+      throw InputError("snapshot: a kick of an unknown kind");
   }
 }
 

@@ -1,16 +1,16 @@
-// Kicks and grabs: short motions of head or legs from the robot's body file. A kick hits a ball that
-// lies within its reach at its moment of impact; the speed and direction that it gives are drawn
-// with the spread stated there. Paws and head that merely move against the ball push it through the
-// physics alone.
+// Kicks and grabs: short motions of head or legs from the robot's body file. A kick hits a ball
+// that lies within its reach at its moment of impact; the speed and direction that it gives are
+// drawn with the spread stated there. Paws and head that merely move against the ball push it
+// through the physics alone.
 #pragma once
 
 #include <vector>
 
-#include "sim_core/body/command.h"
-#include "sim_core/world/physics.h"
 #include "sim_core/base/random.h"
-#include "sim_core/scenario/scenario.h"
+#include "sim_core/body/command.h"
 #include "sim_core/body/state.h"
+#include "sim_core/scenario/scenario.h"
+#include "sim_core/world/physics.h"
 #include "sim_core/world/world.h"
 
 namespace seam {
@@ -39,7 +39,8 @@ class BallPlay {
     bool holding = false;
     void visit(StateVisitor& visitor);
   };
-  void act_one(size_t robot, SimTime time, SimDuration step, PhysicsState& state, std::vector<WorldEvent>& events);
+  void act_one(size_t robot, SimTime time, SimDuration step, PhysicsState& state,
+               std::vector<WorldEvent>& events);
   void hit(size_t robot, PhysicsState& state, std::vector<WorldEvent>& events, SimTime time);
   bool ball_in(const Reach& reach, const PlanarBody& body, const PlanarBody& ball) const;
 

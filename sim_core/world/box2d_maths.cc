@@ -9,9 +9,13 @@
 
 extern "C" {
 
-float sinf(float x) noexcept { return static_cast<float>(seam::maths::sin(static_cast<double>(x))); }
+float sinf(float x) noexcept {
+  return static_cast<float>(seam::maths::sin(static_cast<double>(x)));
+}
 
-float cosf(float x) noexcept { return static_cast<float>(seam::maths::cos(static_cast<double>(x))); }
+float cosf(float x) noexcept {
+  return static_cast<float>(seam::maths::cos(static_cast<double>(x)));
+}
 
 void sincosf(float x, float* sine, float* cosine) noexcept {
   *sine = sinf(x);
@@ -22,6 +26,8 @@ void sincosf(float x, float* sine, float* cosine) noexcept {
 
 namespace seam {
 
-float box2d_sine(float x) { return sinf(x); }
+float box2d_sine(float x) {
+  return sinf(x);
+}
 
 }  // namespace seam

@@ -44,12 +44,14 @@ Attitude attitude_on_paws(const RobotBody& body, const std::array<Vec3, kLegs>& 
           .roll_rad = maths::atan2(-b, 1.0)};
 }
 
-void gait_angles(const RobotBody& body, double phase, const BodyVelocity& stride, JointAngles& joints) {
+void gait_angles(const RobotBody& body, double phase, const BodyVelocity& stride,
+                 JointAngles& joints) {
   const Gait& gait = body.gait;
   const double reach = body.upper_leg_m + body.lower_front_m;
-  const double speed = std::max({std::abs(stride.vx_mps) / std::max(gait.max_vx_mps, 1e-6),
-                                 std::abs(stride.vy_mps) / std::max(gait.max_vy_mps, 1e-6),
-                                 std::abs(stride.omega_radps) / std::max(gait.max_omega_radps, 1e-6)});
+  const double speed =
+      std::max({std::abs(stride.vx_mps) / std::max(gait.max_vx_mps, 1e-6),
+                std::abs(stride.vy_mps) / std::max(gait.max_vy_mps, 1e-6),
+                std::abs(stride.omega_radps) / std::max(gait.max_omega_radps, 1e-6)});
   const double lift = gait.lift_knee_rad * std::min(1.0, 2 * speed);
   for (int leg = 0; leg < kLegs; ++leg) {
     const double sx = leg_side_x(leg), sy = leg_side_y(leg);
@@ -58,11 +60,14 @@ void gait_angles(const RobotBody& body, double phase, const BodyVelocity& stride
     const double sweep = maths::cos(angle);
     const double up = std::max(0.0, maths::sin(angle));  // In the air during the first half.
     // The paw's travel over ground, half a stride each way, as an angle at the shoulder.
-    const double forward = 0.25 * gait.step_s * (stride.vx_mps - sy * body.shoulder_y_m * stride.omega_radps) / reach;
-    const double sideways = 0.25 * gait.step_s * (stride.vy_mps + sx * body.shoulder_x_m * stride.omega_radps) / reach;
+    const double forward =
+        0.25 * gait.step_s * (stride.vx_mps - sy * body.shoulder_y_m * stride.omega_radps) / reach;
+    const double sideways =
+        0.25 * gait.step_s * (stride.vy_mps + sx * body.shoulder_x_m * stride.omega_radps) / reach;
     // In the air the leg moves forwards, from -1 to +1 of the sweep.
     joints[static_cast<size_t>(leg_joint(leg, 0))] = gait.stance_rotator_rad - sx * forward * sweep;
-    joints[static_cast<size_t>(leg_joint(leg, 1))] = gait.stance_elevator_rad - sy * sideways * sweep;
+    joints[static_cast<size_t>(leg_joint(leg, 1))] =
+        gait.stance_elevator_rad - sy * sideways * sweep;
     joints[static_cast<size_t>(leg_joint(leg, 2))] = gait.stance_knee_rad + lift * up * up;
   }
 }

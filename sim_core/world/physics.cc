@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "sim_core/world/box2d_maths.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/world/box2d_maths.h"
 
 namespace seam {
 namespace {
@@ -19,10 +19,20 @@ constexpr int kPositionIterations = 3;
 // Slower contacts do not bounce, m/s; ends the ever smaller bounces of a ball at rest.
 constexpr double kBounceThreshold = 0.02;
 
-enum Category : uint16 { kFieldCategory = 1, kRobotCategory = 2, kBallCategory = 4, kLimbCategory = 8, kNothing = 0 };
+enum Category : uint16 {
+  kFieldCategory = 1,
+  kRobotCategory = 2,
+  kBallCategory = 4,
+  kLimbCategory = 8,
+  kNothing = 0
+};
 
-float scaled(double metres) { return static_cast<float>(metres * kScale); }
-double metres(float length) { return static_cast<double>(length) / kScale; }
+float scaled(double metres) {
+  return static_cast<float>(metres * kScale);
+}
+double metres(float length) {
+  return static_cast<double>(length) / kScale;
+}
 
 // Fixture user data: who it is. 0 is the field, 1 the ball, 2 + i robot i (or its limb).
 constexpr uintptr_t kBallTag = 1;
@@ -104,7 +114,8 @@ class Physics::Impl {
   void build(b2World& world, const PhysicsState& state) {
     if (scenario.has_field) add_field(world);
     robots.clear();
-    for (size_t i = 0; i < state.robots.size(); ++i) robots.push_back(add_robot(world, state.robots[i], i));
+    for (size_t i = 0; i < state.robots.size(); ++i)
+      robots.push_back(add_robot(world, state.robots[i], i));
     ball = scenario.ball.present ? add_ball(world, state.ball) : nullptr;
     limbs.clear();
     for (const Limb& limb : state.limbs) limbs.push_back(add_limb(world, limb));
@@ -156,14 +167,17 @@ class Physics::Impl {
     b2Body* body = world.CreateBody(&definition);
     b2PolygonShape box;
     const float skin = box.m_radius;
-    box.SetAsBox(scaled(0.5 * robot.footprint_length_m) - skin, scaled(0.5 * robot.footprint_width_m) - skin,
+    box.SetAsBox(scaled(0.5 * robot.footprint_length_m) - skin,
+                 scaled(0.5 * robot.footprint_width_m) - skin,
                  b2Vec2(scaled(robot.footprint_x_m), 0), 0);
     b2FixtureDef fixture;
     fixture.shape = &box;
     fixture.friction = 0.3f;
-    fixture.density = static_cast<float>(robot.mass_kg) / (scaled(robot.footprint_length_m) * scaled(robot.footprint_width_m));
+    fixture.density = static_cast<float>(robot.mass_kg) /
+                      (scaled(robot.footprint_length_m) * scaled(robot.footprint_width_m));
     fixture.filter.categoryBits = kRobotCategory;
-    fixture.filter.maskBits = state.solid ? kFieldCategory | kRobotCategory | kBallCategory : kNothing;
+    fixture.filter.maskBits =
+        state.solid ? kFieldCategory | kRobotCategory | kBallCategory : kNothing;
     fixture.userData.pointer = kFirstRobotTag + index;
     body->CreateFixture(&fixture);
     b2MassData mass = {static_cast<float>(robot.mass_kg), b2Vec2(0, 0), 0};
@@ -185,11 +199,14 @@ class Physics::Impl {
     b2FixtureDef fixture;
     fixture.shape = &disc;
     fixture.friction = 0;  // Mixed with others as the geometric mean: no friction at all.
-    fixture.restitution = static_cast<float>(scenario.ball.restitution);  // Mixed as the larger one.
-    fixture.restitutionThreshold = scaled(kBounceThreshold);              // Mixed as the smaller one.
-    fixture.density = static_cast<float>(scenario.ball.mass_kg) / (b2_pi * disc.m_radius * disc.m_radius);
+    fixture.restitution =
+        static_cast<float>(scenario.ball.restitution);        // Mixed as the larger one.
+    fixture.restitutionThreshold = scaled(kBounceThreshold);  // Mixed as the smaller one.
+    fixture.density =
+        static_cast<float>(scenario.ball.mass_kg) / (b2_pi * disc.m_radius * disc.m_radius);
     fixture.filter.categoryBits = kBallCategory;
-    fixture.filter.maskBits = state.solid ? kFieldCategory | kRobotCategory | kLimbCategory : kNothing;
+    fixture.filter.maskBits =
+        state.solid ? kFieldCategory | kRobotCategory | kLimbCategory : kNothing;
     fixture.userData.pointer = kBallTag;
     body->CreateFixture(&fixture);
     return body;
@@ -217,9 +234,11 @@ class Physics::Impl {
       robots[i]->SetLinearVelocity(b2Vec2(scaled(robot.vx_mps), scaled(robot.vy_mps)));
       robots[i]->SetAngularVelocity(static_cast<float>(robot.omega_radps));
     }
-    if (ball != nullptr) ball->SetLinearVelocity(b2Vec2(scaled(state.ball.vx_mps), scaled(state.ball.vy_mps)));
+    if (ball != nullptr)
+      ball->SetLinearVelocity(b2Vec2(scaled(state.ball.vx_mps), scaled(state.ball.vy_mps)));
     for (size_t i = 0; i < limbs.size(); ++i) {
-      limbs[i]->SetLinearVelocity(b2Vec2(scaled(state.limbs[i].vx_mps), scaled(state.limbs[i].vy_mps)));
+      limbs[i]->SetLinearVelocity(
+          b2Vec2(scaled(state.limbs[i].vx_mps), scaled(state.limbs[i].vy_mps)));
     }
   }
 
@@ -255,6 +274,8 @@ void Physics::advance(PhysicsState& state, double h_s, int64_t substeps, const H
   impl_->advance(state, h_s, substeps, hooks);
 }
 
-const std::vector<BallContact>& Physics::ball_contacts() const { return impl_->log.contacts; }
+const std::vector<BallContact>& Physics::ball_contacts() const {
+  return impl_->log.contacts;
+}
 
 }  // namespace seam

@@ -11,8 +11,8 @@
 #include <memory>
 #include <vector>
 
-#include "sim_core/scenario/scenario.h"
 #include "sim_core/body/state.h"
+#include "sim_core/scenario/scenario.h"
 
 namespace seam {
 

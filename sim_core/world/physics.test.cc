@@ -199,7 +199,8 @@ TEST(Physics, HitsOfRandomBodiesKeepMomentumAndSpin) {
     EXPECT_GT(std::abs(state.robots[0].vx_mps) + std::abs(state.robots[0].omega_radps), 0);
     EXPECT_NEAR(after.x_ns, before.x_ns, 1e-5) << trial;
     EXPECT_NEAR(after.y_ns, before.y_ns, 1e-5) << trial;
-    // Bodies that sank into each other are put apart without a change of their velocities, which moves their lever.
+    // Bodies that sank into each other are put apart without a change of their velocities, which
+    // moves their lever.
     EXPECT_NEAR(after.spin_nms, before.spin_nms, 2e-3) << trial;
   }
 }

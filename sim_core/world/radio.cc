@@ -14,21 +14,31 @@ constexpr SimDuration kLongestQueue = SimDuration::from_ns(1'000'000'000);
 
 }  // namespace
 
-Radio::Radio(const RadioSpec& spec, std::vector<std::string> ids, std::vector<Team> teams, RandomStream stream)
-    : spec_(&spec), ids_(std::move(ids)), teams_(std::move(teams)), stream_(stream), senders_(ids_.size()) {}
+Radio::Radio(const RadioSpec& spec, std::vector<std::string> ids, std::vector<Team> teams,
+             RandomStream stream)
+    : spec_(&spec),
+      ids_(std::move(ids)),
+      teams_(std::move(teams)),
+      stream_(stream),
+      senders_(ids_.size()) {}
 
-std::vector<std::pair<size_t, RadioFate>> Radio::send(size_t from, const std::string& payload, SimTime time,
+std::vector<std::pair<size_t, RadioFate>> Radio::send(size_t from, const std::string& payload,
+                                                      SimTime time,
                                                       const std::vector<Pose2>& places) {
   Sender& sender = senders_.at(from);
   const int64_t sequence = sender.sequence++;
   const SimTime begin = std::max(time, sender.free_at);
   const bool full = begin - time > kLongestQueue;
-  if (!full) sender.free_at = begin + SimDuration::from_s(static_cast<double>(payload.size()) / spec_->bytes_per_s);
+  if (!full)
+    sender.free_at =
+        begin + SimDuration::from_s(static_cast<double>(payload.size()) / spec_->bytes_per_s);
   std::vector<std::pair<size_t, RadioFate>> fates;
   for (size_t to = 0; to < ids_.size(); ++to) {
     if (to == from || teams_[to] != teams_[from]) continue;
-    const double distance = maths::length(places[to].x_m - places[from].x_m, places[to].y_m - places[from].y_m);
-    const RandomStream link = stream_.child(static_cast<uint64_t>(from)).child(static_cast<uint64_t>(to));
+    const double distance =
+        maths::length(places[to].x_m - places[from].x_m, places[to].y_m - places[from].y_m);
+    const RandomStream link =
+        stream_.child(static_cast<uint64_t>(from)).child(static_cast<uint64_t>(to));
     RadioFate fate = RadioFate::on_its_way;
     if (full) {
       fate = RadioFate::queue_full;
@@ -39,12 +49,18 @@ std::vector<std::pair<size_t, RadioFate>> Radio::send(size_t from, const std::st
     }
     fates.emplace_back(to, fate);
     if (fate != RadioFate::on_its_way) continue;
-    const InFlight message{sender.free_at + spec_->latency, static_cast<int64_t>(from), static_cast<int64_t>(to),
-                           sequence, time, payload};
+    const InFlight message{sender.free_at + spec_->latency,
+                           static_cast<int64_t>(from),
+                           static_cast<int64_t>(to),
+                           sequence,
+                           time,
+                           payload};
     const auto before = [](const InFlight& a, const InFlight& b) {
-      return std::tie(a.arrives, a.from, a.sequence, a.to) < std::tie(b.arrives, b.from, b.sequence, b.to);
+      return std::tie(a.arrives, a.from, a.sequence, a.to) <
+             std::tie(b.arrives, b.from, b.sequence, b.to);
     };
-    messages_.insert(std::upper_bound(messages_.begin(), messages_.end(), message, before), message);
+    messages_.insert(std::upper_bound(messages_.begin(), messages_.end(), message, before),
+                     message);
   }
   return fates;
 }
@@ -80,8 +96,11 @@ void Radio::visit(StateVisitor& visitor) {
   for (Sender& sender : senders_) sender.visit(visitor);
   visitor.list("messages", messages_);
   for (const InFlight& m : messages_) {
-    const auto known = [&](int64_t robot) { return robot >= 0 && robot < static_cast<int64_t>(ids_.size()); };
-    if (!known(m.from) || !known(m.to)) throw InputError("snapshot: a radio message of an unknown robot");
+    const auto known = [&](int64_t robot) {
+      return robot >= 0 && robot < static_cast<int64_t>(ids_.size());
+    };
+    if (!known(m.from) || !known(m.to))
+      throw InputError("snapshot: a radio message of an unknown robot");
   }
 }
 

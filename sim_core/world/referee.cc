@@ -11,22 +11,29 @@
 namespace seam {
 namespace {
 
-constexpr double kThrowIn = 0.3;       // Metres inside the field.
+constexpr double kThrowIn = 0.3;  // Metres inside the field.
 constexpr double kStuckDistance = 0.3;
-constexpr double kBesideField = 0.7;   // Metres outside, where penalised robots wait.
+constexpr double kBesideField = 0.7;  // Metres outside, where penalised robots wait.
 
-Team other(Team team) { return team == Team::red ? Team::blue : Team::red; }
-std::string name_of(Team team) { return team == Team::red ? "red" : "blue"; }
+Team other(Team team) {
+  return team == Team::red ? Team::blue : Team::red;
+}
+std::string name_of(Team team) {
+  return team == Team::red ? "red" : "blue";
+}
 
 }  // namespace
 
 std::string to_string(PlayState state) {
-  static constexpr std::array<const char*, 5> kNames = {"initial", "ready", "set", "playing", "finished"};
+  static constexpr std::array<const char*, 5> kNames = {"initial", "ready", "set", "playing",
+                                                        "finished"};
   return kNames.at(static_cast<size_t>(state));
 }
 
 Referee::Referee(const Scenario& scenario)
-    : scenario_(&scenario), kick_off_(scenario.referee.kick_off), punished_(scenario.robots.size()) {
+    : scenario_(&scenario),
+      kick_off_(scenario.referee.kick_off),
+      punished_(scenario.robots.size()) {
   if (!scenario.referee.enabled) state_ = PlayState::playing;
 }
 
@@ -52,8 +59,10 @@ void Referee::line_up(const RefereeView& view, RefereeOrders& orders) {
     const double own_side = robot.team == Team::red ? -1 : 1;
     const double into_own = own_side * view.robots[i].x_m;
     const double from_middle = maths::length(view.robots[i].x_m, view.robots[i].y_m);
-    const bool too_near = robot.team != kick_off_ && from_middle < 0.5 * scenario_->field.centre_circle_m + 0.2;
-    if (into_own < 0 || too_near || from_middle < 0.2) orders.robots.push_back({i, robot.pose, true});
+    const bool too_near =
+        robot.team != kick_off_ && from_middle < 0.5 * scenario_->field.centre_circle_m + 0.2;
+    if (into_own < 0 || too_near || from_middle < 0.2)
+      orders.robots.push_back({i, robot.pose, true});
   }
 }
 
@@ -109,19 +118,23 @@ void Referee::watch_ball(const RefereeView& view, RefereeOrders& orders) {
   if (std::abs(x) > field.half_length_m + radius && std::abs(y) < 0.5 * field.goal_width_m) {
     const Team team = x > 0 ? Team::red : Team::blue;
     ++score_[static_cast<size_t>(team)];
-    orders.events.push_back({"goal", -1, fmt::format("{} {}:{}", name_of(team), score_[0], score_[1])});
+    orders.events.push_back(
+        {"goal", -1, fmt::format("{} {}:{}", name_of(team), score_[0], score_[1])});
     kick_off_ = other(team);
     enter(PlayState::ready, view, orders);
     return;
   }
   const double moved = maths::length(x - stuck_x_m_, y - stuck_y_m_);
   if (moved > kStuckDistance) stuck_x_m_ = x, stuck_y_m_ = y, stuck_since_ = view.time;
-  const bool out = std::abs(x) > field.half_length_m + radius || std::abs(y) > field.half_width_m + radius;
+  const bool out =
+      std::abs(x) > field.half_length_m + radius || std::abs(y) > field.half_width_m + radius;
   const bool stuck = view.time - stuck_since_ > scenario_->referee.stuck;
   if (!out && !stuck) return;
   orders.place_ball = true;
-  orders.ball_x_m = out ? std::clamp(x, kThrowIn - field.half_length_m, field.half_length_m - kThrowIn) : 0;
-  orders.ball_y_m = out ? std::clamp(y, kThrowIn - field.half_width_m, field.half_width_m - kThrowIn) : 0;
+  orders.ball_x_m =
+      out ? std::clamp(x, kThrowIn - field.half_length_m, field.half_length_m - kThrowIn) : 0;
+  orders.ball_y_m =
+      out ? std::clamp(y, kThrowIn - field.half_width_m, field.half_width_m - kThrowIn) : 0;
   stuck_x_m_ = orders.ball_x_m, stuck_y_m_ = orders.ball_y_m, stuck_since_ = view.time;
   orders.events.push_back({out ? "ball_out" : "stuck", -1, ""});
 }
@@ -132,7 +145,8 @@ void Referee::watch_holding(const RefereeView& view, RefereeOrders& orders) {
   const auto robot = static_cast<size_t>(holder_);
   punished_[robot] = {Penalty::ball_holding, view.time + scenario_->referee.penalty};
   const double x = scenario_->robots[robot].team == Team::red ? -0.5 : 0.5;
-  const double y = -(scenario_->field.half_width_m + kBesideField) - 0.3 * static_cast<double>(robot / 2);
+  const double y =
+      -(scenario_->field.half_width_m + kBesideField) - 0.3 * static_cast<double>(robot / 2);
   orders.robots.push_back({robot, {x, y, 1.5707963267948966}, false});
   orders.events.push_back({"penalty", static_cast<int>(robot), "ball holding"});
   holder_ = -1;
@@ -145,7 +159,8 @@ void Referee::end_penalties(const RefereeView& view, RefereeOrders& orders) {
     // At the half-way line, on the side away from the ball, facing the field.
     const double side = view.ball_y_m > 0 ? -1 : 1;
     const double x = scenario_->robots[i].team == Team::red ? -0.15 : 0.15;
-    orders.robots.push_back({i, {x, side * (scenario_->field.half_width_m - 0.2), -side * 1.5707963267948966}, true});
+    orders.robots.push_back(
+        {i, {x, side * (scenario_->field.half_width_m - 0.2), -side * 1.5707963267948966}, true});
     orders.events.push_back({"penalty_over", static_cast<int>(i), ""});
   }
 }
@@ -167,7 +182,8 @@ GameState Referee::game_state(size_t robot, SimTime time) const {
                  .opponent_score = score(other(team)),
                  .remaining = remaining(time),
                  .penalty = punished.penalty};
-  if (punished.penalty != Penalty::none) game.penalty_remaining = std::max(SimDuration(), punished.until - time);
+  if (punished.penalty != Penalty::none)
+    game.penalty_remaining = std::max(SimDuration(), punished.until - time);
   return game;
 }
 

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/scenario/scenario.h"
-#include "sim_core/body/state.h"
 #include "sim_core/base/time.h"
+#include "sim_core/body/state.h"
+#include "sim_core/scenario/scenario.h"
 
 namespace seam {
 
@@ -56,7 +56,8 @@ struct RefereeOrders {
   double ball_x_m = 0;
   double ball_y_m = 0;
   struct Event {
-    std::string kind;    // "ready", "set", "playing", "finished", "goal", "ball_out", "stuck", "penalty", ...
+    std::string
+        kind;  // "ready", "set", "playing", "finished", "goal", "ball_out", "stuck", "penalty", ...
     int robot = -1;
     std::string detail;  // For people: "red 1:0".
   };
@@ -94,10 +95,10 @@ class Referee {
 
   const Scenario* scenario_;
   PlayState state_ = PlayState::initial;
-  SimTime entered_;            // The current state.
-  SimTime last_;               // When `judge` was last called.
-  int64_t half_ = 0;           // From 0.
-  SimDuration played_;         // Of this half.
+  SimTime entered_;     // The current state.
+  SimTime last_;        // When `judge` was last called.
+  int64_t half_ = 0;    // From 0.
+  SimDuration played_;  // Of this half.
   Team kick_off_ = Team::red;
   int64_t score_[2] = {0, 0};
   std::vector<Punished> punished_;

@@ -16,10 +16,12 @@ constexpr double kPawContact = 2e-3;  // A paw this near the ground presses its 
 
 Pose2 moved(const Pose2& from, const BodyVelocity& v, double duration_s) {
   const double half_turn = 0.5 * v.omega_radps * duration_s;
-  const double chord = std::abs(half_turn) < 1e-9 ? duration_s : duration_s * maths::sin(half_turn) / half_turn;
-  const double c = maths::cos(from.theta_rad + half_turn), s = maths::sin(from.theta_rad + half_turn);
-  return {from.x_m + chord * (c * v.vx_mps - s * v.vy_mps), from.y_m + chord * (s * v.vx_mps + c * v.vy_mps),
-          from.theta_rad + 2 * half_turn};
+  const double chord =
+      std::abs(half_turn) < 1e-9 ? duration_s : duration_s * maths::sin(half_turn) / half_turn;
+  const double c = maths::cos(from.theta_rad + half_turn),
+               s = maths::sin(from.theta_rad + half_turn);
+  return {from.x_m + chord * (c * v.vx_mps - s * v.vy_mps),
+          from.y_m + chord * (s * v.vx_mps + c * v.vy_mps), from.theta_rad + 2 * half_turn};
 }
 
 Pose2 PlanarTrack::at(double fraction) const {
@@ -29,7 +31,8 @@ Pose2 PlanarTrack::at(double fraction) const {
   const double f = scaled - static_cast<double>(i);
   const Pose2& a = points[i];
   const Pose2& b = points[i + 1];
-  return {a.x_m + f * (b.x_m - a.x_m), a.y_m + f * (b.y_m - a.y_m), a.theta_rad + f * (b.theta_rad - a.theta_rad)};
+  return {a.x_m + f * (b.x_m - a.x_m), a.y_m + f * (b.y_m - a.y_m),
+          a.theta_rad + f * (b.theta_rad - a.theta_rad)};
 }
 
 void PlanarTrack::visit(StateVisitor& visitor) {
@@ -40,9 +43,12 @@ void PlanarTrack::visit(StateVisitor& visitor) {
   }
 }
 
-Robot::Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream, size_t substeps) : spec_(&spec) {
+Robot::Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream,
+             size_t substeps)
+    : spec_(&spec) {
   for (const BodyPart& part : spec.body.parts) {
-    part_poses_.push_back({rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z), part.centre_m});
+    part_poses_.push_back(
+        {rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z), part.centre_m});
   }
   JointAngles initial{};
   gait_angles(spec.body, 0, {}, initial);
@@ -66,17 +72,19 @@ double Robot::top_speed(int joint) const {
 void Robot::command_joint(SimTime time, int joint, double angle_rad, double speed_radps) {
   const JointLimits& limits = spec_->body.joints[static_cast<size_t>(joint)];
   const double top = top_speed(joint);
-  joints_[static_cast<size_t>(joint)]->command(time, std::clamp(angle_rad, limits.min_rad, limits.max_rad),
-                                               speed_radps > 0 ? std::min(speed_radps, top) : top);
+  joints_[static_cast<size_t>(joint)]->command(
+      time, std::clamp(angle_rad, limits.min_rad, limits.max_rad),
+      speed_radps > 0 ? std::min(speed_radps, top) : top);
 }
 
 void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_end) {
   if (command.walk) {
     const Gait& gait = spec_->body.gait;
-    const double share =
-        std::max({1.0, std::abs(command.walk->vx_mps) / gait.max_vx_mps, std::abs(command.walk->vy_mps) / gait.max_vy_mps,
-                  std::abs(command.walk->omega_radps) / gait.max_omega_radps});
-    walk_ = {command.walk->vx_mps / share, command.walk->vy_mps / share, command.walk->omega_radps / share};
+    const double share = std::max({1.0, std::abs(command.walk->vx_mps) / gait.max_vx_mps,
+                                   std::abs(command.walk->vy_mps) / gait.max_vy_mps,
+                                   std::abs(command.walk->omega_radps) / gait.max_omega_radps});
+    walk_ = {command.walk->vx_mps / share, command.walk->vy_mps / share,
+             command.walk->omega_radps / share};
     legs_commanded_ = false;
   }
   for (const JointFrame& frame : command.joints) {
@@ -84,7 +92,8 @@ void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_en
       if (kicks_with(target.joint, time + frame.offset)) continue;
       // A new decision replaces what an earlier one had planned for this joint.
       if (&frame == &command.joints.front()) {
-        std::erase_if(pending_, [&](const Pending& p) { return p.joint == target.joint && p.time >= time; });
+        std::erase_if(pending_,
+                      [&](const Pending& p) { return p.joint == target.joint && p.time >= time; });
       }
       if (target.joint >= kHeadJoints) legs_commanded_ = true;
       plan({time + frame.offset, target.joint, target.angle_rad, target.speed_radps}, interval_end);
@@ -103,9 +112,11 @@ void Robot::begin_kick(const KickSpec& kick, SimTime time, SimTime interval_end)
   kick_joints_ = 0;
   kick_end_ = time + SimDuration::from_s(kick.duration_s);
   for (const KickMotion& motion : kick.motion) kick_joints_ |= int64_t{1} << motion.joint;
-  std::erase_if(pending_, [&](const Pending& p) { return kicks_with(static_cast<int>(p.joint), p.time); });
+  std::erase_if(pending_,
+                [&](const Pending& p) { return kicks_with(static_cast<int>(p.joint), p.time); });
   for (const KickMotion& motion : kick.motion) {
-    plan({time + SimDuration::from_s(motion.at_s), static_cast<int64_t>(motion.joint), motion.angle_rad, 0},
+    plan({time + SimDuration::from_s(motion.at_s), static_cast<int64_t>(motion.joint),
+          motion.angle_rad, 0},
          interval_end);
   }
   give_due(interval_end);
@@ -161,7 +172,9 @@ BodyVelocity Robot::drive(size_t k, SimTime start, SimDuration step, bool may_wa
   return locomotion_->velocity(told, start, step);
 }
 
-void Robot::end_interval() { origin_ = {origin_[1], origin_[2], body_pose(track.points.back(), 1).p}; }
+void Robot::end_interval() {
+  origin_ = {origin_[1], origin_[2], body_pose(track.points.back(), 1).p};
+}
 
 JointAngles Robot::joint_angles(SimTime time) const {
   JointAngles angles;
@@ -172,7 +185,8 @@ JointAngles Robot::joint_angles(SimTime time) const {
 std::array<Vec3, kLegs> Robot::paws(SimTime time) const {
   const JointAngles joints = joint_angles(time);
   std::array<Vec3, kLegs> paws;
-  for (int leg = 0; leg < kLegs; ++leg) paws[static_cast<size_t>(leg)] = leg_pose(spec_->body, leg, joints).p_BPaw;
+  for (int leg = 0; leg < kLegs; ++leg)
+    paws[static_cast<size_t>(leg)] = leg_pose(spec_->body, leg, joints).p_BPaw;
   return paws;
 }
 
@@ -195,7 +209,8 @@ Pose Robot::body_pose(const Pose2& place, double fraction) const {
   const double f = std::clamp(fraction, 0.0, 1.0);
   const auto between = [f](double a, double b) { return a + f * (b - a); };
   const Attitude &a = attitude_[0], &b = attitude_[1];
-  return {rotation_zyx(between(a.roll_rad, b.roll_rad), between(a.pitch_rad, b.pitch_rad), place.theta_rad),
+  return {rotation_zyx(between(a.roll_rad, b.roll_rad), between(a.pitch_rad, b.pitch_rad),
+                       place.theta_rad),
           {place.x_m, place.y_m, between(a.height_m, b.height_m)}};
 }
 
@@ -235,7 +250,8 @@ void Robot::visit(StateVisitor& visitor) {
   visitor.scope("");
   visitor.list("pending", pending_);
   for (const Pending& p : pending_) {
-    if (p.joint < 0 || p.joint >= kJoints) throw InputError("snapshot: a command to an unknown joint");
+    if (p.joint < 0 || p.joint >= kJoints)
+      throw InputError("snapshot: a command to an unknown joint");
   }
   walk_.visit(visitor);
   visitor.field("kick_joints", kick_joints_);

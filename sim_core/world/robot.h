@@ -29,14 +29,16 @@ struct Attitude {
 };
 Attitude attitude_on_paws(const RobotBody& body, const std::array<Vec3, kLegs>& paws_B);
 // Leg angles of the trot at this phase (0 to 1), with strides for this walk.
-void gait_angles(const RobotBody& body, double phase, const BodyVelocity& stride, JointAngles& joints);
+void gait_angles(const RobotBody& body, double phase, const BodyVelocity& stride,
+                 JointAngles& joints);
 
 // Where a body with constant body-frame velocity is after this time: an arc, exactly.
 Pose2 moved(const Pose2& from, const BodyVelocity& velocity, double duration_s);
 
 class Robot {
  public:
-  Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream, size_t substeps);
+  Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream,
+        size_t substeps);
 
   const RobotSpec& spec() const { return *spec_; }
   // The head follows at once; legs from the interval's end on, so that a step fixes the body's
@@ -53,8 +55,12 @@ class Robot {
   void end_interval();
 
   JointAngles joint_angles(SimTime time) const;
-  double joint_angle(int joint, SimTime time) const { return joints_[static_cast<size_t>(joint)]->angle(time); }
-  double encoder(int joint, SimTime time) const { return joints_[static_cast<size_t>(joint)]->encoder(time); }
+  double joint_angle(int joint, SimTime time) const {
+    return joints_[static_cast<size_t>(joint)]->angle(time);
+  }
+  double encoder(int joint, SimTime time) const {
+    return joints_[static_cast<size_t>(joint)]->encoder(time);
+  }
   // The body on its paws over its place on the ground, at this fraction of the interval: height,
   // pitch and sway follow from the legs at the interval's ends, straight between.
   Pose body_pose(const Pose2& place, double fraction) const;
@@ -68,7 +74,7 @@ class Robot {
   SensorTruth sense(SimTime time, double fraction, SimDuration interval) const;
   void visit(StateVisitor& visitor);
 
-  PlanarTrack track;            // Where the body truly is.
+  PlanarTrack track;  // Where the body truly is.
 
  private:
   struct Pending {
@@ -81,7 +87,9 @@ class Robot {
   void command_joint(SimTime time, int joint, double angle_rad, double speed_radps);
   void give_due(SimTime end);
   void plan(Pending next, SimTime interval_end);
-  bool kicks_with(int joint, SimTime time) const { return time < kick_end_ && (kick_joints_ >> joint & 1) != 0; }
+  bool kicks_with(int joint, SimTime time) const {
+    return time < kick_end_ && (kick_joints_ >> joint & 1) != 0;
+  }
   void command_gait(SimTime start, SimTime end);
   double top_speed(int joint) const;
 
@@ -89,15 +97,16 @@ class Robot {
   std::vector<Pose> part_poses_;
   std::vector<std::unique_ptr<JointActuator>> joints_;
   std::unique_ptr<LocomotionModel> locomotion_;
-  std::vector<Pending> pending_;  // Ascending in time.
-  PlanarTrack dead_reckoning_;  // Where the legs were told to go.
+  std::vector<Pending> pending_;      // Ascending in time.
+  PlanarTrack dead_reckoning_;        // Where the legs were told to go.
   std::array<Attitude, 2> attitude_;  // At the interval's start and end.
   std::array<Vec3, 3> origin_{};  // The body's origin one interval ago, at the start, at the end.
   BodyVelocity walk_;
-  int64_t kick_joints_ = 0;     // Bit j: joint j follows a kick until kick_end_.
+  int64_t kick_joints_ = 0;  // Bit j: joint j follows a kick until kick_end_.
   SimTime kick_end_;
-  double gait_phase_ = 0;     // Strides, from 0 to 1.
-  BodyVelocity stride_;       // The walk that the legs show: follows walk_ with the gait's time constant.
+  double gait_phase_ = 0;  // Strides, from 0 to 1.
+  BodyVelocity
+      stride_;  // The walk that the legs show: follows walk_ with the gait's time constant.
   bool legs_commanded_ = false;  // Joint-level commands hold the legs until the next walk command.
 };
 

@@ -12,12 +12,17 @@ namespace {
 
 const std::string kSource = SEAM_SOURCE_DIR;
 
-Scenario match() { return Scenario::from_file(kSource + "/scenarios/match.yaml"); }
+Scenario match() {
+  return Scenario::from_file(kSource + "/scenarios/match.yaml");
+}
 
-SimTime at(double s) { return SimTime::from_s(s); }
+SimTime at(double s) {
+  return SimTime::from_s(s);
+}
 
 Radio radio_of(const RadioSpec& spec, uint64_t seed = 5) {
-  return Radio(spec, {"a", "b", "c", "x"}, {Team::red, Team::red, Team::red, Team::blue}, {seed, 0});
+  return Radio(spec, {"a", "b", "c", "x"}, {Team::red, Team::red, Team::red, Team::blue},
+               {seed, 0});
 }
 
 TEST(Radio, ArrivesAfterLatencyAndTransmissionAtTeamMatesOnly) {
@@ -49,7 +54,8 @@ TEST(Radio, RangeAndFullQueueStopMessages) {
   EXPECT_EQ(radio.send(0, "m", at(0.5), places)[0].second, RadioFate::queue_full);  // 1.5 s behind.
 }
 
-// 20,000 draws at a loss of 0.3: outside 4 sigma by chance once in 16,000 runs, and the seed is fixed.
+// 20,000 draws at a loss of 0.3: outside 4 sigma by chance once in 16,000 runs, and the seed is
+// fixed.
 TEST(Radio, LosesTheStatedShareIndependentlyForEachReceiver) {
   const RadioSpec spec{.loss = 0.3, .bytes_per_s = 1e9};
   Radio radio = radio_of(spec);
@@ -105,7 +111,8 @@ TEST(Referee, CountsAGoalForTheAttackersAndGivesTheOthersTheKickOff) {
   EXPECT_EQ(world.game_state(7, world.end()).opponent_score, 1);
   EXPECT_EQ(world.game_state(0, world.end()).kick_off_team, Team::blue);
   bool told = false;
-  for (const WorldEvent& event : world.take_events()) told |= event.kind == "goal" && event.detail == "red 1:0";
+  for (const WorldEvent& event : world.take_events())
+    told |= event.kind == "goal" && event.detail == "red 1:0";
   EXPECT_TRUE(told);
   ASSERT_TRUE(wait_for(world, PlayState::set));
   world.step();
@@ -123,7 +130,9 @@ TEST(Referee, HoldingTheBallTooLongCostsAPenalty) {
   grab.kick = Kick::grab;
   world.apply(2, grab, world.end());
   const SimTime start = world.end();
-  while (world.game_state(2, world.end()).penalty == Penalty::none && (world.end() - start).s() < 10) world.step();
+  while (world.game_state(2, world.end()).penalty == Penalty::none &&
+         (world.end() - start).s() < 10)
+    world.step();
   EXPECT_NEAR((world.end() - start).s(), s.referee.holding.s(), 0.05);
   EXPECT_EQ(world.game_state(2, world.end()).penalty, Penalty::ball_holding);
   EXPECT_FALSE(world.robot(2, world.end()).on_field);
@@ -132,7 +141,8 @@ TEST(Referee, HoldingTheBallTooLongCostsAPenalty) {
   walk.walk = BodyVelocity{0.2, 0, 0};
   world.apply(2, walk, world.end());
   const double y = world.robot(2, world.end()).pose.y_m;
-  while (world.game_state(2, world.end()).penalty != Penalty::none && (world.end() - start).s() < 60) {
+  while (world.game_state(2, world.end()).penalty != Penalty::none &&
+         (world.end() - start).s() < 60) {
     EXPECT_EQ(world.robot(2, world.end()).pose.y_m, y);  // Penalised robots do not walk.
     world.step();
   }
@@ -184,8 +194,10 @@ TEST(Sensors, ReadingsKeepTheirClockLatencyAndNoise) {
   Scenario s = match();
   s.robots.resize(1);
   s.referee.enabled = false;
-  s.robots[0].sensors.joints = {SimDuration::from_s(0.008), SimDuration(), SimDuration::from_s(0.004), 0.01};
-  s.robots[0].sensors.accelerometer = {SimDuration::from_s(0.01), SimDuration::from_s(0.002), SimDuration(), 0.3};
+  s.robots[0].sensors.joints = {SimDuration::from_s(0.008), SimDuration(),
+                                SimDuration::from_s(0.004), 0.01};
+  s.robots[0].sensors.accelerometer = {SimDuration::from_s(0.01), SimDuration::from_s(0.002),
+                                       SimDuration(), 0.3};
   World world(s);
   double sum = 0, squares = 0, gravity = 0;
   int count = 0;
@@ -194,7 +206,8 @@ TEST(Sensors, ReadingsKeepTheirClockLatencyAndNoise) {
     const SimTime now = world.start() + SimDuration::from_s(0.003);
     const RobotSensors sensors = world.sensors(0, now, now - SimDuration::from_s(0.032));
     if (i < 5) continue;
-    EXPECT_EQ(sensors.joints.time, world.start() - SimDuration::from_s(0.008));  // Newest with 4 ms latency.
+    EXPECT_EQ(sensors.joints.time,
+              world.start() - SimDuration::from_s(0.008));  // Newest with 4 ms latency.
     EXPECT_EQ(sensors.joint_log.size(), 4u);
     EXPECT_EQ(sensors.acceleration_time.ns() % 10'000'000, 2'000'000);
     EXPECT_LT((now - sensors.acceleration_time).ns(), 10'000'000);
@@ -213,7 +226,8 @@ TEST(Sensors, AskingNeverChangesTheWorld) {
   for (int i = 0; i < 10; ++i) world.step();
   const uint64_t before = world.hash();
   const SimTime now = world.start() + SimDuration::from_s(0.0051);
-  const RobotSensors once = world.sensors(3, now, SimTime()), twice = world.sensors(3, now, SimTime());
+  const RobotSensors once = world.sensors(3, now, SimTime()),
+                     twice = world.sensors(3, now, SimTime());
   EXPECT_EQ(once.joints.rad, twice.joints.rad);
   EXPECT_EQ(world.hash(), before);
 }
@@ -222,7 +236,8 @@ TEST(Commands, BadOnesAreNamed) {
   RobotCommand command;
   EXPECT_FALSE(invalid_field(command));
   command.walk = BodyVelocity{0.1, std::nan(""), 0};
-  EXPECT_EQ(invalid_field(command).value_or(""), "walk.vy_mps: found nan, expected a number from -10 to 10");
+  EXPECT_EQ(invalid_field(command).value_or(""),
+            "walk.vy_mps: found nan, expected a number from -10 to 10");
   command.walk.reset();
   command.joints = {{SimDuration(), {{kPan, 0, 0}}}, {SimDuration::from_ns(-1), {}}};
   EXPECT_EQ(invalid_field(command).value_or("").substr(0, 16), "joints[1].offset");

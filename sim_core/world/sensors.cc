@@ -11,7 +11,8 @@ namespace {
 
 // The newest reading that had arrived by `time`; readings ascend in time and are never empty.
 template <class Reading, class TimeOf>
-const Reading& newest(const std::vector<Reading>& readings, SimDuration latency, SimTime time, TimeOf time_of) {
+const Reading& newest(const std::vector<Reading>& readings, SimDuration latency, SimTime time,
+                      TimeOf time_of) {
   size_t i = readings.size() - 1;
   while (i > 0 && time_of(readings[i]) + latency > time) --i;
   return readings[i];
@@ -47,9 +48,11 @@ SensorSuite::SensorSuite(const SensorsSpec& spec, SimDuration memory, RandomStre
 
 std::vector<SimTime> SensorSuite::sampling_times(SimTime after, SimTime until) const {
   std::vector<SimTime> times;
-  for (const SensorSpec* sensor : {&spec_->joints, &spec_->odometry, &spec_->accelerometer, &spec_->paws}) {
+  for (const SensorSpec* sensor :
+       {&spec_->joints, &spec_->odometry, &spec_->accelerometer, &spec_->paws}) {
     const int64_t period = sensor->period.ns(), first = sensor->phase.ns();
-    int64_t tick = after.ns() < first ? first : first + ((after.ns() - first) / period + 1) * period;
+    int64_t tick =
+        after.ns() < first ? first : first + ((after.ns() - first) / period + 1) * period;
     for (; tick <= until.ns(); tick += period) times.push_back(SimTime::from_ns(tick));
   }
   std::sort(times.begin(), times.end());
@@ -69,7 +72,8 @@ void SensorSuite::sample(SimTime time, const SensorTruth& truth) {
   }
   if (samples_at(spec_->odometry, time)) {
     const Pose2& now = truth.dead_reckoning;
-    const double way = maths::length(now.x_m - last_dead_reckoning_.x_m, now.y_m - last_dead_reckoning_.y_m);
+    const double way =
+        maths::length(now.x_m - last_dead_reckoning_.x_m, now.y_m - last_dead_reckoning_.y_m);
     const double turn = std::abs(now.theta_rad - last_dead_reckoning_.theta_rad);
     const RandomStream noise = stream_.child("odometry").child(tick);
     if (spec_->odometry.sigma > 0 && way + turn > 0) {
@@ -78,8 +82,9 @@ void SensorSuite::sample(SimTime time, const SensorTruth& truth) {
       odometry_error_.theta_rad += spec_->odometry.sigma * std::sqrt(turn) * normal(noise, 2);
     }
     last_dead_reckoning_ = now;
-    odometry_.push_back({time, {now.x_m + odometry_error_.x_m, now.y_m + odometry_error_.y_m,
-                                maths::wrap_angle(now.theta_rad + odometry_error_.theta_rad)}});
+    odometry_.push_back({time,
+                         {now.x_m + odometry_error_.x_m, now.y_m + odometry_error_.y_m,
+                          maths::wrap_angle(now.theta_rad + odometry_error_.theta_rad)}});
   }
   if (samples_at(spec_->accelerometer, time)) {
     const RandomStream noise = stream_.child("accelerometer").child(tick);
@@ -92,7 +97,8 @@ void SensorSuite::sample(SimTime time, const SensorTruth& truth) {
     Paws reading{time, truth.paw_contact};
     const RandomStream noise = stream_.child("paws").child(tick);
     for (size_t i = 0; i < kLegs; ++i) {
-      if (spec_->paws.sigma > 0 && uniform(noise, i) < spec_->paws.sigma) reading.value[i] = !reading.value[i];
+      if (spec_->paws.sigma > 0 && uniform(noise, i) < spec_->paws.sigma)
+        reading.value[i] = !reading.value[i];
     }
     paws_.push_back(reading);
   }
@@ -118,7 +124,8 @@ RobotSensors SensorSuite::read(SimTime time, SimTime since) const {
   const Odometry& odometry = newest(odometry_, spec_->odometry.latency, time, kTime);
   sensors.odometry_time = odometry.time;
   sensors.odometry = odometry.value;
-  const Acceleration& acceleration = newest(accelerations_, spec_->accelerometer.latency, time, kTime);
+  const Acceleration& acceleration =
+      newest(accelerations_, spec_->accelerometer.latency, time, kTime);
   sensors.acceleration_time = acceleration.time;
   sensors.acceleration_m_s2 = acceleration.value;
   const Paws& paws = newest(paws_, spec_->paws.latency, time, kTime);

@@ -5,12 +5,12 @@
 #include <array>
 #include <vector>
 
-#include "sim_core/body/joints.h"
 #include "sim_core/base/pose.h"
 #include "sim_core/base/random.h"
-#include "sim_core/scenario/scenario.h"
-#include "sim_core/body/state.h"
 #include "sim_core/base/time.h"
+#include "sim_core/body/joints.h"
+#include "sim_core/body/state.h"
+#include "sim_core/scenario/scenario.h"
 
 namespace seam {
 
@@ -90,7 +90,7 @@ class SensorSuite {
   std::vector<Odometry> odometry_;
   std::vector<Acceleration> accelerations_;
   std::vector<Paws> paws_;
-  Pose2 odometry_error_;       // What noise has added up to.
+  Pose2 odometry_error_;  // What noise has added up to.
   Pose2 last_dead_reckoning_;
 };
 

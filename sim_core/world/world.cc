@@ -13,7 +13,8 @@ namespace seam {
 namespace {
 
 constexpr uint16_t kFirstFieldId = 2000;
-constexpr double kLimbDistance = 0.45;  // Paws and heads of robots nearer to the ball can push it, m.
+constexpr double kLimbDistance =
+    0.45;  // Paws and heads of robots nearer to the ball can push it, m.
 // The front of the head, in its frame, as a disc seen from above.
 constexpr double kNoseForward = 0.045;
 constexpr double kNoseRadius = 0.03;
@@ -32,19 +33,23 @@ std::vector<Team> teams_of(const Scenario& scenario) {
 
 // No two observations of a robot lie farther apart.
 SimDuration longest_turn_of(const ClockSpec& clock) {
-  return SimDuration::from_s(clock.period.s() * (1 + std::abs(clock.drift_ppm) * 1e-6)) + clock.jitter_sigma * 18 +
-         SimDuration::from_ns(1'000'000);
+  return SimDuration::from_s(clock.period.s() * (1 + std::abs(clock.drift_ppm) * 1e-6)) +
+         clock.jitter_sigma * 18 + SimDuration::from_ns(1'000'000);
 }
 
-RandomStream root_of(const Scenario& scenario) { return {static_cast<uint64_t>(scenario.seed), 0}; }
+RandomStream root_of(const Scenario& scenario) {
+  return {static_cast<uint64_t>(scenario.seed), 0};
+}
 
 }  // namespace
 
-std::unique_ptr<JointActuator> RobotPartsFactory::joint(const RobotSpec&, int, double initial_rad, RandomStream) const {
+std::unique_ptr<JointActuator> RobotPartsFactory::joint(const RobotSpec&, int, double initial_rad,
+                                                        RandomStream) const {
   return limited_actuator(initial_rad);
 }
 
-std::unique_ptr<LocomotionModel> RobotPartsFactory::locomotion(const RobotSpec&, RandomStream) const {
+std::unique_ptr<LocomotionModel> RobotPartsFactory::locomotion(const RobotSpec&,
+                                                               RandomStream) const {
   return std::make_unique<IdealLocomotion>();
 }
 
@@ -53,7 +58,8 @@ World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
       physics(scenario),
       ball_play(scenario, root_of(scenario).child("kicks")),
       referee(scenario),
-      radio(scenario.radio, ids_of(scenario), teams_of(scenario), root_of(scenario).child("radio")) {
+      radio(scenario.radio, ids_of(scenario), teams_of(scenario),
+            root_of(scenario).child("radio")) {
   const auto substeps = static_cast<size_t>(scenario.physics_substeps);
   for (const RobotSpec& spec : scenario.robots) {
     const RandomStream stream = root_of(scenario).child("robot").child(std::string_view(spec.id));
@@ -100,7 +106,8 @@ void World::Impl::step() {
   start = end;
   end = start + scenario.step;
   for (Robot& robot : robots) robot.begin_interval(start, end);
-  for (size_t i = 0; i < robots.size(); ++i) bodies.robots[i].theta_rad = robots[i].track.points.front().theta_rad;
+  for (size_t i = 0; i < robots.size(); ++i)
+    bodies.robots[i].theta_rad = robots[i].track.points.front().theta_rad;
   ball_points.front() = ball_points.back();
   find_limbs();
   const SimDuration h = scenario.step / scenario.physics_substeps;
@@ -127,7 +134,10 @@ void World::Impl::step() {
 }
 
 void World::Impl::follow_referee() {
-  RefereeView view{.time = end, .ball_x_m = bodies.ball.x_m, .ball_y_m = bodies.ball.y_m, .robots = places(end),
+  RefereeView view{.time = end,
+                   .ball_x_m = bodies.ball.x_m,
+                   .ball_y_m = bodies.ball.y_m,
+                   .robots = places(end),
                    .ball_holder = ball_play.holder()};
   const RefereeOrders orders = referee.judge(view);
   for (const auto& placement : orders.robots) {
@@ -158,7 +168,8 @@ void World::Impl::find_limbs() {
   bodies.limbs.clear();
   if (!scenario.ball.present || !bodies.ball.solid) return;
   for (size_t i = 0; i < robots.size(); ++i) {
-    const double dx = bodies.robots[i].x_m - bodies.ball.x_m, dy = bodies.robots[i].y_m - bodies.ball.y_m;
+    const double dx = bodies.robots[i].x_m - bodies.ball.x_m,
+                 dy = bodies.robots[i].y_m - bodies.ball.y_m;
     if (!bodies.robots[i].solid || dx * dx + dy * dy > kLimbDistance * kLimbDistance) continue;
     const Pose X_WB = robots[i].body_pose(robots[i].track.points.front(), 0);
     const auto paws = robots[i].paws(start);
@@ -167,7 +178,8 @@ void World::Impl::find_limbs() {
       bodies.limbs.push_back({i, p.x, p.y, 0, 0, robots[i].spec().body.paw_radius_m});
     }
     const JointAngles joints = robots[i].joint_angles(start);
-    const Vec3 nose = X_WB * head_pose(robots[i].spec().body, joints[kTilt], joints[kPan], joints[kRoll]) *
+    const Vec3 nose = X_WB *
+                      head_pose(robots[i].spec().body, joints[kTilt], joints[kPan], joints[kRoll]) *
                       Vec3(kNoseForward, 0, 0);
     const bool low = nose.z - kNoseRadius < scenario.ball.diameter_m;
     if (low) bodies.limbs.push_back({i, nose.x, nose.y, 0, 0, kNoseRadius});
@@ -190,7 +202,8 @@ void World::Impl::move_limbs(SimTime time, SimDuration h) {
       p = X_WB * robot.paws(time + h)[of_robot];
     } else {
       const JointAngles joints = robot.joint_angles(time + h);
-      p = X_WB * head_pose(robot.spec().body, joints[kTilt], joints[kPan], joints[kRoll]) * Vec3(kNoseForward, 0, 0);
+      p = X_WB * head_pose(robot.spec().body, joints[kTilt], joints[kPan], joints[kRoll]) *
+          Vec3(kNoseForward, 0, 0);
     }
     limb.vx_mps = (p.x - limb.x_m) / h.s();
     limb.vy_mps = (p.y - limb.y_m) / h.s();
@@ -228,17 +241,25 @@ void World::Impl::visit_ball(StateVisitor& visitor) {
   visitor.field("last_touch", last_touch);
 }
 
-World::World(const Scenario& scenario, const RobotPartsFactory& parts) : impl_(std::make_unique<Impl>(scenario, parts)) {}
+World::World(const Scenario& scenario, const RobotPartsFactory& parts)
+    : impl_(std::make_unique<Impl>(scenario, parts)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-const Scenario& World::scenario() const { return impl_->scenario; }
-SimTime World::start() const { return impl_->start; }
-SimTime World::end() const { return impl_->end; }
+const Scenario& World::scenario() const {
+  return impl_->scenario;
+}
+SimTime World::start() const {
+  return impl_->start;
+}
+SimTime World::end() const {
+  return impl_->end;
+}
 
 void World::apply(size_t robot, const RobotCommand& command, SimTime time) {
-  SEAM_CHECK(time >= start() && time <= end(), "{} outside [{}, {}]", time.ns(), start().ns(), end().ns());
+  SEAM_CHECK(time >= start() && time <= end(), "{} outside [{}, {}]", time.ns(), start().ns(),
+             end().ns());
   Robot& commanded = impl_->robots.at(robot);
   commanded.apply(command, time, impl_->end);
   if (command.kick == Kick::none || !impl_->referee.may_move(robot)) return;
@@ -247,9 +268,13 @@ void World::apply(size_t robot, const RobotCommand& command, SimTime time) {
   }
 }
 
-void World::freeze(size_t robot, SimTime time) { impl_->robots.at(robot).freeze(time); }
+void World::freeze(size_t robot, SimTime time) {
+  impl_->robots.at(robot).freeze(time);
+}
 
-void World::step() { impl_->step(); }
+void World::step() {
+  impl_->step();
+}
 
 void World::place_robot(size_t robot, const Pose2& pose) {
   SEAM_CHECK(robot < impl_->robots.size(), "robot {}", robot);
@@ -271,26 +296,34 @@ RobotSensors World::sensors(size_t robot, SimTime time, SimTime since) const {
 
 // One event a message: who is to get it and who will not.
 void World::send_radio(size_t from, const std::string& payload, SimTime time) {
-  static constexpr std::array<const char*, 4> kFates = {"", " (lost)", " (out of range)", " (queue full)"};
+  static constexpr std::array<const char*, 4> kFates = {"", " (lost)", " (out of range)",
+                                                        " (queue full)"};
   std::string detail = fmt::format("{} bytes to", payload.size());
   for (const auto& [to, fate] : impl_->radio.send(from, payload, time, impl_->places(time))) {
-    detail += fmt::format(" {}{}", impl_->scenario.robots[to].id, kFates[static_cast<size_t>(fate)]);
+    detail +=
+        fmt::format(" {}{}", impl_->scenario.robots[to].id, kFates[static_cast<size_t>(fate)]);
   }
-  impl_->events.push_back({time, "radio_sent", static_cast<int>(from), detail, WorldEvent::Source::radio});
+  impl_->events.push_back(
+      {time, "radio_sent", static_cast<int>(from), detail, WorldEvent::Source::radio});
 }
 
 std::vector<RadioMessage> World::radio_received(size_t to, SimTime time, SimTime since) const {
   return impl_->radio.received(to, time, since);
 }
 
-GameState World::game_state(size_t robot, SimTime time) const { return impl_->referee.game_state(robot, time); }
+GameState World::game_state(size_t robot, SimTime time) const {
+  return impl_->referee.game_state(robot, time);
+}
 
 void World::set_play_state(PlayState state) {
   impl_->referee.set_state(state, impl_->end);
-  impl_->events.push_back({impl_->end, to_string(state), -1, "by the supervisor", WorldEvent::Source::referee});
+  impl_->events.push_back(
+      {impl_->end, to_string(state), -1, "by the supervisor", WorldEvent::Source::referee});
 }
 
-int World::score(Team team) const { return impl_->referee.score(team); }
+int World::score(Team team) const {
+  return impl_->referee.score(team);
+}
 
 BallTruth World::ball(SimTime time) const {
   return {impl_->ball_at(time), {impl_->bodies.ball.vx_mps, impl_->bodies.ball.vy_mps, 0}};
@@ -301,11 +334,15 @@ RobotTruth World::robot(size_t index, SimTime time) const {
   const PlanarBody& body = impl_->bodies.robots[index];
   const Pose2 place = robot.track.at(impl_->fraction(time));
   const double c = maths::cos(place.theta_rad), s = maths::sin(place.theta_rad);
-  const BodyVelocity velocity{c * body.vx_mps + s * body.vy_mps, c * body.vy_mps - s * body.vx_mps, body.omega_radps};
-  return {place, velocity, body.solid, robot.body_pose(place, impl_->fraction(time)), robot.joint_angles(time)};
+  const BodyVelocity velocity{c * body.vx_mps + s * body.vy_mps, c * body.vy_mps - s * body.vx_mps,
+                              body.omega_radps};
+  return {place, velocity, body.solid, robot.body_pose(place, impl_->fraction(time)),
+          robot.joint_angles(time)};
 }
 
-std::vector<WorldEvent> World::take_events() { return std::exchange(impl_->events, {}); }
+std::vector<WorldEvent> World::take_events() {
+  return std::exchange(impl_->events, {});
+}
 
 std::vector<StateSection> World::sections() const {
   std::vector<StateSection> sections;

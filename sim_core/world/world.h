@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "sim_core/body/command.h"
-#include "sim_core/world/radio.h"
-#include "sim_core/world/referee.h"
+#include "sim_core/body/state.h"
 #include "sim_core/scenario/scenario.h"
 #include "sim_core/scene/scene.h"
+#include "sim_core/world/radio.h"
+#include "sim_core/world/referee.h"
 #include "sim_core/world/sensors.h"
-#include "sim_core/body/state.h"
 
 namespace seam {
 
@@ -29,9 +29,10 @@ class RobotPartsFactory {
  public:
   virtual ~RobotPartsFactory() = default;
   // `joint` is an index of joints.h; `noise` is this joint's own stream.
-  virtual std::unique_ptr<JointActuator> joint(const RobotSpec& robot, int joint, double initial_rad,
-                                               RandomStream noise) const;
-  virtual std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot, RandomStream noise) const;
+  virtual std::unique_ptr<JointActuator> joint(const RobotSpec& robot, int joint,
+                                               double initial_rad, RandomStream noise) const;
+  virtual std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot,
+                                                      RandomStream noise) const;
 };
 
 struct BallTruth {
@@ -50,9 +51,9 @@ struct RobotTruth {
 // Something that happened in the world, for the log and the referee.
 struct WorldEvent {
   SimTime time;
-  std::string kind;    // World: "kick", "grab", "release", "ball_lost", "ball_touched". Referee: see
-                       // referee.h. Radio: "radio_sent".
-  int robot = -1;      // Whose; -1: nobody's.
+  std::string kind;  // World: "kick", "grab", "release", "ball_lost", "ball_touched". Referee: see
+                     // referee.h. Radio: "radio_sent".
+  int robot = -1;    // Whose; -1: nobody's.
   std::string detail;  // For people.
   enum class Source : uint8_t { world, referee, radio } source = Source::world;
 };
@@ -84,8 +85,10 @@ class World {
   // camera's pose is X_WC = X_WL * effects::mount_of(model).
   Pose camera_link_pose(size_t robot, SimTime time) const;
   // Field, objects, ball and robots, in this order, appended to `out`. Of the robot whose camera
-  // looks, the head is left out: the camera sits in it. Robots behind that camera are left out, too.
-  void primitives_at(SimTime time, std::vector<Primitive>& out, std::optional<size_t> viewer = {}) const;
+  // looks, the head is left out: the camera sits in it. Robots behind that camera are left out,
+  // too.
+  void primitives_at(SimTime time, std::vector<Primitive>& out,
+                     std::optional<size_t> viewer = {}) const;
   Rgb background() const { return scenario().background_rgb; }
   Lighting lighting() const { return scenario().lighting; }
 

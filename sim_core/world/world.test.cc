@@ -24,11 +24,15 @@ Scenario match() {
 RobotCommand random_command(uint64_t robot, uint64_t k) {
   const RandomStream t = RandomStream{99, 0}.child(robot).child(k);
   RobotCommand command;
-  command.walk = BodyVelocity{0.5 * uniform(t, 0) - 0.2, 0.2 * uniform(t, 1) - 0.1, 2 * uniform(t, 2) - 1};
-  command.joints = {{SimDuration(), {{kPan, 3 * uniform(t, 3) - 1.5, 0}, {kTilt, uniform(t, 4) - 1, 0}}},
-                    {SimDuration::from_ns(8'000'000), {{kPan, 3 * uniform(t, 5) - 1.5, 2}}}};
-  if (uniform(t, 6) < 0.2) command.kick = static_cast<Kick>(1 + static_cast<int>(7 * uniform(t, 7)));
-  if (uniform(t, 8) < 0.1) command.joints[0].targets.push_back({kLeftFrontRotator, uniform(t, 9), 0});
+  command.walk =
+      BodyVelocity{0.5 * uniform(t, 0) - 0.2, 0.2 * uniform(t, 1) - 0.1, 2 * uniform(t, 2) - 1};
+  command.joints = {
+      {SimDuration(), {{kPan, 3 * uniform(t, 3) - 1.5, 0}, {kTilt, uniform(t, 4) - 1, 0}}},
+      {SimDuration::from_ns(8'000'000), {{kPan, 3 * uniform(t, 5) - 1.5, 2}}}};
+  if (uniform(t, 6) < 0.2)
+    command.kick = static_cast<Kick>(1 + static_cast<int>(7 * uniform(t, 7)));
+  if (uniform(t, 8) < 0.1)
+    command.joints[0].targets.push_back({kLeftFrontRotator, uniform(t, 9), 0});
   return command;
 }
 
@@ -50,11 +54,13 @@ TEST(World, SameCommandsGiveSameBits) {
   for (uint64_t k = 0; k < 300; k += 50) {
     play(a, k, k + 50);
     play(b, k, k + 50);
-    ASSERT_EQ(a.digest().section_hashes, b.digest().section_hashes) << first_difference(a.sections(), b.sections()).field;
+    ASSERT_EQ(a.digest().section_hashes, b.digest().section_hashes)
+        << first_difference(a.sections(), b.sections()).field;
   }
 }
 
-// Pinned for every compiler, optimisation and machine; a change of results that was meant changes it.
+// Pinned for every compiler, optimisation and machine; a change of results that was meant changes
+// it.
 TEST(World, StateHashIsTheGoldenOne) {
   World world(match());
   play(world, 0, 250);
@@ -203,7 +209,8 @@ TEST(World, HeadTurnsAtItsSpeedLimitAsAnExactFunctionOfTime) {
   world.apply(0, command, start);
   for (int i = 0; i < 20; ++i) {
     const SimTime time = SimTime::from_ns(world.end().ns() - 1'234'567);
-    EXPECT_DOUBLE_EQ(world.robot(0, time).joints_rad[kPan], std::min(1.0, 3.010693 * (time - start).s()));
+    EXPECT_DOUBLE_EQ(world.robot(0, time).joints_rad[kPan],
+                     std::min(1.0, 3.010693 * (time - start).s()));
     world.step();
   }
 }

@@ -57,15 +57,15 @@ class World::Impl {
   SimTime start, end;
   std::vector<Robot> robots;
   std::vector<SensorSuite> sensors;
-  SimDuration longest_turn;          // Between a robot's observations, at most.
-  PhysicsState bodies;               // At `end`.
-  std::vector<Vec3> ball_points;     // At the ends of the interval's physics steps.
-  int64_t last_touch = -1;           // Robot that touched the ball last.
+  SimDuration longest_turn;       // Between a robot's observations, at most.
+  PhysicsState bodies;            // At `end`.
+  std::vector<Vec3> ball_points;  // At the ends of the interval's physics steps.
+  int64_t last_touch = -1;        // Robot that touched the ball last.
   Physics physics;
   BallPlay ball_play;
   Referee referee;
   Radio radio;
-  std::vector<Primitive> fixed;      // The field.
+  std::vector<Primitive> fixed;  // The field.
   std::vector<WorldEvent> events;
 
  private:

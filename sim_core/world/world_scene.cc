@@ -12,7 +12,9 @@ constexpr uint16_t kFirstRobotId = 2;
 constexpr uint16_t kFirstObjectId = 100;
 constexpr double kRobotReach = 0.5;  // No part of a robot is farther from its place, m.
 
-Label uniform_label(Team team) { return team == Team::red ? Label::robot_red : Label::robot_blue; }
+Label uniform_label(Team team) {
+  return team == Team::red ? Label::robot_red : Label::robot_blue;
+}
 
 // Turns the z axis to the normal, keeping the x axis horizontal.
 Mat3 facing(const Vec3& normal) {
@@ -31,7 +33,8 @@ void World::Impl::add_objects(SimTime time, std::vector<Primitive>& out) const {
     out.push_back({.shape = object.shape,
                    .label = object.label,
                    .object_id = id++,
-                   .X_WO = {rotation_zyx(0, 0, object.yaw_rad) * R, object.centre_m + time.s() * object.velocity_mps},
+                   .X_WO = {rotation_zyx(0, 0, object.yaw_rad) * R,
+                            object.centre_m + time.s() * object.velocity_mps},
                    .size = object.size_m,
                    .rgb = object.rgb});
   }
@@ -47,7 +50,8 @@ void World::Impl::add_ball(SimTime time, std::vector<Primitive>& out) const {
                  .rgb = scenario.field.colours.orange});
 }
 
-void World::Impl::add_robot(size_t index, SimTime time, bool is_viewer, std::vector<Primitive>& out) const {
+void World::Impl::add_robot(size_t index, SimTime time, bool is_viewer,
+                            std::vector<Primitive>& out) const {
   const Robot& robot = robots[index];
   const RobotSpec& spec = robot.spec();
   const Pose X_WB = robot.body_pose(robot.track.at(fraction(time)), fraction(time));
@@ -74,7 +78,8 @@ bool World::Impl::behind(const Pose& X_WL, size_t robot, SimTime time) const {
   return p_L.x < -kRobotReach;
 }
 
-void World::primitives_at(SimTime time, std::vector<Primitive>& out, std::optional<size_t> viewer) const {
+void World::primitives_at(SimTime time, std::vector<Primitive>& out,
+                          std::optional<size_t> viewer) const {
   // This is called for each instant of each frame.
   size_t parts = 0;
   for (const Robot& robot : impl_->robots) parts += robot.spec().body.parts.size();
@@ -92,8 +97,8 @@ void World::primitives_at(SimTime time, std::vector<Primitive>& out, std::option
 Pose World::camera_link_pose(size_t index, SimTime time) const {
   const Robot& robot = impl_->robots.at(index);
   return robot.body_pose(robot.track.at(impl_->fraction(time)), impl_->fraction(time)) *
-         seam::camera_link_pose(robot.spec().body, robot.joint_angle(kTilt, time), robot.joint_angle(kPan, time),
-                                robot.joint_angle(kRoll, time));
+         seam::camera_link_pose(robot.spec().body, robot.joint_angle(kTilt, time),
+                                robot.joint_angle(kPan, time), robot.joint_angle(kRoll, time));
 }
 
 }  // namespace seam

@@ -1,8 +1,8 @@
 // `seam add`: fits one effect and adds it to a model.
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
-#include "tools/commands/analysis.h"
 #include "tools/command.h"
+#include "tools/commands/analysis.h"
 
 namespace seam::tools {
 namespace {
@@ -19,8 +19,8 @@ std::string told(const measurement::AddResult& result) {
 
 }  // namespace
 
-void add_add(Command app) {
-  Command command =
+void add_add(app::Command app) {
+  app::Command command =
       app.add_subcommand("add", "Fits an effect to measurements and adds it to a model");
   auto flags = std::make_shared<AnalysisFlags>();
   auto effect = std::make_shared<std::string>();
@@ -42,8 +42,8 @@ void add_add(Command app) {
   });
 }
 
-void add_fit(Command app) {
-  Command command = app.add_subcommand("fit", "Refits the parameters that a model has");
+void add_fit(app::Command app) {
+  app::Command command = app.add_subcommand("fit", "Refits the parameters that a model has");
   auto flags = std::make_shared<AnalysisFlags>();
   auto out = std::make_shared<std::string>();
   add_analysis_flags(command, *flags, false);

@@ -11,7 +11,7 @@
 
 namespace seam::tools {
 
-void add_analysis_flags(Command command, AnalysisFlags& flags, bool with_report) {
+void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_report) {
   command.add_option("--model", flags.model, "The model (seam-model/1)").required();
   command.add_option("--data", flags.data, "The folder of the measurement set").required();
   command.add_option("--json", flags.json, "Writes the result as JSON");

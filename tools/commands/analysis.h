@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "app/command_line.h"
 #include "measurement/report/report_data.h"
 #include "measurement/report/results.h"
-#include "tools/command_line.h"
 
 namespace seam::tools {
 
@@ -18,7 +18,7 @@ struct AnalysisFlags {
 };
 
 // --model, --data and --json; --report where wanted.
-void add_analysis_flags(Command command, AnalysisFlags& flags, bool with_report);
+void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_report);
 
 effects::Model read_model(const std::string& path);
 

@@ -61,7 +61,8 @@ Identity make_identity(const std::string& name, const Identity* issuer, const st
   X509& signer = issuer != nullptr ? *issuer->certificate : certificate;
   X509_set_issuer_name(&certificate, X509_get_subject_name(&signer));
   const bool is_ca = issuer == nullptr;
-  add_extension(certificate, signer, NID_basic_constraints, is_ca ? "critical,CA:TRUE" : "CA:FALSE");
+  add_extension(certificate, signer, NID_basic_constraints,
+                is_ca ? "critical,CA:TRUE" : "CA:FALSE");
   add_extension(certificate, signer, NID_key_usage,
                 is_ca ? "critical,keyCertSign,cRLSign" : "critical,digitalSignature");
   if (!usage.empty()) add_extension(certificate, signer, NID_ext_key_usage, usage);
@@ -106,18 +107,20 @@ std::string alternative_names(const std::vector<std::string>& hosts) {
 
 }  // namespace
 
-void add_certs(Command app) {
+void add_certs(app::Command app) {
   struct Options {
     std::string folder;
     std::vector<std::string> hosts;
     int days = 365;
   };
   auto options = std::make_shared<Options>();
-  Command command = app.add_subcommand(
+  app::Command command = app.add_subcommand(
       "certs", "Makes a test set of certificates: a CA, a server's and a client's");
-  command.add_option("DIR", options->folder, "Where ca, server, client .pem and .key go").required();
-  command.add_option("--host", options->hosts,
-                      "A name or address of the server beside localhost; may be given several times");
+  command.add_option("DIR", options->folder, "Where ca, server, client .pem and .key go")
+      .required();
+  command.add_option(
+      "--host", options->hosts,
+      "A name or address of the server beside localhost; may be given several times");
   command.add_option("--days", options->days, "How long they are good")
       .range(1, 3650)
       .show_default();

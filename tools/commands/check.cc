@@ -23,8 +23,9 @@ void check_scenario(const std::string& file) {
 
 }  // namespace
 
-void add_check(Command app) {
-  Command command = app.add_subcommand("check", "Validates a scenario, model, scene or measurement set");
+void add_check(app::Command app) {
+  app::Command command =
+      app.add_subcommand("check", "Validates a scenario, model, scene or measurement set");
   auto file = std::make_shared<std::string>();
   command.add_option("FILE", *file, "The file").required();
   command.callback([file] {

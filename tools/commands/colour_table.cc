@@ -3,14 +3,14 @@
 
 #include <cstdio>
 
+#include "app/scenario_frames.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "tools/command.h"
-#include "app/scenario_frames.h"
 
 namespace seam::tools {
 
-void add_colour_table(Command app) {
+void add_colour_table(app::Command app) {
   struct Settings {
     std::string scenario;
     std::string robot;
@@ -18,9 +18,9 @@ void add_colour_table(Command app) {
     double from_s = 0;
     double to_s = 1;
     double outliers = 0.005;
-    SimulatorOptions simulator;
+    app::SimulatorOptions simulator;
   };
-  Command command = app.add_subcommand(
+  app::Command command = app.add_subcommand(
       "colour-table", "Makes a colour detection table from frames whose labels are known");
   auto settings = std::make_shared<Settings>();
   command.add_option("SCENARIO", settings->scenario, "A seam-scenario/1 file").required();
@@ -28,14 +28,13 @@ void add_colour_table(Command app) {
   command.add_option("--out", settings->out, "The seam-colour-table/1 file to write").required();
   command.add_option("--from", settings->from_s, "Simulated seconds: the first frame")
       .range(0.0, 1e6);
-  command.add_option("--to", settings->to_s, "Simulated seconds: the last frame")
-      .range(0.0, 1e6);
+  command.add_option("--to", settings->to_s, "Simulated seconds: the last frame").range(0.0, 1e6);
   command
       .add_option("--outliers", settings->outliers,
-                   "Part of a colour's pixels left outside on each side")
+                  "Part of a colour's pixels left outside on each side")
       .range(0.0, 0.2);
   command.add_option("--model", settings->simulator.models,
-                      "[ROBOT=]FILE: another camera model than the scenario's");
+                     "[ROBOT=]FILE: another camera model than the scenario's");
   command.footer(
       "Example: seam colour-table scenarios/head_swing.yaml --robot red1 --to 2 --out table.yaml");
   command.callback([settings] {
@@ -43,7 +42,7 @@ void add_colour_table(Command app) {
       throw UsageError("--to: expected a time that is not before --from");
     render::ColourTableMaker maker;
     int frames = 0;
-    visit_scenario_frames(
+    app::visit_scenario_frames(
         settings->scenario, settings->simulator, settings->robot, SimTime::from_s(settings->from_s),
         SimTime::from_s(settings->to_s),
         [&](const scheduler::FinishedFrame& finished, const render::Renderer& camera) {

@@ -1,23 +1,28 @@
 // `seam compare`: residuals of a model on held-out groups, and where they fail.
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
-#include "tools/commands/analysis.h"
 #include "tools/command.h"
+#include "tools/commands/analysis.h"
 
 namespace seam::tools {
 
-void add_compare(Command app) {
-  Command command = app.add_subcommand("compare", "Holds a model against measurements and says where it fails");
+void add_compare(app::Command app) {
+  app::Command command =
+      app.add_subcommand("compare", "Holds a model against measurements and says where it fails");
   auto flags = std::make_shared<AnalysisFlags>();
   add_analysis_flags(command, *flags, true);
-  command.footer("Example: seam compare --model nominal.yaml --data sets/points-a --json compare.json");
+  command.footer(
+      "Example: seam compare --model nominal.yaml --data sets/points-a --json compare.json");
   command.callback([flags] {
     const effects::Model model = read_model(flags->model);
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::compare(*problem, model);
-    tell(*flags, measurement::compare_text(*problem, result), measurement::compare_json(*problem, result));
+    tell(*flags, measurement::compare_text(*problem, result),
+         measurement::compare_json(*problem, result));
     if (!flags->report.empty()) {
-      measurement::write_report(flags->report, measurement::compare_report(*problem, result, report_header("compare", *flags)));
+      measurement::write_report(
+          flags->report,
+          measurement::compare_report(*problem, result, report_header("compare", *flags)));
     }
   });
 }

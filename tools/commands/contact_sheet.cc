@@ -170,18 +170,14 @@ std::vector<render::Panel> panels_of(const std::string& folder, const Settings& 
 
 }  // namespace
 
-void add_contact_sheet(Command app) {
-  Command command =
+void add_contact_sheet(app::Command app) {
+  app::Command command =
       app.add_subcommand("contact-sheet", "Frames of several runs on one sheet, one row a run");
   auto settings = std::make_shared<Settings>();
-  command.add_option("DIR", settings->folders, "Folders that `seam run --frames` wrote")
-      .required();
+  command.add_option("DIR", settings->folders, "Folders that `seam run --frames` wrote").required();
   command.add_option("--out", settings->out, "The sheet, a PNG file").required();
-  command.add_flag("--by-robot", settings->by_robot,
-                    "One frame of each robot, in rows of --count");
-  command.add_option("--count", settings->count, "Frames of each run")
-      .range(1, 32)
-      .show_default();
+  command.add_flag("--by-robot", settings->by_robot, "One frame of each robot, in rows of --count");
+  command.add_option("--count", settings->count, "Frames of each run").range(1, 32).show_default();
   command.add_option("--enlarge", settings->enlarge, "How many times as large")
       .range(1, 8)
       .show_default();

@@ -4,32 +4,39 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
 #include "sim_core/base/files.h"
-#include "tools/commands/analysis.h"
 #include "tools/command.h"
+#include "tools/commands/analysis.h"
 
 namespace seam::tools {
 namespace {
 
-std::string told(const std::optional<measurement::Suggestion>& suggestion, const std::string& file) {
-  if (!suggestion) return "no effect is suggested: held-out groups support none beyond the catalogue\n";
+std::string told(const std::optional<measurement::Suggestion>& suggestion,
+                 const std::string& file) {
+  if (!suggestion)
+    return "no effect is suggested: held-out groups support none beyond the catalogue\n";
   std::string text = fmt::format("suggested effect, in {}:\n", file);
   for (const std::string& term : suggestion->terms) text += "  " + term + "\n";
-  text += fmt::format("  error {:.4f} -> {:.4f} on held-out groups", suggestion->error_before, suggestion->error);
-  if (!suggestion->beside.empty()) text += fmt::format(", beside {}: add these first", fmt::join(suggestion->beside, ", "));
+  text += fmt::format("  error {:.4f} -> {:.4f} on held-out groups", suggestion->error_before,
+                      suggestion->error);
+  if (!suggestion->beside.empty())
+    text += fmt::format(", beside {}: add these first", fmt::join(suggestion->beside, ", "));
   return text + "\n";
 }
 
 }  // namespace
 
-void add_diagnose(Command app) {
-  Command command = app.add_subcommand("diagnose", "Names the effect that a model lacks, or says that none is missing");
+void add_diagnose(app::Command app) {
+  app::Command command = app.add_subcommand(
+      "diagnose", "Names the effect that a model lacks, or says that none is missing");
   auto flags = std::make_shared<AnalysisFlags>();
   auto candidates = std::make_shared<std::string>();
   add_analysis_flags(command, *flags, true);
-  command.add_option("--candidates", *candidates, "A file with effects of your own, tried beside the catalogue");
+  command.add_option("--candidates", *candidates,
+                     "A file with effects of your own, tried beside the catalogue");
   auto suggested = std::make_shared<std::string>();
   command.add_option("--suggest", *suggested,
-                     "Writes an effect proposed from the residuals, for seam add; no file where none is supported");
+                     "Writes an effect proposed from the residuals, for seam add; no file where "
+                     "none is supported");
   command.footer("Example: seam diagnose --model nominal.yaml --data sets/points-a");
   command.callback([flags, candidates, suggested] {
     const effects::Model model = read_model(flags->model);
@@ -45,7 +52,9 @@ void add_diagnose(Command app) {
     }
     tell(*flags, text, measurement::diagnose_json(*problem, result, suggestion));
     if (!flags->report.empty()) {
-      measurement::write_report(flags->report, measurement::diagnose_report(*problem, result, report_header("diagnose", *flags)));
+      measurement::write_report(
+          flags->report,
+          measurement::diagnose_report(*problem, result, report_header("diagnose", *flags)));
     }
   });
 }

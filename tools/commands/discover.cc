@@ -1,29 +1,35 @@
 // `seam discover`: adds effects until nothing more is supported by the data.
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
-#include "tools/commands/analysis.h"
 #include "tools/command.h"
+#include "tools/commands/analysis.h"
 
 namespace seam::tools {
 
-void add_discover(Command app) {
-  Command command = app.add_subcommand("discover", "Adds effects until the model is adequate or nothing known helps");
+void add_discover(app::Command app) {
+  app::Command command = app.add_subcommand(
+      "discover", "Adds effects until the model is adequate or nothing known helps");
   auto flags = std::make_shared<AnalysisFlags>();
   auto out = std::make_shared<std::string>();
   auto candidates = std::make_shared<std::string>();
   add_analysis_flags(command, *flags, true);
   command.add_option("--out", *out, "The model found").required();
-  command.add_option("--candidates", *candidates, "A file with effects of your own, tried beside the catalogue");
-  command.footer("Example: seam discover --model nominal.yaml --data sets/points-a --out found.yaml");
+  command.add_option("--candidates", *candidates,
+                     "A file with effects of your own, tried beside the catalogue");
+  command.footer(
+      "Example: seam discover --model nominal.yaml --data sets/points-a --out found.yaml");
   command.callback([flags, out, candidates] {
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::search(*problem, model, own, progress_to_terminal());
     measurement::discovered_model(*problem, model, result).write(*out);
-    tell(*flags, measurement::discover_text(*problem, result), measurement::discover_json(*problem, result));
+    tell(*flags, measurement::discover_text(*problem, result),
+         measurement::discover_json(*problem, result));
     if (!flags->report.empty()) {
-      measurement::write_report(flags->report, measurement::discover_report(*problem, result, report_header("discover", *flags)));
+      measurement::write_report(
+          flags->report,
+          measurement::discover_report(*problem, result, report_header("discover", *flags)));
     }
   });
 }

@@ -8,8 +8,9 @@
 
 namespace seam::tools {
 
-void add_effects(Command app) {
-  Command command = app.add_subcommand("effects", "The catalogue of physical effects, with help and examples");
+void add_effects(app::Command app) {
+  app::Command command =
+      app.add_subcommand("effects", "The catalogue of physical effects, with help and examples");
   auto name = std::make_shared<std::string>();
   auto markdown = std::make_shared<bool>(false);
   command.add_option("NAME", *name, "One effect");
@@ -23,7 +24,8 @@ void add_effects(Command app) {
     } else if (const auto effect = effects::find_effect(*name)) {
       std::fputs(effects::effect_help(*effect).c_str(), stdout);
     } else {
-      throw InputError(fmt::format("unknown effect '{}'{}", *name, suggestion_for(*name, effects::effect_names())));
+      throw InputError(fmt::format("unknown effect '{}'{}", *name,
+                                   suggestion_for(*name, effects::effect_names())));
     }
   });
 }

@@ -8,16 +8,20 @@
 namespace seam::tools {
 namespace {
 
-void add_one(Command parent, const std::string& name, const std::string& help,
+void add_one(app::Command parent, const std::string& name, const std::string& help,
              const std::function<void(const ExperimentOptions&)>& experiment) {
-  Command command = parent.add_subcommand(name, help);
+  app::Command command = parent.add_subcommand(name, help);
   auto options = std::make_shared<ExperimentOptions>();
   options->folder = "out/" + name;
   options->parallel = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   command.add_option("--out", options->folder, "Folder for runs, tables and plots").show_default();
   command.add_option("--json", options->json_file, "Write the results here as JSON");
-  command.add_option("--seeds", options->seeds, "Independent repetitions").range(1, 1000).show_default();
-  command.add_option("--poses", options->poses, "Poses of the robot; 0: the usual number").range(0, 36).show_default();
+  command.add_option("--seeds", options->seeds, "Independent repetitions")
+      .range(1, 1000)
+      .show_default();
+  command.add_option("--poses", options->poses, "Poses of the robot; 0: the usual number")
+      .range(0, 36)
+      .show_default();
   command.add_option("--seconds", options->duration_s, "Length of each run of a turning head")
       .range(8.0, 3600.0)
       .show_default();
@@ -28,12 +32,16 @@ void add_one(Command parent, const std::string& name, const std::string& help,
 
 }  // namespace
 
-void add_experiment(Command app) {
-  Command command = app.add_subcommand("experiment", "Repeats the founding paper's experiments");
+void add_experiment(app::Command app) {
+  app::Command command =
+      app.add_subcommand("experiment", "Repeats the founding paper's experiments");
   command.require_subcommand();
-  add_one(command, "ball-distance", "Section 5.1: distance to a ball, mean and deviation", ball_distance_experiment);
-  add_one(command, "localization", "Section 5.2: localisation at 36 poses, Table 1", localization_experiment);
-  add_one(command, "head-swing-bias", "What locking frames to the head's swing does", head_swing_bias_experiment);
+  add_one(command, "ball-distance", "Section 5.1: distance to a ball, mean and deviation",
+          ball_distance_experiment);
+  add_one(command, "localization", "Section 5.2: localisation at 36 poses, Table 1",
+          localization_experiment);
+  add_one(command, "head-swing-bias", "What locking frames to the head's swing does",
+          head_swing_bias_experiment);
 }
 
 }  // namespace seam::tools

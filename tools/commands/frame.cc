@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <limits>
 
+#include "app/scenario_frames.h"
 #include "render/colour/colour_table.h"
 #include "render/pictures/pictures.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 #include "tools/command.h"
-#include "app/scenario_frames.h"
 
 namespace seam::tools {
 namespace {
@@ -21,7 +21,7 @@ struct Settings {
   std::string out;
   std::string stages;
   std::string table;
-  SimulatorOptions simulator;
+  app::SimulatorOptions simulator;
 };
 
 // The given table, else the field's own beside the scenario, else one made from this frame's
@@ -81,7 +81,7 @@ void run(const Settings& settings) {
   const SimTime at = SimTime::from_s(settings.at_s);
   bool made = false;
   // The first frame of the camera's own clock from this time on.
-  visit_scenario_frames(
+  app::visit_scenario_frames(
       settings.scenario, settings.simulator, settings.robot, at, at + SimDuration::from_s(1),
       [&](const scheduler::FinishedFrame& finished, const render::Renderer& camera) {
         if (made) return;
@@ -101,24 +101,24 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_frame(Command app) {
-  Command command =
+void add_frame(app::Command app) {
+  app::Command command =
       app.add_subcommand("frame", "One frame of a robot's camera, with every stage of its making");
   auto settings = std::make_shared<Settings>();
   command.add_option("SCENARIO", settings->scenario, "A seam-scenario/1 file").required();
   command.add_option("--robot", settings->robot, "Whose camera").required();
   command
       .add_option("--at", settings->at_s,
-                   "Simulated seconds: the first frame of the camera's clock from then on")
+                  "Simulated seconds: the first frame of the camera's clock from then on")
       .required()
       .range(0.0, 1e6);
   command.add_option("--out", settings->out, "The frame, a PNG file").required();
   command.add_option("--stages", settings->stages,
-                      "Folder for the stages, the ground truth and a contact sheet");
+                     "Folder for the stages, the ground truth and a contact sheet");
   command.add_option("--colour-table", settings->table,
-                      "A seam-colour-table/1 file for the colour stage");
+                     "A seam-colour-table/1 file for the colour stage");
   command.add_option("--model", settings->simulator.models,
-                      "[ROBOT=]FILE: another camera model than the scenario's");
+                     "[ROBOT=]FILE: another camera model than the scenario's");
   command.add_option("--seed", settings->simulator.seed, "Another seed than the scenario's");
   command.footer(
       "Example: seam frame scenarios/head_swing.yaml --robot red1 --at 0.5 --stages stages --out "

@@ -2,13 +2,14 @@
 #include "measurement/report/report.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
-#include "tools/commands/analysis.h"
 #include "tools/command.h"
+#include "tools/commands/analysis.h"
 
 namespace seam::tools {
 
-void add_history(Command app) {
-  Command command = app.add_subcommand("history", "Shows the versions of a model and the error falling");
+void add_history(app::Command app) {
+  app::Command command =
+      app.add_subcommand("history", "Shows the versions of a model and the error falling");
   auto file = std::make_shared<std::string>();
   auto flags = std::make_shared<AnalysisFlags>();
   command.add_option("MODEL", *file, "The model").required();
@@ -17,21 +18,29 @@ void add_history(Command app) {
   command.footer("Example: seam history found.yaml");
   command.callback([file, flags] {
     const effects::Model model = read_model(*file);
-    if (model.history().empty()) std::printf("%s has no history: it was written by hand\n", file->c_str());
+    if (model.history().empty())
+      std::printf("%s has no history: it was written by hand\n", file->c_str());
     int version = 0;
     for (const effects::HistoryStep& step : model.history()) {
       std::string parameters;
       for (const auto& [name, value] : step.parameters) {
-        parameters += fmt::format("{}{} = {:.6g}", parameters.empty() ? "" : ", ", name, value.value);
+        parameters +=
+            fmt::format("{}{} = {:.6g}", parameters.empty() ? "" : ", ", name, value.value);
       }
       std::fputs(fmt::format("{:2d}  {:24s} {:9.4f} -> {:9.4f}   {}   ({}, {})\n", ++version,
-                             step.effect.empty() ? "refit" : step.effect, step.error_before, step.error_after, parameters,
-                             step.data, step.data_fingerprint).c_str(), stdout);
+                             step.effect.empty() ? "refit" : step.effect, step.error_before,
+                             step.error_after, parameters, step.data, step.data_fingerprint)
+                     .c_str(),
+                 stdout);
     }
     if (!flags->json.empty()) write_file_atomically(flags->json, measurement::history_json(model));
     if (!flags->report.empty()) {
-      measurement::write_report(flags->report, measurement::history_report(model, {
-          .command = fmt::format("seam history {} --report {}", *file, flags->report), .model_file = *file, .data_folder = ""}));
+      measurement::write_report(
+          flags->report,
+          measurement::history_report(
+              model, {.command = fmt::format("seam history {} --report {}", *file, flags->report),
+                      .model_file = *file,
+                      .data_folder = ""}));
     }
   });
 }

@@ -1,12 +1,12 @@
 // `seam measure`: makes the measurement set that a model would give.
 #include "measurement/kinds/kinds.h"
-#include "tools/commands/analysis.h"
 #include "tools/command.h"
+#include "tools/commands/analysis.h"
 
 namespace seam::tools {
 
-void add_measure(Command app) {
-  Command command =
+void add_measure(app::Command app) {
+  app::Command command =
       app.add_subcommand("measure", "Makes a measurement set with the simulator, by a protocol");
   struct Flags {
     std::string model, protocol, out, noise = "on";
@@ -16,7 +16,7 @@ void add_measure(Command app) {
   command.add_option("--model", flags->model, "The true model").required();
   command
       .add_option("--protocol", flags->protocol,
-                   "A measurement set; its measured columns are made anew")
+                  "A measurement set; its measured columns are made anew")
       .required();
   command.add_option("--seed", flags->seed, "Seed of all noise");
   command.add_option("--out", flags->out, "The folder to write").required();

@@ -24,10 +24,12 @@ struct StageTemplate {
 const StageTemplate kTemplates[] = {
     {"timing", "kPoints | kFrames", "timing.h",
      "      .timing = [](Values p, Timing& timing) { timing.latency_s += p[0]; },\n",
-     "  seam::effects::Timing timing;\n  effect.timing(values, timing);\n  return timing.latency_s;\n"},
+     "  seam::effects::Timing timing;\n  effect.timing(values, timing);\n  return "
+     "timing.latency_s;\n"},
     {"joint", "kJoints | kRanges", "servo.h",
      "      .servo = [](Values p, ServoModel& servo) { servo.latency_s += p[0]; },\n",
-     "  seam::effects::ServoModel servo;\n  effect.servo(values, servo);\n  return servo.latency_s;\n"},
+     "  seam::effects::ServoModel servo;\n  effect.servo(values, servo);\n  return "
+     "servo.latency_s;\n"},
     {"mount", "kPoints | kLandmarks | kFrames", "model.h",
      "      .mount = [](Values p, Pose& X_LC) { X_LC.p.x += p[0]; },\n",
      "  seam::Pose X_LC;\n  effect.mount(values, X_LC);\n  return X_LC.p.x;\n"},
@@ -35,21 +37,27 @@ const StageTemplate kTemplates[] = {
      "      .geometry = [](Values p, ImagePoint& point) { point.cx += p[0]; },\n",
      "  seam::effects::ImagePoint point;\n  effect.geometry(values, point);\n  return point.cx;\n"},
     {"radiometry", "kPhotometry | kFrames", "optics.h",
-     "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * point.v / point.height_px; },\n",
+     "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * "
+     "point.v / point.height_px; },\n",
      "  const seam::effects::ImagePoint point{.v = 72, .width_px = 178, .height_px = 144};\n"
      "  return 1 - effect.gain(values, point);\n"},
     {"light", "kPhotometry", "optics.h",
-     "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * point.v / point.height_px; },\n",
+     "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * "
+     "point.v / point.height_px; },\n",
      "  const seam::effects::ImagePoint point{.v = 72, .width_px = 178, .height_px = 144};\n"
      "  return 1 - effect.gain(values, point);\n"},
     {"sensor", "kPhotometry | kFrames", "sensor.h",
      "      .sensor = [](Values p, SensorChain& chain) { chain.black_dn += p[0]; },\n",
-     "  seam::effects::SensorChain chain;\n  effect.sensor(values, chain);\n  return chain.black_dn;\n"},
-    {"detector", "kLandmarks", "detector.h", "      .detector = [](Values p, Detection& seen) { seen.range_m += p[0]; },\n",
-     "  seam::effects::Detection seen;\n  effect.detector(values, seen);\n  return seen.range_m;\n"},
+     "  seam::effects::SensorChain chain;\n  effect.sensor(values, chain);\n  return "
+     "chain.black_dn;\n"},
+    {"detector", "kLandmarks", "detector.h",
+     "      .detector = [](Values p, Detection& seen) { seen.range_m += p[0]; },\n",
+     "  seam::effects::Detection seen;\n  effect.detector(values, seen);\n  return "
+     "seen.range_m;\n"},
     {"locomotion", "kOdometry", "locomotion.h",
      "      .locomotion = [](Values p, Locomotion& walk) { walk.vx_scale += p[0]; },\n",
-     "  seam::effects::Locomotion walk;\n  effect.locomotion(values, walk);\n  return walk.vx_scale;\n"},
+     "  seam::effects::Locomotion walk;\n  effect.locomotion(values, walk);\n  return "
+     "walk.vx_scale;\n"},
 };
 
 std::string effect_text(const std::string& name, const StageTemplate& t) {
@@ -78,7 +86,8 @@ EffectDefinition {0}() {{
 }
 
 std::string test_text(const std::string& name, const StageTemplate& t) {
-  return fmt::format(R"(// A plain program: exit code 0 when the effect is absent at its neutral value and acts otherwise.
+  return fmt::format(
+      R"(// A plain program: exit code 0 when the effect is absent at its neutral value and acts otherwise.
 #include <cmath>
 #include <cstdio>
 
@@ -103,7 +112,7 @@ int main() {{
   return absent && acts ? 0 : 1;
 }}
 )",
-                     name, t.header, t.test);
+      name, t.header, t.test);
 }
 
 std::string cmake_text(const std::string& name) {
@@ -142,39 +151,52 @@ SEAM_PLUGIN(effects) {{ effects.push_back(seam::effects::{0}()); }}
 
 }  // namespace
 
-void add_new_effect(Command app) {
-  Command command = app.add_subcommand("new-effect", "Writes a working template of an effect, with its test");
-  auto name = std::make_shared<std::string>(), stage = std::make_shared<std::string>(), out = std::make_shared<std::string>();
+void add_new_effect(app::Command app) {
+  app::Command command =
+      app.add_subcommand("new-effect", "Writes a working template of an effect, with its test");
+  auto name = std::make_shared<std::string>(), stage = std::make_shared<std::string>(),
+       out = std::make_shared<std::string>();
   command.add_option("NAME", *name, "Its name, in lower_case").required();
-  command.add_option("--stage", *stage,
-                      "timing, joint, mount, geometry, radiometry, light, sensor, detector or locomotion").required();
+  command
+      .add_option(
+          "--stage", *stage,
+          "timing, joint, mount, geometry, radiometry, light, sensor, detector or locomotion")
+      .required();
   command.add_option("--out", *out, "The folder to write (default: NAME)");
-  command.footer("Example: seam new-effect thermal_focus --stage geometry && cmake -S thermal_focus -B build-focus");
+  command.footer(
+      "Example: seam new-effect thermal_focus --stage geometry && cmake -S thermal_focus -B "
+      "build-focus");
   command.callback([name, stage, out] {
     if (!std::regex_match(*name, std::regex("[a-z][a-z0-9_]*"))) {
-      throw UsageError(fmt::format("'{}' is no name for an effect, expected lower_case letters", *name));
+      throw UsageError(
+          fmt::format("'{}' is no name for an effect, expected lower_case letters", *name));
     }
-    if (effects::find_effect(*name)) throw UsageError(fmt::format("effect '{}' exists already, expected a new name", *name));
+    if (effects::find_effect(*name))
+      throw UsageError(fmt::format("effect '{}' exists already, expected a new name", *name));
     const StageTemplate* found = nullptr;
     std::vector<std::string> stages;
     for (const StageTemplate& t : kTemplates) {
       stages.push_back(t.stage);
       if (*stage == t.stage) found = &t;
     }
-    if (!found) throw UsageError(fmt::format("unknown stage '{}'{}", *stage, suggestion_for(*stage, stages)));
+    if (!found)
+      throw UsageError(fmt::format("unknown stage '{}'{}", *stage, suggestion_for(*stage, stages)));
     const std::filesystem::path folder = out->empty() ? *name : *out;
     std::filesystem::create_directories(folder);
     const std::filesystem::path source = folder / (*name + ".cc");
-    if (std::filesystem::exists(source)) throw InputError(fmt::format("{}: exists already", source.string()));
+    if (std::filesystem::exists(source))
+      throw InputError(fmt::format("{}: exists already", source.string()));
     write_file_atomically(source, effect_text(*name, *found));
     write_file_atomically(folder / (*name + ".test.cc"), test_text(*name, *found));
     write_file_atomically(folder / "plugin.cc", plugin_text(*name));
     write_file_atomically(folder / "CMakeLists.txt", cmake_text(*name));
-    std::printf("%s: an effect of stage %s, its test, and a plugin of it.\n"
-                "  cmake -S %s -B %s/build -DSEAM_INCLUDE=DIR && cmake --build %s/build && ctest --test-dir %s/build\n"
-                "  seam --plugin %s/build/%s.so effects %s\n",
-                folder.c_str(), stage->c_str(), folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str(), folder.c_str(),
-                name->c_str(), name->c_str());
+    std::printf(
+        "%s: an effect of stage %s, its test, and a plugin of it.\n"
+        "  cmake -S %s -B %s/build -DSEAM_INCLUDE=DIR && cmake --build %s/build && ctest "
+        "--test-dir %s/build\n"
+        "  seam --plugin %s/build/%s.so effects %s\n",
+        folder.c_str(), stage->c_str(), folder.c_str(), folder.c_str(), folder.c_str(),
+        folder.c_str(), folder.c_str(), name->c_str(), name->c_str());
   });
 }
 

@@ -1,8 +1,9 @@
 // `seam report RESULT.json --out F.html`: a page from a result written earlier.
+#include "measurement/report/report.h"
+
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "measurement/report/report.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "tools/command.h"
@@ -15,18 +16,21 @@ using nlohmann::json;
 json read_result(const std::string& file) {
   try {
     json result = json::parse(read_file(file));
-    if (result.is_object() && result.contains("format") && result["format"].is_string()) return result;
+    if (result.is_object() && result.contains("format") && result["format"].is_string())
+      return result;
   } catch (const json::parse_error& error) {
-    throw InputError(fmt::format("{}: byte {}: found no JSON, expected a result that a command wrote with --json",
-                                 file, error.byte));
+    throw InputError(fmt::format(
+        "{}: byte {}: found no JSON, expected a result that a command wrote with --json", file,
+        error.byte));
   }
-  throw InputError(fmt::format("{}: format: found nothing, expected for example \"seam-diagnose/1\"", file));
+  throw InputError(
+      fmt::format("{}: format: found nothing, expected for example \"seam-diagnose/1\"", file));
 }
 
 }  // namespace
 
-void add_report(Command app) {
-  Command command = app.add_subcommand(
+void add_report(app::Command app) {
+  app::Command command = app.add_subcommand(
       "report", "Makes the page of a result: seam report result.json --out result.html");
   auto file = std::make_shared<std::string>();
   auto out = std::make_shared<std::string>();

@@ -1,29 +1,29 @@
 // `seam run SCENARIO`: server and behaviours in one process tree.
-#include "tools/command.h"
 #include "app/run_session.h"
+#include "tools/command.h"
 
 namespace seam::tools {
 
-void add_run(Command app) {
+void add_run(app::Command app) {
   struct Options {
     std::string scenario;
-    SessionOptions session;
-    SimulatorOptions simulator;
+    app::SessionOptions session;
+    app::SimulatorOptions simulator;
   };
-  Command command = app.add_subcommand(
+  app::Command command = app.add_subcommand(
       "run", "Runs a scenario with its behaviours, each a process of its own, in lockstep");
   auto options = std::make_shared<Options>();
   command.add_option("SCENARIO", options->scenario, "A seam-scenario/1 file").required();
-  add_session_options(command, options->session, options->simulator);
+  app::add_session_options(command, options->session, options->simulator);
   command.footer(
       "Examples:\n  seam run scenarios/head_swing.yaml --log swing.mcap --frames frames/\n"
       "  seam run scenarios/head_swing.yaml --seed 2 --json summary.json\n"
       "Exit code 0 at the scenario's end and after Ctrl-C (the log is whole), 1 when the run was\n"
       "aborted or an input is bad, 2 for wrong use.");
   command.callback([options] {
-    Simulator simulator = make_simulator(load_scenario(options->scenario, options->simulator),
-                                         options->simulator);
-    const SessionSummary summary = run_session(simulator, options->session);
+    app::Simulator simulator = app::make_simulator(
+        app::load_scenario(options->scenario, options->simulator), options->simulator);
+    const app::SessionSummary summary = app::run_session(simulator, options->session);
     if (const int code = report(summary, options->session); code != 0) throw ExitCode{code};
   });
 }

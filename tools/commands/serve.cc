@@ -1,39 +1,43 @@
 // `seam serve SCENARIO`: the server alone, for clients anywhere.
-#include "tools/command.h"
 #include "app/run_session.h"
+#include "tools/command.h"
 
 namespace seam::tools {
 
-void add_serve(Command app) {
+void add_serve(app::Command app) {
   struct Options {
     std::string scenario;
     std::vector<std::string> listen{"127.0.0.1:7210"};
-    SessionOptions session;
-    SimulatorOptions simulator;
+    app::SessionOptions session;
+    app::SimulatorOptions simulator;
   };
-  Command command = app.add_subcommand("serve", "Serves a scenario to clients anywhere");
+  app::Command command = app.add_subcommand("serve", "Serves a scenario to clients anywhere");
   auto options = std::make_shared<Options>();
   options->session.start_behaviours = false;
   command.add_option("SCENARIO", options->scenario, "A seam-scenario/1 file").required();
-  command.add_option("--listen", options->listen,
-                      "host:port (port 0: a free one) or unix:/path; may be given several times")
+  command
+      .add_option("--listen", options->listen,
+                  "host:port (port 0: a free one) or unix:/path; may be given several times")
       .show_default();
   command.add_option("--certs", options->session.certificates,
-                      "Folder with ca.pem, server.pem, server.key: TLS with client certificates; "
-                      "needed beyond Unix sockets and loopback");
-  command.add_option("--tokens", options->session.token_file,
-                      "Writes the robots', renderers' and the supervisor's tokens here (readable by you alone); "
-                      "tokens that the scenario does not give are drawn anew");
-  add_session_options(command, options->session, options->simulator);
+                     "Folder with ca.pem, server.pem, server.key: TLS with client certificates; "
+                     "needed beyond Unix sockets and loopback");
+  command.add_option(
+      "--tokens", options->session.token_file,
+      "Writes the robots', renderers' and the supervisor's tokens here (readable by you alone); "
+      "tokens that the scenario does not give are drawn anew");
+  app::add_session_options(command, options->session, options->simulator);
   command.footer(
-      "Examples:\n  seam serve scenarios/head_swing.yaml --listen unix:/tmp/seam.sock --tokens t.yaml\n"
-      "  seam certs certs && seam serve scenarios/head_swing.yaml --listen 0.0.0.0:7210 --certs certs\n"
+      "Examples:\n  seam serve scenarios/head_swing.yaml --listen unix:/tmp/seam.sock --tokens "
+      "t.yaml\n"
+      "  seam certs certs && seam serve scenarios/head_swing.yaml --listen 0.0.0.0:7210 --certs "
+      "certs\n"
       "The clock starts when the clients are there. Exit codes as `seam run`.");
   command.callback([options] {
     options->session.addresses = options->listen;
-    Simulator simulator = make_simulator(load_scenario(options->scenario, options->simulator),
-                                         options->simulator);
-    const SessionSummary summary = run_session(simulator, options->session);
+    app::Simulator simulator = app::make_simulator(
+        app::load_scenario(options->scenario, options->simulator), options->simulator);
+    const app::SessionSummary summary = app::run_session(simulator, options->session);
     if (const int code = report(summary, options->session); code != 0) throw ExitCode{code};
   });
 }

@@ -10,8 +10,8 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
-#include "tools/commands/analysis.h"
 #include "tools/command.h"
+#include "tools/commands/analysis.h"
 
 namespace seam::tools {
 namespace {
@@ -45,8 +45,8 @@ std::vector<double> numbers(const std::vector<std::string>& words, const char* o
 
 }  // namespace
 
-void add_study(Command app) {
-  Command command = app.add_subcommand(
+void add_study(app::Command app) {
+  app::Command command = app.add_subcommand(
       "study", "How often an effect is found, and false alarms: many small made sets, diagnosed");
   struct Flags {
     measurement::StudyPlan plan;

@@ -35,7 +35,8 @@ class Tls : public ::testing::Test {
   }
 
   static void make_certificates(const fs::path& folder) {
-    parse_and_run("", "seam", "", {"certs", folder.string()}, [](Command app) { add_certs(app); });
+    app::parse_and_run("", "seam", "", {"certs", folder.string()},
+                       [](app::Command app) { add_certs(app); });
   }
   scheduler::TlsTexts server_texts(const std::string& set) const {
     return {read_file(folder_ / set / "ca.pem"), read_file(folder_ / set / "server.pem"),

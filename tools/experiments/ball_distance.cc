@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/data_file.h"
+#include "app/predictors/range_detector.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "tools/experiments/ball_pictures.h"
@@ -12,7 +14,6 @@
 #include "tools/experiments/plot.h"
 #include "tools/experiments/runs.h"
 #include "tools/experiments/statistics.h"
-#include "app/predictors/range_detector.h"
 
 namespace seam::tools {
 namespace {
@@ -38,7 +39,8 @@ PlannedRun planned(const Scenario& base, const std::string& camera, const std::s
   robot.camera.model_yaml = model_yaml;
   run.scenario.ball.x_m = robot.pose.x_m + 1e-3 * distance_mm;
   run.scenario.ball.y_m = robot.pose.y_m;
-  robot.behaviour.command = {"ball_ranger", "--tilt", fmt::format("{:.4f}", tilt_to_ball_rad(1e-3 * distance_mm))};
+  robot.behaviour.command = {"ball_ranger", "--tilt",
+                             fmt::format("{:.4f}", app::tilt_to_ball_rad(1e-3 * distance_mm))};
   return run;
 }
 
@@ -108,8 +110,8 @@ void draw(const std::filesystem::path& folder) {
 }  // namespace
 
 void ball_distance_experiment(const ExperimentOptions& options) {
-  const Scenario base = Scenario::from_file(data_file("scenarios/ball_distance.yaml"));
-  const std::string ideal = read_file(data_file("models/ideal_camera.yaml"));
+  const Scenario base = Scenario::from_file(app::data_file("scenarios/ball_distance.yaml"));
+  const std::string ideal = read_file(app::data_file("models/ideal_camera.yaml"));
   const std::string& real = base.robots.front().camera.model_yaml;
   std::vector<int> distances_mm;
   for (int d = 200; d <= 2000; d += options.quick ? 600 : 100) distances_mm.push_back(d);

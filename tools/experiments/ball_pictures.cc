@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <optional>
 
+#include "app/scenario_frames.h"
 #include "render/pictures/pictures.h"
 #include "sim_core/base/error.h"
-#include "app/scenario_frames.h"
 
 namespace seam::tools {
 namespace {
@@ -63,7 +63,7 @@ void draw_ball_pictures(const std::vector<std::vector<BallPicture>>& by_camera,
     for (const BallPicture& picture : pictures) {
       bool made = false;
       const SimTime from = SimTime::from_s(kTakenAt_s);
-      visit_scenario_frames(
+      app::visit_scenario_frames(
           picture.scenario.string(), {}, picture.robot, from, from + SimDuration::from_s(0.1),
           [&](const scheduler::FinishedFrame& finished, const render::Renderer&) {
             if (made) return;

@@ -9,7 +9,7 @@ struct ExperimentOptions {
   std::filesystem::path folder;     // Runs, tables and plots go here.
   std::filesystem::path json_file;  // Empty: no JSON.
   int seeds = 3;
-  int poses = 0;  // 0: as many as the experiment takes by itself.
+  int poses = 0;           // 0: as many as the experiment takes by itself.
   double duration_s = 30;  // Of each run of a turning head; the paper's.
   int parallel = 2;
   bool quick = false;  // A small form that shows that everything works.

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/data_file.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
@@ -117,7 +118,7 @@ void localization_experiment(const ExperimentOptions& options) {
     const char* title;
     PoseMode mode;
   };
-  const std::string ideal = read_file(data_file("models/ideal_camera.yaml"));
+  const std::string ideal = read_file(app::data_file("models/ideal_camera.yaml"));
   const double duration_s = options.quick ? 12 : options.duration_s;
   std::vector<Mode> modes = {
       {"ideal",

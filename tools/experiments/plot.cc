@@ -16,13 +16,15 @@ bool plot(const std::filesystem::path& folder, const std::string& name, const st
       "set style line 3 lc rgb '#009e73' lw 2 pt 9\nset style line 4 lc rgb '#777777' lw 1 dt 2\n",
       name);
   write_file_atomically(folder / (name + ".gp"), header + script);
-  const std::string command = fmt::format("cd '{}' && gnuplot '{}.gp' 2> '{}.gnuplot.txt'", folder.string(), name, name);
+  const std::string command =
+      fmt::format("cd '{}' && gnuplot '{}.gp' 2> '{}.gnuplot.txt'", folder.string(), name, name);
   const int status = std::system(command.c_str());
   if (status == 0) {
     std::filesystem::remove(folder / (name + ".gnuplot.txt"));
     return true;
   }
-  std::fprintf(stderr, "seam: %s.png was not drawn (is gnuplot installed? see %s.gnuplot.txt)\n", name.c_str(), name.c_str());
+  std::fprintf(stderr, "seam: %s.png was not drawn (is gnuplot installed? see %s.gnuplot.txt)\n",
+               name.c_str(), name.c_str());
   return false;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "app/data_file.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/random.h"
@@ -57,7 +58,7 @@ std::vector<Pose2> paper_poses(int count) {
 
 PlannedRun pose_run(const std::string& mode_name, const PoseMode& mode, const Pose2& pose,
                     int seed) {
-  static const Scenario base = Scenario::from_file(data_file("scenarios/localization.yaml"));
+  static const Scenario base = Scenario::from_file(app::data_file("scenarios/localization.yaml"));
   PlannedRun run{run_name(mode_name, pose, seed), base};
   run.scenario.seed = seed;
   run.scenario.duration = SimDuration::from_s(mode.duration_s);

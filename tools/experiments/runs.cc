@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <deque>
 
+#include "app/behaviours.h"
 #include "scheduler/log/log.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
-#include "app/behaviours.h"
 
 namespace seam::tools {
 namespace {
@@ -36,7 +36,7 @@ std::string key_of(const Scenario& scenario, const std::string& text) {
   for (const RobotSpec& robot : scenario.robots) {
     if (robot.behaviour.command.empty()) continue;
     const std::string& name = robot.behaviour.command.front();
-    if (!programs.contains(name)) programs[name] = read_file(find_behaviour(name, robot.id));
+    if (!programs.contains(name)) programs[name] = read_file(app::find_behaviour(name, robot.id));
     hasher.add(std::string_view(programs[name]));
   }
   return to_hex(hasher.digest());
@@ -126,16 +126,6 @@ LoggedValues logged_values(const fs::path& path, int robot) {
     }
   }
   return values;
-}
-
-fs::path data_file(const std::string& name) {
-  if (fs::exists(name)) return name;
-  const fs::path beside = fs::read_symlink("/proc/self/exe").parent_path().parent_path() / name;
-  if (!fs::exists(beside)) {
-    throw InputError(
-        fmt::format("{}: not found here nor beside the program, expected SEAM's own files", name));
-  }
-  return beside;
 }
 
 }  // namespace seam::tools

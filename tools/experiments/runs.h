@@ -1,5 +1,6 @@
 // Many runs of `seam run`, some at a time, resumed after an interruption: a run whose log is there
-// and was made from the same scenario by the same behaviours is not made again. Results do not depend on the order.
+// and was made from the same scenario by the same behaviours is not made again. Results do not
+// depend on the order.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/scenario/scenario.h"
 #include "sim_core/base/time.h"
+#include "sim_core/scenario/scenario.h"
 
 namespace seam::tools {
 
@@ -19,7 +20,8 @@ struct PlannedRun {
 
 // Makes the logs `folder/NAME.mcap` that are missing; `parallel` runs at a time. Shows progress on
 // a terminal. Throws InputError naming the run that failed and why.
-void make_runs(const std::vector<PlannedRun>& runs, const std::filesystem::path& folder, int parallel);
+void make_runs(const std::vector<PlannedRun>& runs, const std::filesystem::path& folder,
+               int parallel);
 
 // What a robot's behaviour logged with `log_value`, by name, in order of time.
 struct LoggedValue {
@@ -28,9 +30,5 @@ struct LoggedValue {
 };
 using LoggedValues = std::map<std::string, std::vector<LoggedValue>>;
 LoggedValues logged_values(const std::filesystem::path& log, int robot = 0);
-
-// A file of the project (scenarios/..., models/...): below the working folder, or beside the build
-// folder of this program.
-std::filesystem::path data_file(const std::string& name);
 
 }  // namespace seam::tools

@@ -17,7 +17,6 @@
 namespace seam::tools {
 namespace {
 
-
 // Bearing errors apart by landmark; each run adds its own groups.
 using Groups = std::vector<std::vector<double>>;
 

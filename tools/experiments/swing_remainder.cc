@@ -4,13 +4,13 @@
 
 #include <cmath>
 
+#include "app/data_file.h"
 #include "sim_core/base/files.h"
 #include "tools/experiments/statistics.h"
 #include "tools/experiments/swing_studies.h"
 
 namespace seam::tools {
 namespace {
-
 
 class RemainderStudy final : public SwingStudy {
  public:
@@ -24,7 +24,7 @@ class RemainderStudy final : public SwingStudy {
       modes_.push_back({{name, changed}, title});
     };
     if (size.quick) return;
-    const std::string ideal = read_file(data_file("models/ideal_camera.yaml"));
+    const std::string ideal = read_file(app::data_file("models/ideal_camera.yaml"));
     add("rest_bearings", "bearings alone, ranges not used",
         [](PoseMode& m) { m.use_ranges = false; });
     add("rest_ideal", "ideal camera", [&](PoseMode& m) { m.model_yaml = ideal; });

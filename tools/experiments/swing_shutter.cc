@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "app/data_file.h"
 #include "sim_core/base/files.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/statistics.h"
@@ -32,7 +33,7 @@ constexpr Shutter kShutters[] = {
 class ShutterStudy final : public SwingStudy {
  public:
   explicit ShutterStudy(const StudySize& size) : size_(size) {
-    instantaneous_ = read_file(data_file("models/ers210_instantaneous.yaml"));
+    instantaneous_ = read_file(app::data_file("models/ers210_instantaneous.yaml"));
   }
 
   void plan(SwingRuns& runs) const override {
@@ -117,9 +118,10 @@ class ShutterStudy final : public SwingStudy {
 
   SwingMode mode(const Shutter& shutter) const {
     if (shutter.rolling && shutter.row_times) {  // The same runs as the study of the ratio.
-      return {
-          fmt::format("ratio_{}_{}", shutter.locked ? "locked" : "scheduled", kFramesASwing),
-          {.locked = shutter.locked, .frames_per_swing = kFramesASwing, .duration_s = size_.duration_s}};
+      return {fmt::format("ratio_{}_{}", shutter.locked ? "locked" : "scheduled", kFramesASwing),
+              {.locked = shutter.locked,
+               .frames_per_swing = kFramesASwing,
+               .duration_s = size_.duration_s}};
     }
     return {fmt::format("shutter_{}", shutter.name),
             {.model_yaml = shutter.rolling ? "" : instantaneous_,

@@ -11,7 +11,8 @@
 
 namespace seam::tools {
 
-inline constexpr double kHalfView_rad = 0.5 * 57.6 * maths::kPi / 180;  // The paper's angle of view.
+inline constexpr double kHalfView_rad =
+    0.5 * 57.6 * maths::kPi / 180;  // The paper's angle of view.
 // At the camera's rate: studies that look at the same runs share them.
 inline constexpr int kFramesASwing = 25;
 

@@ -5,8 +5,9 @@
 
 namespace seam::tools {
 
-void add_replay(Command app) {
-  Command replay = app.add_subcommand("replay", "Verifies, shows, compares, resumes and mends logs");
+void add_replay(app::Command app) {
+  app::Command replay =
+      app.add_subcommand("replay", "Verifies, shows, compares, resumes and mends logs");
   replay.require_subcommand();
 #define SEAM_ADD(name) add_replay_##name(replay);
   SEAM_REPLAY_COMMANDS(SEAM_ADD)

@@ -2,13 +2,13 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "app/logs/log_difference.h"
+#include "app/logs/replay_match.h"
 #include "scheduler/replay/log_diff.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "tools/command.h"
-#include "app/logs/log_difference.h"
 #include "tools/replay/replay.h"
-#include "app/logs/replay_match.h"
 
 namespace seam::tools {
 namespace {
@@ -22,16 +22,16 @@ struct Settings {
 void run(const Settings& settings) {
   const scheduler::Log a = scheduler::Log::open(settings.a);
   const scheduler::Log b = scheduler::Log::open(settings.b);
-  const scheduler::LogDifference difference = difference_of(a, b);
+  const scheduler::LogDifference difference = app::difference_of(a, b);
   if (!settings.json.empty()) {
-    write_file_atomically(settings.json, to_json(difference) + "\n");
+    write_file_atomically(settings.json, app::to_json(difference) + "\n");
   }
-  std::fputs(to_text(difference).c_str(), stdout);
+  std::fputs(app::to_text(difference).c_str(), stdout);
   if (!difference.equal()) throw ExitCode{1};
 }
 
-void add(Command parent) {
-  Command command = parent.add_subcommand(
+void add(app::Command parent) {
+  app::Command command = parent.add_subcommand(
       "diff", "The first difference of two runs by time, section and field, and how it spreads");
   auto settings = std::make_shared<Settings>();
   command.add_option("A", settings->a, "A log").required();
@@ -43,7 +43,11 @@ void add(Command parent) {
 
 }  // namespace
 
-void add_replay_diff(Command replay) { add(replay); }
-void add_diff(Command app) { add(app); }
+void add_replay_diff(app::Command replay) {
+  add(replay);
+}
+void add_diff(app::Command app) {
+  add(app);
+}
 
 }  // namespace seam::tools

@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/logs/replay_match.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
-#include "app/logs/replay_match.h"
 
 namespace seam::tools {
 namespace {
@@ -62,15 +62,13 @@ class Exporter {
   Exporter(const scheduler::Log& log, const fs::path& folder)
       : log_(log),
         folder_(folder),
-        poses_(folder / "poses.csv",
-               "time_s,robot,x_m,y_m,heading_rad,tilt_rad,pan_rad,roll_rad"),
+        poses_(folder / "poses.csv", "time_s,robot,x_m,y_m,heading_rad,tilt_rad,pan_rad,roll_rad"),
         ball_(folder / "ball.csv", "time_s,x_m,y_m,z_m"),
         steps_(folder / "steps.csv", "step,time_s,fingerprint"),
         decisions_(folder / "decisions.csv",
                    "time_s,robot,sequence,outcome,vx_mps,vy_mps,omega_radps,kick,frame_requests,"
                    "messages,reason"),
-        joints_(folder / "joint_commands.csv",
-                "time_s,robot,offset_s,joint,angle_rad,speed_radps"),
+        joints_(folder / "joint_commands.csv", "time_s,robot,offset_s,joint,angle_rad,speed_radps"),
         debug_(folder / "debug.csv", "time_s,robot,name,kind,value"),
         frames_(folder / "frames.csv", "robot,frame,stamp_s,end_s,fingerprint,file"),
         events_(folder / "events.csv", "time_s,kind,robot,name,detail") {}
@@ -122,7 +120,7 @@ class Exporter {
   void write(double time_s, const Answer& answer) {
     const std::string robot = cell(log_.header().robots[static_cast<size_t>(answer.robot)]);
     const RobotCommand& command = answer.decision.command;
-    const auto walk = [&](double BodyVelocity::* part) {
+    const auto walk = [&](double BodyVelocity::*part) {
       return command.walk ? fmt::format("{}", (*command.walk).*part) : std::string();
     };
     decisions_.row(time_s, robot, answer.sequence, outcome_text(answer.outcome),
@@ -132,9 +130,8 @@ class Exporter {
                    cell(answer.reason));
     for (const JointFrame& frame : command.joints) {
       for (const JointTarget& target : frame.targets) {
-        joints_.row(time_s, robot, frame.offset.s(),
-                    kJointNames[static_cast<size_t>(target.joint)], target.angle_rad,
-                    target.speed_radps);
+        joints_.row(time_s, robot, frame.offset.s(), kJointNames[static_cast<size_t>(target.joint)],
+                    target.angle_rad, target.speed_radps);
       }
     }
     for (const scheduler::DebugItem& item : answer.decision.debug) write(time_s, robot, item);
@@ -179,8 +176,8 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_export(Command replay) {
-  Command command = replay.add_subcommand(
+void add_replay_export(app::Command replay) {
+  app::Command command = replay.add_subcommand(
       "export", "Writes poses, decisions, frames and events as CSV, and the pictures of the log");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The log").required();

@@ -2,12 +2,12 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/frame_files.h"
+#include "app/logs/replay_match.h"
 #include "scheduler/replay/frame_maker.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
-#include "app/frame_files.h"
 #include "tools/replay/replay.h"
-#include "app/logs/replay_match.h"
 
 namespace seam::tools {
 namespace {
@@ -23,12 +23,12 @@ struct Settings {
 
 void run(const Settings& settings) {
   const scheduler::Log log = scheduler::Log::open(settings.file);
-  ReplayMatch match(log, {.models = settings.models});
+  app::ReplayMatch match(log, {.models = settings.models});
   const int robot = match.robot(settings.robot);
   const SimTime from = SimTime::from_s(settings.from_s);
   const SimTime to = settings.to_s ? SimTime::from_s(*settings.to_s) : log.end_time();
   if (to < from) throw UsageError("--to: expected a time that is not before --from");
-  FrameFiles files(settings.out);
+  app::FrameFiles files(settings.out);
   uint64_t frames = 0;
   scheduler::make_frames(match.rewinder(), match.renderer(), robot, from, to,
                          [&](const scheduler::FinishedFrame& frame) {
@@ -42,10 +42,11 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_frames(Command replay) {
-  Command command = replay.add_subcommand(
-      "frames", "Renders every frame of a robot's camera clock, also those that the run did not ask "
-                "for");
+void add_replay_frames(app::Command replay) {
+  app::Command command = replay.add_subcommand(
+      "frames",
+      "Renders every frame of a robot's camera clock, also those that the run did not ask "
+      "for");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--robot", settings->robot, "Whose camera").required();
@@ -56,8 +57,9 @@ void add_replay_frames(Command replay) {
   command.add_option("--to", settings->to_s, "Simulated seconds: the last stamp (the log's end)")
       .range(0.0, 9e9);
   command.add_option("--model", settings->models,
-                      "[ROBOT=]FILE: another camera model than the run's");
-  command.footer("Example: seam replay frames match.mcap --robot red1 --from 10 --to 12 --out eyes");
+                     "[ROBOT=]FILE: another camera model than the run's");
+  command.footer(
+      "Example: seam replay frames match.mcap --robot red1 --from 10 --to 12 --out eyes");
   command.callback([settings] { run(*settings); });
 }
 

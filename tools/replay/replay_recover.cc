@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "app/logs/replay_match.h"
 #include "scheduler/log/log_recovery.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
-#include "app/logs/replay_match.h"
 
 namespace seam::tools {
 namespace {
@@ -44,8 +44,8 @@ void tell(const scheduler::Recovery& recovery) {
     std::printf("lost: %llu bytes at offset %llu: %s; simulated time after %s%s\n",
                 static_cast<unsigned long long>(loss.place.bytes),
                 static_cast<unsigned long long>(loss.place.offset), loss.place.what.c_str(),
-                seconds(loss.from).c_str(),
-                loss.to ? (" up to " + seconds(*loss.to)).c_str() : ", to the end");
+                app::seconds(loss.from).c_str(),
+                loss.to ? (" up to " + app::seconds(*loss.to)).c_str() : ", to the end");
   }
   if (recovery.unknown_messages > 0) {
     std::printf("lost: %llu messages of channels whose definition is lost\n",
@@ -83,15 +83,16 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_recover(Command replay) {
-  Command command =
+void add_replay_recover(app::Command replay) {
+  app::Command command =
       replay.add_subcommand("recover", "Writes a whole log from a damaged or unfinished one");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The damaged log").required();
   command.add_option("--out", settings->out, "The log to write").required();
   command.add_option("--json", settings->json, "Write what was read and lost to this file");
-  command.footer("Exit code 0: nothing was lost; 3: something was; 1: nothing could be read.\n"
-                  "Example: seam replay recover damaged.mcap --out whole.mcap");
+  command.footer(
+      "Exit code 0: nothing was lost; 3: something was; 1: nothing could be read.\n"
+      "Example: seam replay recover damaged.mcap --out whole.mcap");
   command.callback([settings] { run(*settings); });
 }
 

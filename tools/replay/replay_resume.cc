@@ -4,21 +4,21 @@
 // they come to know what they would have known. Where the log ends, they decide.
 #include <cstdio>
 
+#include "app/logs/replay_match.h"
+#include "app/run_session.h"
 #include "scheduler/replay/player.h"
 #include "scheduler/replay/verifier.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
-#include "app/logs/replay_match.h"
-#include "app/run_session.h"
 
 namespace seam::tools {
 namespace {
 
 struct Settings {
   std::string file;
-  SessionOptions session;
-  SimulatorOptions simulator;
+  app::SessionOptions session;
+  app::SimulatorOptions simulator;
 };
 
 int resume(const Settings& settings) {
@@ -26,30 +26,31 @@ int resume(const Settings& settings) {
   if (log.end() && log.end()->reason == scheduler::EndReason::finished) {
     std::printf("%s is of a finished run: it is run again to its end\n", settings.file.c_str());
   }
-  Simulator simulator = make_simulator(log.header(), settings.simulator);
+  app::Simulator simulator = app::make_simulator(log.header(), settings.simulator);
   scheduler::MixedReport mixed;
   // The part that the log holds must come out the same; the run goes on in any case.
   scheduler::RunControl unused;
   scheduler::Verifier verifier(log, simulator.world, unused);
-  const SessionSummary summary = run_session(
-      simulator, settings.session,
-      [&](scheduler::DecisionSource& live) {
-        return std::make_unique<scheduler::MixedSource>(log, live, mixed);
-      },
-      {&verifier});
+  const app::SessionSummary summary =
+      app::run_session(simulator, settings.session,
+                       [&](scheduler::DecisionSource& live) {
+                         return std::make_unique<scheduler::MixedSource>(log, live, mixed);
+                       },
+                       {&verifier});
   if (mixed.live_since) {
-    std::printf("live since %s\n", seconds(*mixed.live_since).c_str());
+    std::printf("live since %s\n", app::seconds(*mixed.live_since).c_str());
   }
   if (mixed.different_decisions > 0) {
-    std::printf("warning: %llu of %llu decisions of the live behaviours were others than the log's: "
-                "they do not repeat themselves\n",
-                static_cast<unsigned long long>(mixed.different_decisions),
-                static_cast<unsigned long long>(mixed.compared_decisions));
+    std::printf(
+        "warning: %llu of %llu decisions of the live behaviours were others than the log's: "
+        "they do not repeat themselves\n",
+        static_cast<unsigned long long>(mixed.different_decisions),
+        static_cast<unsigned long long>(mixed.compared_decisions));
   }
   const int code = report(summary, settings.session);
   if (verifier.divergence()) {
     std::printf("the resumed run left the log at %s: section %s, field %s\n",
-                seconds(verifier.divergence()->time).c_str(),
+                app::seconds(verifier.divergence()->time).c_str(),
                 verifier.divergence()->section.c_str(), verifier.divergence()->field.c_str());
     return 1;
   }
@@ -58,18 +59,20 @@ int resume(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_resume(Command replay) {
-  Command command = replay.add_subcommand(
-      "resume", "Goes on from a log with the scenario's behaviours, to the same end as a run that "
-                "was not interrupted");
+void add_replay_resume(app::Command replay) {
+  app::Command command = replay.add_subcommand(
+      "resume",
+      "Goes on from a log with the scenario's behaviours, to the same end as a run that "
+      "was not interrupted");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The log, whole or of a killed run").required();
   command.add_option("--log", settings->session.log, "The log of the whole run, a new file")
       .required();
   command.add_option("--json", settings->session.json, "Writes the summary here");
   command.add_option("--frames", settings->session.frames, "Writes frames into this folder");
-  command.footer("Exit code 0: resumed; 1: the run left the log, or was aborted.\n"
-                  "Example: seam replay resume killed.mcap --log whole.mcap");
+  command.footer(
+      "Exit code 0: resumed; 1: the run left the log, or was aborted.\n"
+      "Example: seam replay resume killed.mcap --log whole.mcap");
   command.callback([settings] {
     if (settings->file == settings->session.log) {
       throw UsageError("--log: the same file as the log to resume; give another name");

@@ -3,12 +3,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/logs/replay_match.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
-#include "app/logs/replay_match.h"
 
 namespace seam::tools {
 namespace {
@@ -38,9 +38,9 @@ nlohmann::ordered_json summary_of(const scheduler::Log& log) {
                                  {"end_s", log.end_time().s()}};
   for (const auto& [name, version] : header.versions) json["versions"][name] = version;
   std::map<std::string, uint64_t> counts;
-  scheduler::LogCursor cursor(log, {scheduler::Topic::turn, scheduler::Topic::step,
-                                    scheduler::Topic::snapshot, scheduler::Topic::frame,
-                                    scheduler::Topic::event});
+  scheduler::LogCursor cursor(
+      log, {scheduler::Topic::turn, scheduler::Topic::step, scheduler::Topic::snapshot,
+            scheduler::Topic::frame, scheduler::Topic::event});
   while (cursor.next()) ++counts[std::string(topic_name(cursor.last_topic()))];
   json["messages"] = counts;
   json["chunks"] = log.file().contents().chunks.size();
@@ -63,7 +63,7 @@ void print_summary(const nlohmann::ordered_json& json) {
 }
 
 nlohmann::ordered_json state_at(const scheduler::Log& log, SimTime time) {
-  ReplayMatch match(log);
+  app::ReplayMatch match(log);
   const SimTime reached = match.rewinder().to(time);
   nlohmann::ordered_json json = {{"format", "seam-state/1"},
                                  {"time_ns", reached.ns()},
@@ -123,7 +123,7 @@ void print_events(const scheduler::Log& log) {
       ++left_out;
       continue;
     }
-    std::printf("  %10s  %-8s %-8s %s %s\n", seconds(event.time).c_str(), to_text(event.kind),
+    std::printf("  %10s  %-8s %-8s %s %s\n", app::seconds(event.time).c_str(), to_text(event.kind),
                 event.robot.c_str(), event.name.c_str(), event.detail.c_str());
   }
   if (left_out > 0) {
@@ -148,8 +148,9 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_show(Command replay) {
-  Command command = replay.add_subcommand("show", "What a log holds, or the whole state at a time");
+void add_replay_show(app::Command replay) {
+  app::Command command =
+      replay.add_subcommand("show", "What a log holds, or the whole state at a time");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--at", settings->at_s, "Simulated seconds: show the state at this time")

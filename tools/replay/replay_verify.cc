@@ -2,14 +2,14 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "scheduler/replay/player.h"
+#include "app/logs/replay_match.h"
 #include "scheduler/loop/simulation.h"
+#include "scheduler/replay/player.h"
 #include "scheduler/replay/verifier.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
-#include "app/logs/replay_match.h"
 
 namespace seam::tools {
 namespace {
@@ -31,13 +31,17 @@ struct Outcome {
 };
 
 Outcome re_run(const scheduler::Log& log, bool frames) {
-  ReplayMatch match(log);
+  app::ReplayMatch match(log);
   scheduler::RunControl control;
   scheduler::LogSource decisions(log);
   scheduler::Verifier verifier(log, match.world(), control);
   if (!frames) verifier.ignore_frames();
-  scheduler::Simulation simulation({match.scenario(), match.world(), decisions, control,
-                                    frames ? &match.renderer() : nullptr, {&verifier},
+  scheduler::Simulation simulation({match.scenario(),
+                                    match.world(),
+                                    decisions,
+                                    control,
+                                    frames ? &match.renderer() : nullptr,
+                                    {&verifier},
                                     match.header()});
   simulation.run();
   return {verifier.divergence(), verifier.steps(), verifier.frames(), verifier.verified_until()};
@@ -50,9 +54,9 @@ Outcome verify(const Settings& settings) {
     Outcome outcome = re_run(log, settings.frames);
     const std::vector<mcap::Loss> losses = log.losses();
     if (!outcome.divergence && !losses.empty()) {
-      outcome.divergence = Divergence{outcome.until, "log", "bytes",
-                                      fmt::format("damaged at offset {}: {}", losses[0].offset,
-                                                  losses[0].what)};
+      outcome.divergence =
+          Divergence{outcome.until, "log", "bytes",
+                     fmt::format("damaged at offset {}: {}", losses[0].offset, losses[0].what)};
       outcome.unreadable = true;
     }
     return outcome;
@@ -88,7 +92,8 @@ void run(const Settings& settings) {
   if (!outcome.divergence) {
     std::printf("%s: the same: %llu steps and %llu frames up to %s\n", settings.file.c_str(),
                 static_cast<unsigned long long>(outcome.steps),
-                static_cast<unsigned long long>(outcome.frames), seconds(outcome.until).c_str());
+                static_cast<unsigned long long>(outcome.frames),
+                app::seconds(outcome.until).c_str());
     return;
   }
   const Divergence& first = *outcome.divergence;
@@ -96,7 +101,7 @@ void run(const Settings& settings) {
     std::printf("%s: cannot be verified: %s\n", settings.file.c_str(), first.detail.c_str());
   } else {
     std::printf("%s: first divergence at %s (%lld ns): section %s, field %s\n  %s\n",
-                settings.file.c_str(), seconds(first.time).c_str(),
+                settings.file.c_str(), app::seconds(first.time).c_str(),
                 static_cast<long long>(first.time.ns()), first.section.c_str(),
                 first.field.empty() ? "unknown" : first.field.c_str(), first.detail.c_str());
   }
@@ -105,17 +110,19 @@ void run(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_verify(Command replay) {
-  Command command = replay.add_subcommand(
-      "verify", "Re-runs a log and compares every hash; names the first divergence by time, "
-                "section and field");
+void add_replay_verify(app::Command replay) {
+  app::Command command = replay.add_subcommand(
+      "verify",
+      "Re-runs a log and compares every hash; names the first divergence by time, "
+      "section and field");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--json", settings->json, "Write the result as seam-verify/1 to this file");
   command.add_flag("--frames,!--no-frames", settings->frames,
-                    "Make and compare the frames too (the default)");
-  command.footer("Exit code 0: the same; 1: a divergence, or the log cannot be read.\n"
-                  "Example: seam replay verify match.mcap --json result.json");
+                   "Make and compare the frames too (the default)");
+  command.footer(
+      "Exit code 0: the same; 1: a divergence, or the log cannot be read.\n"
+      "Example: seam replay verify match.mcap --json result.json");
   command.callback([settings] { run(*settings); });
 }
 

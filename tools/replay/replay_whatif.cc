@@ -1,17 +1,18 @@
-// `seam replay whatif F --robot R --client CMD [--from T]`: the same run with one behaviour changed.
+// `seam replay whatif F --robot R --client CMD [--from T]`: the same run with one behaviour
+// changed.
 #include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
 
+#include "app/logs/log_difference.h"
+#include "app/logs/replay_match.h"
+#include "app/run_session.h"
 #include "scheduler/replay/player.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "tools/command.h"
-#include "app/logs/log_difference.h"
 #include "tools/replay/replay.h"
-#include "app/logs/replay_match.h"
-#include "app/run_session.h"
 
 namespace seam::tools {
 namespace {
@@ -23,14 +24,14 @@ struct Settings {
   double from_s = 0;
   std::string others = "log";
   std::string json;
-  SessionOptions session;
+  app::SessionOptions session;
 };
 
 // Who is driven live from --from on, and which processes that needs.
 scheduler::MixedSourceOptions set_up(const Settings& settings, const Scenario& scenario,
-                                     int changed, SessionOptions& session) {
+                                     int changed, app::SessionOptions& session) {
   scheduler::MixedSourceOptions options{.live_from = SimTime::from_s(settings.from_s)};
-  const std::vector<std::string> command = split_words(settings.client);
+  const std::vector<std::string> command = app::split_words(settings.client);
   if (command.empty()) throw UsageError("--client: expected a command");
   for (size_t i = 0; i < scenario.robots.size(); ++i) {
     const bool is_changed = static_cast<int>(i) == changed;
@@ -44,35 +45,37 @@ scheduler::MixedSourceOptions set_up(const Settings& settings, const Scenario& s
 
 int what_if(const Settings& settings) {
   const scheduler::Log log = scheduler::Log::open(settings.file);
-  Simulator simulator = make_simulator(log.header());
-  const int changed = ReplayMatch(log).robot(settings.robot);
+  app::Simulator simulator = app::make_simulator(log.header());
+  const int changed = app::ReplayMatch(log).robot(settings.robot);
   if (SimTime::from_s(settings.from_s) > log.end_time()) {
-    throw UsageError(fmt::format("--from {}: the log ends at {}", settings.from_s, seconds(log.end_time())));
+    throw UsageError(fmt::format("--from {}: the log ends at {}", settings.from_s,
+                                 app::seconds(log.end_time())));
   }
-  SessionOptions session = settings.session;
+  app::SessionOptions session = settings.session;
   const bool keep_log = !session.log.empty();
   if (!keep_log) {
-    session.log = (std::filesystem::temp_directory_path() /
-                   fmt::format("seam-whatif-{}.mcap", getpid())).string();
+    session.log =
+        (std::filesystem::temp_directory_path() / fmt::format("seam-whatif-{}.mcap", getpid()))
+            .string();
   }
   const scheduler::MixedSourceOptions options =
       set_up(settings, simulator.scenario, changed, session);
   std::printf("%s is driven by '%s' from %s on; the others %s\n", settings.robot.c_str(),
-              settings.client.c_str(), seconds(options.live_from).c_str(),
+              settings.client.c_str(), app::seconds(options.live_from).c_str(),
               settings.others == "log" ? "do what the log says" : "are live from then on too");
   std::fflush(stdout);
   scheduler::MixedReport mixed;
-  const SessionSummary summary =
-      run_session(simulator, session, [&](scheduler::DecisionSource& live) {
+  const app::SessionSummary summary =
+      app::run_session(simulator, session, [&](scheduler::DecisionSource& live) {
         return std::make_unique<scheduler::MixedSource>(log, live, mixed, options);
       });
   const int code = report(summary, session);
 
   const scheduler::Log changed_log = scheduler::Log::open(session.log);
-  const scheduler::LogDifference difference = difference_of(log, changed_log);
-  std::fputs(to_text(difference).c_str(), stdout);
+  const scheduler::LogDifference difference = app::difference_of(log, changed_log);
+  std::fputs(app::to_text(difference).c_str(), stdout);
   if (!settings.json.empty()) {
-    write_file_atomically(settings.json, to_json(difference) + "\n");
+    write_file_atomically(settings.json, app::to_json(difference) + "\n");
   }
   if (!keep_log) std::filesystem::remove(session.log);
   return code;
@@ -80,22 +83,26 @@ int what_if(const Settings& settings) {
 
 }  // namespace
 
-void add_replay_whatif(Command replay) {
-  Command command = replay.add_subcommand(
-      "whatif", "Runs a recorded match again with one robot's behaviour changed, and shows what "
-                "follows");
+void add_replay_whatif(app::Command replay) {
+  app::Command command = replay.add_subcommand(
+      "whatif",
+      "Runs a recorded match again with one robot's behaviour changed, and shows what "
+      "follows");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--robot", settings->robot, "Whose behaviour is changed").required();
-  command.add_option("--client", settings->client,
-                      "The new behaviour: a program with its arguments, as one word of the shell")
+  command
+      .add_option("--client", settings->client,
+                  "The new behaviour: a program with its arguments, as one word of the shell")
       .required();
-  command.add_option("--from", settings->from_s,
-                      "Simulated seconds: until then the log decides for all")
+  command
+      .add_option("--from", settings->from_s,
+                  "Simulated seconds: until then the log decides for all")
       .range(0.0, 9e9);
-  command.add_option("--others", settings->others,
-                      "log: the other robots repeat their decisions; live: their behaviours go on "
-                      "and may react")
+  command
+      .add_option("--others", settings->others,
+                  "log: the other robots repeat their decisions; live: their behaviours go on "
+                  "and may react")
       .one_of({"log", "live"})
       .show_default();
   command.add_option("--log", settings->session.log, "Keep the changed run's log here");

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <functional>
 
+#include "app/logs/log_difference.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
-#include "app/logs/log_difference.h"
 #include "tools/viewer/view_data.h"
 
 namespace seam::tools {
@@ -54,11 +54,12 @@ class Viewer {
     for (size_t i = 0; i < settings.files.size(); ++i) {
       logs_.push_back(std::make_unique<ViewData>(settings.files[i], ids[i]));
     }
-    server_.set_pre_routing_handler([](const httplib::Request& request, httplib::Response& response) {
-      if (is_local(request)) return httplib::Server::HandlerResponse::Unhandled;
-      refuse(response, 403, "only requests from this machine are answered");
-      return httplib::Server::HandlerResponse::Handled;
-    });
+    server_.set_pre_routing_handler(
+        [](const httplib::Request& request, httplib::Response& response) {
+          if (is_local(request)) return httplib::Server::HandlerResponse::Unhandled;
+          refuse(response, 403, "only requests from this machine are answered");
+          return httplib::Server::HandlerResponse::Handled;
+        });
     server_.set_error_handler([](const httplib::Request&, httplib::Response& response) {
       if (response.body.empty()) refuse(response, response.status, "there is nothing here");
     });
@@ -90,7 +91,8 @@ class Viewer {
     get("info", [this](const Query&, httplib::Response& response) {
       std::string logs;
       for (const auto& log : logs_) logs += (logs.empty() ? "" : ",") + log->info();
-      response.set_content("{\"format\":\"seam-view/1\",\"logs\":[" + logs + "]}", "application/json");
+      response.set_content("{\"format\":\"seam-view/1\",\"logs\":[" + logs + "]}",
+                           "application/json");
     });
     const std::pair<const char*, Answer> answers[] = {
         {"truth", &ViewData::truth},   {"state", &ViewData::state},
@@ -110,7 +112,7 @@ class Viewer {
     get("diff", [this](const Query&, httplib::Response& response) {
       if (logs_.size() < 2) throw NotFound("there is only one log");
       std::call_once(compared_, [this] {
-        difference_ = to_view_json(difference_of(logs_[0]->log(), logs_[1]->log()));
+        difference_ = app::to_view_json(app::difference_of(logs_[0]->log(), logs_[1]->log()));
       });
       response.set_content(difference_, "application/json");
     });
@@ -123,21 +125,21 @@ class Viewer {
     throw NotFound("log: expected a" + std::string(logs_.size() > 1 ? " or b" : ""));
   }
 
-  void get(const std::string& name,
-           std::function<void(const Query&, httplib::Response&)> answer) {
-    server_.Get("/api/" + name, [answer](const httplib::Request& request, httplib::Response& response) {
-      Query query;
-      for (const auto& [key, value] : request.params) query.emplace(key, value);
-      try {
-        answer(query, response);
-      } catch (const UsageError& error) {
-        refuse(response, 400, error.what());
-      } catch (const NotFound& error) {
-        refuse(response, 404, error.what());
-      } catch (const std::exception& error) {
-        refuse(response, 500, error.what());
-      }
-    });
+  void get(const std::string& name, std::function<void(const Query&, httplib::Response&)> answer) {
+    server_.Get("/api/" + name,
+                [answer](const httplib::Request& request, httplib::Response& response) {
+                  Query query;
+                  for (const auto& [key, value] : request.params) query.emplace(key, value);
+                  try {
+                    answer(query, response);
+                  } catch (const UsageError& error) {
+                    refuse(response, 400, error.what());
+                  } catch (const NotFound& error) {
+                    refuse(response, 404, error.what());
+                  } catch (const std::exception& error) {
+                    refuse(response, 500, error.what());
+                  }
+                });
   }
 
   std::vector<std::unique_ptr<ViewData>> logs_;
@@ -148,12 +150,12 @@ class Viewer {
 
 }  // namespace
 
-void add_view(Command app) {
-  Command command = app.add_subcommand("view", "A web page that shows a log, or two side by side");
+void add_view(app::Command app) {
+  app::Command command =
+      app.add_subcommand("view", "A web page that shows a log, or two side by side");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->files, "A log, or two to compare").required().count(1, 2);
-  command.add_option("--port", settings->port, "Port on 127.0.0.1; 0: a free one")
-      .range(0, 65535);
+  command.add_option("--port", settings->port, "Port on 127.0.0.1; 0: a free one").range(0, 65535);
   command.footer("Example: seam view match.mcap");
   command.callback([settings] { Viewer(*settings).serve(settings->port); });
 }

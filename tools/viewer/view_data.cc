@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "app/logs/replay_match.h"
 #include "render/ground_truth.h"
 #include "scheduler/replay/frame_maker.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/image.h"
-#include "app/logs/replay_match.h"
 #include "tools/viewer/view_index.h"
 #include "tools/viewer/view_pictures.h"
 
@@ -29,18 +29,23 @@ bool moves(Label label) {
 
 const char* shape_name(Shape shape) {
   switch (shape) {
-    case Shape::rectangle: return "rectangle";
-    case Shape::box: return "box";
-    case Shape::sphere: return "sphere";
-    default: return "cylinder";
+    case Shape::rectangle:
+      return "rectangle";
+    case Shape::box:
+      return "box";
+    case Shape::sphere:
+      return "sphere";
+    default:
+      return "cylinder";
   }
 }
 
 const char* label_name(Label label) {
   constexpr const char* kNames[] = {
-      "background",   "carpet",         "line",         "wall",         "ball",       "goal_yellow",
-      "goal_skyblue", "beacon_pink",    "beacon_yellow", "beacon_skyblue", "beacon_green",
-      "beacon_white", "robot_red",      "robot_blue",   "robot_body",   "other"};
+      "background",    "carpet",         "line",         "wall",
+      "ball",          "goal_yellow",    "goal_skyblue", "beacon_pink",
+      "beacon_yellow", "beacon_skyblue", "beacon_green", "beacon_white",
+      "robot_red",     "robot_blue",     "robot_body",   "other"};
   return kNames[static_cast<size_t>(label)];
 }
 
@@ -52,9 +57,8 @@ json scenery_of(const World& world) {
   std::vector<Primitive> primitives;
   world.primitives_at(world.start(), primitives);
   std::erase_if(primitives, [](const Primitive& primitive) { return moves(primitive.label); });
-  std::stable_sort(primitives.begin(), primitives.end(), [](const auto& a, const auto& b) {
-    return a.X_WO.p.z < b.X_WO.p.z;
-  });
+  std::stable_sort(primitives.begin(), primitives.end(),
+                   [](const auto& a, const auto& b) { return a.X_WO.p.z < b.X_WO.p.z; });
   json scenery = json::array();
   for (const Primitive& primitive : primitives) {
     const Mat3& R = primitive.X_WO.R;
@@ -66,7 +70,8 @@ json scenery_of(const World& world) {
          {"z_m", primitive.X_WO.p.z},
          {"yaw_rad", std::atan2(R[0].y, R[0].x)},
          {"size_m", {primitive.size.x, primitive.size.y, primitive.size.z}},
-         {"rgb", {display(primitive.rgb[0]), display(primitive.rgb[1]), display(primitive.rgb[2])}}});
+         {"rgb",
+          {display(primitive.rgb[0]), display(primitive.rgb[1]), display(primitive.rgb[2])}}});
   }
   return scenery;
 }
@@ -113,7 +118,7 @@ struct ViewData::Impl {
   scheduler::Log log;
   std::string id;
   ViewIndex index;
-  std::optional<ReplayMatch> match_;
+  std::optional<app::ReplayMatch> match_;
   std::string info;
   struct Made {
     int robot;
@@ -122,7 +127,7 @@ struct ViewData::Impl {
   };
   std::vector<Made> made;  // The last ones first.
 
-  ReplayMatch& match() {
+  app::ReplayMatch& match() {
     if (!match_) match_.emplace(log);
     return *match_;
   }
@@ -158,7 +163,8 @@ struct ViewData::Impl {
 
   const Made& make(int robot, int64_t frame) {
     for (size_t i = 0; i < made.size(); ++i) {
-      if (made[i].robot != robot || made[i].frame->frame_index != static_cast<uint64_t>(frame)) continue;
+      if (made[i].robot != robot || made[i].frame->frame_index != static_cast<uint64_t>(frame))
+        continue;
       std::rotate(made.begin(), made.begin() + static_cast<ptrdiff_t>(i),
                   made.begin() + static_cast<ptrdiff_t>(i) + 1);
       return made.front();
@@ -167,13 +173,13 @@ struct ViewData::Impl {
     const SimTime stamp = scheduler::camera_clock(match().scenario(), robot).tick(frame);
     if (stamp > log.end_time()) throw NotFound("the log ends before this frame");
     bool found = false;
-    scheduler::make_frames(match().rewinder(), match().renderer(), robot, stamp, stamp,
-                           [&](const scheduler::FinishedFrame& finished) {
-                             made.insert(made.begin(),
-                                         {robot, std::make_unique<FrameJob>(*finished.job),
-                                          finished.frame});
-                             found = true;
-                           });
+    scheduler::make_frames(
+        match().rewinder(), match().renderer(), robot, stamp, stamp,
+        [&](const scheduler::FinishedFrame& finished) {
+          made.insert(made.begin(),
+                      {robot, std::make_unique<FrameJob>(*finished.job), finished.frame});
+          found = true;
+        });
     if (!found) throw NotFound("the log ends before this frame does");
     if (made.size() > kCachedFrames) made.pop_back();
     return made.front();
@@ -214,7 +220,9 @@ ViewData::ViewData(const std::string& path, std::string id)
     : impl_(std::make_unique<Impl>(open_for_view(path), std::move(id))) {}
 ViewData::~ViewData() = default;
 
-const scheduler::Log& ViewData::log() const { return impl_->log; }
+const scheduler::Log& ViewData::log() const {
+  return impl_->log;
+}
 
 std::string ViewData::info() {
   const std::lock_guard lock(impl_->mutex);
@@ -240,17 +248,17 @@ std::string ViewData::info() {
                {"versions", json::object()}};
   for (const auto& [name, version] : header.versions) info["versions"][name] = version;
   for (const mcap::Loss& loss : log.file().contents().losses) info["losses"].push_back(loss.what);
-  ReplayMatch& match = impl_->match();
+  app::ReplayMatch& match = impl_->match();
   const Scenario& scenario = match.scenario();
   info["step_s"] = scenario.step.s();
   info["robots"] = json::array();
   for (size_t i = 0; i < scenario.robots.size(); ++i) {
     const RobotSpec& robot = scenario.robots[i];
-    info["robots"].push_back({{"id", robot.id},
-                              {"team", robot.team == Team::red ? "red" : "blue"},
-                              {"number", i},
-                              {"camera", {{"width_px", robot.camera.width_px},
-                                          {"height_px", robot.camera.height_px}}}});
+    info["robots"].push_back(
+        {{"id", robot.id},
+         {"team", robot.team == Team::red ? "red" : "blue"},
+         {"number", i},
+         {"camera", {{"width_px", robot.camera.width_px}, {"height_px", robot.camera.height_px}}}});
   }
   info["field"] = {{"length_m", 2 * scenario.field.half_length_m},
                    {"width_m", 2 * scenario.field.half_width_m}};
@@ -276,12 +284,14 @@ std::string ViewData::truth(const Query& query) {
     const std::vector<float>& values = index.poses[row];
     times.push_back(index.pose_t[row]);
     for (size_t i = 0; i < robots.size(); ++i) {
-      poses[robots[i]].push_back(std::vector<float>(values.begin() + static_cast<ptrdiff_t>(6 * i),
-                                                    values.begin() + static_cast<ptrdiff_t>(6 * i + 6)));
+      poses[robots[i]].push_back(
+          std::vector<float>(values.begin() + static_cast<ptrdiff_t>(6 * i),
+                             values.begin() + static_cast<ptrdiff_t>(6 * i + 6)));
     }
     ball.push_back(std::vector<float>(values.end() - 3, values.end()));
   }
-  return json{{"t", std::move(times)}, {"ball", std::move(ball)}, {"robots", std::move(poses)}}.dump();
+  return json{{"t", std::move(times)}, {"ball", std::move(ball)}, {"robots", std::move(poses)}}
+      .dump();
 }
 
 std::string ViewData::state(const Query& query) {
@@ -291,7 +301,7 @@ std::string ViewData::state(const Query& query) {
   const auto next = std::upper_bound(times.begin(), times.end(), time);
   if (next == times.begin()) throw NotFound("there is no step at or before this time");
   const SimTime step_time = *(next - 1);
-  ReplayMatch& match = impl_->match();
+  app::ReplayMatch& match = impl_->match();
   match.rewinder().to(step_time);
   json sections = json::array();
   for (const StateSection& section : match.world().sections()) {
@@ -299,8 +309,8 @@ std::string ViewData::state(const Query& query) {
     for (const auto& field : section.fields) {
       std::visit([&](auto value) { fields.push_back({field.name, value}); }, field.value);
     }
-    sections.push_back({{"name", section.name}, {"hash", to_hex(section.hash())},
-                        {"fields", std::move(fields)}});
+    sections.push_back(
+        {{"name", section.name}, {"hash", to_hex(section.hash())}, {"fields", std::move(fields)}});
   }
   const auto row = static_cast<size_t>(next - times.begin()) - 1;
   return json{{"time_ns", std::to_string(step_time.ns())},
@@ -315,8 +325,11 @@ std::string ViewData::events(const Query&) {
   constexpr const char* kKinds[] = {"referee", "radio", "world", "policy", "fault", "debug"};
   json events = json::array();
   for (const auto& event : impl_->index.events) {
-    events.push_back({{"t", event.time.s()}, {"kind", kKinds[static_cast<int>(event.kind)]},
-                      {"robot", event.robot}, {"name", event.name}, {"detail", event.detail}});
+    events.push_back({{"t", event.time.s()},
+                      {"kind", kKinds[static_cast<int>(event.kind)]},
+                      {"robot", event.robot},
+                      {"name", event.name},
+                      {"detail", event.detail}});
   }
   return json{{"events", std::move(events)}}.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -368,14 +381,16 @@ std::string ViewData::series(const Query& query) {
   }
   const double from = number_of(query, "from", 0);
   const double to = number_of(query, "to", impl_->log.end_time().s());
-  const auto points = static_cast<size_t>(std::clamp<int64_t>(integer_of(query, "points", 1000), 4, 20000));
+  const auto points =
+      static_cast<size_t>(std::clamp<int64_t>(integer_of(query, "points", 1000), 4, 20000));
   json out = json::object();
   for (size_t start = 0; start <= names.size();) {
     const size_t comma = std::min(names.find(',', start), names.size());
     const std::string name = names.substr(start, comma - start);
     start = comma + 1;
     const auto found = robot.series.find(name);
-    if (found == robot.series.end()) throw NotFound("names: there is no '" + name.substr(0, 80) + "'");
+    if (found == robot.series.end())
+      throw NotFound("names: there is no '" + name.substr(0, 80) + "'");
     const Series thin = thinned(found->second, from, to, points);
     out[name] = {{"t", thin.t}, {"values", thin.values}};
   }
@@ -395,14 +410,17 @@ std::string ViewData::frames(const Query& query) {
       more = true;
       break;
     }
-    frames.push_back({{"index", frame.index}, {"t", frame.stamp.s()},
+    frames.push_back({{"index", frame.index},
+                      {"t", frame.stamp.s()},
                       {"stamp_ns", std::to_string(frame.stamp.ns())},
                       {"recorded", impl_->log.has_pictures()},
                       {"fingerprint", to_hex(frame.fingerprint)}});
   }
   const scheduler::Clock clock = scheduler::camera_clock(impl_->match().scenario(), number);
-  return json{{"frames", std::move(frames)}, {"more", more},
-              {"period_s", clock.settings().period.s() / static_cast<double>(clock.settings().divisor)}}
+  return json{
+      {"frames", std::move(frames)},
+      {"more", more},
+      {"period_s", clock.settings().period.s() / static_cast<double>(clock.settings().divisor)}}
       .dump();
 }
 
@@ -416,14 +434,17 @@ std::string ViewData::frame_rows(const Query& query) {
     const Mat3 R = X_WC.R * glm::transpose(link_to_camera_axes());
     rows.push_back({{"start_ns", std::to_string(made.frame->rows[row].start.ns())},
                     {"end_ns", std::to_string(made.frame->rows[row].end.ns())},
-                    {"x_m", X_WC.p.x}, {"y_m", X_WC.p.y}, {"z_m", X_WC.p.z},
+                    {"x_m", X_WC.p.x},
+                    {"y_m", X_WC.p.y},
+                    {"z_m", X_WC.p.z},
                     {"yaw_rad", std::atan2(R[0].y, R[0].x)},
                     {"pitch_rad", -std::asin(std::clamp(R[0].z, -1.0, 1.0))},
                     {"roll_rad", std::atan2(R[1].z, R[2].z)}});
   }
   return json{{"index", made.frame->frame_index},
               {"stamp_ns", std::to_string(made.frame->stamp.ns())},
-              {"fingerprint", to_hex(made.frame->fingerprint)}, {"rows", std::move(rows)}}
+              {"fingerprint", to_hex(made.frame->fingerprint)},
+              {"rows", std::move(rows)}}
       .dump();
 }
 
@@ -435,11 +456,12 @@ ViewPicture ViewData::frame(const Query& query) {
   const scheduler::FrameRecord* record = impl_->recorded(robot, index);
   if (stage == "rgb" && record != nullptr && impl_->log.has_pictures()) {
     if (std::optional<std::string> png = impl_->log.picture(*record)) {
-      return {std::move(*png), {{"X-Seam-Index", std::to_string(index)},
-                                {"X-Seam-Stamp-Ns", std::to_string(record->stamp.ns())},
-                                {"X-Seam-Recorded", "1"},
-                                {"X-Seam-Fingerprint", to_hex(record->fingerprint)},
-                                {"X-Seam-Matches", "-"}}};
+      return {std::move(*png),
+              {{"X-Seam-Index", std::to_string(index)},
+               {"X-Seam-Stamp-Ns", std::to_string(record->stamp.ns())},
+               {"X-Seam-Recorded", "1"},
+               {"X-Seam-Fingerprint", to_hex(record->fingerprint)},
+               {"X-Seam-Matches", "-"}}};
     }
   }
   const Impl::Made& made = impl_->make(robot, index);
@@ -448,11 +470,12 @@ ViewPicture ViewData::frame(const Query& query) {
   const std::optional<Image> image =
       picture_of_stage(stage, *made.job, *made.frame, impl_->match().renderer().camera(robot));
   if (!image) throw NotFound("stage: there is no '" + stage.substr(0, 80) + "'");
-  return {encode_png(*image), {{"X-Seam-Index", std::to_string(index)},
-                               {"X-Seam-Stamp-Ns", std::to_string(made.frame->stamp.ns())},
-                               {"X-Seam-Recorded", "0"},
-                               {"X-Seam-Fingerprint", to_hex(made.frame->fingerprint)},
-                               {"X-Seam-Matches", matches}}};
+  return {encode_png(*image),
+          {{"X-Seam-Index", std::to_string(index)},
+           {"X-Seam-Stamp-Ns", std::to_string(made.frame->stamp.ns())},
+           {"X-Seam-Recorded", "0"},
+           {"X-Seam-Fingerprint", to_hex(made.frame->fingerprint)},
+           {"X-Seam-Matches", matches}}};
 }
 
 }  // namespace seam::tools

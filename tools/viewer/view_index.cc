@@ -37,8 +37,8 @@ class Indexer {
     index_.poses.push_back(step.poses);
     for (size_t robot = 0; robot < index_.robots.size(); ++robot) {
       for (size_t field = 0; field < 6; ++field) {
-        add(index_.robots[robot].series[std::string(scheduler::kPoseFields[field])],
-            step.time.s(), static_cast<double>(step.poses[6 * robot + field]));
+        add(index_.robots[robot].series[std::string(scheduler::kPoseFields[field])], step.time.s(),
+            static_cast<double>(step.poses[6 * robot + field]));
       }
     }
   }
@@ -105,8 +105,8 @@ Series thinned(const Series& series, double from_s, double to_s, size_t points) 
     const size_t b = first + (last - first) * (bucket + 1) / buckets;
     if (a == b) continue;
     const auto values = series.values.begin();
-    const auto [least, greatest] = std::minmax_element(values + static_cast<ptrdiff_t>(a),
-                                                       values + static_cast<ptrdiff_t>(b));
+    const auto [least, greatest] =
+        std::minmax_element(values + static_cast<ptrdiff_t>(a), values + static_cast<ptrdiff_t>(b));
     std::vector<size_t> kept = {a, static_cast<size_t>(least - values),
                                 static_cast<size_t>(greatest - values), b - 1};
     std::sort(kept.begin(), kept.end());

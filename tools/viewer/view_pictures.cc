@@ -7,16 +7,18 @@ namespace seam::tools {
 namespace {
 
 Image image_of(int width_px, int height_px, const std::vector<uint8_t>& bytes) {
-  return {.width_px = width_px, .height_px = height_px, .channels = 3,
+  return {.width_px = width_px,
+          .height_px = height_px,
+          .channels = 3,
           .samples = {bytes.begin(), bytes.end()}};
 }
 
 // A colour that people tell apart for each of seam::Label.
 constexpr uint8_t kLabelColours[][3] = {
-    {40, 40, 48},   {20, 110, 50},  {250, 250, 250}, {200, 200, 205}, {255, 120, 20},
-    {250, 210, 30}, {90, 190, 250}, {250, 120, 180}, {230, 190, 60},  {60, 150, 220},
-    {40, 170, 90},  {225, 225, 230}, {210, 30, 30},  {40, 60, 200},   {130, 130, 140},
-    {160, 90, 200}};
+    {40, 40, 48},   {20, 110, 50},  {250, 250, 250}, {200, 200, 205},
+    {255, 120, 20}, {250, 210, 30}, {90, 190, 250},  {250, 120, 180},
+    {230, 190, 60}, {60, 150, 220}, {40, 170, 90},   {225, 225, 230},
+    {210, 30, 30},  {40, 60, 200},  {130, 130, 140}, {160, 90, 200}};
 
 Image labels_of(const render::GroundTruth& truth) {
   Image image{.width_px = truth.width_px, .height_px = truth.height_px, .channels = 3};

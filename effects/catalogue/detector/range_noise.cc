@@ -8,18 +8,25 @@ EffectDefinition range_noise() {
       .name = "range_noise",
       .stage = Stage::detector,
       .kinds = kLandmarks | kRanges,
-      .parameters = {{.name = "sigma_m", .min = 0, .max = 5, .scale = 0.02,
+      .parameters = {{.name = "sigma_m",
+                      .min = 0,
+                      .max = 5,
+                      .scale = 0.02,
                       .help = "Part that does not depend on range, metres."},
-                     {.name = "sigma_per_m", .min = 0, .max = 2, .scale = 0.02,
+                     {.name = "sigma_per_m",
+                      .min = 0,
+                      .max = 2,
+                      .scale = 0.02,
                       .help = "Part in proportion to range."}},
       .help = "Spread of a single range.",
       .formula = "sigma = sqrt(sigma_m^2 + (sigma_per_m * range)^2)",
       .signature = "spread of the range",
       .example = "range_noise: {sigma_per_m: 0.02}",
       .spread_only = true,
-      .detector = [](Values p, Detection& seen) {
-        seen.range_variance += p[0] * p[0] + p[1] * p[1] * seen.range_m * seen.range_m;
-      },
+      .detector =
+          [](Values p, Detection& seen) {
+            seen.range_variance += p[0] * p[0] + p[1] * p[1] * seen.range_m * seen.range_m;
+          },
   };
 }
 

@@ -11,33 +11,34 @@ EffectDefinition fisheye() {
       .name = "fisheye",
       .stage = Stage::geometry,
       .kinds = kPoints | kRanges | kFrames,
-      .parameters = {{.name = "k1", .min = -5, .max = 5, .scale = 0.05,
-                      .help = "Coefficient of theta^2."},
-                     {.name = "k2", .min = -5, .max = 5, .scale = 0.05,
-                      .help = "Coefficient of theta^4."},
-                     {.name = "k3", .min = -5, .max = 5, .scale = 0.05,
-                      .help = "Coefficient of theta^6."},
-                     {.name = "k4", .min = -5, .max = 5, .scale = 0.05,
-                      .help = "Coefficient of theta^8."}},
-      .help = "The Kannala-Brandt lens; replaces the perspective projection and excludes other radial effects.",
+      .parameters =
+          {{.name = "k1", .min = -5, .max = 5, .scale = 0.05, .help = "Coefficient of theta^2."},
+           {.name = "k2", .min = -5, .max = 5, .scale = 0.05, .help = "Coefficient of theta^4."},
+           {.name = "k3", .min = -5, .max = 5, .scale = 0.05, .help = "Coefficient of theta^6."},
+           {.name = "k4", .min = -5, .max = 5, .scale = 0.05, .help = "Coefficient of theta^8."}},
+      .help =
+          "The Kannala-Brandt lens; replaces the perspective projection and excludes other radial "
+          "effects.",
       .formula = "r_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)",
       .signature = "large radial residual that changes sign",
       .example = "fisheye: {k1: -0.02, k2: 0.001}",
       .has_neutral = false,
-      .geometry = [](Values p, ImagePoint& point) {
-        const Vec3& ray = point.p_C;
-        const double r = std::sqrt(ray.x * ray.x + ray.y * ray.y);
-        const double theta = maths::atan2(r, ray.z);
-        const double t2 = theta * theta;
-        const double r_d = theta * (1 + t2 * (p[0] + t2 * (p[1] + t2 * (p[2] + t2 * p[3]))));
-        // Where r_d no longer grows with the angle the image folds back: nothing is seen there.
-        const double slope = 1 + t2 * (3 * p[0] + t2 * (5 * p[1] + t2 * (7 * p[2] + t2 * 9 * p[3])));
-        point.visible = slope > 0;
-        const double along_x = r > 0 ? ray.x / r : 0;
-        const double along_y = r > 0 ? ray.y / r : 0;
-        point.x = point.xd = r_d * along_x;
-        point.y = point.yd = r_d * along_y;
-      },
+      .geometry =
+          [](Values p, ImagePoint& point) {
+            const Vec3& ray = point.p_C;
+            const double r = std::sqrt(ray.x * ray.x + ray.y * ray.y);
+            const double theta = maths::atan2(r, ray.z);
+            const double t2 = theta * theta;
+            const double r_d = theta * (1 + t2 * (p[0] + t2 * (p[1] + t2 * (p[2] + t2 * p[3]))));
+            // Where r_d no longer grows with the angle the image folds back: nothing is seen there.
+            const double slope =
+                1 + t2 * (3 * p[0] + t2 * (5 * p[1] + t2 * (7 * p[2] + t2 * 9 * p[3])));
+            point.visible = slope > 0;
+            const double along_x = r > 0 ? ray.x / r : 0;
+            const double along_y = r > 0 ? ray.y / r : 0;
+            point.x = point.xd = r_d * along_x;
+            point.y = point.yd = r_d * along_y;
+          },
   };
 }
 

@@ -5,10 +5,22 @@ namespace seam::effects {
 
 EffectDefinition pinhole() {
   const auto length = [](const char* name, const char* help) {
-    return Parameter{.name = name, .neutral = 0, .min = 1, .max = 1e5, .scale = 100, .help = help, .required = true};
+    return Parameter{.name = name,
+                     .neutral = 0,
+                     .min = 1,
+                     .max = 1e5,
+                     .scale = 100,
+                     .help = help,
+                     .required = true};
   };
   const auto centre = [](const char* name, const char* help) {
-    return Parameter{.name = name, .neutral = 0, .min = -1e5, .max = 1e5, .scale = 10, .help = help, .required = true};
+    return Parameter{.name = name,
+                     .neutral = 0,
+                     .min = -1e5,
+                     .max = 1e5,
+                     .scale = 10,
+                     .help = help,
+                     .required = true};
   };
   return {
       .name = "pinhole",
@@ -23,9 +35,10 @@ EffectDefinition pinhole() {
       .signature = "none: it is the base",
       .example = "pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}",
       .has_neutral = false,
-      .geometry = [](Values p, ImagePoint& point) {
-        point.fx = p[0], point.fy = p[1], point.cx = p[2], point.cy = p[3];
-      },
+      .geometry =
+          [](Values p, ImagePoint& point) {
+            point.fx = p[0], point.fy = p[1], point.cx = p[2], point.cy = p[3];
+          },
   };
 }
 

@@ -9,28 +9,36 @@ EffectDefinition encoder_eccentricity() {
       .name = "encoder_eccentricity",
       .stage = Stage::joint,
       .kinds = kPoints | kJoints | kRanges | kFrames,
-      .parameters = {{.name = "amplitude_rad", .min = 0, .max = 0.3, .scale = 0.01,
+      .parameters = {{.name = "amplitude_rad",
+                      .min = 0,
+                      .max = 0.3,
+                      .scale = 0.01,
                       .help = "Amplitude of the wave, radians."},
-                     {.name = "phase_rad", .min = -6.3, .max = 6.3, .scale = 1,
+                     {.name = "phase_rad",
+                      .min = -6.3,
+                      .max = 6.3,
+                      .scale = 1,
                       .help = "Phase of the wave, radians."}},
       .help = "The encoder's disc of the pan joint is not centred on its axis.",
       .formula = "true = logged + A sin(true + phase)",
       .signature = "one wave over a turn",
       .example = "encoder_eccentricity: {amplitude_rad: 0.01, phase_rad: 0.4}",
-      .encoder = [](Values p, JointTrack& track) {
-        if (p[0] == 0) return;
-        for (JointSeries& joint : track.joints) {
-          if (joint.role != JointRole::pan) continue;
-          // A contraction for every amplitude below 1.
-          for (double& q : joint.q_rad) {
-            const double logged = q;
-            for (int step = 0; step < 12; ++step) q = logged + p[0] * maths::sin(q + p[1]);
-          }
-        }
-      },
-      .logged = [](Values p, JointRole role, double q) {
-        return role == JointRole::pan ? q - p[0] * maths::sin(q + p[1]) : q;
-      },
+      .encoder =
+          [](Values p, JointTrack& track) {
+            if (p[0] == 0) return;
+            for (JointSeries& joint : track.joints) {
+              if (joint.role != JointRole::pan) continue;
+              // A contraction for every amplitude below 1.
+              for (double& q : joint.q_rad) {
+                const double logged = q;
+                for (int step = 0; step < 12; ++step) q = logged + p[0] * maths::sin(q + p[1]);
+              }
+            }
+          },
+      .logged =
+          [](Values p, JointRole role, double q) {
+            return role == JointRole::pan ? q - p[0] * maths::sin(q + p[1]) : q;
+          },
   };
 }
 

@@ -17,8 +17,9 @@ EffectDefinition lens_blur() {
                       .min = 0,
                       .max = 99,
                       .scale = 5,
-                      .help = "Width of the convolution's square, pixels (the founding paper takes 5); "
-                              "0: to at least 4 sigma.",
+                      .help =
+                          "Width of the convolution's square, pixels (the founding paper takes 5); "
+                          "0: to at least 4 sigma.",
                       .integer = true}},
       .help = "The lens spreads each point of the scene over a Gaussian.",
       .formula = "light * Gaussian(sigma_px), in linear light",

@@ -8,11 +8,15 @@ EffectDefinition rolling_shutter() {
       .name = "rolling_shutter",
       .stage = Stage::timing,
       .kinds = kPoints | kPhotometry | kRanges | kFrames,
-      .parameters = {{.name = "line_delay_s", .min = -1e-2, .max = 1e-2, .scale = 1e-4,
+      .parameters = {{.name = "line_delay_s",
+                      .min = -1e-2,
+                      .max = 1e-2,
+                      .scale = 1e-4,
                       .help = "Time from one row's exposure to the next row's, seconds; negative: "
                               "the last row is exposed first."}},
-      .help = "The rows of a CMOS imager are exposed one after the other (section 4.5 of the "
-              "founding paper), so whatever moves is sheared.",
+      .help =
+          "The rows of a CMOS imager are exposed one after the other (section 4.5 of the "
+          "founding paper), so whatever moves is sheared.",
       .formula = "row v is exposed from stamp + line_delay * v",
       .signature = "displacement grows with row x rate of the camera or the object",
       .example = "rolling_shutter: {line_delay_s: 2.78e-4}",

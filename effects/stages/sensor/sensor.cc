@@ -114,11 +114,13 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
   if (chain.pixel_gain_sigma > 0) {
     sample_normals(camera_noise.child("pixel_gain_spread"), pattern.gain);
     // A gain below zero has no meaning.
-    for (float& gain : pattern.gain) gain = static_cast<float>(std::max(0.0, 1 + chain.pixel_gain_sigma * gain));
+    for (float& gain : pattern.gain)
+      gain = static_cast<float>(std::max(0.0, 1 + chain.pixel_gain_sigma * gain));
   }
   if (chain.pixel_offset_sigma_dn > 0) {
     sample_normals(camera_noise.child("pixel_offset_spread"), pattern.offset_dn);
-    for (float& offset : pattern.offset_dn) offset = static_cast<float>(chain.pixel_offset_sigma_dn * offset);
+    for (float& offset : pattern.offset_dn)
+      offset = static_cast<float>(chain.pixel_offset_sigma_dn * offset);
   }
   if (chain.column_sigma_dn > 0) {
     std::vector<float> columns(static_cast<size_t>(width_px));
@@ -131,7 +133,8 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
   if (chain.hot_fraction > 0) {
     const RandomStream stream = camera_noise.child("hot_pixels");
     for (size_t i = 0; i < samples; ++i) {
-      if (uniform(stream, i) < chain.hot_fraction) pattern.offset_dn[i] += static_cast<float>(chain.hot_level_dn);
+      if (uniform(stream, i) < chain.hot_fraction)
+        pattern.offset_dn[i] += static_cast<float>(chain.hot_level_dn);
     }
   }
   return pattern;

@@ -13,8 +13,9 @@
 // Noise: each effect draws from a stream of its own, so that changing one never changes another's.
 //   fixed:     camera_noise.child(effect), index = sample, or the column
 //   per frame: camera_noise.child("frame").child(frame_index).child(effect), index = sample, or row
-// with sample = (v * width + u) * channels + channel. Row and column offsets are shared by channels.
-// Photon and read noise of a sample are `sample_normal` of these streams (sensor_kernels.h).
+// with sample = (v * width + u) * channels + channel. Row and column offsets are shared by
+// channels. Photon and read noise of a sample are `sample_normal` of these streams
+// (sensor_kernels.h).
 #pragma once
 
 #include <array>
@@ -37,12 +38,12 @@ struct SensorChain {
   double dark_electrons_per_s = 0;
   double gamma = 1;
   std::array<double, 3> channel_gain = {1, 1, 1};  // White balance: red, green, blue.
-  double pixel_gain_sigma = 0;       // Fixed, relative (PRNU).
-  double pixel_offset_sigma_dn = 0;  // Fixed (DSNU).
-  double column_sigma_dn = 0;        // Fixed.
-  double row_sigma_dn = 0;           // New for each row of each frame.
-  double read_sigma_dn = 0;          // New for each sample.
-  double hot_fraction = 0;           // Of samples; fixed.
+  double pixel_gain_sigma = 0;                     // Fixed, relative (PRNU).
+  double pixel_offset_sigma_dn = 0;                // Fixed (DSNU).
+  double column_sigma_dn = 0;                      // Fixed.
+  double row_sigma_dn = 0;                         // New for each row of each frame.
+  double read_sigma_dn = 0;                        // New for each sample.
+  double hot_fraction = 0;                         // Of samples; fixed.
   double hot_level_dn = 0;
   double full_dn = std::numeric_limits<double>::infinity();
   int bits = 0;  // 0: as many as the file has.
@@ -72,8 +73,8 @@ struct Moments {
 // DN above black that this light gives on a pixel of nominal gain.
 double signal_dn(const SensorChain& chain, double illumination, const SensorExposure& exposure);
 
-// Mean and variance over photon noise of the value after gamma, white balance, black and maps, before
-// offsets and read noise. `signal` includes the pixel's own gain.
+// Mean and variance over photon noise of the value after gamma, white balance, black and maps,
+// before offsets and read noise. `signal` includes the pixel's own gain.
 Moments response_moments(const SensorChain& chain, double signal, int channel,
                          const SensorExposure& exposure);
 
@@ -116,7 +117,6 @@ using LightSource = std::function<const float*(size_t first, size_t count)>;
 
 // The same with noise for files of 8 bits, straight into bytes.
 void expose_bytes(const SensorChain& chain, const FixedPattern& pattern, const LightSource& light,
-                  const SensorExposure& exposure, RandomStream frame_noise,
-                  std::span<uint8_t> out);
+                  const SensorExposure& exposure, RandomStream frame_noise, std::span<uint8_t> out);
 
 }  // namespace seam::effects

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "effects/stages/optics.h"
 #include "effects/registry.h"
+#include "effects/stages/optics.h"
 
 namespace seam::effects {
 namespace {
@@ -59,15 +59,22 @@ TEST(Sensor, SampledMomentsAgreeWithTheDefinition) {
     expect_moments(base + "read_noise: {sigma_dn: 1.4}", light);
     expect_moments(base + "read_noise: {sigma_dn: 0.35}", light + 0.00123);
     expect_moments(base + "read_noise: {sigma_dn: 1}, shot_noise: {electrons_per_dn: 20}", light);
-    expect_moments(base + "read_noise: {sigma_dn: 1}, shot_noise: {electrons_per_dn: 20}", light, 1.2);
-    expect_moments(base + "read_noise: {sigma_dn: 1}, shot_noise: {electrons_per_dn: 12}, "
-                          "dark_current: {electrons_per_s: 3000}", light);
+    expect_moments(base + "read_noise: {sigma_dn: 1}, shot_noise: {electrons_per_dn: 20}", light,
+                   1.2);
+    expect_moments(base +
+                       "read_noise: {sigma_dn: 1}, shot_noise: {electrons_per_dn: 12}, "
+                       "dark_current: {electrons_per_s: 3000}",
+                   light);
     expect_moments(base + "read_noise: {sigma_dn: 1}, dark_current: {electrons_per_s: 300}", light);
-    expect_moments(base + "read_noise: {sigma_dn: 1}, shot_noise: {electrons_per_dn: 9}, "
-                          "response_gamma: {gamma: 0.7}", light);
+    expect_moments(base +
+                       "read_noise: {sigma_dn: 1}, shot_noise: {electrons_per_dn: 9}, "
+                       "response_gamma: {gamma: 0.7}",
+                   light);
     expect_moments(base + "read_noise: {sigma_dn: 1.4}, quantisation: {bits: 5}", light);
-    expect_moments(base + "read_noise: {sigma_dn: 2}, quantisation: {bits: 6}, "
-                          "saturation: {full_dn: 108.4}", light);
+    expect_moments(base +
+                       "read_noise: {sigma_dn: 2}, quantisation: {bits: 6}, "
+                       "saturation: {full_dn: 108.4}",
+                   light);
     expect_moments(base + "read_noise: {sigma_dn: 3}, saturation: {full_dn: 186}", light);
   }
   // The ends of the file's range.
@@ -80,8 +87,9 @@ TEST(Sensor, SampledMomentsAgreeWithTheDefinition) {
 
 TEST(Sensor, GammaOfFewElectronsIsExact) {
   // Brute force over the Poisson distribution at the point where the expansion takes over.
-  const SensorChain chain = sensor_of(model_of(
-      "linear_response: {gain_dn: 200}, shot_noise: {electrons_per_dn: 4}, response_gamma: {gamma: 0.6}"));
+  const SensorChain chain =
+      sensor_of(model_of("linear_response: {gain_dn: 200}, shot_noise: {electrons_per_dn: 4}, "
+                         "response_gamma: {gamma: 0.6}"));
   for (const double electrons : {0.5, 39.0, 41.0, 200.0}) {
     double mean = 0, square = 0, weight = std::exp(-electrons);
     for (int k = 0; k < 700; ++k, weight *= electrons / k) {
@@ -110,10 +118,12 @@ TEST(Sensor, EffectsDrawFromStreamsOfTheirOwn) {
   const Image base = render(all);
   const Image columns = render(all + ", column_offsets: {sigma_dn: 500}");
   const Image alone_0 = render("linear_response: {gain_dn: 30000, black_dn: 9000}");
-  const Image alone_1 = render("linear_response: {gain_dn: 30000, black_dn: 9000}, column_offsets: {sigma_dn: 500}");
+  const Image alone_1 =
+      render("linear_response: {gain_dn: 30000, black_dn: 9000}, column_offsets: {sigma_dn: 500}");
   for (size_t i = 0; i < base.samples.size(); ++i) {
     // Rounding is all that differs.
-    EXPECT_NEAR(columns.samples[i] - base.samples[i], alone_1.samples[i] - alone_0.samples[i], 1.01);
+    EXPECT_NEAR(columns.samples[i] - base.samples[i], alone_1.samples[i] - alone_0.samples[i],
+                1.01);
   }
 }
 
@@ -138,7 +148,8 @@ TEST(Optics, FlickerIsTheMeanOverTheWindow) {
 }
 
 TEST(Optics, GainFieldsFollowTheirFormulas) {
-  const Model model = model_of("vignetting: {a2: 0.3, a4: 0.1}, uneven_lighting: {gx: 0.2, gy: -0.1}");
+  const Model model =
+      model_of("vignetting: {a2: 0.3, a4: 0.1}, uneven_lighting: {gx: 0.2, gy: -0.1}");
   const GainField lens(model, Stage::radiometry, 178, 144);
   const GainField lamps(model, Stage::light, 178, 144);
   EXPECT_DOUBLE_EQ(lens.at(88.5, 71.5), 1);

@@ -8,7 +8,9 @@
 namespace seam::effects {
 namespace {
 
-double normal_cdf(double z) { return 0.5 * std::erfc(-z * 0.70710678118654752440); }
+double normal_cdf(double z) {
+  return 0.5 * std::erfc(-z * 0.70710678118654752440);
+}
 
 // Sums over the values that the file can hold; each holds the probability of its interval. Exact.
 Moments sum_over_values(const SensorChain& chain, Moments value, double step, double top) {
@@ -46,7 +48,8 @@ Moments file_moments(const SensorChain& chain, Moments value, int file_bits) {
     return {static_cast<double>(to_file(chain, value.mean_dn, file_bits)), 0};
   }
   const double margin = 7 * sigma + step;
-  const bool clipped = value.mean_dn - margin < 0 || value.mean_dn + margin > std::min(top, chain.full_dn);
+  const bool clipped =
+      value.mean_dn - margin < 0 || value.mean_dn + margin > std::min(top, chain.full_dn);
   // Far from the ends Sheppard's corrections are exact to 1e-8 DN once sigma is a step.
   if (!clipped && sigma > step) {
     return {value.mean_dn, value.variance_dn2 + step * step / 12};

@@ -15,20 +15,28 @@ MakeFramePredictor& supplied() {
 
 }  // namespace
 
-void supply_frame_predictor(MakeFramePredictor make) { supplied() = make; }
+void supply_frame_predictor(MakeFramePredictor make) {
+  supplied() = make;
+}
 
-std::unique_ptr<FramePredictor> make_frame_predictor(const Model& model, int width_px, int height_px, SimTime reference) {
-  if (!supplied()) throw InputError("sets of kind frames need a renderer, which this program does not have");
+std::unique_ptr<FramePredictor> make_frame_predictor(const Model& model, int width_px,
+                                                     int height_px, SimTime reference) {
+  if (!supplied())
+    throw InputError("sets of kind frames need a renderer, which this program does not have");
   return supplied()(model, width_px, height_px, reference);
 }
 
 FrameProtocol::FrameProtocol(const MeasurementSet& set, const CsvTable& table)
     : width_px_(set.camera.width_px), height_px_(set.camera.height_px), rig_(Rig::from_set(set)) {
-  if (width_px_ == 0) set.root.fail("camera: is missing: a set of frames needs width_px and height_px");
+  if (width_px_ == 0)
+    set.root.fail("camera: is missing: a set of frames needs width_px and height_px");
   if (rig_.type() == Rig::Type::unknown) {
-    set.root.at("rig").fail("found an unknown pose, expected a chain or measured poses: frames are rendered from known poses");
+    set.root.at("rig").fail(
+        "found an unknown pose, expected a chain or measured poses: frames are rendered from known "
+        "poses");
   }
-  if (table.rows() == 0) throw InputError(fmt::format("{}: no frames, expected at least one", table.file()));
+  if (table.rows() == 0)
+    throw InputError(fmt::format("{}: no frames, expected at least one", table.file()));
   scene_ = read_scene(set.folder / set.root.at("scene").text());
   for (const int64_t ns : table.times_ns("time_s")) stamps_.push_back(SimTime::from_ns(ns));
 }
@@ -38,7 +46,8 @@ FrameJob FrameProtocol::job(size_t frame, const Model& model, const Rig::Motion&
   job.frame_index = frame;
   job.stamp = stamps_[frame];
   const effects::RowScheduleOptions options{.instants_per_row = 12, .reference = reference()};
-  job.schedule = effects::make_row_schedule(effects::timing_of(model), job.stamp, height_px_, options);
+  job.schedule =
+      effects::make_row_schedule(effects::timing_of(model), job.stamp, height_px_, options);
   job.background = scene_->background();
   job.lighting = scene_->lighting();
   for (const SimTime time : job.schedule.instants) {
@@ -50,12 +59,14 @@ FrameJob FrameProtocol::job(size_t frame, const Model& model, const Rig::Motion&
   return job;
 }
 
-std::vector<LightImage> FrameProtocol::render(const Model& model, const std::vector<size_t>& frames) const {
+std::vector<LightImage> FrameProtocol::render(const Model& model,
+                                              const std::vector<size_t>& frames) const {
   const auto predictor = make_frame_predictor(model, width_px_, height_px_, reference());
   const Rig::Motion motion = rig_.motion(model);
   std::vector<LightImage> light;
   for (const size_t frame : frames)
-    light.push_back(std::make_shared<const std::vector<float>>(predictor->light(job(frame, model, motion))));
+    light.push_back(
+        std::make_shared<const std::vector<float>>(predictor->light(job(frame, model, motion))));
   return light;
 }
 

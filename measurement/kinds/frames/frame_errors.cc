@@ -12,8 +12,9 @@ float smaller_slope(float a, float b) {
   return std::abs(a) < std::abs(b) ? a : b;
 }
 
-// The derivative along one line of `count` samples, `stride` apart: value at one border less that at
-// the other. A border's value is taken from that of its two cells in which the image is smoother.
+// The derivative along one line of `count` samples, `stride` apart: value at one border less that
+// at the other. A border's value is taken from that of its two cells in which the image is
+// smoother.
 void line_slope(const float* in, size_t count, size_t stride, float* out) {
   if (count < 2) return;
   const auto at = [&](size_t i) { return in[i * stride]; };
@@ -25,7 +26,8 @@ void line_slope(const float* in, size_t count, size_t stride, float* out) {
     float border = at(i), slope_next = 0;
     if (i + 1 < count) {
       slope_next = slope(i + 1);
-      border = std::abs(slope_here) <= std::abs(slope_next) ? at(i) + slope_here / 2 : at(i + 1) - slope_next / 2;
+      border = std::abs(slope_here) <= std::abs(slope_next) ? at(i) + slope_here / 2
+                                                            : at(i + 1) - slope_next / 2;
     }
     out[i * stride] = border - border_before;
     border_before = border;
@@ -39,7 +41,8 @@ ImageSlope image_slope(const std::vector<float>& image, int width_px, int height
   const auto width = static_cast<size_t>(width_px), height = static_cast<size_t>(height_px);
   ImageSlope slope{std::vector<float>(image.size()), std::vector<float>(image.size())};
   for (size_t v = 0; v < height; ++v) {
-    for (size_t c = 0; c < 3; ++c) line_slope(&image[v * width * 3 + c], width, 3, &slope.right[v * width * 3 + c]);
+    for (size_t c = 0; c < 3; ++c)
+      line_slope(&image[v * width * 3 + c], width, 3, &slope.right[v * width * 3 + c]);
   }
   for (size_t i = 0; i < width * 3; ++i) line_slope(&image[i], height, width * 3, &slope.down[i]);
   return slope;
@@ -47,7 +50,8 @@ ImageSlope image_slope(const std::vector<float>& image, int width_px, int height
 
 std::vector<float> steepest_nearby(const ImageSlope& slope, int width_px, int height_px) {
   std::vector<float> square(slope.right.size());
-  for (size_t i = 0; i < square.size(); ++i) square[i] = slope.right[i] * slope.right[i] + slope.down[i] * slope.down[i];
+  for (size_t i = 0; i < square.size(); ++i)
+    square[i] = slope.right[i] * slope.right[i] + slope.down[i] * slope.down[i];
   const auto spread_along = [&](int count, int lines, size_t stride, size_t line_stride) {
     const std::vector<float> was = square;
     for (int line = 0; line < lines; ++line) {
@@ -66,8 +70,9 @@ std::vector<float> steepest_nearby(const ImageSlope& slope, int width_px, int he
   return square;
 }
 
-FrameErrors::FrameErrors(int width_px, int height_px, const effects::SensorChain& chain, std::vector<size_t> frames,
-                         std::vector<ImageSlope> slopes, const Evaluation& here)
+FrameErrors::FrameErrors(int width_px, int height_px, const effects::SensorChain& chain,
+                         std::vector<size_t> frames, std::vector<ImageSlope> slopes,
+                         const Evaluation& here)
     : width_(static_cast<size_t>(width_px)),
       height_(static_cast<size_t>(height_px)),
       samples_(width_ * height_ * 3),
@@ -80,11 +85,15 @@ FrameErrors::FrameErrors(int width_px, int height_px, const effects::SensorChain
   constexpr double shift2 = kRendererShiftPx * kRendererShiftPx;
   for (size_t k = 0; k < frames_.size(); ++k) {
     const size_t first = frames_[k] * samples_;
-    for (size_t i = 0; i < samples_; ++i) sigma2_[k] += here.sigma[first + i] * here.sigma[first + i];
+    for (size_t i = 0; i < samples_; ++i)
+      sigma2_[k] += here.sigma[first + i] * here.sigma[first + i];
     sigma2_[k] /= static_cast<double>(samples_);
-    log_det_[k] += static_cast<double>(height_) * std::log1p(ratio_of(row_sigma_dn_, k) * 3 * static_cast<double>(width_));
-    log_det_[k] += static_cast<double>(width_) * std::log1p(ratio_of(column_sigma_dn_, k) * 3 * static_cast<double>(height_));
-    Displacement right{.direction = std::move(slopes[k].right)}, down{.direction = std::move(slopes[k].down)};
+    log_det_[k] += static_cast<double>(height_) *
+                   std::log1p(ratio_of(row_sigma_dn_, k) * 3 * static_cast<double>(width_));
+    log_det_[k] += static_cast<double>(width_) *
+                   std::log1p(ratio_of(column_sigma_dn_, k) * 3 * static_cast<double>(height_));
+    Displacement right{.direction = std::move(slopes[k].right)},
+        down{.direction = std::move(slopes[k].down)};
     double both = 0;
     for (size_t i = 0; i < samples_; ++i) {
       const auto weight = used_[first + i] ? static_cast<float>(1 / here.sigma[first + i]) : 0.0f;
@@ -126,8 +135,8 @@ void FrameErrors::share(std::vector<double>& values, size_t frame, double ratio,
   }
 }
 
-// For S = 1 + s^2 d d', S^-1/2 = 1 - (1 - 1/sqrt(1 + s^2 d'd)) d d' / d'd: first with each frame's own
-// displacement, then with the one that all share, whose direction the first step has shortened.
+// For S = 1 + s^2 d d', S^-1/2 = 1 - (1 - 1/sqrt(1 + s^2 d'd)) d d' / d'd: first with each frame's
+// own displacement, then with the one that all share, whose direction the first step has shortened.
 void FrameErrors::whiten(std::vector<double>& values) const {
   for (size_t k = 0; k < frames_.size(); ++k) {
     share(values, frames_[k], ratio_of(row_sigma_dn_, k), true);

@@ -28,8 +28,8 @@ std::vector<float> steepest_nearby(const ImageSlope& slope, int width_px, int he
 class FrameErrors {
  public:
   // `slopes` by frame, in DN; `here` holds used and sigma by scalar.
-  FrameErrors(int width_px, int height_px, const effects::SensorChain& chain, std::vector<size_t> frames,
-              std::vector<ImageSlope> slopes, const Evaluation& here);
+  FrameErrors(int width_px, int height_px, const effects::SensorChain& chain,
+              std::vector<size_t> frames, std::vector<ImageSlope> slopes, const Evaluation& here);
 
   // `values` by scalar, already over their own sigma.
   void whiten(std::vector<double>& values) const;
@@ -49,7 +49,7 @@ class FrameErrors {
   double row_sigma_dn_, column_sigma_dn_;
   std::vector<size_t> frames_;
   const std::vector<char>& used_;
-  std::vector<double> sigma2_;  // Mean variance of a sample, by frame.
+  std::vector<double> sigma2_;                  // Mean variance of a sample, by frame.
   std::vector<Displacement> displacements_[2];  // By axis and frame, orthogonal in each frame.
   double common_size2_[2] = {0, 0};
   std::vector<double> log_det_;

@@ -40,7 +40,8 @@ TEST(ImageSlope, AnEdgeInsideAPixelMovesThatPixelByItsContrast) {
 TEST(ImageSlope, ARampMovesByItsSlope) {
   std::vector<float> image(kSamples);
   for (size_t i = 0; i < kSamples; ++i) {
-    image[i] = 2.0f * static_cast<float>(i / 3 % kWidth) - 3.0f * static_cast<float>(i / 3 / kWidth);
+    image[i] =
+        2.0f * static_cast<float>(i / 3 % kWidth) - 3.0f * static_cast<float>(i / 3 / kWidth);
   }
   const ImageSlope slope = image_slope(image, kWidth, kHeight);
   for (int v = 1; v + 1 < kHeight; ++v) {
@@ -89,17 +90,20 @@ TEST(FrameErrors, WhitenAsTheDenseCovarianceDoes) {
       right[at] = slopes[k].right[i] * weight, down[at] = slopes[k].down[i] * weight;
     }
     down -= right * (right.dot(down) / right.squaredNorm());
-    for (const auto& d : {right, down}) covariance += kRendererShiftPx * kRendererShiftPx * d * d.transpose();
+    for (const auto& d : {right, down})
+      covariance += kRendererShiftPx * kRendererShiftPx * d * d.transpose();
     common[0] += right, common[1] += down;
   }
-  for (const auto& d : common) covariance += kRendererShiftPx * kRendererShiftPx * d * d.transpose();
+  for (const auto& d : common)
+    covariance += kRendererShiftPx * kRendererShiftPx * d * d.transpose();
 
   std::vector<double> values(3 * kSamples, 0);
   Eigen::VectorXd dense(n);
   for (size_t k = 0; k < 2; ++k) {
     for (size_t i = 0; i < kSamples; ++i) {
       const size_t at = frames[k] * kSamples + i;
-      values[at] = here.used[at] ? normal(stream, 100'000 + at) + 0.1 * slopes[k].right[i] / 1.5 : 0;
+      values[at] =
+          here.used[at] ? normal(stream, 100'000 + at) + 0.1 * slopes[k].right[i] / 1.5 : 0;
       dense[static_cast<Eigen::Index>(k * kSamples + i)] = values[at];
     }
   }

@@ -13,7 +13,9 @@
 namespace seam::measurement {
 namespace {
 
-bool is_spread(const EffectDefinition& effect) { return effect.spread_only; }
+bool is_spread(const EffectDefinition& effect) {
+  return effect.spread_only;
+}
 
 effects::SensorExposure exposure_of(const Model& model, double t_s) {
   return {.exposure_s = effects::timing_of(model).exposure_s, .t_s = t_s, .file_bits = 8};
@@ -25,7 +27,9 @@ FramesProblem::FramesProblem(const MeasurementSet& set)
     : table_(set.table("frames")),
       protocol_(set, table_),
       store_(protocol_.frames(), protocol_.width_px(), protocol_.height_px(),
-             [this](const Model& model, const std::vector<size_t>& frames) { return protocol_.render(model, frames); }) {
+             [this](const Model& model, const std::vector<size_t>& frames) {
+               return protocol_.render(model, frames);
+             }) {
   const auto files = table_.texts("file");
   for (size_t row = 0; row < table_.rows(); ++row) {
     Image image = read_png(set.folder / files[row]);
@@ -48,10 +52,12 @@ FramesProblem::FramesProblem(const MeasurementSet& set)
   facts_.file = table_.file();
   const auto noise = set.noise.find("dn");
   facts_.channels = {{.name = "dn", .noise = noise == set.noise.end() ? 0 : noise->second}};
-  facts_.group_of_row = number_groups(table_.texts(table_.has(set.group) ? set.group : "frame"), facts_.groups);
+  facts_.group_of_row =
+      number_groups(table_.texts(table_.has(set.group) ? set.group : "frame"), facts_.groups);
   samples_ = images_.front().size();
   facts_.channel_of.assign(samples_ * images_.size(), 0);
-  for (size_t row = 0; row < images_.size(); ++row) facts_.row_of.insert(facts_.row_of.end(), samples_, static_cast<int>(row));
+  for (size_t row = 0; row < images_.size(); ++row)
+    facts_.row_of.insert(facts_.row_of.end(), samples_, static_cast<int>(row));
 }
 
 std::vector<size_t> FramesProblem::frames_of(const Groups& groups) const {
@@ -62,7 +68,8 @@ std::vector<size_t> FramesProblem::frames_of(const Groups& groups) const {
   return frames;
 }
 
-Evaluation FramesProblem::evaluate(const Model& model, const Groups& groups, const Evaluation*) const {
+Evaluation FramesProblem::evaluate(const Model& model, const Groups& groups,
+                                   const Evaluation*) const {
   Evaluation out;
   const size_t n = facts_.scalars();
   out.used.assign(n, 0);
@@ -89,7 +96,8 @@ Evaluation FramesProblem::evaluate(const Model& model, const Groups& groups, con
     if (tables.empty() || !chain.maps.empty()) {
       tables.clear();
       for (int c = 0; c < 3; ++c) {
-        tables.emplace_back(chain, exposure, c, facts_.channels[0].noise, effects::signal_dn(chain, low, exposure),
+        tables.emplace_back(chain, exposure, c, facts_.channels[0].noise,
+                            effects::signal_dn(chain, low, exposure),
                             effects::signal_dn(chain, high, exposure));
       }
     }
@@ -100,11 +108,14 @@ Evaluation FramesProblem::evaluate(const Model& model, const Groups& groups, con
 }
 
 // Residuals of a frame and their sigmas from the sensor alone.
-void FramesProblem::predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables,
-                                  double scale, size_t frame, const std::vector<float>& light, Evaluation& out) const {
+void FramesProblem::predict_frame(const effects::SensorChain& chain,
+                                  const std::vector<ResponseTable>& tables, double scale,
+                                  size_t frame, const std::vector<float>& light,
+                                  Evaluation& out) const {
   const size_t first = frame * samples_;
-  const double offset2 = chain.pixel_offset_sigma_dn * chain.pixel_offset_sigma_dn +
-                         chain.hot_fraction * (1 - chain.hot_fraction) * chain.hot_level_dn * chain.hot_level_dn;
+  const double offset2 =
+      chain.pixel_offset_sigma_dn * chain.pixel_offset_sigma_dn +
+      chain.hot_fraction * (1 - chain.hot_fraction) * chain.hot_level_dn * chain.hot_level_dn;
   const double hot_mean = chain.hot_fraction * chain.hot_level_dn;
   for (size_t i = 0; i < samples_; ++i) {
     const Response response = tables[i % 3].at(scale * light[i]);
@@ -116,19 +127,22 @@ void FramesProblem::predict_frame(const effects::SensorChain& chain, const std::
 }
 
 // Of the predicted images.
-std::vector<ImageSlope> FramesProblem::slopes_of(const std::vector<size_t>& frames, const Evaluation& here) const {
+std::vector<ImageSlope> FramesProblem::slopes_of(const std::vector<size_t>& frames,
+                                                 const Evaluation& here) const {
   std::vector<ImageSlope> slopes;
   std::vector<float> predicted(samples_);
   for (const size_t frame : frames) {
     const double* residual = &here.residual[frame * samples_];
-    for (size_t i = 0; i < samples_; ++i) predicted[i] = static_cast<float>(images_[frame][i] - residual[i]);
+    for (size_t i = 0; i < samples_; ++i)
+      predicted[i] = static_cast<float>(images_[frame][i] - residual[i]);
     slopes.push_back(image_slope(predicted, protocol_.width_px(), protocol_.height_px()));
   }
   return slopes;
 }
 
 // Adds the renderers' difference to each sample's sigma, then whitens what samples share.
-void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames, Evaluation& out) const {
+void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames,
+                           Evaluation& out) const {
   constexpr double shift2 = kRendererShiftPx * kRendererShiftPx;
   std::vector<ImageSlope> slopes = slopes_of(frames, out);
   for (size_t k = 0; k < frames.size(); ++k) {
@@ -145,14 +159,17 @@ void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<
       log_det += std::log(variance);
     }
   }
-  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), chain, frames, std::move(slopes), out);
+  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), chain, frames,
+                           std::move(slopes), out);
   errors.whiten(out.whitened);
-  for (size_t k = 0; k < frames.size(); ++k) out.log_det[facts_.group_of_row[frames[k]]] += errors.log_det(k);
+  for (size_t k = 0; k < frames.size(); ++k)
+    out.log_det[facts_.group_of_row[frames[k]]] += errors.log_det(k);
 }
 
 // Differences large enough that the renderer's own sampling of edges does not show: about a third
 // of the noise, root mean square, on the first frame.
-double FramesProblem::step_of(const Model& model, const Unknown& unknown, const Groups& groups) const {
+double FramesProblem::step_of(const Model& model, const Unknown& unknown,
+                              const Groups& groups) const {
   const std::string key = fmt::format("{}.{}", unknown.effect, unknown.parameter);
   {
     const std::scoped_lock lock(steps_mutex_);
@@ -163,7 +180,8 @@ double FramesProblem::step_of(const Model& model, const Unknown& unknown, const 
   return steps_.try_emplace(key, step).first->second;
 }
 
-double FramesProblem::find_step(const Model& model, const Unknown& unknown, const Groups& groups) const {
+double FramesProblem::find_step(const Model& model, const Unknown& unknown,
+                                const Groups& groups) const {
   const auto& parameter = model.find(unknown.effect)->definition->parameters[unknown.parameter];
   const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
   Groups one(groups.size(), 0);
@@ -194,13 +212,16 @@ double FramesProblem::find_step(const Model& model, const Unknown& unknown, cons
     if (rms < 1e-9 && coarse > 0) return coarse;
     if (rms >= 1) coarse = std::abs(h);
     const double most = 0.5 * (parameter.max - parameter.min);
-    h = std::min(std::abs(h) * std::clamp(0.3 / std::max(rms, 1e-9), 0.02, 30.0), std::max(most, 1e-12));
+    h = std::min(std::abs(h) * std::clamp(0.3 / std::max(rms, 1e-9), 0.02, 30.0),
+                 std::max(most, 1e-12));
   }
   return h;
 }
 
-std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, const std::vector<Unknown>& unknowns,
-                                                         const Groups& groups, const Evaluation& here) const {
+std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model,
+                                                         const std::vector<Unknown>& unknowns,
+                                                         const Groups& groups,
+                                                         const Evaluation& here) const {
   std::vector<std::vector<double>> columns;
   double chi2 = 0, count = 0;
   for (size_t i = 0; i < here.used.size(); ++i) {
@@ -208,8 +229,8 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, con
   }
   const bool far = chi2 > 2 * count;
   const std::vector<size_t> frames = frames_of(groups);
-  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), effects::sensor_of(model), frames,
-                           slopes_of(frames, here), here);
+  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), effects::sensor_of(model),
+                           frames, slopes_of(frames, here), here);
   for (const Unknown& unknown : unknowns) {
     const auto& parameter = model.find(unknown.effect)->definition->parameters[unknown.parameter];
     const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
@@ -229,7 +250,8 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model, con
     const bool central = both && minus.valid;
     for (size_t i = 0; i < column.size() && plus.valid; ++i) {
       if (!here.used[i]) continue;
-      const double rise = central ? (plus.residual[i] - minus.residual[i]) / 2 : plus.residual[i] - here.residual[i];
+      const double rise = central ? (plus.residual[i] - minus.residual[i]) / 2
+                                  : plus.residual[i] - here.residual[i];
       column[i] = rise / h / here.sigma[i];
     }
     errors.whiten(column);
@@ -243,15 +265,18 @@ Groups FramesProblem::some_training_frames(size_t count) const {
   Groups groups(facts_.groups.size(), 0);
   const std::vector<size_t> training = frames_of(training_groups());
   count = std::min(count, training.size());
-  for (size_t k = 0; k < count; ++k) groups[facts_.group_of_row[training[k * training.size() / count]]] = 1;
+  for (size_t k = 0; k < count; ++k)
+    groups[facts_.group_of_row[training[k * training.size() / count]]] = 1;
   return groups;
 }
 
-std::optional<Groups> FramesProblem::screening_groups() const { return some_training_frames(3); }
+std::optional<Groups> FramesProblem::screening_groups() const {
+  return some_training_frames(3);
+}
 
 // Two right renderers displace edges, each sample by its own amount and all by a common one, up to
-// twice kRendererShiftPx. What differs by no more than that, beside an edge or on it, cannot be told
-// apart, however many samples say so.
+// twice kRendererShiftPx. What differs by no more than that, beside an edge or on it, cannot be
+// told apart, however many samples say so.
 bool FramesProblem::is_visible(const Model& a, const Model& b) const {
   constexpr double kShare = 0.02;
   constexpr double kAccuracy2 = 4 * kRendererShiftPx * kRendererShiftPx;
@@ -262,7 +287,8 @@ bool FramesProblem::is_visible(const Model& a, const Model& b) const {
   const std::vector<ImageSlope> slopes = slopes_of(frames, before);
   double mean_excess = 0, mean_accuracy = 0, spread_change = 0, spread_accuracy = 0;
   for (size_t k = 0; k < frames.size(); ++k) {
-    const std::vector<float> square = steepest_nearby(slopes[k], protocol_.width_px(), protocol_.height_px());
+    const std::vector<float> square =
+        steepest_nearby(slopes[k], protocol_.width_px(), protocol_.height_px());
     for (size_t i = 0; i < samples_; ++i) {
       const size_t at = frames[k] * samples_ + i;
       const double tolerance = kAccuracy2 * square[i];
@@ -279,19 +305,25 @@ bool FramesProblem::is_visible(const Model& a, const Model& b) const {
   return mean_excess > kShare * mean_accuracy || spread_change > spread_accuracy;
 }
 
-std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const EffectDefinition& effect) const {
+std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
+                                                       const EffectDefinition& effect) const {
   std::vector<double> start;
   for (const auto& parameter : effect.parameters) {
     double value = parameter.neutral;
-    if (!std::isfinite(value)) value = 20 * parameter.scale;
-    else if (is_spread(effect) && !parameter.integer) value += 0.3 * parameter.scale;
-    else if (!parameter.integer && parameter.min >= parameter.neutral) value += 0.02 * parameter.scale;
+    if (!std::isfinite(value))
+      value = 20 * parameter.scale;
+    else if (is_spread(effect) && !parameter.integer)
+      value += 0.3 * parameter.scale;
+    else if (!parameter.integer && parameter.min >= parameter.neutral)
+      value += 0.02 * parameter.scale;
     start.push_back(std::clamp(value, std::min(parameter.min, value), parameter.max));
   }
-  if (std::all_of(effect.parameters.begin(), effect.parameters.end(), [](const auto& p) { return p.integer; })) {
+  if (std::all_of(effect.parameters.begin(), effect.parameters.end(),
+                  [](const auto& p) { return p.integer; })) {
     if (effect.name != "quantisation") return {};
     std::vector<std::vector<double>> choices;
-    for (int bits = std::max(4, fewest_bits(images_, 8)); bits < 8; ++bits) choices.push_back({static_cast<double>(bits)});
+    for (int bits = std::max(4, fewest_bits(images_, 8)); bits < 8; ++bits)
+      choices.push_back({static_cast<double>(bits)});
     return choices;
   }
   if (is_spread(effect)) return {start};
@@ -304,10 +336,13 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
     Model tried = model;
     tried.set(std::make_shared<const EffectDefinition>(effect), std::move(given));
     const Score score = Problem::score(tried, few);
-    return score.valid && std::isfinite(score.log_likelihood) ? score.log_likelihood : -std::numeric_limits<double>::infinity();
+    return score.valid && std::isfinite(score.log_likelihood)
+               ? score.log_likelihood
+               : -std::numeric_limits<double>::infinity();
   };
   if (effect.name == "saturation") {
-    // A limit that the light never reaches has no slope: it is sought from the brightest sample down.
+    // A limit that the light never reaches has no slope: it is sought from the brightest sample
+    // down.
     double highest = 0;
     for (const size_t frame : frames_of(few)) {
       for (const uint16_t dn : images_[frame]) highest = std::max<double>(highest, dn);
@@ -328,7 +363,8 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
     const auto& parameter = effect.parameters[i];
     for (const double size : {0.5, -0.5, 2.0, -2.0, 6.0, -6.0}) {
       std::vector<double> values = start;
-      values[i] = (std::isfinite(parameter.neutral) ? parameter.neutral : start[i]) + size * parameter.scale;
+      values[i] = (std::isfinite(parameter.neutral) ? parameter.neutral : start[i]) +
+                  size * parameter.scale;
       if (values[i] < parameter.min || values[i] > parameter.max) continue;
       const double there = likelihood(values);
       if (there > best_value) best_value = there, best = values;
@@ -339,21 +375,28 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model, const
 
 bool FramesProblem::acts(const EffectDefinition& effect) const {
   // Spreads in time and angle have no closed form over whole images.
-  if (effect.name == "frame_jitter" || effect.name == "encoder_quantisation" || effect.name == "frame_sync") return false;
+  if (effect.name == "frame_jitter" || effect.name == "encoder_quantisation" ||
+      effect.name == "frame_sync")
+    return false;
   return Problem::acts(effect);
 }
 
 void FramesProblem::check_model(const Model& model) const {
   if (!model.has("pinhole") && !model.has("fisheye")) {
-    throw InputError(fmt::format("model '{}': pinhole is missing: a set of frames needs a projection", model.name()));
+    throw InputError(fmt::format(
+        "model '{}': pinhole is missing: a set of frames needs a projection", model.name()));
   }
 }
 
-std::vector<char> FramesProblem::find_outliers(const Model&) const { return std::vector<char>(facts_.scalars(), 0); }
+std::vector<char> FramesProblem::find_outliers(const Model&) const {
+  return std::vector<char>(facts_.scalars(), 0);
+}
 
 Kind frames_kind() {
   return {.name = "frames",
-          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> { return std::make_unique<FramesProblem>(set); },
+          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
+            return std::make_unique<FramesProblem>(set);
+          },
           .measure = measure_frames};
 }
 

@@ -4,10 +4,10 @@
 #include <map>
 #include <mutex>
 
+#include "measurement/imaging/sensor_response.h"
 #include "measurement/kinds/frames/frame_data.h"
 #include "measurement/kinds/frames/frame_errors.h"
 #include "measurement/kinds/kinds.h"
-#include "measurement/imaging/sensor_response.h"
 #include "sim_core/base/image.h"
 
 namespace seam::measurement {
@@ -18,31 +18,42 @@ class FramesProblem : public Problem {
  public:
   explicit FramesProblem(const MeasurementSet& set);
 
-  Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation* warm = nullptr) const override;
-  std::vector<std::vector<double>> jacobian(const Model& model, const std::vector<Unknown>& unknowns,
-                                            const Groups& groups, const Evaluation& here) const override;
-  // Gauss-Newton with few renderings: linear steps as long as they promise anything (frames_fit.cc).
-  Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
-  std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const override;
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* warm = nullptr) const override;
+  std::vector<std::vector<double>> jacobian(const Model& model,
+                                            const std::vector<Unknown>& unknowns,
+                                            const Groups& groups,
+                                            const Evaluation& here) const override;
+  // Gauss-Newton with few renderings: linear steps as long as they promise anything
+  // (frames_fit.cc).
+  Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
+          const Groups& groups) const override;
+  std::vector<Structure> structure(const Model& model, const Groups& groups,
+                                   int fitted) const override;
   void check_model(const Model& model) const override;
   bool acts(const EffectDefinition& effect) const override;
   bool is_smooth() const override { return true; }
   std::optional<Groups> screening_groups() const override;
   bool is_visible(const Model& a, const Model& b) const override;
-  std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
+  std::vector<std::vector<double>> starts(const Model& model,
+                                          const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
   double looks(const Model& model, const EffectDefinition& effect) const override;
 
  private:
-  // Of `lamp_flicker`: the strongest wave in what this model leaves of the rows (frames_flicker.cc).
+  // Of `lamp_flicker`: the strongest wave in what this model leaves of the rows
+  // (frames_flicker.cc).
   std::vector<double> flicker_start(const Model& model) const;
   std::vector<size_t> frames_of(const Groups& groups) const;
   Groups some_training_frames(size_t count) const;
   // `tables` by colour; `scale` is the signal (DN) of light 1.
-  void predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables, double scale,
-                     size_t frame, const std::vector<float>& light, Evaluation& out) const;
-  std::vector<ImageSlope> slopes_of(const std::vector<size_t>& frames, const Evaluation& here) const;
-  void whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames, Evaluation& out) const;
+  void predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables,
+                     double scale, size_t frame, const std::vector<float>& light,
+                     Evaluation& out) const;
+  std::vector<ImageSlope> slopes_of(const std::vector<size_t>& frames,
+                                    const Evaluation& here) const;
+  void whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames,
+              Evaluation& out) const;
   double find_step(const Model& model, const Unknown& unknown, const Groups& groups) const;
   double step_of(const Model& model, const Unknown& unknown, const Groups& groups) const;
 
@@ -56,6 +67,7 @@ class FramesProblem : public Problem {
 };
 
 // `seam measure` for this kind (frames_measure.cc).
-void measure_frames(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options);
+void measure_frames(const Model& truth, const MeasurementSet& protocol,
+                    const MeasureOptions& options);
 
 }  // namespace seam::measurement

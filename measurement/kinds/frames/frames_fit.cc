@@ -25,8 +25,13 @@ double value_of(const Model& model, const Unknown& unknown) {
 
 class FrameFit {
  public:
-  FrameFit(const FramesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups)
-      : problem_(problem), groups_(groups), unknowns_(unknowns), model_(start), here_(problem.evaluate(start, groups)) {
+  FrameFit(const FramesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns,
+           const Groups& groups)
+      : problem_(problem),
+        groups_(groups),
+        unknowns_(unknowns),
+        model_(start),
+        here_(problem.evaluate(start, groups)) {
     likelihood_ = likelihood(here_);
     for (size_t i = 0; i < unknowns.size(); ++i) {
       (start.find(unknowns[i].effect)->definition->spread_only ? spread_ : mean_).push_back(i);
@@ -60,7 +65,8 @@ class FrameFit {
 
  private:
   double likelihood(const Evaluation& evaluation) const {
-    return evaluation.valid ? score_of(problem_, evaluation).log_likelihood : -std::numeric_limits<double>::infinity();
+    return evaluation.valid ? score_of(problem_, evaluation).log_likelihood
+                            : -std::numeric_limits<double>::infinity();
   }
 
   // Half of what chi-square is above the number of values.
@@ -80,22 +86,27 @@ class FrameFit {
     const auto count = static_cast<Eigen::Index>(columns.size());
     MatrixXd normal(count, count);
     VectorXd right(count);
-    const Eigen::Map<const VectorXd> z(here_.whitened.data(), static_cast<Eigen::Index>(here_.whitened.size()));
+    const Eigen::Map<const VectorXd> z(here_.whitened.data(),
+                                       static_cast<Eigen::Index>(here_.whitened.size()));
     for (Eigen::Index i = 0; i < count; ++i) {
       const Eigen::Map<const VectorXd> a(columns[i].data(), z.size());
       right[i] = -a.dot(z);
       for (Eigen::Index k = 0; k <= i; ++k) {
-        normal(i, k) = normal(k, i) = a.dot(Eigen::Map<const VectorXd>(columns[k].data(), z.size()));
+        normal(i, k) = normal(k, i) =
+            a.dot(Eigen::Map<const VectorXd>(columns[k].data(), z.size()));
       }
     }
     VectorXd scale(count);
-    for (Eigen::Index i = 0; i < count; ++i) scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
+    for (Eigen::Index i = 0; i < count; ++i)
+      scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
     MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
     for (Eigen::Index i = 0; i < count; ++i) unit(i, i) += scale[i] > 0 ? 1e-10 : 1;
-    const MatrixXd covariance = scale.asDiagonal() * floored_inverse(unit, 1e-13) * scale.asDiagonal();
+    const MatrixXd covariance =
+        scale.asDiagonal() * floored_inverse(unit, 1e-13) * scale.asDiagonal();
     for (Eigen::Index i = 0; i < count; ++i) {
       if (scale[i] > 0) fit.sigma[mean_[i]] = std::sqrt(covariance(i, i));
-      for (Eigen::Index k = 0; k < count; ++k) fit.covariance[mean_[i] * unknowns_.size() + mean_[k]] = covariance(i, k);
+      for (Eigen::Index k = 0; k < count; ++k)
+        fit.covariance[mean_[i] * unknowns_.size() + mean_[k]] = covariance(i, k);
     }
     double damping = 0;
     for (int attempt = 0; attempt < 4; ++attempt) {
@@ -109,7 +120,8 @@ class FrameFit {
         const Unknown& unknown = unknowns_[mean_[i]];
         const auto& parameter = parameter_of(model_, unknown);
         candidate.set_value(unknown.effect, unknown.parameter,
-                            std::clamp(value_of(model_, unknown) + scale[i] * scaled[i], parameter.min, parameter.max));
+                            std::clamp(value_of(model_, unknown) + scale[i] * scaled[i],
+                                       parameter.min, parameter.max));
       }
       if (promised < 0.02) return true;
       Evaluation there = problem_.evaluate(candidate, groups_);
@@ -129,21 +141,28 @@ class FrameFit {
     return true;
   }
 
-  // Parameters of the spread that are sought on the likelihood of some groups, from where the model stands.
+  // Parameters of the spread that are sought on the likelihood of some groups, from where the model
+  // stands.
   Maximum search_spread(const Groups& groups) {
     std::vector<SearchParameter> parameters;
     for (const size_t i : spread_) {
       const auto& parameter = parameter_of(model_, unknowns_[i]);
       const double value = value_of(model_, unknowns_[i]);
       const bool positive = parameter.min >= 0 && value > 0;
-      parameters.push_back({.start = value, .min = positive ? std::max(parameter.min, 1e-5 * parameter.scale) : parameter.min,
-                            .max = parameter.max, .step = positive ? 0.05 : 0.05 * parameter.scale, .logarithmic = positive});
+      parameters.push_back(
+          {.start = value,
+           .min = positive ? std::max(parameter.min, 1e-5 * parameter.scale) : parameter.min,
+           .max = parameter.max,
+           .step = positive ? 0.05 : 0.05 * parameter.scale,
+           .logarithmic = positive});
     }
     Model model = model_;
-    return maximise([&](const std::vector<double>& values) {
-      set_spread(model, values);
-      return likelihood(problem_.evaluate(model, groups));
-    }, parameters);
+    return maximise(
+        [&](const std::vector<double>& values) {
+          set_spread(model, values);
+          return likelihood(problem_.evaluate(model, groups));
+        },
+        parameters);
   }
 
   void set_spread(Model& model, const std::vector<double>& values) const {
@@ -153,8 +172,9 @@ class FrameFit {
     }
   }
 
-  // Two frames hold as many samples as a spread needs to be found: all frames only make it exact, and that
-  // only where it helps the two at all (one that helps all by five standard errors fails here once in 40).
+  // Two frames hold as many samples as a spread needs to be found: all frames only make it exact,
+  // and that only where it helps the two at all (one that helps all by five standard errors fails
+  // here once in 40).
   bool helps_on_few() {
     constexpr double kHelps = 0.05;  // Gain of log-likelihood.
     std::vector<size_t> chosen;
@@ -185,7 +205,8 @@ class FrameFit {
     for (size_t k = 0; k < spread_.size(); ++k) {
       fit.sigma[spread_[k]] = maximum.sigma[k];
       for (size_t j = 0; j < spread_.size(); ++j) {
-        fit.covariance[spread_[k] * unknowns_.size() + spread_[j]] = maximum.covariance[k * spread_.size() + j];
+        fit.covariance[spread_[k] * unknowns_.size() + spread_[j]] =
+            maximum.covariance[k * spread_.size() + j];
       }
     }
     if (maximum.log_likelihood < likelihood_) return;
@@ -206,7 +227,8 @@ class FrameFit {
 
 }  // namespace
 
-Fit FramesProblem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+Fit FramesProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
+                       const Groups& groups) const {
   return FrameFit(*this, start, unknowns, groups).run();
 }
 

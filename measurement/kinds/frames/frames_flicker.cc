@@ -38,7 +38,8 @@ double FramesProblem::looks(const Model& model, const EffectDefinition& effect) 
   if (effect.name != "lamp_flicker") return Problem::looks(model, effect);
   const size_t frames = protocol_.frames();
   const double span_s = (protocol_.stamp(frames - 1) - protocol_.stamp(0)).s();
-  return flicker_looks(row_delays(model, protocol_.height_px()), {.count = frames, .span_s = std::abs(span_s)}, frames);
+  return flicker_looks(row_delays(model, protocol_.height_px()),
+                       {.count = frames, .span_s = std::abs(span_s)}, frames);
 }
 
 }  // namespace seam::measurement

@@ -41,7 +41,8 @@ double upper_tail(double x, double freedom) {
 
 }  // namespace
 
-std::vector<Structure> FramesProblem::structure(const Model& model, const Groups& groups, int) const {
+std::vector<Structure> FramesProblem::structure(const Model& model, const Groups& groups,
+                                                int) const {
   const Evaluation here = evaluate(model, groups);
   if (!here.valid) return {};
   std::vector<Unknown> unknowns;
@@ -54,23 +55,32 @@ std::vector<Structure> FramesProblem::structure(const Model& model, const Groups
   }
   const auto columns = jacobian(model, unknowns, groups, here);
   const std::vector<size_t> frames = frames_of(groups);
-  const std::vector<Block> blocks = {{"column", 0, 6}, {"row", 6, 6}, {"radius", 12, 6}, {"illumination", 18, 6},
-                                     {"gradient_u", 24, 3}, {"gradient_v", 27, 3}, {"channel", 30, 3},
-                                     {"time", 33, static_cast<Eigen::Index>(frames.size())}};
-  const Eigen::Index features = blocks.back().first + blocks.back().count, fitted = static_cast<Eigen::Index>(columns.size());
-  MatrixXd gram = MatrixXd::Zero(features + fitted, features + fitted), spread_gram = MatrixXd::Zero(24, 24);
-  VectorXd t = VectorXd::Zero(features + fitted), spread_t = VectorXd::Zero(24), b(features + fitted);
+  const std::vector<Block> blocks = {
+      {"column", 0, 6},      {"row", 6, 6},
+      {"radius", 12, 6},     {"illumination", 18, 6},
+      {"gradient_u", 24, 3}, {"gradient_v", 27, 3},
+      {"channel", 30, 3},    {"time", 33, static_cast<Eigen::Index>(frames.size())}};
+  const Eigen::Index features = blocks.back().first + blocks.back().count,
+                     fitted = static_cast<Eigen::Index>(columns.size());
+  MatrixXd gram = MatrixXd::Zero(features + fitted, features + fitted),
+           spread_gram = MatrixXd::Zero(24, 24);
+  VectorXd t = VectorXd::Zero(features + fitted), spread_t = VectorXd::Zero(24),
+           b(features + fitted);
   const int width = protocol_.width_px(), height = protocol_.height_px();
   double count = 0, square = 0;
   for (size_t f = 0; f < frames.size(); ++f) {
     const size_t first = frames[f] * samples_;
     const auto predicted = [&](int u, int v, int c) {
-      const size_t i = (static_cast<size_t>(std::clamp(v, 0, height - 1)) * width + std::clamp(u, 0, width - 1)) * 3 + c;
+      const size_t i = (static_cast<size_t>(std::clamp(v, 0, height - 1)) * width +
+                        std::clamp(u, 0, width - 1)) *
+                           3 +
+                       c;
       return images_[frames[f]][i] - here.residual[first + i];
     };
     for (int v = 0; v < height; ++v) {
       for (int u = 0; u < width; ++u) {
-        const double x = 2.0 * u / std::max(1, width - 1) - 1, y = 2.0 * v / std::max(1, height - 1) - 1;
+        const double x = 2.0 * u / std::max(1, width - 1) - 1,
+                     y = 2.0 * v / std::max(1, height - 1) - 1;
         const double radius = 2 * effects::rho(u, v, width, height) - 1;
         for (int c = 0; c < 3; ++c) {
           const size_t at = first + (static_cast<size_t>(v) * width + u) * 3 + c;
@@ -106,7 +116,10 @@ std::vector<Structure> FramesProblem::structure(const Model& model, const Groups
     const double p = upper_tail(chi2, freedom) * looks;
     const double strength = std::sqrt(std::max(0.0, chi2 - freedom) / count);
     if (p < 0.01 && strength > kOwnError) {
-      found.push_back({.residual = "dn", .moment = moment, .covariate = block.covariate, .strength = strength * sigma,
+      found.push_back({.residual = "dn",
+                       .moment = moment,
+                       .covariate = block.covariate,
+                       .strength = strength * sigma,
                        .p_value = std::max(p, 1e-300)});
     }
   };
@@ -115,7 +128,8 @@ std::vector<Structure> FramesProblem::structure(const Model& model, const Groups
     VectorXd right = t.segment(block.first, block.count);
     if (fitted > 0) {
       const MatrixXd across = full.block(block.first, features, block.count, fitted);
-      const MatrixXd solved = solve_any_rank(full.bottomRightCorner(fitted, fitted), across.transpose());
+      const MatrixXd solved =
+          solve_any_rank(full.bottomRightCorner(fitted, fitted), across.transpose());
       own -= across * solved;
       right -= solved.transpose() * t.tail(fitted);
     }
@@ -127,10 +141,12 @@ std::vector<Structure> FramesProblem::structure(const Model& model, const Groups
   for (size_t k = 0; k < 4; ++k) {
     Eigen::Index rank = 0;
     const VectorXd right = spread_t.segment(blocks[k].first, 6);
-    const VectorXd solved = solve_any_rank(spread.block(blocks[k].first, blocks[k].first, 6, 6), right, &rank);
+    const VectorXd solved =
+        solve_any_rank(spread.block(blocks[k].first, blocks[k].first, 6, 6), right, &rank);
     judge(blocks[k], "spread", right.dot(solved) / scatter, static_cast<double>(rank));
   }
-  std::stable_sort(found.begin(), found.end(), [](const Structure& a, const Structure& c) { return a.strength > c.strength; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Structure& a, const Structure& c) { return a.strength > c.strength; });
   return found;
 }
 

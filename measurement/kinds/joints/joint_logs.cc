@@ -25,7 +25,8 @@ void check_angles(const CsvTable& table, const std::vector<double>& values, cons
 double logged_angle(const Model& model, effects::JointRole role, double q_rad) {
   const auto& all = model.effects();
   for (auto effect = all.rbegin(); effect != all.rend(); ++effect) {
-    if (effect->definition->logged) q_rad = effect->definition->logged(effect->values(), role, q_rad);
+    if (effect->definition->logged)
+      q_rad = effect->definition->logged(effect->values(), role, q_rad);
   }
   return q_rad;
 }
@@ -55,7 +56,8 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
   std::vector<double> enable(table.rows(), 1);
   if (table.has("torque_enable")) enable = table.numbers("torque_enable");
   JointLogs set;
-  set.column_names = table.extra_numeric_columns({"run", "time_s", "joint", "command_rad", "measured_rad", group_column});
+  set.column_names = table.extra_numeric_columns(
+      {"run", "time_s", "joint", "command_rad", "measured_rad", group_column});
   std::vector<std::vector<double>> columns;
   for (const std::string& name : set.column_names) columns.push_back(table.numbers(name));
   std::unordered_map<std::string, size_t> place;  // Only looked up.
@@ -75,7 +77,8 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
     const size_t i = found->second;
     JointLog& log = set.logs[i];
     if (times[row] <= last_ns[i]) {
-      table.fail(row, "time_s", table.cell(row, "time_s"), "a later time than the row before it in its run");
+      table.fail(row, "time_s", table.cell(row, "time_s"),
+                 "a later time than the row before it in its run");
     }
     last_ns[i] = times[row];
     log.rows.push_back(row);
@@ -88,21 +91,26 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
   return set;
 }
 
-std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log, double start_rad) {
+std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log,
+                                      double start_rad) {
   const effects::ServoModel servo = effects::servo_of(model);
   FormulaColumns columns(log);
-  effects::JointSample sample{.role = log.role, .extra_names = &set.column_names, .extra_values = columns.values.data()};
+  effects::JointSample sample{
+      .role = log.role, .extra_names = &set.column_names, .extra_values = columns.values.data()};
   // What the log shows when the joint (before formulas) is at q.
   const auto shown = [&](double q, double rate, double command, size_t k) {
     if (!servo.formulas.empty()) {
       columns.load(log, k);
-      sample.q_rad = q, sample.rate_rad_per_s = rate, sample.command_rad = command, sample.t_s = log.time_s[k];
-      for (const auto& formula : servo.formulas) sample.q_rad = formula.definition->joint_map(formula.values(), sample);
+      sample.q_rad = q, sample.rate_rad_per_s = rate, sample.command_rad = command,
+      sample.t_s = log.time_s[k];
+      for (const auto& formula : servo.formulas)
+        sample.q_rad = formula.definition->joint_map(formula.values(), sample);
       q = sample.q_rad;
     }
     return logged_angle(model, log.role, q);
   };
-  // At rest where the log shows start_rad: a fixed point, since formulas and encoders change angles little.
+  // At rest where the log shows start_rad: a fixed point, since formulas and encoders change angles
+  // little.
   double start = start_rad;
   for (int step = 0; step < 40; ++step) {
     const double miss = start_rad - shown(start, 0, start_rad, 0);
@@ -124,7 +132,8 @@ std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, 
   return angles;
 }
 
-double noise_from_neighbours(const std::vector<std::vector<double>>& time_s, const std::vector<std::vector<double>>& values) {
+double noise_from_neighbours(const std::vector<std::vector<double>>& time_s,
+                             const std::vector<std::vector<double>>& values) {
   std::vector<double> misses;
   double smallest_step = INFINITY;
   for (size_t s = 0; s < values.size(); ++s) {

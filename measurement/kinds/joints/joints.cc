@@ -32,13 +32,17 @@ Around parabola_around(const std::vector<double>& t, const std::vector<double>& 
   }
   if (n < 3) return {};
   const double m[3][3] = {{s[0], s[1], s[2]}, {s[1], s[2], s[3]}, {s[2], s[3], s[4]}};
-  const auto minor = [&](int r0, int r1, int c0, int c1) { return m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0]; };
-  const double det = m[0][0] * minor(1, 2, 1, 2) - m[0][1] * minor(1, 2, 0, 2) + m[0][2] * minor(1, 2, 0, 1);
+  const auto minor = [&](int r0, int r1, int c0, int c1) {
+    return m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0];
+  };
+  const double det =
+      m[0][0] * minor(1, 2, 1, 2) - m[0][1] * minor(1, 2, 0, 2) + m[0][2] * minor(1, 2, 0, 1);
   if (!(std::abs(det) > 0)) return {};
   // Cramer's rule, symmetric matrix.
   const double i00 = minor(1, 2, 1, 2), i01 = -minor(1, 2, 0, 2), i02 = minor(1, 2, 0, 1);
   const double i11 = minor(0, 2, 0, 2), i12 = -minor(0, 2, 0, 1), i22 = minor(0, 1, 0, 1);
-  return {(i00 * b[0] + i01 * b[1] + i02 * b[2]) / det, (i01 * b[0] + i11 * b[1] + i12 * b[2]) / det,
+  return {(i00 * b[0] + i01 * b[1] + i02 * b[2]) / det,
+          (i01 * b[0] + i11 * b[1] + i12 * b[2]) / det,
           2 * (i02 * b[0] + i12 * b[1] + i22 * b[2]) / det};
 }
 
@@ -46,7 +50,8 @@ Around parabola_around(const std::vector<double>& t, const std::vector<double>& 
 
 JointsProblem::JointsProblem(const MeasurementSet& set) {
   const CsvTable table = set.table("joints");
-  if (table.rows() == 0) throw InputError(fmt::format("{}: no rows, expected observations", table.file()));
+  if (table.rows() == 0)
+    throw InputError(fmt::format("{}: no rows, expected observations", table.file()));
   set_ = read_joint_logs(table, set.group, true);
   describe(set, table);
   add_covariates();
@@ -108,18 +113,22 @@ void JointsProblem::add_covariates() {
       if (!std::isfinite(around.value)) around = {log.command_rad[k], 0, 0};
       time[row] = log.time_s[k];
       command[row] = k == 0 ? log.command_rad[0] : log.command_rad[k - 1];
-      command_rate[row] = k == 0 ? 0 : (log.command_rad[k] - log.command_rad[k - 1]) / (log.time_s[k] - log.time_s[k - 1]);
+      command_rate[row] = k == 0 ? 0
+                                 : (log.command_rad[k] - log.command_rad[k - 1]) /
+                                       (log.time_s[k] - log.time_s[k - 1]);
       angle[log.joint][row] = around.value;
       rate[log.joint][row] = around.slope;
       acceleration[log.joint][row] = around.curvature;
       // Slower than its own uncertainty (noise over the reach of some rows) counts as at rest.
       const size_t near = std::min<size_t>(k + 1, log.rows.size() - 1), far = k > 0 ? k - 1 : 0;
-      const double dt = near > far ? (log.time_s[near] - log.time_s[far]) / static_cast<double>(near - far) : 1;
+      const double dt =
+          near > far ? (log.time_s[near] - log.time_s[far]) / static_cast<double>(near - far) : 1;
       const double slowest = 3 * facts_.channels[0].noise / (dt * 7.7);
       sign[log.joint][row] = std::abs(around.slope) < slowest ? 0 : std::copysign(1, around.slope);
     }
   }
-  const auto add = [&](std::string name, Covariate::Type type, std::vector<double> values, bool products) {
+  const auto add = [&](std::string name, Covariate::Type type, std::vector<double> values,
+                       bool products) {
     facts_.covariates.push_back({std::move(name), type, std::move(values), products});
   };
   add("time", Covariate::Type::smooth, std::move(time), true);
@@ -167,20 +176,24 @@ double JointsProblem::evaluate_log(const Model& model, const JointLog& log, doub
   double start = norm > 0 ? std::clamp(along / norm, -4 * sigma_rad, 4 * sigma_rad) : 0;
   if (start != 0) {
     std::vector<double> better = predict_joint_log(model, set_, log, seen + start);
-    if (chi2_of(better) < chi2_of(predicted)) predicted = std::move(better);
-    else start = 0;
+    if (chi2_of(better) < chi2_of(predicted))
+      predicted = std::move(better);
+    else
+      start = 0;
   }
   for (size_t k = 0; k < n; ++k) residual[log.rows[k]] = log.measured_rad[k] - predicted[k];
   return start;
 }
 
-Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups, const Evaluation*) const {
+Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
+                                   const Evaluation*) const {
   Evaluation evaluation;
   const size_t n = facts_.scalars();
   evaluation.residual.assign(n, 0);
   effects::JointTrack track;
   effects::apply_encoder_effects(model, track);
-  const double step = std::min(track.quantisation_step_rad, largest_step_rad_), noise = facts_.channels[0].noise;
+  const double step = std::min(track.quantisation_step_rad, largest_step_rad_),
+               noise = facts_.channels[0].noise;
   const double sigma = step == 0 ? noise : std::sqrt(noise * noise + step * step / 12);
   evaluation.sigma.assign(n, sigma);
   for (const JointLog& log : set_.logs) {
@@ -189,7 +202,8 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups, con
     ++evaluation.nuisances;
   }
   for (const double r : evaluation.residual) evaluation.valid &= std::isfinite(r);
-  if (lattice_rad_ > 0 && step > 0.99 * lattice_rad_ && noise < lattice_rad_) round_to_lattice(noise, evaluation);
+  if (lattice_rad_ > 0 && step > 0.99 * lattice_rad_ && noise < lattice_rad_)
+    round_to_lattice(noise, evaluation);
   whiten_diagonal(*this, groups, evaluation);
   return evaluation;
 }
@@ -199,29 +213,39 @@ void JointsProblem::check_model(const Model& model) const {
     for (const std::string& column : effect.definition->columns) {
       const auto& known = set_.column_names;
       if (std::find(known.begin(), known.end(), column) != known.end()) continue;
-      throw InputError(fmt::format("{}: effect '{}' reads column '{}', which the set lacks{}", facts_.file,
-                                   effect.definition->name, column, suggestion_for(column, known)));
+      throw InputError(fmt::format("{}: effect '{}' reads column '{}', which the set lacks{}",
+                                   facts_.file, effect.definition->name, column,
+                                   suggestion_for(column, known)));
     }
   }
 }
 
-std::string JointsProblem::not_testable(const Model&, const EffectDefinition& effect, size_t parameter) const {
+std::string JointsProblem::not_testable(const Model&, const EffectDefinition& effect,
+                                        size_t parameter) const {
   const std::string& name = effect.parameters[parameter].name;
   const auto has = [&](effects::JointRole role) {
-    return std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) { return log.role == role; });
+    return std::any_of(set_.logs.begin(), set_.logs.end(),
+                       [&](const JointLog& log) { return log.role == role; });
   };
-  if (effect.name == "backlash" && name != "width_rad") return "width_rad is the play of a logged joint";
-  if (effect.name == "encoder_eccentricity") return has(effects::JointRole::pan) ? "" : "the set has no pan joint";
+  if (effect.name == "backlash" && name != "width_rad")
+    return "width_rad is the play of a logged joint";
+  if (effect.name == "encoder_eccentricity")
+    return has(effects::JointRole::pan) ? "" : "the set has no pan joint";
   if (!effect.logged) return "";
-  if (name.starts_with("tilt_") && !has(effects::JointRole::tilt)) return "the set has no tilt joint";
-  if (name.starts_with("roll_") && !has(effects::JointRole::roll)) return "the set has no roll joint";
-  if (name.starts_with("pan_") && !has(effects::JointRole::pan)) return "the set has no joint besides tilt and roll";
+  if (name.starts_with("tilt_") && !has(effects::JointRole::tilt))
+    return "the set has no tilt joint";
+  if (name.starts_with("roll_") && !has(effects::JointRole::roll))
+    return "the set has no roll joint";
+  if (name.starts_with("pan_") && !has(effects::JointRole::pan))
+    return "the set has no joint besides tilt and roll";
   return "";
 }
 
 Kind joints_kind() {
   return {.name = "joints",
-          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> { return std::make_unique<JointsProblem>(set); },
+          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
+            return std::make_unique<JointsProblem>(set);
+          },
           .measure = measure_joints};
 }
 

@@ -17,11 +17,11 @@ namespace seam::measurement {
 struct JointLog {
   std::string joint;
   effects::JointRole role = effects::JointRole::pan;  // Any joint but tilt and roll counts as pan.
-  std::vector<size_t> rows;      // In the file.
-  std::vector<double> time_s;    // Since the run's first row.
+  std::vector<size_t> rows;                           // In the file.
+  std::vector<double> time_s;                         // Since the run's first row.
   std::vector<double> command_rad;
   std::vector<double> measured_rad;
-  std::vector<char> enabled;     // torque_enable.
+  std::vector<char> enabled;                 // torque_enable.
   std::vector<std::vector<double>> columns;  // Extra numeric columns by their place in the set.
 };
 
@@ -35,33 +35,42 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
 
 // What the model says the log shows at each row, for a joint whose log shows `start_rad` at rest
 // until the first command acts.
-std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log, double start_rad);
+std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log,
+                                      double start_rad);
 
 // One sigma of a single observation, from each row against a cubic through its neighbours: robust,
 // without any model. The floor is rounding to the file's or the encoder's steps.
-double noise_from_neighbours(const std::vector<std::vector<double>>& time_s, const std::vector<std::vector<double>>& values);
+double noise_from_neighbours(const std::vector<std::vector<double>>& time_s,
+                             const std::vector<std::vector<double>>& values);
 
 class JointsProblem : public Problem {
  public:
   explicit JointsProblem(const MeasurementSet& set);
 
-  Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation* warm) const override;
-  std::vector<std::vector<double>> jacobian(const Model& model, const std::vector<Unknown>& unknowns,
-                                            const Groups& groups, const Evaluation& here) const override;
-  Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
-  std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* warm) const override;
+  std::vector<std::vector<double>> jacobian(const Model& model,
+                                            const std::vector<Unknown>& unknowns,
+                                            const Groups& groups,
+                                            const Evaluation& here) const override;
+  Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
+          const Groups& groups) const override;
+  std::vector<std::vector<double>> starts(const Model& model,
+                                          const EffectDefinition& effect) const override;
   void check_model(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
   bool acts(const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
-  std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;
+  std::string not_testable(const Model& model, const EffectDefinition& effect,
+                           size_t parameter) const override;
   std::string advice(const std::string& effect, const std::string& other) const override;
 
  private:
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates();
   // Fits the log's true start; writes residuals; returns the start minus the first measurement.
-  double evaluate_log(const Model& model, const JointLog& log, double sigma_rad, std::vector<double>& residual) const;
+  double evaluate_log(const Model& model, const JointLog& log, double sigma_rad,
+                      std::vector<double>& residual) const;
 
   void look_for_steps();
   // Turns residuals of the angle into those of the rounded angle, with their sigmas.
@@ -74,7 +83,8 @@ class JointsProblem : public Problem {
 
 // Makes the log that the model would give (`seam measure`): the joint starts at rest at its first
 // command.
-void measure_joints(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options);
+void measure_joints(const Model& truth, const MeasurementSet& protocol,
+                    const MeasureOptions& options);
 
 Kind joints_kind();
 

@@ -4,16 +4,17 @@
 #include <limits>
 #include <optional>
 
-#include "measurement/kinds/joints/joints.h"
 #include "measurement/fitting/wide_fit.h"
+#include "measurement/kinds/joints/joints.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 
 namespace {
 
-// A load that hangs the other way round at the opposite level is the same load. Told with the level within a right
-// angle of zero, as far as the data can tell a right angle; there with a positive sag.
+// A load that hangs the other way round at the opposite level is the same load. Told with the level
+// within a right angle of zero, as far as the data can tell a right angle; there with a positive
+// sag.
 void tell_sag_once(Fit& fit, const std::vector<Unknown>& unknowns) {
   constexpr double kMargin_rad = 0.2;
   std::optional<size_t> sag, level;
@@ -33,14 +34,17 @@ void tell_sag_once(Fit& fit, const std::vector<Unknown>& unknowns) {
 
 }  // namespace
 
-Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
+                       const Groups& groups) const {
   Fit fit = wide_fit(*this, start, unknowns, groups);
   tell_sag_once(fit, unknowns);
   return fit;
 }
 
-std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model, const std::vector<Unknown>& unknowns,
-                                                         const Groups& groups, const Evaluation&) const {
+std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model,
+                                                         const std::vector<Unknown>& unknowns,
+                                                         const Groups& groups,
+                                                         const Evaluation&) const {
   return wide_jacobian(*this, model, unknowns, groups);
 }
 
@@ -49,12 +53,16 @@ constexpr double kCoarse = 1.2;  // From one value of the coarse look to the nex
 // A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
 // likelihood has several valleys (a speed limit that never binds, a latency of another row). The
 // best of it comes first, then a small effect, from which other parameters can make way.
-std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const EffectDefinition& effect) const {
-  if (effect.spread_only) return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
-  if (effect.parameters.empty() || (!effect.servo && !effect.logged)) return Problem::starts(model, effect);
+std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
+                                                       const EffectDefinition& effect) const {
+  if (effect.spread_only)
+    return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
+  if (effect.parameters.empty() || (!effect.servo && !effect.logged))
+    return Problem::starts(model, effect);
   const effects::Parameter& first = effect.parameters[0];
   std::vector<double> neutral;
-  for (const effects::Parameter& parameter : effect.parameters) neutral.push_back(parameter.neutral);
+  for (const effects::Parameter& parameter : effect.parameters)
+    neutral.push_back(parameter.neutral);
   std::vector<std::vector<double>> grid;
   // An eccentricity has a phase besides, and the likelihood is wide in its amplitude.
   const bool wave = effect.name == "encoder_eccentricity";
@@ -89,8 +97,9 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const
     if (cost < best) best = cost, best_values = values;
   };
   for (const auto& values : grid) look(values);
-  // The likelihood of a dead band jumps wherever one more move falls into it, so that no descent leads to
-  // its best value: the look goes nearer, three times between the neighbours of the best so far.
+  // The likelihood of a dead band jumps wherever one more move falls into it, so that no descent
+  // leads to its best value: the look goes nearer, three times between the neighbours of the best
+  // so far.
   if (effect.servo) {
     double ratio = kCoarse;
     for (int nearer = 0; nearer < 3; ++nearer) {
@@ -98,7 +107,8 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model, const
       const std::vector<double> centre = best_values;
       for (int k = -kLooks; k <= kLooks; ++k) {
         std::vector<double> values = centre;
-        values[0] = std::clamp(centre[0] * std::pow(ratio, static_cast<double>(k) / kLooks), first.min, first.max);
+        values[0] = std::clamp(centre[0] * std::pow(ratio, static_cast<double>(k) / kLooks),
+                               first.min, first.max);
         if (k != 0) look(values);
       }
       ratio = std::pow(ratio, 2.0 / kLooks);
@@ -114,16 +124,21 @@ std::string JointsProblem::advice(const std::string& effect, const std::string& 
     return (effect == a && other == b) || (effect == b && other == a);
   };
   if (pair("servo_lag", "servo_latency")) {
-    return "steps of the command, sampled several times within the delay: a lag rounds them, a latency moves them";
+    return "steps of the command, sampled several times within the delay: a lag rounds them, a "
+           "latency moves them";
   }
   if (pair("backlash", "stiction")) {
-    return "small moves in one direction, one after the other: play is taken up once, a dead band stops each of them";
+    return "small moves in one direction, one after the other: play is taken up once, a dead band "
+           "stops each of them";
   }
   if (pair("speed_limit", "acceleration_limit")) {
-    return "steps of different heights: the time of a ramp grows with the height, that of a rounded one with its root";
+    return "steps of different heights: the time of a ramp grows with the height, that of a "
+           "rounded one with its root";
   }
-  if (pair("speed_limit", "servo_lag")) return "steps of different heights: a lag takes the same time for each";
-  if (pair("encoder_offset", "gravity_sag")) return "a wide range of angles: an offset is the same at each";
+  if (pair("speed_limit", "servo_lag"))
+    return "steps of different heights: a lag takes the same time for each";
+  if (pair("encoder_offset", "gravity_sag"))
+    return "a wide range of angles: an offset is the same at each";
   if (effect == "speed_limit") return "steps larger and faster than the joint can follow";
   if (effect == "acceleration_limit") return "large steps and quick reversals";
   if (effect == "gravity_sag") return "slow moves over the whole range of angles";

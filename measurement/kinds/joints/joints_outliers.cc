@@ -12,7 +12,7 @@ namespace seam::measurement {
 std::vector<char> JointsProblem::find_outliers(const Model& model) const {
   std::vector<char> outlier = Problem::find_outliers(model);
   if (std::find(outlier.begin(), outlier.end(), 1) == outlier.end()) return outlier;
-  constexpr size_t kMemory = 4;     // Rows for which a change of command counts as recent.
+  constexpr size_t kMemory = 4;      // Rows for which a change of command counts as recent.
   constexpr double kOftenIs = 0.05;  // A larger share of like rows is no accident.
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   // By row (one scalar a row): the recent range of the command, and the distance to neighbours.
@@ -21,14 +21,16 @@ std::vector<char> JointsProblem::find_outliers(const Model& model) const {
     for (size_t k = 0; k < log.rows.size(); ++k) {
       const size_t row = log.rows[k];
       const size_t from = k > kMemory ? k - kMemory : 0;
-      const auto [low, high] = std::minmax_element(log.command_rad.begin() + static_cast<std::ptrdiff_t>(from),
-                                                   log.command_rad.begin() + static_cast<std::ptrdiff_t>(k) + 1);
+      const auto [low, high] =
+          std::minmax_element(log.command_rad.begin() + static_cast<std::ptrdiff_t>(from),
+                              log.command_rad.begin() + static_cast<std::ptrdiff_t>(k) + 1);
       // The joint's own way from its start counts as a change of command.
       const double start = k <= kMemory ? std::abs(log.command_rad[0] - log.measured_rad[0]) : 0;
       range[row] = std::max(*high - *low, start);
       std::vector<double> around;
       for (const int other : neighbours(row)) around.push_back(evaluation.residual[other]);
-      distance[row] = std::abs(evaluation.residual[row] - (around.size() < 3 ? 0 : median_of(around)));
+      distance[row] =
+          std::abs(evaluation.residual[row] - (around.size() < 3 ? 0 : median_of(around)));
     }
   }
   std::vector<char> kept = outlier;

@@ -8,7 +8,9 @@
 namespace seam::measurement {
 namespace {
 
-double below(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
+double below(double z) {
+  return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
 
 }  // namespace
 
@@ -29,7 +31,8 @@ void JointsProblem::look_for_steps() {
     if (gap > 2 * kPrinted_rad) step = std::min(step, gap);
   }
   const double noise = facts_.channels[0].noise;
-  const double scatter = facts_.channels[0].estimated ? noise : noise_from_neighbours(times, values);
+  const double scatter =
+      facts_.channels[0].estimated ? noise : noise_from_neighbours(times, values);
   if (std::isfinite(step) && step > 20 * kPrinted_rad) {
     // Many multiples apart, rounding errors of the step add up: refine it on the way out.
     bool whole = true;

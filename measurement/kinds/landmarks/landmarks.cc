@@ -8,10 +8,10 @@
 #include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/timing.h"
-#include "measurement/kinds/kinds.h"
 #include "measurement/fitting/low_rank.h"
-#include "measurement/sets/rig.h"
+#include "measurement/kinds/kinds.h"
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/rig.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 

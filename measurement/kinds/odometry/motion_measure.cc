@@ -23,8 +23,9 @@ void write_with(const CsvTable& table, const std::vector<std::string>& names,
     std::vector<std::string> cells;
     for (const std::string& column : columns) {
       const auto made = std::find(names.begin(), names.end(), column);
-      cells.push_back(made == names.end() ? std::string(table.cell(row, column))
-                                          : fmt::format("{:.9g}", values[made - names.begin()][row]));
+      cells.push_back(made == names.end()
+                          ? std::string(table.cell(row, column))
+                          : fmt::format("{:.9g}", values[made - names.begin()][row]));
     }
     out.row(cells);
   }
@@ -38,7 +39,8 @@ double noise_of(const MeasurementSet& set, const char* column) {
 
 // A wandering pose: the model's path with the steps of walk_noise, each in the body's frame at the
 // end of its interval.
-std::vector<std::array<double, 3>> wander(const effects::Locomotion& walk, const WalkRun& run, RandomStream random, bool noise) {
+std::vector<std::array<double, 3>> wander(const effects::Locomotion& walk, const WalkRun& run,
+                                          RandomStream random, bool noise) {
   const auto path = predict_walk(walk, run);
   std::array<double, 3> pose = {0, 0, 0};
   std::vector<std::array<double, 3>> poses;
@@ -47,9 +49,11 @@ std::vector<std::array<double, 3>> wander(const effects::Locomotion& walk, const
       const auto& from = path[k - 1];
       const double c0 = maths::cos(from.theta_rad), s0 = maths::sin(from.theta_rad);
       const double dx = path[k].x_m - from.x_m, dy = path[k].y_m - from.y_m;
-      double along = c0 * dx + s0 * dy, across = -s0 * dx + c0 * dy, turn = path[k].theta_rad - from.theta_rad;
+      double along = c0 * dx + s0 * dy, across = -s0 * dx + c0 * dy,
+             turn = path[k].theta_rad - from.theta_rad;
       const double root = noise ? std::sqrt(std::max(0.0, path[k].path_m - from.path_m)) : 0;
-      const double nx = root * walk.xy_sigma * normal(random, 3 * k), ny = root * walk.xy_sigma * normal(random, 3 * k + 1);
+      const double nx = root * walk.xy_sigma * normal(random, 3 * k),
+                   ny = root * walk.xy_sigma * normal(random, 3 * k + 1);
       const double c = maths::cos(pose[2]), s = maths::sin(pose[2]);
       // The slip is in the body's frame after the turn.
       const double ct = maths::cos(turn), st = maths::sin(turn);
@@ -64,7 +68,8 @@ std::vector<std::array<double, 3>> wander(const effects::Locomotion& walk, const
 
 }  // namespace
 
-void measure_joints(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options) {
+void measure_joints(const Model& truth, const MeasurementSet& protocol,
+                    const MeasureOptions& options) {
   const CsvTable table = protocol.table("joints");
   const JointLogs set = read_joint_logs(table, protocol.group, false);
   effects::JointTrack track;
@@ -85,7 +90,8 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol, const Me
   write_with(table, {"measured_rad"}, {measured}, options.out / protocol.files.at("joints"));
 }
 
-void measure_odometry(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options) {
+void measure_odometry(const Model& truth, const MeasurementSet& protocol,
+                      const MeasureOptions& options) {
   const CsvTable table = protocol.table("odometry");
   const auto runs = read_walk_runs(table, protocol.group, false);
   const effects::Locomotion walk = effects::locomotion_of(truth);
@@ -98,13 +104,15 @@ void measure_odometry(const Model& truth, const MeasurementSet& protocol, const 
       const size_t row = runs[i].rows[k];
       for (int channel = 0; channel < 3; ++channel) {
         double value = poses[k][channel];
-        if (options.noise) value += noise_of(protocol, names[channel]) * normal(random, 3 * row + channel);
+        if (options.noise)
+          value += noise_of(protocol, names[channel]) * normal(random, 3 * row + channel);
         measured[channel][row] = channel == 2 ? maths::wrap_angle(value) : value;
       }
     }
   }
   copy_protocol(protocol, options.out, {"odometry"});
-  write_with(table, {names[0], names[1], names[2]}, measured, options.out / protocol.files.at("odometry"));
+  write_with(table, {names[0], names[1], names[2]}, measured,
+             options.out / protocol.files.at("odometry"));
 }
 
 }  // namespace seam::measurement

@@ -16,25 +16,30 @@ constexpr const char* kChannels[3] = {"x_m", "y_m", "theta_rad"};
 // A pose that starts at `start` and has moved to `moved` in the start's own frame.
 std::array<double, 3> placed(const std::array<double, 3>& start, const effects::WalkState& moved) {
   const double c = maths::cos(start[2]), s = maths::sin(start[2]);
-  return {start[0] + c * moved.x_m - s * moved.y_m, start[1] + s * moved.x_m + c * moved.y_m, start[2] + moved.theta_rad};
+  return {start[0] + c * moved.x_m - s * moved.y_m, start[1] + s * moved.x_m + c * moved.y_m,
+          start[2] + moved.theta_rad};
 }
 
-std::array<double, 3> missed(const std::array<double, 3>& seen, const std::array<double, 3>& predicted) {
-  return {seen[0] - predicted[0], seen[1] - predicted[1], maths::wrap_angle(seen[2] - predicted[2])};
+std::array<double, 3> missed(const std::array<double, 3>& seen,
+                             const std::array<double, 3>& predicted) {
+  return {seen[0] - predicted[0], seen[1] - predicted[1],
+          maths::wrap_angle(seen[2] - predicted[2])};
 }
 
 // The motion from one state to the next, in the first one's body frame.
 effects::WalkState between(const effects::WalkState& from, const effects::WalkState& to) {
   const double c = maths::cos(from.theta_rad), s = maths::sin(from.theta_rad);
   const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
-  return {.x_m = c * dx + s * dy, .y_m = -s * dx + c * dy, .theta_rad = to.theta_rad - from.theta_rad};
+  return {
+      .x_m = c * dx + s * dy, .y_m = -s * dx + c * dy, .theta_rad = to.theta_rad - from.theta_rad};
 }
 
 }  // namespace
 
 OdometryProblem::OdometryProblem(const MeasurementSet& set) {
   const CsvTable table = set.table("odometry");
-  if (table.rows() == 0) throw InputError(fmt::format("{}: no rows, expected observations", table.file()));
+  if (table.rows() == 0)
+    throw InputError(fmt::format("{}: no rows, expected observations", table.file()));
   runs_ = read_walk_runs(table, set.group, true);
   describe(set, table);
   add_covariates(table, set.group);
@@ -80,7 +85,8 @@ void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table)
 
 void OdometryProblem::add_covariates(const CsvTable& table, const std::string& group_column) {
   const size_t rows = facts_.rows();
-  std::vector<double> time(rows), distance(rows), heading(rows), turn(rows), x(rows), y(rows), change(rows, 0);
+  std::vector<double> time(rows), distance(rows), heading(rows), turn(rows), x(rows), y(rows),
+      change(rows, 0);
   for (const WalkRun& run : runs_) {
     // By the commands alone, so that no pose's noise is in its covariates.
     const auto path = predict_walk({}, run);
@@ -109,7 +115,8 @@ void OdometryProblem::add_covariates(const CsvTable& table, const std::string& g
     across.weight_a.push_back(-maths::sin(h)), across.weight_b.push_back(maths::cos(h));
   }
   facts_.combined = {along, across};
-  const auto add = [&](const char* name, Covariate::Type type, std::vector<double> values, bool products) {
+  const auto add = [&](const char* name, Covariate::Type type, std::vector<double> values,
+                       bool products) {
     facts_.covariates.push_back({name, type, std::move(values), products});
   };
   add("time", Covariate::Type::smooth, std::move(time), true);
@@ -122,14 +129,16 @@ void OdometryProblem::add_covariates(const CsvTable& table, const std::string& g
   for (const char* name : {"vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps"}) {
     add(name, Covariate::Type::smooth, table.numbers(name), false);
   }
-  for (const std::string& name : table.extra_numeric_columns({"run", "time_s", "vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps",
-                                                              "x_m", "y_m", "theta_rad", group_column})) {
+  for (const std::string& name :
+       table.extra_numeric_columns({"run", "time_s", "vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps",
+                                    "x_m", "y_m", "theta_rad", group_column})) {
     facts_.covariates.push_back({name, Covariate::Type::smooth, table.numbers(name), true});
   }
 }
 
 // Gauss-Newton for the run's true start (x, y, theta), from its first measured pose.
-void OdometryProblem::fit_start(const WalkRun& run, const std::vector<effects::WalkState>& path, Evaluation& evaluation) const {
+void OdometryProblem::fit_start(const WalkRun& run, const std::vector<effects::WalkState>& path,
+                                Evaluation& evaluation) const {
   std::array<double, 3> start = run.pose.front();
   for (int step = 0; step < 12; ++step) {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -170,7 +179,8 @@ void OdometryProblem::fit_start(const WalkRun& run, const std::vector<effects::W
 // model is right. The first pose starts it (a flat prior), so that its own innovations are zero.
 // Without walk noise it is the same least squares as fit_start, and gives only log det S.
 void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
-                             const std::vector<effects::WalkState>& path, Evaluation& evaluation) const {
+                             const std::vector<effects::WalkState>& path,
+                             Evaluation& evaluation) const {
   const bool noisy = walk.xy_sigma > 0 || walk.theta_sigma > 0;
   const double q_xy = walk.xy_sigma * walk.xy_sigma, q_theta = walk.theta_sigma * walk.theta_sigma;
   std::array<double, 3> pose = run.pose.front();
@@ -199,7 +209,8 @@ void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run
       if (channel == 2) innovation = maths::wrap_angle(innovation);
       const double variance = P(channel, channel) + noise_[channel] * noise_[channel];
       if (left_out(scalar)) {
-        if (noisy) evaluation.residual[scalar] = innovation, evaluation.sigma[scalar] = std::sqrt(variance);
+        if (noisy)
+          evaluation.residual[scalar] = innovation, evaluation.sigma[scalar] = std::sqrt(variance);
         continue;
       }
       if (k > 0) log_det += std::log(variance);
@@ -218,7 +229,8 @@ void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run
   }
 }
 
-Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups, const Evaluation*) const {
+Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
+                                     const Evaluation*) const {
   const effects::Locomotion walk = effects::locomotion_of(model);
   Evaluation evaluation;
   const size_t n = facts_.scalars();
@@ -232,7 +244,8 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups, c
     if (!groups[facts_.group_of_row[run.rows[0]]]) continue;
     const auto path = predict_walk(walk, run);
     for (const effects::WalkState& state : path) {
-      evaluation.valid &= std::isfinite(state.x_m) && std::isfinite(state.y_m) && std::isfinite(state.theta_rad);
+      evaluation.valid &=
+          std::isfinite(state.x_m) && std::isfinite(state.y_m) && std::isfinite(state.theta_rad);
     }
     if (!evaluation.valid) return evaluation;
     if (!noisy) fit_start(run, path, evaluation);
@@ -242,7 +255,8 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups, c
   return evaluation;
 }
 
-std::vector<std::vector<double>> OdometryProblem::starts(const Model& model, const EffectDefinition& effect) const {
+std::vector<std::vector<double>> OdometryProblem::starts(const Model& model,
+                                                         const EffectDefinition& effect) const {
   auto all = Problem::starts(model, effect);
   if (effect.name == "walk_noise") all = {{0.01, 0.02}, {0.05, 0.1}};
   if (effect.name == "walk_lag") all = {{0.02}, {0.2}, {1.0}};
@@ -251,7 +265,8 @@ std::vector<std::vector<double>> OdometryProblem::starts(const Model& model, con
 
 void OdometryProblem::check_model(const Model&) const {}
 
-std::string OdometryProblem::not_testable(const Model&, const EffectDefinition& effect, size_t parameter) const {
+std::string OdometryProblem::not_testable(const Model&, const EffectDefinition& effect,
+                                          size_t parameter) const {
   const std::string& name = effect.parameters[parameter].name;
   const auto ever = [&](auto quantity) {
     for (const WalkRun& run : runs_) {
@@ -261,27 +276,35 @@ std::string OdometryProblem::not_testable(const Model&, const EffectDefinition& 
     }
     return false;
   };
-  if (name == "vx_scale" && !ever([](const BodyVelocity& v) { return v.vx_mps; })) return "the body never walks forward";
-  if (name == "vy_scale" && !ever([](const BodyVelocity& v) { return v.vy_mps; })) return "the body never walks sideways";
-  if (name == "omega_scale" && !ever([](const BodyVelocity& v) { return v.omega_radps; })) return "the body never turns";
+  if (name == "vx_scale" && !ever([](const BodyVelocity& v) { return v.vx_mps; }))
+    return "the body never walks forward";
+  if (name == "vy_scale" && !ever([](const BodyVelocity& v) { return v.vy_mps; }))
+    return "the body never walks sideways";
+  if (name == "omega_scale" && !ever([](const BodyVelocity& v) { return v.omega_radps; }))
+    return "the body never turns";
   if ((effect.name == "heading_drift" || effect.name == "walk_noise") &&
-      !ever([](const BodyVelocity& v) { return std::abs(v.vx_mps) + std::abs(v.vy_mps); })) return "the body never walks";
+      !ever([](const BodyVelocity& v) { return std::abs(v.vx_mps) + std::abs(v.vy_mps); }))
+    return "the body never walks";
   return "";
 }
 
 std::string OdometryProblem::advice(const std::string& effect, const std::string& other) const {
   const auto has = [&](const char* name) { return effect == name || other == name; };
-  if (has("heading_drift") && has("odometry_scale")) return "straight walks without turning, and turns on the spot";
+  if (has("heading_drift") && has("odometry_scale"))
+    return "straight walks without turning, and turns on the spot";
   if (has("walk_lag")) return "many changes of command within a run";
   if (has("walk_noise")) return "longer walks, each started from rest";
   if (has("heading_drift")) return "long straight walks";
-  if (has("odometry_scale")) return "long walks forward, sideways, and turns on the spot, one run each";
+  if (has("odometry_scale"))
+    return "long walks forward, sideways, and turns on the spot, one run each";
   return "";
 }
 
 Kind odometry_kind() {
   return {.name = "odometry",
-          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> { return std::make_unique<OdometryProblem>(set); },
+          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
+            return std::make_unique<OdometryProblem>(set);
+          },
           .measure = measure_odometry};
 }
 

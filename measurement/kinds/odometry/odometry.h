@@ -23,7 +23,8 @@ struct WalkRun {
 };
 
 // Reads and checks odometry.csv. `measured` false: a protocol, poses are not read.
-std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column, bool measured);
+std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column,
+                                    bool measured);
 
 // The path of a run by the model, from the origin facing +x: one state a row.
 std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, const WalkRun& run);
@@ -36,18 +37,22 @@ class OdometryProblem : public Problem {
  public:
   explicit OdometryProblem(const MeasurementSet& set);
 
-  Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation* warm) const override;
-  std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* warm) const override;
+  std::vector<std::vector<double>> starts(const Model& model,
+                                          const EffectDefinition& effect) const override;
   void check_model(const Model& model) const override;
-  std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;
+  std::string not_testable(const Model& model, const EffectDefinition& effect,
+                           size_t parameter) const override;
   std::string advice(const std::string& effect, const std::string& other) const override;
 
  private:
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates(const CsvTable& table, const std::string& group_column);
-  void fit_start(const WalkRun& run, const std::vector<effects::WalkState>& path, Evaluation& evaluation) const;
-  void filter(const effects::Locomotion& walk, const WalkRun& run, const std::vector<effects::WalkState>& path,
-              Evaluation& evaluation) const;
+  void fit_start(const WalkRun& run, const std::vector<effects::WalkState>& path,
+                 Evaluation& evaluation) const;
+  void filter(const effects::Locomotion& walk, const WalkRun& run,
+              const std::vector<effects::WalkState>& path, Evaluation& evaluation) const;
 
   std::vector<WalkRun> runs_;
   std::array<double, 3> noise_{};
@@ -55,7 +60,8 @@ class OdometryProblem : public Problem {
 
 // Makes the walks that the model would give (`seam measure`): each run starts at the origin,
 // facing +x.
-void measure_odometry(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options);
+void measure_odometry(const Model& truth, const MeasurementSet& protocol,
+                      const MeasureOptions& options);
 
 Kind odometry_kind();
 

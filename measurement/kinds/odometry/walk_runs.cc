@@ -16,7 +16,8 @@ bool same_command(const BodyVelocity& a, const BodyVelocity& b) {
 
 // Third differences of one channel over rows under one command, by run; the last row of a window
 // may have another command, which acts after it.
-std::vector<std::vector<double>> third_differences(const std::vector<WalkRun>& runs, int channel, bool one_command) {
+std::vector<std::vector<double>> third_differences(const std::vector<WalkRun>& runs, int channel,
+                                                   bool one_command) {
   std::vector<std::vector<double>> all;
   for (const WalkRun& run : runs) {
     std::vector<double> found;
@@ -66,7 +67,8 @@ double white_variance(const std::vector<std::vector<double>>& all) {
     }
   }
   if (sizes.size() < 8) return NAN;
-  std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
+  std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2),
+                   sizes.end());
   const double sigma = sizes[sizes.size() / 2] / 0.6745;
   const double clip = 4 * sigma;
   double g[4];
@@ -88,9 +90,11 @@ double white_variance(const std::vector<std::vector<double>>& all) {
 
 }  // namespace
 
-std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column, bool measured) {
+std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column,
+                                    bool measured) {
   const auto times = table.times_ns("time_s");
-  const auto vx = table.numbers("vx_cmd_mps"), vy = table.numbers("vy_cmd_mps"), omega = table.numbers("omega_cmd_radps");
+  const auto vx = table.numbers("vx_cmd_mps"), vy = table.numbers("vy_cmd_mps"),
+             omega = table.numbers("omega_cmd_radps");
   const auto names = table.texts(table.has("run") ? "run" : group_column);
   std::array<std::vector<double>, 3> pose;
   if (measured) pose = {table.numbers("x_m"), table.numbers("y_m"), table.numbers("theta_rad")};
@@ -100,7 +104,8 @@ std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& gr
   for (size_t row = 0; row < table.rows(); ++row) {
     for (const char* column : {"vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps"}) {
       const double value = column[1] == 'x' ? vx[row] : column[1] == 'y' ? vy[row] : omega[row];
-      if (std::abs(value) > 100) table.fail(row, column, table.cell(row, column), "a velocity in m/s or rad/s");
+      if (std::abs(value) > 100)
+        table.fail(row, column, table.cell(row, column), "a velocity in m/s or rad/s");
     }
     const auto [found, is_new] = place.try_emplace(names[row], runs.size());
     if (is_new) {
@@ -110,15 +115,18 @@ std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& gr
     }
     const size_t i = found->second;
     if (times[row] <= last_ns[i]) {
-      table.fail(row, "time_s", table.cell(row, "time_s"), "a later time than the row before it in its run");
+      table.fail(row, "time_s", table.cell(row, "time_s"),
+                 "a later time than the row before it in its run");
     }
     last_ns[i] = times[row];
     WalkRun& run = runs[i];
     run.rows.push_back(row);
     run.time_s.push_back(static_cast<double>(times[row] - first_ns[i]) * 1e-9);
     run.command.push_back({vx[row], vy[row], omega[row]});
-    if (measured) run.pose.push_back({pose[0][row], pose[1][row], pose[2][row]});
-    else run.pose.push_back({0, 0, 0});
+    if (measured)
+      run.pose.push_back({pose[0][row], pose[1][row], pose[2][row]});
+    else
+      run.pose.push_back({0, 0, 0});
   }
   return runs;
 }
@@ -128,7 +136,8 @@ std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, co
   path.reserve(run.rows.size());
   effects::WalkState state;
   for (size_t k = 0; k < run.rows.size(); ++k) {
-    if (k > 0) effects::advance_walk(walk, run.command[k - 1], run.time_s[k] - run.time_s[k - 1], state);
+    if (k > 0)
+      effects::advance_walk(walk, run.command[k - 1], run.time_s[k] - run.time_s[k - 1], state);
     path.push_back(state);
   }
   return path;
@@ -138,7 +147,8 @@ std::array<double, 3> noise_of_walks(const std::vector<WalkRun>& runs) {
   double variance[3];
   for (int channel = 0; channel < 3; ++channel) {
     variance[channel] = white_variance(third_differences(runs, channel, true));
-    if (!(variance[channel] > 0)) variance[channel] = white_variance(third_differences(runs, channel, false));
+    if (!(variance[channel] > 0))
+      variance[channel] = white_variance(third_differences(runs, channel, false));
     if (!(variance[channel] > 0)) variance[channel] = 1e-12;
   }
   const double xy = std::sqrt(0.5 * (variance[0] + variance[1]));

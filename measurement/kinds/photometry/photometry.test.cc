@@ -18,7 +18,8 @@ namespace {
 
 // What is hidden in a generated set; neutral unless said.
 struct Hidden {
-  double a2 = 0, gx = 0, electrons = 0, prnu = 0, dsnu = 0, columns = 0, rows = 0, gamma = 1, full = 1e9;
+  double a2 = 0, gx = 0, electrons = 0, prnu = 0, dsnu = 0, columns = 0, rows = 0, gamma = 1,
+         full = 1e9;
   double dark_offset = 0, depth = 0, hot_fraction = 0, hot_level = 0;
   int step = 1;
   std::function<double(int u, int v, int frame)> extra;  // A factor of the light.
@@ -54,15 +55,18 @@ std::filesystem::path generate(const std::string& name, const Hidden& hidden, un
         for (int u = 0; u < kWidth; ++u) {
           const double du = u - 0.5 * (kWidth - 1), dv = v - 0.5 * (kHeight - 1);
           const double rho2 = (du * du + dv * dv) / (0.25 * (kWidth * kWidth + kHeight * kHeight));
-          double signal = 220 * light * lamp * (1 - hidden.a2 * rho2) * (1 + hidden.gx * (u / (kWidth - 1.0) - 0.5));
+          double signal = 220 * light * lamp * (1 - hidden.a2 * rho2) *
+                          (1 + hidden.gx * (u / (kWidth - 1.0) - 0.5));
           if (hidden.extra) signal *= hidden.extra(u, v, frame);
           signal *= gain[v * kWidth + u];
           signal += hidden.dark_offset;
           if (hidden.electrons > 0 && signal > 0) {
-            signal = std::poisson_distribution<int>(signal * hidden.electrons)(random) / hidden.electrons;
+            signal = std::poisson_distribution<int>(signal * hidden.electrons)(random) /
+                     hidden.electrons;
           }
           signal = signal > 0 ? 220 * std::pow(signal / 220, hidden.gamma) : 0;
-          double dn = std::min(signal + 9 + offset[v * kWidth + u] + row + 1.3 * gauss(random), hidden.full);
+          double dn = std::min(signal + 9 + offset[v * kWidth + u] + row + 1.3 * gauss(random),
+                               hidden.full);
           dn = hidden.step * std::round(dn / hidden.step);
           image.samples.push_back(static_cast<uint16_t>(std::clamp(std::round(dn), 0.0, 255.0)));
         }
@@ -73,7 +77,8 @@ std::filesystem::path generate(const std::string& name, const Hidden& hidden, un
     }
   }
   std::ofstream(folder / "measurement.yaml")
-      << "format: seam-measurement/1\nkind: photometry\ntitle: generated\ncamera: {width_px: 48, height_px: 40, "
+      << "format: seam-measurement/1\nkind: photometry\ntitle: generated\ncamera: {width_px: 48, "
+         "height_px: 40, "
          "frame_period_s: 0.04}\ngroup: frame\nfiles: {frames: frames.csv}\n";
   return folder;
 }
@@ -103,11 +108,14 @@ Found best_candidate(const std::filesystem::path& folder, const Model& model) {
     return count;
   };
   const double before = problem.score(model, held).log_likelihood;
-  Found found{.error = problem.score(model, held).error(), .structures_before = mean_structures(model)};
+  Found found{.error = problem.score(model, held).error(),
+              .structures_before = mean_structures(model)};
   double best = before + 12;
   Model winner = model;
   for (const auto& effect : effects::catalogue()) {
-    if (!problem.acts(*effect) || model.has(effect->name) || effect->stage == effects::Stage::timing) continue;
+    if (!problem.acts(*effect) || model.has(effect->name) ||
+        effect->stage == effects::Stage::timing)
+      continue;
     Model with = model;
     std::vector<effects::ParameterValue> values;
     const auto starts = problem.starts(model, *effect);
@@ -124,7 +132,8 @@ Found best_candidate(const std::filesystem::path& folder, const Model& model) {
     if (score.log_likelihood < best) continue;
     best = score.log_likelihood;
     winner = fit.model;
-    found.first = effect->name, found.error = score.error(), found.value = fit.value, found.sigma = fit.sigma;
+    found.first = effect->name, found.error = score.error(), found.value = fit.value,
+    found.sigma = fit.sigma;
   }
   found.structures_after = mean_structures(winner);
   std::filesystem::remove_all(folder);
@@ -154,13 +163,15 @@ TEST(Photometry, FindsWhatAnIndependentGeneratorHid) {
   cases.push_back({"lamp_flicker", {.depth = 0.05}, 90});
   unsigned seed = 100;
   for (const Case& c : cases) {
-    const Found found = best_candidate(generate(c.effect, c.hidden, ++seed), nominal(c.effect == "lamp_flicker"));
+    const Found found =
+        best_candidate(generate(c.effect, c.hidden, ++seed), nominal(c.effect == "lamp_flicker"));
     EXPECT_EQ(found.first, c.effect);
     // 35,000 held-out values or fewer: 4 standard deviations of the error are 0.015.
     EXPECT_NEAR(found.error, 1, 0.02) << c.effect;
     EXPECT_EQ(found.structures_after, 0u) << c.effect;
     if (!found.value.empty()) {
-      EXPECT_NEAR(found.value[0], c.truth, std::max(4 * found.sigma[0], 0.01 * c.truth)) << c.effect;
+      EXPECT_NEAR(found.value[0], c.truth, std::max(4 * found.sigma[0], 0.01 * c.truth))
+          << c.effect;
     }
   }
 }
@@ -173,12 +184,15 @@ TEST(Photometry, NothingHiddenIsAdequate) {
 }
 
 TEST(Photometry, WhatNoEffectExplainsLeavesStructure) {
-  const auto band = [](int, int v, int) { return 1 + 0.04 * std::exp(-0.5 * (v - 15) * (v - 15) / 9.0); };
+  const auto band = [](int, int v, int) {
+    return 1 + 0.04 * std::exp(-0.5 * (v - 15) * (v - 15) / 9.0);
+  };
   EXPECT_GT(best_candidate(generate("band", {.extra = band}, 8), nominal()).structures_after, 0u);
   const auto glow = [](int u, int v, int) { return 1 + 0.2 * std::exp(-(u * u + v * v) / 100.0); };
   EXPECT_GT(best_candidate(generate("glow", {.extra = glow}, 9), nominal()).structures_after, 0u);
   const auto drift = [](int, int, int frame) { return 1 + 0.0008 * frame; };
-  EXPECT_GT(best_candidate(generate("drift", {.extra = drift}, 10), nominal()).structures_after, 0u);
+  EXPECT_GT(best_candidate(generate("drift", {.extra = drift}, 10), nominal()).structures_after,
+            0u);
 }
 
 // r' S^-1 r and log det S from the dense covariance of all values.
@@ -198,7 +212,8 @@ TEST(Photometry, LikelihoodEqualsTheDenseForm) {
       std::vector<double> rows;
       for (int v = 0; v < height; ++v) {
         double mean = 0;
-        for (int u = 0; u < width; ++u) part.push_back(image[v * kWidth + u]), mean += part.back() / double(width);
+        for (int u = 0; u < width; ++u)
+          part.push_back(image[v * kWidth + u]), mean += part.back() / double(width);
         rows.push_back(mean);
       }
       crop.levels.back().frames.push_back(static_cast<int>(crop.frames.size()));
@@ -209,10 +224,13 @@ TEST(Photometry, LikelihoodEqualsTheDenseForm) {
   }
   std::filesystem::remove_all(folder);
   const PhotometrySums sums = sum_frames(crop, Groups(6, 1), {0, 1, 2, 3, 4, 5});
-  const Model model = Model::from_config(ConfigNode::from_text(
-      "format: seam-model/1\neffects:\n  linear_response: {gain_dn: 220, black_dn: 30}\n  read_noise: {sigma_dn: 1.3}\n"
-      "  pixel_gain_spread: {sigma: 0.03}\n  pixel_offset_spread: {sigma_dn: 0.9}\n  column_offsets: {sigma_dn: 1.1}\n"
-      "  row_noise: {sigma_dn: 0.8}\n", "model"));
+  const Model model = Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects:\n  linear_response: {gain_dn: 220, "
+                            "black_dn: 30}\n  read_noise: {sigma_dn: 1.3}\n"
+                            "  pixel_gain_spread: {sigma: 0.03}\n  pixel_offset_spread: {sigma_dn: "
+                            "0.9}\n  column_offsets: {sigma_dn: 1.1}\n"
+                            "  row_noise: {sigma_dn: 0.8}\n",
+                            "model"));
   const auto prediction = predict(crop, sums, model, 0);
   const PhotometryScore score = score_photometry(crop, sums, prediction, true);
 
@@ -238,29 +256,43 @@ TEST(Photometry, LikelihoodEqualsTheDenseForm) {
 
 // Cells of light against every sample, for each part of the likelihood and all together.
 TEST(Photometry, CellsOfLightEqualEverySample) {
-  const auto folder = generate("cells", {.a2 = 0.3, .electrons = 25, .prnu = 0.01, .hot_fraction = 0.01, .hot_level = 30}, 12);
-  const std::string sensor = "linear_response: {gain_dn: 219, black_dn: 9}, read_noise: {sigma_dn: 1.3}";
-  const std::string lens = "vignetting: {a2: 0.31, a4: 0.02}, uneven_lighting: {gx: 0.03, gy: -0.02}, "
-                           "veiling_glare: {fraction: 0.1}";
-  const std::string patterns = "pixel_gain_spread: {sigma: 0.011}, pixel_offset_spread: {sigma_dn: 0.6}";
+  const auto folder = generate(
+      "cells", {.a2 = 0.3, .electrons = 25, .prnu = 0.01, .hot_fraction = 0.01, .hot_level = 30},
+      12);
+  const std::string sensor =
+      "linear_response: {gain_dn: 219, black_dn: 9}, read_noise: {sigma_dn: 1.3}";
+  const std::string lens =
+      "vignetting: {a2: 0.31, a4: 0.02}, uneven_lighting: {gx: 0.03, gy: -0.02}, "
+      "veiling_glare: {fraction: 0.1}";
+  const std::string patterns =
+      "pixel_gain_spread: {sigma: 0.011}, pixel_offset_spread: {sigma_dn: 0.6}";
   const std::vector<std::string> models = {
-      sensor, sensor + ", " + lens, sensor + ", " + lens + ", " + patterns,
-      sensor + ", shot_noise: {electrons_per_dn: 30}, response_gamma: {gamma: 0.97}, dark_current: {electrons_per_s: 300}",
-      sensor + ", " + lens + ", column_offsets: {sigma_dn: 0.7}", sensor + ", " + lens + ", row_noise: {sigma_dn: 0.5}",
+      sensor,
+      sensor + ", " + lens,
+      sensor + ", " + lens + ", " + patterns,
+      sensor +
+          ", shot_noise: {electrons_per_dn: 30}, response_gamma: {gamma: 0.97}, dark_current: "
+          "{electrons_per_s: 300}",
+      sensor + ", " + lens + ", column_offsets: {sigma_dn: 0.7}",
+      sensor + ", " + lens + ", row_noise: {sigma_dn: 0.5}",
       sensor + ", " + lens + ", hot_pixels: {fraction: 0.01, level_dn: 28}",
       sensor + ", " + lens + ", lamp_flicker: {frequency_hz: 7, depth: 0.05, phase_rad: 1}",
-      sensor + ", " + lens + ", " + patterns + ", shot_noise: {electrons_per_dn: 25}, column_offsets: {sigma_dn: 0.7}, " +
-          "row_noise: {sigma_dn: 0.5}, hot_pixels: {fraction: 0.01, level_dn: 28}, lamp_flicker: {frequency_hz: 7, depth: 0.02}"};
+      sensor + ", " + lens + ", " + patterns +
+          ", shot_noise: {electrons_per_dn: 25}, column_offsets: {sigma_dn: 0.7}, " +
+          "row_noise: {sigma_dn: 0.5}, hot_pixels: {fraction: 0.01, level_dn: 28}, lamp_flicker: "
+          "{frequency_hz: 7, depth: 0.02}"};
   Facts facts;
   PhotometryData data = read_photometry(MeasurementSet::open(folder), facts);
   std::filesystem::remove_all(folder);
   const auto compare = [&](bool share) {
-    const PhotometrySums sums = sum_frames(data, Groups(facts.groups.size(), 1), facts.group_of_row);
+    const PhotometrySums sums =
+        sum_frames(data, Groups(facts.groups.size(), 1), facts.group_of_row);
     const CellStore store;
     for (const std::string& effects : models) {
       const Model model = Model::from_config(
           ConfigNode::from_text("format: seam-model/1\neffects: {" + effects + "}\n", "model"));
-      const double exact = score_photometry(data, sums, predict(data, sums, model, 0.1), share).log_likelihood;
+      const double exact =
+          score_photometry(data, sums, predict(data, sums, model, 0.1), share).log_likelihood;
       const auto fast = cell_log_likelihood(data, sums, store, model, 0.1, share);
       ASSERT_TRUE(fast.has_value()) << effects;
       EXPECT_NEAR(*fast, exact, 0.5) << effects;  // Of some 10^5; ties begin at 4.6.
@@ -274,7 +306,8 @@ TEST(Photometry, CellsOfLightEqualEverySample) {
   for (size_t f = 0; f < data.images.size(); ++f) {
     data.row_mean[f].assign(data.rows(), 0);
     for (size_t i = 0; i < data.samples(); ++i)
-      data.row_mean[f][i / kWidth * 3 + i % 3] += data.images[f][i] / static_cast<double>(data.width_px);
+      data.row_mean[f][i / kWidth * 3 + i % 3] +=
+          data.images[f][i] / static_cast<double>(data.width_px);
   }
   compare(true);
   compare(false);
@@ -288,18 +321,23 @@ TEST(Photometry, CellsOfLightEqualEverySampleAtStepsAndClipping) {
   const PhotometrySums sums = sum_frames(data, Groups(facts.groups.size(), 1), facts.group_of_row);
   const CellStore store;
   const Model model = Model::from_config(ConfigNode::from_text(
-      "format: seam-model/1\neffects: {linear_response: {gain_dn: 220, black_dn: 9}, read_noise: {sigma_dn: 1.3}, "
-      "vignetting: {a2: 0.3}, saturation: {full_dn: 130}, quantisation: {bits: 5}}\n", "model"));
-  const double exact = score_photometry(data, sums, predict(data, sums, model, 0), true).log_likelihood;
+      "format: seam-model/1\neffects: {linear_response: {gain_dn: 220, black_dn: 9}, read_noise: "
+      "{sigma_dn: 1.3}, "
+      "vignetting: {a2: 0.3}, saturation: {full_dn: 130}, quantisation: {bits: 5}}\n",
+      "model"));
+  const double exact =
+      score_photometry(data, sums, predict(data, sums, model, 0), true).log_likelihood;
   EXPECT_NEAR(*cell_log_likelihood(data, sums, store, model, 0, true), exact, 1);
 }
 
 TEST(Photometry, LightThatMovesOverRowsIsLeftToEverySample) {
   const PhotometryData data;
   const CellStore store;
-  const Model model = Model::from_config(ConfigNode::from_text(
-      "format: seam-model/1\neffects: {linear_response: {gain_dn: 219, black_dn: 9}, rolling_shutter: {line_delay_s: 0.0001}, "
-      "lamp_flicker: {frequency_hz: 90, depth: 0.05}}\n", "model"));
+  const Model model = Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects: {linear_response: {gain_dn: 219, "
+                            "black_dn: 9}, rolling_shutter: {line_delay_s: 0.0001}, "
+                            "lamp_flicker: {frequency_hz: 90, depth: 0.05}}\n",
+                            "model"));
   EXPECT_FALSE(cell_log_likelihood(data, {}, store, model, 0, true).has_value());
 }
 

@@ -6,8 +6,8 @@
 
 #include "effects/stages/optics.h"
 #include "effects/stages/timing.h"
-#include "measurement/kinds/photometry/photometry_rows.h"
 #include "measurement/imaging/sensor_response.h"
+#include "measurement/kinds/photometry/photometry_rows.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {

@@ -20,7 +20,8 @@ struct Agreement {
 
 // Means of a column over the upper or lower half of the rows, less those of its two neighbours:
 // smooth fields vanish, offsets are the same in both halves.
-double roughness(const PhotometryData& data, const std::vector<double>& mean, int u, int channel, bool lower) {
+double roughness(const PhotometryData& data, const std::vector<double>& mean, int u, int channel,
+                 bool lower) {
   const int middle = data.height_px / 2;
   const int first = lower ? middle : 0, last = lower ? data.height_px : middle;
   const auto column = [&](int x) {
@@ -53,8 +54,11 @@ Agreement rows(const PhotometryData& data, const LevelSums& level) {
   const auto frames = static_cast<double>(level.frames.size());
   if (frames < 2) return out;
   double noise = 0;
-  for (const double scatter : level.scatter) noise += scatter / (frames - 1) / static_cast<double>(level.scatter.size());
-  const auto change = [&](int frame, size_t row) { return data.row_mean[frame][row] - level.row_mean[row]; };
+  for (const double scatter : level.scatter)
+    noise += scatter / (frames - 1) / static_cast<double>(level.scatter.size());
+  const auto change = [&](int frame, size_t row) {
+    return data.row_mean[frame][row] - level.row_mean[row];
+  };
   for (const int frame : level.frames) {
     for (size_t row = 0; row < data.rows(); ++row) {
       const size_t other = row / data.channels * data.channels + (row + 1) % data.channels;
@@ -73,7 +77,8 @@ bool channels_share_offsets(const PhotometryData& data, const PhotometrySums& al
   if (data.channels == 1 || data.width_px < 5 || data.height_px < 2) return true;
   Agreement total_columns, total_rows;
   const auto pool = [](Agreement& into, const Agreement& part) {
-    into.own += part.own, into.across += part.across, into.own_square += part.own_square, into.count += part.count;
+    into.own += part.own, into.across += part.across, into.own_square += part.own_square,
+        into.count += part.count;
   };
   for (const LevelSums& level : all.levels) {
     if (level.frames.empty()) continue;

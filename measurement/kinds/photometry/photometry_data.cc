@@ -35,7 +35,8 @@ void sort_into_levels(const CsvTable& table, PhotometryData& data) {
   const auto illumination = table.numbers_or_blank("illumination");
   const bool has_level = table.has("level");
   const auto level = has_level ? table.texts("level") : std::vector<std::string>(table.rows());
-  const auto gain = table.has("gain") ? table.numbers("gain") : std::vector<double>(table.rows(), 1);
+  const auto gain =
+      table.has("gain") ? table.numbers("gain") : std::vector<double>(table.rows(), 1);
   std::map<std::tuple<std::string, double, double, double>, int> places;
   for (size_t row = 0; row < table.rows(); ++row) {
     if (exposure[row] < 0) {
@@ -52,10 +53,12 @@ void sort_into_levels(const CsvTable& table, PhotometryData& data) {
     if (!blank && illumination[row] < 0) {
       table.fail(row, "illumination", table.cell(row, "illumination"), "0 or more");
     }
-    const auto key = std::make_tuple(level[row], blank ? -1.0 : illumination[row], exposure[row], gain[row]);
+    const auto key =
+        std::make_tuple(level[row], blank ? -1.0 : illumination[row], exposure[row], gain[row]);
     const auto [place, is_new] = places.try_emplace(key, static_cast<int>(data.levels.size()));
     if (is_new) {
-      data.levels.push_back({.illumination = illumination[row], .exposure_s = exposure[row],
+      data.levels.push_back({.illumination = illumination[row],
+                             .exposure_s = exposure[row],
                              .exposure_ratio = exposure[0] > 0 ? exposure[row] / exposure[0] : 1,
                              .gain = gain[row]});
     }
@@ -71,7 +74,8 @@ void sum_rows(PhotometryData& data) {
     size_t i = 0;
     for (int v = 0; v < data.height_px; ++v) {
       for (int u = 0; u < width; ++u) {
-        for (int c = 0; c < channels; ++c) means[static_cast<size_t>(v) * channels + c] += image[i++];
+        for (int c = 0; c < channels; ++c)
+          means[static_cast<size_t>(v) * channels + c] += image[i++];
       }
     }
     for (double& mean : means) mean /= width;
@@ -91,9 +95,12 @@ std::string fingerprint_of(const MeasurementSet& set, const PhotometryData& data
 }  // namespace
 
 PhotometryData read_photometry_frames(const MeasurementSet& set, const CsvTable& table) {
-  if (set.camera.width_px == 0) set.root.fail("camera: is missing: a photometry set needs width_px and height_px");
-  if (table.rows() == 0) throw InputError(fmt::format("{}: no frames, expected at least one", table.file()));
-  PhotometryData data{.width_px = set.camera.width_px, .height_px = set.camera.height_px,
+  if (set.camera.width_px == 0)
+    set.root.fail("camera: is missing: a photometry set needs width_px and height_px");
+  if (table.rows() == 0)
+    throw InputError(fmt::format("{}: no frames, expected at least one", table.file()));
+  PhotometryData data{.width_px = set.camera.width_px,
+                      .height_px = set.camera.height_px,
                       .frame_period_s = set.camera.frame_period_s};
   sort_into_levels(table, data);
   return data;
@@ -150,7 +157,8 @@ PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
       sum.scatter.assign(samples, 0);
       for (const int frame : sum.frames) {
         for (size_t i = 0; i < samples; ++i) sum.mean[i] += data.images[frame][i];
-        for (size_t row = 0; row < data.rows(); ++row) sum.row_mean[row] += data.row_mean[frame][row];
+        for (size_t row = 0; row < data.rows(); ++row)
+          sum.row_mean[row] += data.row_mean[frame][row];
       }
       const double scale = 1.0 / static_cast<double>(sum.frames.size());
       for (double& mean : sum.mean) mean *= scale;

@@ -1,5 +1,5 @@
-// Stacks of flat fields and dark frames: the images of a photometry set and what they say about each
-// level of light, reduced to sums that the likelihood needs (photometry_likelihood.h).
+// Stacks of flat fields and dark frames: the images of a photometry set and what they say about
+// each level of light, reduced to sums that the likelihood needs (photometry_likelihood.h).
 #pragma once
 
 #include <cstdint>

@@ -5,13 +5,14 @@
 
 #include "effects/stages/timing.h"
 #include "measurement/imaging/flicker_search.h"
-#include "measurement/numerics/linear_algebra.h"
 #include "measurement/kinds/photometry/photometry_starts.h"
+#include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
 
-RowLight row_light(const PhotometryView& view, const Model& model, const PhotometryPrediction& prediction) {
+RowLight row_light(const PhotometryView& view, const Model& model,
+                   const PhotometryPrediction& prediction) {
   const PhotometryData& data = view.data;
   const effects::Timing timing = effects::timing_of(model);
   RowLight out;
@@ -39,7 +40,8 @@ RowLight row_light(const PhotometryView& view, const Model& model, const Photome
       const double x = 2.0 * v / std::max(1, data.height_px - 1) - 1;
       basis.row(v) << 1, x, x * x, x * x * x;
       double seen = 0;
-      for (int c = 0; c < data.channels; ++c) seen += sum.row_mean[static_cast<size_t>(v) * data.channels + c] / data.channels;
+      for (int c = 0; c < data.channels; ++c)
+        seen += sum.row_mean[static_cast<size_t>(v) * data.channels + c] / data.channels;
       residual[v] = (seen - mean[v]) / gain[v];
     }
     const bool waves = timing.line_delay_s != 0;
@@ -68,9 +70,11 @@ RowLight row_light(const PhotometryView& view, const Model& model, const Photome
 
 double flicker_looks(const PhotometryData& data, const Model& model) {
   size_t frames = 0;
-  for (const PhotometryLevel& level : data.levels) frames += level.illumination == 0 ? 0 : level.frames.size();
+  for (const PhotometryLevel& level : data.levels)
+    frames += level.illumination == 0 ? 0 : level.frames.size();
   const double span = std::abs(data.frames.back().time_s - data.frames.front().time_s);
-  return flicker_looks(row_delays(model, data.height_px), {data.frames.size(), span, data.frame_period_s}, frames);
+  return flicker_looks(row_delays(model, data.height_px),
+                       {data.frames.size(), span, data.frame_period_s}, frames);
 }
 
 std::vector<std::vector<double>> flicker_starts(const PhotometryView& view, const Model& model,

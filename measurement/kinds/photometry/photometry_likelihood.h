@@ -1,12 +1,12 @@
 // Likelihood of a photometry set's sums under a model.
 //
-// Values are Gaussian around the prediction with this covariance S: independent noise of each value;
-// row noise, shared by a row of a frame; and fixed patterns as random effects that persist over all
-// frames: a gain and an offset for each sample, an offset for each column. S is never built: the
-// parts are nested (samples in columns) or orthogonal (changes in time, means over time), and
-// Woodbury's identity gives r' S^-1 r and log det S from sums over samples. Where variances differ
-// along a row the split is an approximation whose error is of the order of that difference over
-// the number of columns.
+// Values are Gaussian around the prediction with this covariance S: independent noise of each
+// value; row noise, shared by a row of a frame; and fixed patterns as random effects that persist
+// over all frames: a gain and an offset for each sample, an offset for each column. S is never
+// built: the parts are nested (samples in columns) or orthogonal (changes in time, means over
+// time), and Woodbury's identity gives r' S^-1 r and log det S from sums over samples. Where
+// variances differ along a row the split is an approximation whose error is of the order of that
+// difference over the number of columns.
 #pragma once
 
 #include <vector>
@@ -20,8 +20,8 @@ struct PhotometryScore {
   double log_likelihood = 0;
   int64_t values = 0;
   int nuisances = 0;
-  double square = 0;               // Sum of squared plain residuals.
-  std::vector<double> by_frame;    // Log-likelihood; what frames share is divided equally.
+  double square = 0;             // Sum of squared plain residuals.
+  std::vector<double> by_frame;  // Log-likelihood; what frames share is divided equally.
 };
 
 // `channels_share`: row noise and column offsets are the same in all channels.

@@ -9,7 +9,8 @@ namespace seam::measurement {
 namespace {
 
 // Images stay inside the set's folder.
-std::filesystem::path inside(const std::filesystem::path& folder, const CsvTable& table, size_t row, const std::string& file) {
+std::filesystem::path inside(const std::filesystem::path& folder, const CsvTable& table, size_t row,
+                             const std::string& file) {
   const std::filesystem::path relative = std::filesystem::path(file).lexically_normal();
   if (relative.empty() || relative.is_absolute() || relative.begin()->string() == "..") {
     table.fail(row, "file", file, "a path inside the set");
@@ -19,7 +20,8 @@ std::filesystem::path inside(const std::filesystem::path& folder, const CsvTable
 
 }  // namespace
 
-void measure_photometry(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options) {
+void measure_photometry(const Model& truth, const MeasurementSet& protocol,
+                        const MeasureOptions& options) {
   const CsvTable table = protocol.table("frames");
   PhotometryData data = read_photometry_frames(protocol, table);
   if (!truth.has("linear_response")) {
@@ -31,14 +33,16 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol, cons
   data.file_bits = protocol.camera.bits <= 8 ? 8 : 16;
   for (size_t row = 0; row < table.rows(); ++row) {
     if (std::isnan(data.levels[data.frames[row].level].illumination)) {
-      table.fail(row, "illumination", "a blank", "a number: a protocol says how much light there is");
+      table.fail(row, "illumination", "a blank",
+                 "a number: a protocol says how much light there is");
     }
   }
   const auto files = table.texts("file");
   copy_protocol(protocol, options.out, {});
   const effects::SensorChain chain = effects::sensor_of(truth);
   const RandomStream camera = RandomStream{.seed = options.seed}.child("photometry");
-  const auto pattern = effects::fixed_pattern(chain, data.width_px, data.height_px, data.channels, camera);
+  const auto pattern =
+      effects::fixed_pattern(chain, data.width_px, data.height_px, data.channels, camera);
   std::vector<double> light;
   std::vector<float> illumination(data.samples());
   for (size_t row = 0; row < table.rows(); ++row) {
@@ -51,9 +55,13 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol, cons
     for (size_t i = 0; i < illumination.size(); ++i) {
       illumination[i] = static_cast<float>(level.illumination * light[i] * lamps[i / row_samples]);
     }
-    const effects::SensorExposure exposure{.exposure_s = level.exposure_s, .exposure_ratio = level.exposure_ratio,
-                                           .gain = level.gain, .t_s = t, .file_bits = data.file_bits};
-    const Image image = effects::expose(chain, pattern, illumination, exposure, camera.child("frame").child(row), options.noise);
+    const effects::SensorExposure exposure{.exposure_s = level.exposure_s,
+                                           .exposure_ratio = level.exposure_ratio,
+                                           .gain = level.gain,
+                                           .t_s = t,
+                                           .file_bits = data.file_bits};
+    const Image image = effects::expose(chain, pattern, illumination, exposure,
+                                        camera.child("frame").child(row), options.noise);
     const auto path = inside(options.out, table, row, files[row]);
     std::filesystem::create_directories(path.parent_path());
     write_png(path, image);

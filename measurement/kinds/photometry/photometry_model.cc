@@ -19,13 +19,15 @@ class LevelPredictor {
   LevelPredictor(const PhotometryData& data, const effects::Model& model, const SensorChain& chain,
                  const PhotometryLevel& level, const LevelSums& sum, double set_noise_dn)
       : data_(data), model_(model), chain_(chain), level_(level), sum_(sum), noise_(set_noise_dn) {
-    for (const int frame : sum.frames) mean_time_ += time_of(frame) / static_cast<double>(sum.frames.size());
+    for (const int frame : sum.frames)
+      mean_time_ += time_of(frame) / static_cast<double>(sum.frames.size());
   }
 
   LevelPrediction run(const std::vector<double>& light, bool moving_light) {
     std::vector<std::vector<double>> lamps;
     if (effects::lamps_flicker(model_)) {
-      for (const int frame : sum_.frames) lamps.push_back(lamp_rows(data_, frame, level_.exposure_s, model_));
+      for (const int frame : sum_.frames)
+        lamps.push_back(lamp_rows(data_, frame, level_.exposure_s, model_));
     }
     std::vector<double> row_light(data_.height_px, 1);
     for (int v = 0; v < data_.height_px && !lamps.empty(); ++v) {
@@ -53,8 +55,11 @@ class LevelPredictor {
  private:
   double time_of(int frame) const { return data_.frames[frame].time_s - data_.frames[0].time_s; }
   SensorExposure exposure(double t_s) const {
-    return {.exposure_s = level_.exposure_s, .exposure_ratio = level_.exposure_ratio,
-            .gain = level_.gain, .t_s = t_s, .file_bits = data_.file_bits};
+    return {.exposure_s = level_.exposure_s,
+            .exposure_ratio = level_.exposure_ratio,
+            .gain = level_.gain,
+            .t_s = t_s,
+            .file_bits = data_.file_bits};
   }
 
   double first_guess() const {
@@ -65,10 +70,12 @@ class LevelPredictor {
     return std::max(1e-6, (mean - chain_.black_dn) / per_light);
   }
 
-  void fill(LevelPrediction& out, const std::vector<double>& light, const std::vector<double>& row_light) {
+  void fill(LevelPrediction& out, const std::vector<double>& light,
+            const std::vector<double>& row_light) {
     const size_t samples = data_.samples();
     const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
-    for (auto* v : {&out.mean, &out.variance, &out.offset_slope, &out.gain_slope}) v->resize(samples);
+    for (auto* v : {&out.mean, &out.variance, &out.offset_slope, &out.gain_slope})
+      v->resize(samples);
     if (chain_.hot_fraction > 0) out.hot_mean.resize(samples);
     std::vector<ResponseTable> tables;
     const size_t row_samples = static_cast<size_t>(data_.width_px) * data_.channels;
@@ -81,7 +88,8 @@ class LevelPredictor {
       tables.emplace_back(chain_, exposure(mean_time_), data_.colour(c), noise_, low, high);
     }
     for (size_t i = 0; i < samples; ++i) {
-      const Response response = tables[i % data_.channels].at(scale * light[i] * row_light[i / row_samples]);
+      const Response response =
+          tables[i % data_.channels].at(scale * light[i] * row_light[i / row_samples]);
       out.mean[i] = response.mean;
       out.variance[i] = response.variance;
       out.offset_slope[i] = response.offset_slope;
@@ -110,7 +118,8 @@ class LevelPredictor {
     out.row_shift.assign(sum_.frames.size(), std::vector<double>(data_.rows(), 0));
     if (lamps.empty()) return;
     std::vector<double> slope(data_.rows(), 0);
-    for (size_t i = 0; i < out.mean.size(); ++i) slope[row_of(i)] += out.gain_slope[i] / data_.width_px;
+    for (size_t i = 0; i < out.mean.size(); ++i)
+      slope[row_of(i)] += out.gain_slope[i] / data_.width_px;
     for (size_t f = 0; f < lamps.size(); ++f) {
       for (size_t row = 0; row < data_.rows(); ++row) {
         const size_t v = row / data_.channels;
@@ -121,7 +130,8 @@ class LevelPredictor {
 
   // Users' formulas of time: the change of each row's mean from the level's mean time.
   void drift_rows(LevelPrediction& out) {
-    const effects::GainField lens(model_, effects::Stage::radiometry, data_.width_px, data_.height_px);
+    const effects::GainField lens(model_, effects::Stage::radiometry, data_.width_px,
+                                  data_.height_px);
     const effects::GainField lamps(model_, effects::Stage::light, data_.width_px, data_.height_px);
     const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
     const auto row_value = [&](int v, int colour, double t) {
@@ -150,7 +160,8 @@ class LevelPredictor {
   }
 
   size_t row_of(size_t sample) const {
-    return sample / (static_cast<size_t>(data_.width_px) * data_.channels) * data_.channels + sample % data_.channels;
+    return sample / (static_cast<size_t>(data_.width_px) * data_.channels) * data_.channels +
+           sample % data_.channels;
   }
 
   const PhotometryData& data_;
@@ -172,7 +183,8 @@ bool depends_on_time(const effects::Model& model) {
   return false;
 }
 
-std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model, double t_s) {
+std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model,
+                                   double t_s) {
   const effects::GainField lens(model, effects::Stage::radiometry, data.width_px, data.height_px);
   const effects::GainField lamps(model, effects::Stage::light, data.width_px, data.height_px);
   std::vector<double> light(data.samples(), 1);
@@ -181,7 +193,8 @@ std::vector<double> relative_light(const PhotometryData& data, const effects::Mo
   for (int v = 0; v < data.height_px; ++v) {
     for (int u = 0; u < data.width_px; ++u) {
       for (int c = 0; c < data.channels; ++c, ++i) {
-        light[i] = std::max(0.0, lens.at(u, v, t_s, data.colour(c)) * lamps.at(u, v, t_s, data.colour(c)));
+        light[i] =
+            std::max(0.0, lens.at(u, v, t_s, data.colour(c)) * lamps.at(u, v, t_s, data.colour(c)));
       }
     }
   }
@@ -197,15 +210,19 @@ std::vector<double> relative_light(const PhotometryData& data, const effects::Mo
   return light;
 }
 
-double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s, const effects::Model& model) {
+double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s,
+                const effects::Model& model) {
   const double stamp = data.frames[frame].time_s;
-  const double after = effects::timing_of(model).row_start_after_stamp_s(row, stamp - data.frames[0].time_s);
+  const double after =
+      effects::timing_of(model).row_start_after_stamp_s(row, stamp - data.frames[0].time_s);
   return effects::lamp_brightness(model, {.start_s = stamp + after, .exposure_s = exposure_s});
 }
 
-std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s, const effects::Model& model) {
+std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s,
+                              const effects::Model& model) {
   std::vector<double> brightness;
-  for (int v = 0; v < data.height_px; ++v) brightness.push_back(lamp_row(data, frame, v, exposure_s, model));
+  for (int v = 0; v < data.height_px; ++v)
+    brightness.push_back(lamp_row(data, frame, v, exposure_s, model));
   return brightness;
 }
 
@@ -223,11 +240,13 @@ PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& s
     }
     if (moving) {
       double t = 0;
-      for (const int frame : sums.levels[l].frames) t += data.frames[frame].time_s - data.frames[0].time_s;
+      for (const int frame : sums.levels[l].frames)
+        t += data.frames[frame].time_s - data.frames[0].time_s;
       light = relative_light(data, model, t / static_cast<double>(sums.levels[l].frames.size()));
     }
-    out.levels.push_back(LevelPredictor(data, model, out.chain, data.levels[l], sums.levels[l], set_noise_dn)
-                             .run(light, moving));
+    out.levels.push_back(
+        LevelPredictor(data, model, out.chain, data.levels[l], sums.levels[l], set_noise_dn)
+            .run(light, moving));
     out.nuisances += std::isnan(data.levels[l].illumination);
   }
   return out;

@@ -31,10 +31,13 @@ struct PhotometryPrediction {
 
 // Light on each sample relative to the set's illumination at a time (since the first frame): lens,
 // uneven lighting, glare; without flicker.
-std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model, double t_s);
+std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model,
+                                   double t_s);
 // Brightness of the lamps in each row of a frame with this exposure; 1 for steady lamps.
-double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s, const effects::Model& model);
-std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s, const effects::Model& model);
+double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s,
+                const effects::Model& model);
+std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s,
+                              const effects::Model& model);
 
 // Whether gain fields or sensor maps change with time (only formulas of users can).
 bool depends_on_time(const effects::Model& model);

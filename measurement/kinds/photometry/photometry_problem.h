@@ -15,15 +15,20 @@ class PhotometryProblem : public Problem {
  public:
   explicit PhotometryProblem(const MeasurementSet& set);
 
-  Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation* warm) const override;
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* warm) const override;
   Score score(const Model& model, const Groups& groups) const override;
-  Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
-  std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const override;
+  Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
+          const Groups& groups) const override;
+  std::vector<Structure> structure(const Model& model, const Groups& groups,
+                                   int fitted) const override;
   ResidualView residual_view(const Model& model, const Groups& groups) const override;
   void check_model(const Model& model) const override;
   bool acts(const EffectDefinition& effect) const override;
-  std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;
-  std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
+  std::string not_testable(const Model& model, const EffectDefinition& effect,
+                           size_t parameter) const override;
+  std::vector<std::vector<double>> starts(const Model& model,
+                                          const EffectDefinition& effect) const override;
   bool groups_are_independent() const override { return false; }
   double looks(const Model& model, const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
@@ -32,10 +37,14 @@ class PhotometryProblem : public Problem {
 
  private:
   std::shared_ptr<const PhotometrySums> sums(const Groups& groups) const;
-  PhotometryView view_of(const PhotometrySums& sums) const { return {data_, sums, set_noise_dn_, channels_share_, &cells_}; }
+  PhotometryView view_of(const PhotometrySums& sums) const {
+    return {data_, sums, set_noise_dn_, channels_share_, &cells_};
+  }
   Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const;
-  Fit widened(const Fit& alone, const Model& start, const std::vector<Unknown>& unknowns, size_t fixed) const;
-  std::string optimum_key(const Model& model, const std::vector<Unknown>& unknowns, const Groups& groups) const;
+  Fit widened(const Fit& alone, const Model& start, const std::vector<Unknown>& unknowns,
+              size_t fixed) const;
+  std::string optimum_key(const Model& model, const std::vector<Unknown>& unknowns,
+                          const Groups& groups) const;
 
   PhotometryData data_;
   CellStore cells_;
@@ -47,6 +56,7 @@ class PhotometryProblem : public Problem {
 };
 
 // `seam measure` for this kind (photometry_measure.cc).
-void measure_photometry(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options);
+void measure_photometry(const Model& truth, const MeasurementSet& protocol,
+                        const MeasureOptions& options);
 
 }  // namespace seam::measurement

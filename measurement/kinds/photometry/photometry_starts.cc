@@ -59,15 +59,18 @@ Excess excess_of(const PhotometryView& view, const PhotometryPrediction& predict
       column[i / data.channels % data.width_px] += r / (data.height_px * data.channels);
       variance += level.variance[i];
       if (frames < 2) continue;
-      const double v = sum.scatter[i] / ((frames - 1) * (1 - 1.0 / data.width_px)) - level.variance[i];
+      const double v =
+          sum.scatter[i] / ((frames - 1) * (1 - 1.0 / data.width_px)) - level.variance[i];
       n += 1, out.temporal += v, xy += v * shot, xx += shot * shot;
     }
     variance /= static_cast<double>(sum.mean.size());
-    for (const double c : column) column_sum += c * c - variance / (frames * data.height_px * data.channels);
+    for (const double c : column)
+      column_sum += c * c - variance / (frames * data.height_px * data.channels);
     column_count += data.width_px;
     for (size_t f = 0; f < sum.frames.size() && frames > 1; ++f) {
       for (size_t row = 0; row < data.rows(); ++row) {
-        const double d = data.row_mean[sum.frames[f]][row] - sum.row_mean[row] - level.row_shift[f][row];
+        const double d =
+            data.row_mean[sum.frames[f]][row] - sum.row_mean[row] - level.row_shift[f][row];
         row_sum += d * d * frames / (frames - 1) - variance / data.width_px;
         row_count += 1;
       }
@@ -82,7 +85,9 @@ Excess excess_of(const PhotometryView& view, const PhotometryPrediction& predict
   return out;
 }
 
-double root(double square, double least) { return std::sqrt(std::max(square, least * least)); }
+double root(double square, double least) {
+  return std::sqrt(std::max(square, least * least));
+}
 
 // Straight from neutral: the least-squares step of the parameters on which the mean depends.
 Values linear_start(const PhotometryView& view, const Model& model, const EffectDefinition& effect,
@@ -107,7 +112,8 @@ Values linear_start(const PhotometryView& view, const Model& model, const Effect
     const LevelSums& sum = view.sums.levels[l];
     for (size_t i = 0; i < sum.mean.size(); ++i) {
       const double w = static_cast<double>(sum.frames.size()) / base.levels[l].variance[i];
-      for (Eigen::Index k = 0; k < n; ++k) slope[k] = (moved[k].levels[l].mean[i] - base.levels[l].mean[i]) / step[k];
+      for (Eigen::Index k = 0; k < n; ++k)
+        slope[k] = (moved[k].levels[l].mean[i] - base.levels[l].mean[i]) / step[k];
       normal.noalias() += w * slope * slope.transpose();
       right += w * (sum.mean[i] - base.levels[l].mean[i]) * slope;
     }
@@ -137,13 +143,15 @@ Values best_of(const PhotometryView& view, const Model& model, const EffectDefin
 
 std::vector<Values> gamma_choices() {
   std::vector<Values> choices;
-  for (const double gamma : {0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.93, 0.98, 1.02, 1.08, 1.18, 1.35, 1.6, 2.0, 2.6}) {
+  for (const double gamma :
+       {0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.93, 0.98, 1.02, 1.08, 1.18, 1.35, 1.6, 2.0, 2.6}) {
     choices.push_back({gamma});
   }
   return choices;
 }
 
-std::vector<Values> full_choices(const PhotometryView& view, const PhotometryPrediction& prediction) {
+std::vector<Values> full_choices(const PhotometryView& view,
+                                 const PhotometryPrediction& prediction) {
   double top = 0, low = 1e300;
   for (const LevelSums& sum : view.sums.levels) {
     for (const double mean : sum.mean) top = std::max(top, mean), low = std::min(low, mean);
@@ -153,7 +161,8 @@ std::vector<Values> full_choices(const PhotometryView& view, const PhotometryPre
     for (const double mean : level.mean) highest = std::max(highest, mean);
   }
   std::vector<Values> choices;
-  for (int i = 0; i <= 16; ++i) choices.push_back({std::max(0.6, low + (std::max(top, 1.0) - low) * (0.4 + 0.6 * i / 16))});
+  for (int i = 0; i <= 16; ++i)
+    choices.push_back({std::max(0.6, low + (std::max(top, 1.0) - low) * (0.4 + 0.6 * i / 16))});
   for (const double above : {0.5, 1.0, 2.0, 4.0, 8.0}) choices.push_back({top + above});
   return choices;
 }
@@ -191,14 +200,16 @@ Values hot_start(const PhotometryView& view, const PhotometryPrediction& predict
 
 double log_likelihood(const PhotometryView& view, const Model& model) {
   if (view.cells) {
-    const auto fast = cell_log_likelihood(view.data, view.sums, *view.cells, model, view.set_noise_dn, view.channels_share);
+    const auto fast = cell_log_likelihood(view.data, view.sums, *view.cells, model,
+                                          view.set_noise_dn, view.channels_share);
     if (fast) return *fast;
   }
   const auto prediction = predict(view.data, view.sums, model, view.set_noise_dn);
   return score_photometry(view.data, view.sums, prediction, view.channels_share).log_likelihood;
 }
 
-std::vector<Values> photometry_starts(const PhotometryView& view, const Model& model, const EffectDefinition& effect) {
+std::vector<Values> photometry_starts(const PhotometryView& view, const Model& model,
+                                      const EffectDefinition& effect) {
   const PhotometryPrediction prediction = predict(view.data, view.sums, model, view.set_noise_dn);
   const std::string& name = effect.name;
   if (name == "lamp_flicker") return flicker_starts(view, model, prediction);
@@ -207,7 +218,8 @@ std::vector<Values> photometry_starts(const PhotometryView& view, const Model& m
   if (name == "hot_pixels") return {hot_start(view, prediction)};
   if (name == "quantisation") {
     std::vector<Values> choices;
-    for (int bits = view.data.fewest_bits; bits < view.data.file_bits; ++bits) choices.push_back({static_cast<double>(bits)});
+    for (int bits = view.data.fewest_bits; bits < view.data.file_bits; ++bits)
+      choices.push_back({static_cast<double>(bits)});
     if (choices.empty()) return {};
     return {best_of(view, model, effect, choices)};
   }

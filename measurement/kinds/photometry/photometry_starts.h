@@ -24,7 +24,8 @@ std::vector<std::vector<double>> photometry_starts(const PhotometryView& view, c
 
 // How many frequencies `flicker_starts` can tell apart.
 double flicker_looks(const PhotometryData& data, const Model& model);
-// The strongest periodic wave of the residual light: frequencies to start from (photometry_flicker.cc).
+// The strongest periodic wave of the residual light: frequencies to start from
+// (photometry_flicker.cc).
 std::vector<std::vector<double>> flicker_starts(const PhotometryView& view, const Model& model,
                                                 const PhotometryPrediction& prediction);
 

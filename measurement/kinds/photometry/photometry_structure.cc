@@ -14,7 +14,6 @@
 #include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/maths.h"
 
-
 namespace seam::measurement {
 namespace {
 
@@ -47,7 +46,8 @@ double legendre(int order, double x) {
 // The chi-square of statistics T with covariance C, in the directions in which C has any size.
 std::pair<double, int> chi2_of(const VectorXd& t, const MatrixXd& c, const VectorXd& reference) {
   VectorXd scale(t.size());
-  for (Eigen::Index i = 0; i < t.size(); ++i) scale[i] = reference[i] > 0 ? 1 / std::sqrt(reference[i]) : 0;
+  for (Eigen::Index i = 0; i < t.size(); ++i)
+    scale[i] = reference[i] > 0 ? 1 / std::sqrt(reference[i]) : 0;
   const MatrixXd unit = scale.asDiagonal() * c * scale.asDiagonal();
   const VectorXd s = scale.cwiseProduct(t);
   const SymmetricEigen eigen = symmetric_eigen(unit);
@@ -74,7 +74,9 @@ using Basis = std::function<void(const Place&, double gain, VectorXd& out)>;
 class MeanTests {
  public:
   MeanTests(const PhotometryView& view, const Model& model)
-      : view_(view), data_(view.data), prediction_(predict(data_, view.sums, model, view.set_noise_dn)) {
+      : view_(view),
+        data_(view.data),
+        prediction_(predict(data_, view.sums, model, view.set_noise_dn)) {
     for (const auto& effect : model.effects()) {
       for (size_t i = 0; i < effect.parameters.size(); ++i) {
         const auto& parameter = effect.definition->parameters[i];
@@ -93,7 +95,8 @@ class MeanTests {
     VectorXd statistic = VectorXd::Zero(n), b = VectorXd::Zero(n), own(n), offset(n), gain(n);
     MatrixXd covariance = MatrixXd::Zero(n, n), gram = MatrixXd::Zero(n, n);
     const auto& chain = prediction_.chain;
-    std::vector<VectorXd> columns(chain.column_sigma_dn > 0 ? data_.width_px : 0, VectorXd::Zero(n));
+    std::vector<VectorXd> columns(chain.column_sigma_dn > 0 ? data_.width_px : 0,
+                                  VectorXd::Zero(n));
     const double row2 = chain.row_sigma_dn * chain.row_sigma_dn;
     std::vector<VectorXd> rows(row2 > 0 ? view_.sums.levels.size() : 0, VectorXd::Zero(n));
     double weights = 0;
@@ -120,7 +123,8 @@ class MeanTests {
             gram.selfadjointView<Eigen::Lower>().rankUpdate(features, w);
             covariance.selfadjointView<Eigen::Lower>().rankUpdate(features, w * w * own2);
             weights += w;
-            if (chain.pixel_offset_sigma_dn > 0 || !columns.empty()) offset += w * level.offset_slope[i] * features;
+            if (chain.pixel_offset_sigma_dn > 0 || !columns.empty())
+              offset += w * level.offset_slope[i] * features;
             if (chain.pixel_gain_sigma > 0) gain += w * level.gain_slope[i] * features;
             if (!rows.empty()) rows[l] += w * level.offset_slope[i] * features;
           }
@@ -138,7 +142,8 @@ class MeanTests {
       }
     }
     for (const VectorXd& column : columns) {
-      covariance.selfadjointView<Eigen::Lower>().rankUpdate(column, chain.column_sigma_dn * chain.column_sigma_dn);
+      covariance.selfadjointView<Eigen::Lower>().rankUpdate(
+          column, chain.column_sigma_dn * chain.column_sigma_dn);
     }
     const MatrixXd full_gram = gram.selfadjointView<Eigen::Lower>();
     const MatrixXd full_covariance = covariance.selfadjointView<Eigen::Lower>();
@@ -147,12 +152,19 @@ class MeanTests {
 
   Place place_of(size_t level, int u, int v, int c) const {
     const auto centred = [](double x, int n) { return n > 1 ? 2 * x / (n - 1) - 1 : 0.0; };
-    return {level, u, v, c, centred(u, data_.width_px), centred(v, data_.height_px),
+    return {level,
+            u,
+            v,
+            c,
+            centred(u, data_.width_px),
+            centred(v, data_.height_px),
             effects::rho(u, v, data_.width_px, data_.height_px)};
   }
 
  private:
-  double residual(size_t l, size_t i) const { return view_.sums.levels[l].mean[i] - prediction_.levels[l].mean[i]; }
+  double residual(size_t l, size_t i) const {
+    return view_.sums.levels[l].mean[i] - prediction_.levels[l].mean[i];
+  }
 
   double weight(double own2, const LevelPrediction& level, size_t i) const {
     const auto& chain = prediction_.chain;
@@ -170,7 +182,8 @@ class MeanTests {
       for (size_t l = 0; l < prediction_.levels.size(); ++l) {
         if (view_.sums.levels[l].frames.empty()) continue;
         const LevelPrediction& level = prediction_.levels[l];
-        const double w = weight(level.variance[i] / static_cast<double>(view_.sums.levels[l].frames.size()), level, i);
+        const double w = weight(
+            level.variance[i] / static_cast<double>(view_.sums.levels[l].frames.size()), level, i);
         const double r = residual(l, i);
         const double h = r - (level.hot_mean[i] - level.mean[i]);
         cold += w * r * r, hot += w * h * h;
@@ -182,7 +195,8 @@ class MeanTests {
   void add_direction(const Model& model, const std::string& effect, size_t index, double value,
                      const effects::Parameter& parameter) {
     Model moved = model;
-    double h = 1e-3 * std::max(std::isfinite(parameter.scale) ? parameter.scale : 1, std::abs(value));
+    double h =
+        1e-3 * std::max(std::isfinite(parameter.scale) ? parameter.scale : 1, std::abs(value));
     if (parameter.name == "frequency_hz") h = 1e-4;
     if (value + h > parameter.max) h = -h;
     moved.set_value(effect, index, value + h);
@@ -203,14 +217,15 @@ class MeanTests {
     directions_.push_back(std::move(direction));
   }
 
-  Test reduce(const std::string& covariate, int count, const VectorXd& statistic, const MatrixXd& covariance,
-              const MatrixXd& gram, double weights) const {
+  Test reduce(const std::string& covariate, int count, const VectorXd& statistic,
+              const MatrixXd& covariance, const MatrixXd& gram, double weights) const {
     const Eigen::Index fitted = statistic.size() - count;
     MatrixXd transform = MatrixXd::Zero(count, statistic.size());
     transform.leftCols(count).setIdentity();
     if (fitted > 0) {
       const MatrixXd normal = gram.bottomRightCorner(fitted, fitted);
-      transform.rightCols(fitted) = -solve_any_rank(normal, gram.bottomLeftCorner(fitted, count)).transpose();
+      transform.rightCols(fitted) =
+          -solve_any_rank(normal, gram.bottomLeftCorner(fitted, count)).transpose();
     }
     const VectorXd t = transform * statistic;
     const MatrixXd c = transform * covariance * transform.transpose();
@@ -218,9 +233,11 @@ class MeanTests {
     const MatrixXd g = transform * gram * transform.transpose();
     // Explained mean square, without what noise alone explains.
     const MatrixXd inverse = pseudo_inverse(g);
-    const double square = std::max(0.0, t.dot(inverse * t) - (inverse * c).trace()) / std::max(weights, 1e-300);
+    const double square =
+        std::max(0.0, t.dot(inverse * t) - (inverse * c).trace()) / std::max(weights, 1e-300);
     Test test{.chi2 = chi2, .freedom = freedom};
-    test.structure = {.residual = "dn", .moment = "mean", .covariate = covariate, .strength = std::sqrt(square)};
+    test.structure = {
+        .residual = "dn", .moment = "mean", .covariate = covariate, .strength = std::sqrt(square)};
     return test;
   }
 
@@ -243,7 +260,8 @@ class TimeTests {
       if (sum.frames.size() < 2) continue;
       const LevelPrediction& level = prediction.levels[l];
       double variance = 0, gain = 0;
-      for (size_t i = 0; i < level.mean.size(); ++i) variance += level.variance[i], gain += level.gain_slope[i];
+      for (size_t i = 0; i < level.mean.size(); ++i)
+        variance += level.variance[i], gain += level.gain_slope[i];
       variance /= static_cast<double>(level.mean.size());
       gain /= static_cast<double>(level.mean.size());
       const double row2 = prediction.chain.row_sigma_dn * prediction.chain.row_sigma_dn;
@@ -254,13 +272,17 @@ class TimeTests {
         // Place among all of the level's frames, held out or not.
         const auto& all = data_.levels[l].frames;
         const auto place = std::find(all.begin(), all.end(), sum.frames[f]) - all.begin();
-        frame.place = all.size() > 1 ? 2.0 * static_cast<double>(place) / static_cast<double>(all.size() - 1) - 1 : 0;
+        frame.place =
+            all.size() > 1
+                ? 2.0 * static_cast<double>(place) / static_cast<double>(all.size() - 1) - 1
+                : 0;
         frame.start = place == 0;
         frame.gain = gain;
         const double n = static_cast<double>(data_.height_px) * data_.channels;
         const int shared = view.channels_share ? data_.channels : 1;
         for (size_t row = 0; row < data_.rows(); ++row) {
-          const double d = data_.row_mean[sum.frames[f]][row] - sum.row_mean[row] - level.row_shift[f][row];
+          const double d =
+              data_.row_mean[sum.frames[f]][row] - sum.row_mean[row] - level.row_shift[f][row];
           frame.rows.push_back(d);
           frame.mean += d / n;
         }
@@ -277,11 +299,12 @@ class TimeTests {
     if (frames_.empty()) return tests;
     for (const bool with_light : {false, true}) {
       const auto scale = [with_light](const Frame& frame) { return with_light ? frame.gain : 1.0; };
-      tests.push_back(smooth(with_light ? "time*illumination" : "time", 8, [&](const Frame& f, VectorXd& b) {
-        for (int k = 0; k < 5; ++k) b[k] = scale(f) * legendre(k + 1, f.x);
-        for (int k = 0; k < 2; ++k) b[5 + k] = scale(f) * legendre(k + 1, f.place);
-        b[7] = scale(f) * f.start;
-      }));
+      tests.push_back(
+          smooth(with_light ? "time*illumination" : "time", 8, [&](const Frame& f, VectorXd& b) {
+            for (int k = 0; k < 5; ++k) b[k] = scale(f) * legendre(k + 1, f.x);
+            for (int k = 0; k < 2; ++k) b[5 + k] = scale(f) * legendre(k + 1, f.place);
+            b[7] = scale(f) * f.start;
+          }));
     }
     tests.push_back(each_frame());
     tests.push_back(rows_in_time());
@@ -295,13 +318,15 @@ class TimeTests {
     std::vector<double> rows;
   };
 
-  Test smooth(const std::string& covariate, int count, const std::function<void(const Frame&, VectorXd&)>& basis) const {
+  Test smooth(const std::string& covariate, int count,
+              const std::function<void(const Frame&, VectorXd&)>& basis) const {
     // Functions are centred within levels, as the residuals are.
     std::vector<VectorXd> features(frames_.size(), VectorXd::Zero(count));
     std::vector<VectorXd> centre(view_.sums.levels.size(), VectorXd::Zero(count));
     for (size_t f = 0; f < frames_.size(); ++f) {
       basis(frames_[f], features[f]);
-      centre[frames_[f].level] += features[f] / static_cast<double>(view_.sums.levels[frames_[f].level].frames.size());
+      centre[frames_[f].level] +=
+          features[f] / static_cast<double>(view_.sums.levels[frames_[f].level].frames.size());
     }
     VectorXd t = VectorXd::Zero(count);
     MatrixXd c = MatrixXd::Zero(count, count), reference = c;
@@ -316,7 +341,9 @@ class TimeTests {
     }
     const auto [chi2, freedom] = chi2_of(t, c, reference.diagonal());
     Test test{.chi2 = chi2, .freedom = freedom};
-    test.structure = {.residual = "dn", .moment = "mean", .covariate = covariate,
+    test.structure = {.residual = "dn",
+                      .moment = "mean",
+                      .covariate = covariate,
                       .strength = std::sqrt(std::max(0.0, chi2 - freedom) / weights)};
     return test;
   }
@@ -324,16 +351,20 @@ class TimeTests {
   Test each_frame() const {
     Test test;
     double weights = 0;
-    for (const Frame& frame : frames_) test.chi2 += frame.mean * frame.mean / frame.variance, weights += 1 / frame.variance;
+    for (const Frame& frame : frames_)
+      test.chi2 += frame.mean * frame.mean / frame.variance, weights += 1 / frame.variance;
     test.freedom = freedom_of_frames();
-    test.structure = {.residual = "dn", .moment = "mean", .covariate = "time",
+    test.structure = {.residual = "dn",
+                      .moment = "mean",
+                      .covariate = "time",
                       .strength = std::sqrt(std::max(0.0, test.chi2 - test.freedom) / weights)};
     return test;
   }
 
   int freedom_of_frames() const {
     int freedom = 0;
-    for (const LevelSums& sum : view_.sums.levels) freedom += std::max(0, static_cast<int>(sum.frames.size()) - 1);
+    for (const LevelSums& sum : view_.sums.levels)
+      freedom += std::max(0, static_cast<int>(sum.frames.size()) - 1);
     return freedom;
   }
 
@@ -348,7 +379,8 @@ class TimeTests {
         for (const bool sine : {false, true}) {
           double sum = 0, norm = 0;
           for (size_t row = 0; row < frame.rows.size(); ++row) {
-            const double x = 2 * maths::kPi * k * (static_cast<double>(row / channels) + 0.5) / data_.height_px;
+            const double x =
+                2 * maths::kPi * k * (static_cast<double>(row / channels) + 0.5) / data_.height_px;
             const double b = sine ? std::sin(x) : std::cos(x);
             sum += b * frame.rows[row], norm += b * b;
           }
@@ -361,8 +393,11 @@ class TimeTests {
       }
     }
     test.freedom = 2 * kOrders * freedom_of_frames();
-    test.structure = {.residual = "dn", .moment = "mean", .covariate = "row*time",
-                      .strength = std::sqrt(std::max(0.0, test.chi2 - test.freedom) / std::max(weights, 1e-300) * 2 * kOrders)};
+    test.structure = {.residual = "dn",
+                      .moment = "mean",
+                      .covariate = "row*time",
+                      .strength = std::sqrt(std::max(0.0, test.chi2 - test.freedom) /
+                                            std::max(weights, 1e-300) * 2 * kOrders)};
     return test;
   }
 
@@ -373,7 +408,8 @@ class TimeTests {
 };
 
 // Variance in time against place and level; variance between rows from frame to frame.
-std::vector<Test> spread_tests(const PhotometryView& view, const PhotometryPrediction& prediction, const MeanTests& places) {
+std::vector<Test> spread_tests(const PhotometryView& view, const PhotometryPrediction& prediction,
+                               const MeanTests& places) {
   const PhotometryData& data = view.data;
   struct Target {
     std::string covariate;
@@ -387,10 +423,16 @@ std::vector<Test> spread_tests(const PhotometryView& view, const PhotometryPredi
                          b[static_cast<Eigen::Index>(p.level)] = 1;
                        }});
   }
-  const auto polynomial = [](double x, int count, VectorXd& b) { for (int k = 0; k < count; ++k) b[k] = legendre(k + 1, x); };
-  targets.push_back({"row", 4, [=](const Place& p, double, VectorXd& b) { polynomial(p.y, 4, b); }});
-  targets.push_back({"column", 4, [=](const Place& p, double, VectorXd& b) { polynomial(p.x, 4, b); }});
-  targets.push_back({"radius", 4, [=](const Place& p, double, VectorXd& b) { polynomial(2 * p.radius - 1, 4, b); }});
+  const auto polynomial = [](double x, int count, VectorXd& b) {
+    for (int k = 0; k < count; ++k) b[k] = legendre(k + 1, x);
+  };
+  targets.push_back(
+      {"row", 4, [=](const Place& p, double, VectorXd& b) { polynomial(p.y, 4, b); }});
+  targets.push_back(
+      {"column", 4, [=](const Place& p, double, VectorXd& b) { polynomial(p.x, 4, b); }});
+  targets.push_back({"radius", 4, [=](const Place& p, double, VectorXd& b) {
+                       polynomial(2 * p.radius - 1, 4, b);
+                     }});
   std::vector<VectorXd> statistic;
   std::vector<MatrixXd> covariance;
   for (const Target& target : targets) {
@@ -437,8 +479,11 @@ std::vector<Test> spread_tests(const PhotometryView& view, const PhotometryPredi
     const MatrixXd full = covariance[k].selfadjointView<Eigen::Lower>();
     const auto [chi2, freedom] = chi2_of(statistic[k], full, full.diagonal());
     Test test{.chi2 = chi2, .freedom = freedom};
-    const double relative = std::sqrt(std::max(0.0, chi2 - freedom) / std::max(full.diagonal().maxCoeff(), 1e-300));
-    test.structure = {.residual = "dn", .moment = "spread", .covariate = targets[k].covariate,
+    const double relative =
+        std::sqrt(std::max(0.0, chi2 - freedom) / std::max(full.diagonal().maxCoeff(), 1e-300));
+    test.structure = {.residual = "dn",
+                      .moment = "spread",
+                      .covariate = targets[k].covariate,
                       .strength = std::sqrt(mean_variance) * std::sqrt(relative)};
     tests.push_back(test);
   }
@@ -447,7 +492,9 @@ std::vector<Test> spread_tests(const PhotometryView& view, const PhotometryPredi
 
 // Smooth functions over the image, alone and in proportion to the light.
 std::vector<std::pair<std::string, Basis>> place_bases() {
-  const auto series = [](double x, double scale, VectorXd& b) { for (int k = 0; k < 8; ++k) b[k] = scale * legendre(k + 1, x); };
+  const auto series = [](double x, double scale, VectorXd& b) {
+    for (int k = 0; k < 8; ++k) b[k] = scale * legendre(k + 1, x);
+  };
   const auto grid = [](const Place& p, double scale, VectorXd& b) {
     int at = 0;
     for (int i = 1; i <= 3; ++i)
@@ -461,7 +508,8 @@ std::vector<std::pair<std::string, Basis>> place_bases() {
       {"row*column", [=](const Place& p, double, VectorXd& b) { grid(p, 1, b); }},
       {"column*illumination", [=](const Place& p, double g, VectorXd& b) { series(p.x, g, b); }},
       {"row*illumination", [=](const Place& p, double g, VectorXd& b) { series(p.y, g, b); }},
-      {"radius*illumination", [=](const Place& p, double g, VectorXd& b) { series(2 * p.radius - 1, g, b); }},
+      {"radius*illumination",
+       [=](const Place& p, double g, VectorXd& b) { series(2 * p.radius - 1, g, b); }},
       {"row*column*illumination", [=](const Place& p, double g, VectorXd& b) { grid(p, g, b); }},
   };
 }
@@ -473,11 +521,15 @@ std::vector<Structure> photometry_structure(const PhotometryView& view, const Mo
   std::vector<Test> tests;
   for (const auto& [name, basis] : place_bases()) tests.push_back(means.run(name, 8, basis));
   const auto levels = static_cast<int>(view.sums.levels.size());
-  tests.push_back(means.run("illumination", std::min(levels, 16), [levels](const Place& p, double, VectorXd& b) {
-    // Few levels: a mean for each; many: polynomials of their order.
-    if (levels <= 16) b[static_cast<Eigen::Index>(p.level)] = 1;
-    else for (int k = 0; k < 16; ++k) b[k] = legendre(k, 2.0 * static_cast<double>(p.level) / (levels - 1) - 1);
-  }));
+  tests.push_back(means.run(
+      "illumination", std::min(levels, 16), [levels](const Place& p, double, VectorXd& b) {
+        // Few levels: a mean for each; many: polynomials of their order.
+        if (levels <= 16)
+          b[static_cast<Eigen::Index>(p.level)] = 1;
+        else
+          for (int k = 0; k < 16; ++k)
+            b[k] = legendre(k, 2.0 * static_cast<double>(p.level) / (levels - 1) - 1);
+      }));
   if (view.data.channels == 3) {
     tests.push_back(means.run("channel", 6, [](const Place& p, double g, VectorXd& b) {
       b[p.channel] = 1, b[3 + p.channel] = g;
@@ -493,7 +545,8 @@ std::vector<Structure> photometry_structure(const PhotometryView& view, const Mo
     test.structure.p_value = std::max(p, 1e-300);
     found.push_back(test.structure);
   }
-  std::stable_sort(found.begin(), found.end(), [](const Structure& a, const Structure& b) { return a.strength > b.strength; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Structure& a, const Structure& b) { return a.strength > b.strength; });
   return found;
 }
 

@@ -1,5 +1,6 @@
-// Residuals of flat fields as plots need them. The mean: each sample of each level, averaged over the
-// level's frames. The spread: single values of a few frames, less what their level has on average.
+// Residuals of flat fields as plots need them. The mean: each sample of each level, averaged over
+// the level's frames. The spread: single values of a few frames, less what their level has on
+// average.
 #include <cmath>
 
 #include "effects/stages/geometry.h"
@@ -14,7 +15,9 @@ namespace {
 constexpr size_t kMostPlaces = 200'000;
 constexpr size_t kSpreadFrames = 2;
 
-double square(double x) { return x * x; }
+double square(double x) {
+  return x * x;
+}
 
 }  // namespace
 
@@ -32,22 +35,26 @@ ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& 
     const double n = static_cast<double>(level.frames.size());
     for (size_t i = l % step; i < data_.samples(); i += step) {
       const size_t pixel = i / data_.channels;
-      const double u = static_cast<double>(pixel % data_.width_px), v = static_cast<double>(pixel / data_.width_px);
+      const double u = static_cast<double>(pixel % data_.width_px),
+                   v = static_cast<double>(pixel / data_.width_px);
       const int at = static_cast<int>(row.size());
       row.push_back(v);
       column.push_back(u);
       radius.push_back(effects::rho(u, v, data_.width_px, data_.height_px));
       light.push_back(predicted.illumination * data_.levels[l].exposure_ratio);
       channel.push_back(static_cast<double>(i % data_.channels));
-      const double offsets = square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn) + square(chain.row_sigma_dn) / n;
+      const double offsets = square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn) +
+                             square(chain.row_sigma_dn) / n;
       mean.residual.push_back(level.mean[i] - predicted.mean[i]);
-      mean.sigma.push_back(std::sqrt(predicted.variance[i] / n + offsets * square(predicted.offset_slope[i]) +
+      mean.sigma.push_back(std::sqrt(predicted.variance[i] / n +
+                                     offsets * square(predicted.offset_slope[i]) +
                                      square(chain.pixel_gain_sigma * predicted.gain_slope[i])));
       mean.row.push_back(at);
       if (level.frames.size() < 3) continue;
       for (size_t k = 0; k < kSpreadFrames; ++k) {
         spread.residual.push_back(data_.images[level.frames[k]][i] - level.mean[i]);
-        const double own = predicted.variance[i] + square(chain.row_sigma_dn * predicted.offset_slope[i]);
+        const double own =
+            predicted.variance[i] + square(chain.row_sigma_dn * predicted.offset_slope[i]);
         spread.sigma.push_back(std::sqrt(own * (1 - 1 / n)));
         spread.row.push_back(at);
       }
@@ -55,8 +62,11 @@ ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& 
   }
   ResidualView view;
   view.channels = {std::move(mean), std::move(spread)};
-  view.covariates = {{"row", std::move(row)}, {"column", std::move(column)}, {"radius", std::move(radius)},
-                     {"illumination", std::move(light)}, {"channel", std::move(channel)}};
+  view.covariates = {{"row", std::move(row)},
+                     {"column", std::move(column)},
+                     {"radius", std::move(radius)},
+                     {"illumination", std::move(light)},
+                     {"channel", std::move(channel)}};
   return view;
 }
 

@@ -1,5 +1,6 @@
-// A board before a fixed camera whose poses nobody knows: a fisheye lens is found although the perspective
-// model, bent to the same points, ends far from it. The points come from the lens's formula, written out here.
+// A board before a fixed camera whose poses nobody knows: a fisheye lens is found although the
+// perspective model, bent to the same points, ends far from it. The points come from the lens's
+// formula, written out here.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -38,12 +39,15 @@ std::filesystem::path board_views() {
   const auto within = [&](double limit) { return limit * (2 * uniform({11, 1}, draw++) - 1); };
   for (int frame = 0; frame < 16; ++frame) {
     const double yaw = within(0.5), pitch = within(0.5), roll = within(0.6);
-    const double cx = 0.45 * (frame % 4 - 1.5), cy = 0.3 * (frame / 4 - 1.5), cz = 0.45 + within(0.1);
+    const double cx = 0.45 * (frame % 4 - 1.5), cy = 0.3 * (frame / 4 - 1.5),
+                 cz = 0.45 + within(0.1);
     for (int point = 0; point < 63; ++point) {
       const double a = 0.04 * (point % 9 - 4), b = 0.04 * (point / 9 - 3);
-      const double x = std::cos(roll) * a - std::sin(roll) * b, y = std::sin(roll) * a + std::cos(roll) * b;
+      const double x = std::cos(roll) * a - std::sin(roll) * b,
+                   y = std::sin(roll) * a + std::cos(roll) * b;
       const double y2 = std::cos(pitch) * y, z2 = std::sin(pitch) * y;
-      const double x3 = std::cos(yaw) * x + std::sin(yaw) * z2, z3 = -std::sin(yaw) * x + std::cos(yaw) * z2;
+      const double x3 = std::cos(yaw) * x + std::sin(yaw) * z2,
+                   z3 = -std::sin(yaw) * x + std::cos(yaw) * z2;
       const Pixel seen = fisheye(x3 + cx, y2 + cy, z3 + cz);
       if (seen.u_px < 0 || seen.v_px < 0 || seen.u_px > 1279 || seen.v_px > 799) continue;
       const double noise_u = normal({11, 2}, 2 * draw), noise_v = normal({11, 2}, 2 * draw++ + 1);
@@ -52,17 +56,20 @@ std::filesystem::path board_views() {
     }
   }
   write_file_atomically(folder / "points.csv", rows);
-  write_file_atomically(folder / "measurement.yaml",
-                        "format: seam-measurement/1\nkind: points\ncamera: {width_px: 1280, height_px: 800}\n"
-                        "group: frame\nfiles: {points: points.csv}\nrig: {pose: unknown}\n");
+  write_file_atomically(
+      folder / "measurement.yaml",
+      "format: seam-measurement/1\nkind: points\ncamera: {width_px: 1280, height_px: 800}\n"
+      "group: frame\nfiles: {points: points.csv}\nrig: {pose: unknown}\n");
   return folder;
 }
 
 TEST(Boards, AFisheyeLensIsFoundAndItsStepShown) {
   const auto problem = open_problem(board_views());
   const Model nominal = Model::from_config(ConfigNode::from_text(
-      "format: seam-model/1\neffects: {pinhole: {fx_px: {value: 420, free: true}, fy_px: {value: 420, free: true}, "
-      "cx_px: {value: 639.5, free: true}, cy_px: {value: 399.5, free: true}}}\n", "test.yaml"));
+      "format: seam-model/1\neffects: {pinhole: {fx_px: {value: 420, free: true}, fy_px: {value: "
+      "420, free: true}, "
+      "cx_px: {value: 639.5, free: true}, cy_px: {value: 399.5, free: true}}}\n",
+      "test.yaml"));
   const SearchResult result = search(*problem, nominal, {}, [](const std::string&) {});
   ASSERT_EQ(result.steps.size(), 1u);
   EXPECT_EQ(result.steps[0].effect, "fisheye");
@@ -71,7 +78,8 @@ TEST(Boards, AFisheyeLensIsFoundAndItsStepShown) {
   EXPECT_NEAR(found.find("fisheye")->value("k1"), -0.04, 0.01);
   EXPECT_NEAR(found.find("pinhole")->value("fx_px"), kFocal_px, 2);
   EXPECT_NEAR(found.find("pinhole")->value("cx_px"), kCx_px, 2);
-  for (const double rms_px : result.best.assessment.held.native) EXPECT_NEAR(rms_px, kNoise_px, 0.03);
+  for (const double rms_px : result.best.assessment.held.native)
+    EXPECT_NEAR(rms_px, kNoise_px, 0.03);
 }
 
 }  // namespace

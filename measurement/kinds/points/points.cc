@@ -5,12 +5,12 @@
 
 #include "effects/stages/geometry.h"
 #include "effects/stages/timing.h"
-#include "measurement/kinds/kinds.h"
-#include "measurement/numerics/linear_algebra.h"
 #include "measurement/fitting/low_rank.h"
+#include "measurement/kinds/kinds.h"
 #include "measurement/kinds/points/points_data.h"
 #include "measurement/kinds/points/points_noise.h"
 #include "measurement/kinds/points/pose_solver.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {

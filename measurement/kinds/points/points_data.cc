@@ -9,9 +9,11 @@
 namespace seam::measurement {
 namespace {
 
-const std::vector<std::string> kColumns = {"frame", "time_s", "point", "x_m", "y_m", "z_m", "u_px", "v_px"};
+const std::vector<std::string> kColumns = {"frame", "time_s", "point", "x_m",
+                                           "y_m",   "z_m",    "u_px",  "v_px"};
 
-Covariate named(const std::string& name, std::vector<double> values, Covariate::Type type = Covariate::Type::smooth) {
+Covariate named(const std::string& name, std::vector<double> values,
+                Covariate::Type type = Covariate::Type::smooth) {
   return {.name = name, .type = type, .values = std::move(values)};
 }
 
@@ -28,9 +30,11 @@ PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
   facts.file = table.file();
   const std::vector<int64_t> ns = table.times_ns("time_s");
   if (data.rig.type() == Rig::Type::unknown || data.rig.reference_ns() == 0) {
-    if (data.rig.type() == Rig::Type::unknown) data.rig.set_reference_ns(*std::min_element(ns.begin(), ns.end()));
+    if (data.rig.type() == Rig::Type::unknown)
+      data.rig.set_reference_ns(*std::min_element(ns.begin(), ns.end()));
   }
-  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"), z = table.numbers("z_m");
+  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"),
+                            z = table.numbers("z_m");
   data.u_px = measured ? table.numbers("u_px") : std::vector<double>(table.rows(), 0);
   data.v_px = measured ? table.numbers("v_px") : std::vector<double>(table.rows(), 0);
   std::vector<std::string> frames;
@@ -72,7 +76,8 @@ void place_covariates(const PointsData& data, const std::vector<double>& residua
     column[i] = data.u_px[i] - residual[2 * i];
     row[i] = data.v_px[i] - residual[2 * i + 1];
     radius[i] = effects::rho(column[i], row[i], data.camera.width_px, data.camera.height_px);
-    const double du = column[i] - 0.5 * (data.camera.width_px - 1), dv = row[i] - 0.5 * (data.camera.height_px - 1);
+    const double du = column[i] - 0.5 * (data.camera.width_px - 1),
+                 dv = row[i] - 0.5 * (data.camera.height_px - 1);
     const double length = std::sqrt(du * du + dv * dv);
     along.weight_a.push_back(length > 0 ? du / length : 1);
     along.weight_b.push_back(length > 0 ? dv / length : 0);
@@ -104,10 +109,12 @@ void add_points_covariates(const PointsData& data, const CsvTable& table, Facts&
     all.push_back(named("sign(" + name + "_rate)", std::move(sign), Covariate::Type::sign));
   }
   if (data.rig.type() != Rig::Type::unknown) {
-    const Model none = Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));
+    const Model none =
+        Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));
     const Rig::Motion motion = data.rig.motion(none);
     std::vector<double> range;
-    for (size_t i = 0; i < data.p_W.size(); ++i) range.push_back(glm::length(data.p_W[i] - motion.X_WC(data.stamp_s[i]).p));
+    for (size_t i = 0; i < data.p_W.size(); ++i)
+      range.push_back(glm::length(data.p_W[i] - motion.X_WC(data.stamp_s[i]).p));
     all.push_back(named("range", std::move(range)));
   }
   std::vector<std::string> labels;
@@ -116,9 +123,11 @@ void add_points_covariates(const PointsData& data, const CsvTable& table, Facts&
     all.push_back(named("point", {points.begin(), points.end()}, Covariate::Type::category));
   }
   if (data.rows_of_frame.size() > 1) {
-    all.push_back(named("frame", {data.frame_of_row.begin(), data.frame_of_row.end()}, Covariate::Type::category));
+    all.push_back(named("frame", {data.frame_of_row.begin(), data.frame_of_row.end()},
+                        Covariate::Type::category));
   }
-  for (const std::string& column : table.extra_numeric_columns(kColumns)) all.push_back(named(column, table.numbers(column)));
+  for (const std::string& column : table.extra_numeric_columns(kColumns))
+    all.push_back(named(column, table.numbers(column)));
 }
 
 }  // namespace seam::measurement

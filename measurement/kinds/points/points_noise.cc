@@ -82,16 +82,21 @@ std::array<double, 2> noise_by_frames(const PointsData& data) {
   return {robust_sigma(left[0]), robust_sigma(left[1])};
 }
 
-// Degrees of the polynomials: of the direction alone, of the state alone, and of both in their products.
+// Degrees of the polynomials: of the direction alone, of the state alone, and of both in their
+// products.
 struct Degrees {
   int field, state, field_of_products, state_of_products;
 };
-constexpr Degrees kDegrees[] = {{7, 3, 3, 2}, {7, 3, 3, 1}, {5, 2, 2, 1}, {4, 1, 1, 1}, {3, 1, 0, 0}, {2, 0, 0, 0}, {1, 0, 0, 0}};
+constexpr Degrees kDegrees[] = {{7, 3, 3, 2}, {7, 3, 3, 1}, {5, 2, 2, 1}, {4, 1, 1, 1},
+                                {3, 1, 0, 0}, {2, 0, 0, 0}, {1, 0, 0, 0}};
 
 // What is smooth in where a point is seen and how the head moves then.
-Eigen::MatrixXd smooth_columns(const std::vector<std::vector<double>>& direction, const std::vector<std::vector<double>>& state,
+Eigen::MatrixXd smooth_columns(const std::vector<std::vector<double>>& direction,
+                               const std::vector<std::vector<double>>& state,
                                const Degrees& degrees) {
-  const auto but_constant = [](const Eigen::MatrixXd& all) { return Eigen::MatrixXd(all.rightCols(all.cols() - 1)); };
+  const auto but_constant = [](const Eigen::MatrixXd& all) {
+    return Eigen::MatrixXd(all.rightCols(all.cols() - 1));
+  };
   const Eigen::MatrixXd field = monomials(direction, degrees.field);
   if (state.empty()) return field;
   const Eigen::MatrixXd alone = but_constant(monomials(state, degrees.state));
@@ -107,7 +112,8 @@ Eigen::MatrixXd smooth_columns(const std::vector<std::vector<double>>& direction
 }
 
 // Directions of the points in the frame of a camera that hangs on the logged joints, and whatever
-// else may move the image: the joints' angles and rates, and time. As flexible as half of the points allow.
+// else may move the image: the joints' angles and rates, and time. As flexible as half of the
+// points allow.
 std::array<double, 2> noise_by_directions(const PointsData& data) {
   const Model none =
       Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));

@@ -17,21 +17,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The study's room, seen with this noise by a camera that the nominal model lacks two effects of; noise is left out, and
-// so are all but the first frames.
+// The study's room, seen with this noise by a camera that the nominal model lacks two effects of;
+// noise is left out, and so are all but the first frames.
 fs::path room(double noise_px, int frames) {
-  const fs::path protocol = fs::path(testing::TempDir()) / "noise-protocol", out = fs::path(testing::TempDir()) / "noise-set";
+  const fs::path protocol = fs::path(testing::TempDir()) / "noise-protocol",
+                 out = fs::path(testing::TempDir()) / "noise-set";
   const Model nominal = write_study_protocol("points", protocol);
   const std::string stated = fmt::format("noise: {{u_px: {}, v_px: {}}}", noise_px, noise_px);
   const fs::path description = protocol / "measurement.yaml";
-  write_file_atomically(description, std::regex_replace(read_file(description), std::regex("noise: .*"), stated));
+  write_file_atomically(
+      description, std::regex_replace(read_file(description), std::regex("noise: .*"), stated));
   Model truth = nominal;
   truth.set(effects::find_effect("rolling_shutter"), {{.value = 5e-5}});
   truth.set(effects::find_effect("radial_distortion"), {{.value = -0.04}});
   fs::remove_all(out);
   find_kind("points").measure(truth, MeasurementSet::open(protocol), {.seed = 11, .out = out});
-  write_file_atomically(out / "measurement.yaml",
-                        std::regex_replace(read_file(out / "measurement.yaml"), std::regex("noise: .*\n"), ""));
+  write_file_atomically(
+      out / "measurement.yaml",
+      std::regex_replace(read_file(out / "measurement.yaml"), std::regex("noise: .*\n"), ""));
   std::string kept;
   std::istringstream lines(read_file(out / "points.csv"));
   for (std::string line; std::getline(lines, line);) {
@@ -41,15 +44,16 @@ fs::path room(double noise_px, int frames) {
   return out;
 }
 
-// A dozen points in a frame: where there are few of them, what the model lacks counts as noise in part, but they are
-// never taken for exact.
+// A dozen points in a frame: where there are few of them, what the model lacks counts as noise in
+// part, but they are never taken for exact.
 TEST(PointsNoise, IsEstimatedFromFewAndMany) {
   for (const double noise_px : {0.1, 0.4}) {
     for (const int frames : {1, 2, 5, 42}) {
       const auto problem = open_problem(room(noise_px, frames));
       for (const auto& channel : problem->facts().channels) {
         EXPECT_GT(channel.noise, 0.6 * noise_px) << channel.name << ", " << frames << " frames";
-        EXPECT_LT(channel.noise, (frames < 42 ? 4 : 1.2) * noise_px) << channel.name << ", " << frames << " frames";
+        EXPECT_LT(channel.noise, (frames < 42 ? 4 : 1.2) * noise_px)
+            << channel.name << ", " << frames << " frames";
       }
     }
   }

@@ -30,7 +30,8 @@ struct Ray {
 };
 
 // Homography from plane coordinates (a, b) to (x, y) by the direct linear transform.
-Eigen::Matrix3d homography(const std::vector<Eigen::Vector2d>& plane, const std::vector<Ray>& rays) {
+Eigen::Matrix3d homography(const std::vector<Eigen::Vector2d>& plane,
+                           const std::vector<Ray>& rays) {
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   for (size_t i = 0; i < rays.size(); ++i) {
     const double a = plane[i][0], b = plane[i][1], x = rays[i].x, y = rays[i].y;
@@ -48,8 +49,8 @@ Eigen::Matrix3d homography(const std::vector<Eigen::Vector2d>& plane, const std:
   return H;
 }
 
-Pose from_columns(const Eigen::Matrix3d& R_CP, const Eigen::Vector3d& t, const Eigen::Matrix3d& basis,
-                  const Eigen::Vector3d& centre) {
+Pose from_columns(const Eigen::Matrix3d& R_CP, const Eigen::Vector3d& t,
+                  const Eigen::Matrix3d& basis, const Eigen::Vector3d& centre) {
   // X_CW = X_CP * X_PW, the plane's frame P having the basis' columns and the centre as origin.
   const Mat3 R = as_rotation(R_CP * basis.transpose());
   const Vec3 c(centre[0], centre[1], centre[2]);
@@ -58,7 +59,8 @@ Pose from_columns(const Eigen::Matrix3d& R_CP, const Eigen::Vector3d& t, const E
 
 }  // namespace
 
-bool initial_pose(const effects::Projection& projection, const std::vector<Sighting>& seen, Pose& X_CW) {
+bool initial_pose(const effects::Projection& projection, const std::vector<Sighting>& seen,
+                  Pose& X_CW) {
   std::vector<Ray> rays;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Sighting& s : seen) {
@@ -80,7 +82,8 @@ bool initial_pose(const effects::Projection& projection, const std::vector<Sight
   basis.col(2) = basis.col(0).cross(basis.col(1));
   if (eigen.values[0] < 1e-8 * eigen.values[2]) {
     std::vector<Eigen::Vector2d> plane;
-    for (const Ray& ray : rays) plane.push_back((basis.leftCols<2>().transpose() * (ray.point - centre)) / size);
+    for (const Ray& ray : rays)
+      plane.push_back((basis.leftCols<2>().transpose() * (ray.point - centre)) / size);
     Eigen::Matrix3d H = homography(plane, rays);
     H.leftCols<2>() /= size;
     const double scale = 2 / (H.col(0).norm() + H.col(1).norm());
@@ -115,8 +118,9 @@ bool initial_pose(const effects::Projection& projection, const std::vector<Sight
   return true;
 }
 
-bool pose_residuals(const effects::Projection& projection, const std::vector<Sighting>& seen, const Pose& X_CW,
-                    std::vector<double>& residuals, std::vector<double>* derivatives) {
+bool pose_residuals(const effects::Projection& projection, const std::vector<Sighting>& seen,
+                    const Pose& X_CW, std::vector<double>& residuals,
+                    std::vector<double>* derivatives) {
   residuals.resize(2 * seen.size());
   if (derivatives) derivatives->assign(12 * seen.size(), 0);
   for (size_t i = 0; i < seen.size(); ++i) {
@@ -153,7 +157,8 @@ bool pose_residuals(const effects::Projection& projection, const std::vector<Sig
   return true;
 }
 
-bool refine_pose(const effects::Projection& projection, const std::vector<Sighting>& seen, Pose& X_CW) {
+bool refine_pose(const effects::Projection& projection, const std::vector<Sighting>& seen,
+                 Pose& X_CW) {
   std::vector<double> residuals, derivatives, next;
   if (!pose_residuals(projection, seen, X_CW, residuals, &derivatives)) return false;
   const auto cost_of = [](const std::vector<double>& r) {

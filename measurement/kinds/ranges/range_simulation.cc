@@ -31,11 +31,11 @@ constexpr int kTrials = 24;          // Frames with noise of their own, a place.
 constexpr int kDisplacements = 8;    // Of images, where jumps are smoothed,
 constexpr int kTrialsDisplaced = 2;  // each with so many frames.
 constexpr int kTrialsOfSpread = 8;
-constexpr int kSquares = 3;           // Where jumps are counted: so many such squares, one in the other.
+constexpr int kSquares = 3;  // Where jumps are counted: so many such squares, one in the other.
 
 bool has_patterns(const effects::SensorChain& chain) {
-  return chain.pixel_gain_sigma > 0 || chain.pixel_offset_sigma_dn > 0 || chain.column_sigma_dn > 0 ||
-         (chain.hot_fraction > 0 && chain.hot_level_dn != 0);
+  return chain.pixel_gain_sigma > 0 || chain.pixel_offset_sigma_dn > 0 ||
+         chain.column_sigma_dn > 0 || (chain.hot_fraction > 0 && chain.hot_level_dn != 0);
 }
 
 effects::SensorChain noiseless(effects::SensorChain chain) {
@@ -53,20 +53,23 @@ effects::SensorExposure exposure_of(const Model& model) {
 }
 
 RandomStream trial_stream(size_t place, int trial) {
-  return RandomStream{.seed = 0x5EA3}.child("ranges").child(place).child(static_cast<uint64_t>(trial));
+  return RandomStream{.seed = 0x5EA3}.child("ranges").child(place).child(
+      static_cast<uint64_t>(trial));
 }
 
 // Weights of four neighbours for a value at this fraction behind the second (Catmull and Rom).
 std::array<float, 4> cubic_weights(double fraction) {
   const auto t = static_cast<float>(fraction);
-  return {0.5f * t * (-1 + t * (2 - t)), 0.5f * (2 + t * t * (-5 + 3 * t)), 0.5f * t * (1 + t * (4 - 3 * t)),
-          0.5f * t * t * (t - 1)};
+  return {0.5f * t * (-1 + t * (2 - t)), 0.5f * (2 + t * t * (-5 + 3 * t)),
+          0.5f * t * (1 + t * (4 - 3 * t)), 0.5f * t * t * (t - 1)};
 }
 
 // Light of a window of the image, displaced.
-std::vector<float> displaced(const std::vector<float>& light, int width_px, int height_px, const PixelWindow& window,
-                             double shift_u, double shift_v) {
-  const auto row_at = [&](int v) { return &light[3 * static_cast<size_t>(std::clamp(v, 0, height_px - 1)) * width_px]; };
+std::vector<float> displaced(const std::vector<float>& light, int width_px, int height_px,
+                             const PixelWindow& window, double shift_u, double shift_v) {
+  const auto row_at = [&](int v) {
+    return &light[3 * static_cast<size_t>(std::clamp(v, 0, height_px - 1)) * width_px];
+  };
   std::vector<float> out;
   out.reserve(static_cast<size_t>(window.width_px) * window.height_px * 3);
   if (shift_u == 0 && shift_v == 0) {
@@ -91,14 +94,15 @@ std::vector<float> displaced(const std::vector<float>& light, int width_px, int 
       }
     }
     for (size_t i = 0; i < 3 * static_cast<size_t>(window.width_px); ++i) {
-      out.push_back(std::max(0.0f, wu[0] * row[i] + wu[1] * row[i + 3] + wu[2] * row[i + 6] + wu[3] * row[i + 9]));
+      out.push_back(std::max(
+          0.0f, wu[0] * row[i] + wu[1] * row[i + 3] + wu[2] * row[i + 6] + wu[3] * row[i + 9]));
     }
   }
   return out;
 }
 
-// Points of a lattice that fills a square evenly, each with its opposite: means over them are free of
-// what is linear in the displacement.
+// Points of a lattice that fills a square evenly, each with its opposite: means over them are free
+// of what is linear in the displacement.
 std::pair<double, double> displacement(int k, double half_width_px) {
   static_assert(kDisplacements == 8);
   return {half_width_px * ((k + 0.5) / 4 - 1), half_width_px * (std::fmod(3 * k + 1.5, 8) / 4 - 1)};
@@ -120,10 +124,15 @@ Moments moments_of(const std::vector<double>& values) {
 
 }  // namespace
 
-void supply_range_detectors(MakeRangeDetector make, std::vector<std::string> names) { supplied() = {make, std::move(names)}; }
-const std::vector<std::string>& range_detector_names() { return supplied().names; }
+void supply_range_detectors(MakeRangeDetector make, std::vector<std::string> names) {
+  supplied() = {make, std::move(names)};
+}
+const std::vector<std::string>& range_detector_names() {
+  return supplied().names;
+}
 std::unique_ptr<RangeDetector> make_range_detector(const RangeDetectorSpec& spec) {
-  if (!supplied().make) throw InputError("sets of kind ranges need a detector, which this program does not have");
+  if (!supplied().make)
+    throw InputError("sets of kind ranges need a detector, which this program does not have");
   return supplied().make(spec);
 }
 
@@ -137,32 +146,41 @@ RangeSimulation::RangeSimulation(const MeasurementSet& set, const std::vector<Ba
     : width_px_(set.camera.width_px > 0 ? set.camera.width_px : 178),
       height_px_(set.camera.height_px > 0 ? set.camera.height_px : 144),
       places_(places) {
-  if (set.root.find("rig")) set.root.at("rig").fail("a set of ranges has none: its camera is that of the standing robot");
+  if (set.root.find("rig"))
+    set.root.at("rig").fail("a set of ranges has none: its camera is that of the standing robot");
   const ConfigNode detector = set.root.at("detector");
   const auto table = set.root.find("colour_table");
-  detector_ = make_range_detector({.name = detector.text(), .width_px = width_px_, .height_px = height_px_,
-                                   .colour_table = table ? (set.folder / table->text()).string() : ""});
+  detector_ =
+      make_range_detector({.name = detector.text(),
+                           .width_px = width_px_,
+                           .height_px = height_px_,
+                           .colour_table = table ? (set.folder / table->text()).string() : ""});
   if (!detector_) {
-    detector.fail(fmt::format("found '{}', expected a behaviour that measures distances: {}", detector.text(),
-                              fmt::join(range_detector_names(), ", ")));
+    detector.fail(fmt::format("found '{}', expected a behaviour that measures distances: {}",
+                              detector.text(), fmt::join(range_detector_names(), ", ")));
   }
   const ConfigNode file = set.root.at("scene");
   if (!std::filesystem::exists(set.folder / file.text())) {
-    file.fail(fmt::format("no file {}, expected one of format seam-scene/1", (set.folder / file.text()).string()));
+    file.fail(fmt::format("no file {}, expected one of format seam-scene/1",
+                          (set.folder / file.text()).string()));
   }
   const auto scene = read_scene(set.folder / file.text());
   background_ = scene->background(), lighting_ = scene->lighting();
   scene->primitives_at(SimTime(), primitives_);
   const auto ball = std::find_if(primitives_.begin(), primitives_.end(),
                                  [](const Primitive& p) { return p.shape == Shape::sphere; });
-  if (ball == primitives_.end()) file.fail(fmt::format("{} has no sphere, expected a ball to measure", file.text()));
+  if (ball == primitives_.end())
+    file.fail(fmt::format("{} has no sphere, expected a ball to measure", file.text()));
   ball_ = static_cast<size_t>(ball - primitives_.begin());
-  store_ = std::make_unique<LightStore>(
-      places_.size(), width_px_, height_px_,
-      [this](const Model& model, const std::vector<size_t>& chosen) { return render(model, chosen); });
+  store_ =
+      std::make_unique<LightStore>(places_.size(), width_px_, height_px_,
+                                   [this](const Model& model, const std::vector<size_t>& chosen) {
+                                     return render(model, chosen);
+                                   });
 }
 
-std::vector<LightImage> RangeSimulation::render(const Model& model, const std::vector<size_t>& places) const {
+std::vector<LightImage> RangeSimulation::render(const Model& model,
+                                                const std::vector<size_t>& places) const {
   const auto predictor = make_frame_predictor(model, width_px_, height_px_, SimTime());
   const Pose X_LC = effects::mount_of(model);
   FrameJob job;
@@ -173,7 +191,8 @@ std::vector<LightImage> RangeSimulation::render(const Model& model, const std::v
   job.background = background_, job.lighting = lighting_;
   std::vector<LightImage> light;
   for (const size_t place : places) {
-    SceneInstant instant{.X_WC = detector_->gaze(model, places_[place].true_m).X_WL * X_LC, .primitives = primitives_};
+    SceneInstant instant{.X_WC = detector_->gaze(model, places_[place].true_m).X_WL * X_LC,
+                         .primitives = primitives_};
     Vec3& p_WB = instant.primitives[ball_].X_WO.p;
     p_WB.x = places_[place].true_m * maths::cos(places_[place].bearing_rad);
     p_WB.y = places_[place].true_m * maths::sin(places_[place].bearing_rad);
@@ -195,8 +214,9 @@ void RangeSimulation::look_about(const Model& model) {
   surroundings_.clear();
   for (const BallPlace& place : places_) {
     const Pose X_CW = (detector_->gaze(model, place.true_m).X_WL * X_LC).inverse();
-    const Vec3 p_C = X_CW * Vec3(place.true_m * maths::cos(place.bearing_rad), place.true_m * maths::sin(place.bearing_rad),
-                                 primitives_[ball_].X_WO.p.z);
+    const Vec3 p_C =
+        X_CW * Vec3(place.true_m * maths::cos(place.bearing_rad),
+                    place.true_m * maths::sin(place.bearing_rad), primitives_[ball_].X_WO.p.z);
     const effects::ImagePoint centre = projection.project(p_C);
     PixelWindow window{0, 0, width_px_, height_px_};
     if (centre.visible && p_C.z > 0) {
@@ -217,24 +237,28 @@ std::vector<uint8_t> RangeSimulation::surroundings(const Model& model, size_t pl
   const LightImage light = store_->light(model, {place}).front();
   std::vector<uint8_t> rgb(light->size());
   const effects::FixedPattern even = effects::fixed_pattern({}, width_px_, height_px_, 3, {});
-  effects::expose_bytes(noiseless(effects::sensor_of(model)), even, [&](size_t at, size_t) { return &(*light)[at]; },
-                        exposure_of(model), {}, rgb);
+  effects::expose_bytes(
+      noiseless(effects::sensor_of(model)), even, [&](size_t at, size_t) { return &(*light)[at]; },
+      exposure_of(model), {}, rgb);
   return detector_->colours(rgb);
 }
 
 // Measurements of some trials at one place; fewer than `count` where no ball is seen.
-std::vector<double> RangeSimulation::trial_values(const Trials& trials, const std::vector<float>& light, double shift_u,
+std::vector<double> RangeSimulation::trial_values(const Trials& trials,
+                                                  const std::vector<float>& light, double shift_u,
                                                   double shift_v, int first, int count) const {
   const PixelWindow& window = trials.window;
   const std::vector<float> seen = displaced(light, width_px_, height_px_, window, shift_u, shift_v);
-  const effects::FixedPattern even = effects::fixed_pattern({}, window.width_px, window.height_px, 3, {});
+  const effects::FixedPattern even =
+      effects::fixed_pattern({}, window.width_px, window.height_px, 3, {});
   std::vector<uint8_t> rgb(seen.size()), colours = trials.surroundings;
   std::vector<double> values;
   for (int trial = first; trial < first + count; ++trial) {
     const RandomStream stream = trial_stream(trials.place, trial);
     const auto light_at = [&](size_t at, size_t) { return &seen[at]; };
     if (trials.patterns) {
-      const auto pattern = effects::fixed_pattern(trials.chain, window.width_px, window.height_px, 3, stream);
+      const auto pattern =
+          effects::fixed_pattern(trials.chain, window.width_px, window.height_px, 3, stream);
       effects::expose_bytes(trials.chain, pattern, light_at, trials.exposure, stream, rgb);
     } else {
       effects::expose_bytes(trials.chain, even, light_at, trials.exposure, stream, rgb);
@@ -242,22 +266,29 @@ std::vector<double> RangeSimulation::trial_values(const Trials& trials, const st
     detector_->recolour(window, rgb, colours);
     const auto sighting = detector_->measure(colours, trials.gaze);
     if (!sighting) continue;
-    effects::Detection detection{.range_m = sighting->distance_m, .bearing_rad = sighting->bearing_rad};
+    effects::Detection detection{.range_m = sighting->distance_m,
+                                 .bearing_rad = sighting->bearing_rad};
     effects::apply_detector(trials.model, detection);
     values.push_back(detection.range_m);
   }
   return values;
 }
 
-RangeSimulation::Trials RangeSimulation::trials_of(const Model& model, const effects::SensorChain& chain, size_t place) const {
+RangeSimulation::Trials RangeSimulation::trials_of(const Model& model,
+                                                   const effects::SensorChain& chain,
+                                                   size_t place) const {
   const PixelWindow frame{0, 0, width_px_, height_px_};
-  return {.model = model, .chain = chain, .exposure = exposure_of(model), .place = place,
+  return {.model = model,
+          .chain = chain,
+          .exposure = exposure_of(model),
+          .place = place,
           .gaze = detector_->gaze(model, places_[place].true_m),
           .window = windows_.empty() ? detector_->whole(frame) : windows_[place],
           .surroundings = windows_.empty() ? surroundings(model, place) : surroundings_[place]};
 }
 
-std::vector<RangePrediction> RangeSimulation::predict(const Model& model, const std::vector<size_t>& places,
+std::vector<RangePrediction> RangeSimulation::predict(const Model& model,
+                                                      const std::vector<size_t>& places,
                                                       double dither_px) const {
   const std::vector<LightImage> light = store_->light(model, places);
   const effects::SensorChain chain = effects::sensor_of(model);
@@ -292,7 +323,8 @@ std::vector<RangePrediction> RangeSimulation::predict(const Model& model, const 
       prediction.pattern_variance_m2 = std::max(0.0, with.variance - all.variance);
     }
     // Effects of the detector: a spread of its own for each measurement.
-    effects::Detection detection{.range_m = prediction.mean_m, .bearing_rad = places_[places[i]].bearing_rad};
+    effects::Detection detection{.range_m = prediction.mean_m,
+                                 .bearing_rad = places_[places[i]].bearing_rad};
     effects::apply_detector(model, detection);
     const double extra = detection.range_variance;
     prediction.fourth_m4 += 6 * prediction.variance_m2 * extra + 3 * extra * extra;
@@ -302,7 +334,8 @@ std::vector<RangePrediction> RangeSimulation::predict(const Model& model, const 
   return out;
 }
 
-std::vector<RangeSimulation::Scatter> RangeSimulation::scatter(const Model& model, double dither_px) const {
+std::vector<RangeSimulation::Scatter> RangeSimulation::scatter(const Model& model,
+                                                               double dither_px) const {
   const effects::SensorChain chain = effects::sensor_of(model), quiet = noiseless(chain);
   std::vector<Scatter> out;
   for (size_t p = 0; p < places_.size(); ++p) {
@@ -310,11 +343,13 @@ std::vector<RangeSimulation::Scatter> RangeSimulation::scatter(const Model& mode
     const Trials clean = trials_of(model, quiet, p), noisy = trials_of(model, chain, p);
     std::vector<double> values, spreads;
     for (int k = 0; k < kSquares * kDisplacements; ++k) {
-      const auto [u, v] = displacement(k % kDisplacements, dither_px * (k / kDisplacements + 1) / kSquares);
+      const auto [u, v] =
+          displacement(k % kDisplacements, dither_px * (k / kDisplacements + 1) / kSquares);
       const auto one = trial_values(clean, *light, u, v, 0, 1);
       values.insert(values.end(), one.begin(), one.end());
       if (!has_noise(chain)) continue;
-      spreads.push_back(std::sqrt(moments_of(trial_values(noisy, *light, u, v, 0, kTrialsOfSpread)).variance));
+      spreads.push_back(
+          std::sqrt(moments_of(trial_values(noisy, *light, u, v, 0, kTrialsOfSpread)).variance));
     }
     out.push_back({moments_of(values).variance, moments_of(spreads).variance});
   }
@@ -323,16 +358,21 @@ std::vector<RangeSimulation::Scatter> RangeSimulation::scatter(const Model& mode
 
 std::optional<RangeSighting> RangeSimulation::measure_once(const Model& model, size_t place,
                                                            const effects::FixedPattern& pattern,
-                                                           RandomStream frame_noise, bool noise) const {
+                                                           RandomStream frame_noise,
+                                                           bool noise) const {
   const LightImage light = store_->light(model, {place}).front();
-  const Image image = effects::expose(effects::sensor_of(model), pattern, *light, exposure_of(model), frame_noise, noise);
-  const auto sighting = detector_->measure(detector_->colours(std::vector<uint8_t>(image.samples.begin(), image.samples.end())),
-                                           detector_->gaze(model, places_[place].true_m));
+  const Image image = effects::expose(effects::sensor_of(model), pattern, *light,
+                                      exposure_of(model), frame_noise, noise);
+  const auto sighting = detector_->measure(
+      detector_->colours(std::vector<uint8_t>(image.samples.begin(), image.samples.end())),
+      detector_->gaze(model, places_[place].true_m));
   if (!sighting) return std::nullopt;
-  effects::Detection detection{.range_m = sighting->distance_m, .bearing_rad = sighting->bearing_rad};
+  effects::Detection detection{.range_m = sighting->distance_m,
+                               .bearing_rad = sighting->bearing_rad};
   effects::apply_detector(model, detection);
   if (noise && detection.range_variance > 0)
-    detection.range_m += std::sqrt(detection.range_variance) * normal(frame_noise.child("range_noise"), 0);
+    detection.range_m +=
+        std::sqrt(detection.range_variance) * normal(frame_noise.child("range_noise"), 0);
   return RangeSighting{detection.range_m, detection.bearing_rad};
 }
 

@@ -16,12 +16,13 @@ namespace seam::measurement {
 // What the detector would report at one place, over the noise of single frames.
 struct RangePrediction {
   int trials = 0;
-  int seen = 0;           // In so many of them it saw the ball.
+  int seen = 0;  // In so many of them it saw the ball.
   double mean_m = 0;
-  double variance_m2 = 0;   // Of a single measurement.
-  double fourth_m4 = 0;     // Fourth central moment.
-  double own_variance_m2 = 0;    // Of the mean: from the finite number of trials.
-  double pattern_variance_m2 = 0;  // Of the mean: from the sensor's fixed pattern, which all frames share.
+  double variance_m2 = 0;      // Of a single measurement.
+  double fourth_m4 = 0;        // Fourth central moment.
+  double own_variance_m2 = 0;  // Of the mean: from the finite number of trials.
+  double pattern_variance_m2 =
+      0;  // Of the mean: from the sensor's fixed pattern, which all frames share.
 };
 
 // Variance of a sample standard deviation of n values with this variance and fourth moment.
@@ -34,14 +35,15 @@ class RangeSimulation {
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
 
-  // From now on only what lies about where this model sees the ball is looked at: all else has the colours that
-  // this model gives it without noise.
+  // From now on only what lies about where this model sees the ball is looked at: all else has the
+  // colours that this model gives it without noise.
   void look_about(const Model& model);
 
   // `dither_px` above 0: the mean over images displaced by about so much, in which the detector's
   // jumps from pixel to pixel are smoothed. The same random numbers for every model. Throws
   // InputError for a model without an image.
-  std::vector<RangePrediction> predict(const Model& model, const std::vector<size_t>& places, double dither_px = 0) const;
+  std::vector<RangePrediction> predict(const Model& model, const std::vector<size_t>& places,
+                                       double dither_px = 0) const;
 
   // By place: how much a measurement without noise, and the spread of those with it, scatter under
   // displacements of the image.
@@ -52,7 +54,8 @@ class RangeSimulation {
 
   // One measurement with the noise of one frame; nothing where no ball is seen. `noise` false: the
   // noise-free frame.
-  std::optional<RangeSighting> measure_once(const Model& model, size_t place, const effects::FixedPattern& pattern,
+  std::optional<RangeSighting> measure_once(const Model& model, size_t place,
+                                            const effects::FixedPattern& pattern,
                                             RandomStream frame_noise, bool noise) const;
 
  private:
@@ -70,8 +73,8 @@ class RangeSimulation {
   Trials trials_of(const Model& model, const effects::SensorChain& chain, size_t place) const;
   std::vector<uint8_t> surroundings(const Model& model, size_t place) const;
   std::vector<LightImage> render(const Model& model, const std::vector<size_t>& places) const;
-  std::vector<double> trial_values(const Trials& trials, const std::vector<float>& light, double shift_u, double shift_v,
-                                   int first, int count) const;
+  std::vector<double> trial_values(const Trials& trials, const std::vector<float>& light,
+                                   double shift_u, double shift_v, int first, int count) const;
 
   int width_px_, height_px_;
   std::vector<BallPlace> places_;
@@ -79,8 +82,8 @@ class RangeSimulation {
   Rgb background_;
   Lighting lighting_;
   std::vector<Primitive> primitives_;
-  size_t ball_ = 0;  // Among the primitives.
-  std::vector<PixelWindow> windows_;  // By place; empty: the whole frame.
+  size_t ball_ = 0;                                 // Among the primitives.
+  std::vector<PixelWindow> windows_;                // By place; empty: the whole frame.
   std::vector<std::vector<uint8_t>> surroundings_;  // By place, with windows.
   std::unique_ptr<LightStore> store_;
 };

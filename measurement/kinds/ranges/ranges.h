@@ -3,8 +3,9 @@
 //
 // A detector's answer is a staircase: it jumps where the edge of the ball's region crosses a colour
 // pixel. A ball is put in its place by hand, to a millimetre or two, and edges move with it
-// (kPlaceAccuracy_px). So each place has an error of its own: the scatter of the prediction over images
-// displaced by so little. Fits look at predictions smoothed over such displacements (ranges_fit.cc).
+// (kPlaceAccuracy_px). So each place has an error of its own: the scatter of the prediction over
+// images displaced by so little. Fits look at predictions smoothed over such displacements
+// (ranges_fit.cc).
 #pragma once
 
 #include <map>
@@ -22,24 +23,31 @@ class RangesProblem : public Problem {
  public:
   explicit RangesProblem(const MeasurementSet& set);
 
-  Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation* warm = nullptr) const override;
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* warm = nullptr) const override;
   // The same with the detector's jumps smoothed over so many pixels to either side.
   Evaluation evaluate_smoothed(const Model& model, const Groups& groups, double dither_px) const;
 
   // Over steps that the residuals notice.
-  std::vector<std::vector<double>> jacobian(const Model& model, const std::vector<Unknown>& unknowns,
-                                            const Groups& groups, const Evaluation& here) const override;
-  Fit fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const override;
+  std::vector<std::vector<double>> jacobian(const Model& model,
+                                            const std::vector<Unknown>& unknowns,
+                                            const Groups& groups,
+                                            const Evaluation& here) const override;
+  Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
+          const Groups& groups) const override;
 
-  std::vector<Structure> structure(const Model& model, const Groups& groups, int fitted) const override;
+  std::vector<Structure> structure(const Model& model, const Groups& groups,
+                                   int fitted) const override;
   void check_model(const Model& model) const override;
   bool acts(const EffectDefinition& effect) const override;
   bool is_smooth() const override { return true; }
   bool effects_imitate() const override { return true; }  // All of them change one distance.
   // A look at every effect costs less than fits of all: only the promising ones are fitted.
   std::optional<Groups> screening_groups() const override { return all_groups(); }
-  std::string not_testable(const Model& model, const EffectDefinition& effect, size_t parameter) const override;
-  std::vector<std::vector<double>> starts(const Model& model, const EffectDefinition& effect) const override;
+  std::string not_testable(const Model& model, const EffectDefinition& effect,
+                           size_t parameter) const override;
+  std::vector<std::vector<double>> starts(const Model& model,
+                                          const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
   std::string advice(const std::string& effect, const std::string& other) const override;
   const std::vector<Groups>& folds() const override { return data_.folds; }
@@ -54,6 +62,7 @@ class RangesProblem : public Problem {
 };
 
 // `seam measure` for this kind (ranges_measure.cc).
-void measure_ranges(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options);
+void measure_ranges(const Model& truth, const MeasurementSet& protocol,
+                    const MeasureOptions& options);
 
 }  // namespace seam::measurement

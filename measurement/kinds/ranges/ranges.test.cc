@@ -1,5 +1,7 @@
-// Sets of ranges with a camera of one grey and a detector that reads the distance from one pixel, so
-// that everything can be calculated by hand. The real ones: tests/ranges_test.py.
+// Sets of ranges with a camera of one grey and a detector that reads the distance from one pixel,
+// so that everything can be calculated by hand. The real ones: tests/ranges_test.py.
+#include "measurement/kinds/ranges/ranges.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +10,6 @@
 #include <fstream>
 
 #include "measurement/imaging/frame_predictor.h"
-#include "measurement/kinds/ranges/ranges.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -20,10 +21,12 @@ constexpr int kTrials = 24;  // As predictions take.
 // All light is the ball's distance.
 class GreyCamera final : public FramePredictor {
  public:
-  GreyCamera(int width_px, int height_px) : samples_(static_cast<size_t>(width_px) * height_px * 3) {}
+  GreyCamera(int width_px, int height_px)
+      : samples_(static_cast<size_t>(width_px) * height_px * 3) {}
   std::vector<float> light(const FrameJob& job) const override {
     const Vec3 ball = job.instants.front().primitives.front().X_WO.p;
-    return std::vector<float>(samples_, static_cast<float>(std::hypot(ball.x, ball.y) * kDnPerMetre / 255));
+    return std::vector<float>(samples_,
+                              static_cast<float>(std::hypot(ball.x, ball.y) * kDnPerMetre / 255));
   }
 
  private:
@@ -32,14 +35,19 @@ class GreyCamera final : public FramePredictor {
 
 class FirstPixel final : public RangeDetector {
  public:
-  explicit FirstPixel(const RangeDetectorSpec& spec) : width_px_(spec.width_px), height_px_(spec.height_px) {}
+  explicit FirstPixel(const RangeDetectorSpec& spec)
+      : width_px_(spec.width_px), height_px_(spec.height_px) {}
   Gaze gaze(const Model&, double) const override { return {}; }
-  std::vector<uint8_t> colours(std::span<const uint8_t> rgb) const override { return {rgb.begin(), rgb.end()}; }
+  std::vector<uint8_t> colours(std::span<const uint8_t> rgb) const override {
+    return {rgb.begin(), rgb.end()};
+  }
   PixelWindow whole(const PixelWindow&) const override { return {0, 0, width_px_, height_px_}; }
-  void recolour(const PixelWindow&, std::span<const uint8_t> rgb, std::vector<uint8_t>& colours) const override {
+  void recolour(const PixelWindow&, std::span<const uint8_t> rgb,
+                std::vector<uint8_t>& colours) const override {
     colours.assign(rgb.begin(), rgb.end());
   }
-  std::optional<RangeSighting> measure(std::span<const uint8_t> colours, const Gaze&) const override {
+  std::optional<RangeSighting> measure(std::span<const uint8_t> colours,
+                                       const Gaze&) const override {
     if (colours[0] > 250) return std::nullopt;
     return RangeSighting{colours[0] / kDnPerMetre, 0};
   }
@@ -51,29 +59,37 @@ class FirstPixel final : public RangeDetector {
 class Ranges : public testing::Test {
  protected:
   void SetUp() override {
-    supply_frame_predictor([](const Model&, int width_px, int height_px, SimTime) -> std::unique_ptr<FramePredictor> {
-      return std::make_unique<GreyCamera>(width_px, height_px);
-    });
+    supply_frame_predictor(
+        [](const Model&, int width_px, int height_px, SimTime) -> std::unique_ptr<FramePredictor> {
+          return std::make_unique<GreyCamera>(width_px, height_px);
+        });
     supply_range_detectors(
         [](const RangeDetectorSpec& spec) -> std::unique_ptr<RangeDetector> {
           if (spec.name != "first_pixel") return nullptr;
           return std::make_unique<FirstPixel>(spec);
         },
         {"first_pixel"});
-    folder_ = testing::TempDir() + "/ranges_" + testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = testing::TempDir() + "/ranges_" +
+              testing::UnitTest::GetInstance()->current_test_info()->name();
     std::filesystem::create_directories(folder_);
     write("scene.yaml",
           "format: seam-scene/1\nbackground_rgb: [0, 0, 0]\n"
           "objects: [{shape: sphere, centre_m: [1, 0, 0.04], radius_m: 0.04, rgb: [1, 1, 1]}]\n");
     write("measurement.yaml",
-          "format: seam-measurement/1\nkind: ranges\ncamera: {width_px: 16, height_px: 8}\nscene: scene.yaml\n"
+          "format: seam-measurement/1\nkind: ranges\ncamera: {width_px: 16, height_px: 8}\nscene: "
+          "scene.yaml\n"
           "detector: first_pixel\nfiles: {ranges: ranges.csv}\n");
   }
-  void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
+  void write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+  }
   std::unique_ptr<Problem> open() const { return open_problem(folder_); }
   static Model model(const std::string& effects = "") {
-    return Model::from_config(ConfigNode::from_text(
-        "format: seam-model/1\neffects:\n  pinhole: {fx_px: 16, fy_px: 16, cx_px: 7.5, cy_px: 3.5}\n" + effects, "model"));
+    return Model::from_config(
+        ConfigNode::from_text("format: seam-model/1\neffects:\n  pinhole: {fx_px: 16, fy_px: 16, "
+                              "cx_px: 7.5, cy_px: 3.5}\n" +
+                                  effects,
+                              "model"));
   }
   std::filesystem::path folder_;
 };
@@ -95,7 +111,8 @@ TEST(VarianceOfSpread, IsThatOfSamples) {
       sum += s, sum2 += s * s;
     }
     const double sampled = sum2 / kTimes - sum / kTimes * (sum / kTimes);
-    const double variance = jumps ? 0.21 : 1, fourth = jumps ? 0.3 * 0.7 * (0.3 * 0.3 * 0.3 + 0.7 * 0.7 * 0.7) : 3;
+    const double variance = jumps ? 0.21 : 1,
+                 fourth = jumps ? 0.3 * 0.7 * (0.3 * 0.3 * 0.3 + 0.7 * 0.7 * 0.7) : 3;
     // Never less than what normal values have.
     const double expected = std::max(sampled, variance / (2 * (kN - 1)));
     EXPECT_NEAR(variance_of_spread(variance, fourth, kN), expected, 0.1 * expected) << jumps;
@@ -105,7 +122,8 @@ TEST(VarianceOfSpread, IsThatOfSamples) {
 
 TEST_F(Ranges, ResidualsAreThoseOfMeanAndSpreadOverTheirErrors) {
   write("ranges.csv",
-        "trial,true_m,measured_m\n1,0.5,0.50\n2,0.5,0.53\n3,0.5,0.56\n1,0.8,0.81\n2,0.8,0.79\n3,0.8,0.80\n");
+        "trial,true_m,measured_m\n1,0.5,0.50\n2,0.5,0.53\n3,0.5,0.56\n1,0.8,0.81\n2,0.8,0.79\n3,0."
+        "8,0.80\n");
   const auto problem = open();
   const Facts& facts = problem->facts();
   // Three trials: each is a side of its own, with one measurement a place and so without a spread.
@@ -118,7 +136,8 @@ TEST_F(Ranges, ResidualsAreThoseOfMeanAndSpreadOverTheirErrors) {
   const Evaluation here = problem->evaluate(noisy, problem->all_groups());
   const double single = std::sqrt(9 + 1.0 / 12) / kDnPerMetre;
   for (size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(here.residual[i], 0.03 * static_cast<double>(i), 3.5 * single / std::sqrt(kTrials)) << i;
+    EXPECT_NEAR(here.residual[i], 0.03 * static_cast<double>(i), 3.5 * single / std::sqrt(kTrials))
+        << i;
     // Its own noise, and the simulation's, which the three sides share.
     EXPECT_NEAR(here.sigma[i], single * std::sqrt(1 + 3.0 / kTrials), 0.4 * single) << i;
     EXPECT_DOUBLE_EQ(here.whitened[i], here.residual[i] / here.sigma[i]);
@@ -133,7 +152,8 @@ TEST_F(Ranges, ResidualsAreThoseOfMeanAndSpreadOverTheirErrors) {
 TEST_F(Ranges, SpreadsAreObservationsToo) {
   std::string table = "trial,true_m,measured_m\n";
   for (int k = 0; k < 40; ++k) {
-    for (const double d : {0.5, 0.8}) table += fmt::format("{},{},{}\n", k, d, d + 0.04 * (k % 2 == 0 ? 1 : -1));
+    for (const double d : {0.5, 0.8})
+      table += fmt::format("{},{},{}\n", k, d, d + 0.04 * (k % 2 == 0 ? 1 : -1));
   }
   write("ranges.csv", table);
   const auto problem = open();
@@ -141,7 +161,8 @@ TEST_F(Ranges, SpreadsAreObservationsToo) {
   ASSERT_EQ(problem->facts().rows(), 4u);
   ASSERT_EQ(problem->facts().scalars(), 8u);
   ASSERT_EQ(problem->folds().size(), 1u);
-  const Model quiet = model("  read_noise: {sigma_dn: 1}\n"), noisy = model("  read_noise: {sigma_dn: 4}\n");
+  const Model quiet = model("  read_noise: {sigma_dn: 1}\n"),
+              noisy = model("  read_noise: {sigma_dn: 4}\n");
   problem->prepare(quiet);
   const auto spread_z = [&](const Model& m) {
     const Evaluation e = problem->evaluate(m, problem->all_groups());
@@ -157,13 +178,15 @@ TEST_F(Ranges, SpreadsAreObservationsToo) {
 
 TEST_F(Ranges, OneGrossValueIsAnOutlierOfItsOwn) {
   std::string table = "trial,true_m,measured_m\n";
-  for (int k = 0; k < 10; ++k) table += fmt::format("{},0.5,{}\n", k, k == 4 ? 1.9 : 0.5 + 0.001 * (k % 3));
+  for (int k = 0; k < 10; ++k)
+    table += fmt::format("{},0.5,{}\n", k, k == 4 ? 1.9 : 0.5 + 0.001 * (k % 3));
   for (int k = 0; k < 10; ++k) table += fmt::format("{},0.8,0.8\n", k);
   write("ranges.csv", table);
   const auto problem = open();
   const auto outliers = problem->find_outliers(model());
   ASSERT_EQ(std::count(outliers.begin(), outliers.end(), 1), 1);
-  const size_t scalar = static_cast<size_t>(std::find(outliers.begin(), outliers.end(), 1) - outliers.begin());
+  const size_t scalar =
+      static_cast<size_t>(std::find(outliers.begin(), outliers.end(), 1) - outliers.begin());
   EXPECT_EQ(problem->facts().line_of_row[problem->facts().row_of[scalar]], 6);
 }
 
@@ -171,7 +194,8 @@ TEST_F(Ranges, SaysWhichPlaceShowsNoBall) {
   write("ranges.csv", "trial,true_m,measured_m\n1,0.5,0.5\n2,2.53,2.5\n");
   const auto problem = open();
   EXPECT_THAT([&] { problem->prepare(model()); },
-              testing::ThrowsMessage<InputError>(testing::AllOf(testing::HasSubstr("ranges.csv:3"), testing::HasSubstr("2.53"))));
+              testing::ThrowsMessage<InputError>(
+                  testing::AllOf(testing::HasSubstr("ranges.csv:3"), testing::HasSubstr("2.53"))));
 }
 
 }  // namespace

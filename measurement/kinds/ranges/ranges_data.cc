@@ -15,7 +15,8 @@ constexpr double kNearest_m = 0.05, kFarthest_m = 20;
 
 // A measurement is gross where it is more than 6 robust sigmas, and a quarter of the distance, from
 // the median of its place: a detector's own jumps by one pixel are smaller.
-std::vector<char> gross(const std::vector<double>& measured, const std::vector<std::vector<size_t>>& lines_of_place,
+std::vector<char> gross(const std::vector<double>& measured,
+                        const std::vector<std::vector<size_t>>& lines_of_place,
                         const std::vector<BallPlace>& places) {
   std::vector<char> flags(measured.size(), 0);
   for (size_t p = 0; p < places.size(); ++p) {
@@ -25,7 +26,8 @@ std::vector<char> gross(const std::vector<double>& measured, const std::vector<s
     const double middle = median_of(values);
     for (const double value : values) away.push_back(std::abs(value - middle));
     const double limit = std::max(6 * 1.4826 * median_of(away), 0.25 * places[p].true_m);
-    for (const size_t line : lines_of_place[p]) flags[line] = std::abs(measured[line] - middle) > limit;
+    for (const size_t line : lines_of_place[p])
+      flags[line] = std::abs(measured[line] - middle) > limit;
   }
   return flags;
 }
@@ -48,7 +50,8 @@ struct Sides {
 };
 
 // Nothing to hold out by: whole places are.
-Sides sides_of(const CsvTable& table, const std::string& column, const std::vector<size_t>& place_of_line) {
+Sides sides_of(const CsvTable& table, const std::string& column,
+               const std::vector<size_t>& place_of_line) {
   std::vector<std::string> names;
   Sides sides;
   if (table.has(column)) sides.of_line = number_groups(table.texts(column), names);
@@ -69,17 +72,20 @@ Sides sides_of(const CsvTable& table, const std::string& column, const std::vect
 }  // namespace
 
 std::vector<size_t> read_places(const CsvTable& table, std::vector<BallPlace>& places) {
-  if (table.rows() == 0) throw InputError(fmt::format("{}: no rows, expected measurements", table.file()));
+  if (table.rows() == 0)
+    throw InputError(fmt::format("{}: no rows, expected measurements", table.file()));
   const std::vector<double> true_m = table.numbers("true_m");
-  const std::vector<double> bearing =
-      table.has("bearing_rad") ? table.numbers("bearing_rad") : std::vector<double>(table.rows(), 0);
+  const std::vector<double> bearing = table.has("bearing_rad")
+                                          ? table.numbers("bearing_rad")
+                                          : std::vector<double>(table.rows(), 0);
   const auto before = [](const BallPlace& a, const BallPlace& b) {
     return std::pair(a.true_m, a.bearing_rad) < std::pair(b.true_m, b.bearing_rad);
   };
   std::map<BallPlace, size_t, decltype(before)> known(before);
   for (size_t row = 0; row < table.rows(); ++row) {
     if (!(true_m[row] >= kNearest_m && true_m[row] <= kFarthest_m)) {
-      table.fail(row, "true_m", table.cell(row, "true_m"), fmt::format("a distance from {} to {} m", kNearest_m, kFarthest_m));
+      table.fail(row, "true_m", table.cell(row, "true_m"),
+                 fmt::format("a distance from {} to {} m", kNearest_m, kFarthest_m));
     }
     if (std::abs(bearing[row]) > maths::kPi) {
       table.fail(row, "bearing_rad", table.cell(row, "bearing_rad"), "an angle from -pi to pi");
@@ -91,7 +97,8 @@ std::vector<size_t> read_places(const CsvTable& table, std::vector<BallPlace>& p
     places.push_back(place);
   }
   std::vector<size_t> place_of_line;
-  for (size_t row = 0; row < table.rows(); ++row) place_of_line.push_back(known[{true_m[row], bearing[row]}]);
+  for (size_t row = 0; row < table.rows(); ++row)
+    place_of_line.push_back(known[{true_m[row], bearing[row]}]);
   return place_of_line;
 }
 
@@ -103,7 +110,8 @@ RangeData read_ranges(const MeasurementSet& set, Facts& facts) {
   const std::vector<double> measured = table.numbers("measured_m");
   for (size_t row = 0; row < table.rows(); ++row) {
     if (!(measured[row] > 0 && measured[row] < 1e3)) {
-      table.fail(row, "measured_m", table.cell(row, "measured_m"), "a distance of more than 0 and less than 1000 m");
+      table.fail(row, "measured_m", table.cell(row, "measured_m"),
+                 "a distance of more than 0 and less than 1000 m");
     }
   }
   facts.kind = "ranges";
@@ -113,14 +121,16 @@ RangeData read_ranges(const MeasurementSet& set, Facts& facts) {
   facts.file = table.file();
 
   std::vector<std::vector<size_t>> lines_of_place(data.places.size());
-  for (size_t line = 0; line < table.rows(); ++line) lines_of_place[place_of_line[line]].push_back(line);
+  for (size_t line = 0; line < table.rows(); ++line)
+    lines_of_place[place_of_line[line]].push_back(line);
   const std::vector<char> far = gross(measured, lines_of_place, data.places);
   const Sides sides = sides_of(table, set.group, place_of_line);
   std::vector<int> side_of_group;
   const auto add = [&](RangeRow row, int line, int side) {
     const BallPlace& place = data.places[row.place];
-    const std::string name = fmt::format("side {} at {} m, {} rad{}", side, place.true_m, place.bearing_rad,
-                                         row.outlier ? fmt::format(", line {}", line) : "");
+    const std::string name =
+        fmt::format("side {} at {} m, {} rad{}", side, place.true_m, place.bearing_rad,
+                    row.outlier ? fmt::format(", line {}", line) : "");
     facts.group_of_row.push_back(static_cast<int>(facts.groups.size()));
     facts.groups.push_back(name);
     side_of_group.push_back(side);
@@ -166,7 +176,8 @@ RangeData read_ranges(const MeasurementSet& set, Facts& facts) {
     bearing.push_back(data.places[row.place].bearing_rad);
   }
   facts.covariates.push_back({.name = "range", .values = std::move(range)});
-  if (table.has("bearing_rad")) facts.covariates.push_back({.name = "bearing", .values = std::move(bearing)});
+  if (table.has("bearing_rad"))
+    facts.covariates.push_back({.name = "bearing", .values = std::move(bearing)});
   return data;
 }
 

@@ -34,7 +34,8 @@ struct RangeData {
   std::vector<Groups> folds;
 };
 
-inline const std::vector<std::string> kRangeColumns = {"trial", "true_m", "measured_m", "bearing_rad"};
+inline const std::vector<std::string> kRangeColumns = {"trial", "true_m", "measured_m",
+                                                       "bearing_rad"};
 
 // The place of each line of `ranges.csv`; `places` gets the distinct ones.
 std::vector<size_t> read_places(const CsvTable& table, std::vector<BallPlace>& places);

@@ -1,15 +1,15 @@
-// Fits of ranges. The detector's answer is a staircase in every parameter: its trend leads near the right
-// place, where it has many treads, and only there do all steps agree. So the prediction is smoothed over
-// displacements of the image: widely at first, by a whole colour pixel, which shows the trend, then less and
-// less. From each width to the next, places are drawn from what the wider one leaves open, and the best is
-// kept.
+// Fits of ranges. The detector's answer is a staircase in every parameter: its trend leads near the
+// right place, where it has many treads, and only there do all steps agree. So the prediction is
+// smoothed over displacements of the image: widely at first, by a whole colour pixel, which shows
+// the trend, then less and less. From each width to the next, places are drawn from what the wider
+// one leaves open, and the best is kept.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "measurement/numerics/linear_algebra.h"
 #include "measurement/kinds/ranges/ranges.h"
+#include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -18,7 +18,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kWide_px = 1;  // Half a colour pixel to either side of its middle: no steps are left.
+constexpr double kWide_px =
+    1;  // Half a colour pixel to either side of its middle: no steps are left.
 constexpr size_t kMostDraws = 16;
 
 // One unknown in the coordinate in which it is fitted: limits without end by their reciprocal.
@@ -26,7 +27,8 @@ struct Coordinate {
   Unknown unknown;
   const effects::Parameter* parameter = nullptr;
   double min = 0, max = 0, scale = 1;
-  bool spread = false;  // Of a noise alone: sought on the likelihood, which has no slope where it begins.
+  bool spread =
+      false;  // Of a noise alone: sought on the likelihood, which has no slope where it begins.
 
   Coordinate(const Model& model, const Unknown& u)
       : unknown(u), parameter(&model.find(u.effect)->definition->parameters[u.parameter]) {
@@ -36,20 +38,26 @@ struct Coordinate {
     scale = p.fit_reciprocal ? 1 / p.scale : p.scale;
     spread = model.find(u.effect)->definition->spread_only;
   }
-  double to_value(double z) const { return parameter->fit_reciprocal ? (z > 0 ? 1 / z : kInfinity) : z; }
+  double to_value(double z) const {
+    return parameter->fit_reciprocal ? (z > 0 ? 1 / z : kInfinity) : z;
+  }
   double of(const Model& model) const {
     const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
     return std::clamp(parameter->fit_reciprocal ? 1 / value : value, min, max);
   }
-  void set(Model& model, double z) const { model.set_value(unknown.effect, unknown.parameter, to_value(z)); }
+  void set(Model& model, double z) const {
+    model.set_value(unknown.effect, unknown.parameter, to_value(z));
+  }
 };
 
-double first_step(const Coordinate& c) { return 0.1 * c.scale; }
+double first_step(const Coordinate& c) {
+  return 0.1 * c.scale;
+}
 
 // Derivative of the residuals by a coordinate, over a step that they notice: about their own sigma.
 // `h` is the step to begin with, and gets the one taken.
-std::vector<double> slope(const RangesProblem& problem, const Model& model, const Coordinate& c, const Groups& groups,
-                          double dither_px, double& h) {
+std::vector<double> slope(const RangesProblem& problem, const Model& model, const Coordinate& c,
+                          const Groups& groups, double dither_px, double& h) {
   constexpr double kLeast = 0.4, kMost = 2.5;
   const double z = c.of(model);
   std::vector<double> column;
@@ -89,13 +97,15 @@ std::vector<double> slope(const RangesProblem& problem, const Model& model, cons
 // What brings each coordinate's curvature to 1; 0 for one that changes nothing.
 VectorXd unit_scale(const MatrixXd& normal) {
   VectorXd scale(normal.rows());
-  for (Eigen::Index i = 0; i < normal.rows(); ++i) scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
+  for (Eigen::Index i = 0; i < normal.rows(); ++i)
+    scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
   return scale;
 }
 
 class RangesFit {
  public:
-  RangesFit(const RangesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups)
+  RangesFit(const RangesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns,
+            const Groups& groups)
       : problem_(problem), groups_(groups), model_(start) {
     for (const Unknown& unknown : unknowns) {
       coordinates_.emplace_back(start, unknown);
@@ -104,7 +114,8 @@ class RangesFit {
   }
 
   Fit run() {
-    const bool mean = std::any_of(coordinates_.begin(), coordinates_.end(), [](const Coordinate& c) { return !c.spread; });
+    const bool mean = std::any_of(coordinates_.begin(), coordinates_.end(),
+                                  [](const Coordinate& c) { return !c.spread; });
     if (mean) {
       look(kWide_px);
       descend(kWide_px, 2);  // Leaves its slopes for the draw.
@@ -138,7 +149,8 @@ class RangesFit {
     slopes_.clear();
     for (size_t i = 0; i < coordinates_.size(); ++i) {
       const Coordinate& c = coordinates_[i];
-      slopes_.push_back(c.spread ? std::vector<double>{} : slope(problem_, model_, c, groups_, dither_px, steps_[i]));
+      slopes_.push_back(c.spread ? std::vector<double>{}
+                                 : slope(problem_, model_, c, groups_, dither_px, steps_[i]));
     }
   }
   void normal_equations(MatrixXd& normal, VectorXd& right) const;
@@ -198,13 +210,14 @@ bool RangesFit::step(double dither_px) {
       const Coordinate& c = coordinates_[static_cast<size_t>(i)];
       c.set(candidate, std::clamp(c.of(model_) + by[i], c.min, c.max));
     }
-    if (move_to(candidate, dither_px)) return likelihood_ - before > std::max(1.0, 0.02 * std::abs(likelihood_));
+    if (move_to(candidate, dither_px))
+      return likelihood_ - before > std::max(1.0, 0.02 * std::abs(likelihood_));
   }
   return false;
 }
 
-// To the narrow width: to the best of some places drawn from what the wide one leaves open, a few of them
-// from far out, since slopes tell only what is near.
+// To the narrow width: to the best of some places drawn from what the wide one leaves open, a few
+// of them from far out, since slopes tell only what is near.
 void RangesFit::draw() {
   MatrixXd normal;
   VectorXd right;
@@ -221,7 +234,8 @@ void RangesFit::draw() {
   for (size_t k = 0; k < draws; ++k) {
     VectorXd away(count);
     for (Eigen::Index i = 0; i < count; ++i) {
-      away[i] = (k % 2 == 0 ? 1 : 3) * seam::normal(stream, k * static_cast<size_t>(count) + static_cast<size_t>(i)) /
+      away[i] = (k % 2 == 0 ? 1 : 3) *
+                seam::normal(stream, k * static_cast<size_t>(count) + static_cast<size_t>(i)) /
                 std::sqrt(std::max(axes.eigenvalues()[i], 1e-3));
     }
     const VectorXd by = scale.cwiseProduct(axes.eigenvectors() * away);
@@ -309,7 +323,8 @@ Fit RangesFit::result() const {
   for (Eigen::Index i = 0; i < unit.rows(); ++i) unit(i, i) += scale[i] > 0 ? 0 : 1;
   // A misfit larger than the noise makes estimates less certain in proportion.
   const double misfit = std::max(1.0, score_of(problem_, here_).error());
-  const MatrixXd covariance = misfit * misfit * (scale.asDiagonal() * floored_inverse(unit, 1e-12) * scale.asDiagonal());
+  const MatrixXd covariance =
+      misfit * misfit * (scale.asDiagonal() * floored_inverse(unit, 1e-12) * scale.asDiagonal());
   // d(1/z) = -dz / z^2.
   const auto rate = [&](size_t i) {
     return coordinates_[i].parameter->fit_reciprocal ? -fit.value[i] * fit.value[i] : 1.0;
@@ -318,7 +333,9 @@ Fit RangesFit::result() const {
     if (!(scale[static_cast<Eigen::Index>(i)] > 0) || !std::isfinite(rate(i))) continue;
     for (size_t k = 0; k < count; ++k) {
       if (!std::isfinite(rate(k))) continue;
-      fit.covariance[i * count + k] = rate(i) * rate(k) * covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+      fit.covariance[i * count + k] =
+          rate(i) * rate(k) *
+          covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
     }
     fit.sigma[i] = std::sqrt(fit.covariance[i * count + i]);
   }
@@ -332,8 +349,10 @@ Fit RangesFit::result() const {
 
 }  // namespace
 
-std::vector<std::vector<double>> RangesProblem::jacobian(const Model& model, const std::vector<Unknown>& unknowns,
-                                                         const Groups& groups, const Evaluation& here) const {
+std::vector<std::vector<double>> RangesProblem::jacobian(const Model& model,
+                                                         const std::vector<Unknown>& unknowns,
+                                                         const Groups& groups,
+                                                         const Evaluation& here) const {
   std::vector<std::vector<double>> columns;
   for (const Unknown& unknown : unknowns) {
     const Coordinate c(model, unknown);
@@ -341,14 +360,17 @@ std::vector<std::vector<double>> RangesProblem::jacobian(const Model& model, con
     std::vector<double> column = slope(*this, model, c, groups, kPlaceAccuracy_px, h);
     column.resize(facts_.scalars(), 0);
     const double value = c.to_value(c.of(model));
-    const double rate = c.parameter->fit_reciprocal && std::isfinite(value) ? -1 / (value * value) : 1;
-    for (size_t i = 0; i < column.size(); ++i) column[i] = here.used[i] ? rate * column[i] / here.sigma[i] : 0;
+    const double rate =
+        c.parameter->fit_reciprocal && std::isfinite(value) ? -1 / (value * value) : 1;
+    for (size_t i = 0; i < column.size(); ++i)
+      column[i] = here.used[i] ? rate * column[i] / here.sigma[i] : 0;
     columns.push_back(std::move(column));
   }
   return columns;
 }
 
-Fit RangesProblem::fit(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const {
+Fit RangesProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
+                       const Groups& groups) const {
   return RangesFit(*this, start, unknowns, groups).run();
 }
 

@@ -8,7 +8,8 @@
 namespace seam::measurement {
 
 // Each line is one frame; where no ball is seen in it, the line is left out.
-void measure_ranges(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options) {
+void measure_ranges(const Model& truth, const MeasurementSet& protocol,
+                    const MeasureOptions& options) {
   const CsvTable table = protocol.table("ranges");
   table.texts("trial");
   std::vector<BallPlace> places;
@@ -23,8 +24,8 @@ void measure_ranges(const Model& truth, const MeasurementSet& protocol, const Me
                                std::filesystem::copy_options::overwrite_existing);
   }
   const RandomStream camera = RandomStream{.seed = options.seed}.child("ranges");
-  const auto pattern =
-      effects::fixed_pattern(effects::sensor_of(truth), simulation.width_px(), simulation.height_px(), 3, camera);
+  const auto pattern = effects::fixed_pattern(effects::sensor_of(truth), simulation.width_px(),
+                                              simulation.height_px(), 3, camera);
   const auto stated = protocol.noise.find("measured_m");
   const double noise = options.noise && stated != protocol.noise.end() ? stated->second : 0;
   std::vector<std::string> columns = table.columns();
@@ -39,12 +40,14 @@ void measure_ranges(const Model& truth, const MeasurementSet& protocol, const Me
     const double measured = sighting->distance_m + noise * normal(camera.child("noise"), row);
     std::vector<std::string> cells;
     for (const std::string& column : columns)
-      cells.push_back(column == "measured_m" ? fmt::format("{:.6f}", measured) : std::string(table.cell(row, column)));
+      cells.push_back(column == "measured_m" ? fmt::format("{:.6f}", measured)
+                                             : std::string(table.cell(row, column)));
     out.row(cells);
   }
   if (seen == 0) {
-    throw InputError(fmt::format("{}: with model '{}' the detector sees the ball in none of {} frames", table.file(),
-                                 truth.name(), table.rows()));
+    throw InputError(
+        fmt::format("{}: with model '{}' the detector sees the ball in none of {} frames",
+                    table.file(), truth.name(), table.rows()));
   }
   out.write(options.out / protocol.files.at("ranges"));
 }

@@ -1,9 +1,9 @@
-#include "tools/command_line.h"
+#include "app/command_line.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-namespace seam::tools {
+namespace seam::app {
 
 Option& Option::required() {
   option_->required();
@@ -44,9 +44,9 @@ Command Command::add_subcommand(const std::string& name, const std::string& help
   return Command(app_->add_subcommand(name, help));
 }
 
-#define SEAM_ADD_OPTION(Type)                                                                      \
-  Option Command::add_option(const std::string& names, Type& value, const std::string& help) {     \
-    return Option(app_->add_option(names, value, help));                                           \
+#define SEAM_ADD_OPTION(Type)                                                                  \
+  Option Command::add_option(const std::string& names, Type& value, const std::string& help) { \
+    return Option(app_->add_option(names, value, help));                                       \
   }
 SEAM_ADD_OPTION(std::string)
 SEAM_ADD_OPTION(std::vector<std::string>)
@@ -62,18 +62,27 @@ Option Command::add_flag(const std::string& names, bool& value, const std::strin
   return Option(app_->add_flag(names, value, help));
 }
 
-Option Command::add_flag(const std::string& names, std::function<void()> when_given, const std::string& help) {
-  return Option(app_->add_flag_function(names, [when_given](int64_t) { when_given(); }, help));
+Option Command::add_flag(const std::string& names, std::function<void()> when_given,
+                         const std::string& help) {
+  return Option(app_->add_flag_function(
+      names, [when_given](int64_t) { when_given(); }, help));
 }
 
-void Command::require_subcommand() { app_->require_subcommand(1); }
+void Command::require_subcommand() {
+  app_->require_subcommand(1);
+}
 
-void Command::footer(const std::string& text) { app_->footer(text); }
+void Command::footer(const std::string& text) {
+  app_->footer(text);
+}
 
-void Command::callback(std::function<void()> action) { app_->callback(std::move(action)); }
+void Command::callback(std::function<void()> action) {
+  app_->callback(std::move(action));
+}
 
 int parse_and_run(const std::string& help, const std::string& program, const std::string& version,
-                  const std::vector<std::string>& arguments, const std::function<void(Command)>& add_commands) {
+                  const std::vector<std::string>& arguments,
+                  const std::function<void(Command)>& add_commands) {
   CLI::App app{help, program};
   app.set_version_flag("--version", version);
   add_commands(Command(&app));
@@ -86,6 +95,8 @@ int parse_and_run(const std::string& help, const std::string& program, const std
   return 0;
 }
 
-std::vector<std::string> split_words(const std::string& text) { return CLI::detail::split_up(text); }
+std::vector<std::string> split_words(const std::string& text) {
+  return CLI::detail::split_up(text);
+}
 
-}  // namespace seam::tools
+}  // namespace seam::app
