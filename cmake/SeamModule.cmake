@@ -71,12 +71,16 @@ function(compile_together target count)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# seam_module(NAME [LINK targets...] [UNITY n] [UNITY_TESTS n]): the library of this folder and, if it has *.test.cc,
-# its test program. UNITY compiles n files of the library at a time, UNITY_TESTS those of the tests: for folders of
-# many files with heavy headers.
+# seam_module(NAME [ROOMS rooms...] [LINK targets...] [UNITY n] [UNITY_TESTS n]): the library of this folder, or of
+# these rooms of it, and, if there are *.test.cc, its test program. UNITY compiles n files of the library at a time,
+# UNITY_TESTS those of the tests: for folders of many files with heavy headers.
 function(seam_module name)
-  cmake_parse_arguments(ARG "" "UNITY;UNITY_TESTS" "LINK" ${ARGN})
-  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cc)
+  cmake_parse_arguments(ARG "" "UNITY;UNITY_TESTS" "ROOMS;LINK" ${ARGN})
+  set(patterns *.cc)
+  if(ARG_ROOMS)
+    list(TRANSFORM ARG_ROOMS APPEND /*.cc OUTPUT_VARIABLE patterns)
+  endif()
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${patterns})
   set(tests ${sources})
   list(FILTER tests INCLUDE REGEX "\\.test\\.cc$")
   list(FILTER sources EXCLUDE REGEX "\\.(test|perf|fuzz|main)\\.cc$")

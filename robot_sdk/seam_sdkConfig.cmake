@@ -14,4 +14,4 @@ set_target_properties(seam::sdk PROPERTIES
   IMPORTED_LOCATION ${seam_sdk_lib}/libseam_robot_sdk.a
   INTERFACE_INCLUDE_DIRECTORIES ${seam_sdk_prefix}/include
   INTERFACE_COMPILE_FEATURES cxx_std_20
-  INTERFACE_LINK_LIBRARIES "${seam_sdk_lib}/libseam_proto.a;PkgConfig::SEAM_SDK_GRPC;protobuf::libprotobuf;Threads::Threads")
+  INTERFACE_LINK_LIBRARIES "${seam_sdk_lib}/libseam_grpc.a;${seam_sdk_lib}/libseam_proto.a;PkgConfig::SEAM_SDK_GRPC;protobuf::libprotobuf;Threads::Threads")
