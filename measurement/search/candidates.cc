@@ -76,7 +76,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     const size_t parameter = unknowns[k].parameter;
     const double width =
         candidate ? effect.parameters[parameter].max - effect.parameters[parameter].min : 0;
-    if (before <= 0 || after < 1e-5 * before) {
+    if (before <= 0 || after < kAbsorbed * before) {
       if (candidate) {
         reasons.push_back({effect.name, effect.parameters[parameter].name,
                            before <= 0 ? "it does not change the prediction of these data"
@@ -84,7 +84,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
       }
       continue;
     }
-    if (candidate && after * width < 2) {
+    if (candidate && after * width < kLeastReach) {
       reasons.push_back({effect.name, effect.parameters[parameter].name,
                          "these data could not see it at any size in its bounds"});
       continue;
@@ -141,7 +141,7 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
     }
     std::sort(order.begin(), order.end());
     std::vector<std::vector<double>> best;
-    for (size_t i = 0; i < std::min<size_t>(2, order.size()); ++i)
+    for (size_t i = 0; i < std::min(kMostCountsFitted, order.size()); ++i)
       best.push_back(starts[order[i].second]);
     starts = best;
   }
@@ -220,8 +220,9 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
     const double share = static_cast<double>(before.n) / static_cast<double>(count_used(problem));
     expected = base.assessment.total_ll + (expected - before.log_likelihood) / share;
   }
-  // More than four starts (a phase's quarters): several valleys, of which the first says little.
-  if (prospect.starts.size() <= 4 && !has_counts(*effect)) prospect.expected_ll = expected;
+  // More starts (a phase's quarters): several valleys, of which the first says little.
+  if (prospect.starts.size() <= kMostStartsOfOneValley && !has_counts(*effect))
+    prospect.expected_ll = expected;
   return prospect;
 }
 
@@ -249,8 +250,6 @@ namespace {
 // these the best few. What a step of Gauss and Newton cannot judge is always fitted.
 std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
                                 const std::vector<std::optional<Prospect>>& prospects) {
-  constexpr size_t kMost = 6;
-  constexpr double kMargin = 1.5;  // Gains may exceed the step's by this much.
   const double n = static_cast<double>(std::max<size_t>(1, count_used(problem)));
   std::vector<char> worth(prospects.size(), 0);
   std::vector<std::pair<double, size_t>> ranked;
@@ -264,12 +263,12 @@ std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
     const double error = base.assessment.error;
     const double misfit = std::max(1.0, error * error - 2 * gain / n);
     const double freedom = static_cast<double>(std::max<size_t>(1, prospects[i]->free.size()));
-    const double tail = chi2_tail(kMargin * 2 * std::max(gain, 0.0) / misfit, freedom);
-    if (tail * static_cast<double>(prospects.size()) < 0.5)
+    const double tail = chi2_tail(kScoreMargin * 2 * std::max(gain, 0.0) / misfit, freedom);
+    if (tail * static_cast<double>(prospects.size()) < kPromising)
       ranked.emplace_back(-prospects[i]->expected_ll, i);
   }
   std::sort(ranked.begin(), ranked.end());
-  if (ranked.size() > kMost) ranked.resize(kMost);
+  if (ranked.size() > kMostFitted) ranked.resize(kMostFitted);
   for (const auto& [order, i] : ranked) worth[i] = 1;
   return worth;
 }

@@ -7,7 +7,6 @@
 #include <regex>
 
 #include "measurement/kinds/kinds.h"
-#include "measurement/report/results.h"
 #include "measurement/study/study.h"
 #include "sim_core/base/files.h"
 

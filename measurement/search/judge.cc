@@ -20,7 +20,7 @@ size_t clear_parameters(const Grown& grown, const std::string& name) {
     if (unknown.effect != name) continue;
     const double away = std::abs(grown.assessment.fit.value[k] -
                                  effect->definition->parameters[unknown.parameter].neutral);
-    clear += away > 2.5 * grown.assessment.fit.sigma[k];
+    clear += away > kClearlyAway * grown.assessment.fit.sigma[k];
   }
   return clear;
 }
@@ -71,21 +71,21 @@ double gain_over_scatter(const Score& before, const Score& after) {
     const double gain = after.by_group[g] - before.by_group[g];
     ++count, sum += gain, sum2 += gain * gain;
   }
-  if (count < 3) return 0;
+  if (count < kLeastGroupsForScatter) return 0;
   const double variance = (sum2 - sum * sum / count) / (count - 1);
   return sum / std::sqrt(std::max(variance * count, 1e-300));
 }
 
 double tie_width(double error) {
-  return 4.6 * std::max(1.0, error * error);
+  return kTieWidth * std::max(1.0, error * error);
 }
 
 double merit_of(const Problem& problem, const Grown& grown) {
   const double size = std::log(static_cast<double>(std::max<size_t>(count_used(problem), 3)));
   const size_t needed = needed_parameters(grown);
   const size_t fitted = std::max(fitted_parameters(grown), needed);
-  return grown.assessment.total_ll - 0.5 * size * static_cast<double>(needed) -
-         static_cast<double>(fitted - needed);
+  return grown.assessment.total_ll - kPriceOfClear * size * static_cast<double>(needed) -
+         kPriceOfUnclear * static_cast<double>(fitted - needed);
 }
 
 void judge(const Problem& problem, const Grown& base, double looks, Candidate& candidate) {
@@ -112,24 +112,26 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
                      clear_parameters(candidate.grown, candidate.effect->name) > 0;
   // Beyond the noise a likelihood says little: held-out groups must agree that they gain, and some
   // value be clear.
-  const bool agreed =
-      after.error <= kMisfit ? clear || candidate.free.size() > 1 : clear && candidate.held_z > 1;
+  const bool agreed = after.error <= kMisfit ? clear || candidate.free.size() > 1
+                                             : clear && candidate.held_z > kAgreedGain;
   // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by
   // as much as noise makes them in one of ten cases at five standard errors, or by what their
   // scatter does in one of ten.
-  const bool beyond_doubt = candidate.p_value < 0.01 * kCandidateAlarm && after.error < kMisfit;
-  const bool held_out_agree = candidate.gain_ll > 0 ||
-                              (beyond_doubt && (candidate.gain_ll > -2 || candidate.held_z > -1.3));
+  const bool beyond_doubt =
+      candidate.p_value < kBeyondDoubt * kCandidateAlarm && after.error < kMisfit;
+  const bool held_out_agree =
+      candidate.gain_ll > 0 ||
+      (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
   candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
   if (candidate.significant && candidate.effect->has_neutral && !has_counts(*candidate.effect))
-    candidate.significant = loss_without(problem, candidate) > 0.5 * candidate.total_gain_ll;
+    candidate.significant =
+        loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll;
   candidate.merit = merit_of(problem, candidate.grown);
 }
 
 bool clearly_helps(const Candidate& candidate) {
-  constexpr double kClear = 4;  // Standard errors.
-  return candidate.significant && !candidate.effect->spread_only && candidate.held_z > kClear;
+  return candidate.significant && !candidate.effect->spread_only && candidate.held_z > kClearGain;
 }
 
 void rank_candidates(std::vector<Candidate>& candidates) {
@@ -154,9 +156,10 @@ void rank_candidates(std::vector<Candidate>& candidates) {
   };
   const auto end = std::stable_partition(candidates.begin(), candidates.end(), tied);
   std::stable_sort(candidates.begin(), end, [](const Candidate& a, const Candidate& b) {
-    if (a.free.size() != b.free.size() && std::abs(a.total_gain_ll - b.total_gain_ll) < 2)
+    if (a.free.size() != b.free.size() &&
+        std::abs(a.total_gain_ll - b.total_gain_ll) < kFewerParametersWidth)
       return a.free.size() < b.free.size();
-    if (std::abs(a.total_gain_ll - b.total_gain_ll) < 0.5)
+    if (std::abs(a.total_gain_ll - b.total_gain_ll) < kPreferenceWidth)
       return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
     return false;
   });
@@ -166,7 +169,7 @@ void rank_candidates(std::vector<Candidate>& candidates) {
     for (const Candidate& other : candidates) {
       if (&other == &candidate || !other.significant) continue;
       if (std::abs(other.total_gain_ll - candidate.total_gain_ll) < own &&
-          candidate.indistinguishable_from.size() < 3) {
+          candidate.indistinguishable_from.size() < kMostTiesNamed) {
         candidate.indistinguishable_from.push_back(other.effect->name);
       }
     }

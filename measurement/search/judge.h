@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measurement/search/assess.h"
+#include "measurement/search/decisions.h"
 
 namespace seam::measurement {
 
@@ -29,14 +30,6 @@ struct Candidate {
   bool significant = false;
   std::vector<std::string> indistinguishable_from;
 };
-
-// False alarms are designed for 1 % a set: half for candidates, half for structure tests.
-inline constexpr double kCandidateAlarm = 0.005;
-inline constexpr double kStructureAlarm = 0.005;
-// An error above this is no sampling error of a model that lacks nothing.
-inline constexpr double kMisfit = 1.15;
-// A model above this explains nothing yet.
-inline constexpr double kUseless = 10;
 
 // Whether a parameter of the effect is a whole number: it is tried, not fitted.
 bool has_counts(const EffectDefinition& effect);

@@ -8,8 +8,6 @@
 namespace seam::measurement {
 namespace {
 
-constexpr size_t kMostSteps = 8;
-
 bool is_spread(const std::shared_ptr<const EffectDefinition>& effect) {
   return effect->spread_only;
 }
@@ -80,14 +78,14 @@ std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& 
 
 // Whether some parameter of an added effect is so far from neutral that the effect cannot go.
 bool clearly_needed(const Grown& grown, const std::string& name) {
-  constexpr double kFar = 8;  // Standard errors.
   const Assessment& here = grown.assessment;
   const effects::ModelEffect* effect = here.model.find(name);
   for (size_t k = 0; k < here.unknowns.size() && k < here.fit.sigma.size(); ++k) {
     if (here.unknowns[k].effect != name) continue;
     const double neutral = effect->definition->parameters[here.unknowns[k].parameter].neutral;
     // Every value is infinitely far from a limit's neutral one: that says nothing.
-    if (std::isfinite(neutral) && std::abs(here.fit.value[k] - neutral) > kFar * here.fit.sigma[k])
+    if (std::isfinite(neutral) &&
+        std::abs(here.fit.value[k] - neutral) > kCannotGo * here.fit.sigma[k])
       return true;
   }
   return false;
@@ -143,7 +141,8 @@ std::optional<Grown> Searcher::replace(const Grown& grown, const std::string& ou
   if (!prospect) return std::nullopt;
   if (std::isfinite(prospect->expected_ll)) {
     const double lost = grown.assessment.total_ll - score.log_likelihood;
-    if (score.valid && prospect->expected_ll < grown.assessment.total_ll - 0.4 * lost - 20)
+    if (score.valid && prospect->expected_ll < grown.assessment.total_ll -
+                                                   kReplacementShortfall * lost - kReplacementSlack)
       return std::nullopt;
   }
   auto candidate = fit_prospect(problem_, smaller, *prospect, reasons);
@@ -169,7 +168,7 @@ bool Searcher::exchange(Grown& grown) {
   parallel_for(moves.size(), [&](size_t m) {
     tried[m] = replace(grown, grown.added[moves[m].first], moves[m].second);
   });
-  double best_merit = merit_of(problem_, grown) + 0.25 * tie_width(grown.assessment.error);
+  double best_merit = merit_of(problem_, grown) + kExchangeGain * tie_width(grown.assessment.error);
   size_t best = moves.size();
   for (size_t m = 0; m < moves.size(); ++m) {
     if (!tried[m] || tried[m]->assessment.held_ll() < grown.assessment.held_ll()) continue;
@@ -194,7 +193,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks) {
     for (const Candidate& candidate : looks.candidates) {
       const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) !=
                          promising_.end();
-      if (candidate.significant && !known && promising_.size() < 8)
+      if (candidate.significant && !known && promising_.size() < kMostPromising)
         promising_.push_back(candidate.effect->name);
     }
     const double before = merit_of(problem_, grown);
@@ -213,7 +212,6 @@ Grown Searcher::grow(Grown grown, Looks* first_looks) {
 }
 
 void Searcher::forward(SearchResult& result) {
-  constexpr size_t kBeginnings = 3;
   result.best = grow(base_, &result.first);
   if (!problem_.effects_imitate()) return;
   // The best first step may stand for several effects at once, from where none of them helps alone:
@@ -280,7 +278,7 @@ void Searcher::order_steps(SearchResult& result) {
     left.erase(left.begin() + static_cast<long>(best));
   }
   if (grown.assessment.valid && !result.steps.empty() &&
-      grown.assessment.total_ll >= result.best.assessment.total_ll - 0.5) {
+      grown.assessment.total_ll >= result.best.assessment.total_ll - kSameFit) {
     result.best = grown;
   }
   if (!explained) return;
@@ -301,7 +299,7 @@ void Searcher::order_steps(SearchResult& result) {
   });
   for (size_t m = 0; m < moves.size(); ++m) {
     auto& names = result.steps[moves[m].first].indistinguishable_from;
-    if (tied[m] && names.size() < 3) names.push_back(moves[m].second);
+    if (tied[m] && names.size() < kMostTiesNamed) names.push_back(moves[m].second);
   }
 }
 
@@ -310,7 +308,7 @@ SearchResult Searcher::run() {
   problem_.leave_out({});
   mark_outliers(problem_, model_, result);
   bool marks_changed = true;
-  for (int round = 0; round < 3 && marks_changed; ++round) {
+  for (int round = 0; round < kOutlierRounds && marks_changed; ++round) {
     promising_.clear();
     base_ = base();
     forward(result);
@@ -355,10 +353,10 @@ bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
   result.outlier_share =
       static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, outliers.size()));
   result.outliers.clear();
-  if (result.outlier_share > 0.1 || count == 0) outliers.clear();
+  if (result.outlier_share > kMostOutliers || count == 0) outliers.clear();
   const bool changed = outliers != problem.left_out();
   problem.leave_out(std::move(outliers));
-  if (count == 0 || result.outlier_share > 0.1) return changed;
+  if (count == 0 || result.outlier_share > kMostOutliers) return changed;
   const Evaluation evaluation = problem.evaluate(model, problem.all_groups());
   for (size_t i = 0; i < problem.left_out().size(); ++i) {
     if (!problem.left_out()[i]) continue;

@@ -26,7 +26,7 @@ struct SearchResult {
   std::vector<Step> steps;           // In the order in which they help most.
   std::vector<Structure> remaining;  // Significant structure after the last step.
   std::vector<Outlier> outliers;
-  double outlier_share = 0;  // Above 0.1 none is left out.
+  double outlier_share = 0;  // Above kMostOutliers none is left out.
   std::string verdict;       // Of diagnose.
 };
 

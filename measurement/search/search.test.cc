@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "measurement/kinds/kinds.h"
-#include "measurement/report/results.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 

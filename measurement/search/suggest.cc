@@ -13,9 +13,6 @@
 namespace seam::measurement {
 namespace {
 
-constexpr size_t kMostTerms = 6;
-constexpr int kMostWaves = 300;  // Half periods over a variable's range.
-
 using ByScalar = std::vector<double>;
 
 // A formula for one stage, and how the model does with it.
@@ -141,7 +138,7 @@ ByScalar Proposer::beyond(ByScalar column) const {
     for (const ByScalar& direction : basis_) take_out(direction, column);
   }
   const double after = dot(column, column);
-  if (!(after > 1e-8 * before) || !(after > 0)) return {};
+  if (!(after > kSpanned * before) || !(after > 0)) return {};
   for (double& value : column) value /= std::sqrt(after);
   return column;
 }
@@ -153,7 +150,7 @@ std::optional<Term> Proposer::best_term() const {
     const ByScalar column = beyond(library_[i]);
     if (!column.empty()) gains[i] = 0.5 * std::pow(dot(column, rest_), 2);
   });
-  const double price = 0.5 * std::log(count_) * misfit_;
+  const double price = kPriceOfClear * std::log(count_) * misfit_;
   std::optional<Term> best;
   double most = 0;
   for (size_t i = 0; i < library_.size(); ++i) {
@@ -166,7 +163,8 @@ std::optional<Term> Proposer::best_term() const {
     for (const std::string& variable : vocabulary_.variables) {
       double gain = 0;
       auto wave = best_wave(output, variable, gain);
-      if (wave && gain - 3 * price > most) most = gain - 3 * price, best = std::move(wave);
+      if (wave && gain - kWaveParameters * price > most)
+        most = gain - kWaveParameters * price, best = std::move(wave);
     }
   }
   return best;
@@ -184,10 +182,10 @@ std::optional<Term> Proposer::best_wave(const std::string& output, const std::st
   for (const double value : one) largest = std::max(largest, std::abs(value));
   std::vector<double> at, weight, rest;
   for (size_t i = 0; i < one.size(); ++i) {
-    if (!training_[i] || std::abs(one[i]) < 0.2 * largest) continue;
+    if (!training_[i] || std::abs(one[i]) < kLeastActing * largest) continue;
     at.push_back(by_variable[i] / one[i]), weight.push_back(one[i]), rest.push_back(rest_[i]);
   }
-  if (at.size() < 30) return std::nullopt;
+  if (at.size() < kLeastForWaves) return std::nullopt;
   const auto [low, high] = std::minmax_element(at.begin(), at.end());
   const double span = *high - *low;
   if (!(span > 0)) return std::nullopt;
@@ -263,7 +261,7 @@ Found Proposer::fitted(std::vector<Term> terms) const {
   const double misfit = std::max(1.0, found.assessment.error * found.assessment.error);
   found.merit = found.assessment.total_ll;
   for (const Term& term : found.terms)
-    found.merit -= 0.5 * std::log(count_) * misfit * term.parameters();
+    found.merit -= kPriceOfClear * std::log(count_) * misfit * term.parameters();
   return found;
 }
 
@@ -278,11 +276,12 @@ bool Proposer::supported(const Found& before, const Found& after) const {
   if (!(chi2_tail(ratio, last.parameters()) * looks < kCandidateAlarm)) return false;
   // Most held-out groups must gain, and the gain be worth reading about.
   const double z = gain_over_scatter(before.assessment.held, after.assessment.held);
-  const bool groups = problem_.facts().groups.size() > 5;
-  if (after.assessment.held_ll() <= before.assessment.held_ll() || (groups && z < 2.5))
+  const bool groups = problem_.facts().groups.size() > kGroupsForAgreement;
+  if (after.assessment.held_ll() <= before.assessment.held_ll() || (groups && z < kAgreedFormula))
     return false;
   const auto excess = [](const Assessment& a) { return a.error * a.error - 1; };
-  return excess(before.assessment) - excess(after.assessment) > 0.01 * excess(base_.assessment);
+  return excess(before.assessment) - excess(after.assessment) >
+         kLeastWorthReading * excess(base_.assessment);
 }
 
 // Terms that later ones have made unnecessary go.

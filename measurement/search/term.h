@@ -7,6 +7,7 @@
 #include "effects/effect.h"
 #include "effects/model.h"
 #include "measurement/problem/problem.h"
+#include "measurement/search/decisions.h"
 
 namespace seam::measurement {
 
@@ -24,7 +25,7 @@ struct Term {
   double coefficient = 0;  // A start for its fit.
 
   bool is_wave() const { return !variable.empty(); }
-  double parameters() const { return is_wave() ? 3 : 1; }
+  double parameters() const { return is_wave() ? kWaveParameters : 1; }
   std::string label() const;  // For people, without the coefficient.
 };
 

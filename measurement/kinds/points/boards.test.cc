@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "measurement/kinds/kinds.h"
-#include "measurement/report/results.h"
 #include "measurement/search/search.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/random.h"

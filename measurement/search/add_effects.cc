@@ -1,0 +1,123 @@
+#include "measurement/search/add_effects.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/search/compare.h"
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+effects::HistoryStep history_step(const Problem& problem, const AddResult& result) {
+  return {.effect = result.effect,
+          .parameters = result.parameters,
+          .data_fingerprint = problem.facts().fingerprint,
+          .data = problem.facts().title,
+          .error_before = result.error_before,
+          .error_after = result.error_after};
+}
+
+}  // namespace
+
+NamedValues parameters_of(const Assessment& assessment, const std::string& effect) {
+  NamedValues parameters;
+  const effects::ModelEffect& entry = *assessment.model.find(effect);
+  for (size_t i = 0; i < entry.parameters.size(); ++i) {
+    effects::ParameterValue value{.value = entry.parameters[i].value};
+    for (size_t k = 0; k < assessment.unknowns.size(); ++k) {
+      if (assessment.unknowns[k].effect == effect && assessment.unknowns[k].parameter == i &&
+          std::isfinite(assessment.fit.sigma[k])) {
+        value.sigma = assessment.fit.sigma[k];
+      }
+    }
+    parameters.emplace_back(entry.definition->parameters[i].name, value);
+  }
+  return parameters;
+}
+
+AddResult add_effects(Problem& problem, const Model& model, const EffectList& effects) {
+  const CompareResult before = compare(problem, model);
+  Grown grown = before.base;
+  AddResult result{.error_before = before.base.assessment.error};
+  for (const auto& effect : effects) {
+    if (!problem.acts(*effect)) {
+      throw InputError(fmt::format("effect '{}' does not act on measurements of kind {}",
+                                   effect->name, problem.facts().kind));
+    }
+    grown.assessment.model.remove(effect->name);
+    std::erase_if(grown.assessment.unknowns,
+                  [&](const Unknown& u) { return u.effect == effect->name; });
+    auto candidate = try_effect(problem, grown, effect, result.not_testable);
+    if (!candidate) {
+      std::string why = "these data say nothing of it";
+      for (const NotTestable& reason : result.not_testable) {
+        if (reason.effect == effect->name) why = reason.why;
+      }
+      throw InputError(fmt::format("effect '{}' cannot be fitted: {}", effect->name, why));
+    }
+    grown = std::move(candidate->grown);
+  }
+  // The same outliers before and after: those of the better model.
+  SearchResult marks;
+  if (mark_outliers(problem, grown.assessment.model, marks)) {
+    grown.assessment = assess(problem, grown.assessment.model, grown.assessment.unknowns);
+    result.error_before = assess(problem, model, refitted_unknowns(model)).error;
+  }
+  result.error_after = grown.assessment.error;
+  result.model = grown.assessment.model;
+  write_sigmas(result.model, grown.assessment.unknowns, grown.assessment.fit);
+  for (const auto& effect : effects) {
+    result.effect += (result.effect.empty() ? "" : ", ") + effect->name;
+    for (auto& parameter : parameters_of(grown.assessment, effect->name))
+      result.parameters.push_back(std::move(parameter));
+  }
+  result.model.append_history(history_step(problem, result));
+  return result;
+}
+
+AddResult refit_all(Problem& problem, const Model& model) {
+  const CompareResult before = compare(problem, model);
+  std::vector<Unknown> unknowns;
+  for (const effects::ModelEffect& effect : before.base.assessment.model.effects()) {
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      const bool acts = problem.acts(*effect.definition) &&
+                        problem.not_testable(model, *effect.definition, i).empty();
+      if (!effect.definition->parameters[i].integer && acts)
+        unknowns.push_back({effect.definition->name, i});
+    }
+  }
+  Assessment after = assess(problem, before.base.assessment.model, unknowns);
+  AddResult result{.model = after.model,
+                   .error_before = before.base.assessment.error,
+                   .error_after = after.error};
+  write_sigmas(result.model, after.unknowns, after.fit);
+  for (const effects::ModelEffect& effect : after.model.effects()) {
+    for (auto& [name, value] : parameters_of(after, effect.definition->name)) {
+      if (value.sigma) result.parameters.emplace_back(effect.definition->name + "." + name, value);
+    }
+  }
+  result.model.append_history(history_step(problem, result));
+  return result;
+}
+
+Model discovered_model(const Problem& problem, const Model& start, const SearchResult& result) {
+  if (result.steps.empty()) {
+    Model model = result.base.assessment.model;
+    write_sigmas(model, result.base.assessment.unknowns, result.base.assessment.fit);
+    return model;
+  }
+  Model model = result.best.assessment.model;
+  model.set_name(start.name());
+  write_sigmas(model, result.best.assessment.unknowns, result.best.assessment.fit);
+  for (const Step& step : result.steps) {
+    const AddResult entry{.effect = step.effect,
+                          .parameters = parameters_of(step.after, step.effect),
+                          .error_before = step.error_before,
+                          .error_after = step.error_after};
+    model.append_history(history_step(problem, entry));
+  }
+  return model;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,152 @@
+// The numbers by which the search decides: when an effect counts as found, which of several comes
+// first, when it may go again, and what is worth a fit. Each has its reason; where a study stands
+// behind it, docs/studies.md has its figures, else it is called a judgement: practice sets and
+// studies were right with it, and no study compared it with its neighbours.
+//
+// "Units" are natural units of log-likelihood: 2 units are a likelihood ratio of 7, and a
+// parameter that stands z standard errors clear of neutral gains z^2 / 2.
+#pragma once
+
+#include <cstddef>
+
+namespace seam::measurement {
+
+// ---- Found or not -------------------------------------------------------------------------------
+
+// False alarms are designed for 1 % a set: half for candidates, half for structure tests. Measured:
+// 0 to 3 in 200 sets of each kind (docs/studies.md, "Measured").
+inline constexpr double kCandidateAlarm = 0.005;
+inline constexpr double kStructureAlarm = 0.005;
+
+// An error above this is no sampling error of a model that lacks nothing: that of 300 held-out
+// residuals scatters by 0.04 (docs/studies.md, "Final error"), so that 1.15 is more than three of
+// these.
+inline constexpr double kMisfit = 1.15;
+
+// A model with an error above this explains nothing yet: its outliers mean nothing, and training
+// groups can be fitted by what is wrong elsewhere. A judgement.
+inline constexpr double kUseless = 10;
+
+// Standard errors from neutral at which a parameter counts as needed, and pays the full price of
+// its model: p = 0.012, about what 0.5 log n asks of one parameter at n = 1,000. A judgement.
+inline constexpr double kClearlyAway = 2.5;
+
+// Where held-out groups lose although all groups together leave no doubt (p this share of the
+// alarm's, 5e-5: four standard errors), bad luck is the likelier reason.
+inline constexpr double kBeyondDoubt = 0.01;
+// How unlucky they may be: this loss in units (docs/studies.md, "Flat fields": held-out groups lose
+// once in ten times at five standard errors, and `dark_current` came first in 36 of 40 sets before
+// they might),
+inline constexpr double kUnluckyLoss = -2;
+// or this loss over its own scatter between groups, which a normal variable is below in one of ten
+// cases (docs/studies.md, "Measured": `range_scale` came first in 190 of 200 sets with kUnluckyLoss
+// alone and in 193 with both, `walk_lag` in 193 and 197).
+inline constexpr double kUnluckyScatter = -1.3;
+// Above kMisfit a likelihood says little: held-out groups must gain by more than one standard error
+// of their scatter. A judgement.
+inline constexpr double kAgreedGain = 1;
+
+// With fewer held-out groups than this their scatter is not known.
+inline constexpr int kLeastGroupsForScatter = 3;
+
+// A model must lose at least this share of an effect's gain when the effect is taken out and all
+// else stays: the rest of the gain was the base's, whose fit had stopped early. A judgement.
+inline constexpr double kOwnShareOfGain = 0.5;
+
+// Standard errors of the held-out gain at which an effect of the mean helps in most groups, not by
+// the luck of a few: jitter moves whole groups and lets other effects seem to help. A judgement.
+inline constexpr double kClearGain = 4;
+
+// More outliers than this share are no gross errors but a model that fails: none is left out. So
+// the word is defined in this project.
+inline constexpr double kMostOutliers = 0.1;
+
+// Marks of outliers and the model found under them are settled in turn, at most so often. A
+// judgement: two rounds are the rule.
+inline constexpr int kOutlierRounds = 3;
+
+// ---- Which comes first --------------------------------------------------------------------------
+
+// Two explanations within this many units count as equally good: a likelihood ratio of 100 to 1.
+// In units of the misfit where a model misses more than the noise.
+inline constexpr double kTieWidth = 4.6;
+// Among the tied, one with fewer parameters goes first within this difference, which two needless
+// parameters gain by chance in one of seven cases (chi-square of 2 above 4). A judgement.
+inline constexpr double kFewerParametersWidth = 2;
+// And within this one, where next to nothing tells them apart, the one without a bound at neutral:
+// a latency rather than an exposure (docs/studies.md, "Cross-checks").
+inline constexpr double kPreferenceWidth = 0.5;
+// How many others are named beside a tied effect: more would hide the point. A judgement.
+inline constexpr size_t kMostTiesNamed = 3;
+// An exchange of one effect for another must gain this share of a tie's width: less is within what
+// two fits of one model differ by, and the search would go round in circles. A judgement.
+inline constexpr double kExchangeGain = 0.25;
+
+// The price of a parameter is Schwarz's, 0.5 log n, where it stands clear of neutral; one that does
+// not pays as Akaike has it.
+inline constexpr double kPriceOfClear = 0.5;
+inline constexpr double kPriceOfUnclear = 1;
+
+// ---- The way of the search ----------------------------------------------------------------------
+
+// Effects taken one after another. A judgement: sets with four at once were tried, none with more.
+inline constexpr size_t kMostSteps = 8;
+// Effects that were significant in some look are tried in exchanges, as many as these.
+inline constexpr size_t kMostPromising = 8;
+// Other first steps from which the search begins where effects imitate each other. A judgement: a
+// beginning costs as much as the whole search.
+inline constexpr size_t kBeginnings = 3;
+// An effect so many standard errors from neutral cannot go: dropping it would lose 32 units, more
+// than any price. It saves the fit that would show it.
+inline constexpr double kCannotGo = 8;
+// An exchange is fitted where one step of Gauss and Newton makes up for all but this share of what
+// is lost, and but for these units: fits reach further than the step says. A judgement.
+inline constexpr double kReplacementShortfall = 0.4;
+inline constexpr double kReplacementSlack = 20;
+// The model with its steps in order is kept in the place of the one that the search ended with
+// unless it lost more than this in units, which is what two fits of one model differ by.
+inline constexpr double kSameFit = 0.5;
+
+// ---- What is worth a fit ------------------------------------------------------------------------
+
+// A column of which others leave less than this share, by length, is theirs: differences of
+// predictions are good to about this.
+inline constexpr double kAbsorbed = 1e-5;
+// A parameter that moves residuals by less than two standard errors over all of its bounds cannot
+// be seen at any size in them.
+inline constexpr double kLeastReach = 2;
+// Of the counts of an effect that is tried (bits, periods) so many go on to a fit. A judgement: the
+// best of them without a fit is nearly always the best with one.
+inline constexpr size_t kMostCountsFitted = 2;
+// More starts than this stand for several valleys, of which a step from the first says little.
+inline constexpr size_t kMostStartsOfOneValley = 4;
+// Of the prospects that a score test calls promising the best few are fitted, those whose corrected
+// p-value is below kPromising if gains exceed the step's by kScoreMargin. A judgement.
+inline constexpr size_t kMostFitted = 6;
+inline constexpr double kScoreMargin = 1.5;
+inline constexpr double kPromising = 0.5;
+
+// ---- Formulas that are suggested ----------------------------------------------------------------
+
+// Terms of one formula. A judgement.
+inline constexpr size_t kMostTerms = 6;
+// Waves have up to so many half periods over a variable's range. A judgement: each is a look.
+inline constexpr int kMostWaves = 300;
+// A wave has amplitude, frequency and phase.
+inline constexpr double kWaveParameters = 3;
+// A wave is looked for with so many observations at least, those on which its output acts by this
+// share of the most or more.
+inline constexpr size_t kLeastForWaves = 30;
+inline constexpr double kLeastActing = 0.2;
+// A column of which others leave less than this share of its sum of squares is theirs (kAbsorbed
+// for columns made with one step of difference, whose length is good to 1e-4). A judgement.
+inline constexpr double kSpanned = 1e-8;
+// With more groups than this the held-out gain must be so many standard errors of its scatter: a
+// formula is free to be anything, so it is held to more than an effect with a name. A judgement.
+inline constexpr size_t kGroupsForAgreement = 5;
+inline constexpr double kAgreedFormula = 2.5;
+// A term takes at least this share of the excess of the squared error, or it is not worth reading.
+// A judgement.
+inline constexpr double kLeastWorthReading = 0.01;
+
+}  // namespace seam::measurement
