@@ -1,6 +1,6 @@
-// A match in Foxglove's well-known schemas, so that other MCAP tools show it. Frames of reference:
-// "world" (W), "ROBOT" (B, the body), "ROBOT/camera" (C: x right, y down, z forward; before the
-// model's mount effects).
+// A match in Foxglove's well-known schemas (log_manifest.h), so that other MCAP tools show it.
+// Frames of reference: "world" (W), "ROBOT" (B, the body), "ROBOT/camera" (C: x right, y down, z
+// forward; before the model's mount effects).
 #pragma once
 
 #include <string>
@@ -9,10 +9,6 @@
 #include "sim_core/world/world.h"
 
 namespace seam::scheduler {
-
-inline constexpr std::string_view kCompressedImage = "foxglove.CompressedImage";
-inline constexpr std::string_view kFrameTransforms = "foxglove.FrameTransforms";
-inline constexpr std::string_view kSceneUpdate = "foxglove.SceneUpdate";
 
 // Each returns the bytes of one message.
 std::string compressed_image(SimTime time, const std::string& frame_id, std::string png);

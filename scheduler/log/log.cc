@@ -8,18 +8,12 @@
 #include "sim_core/base/error.h"
 
 namespace seam::scheduler {
-namespace {
-
-constexpr std::string_view kPictureTopics = "/camera/";
-
-}  // namespace
-
 uint64_t log_time(SimTime time) {
   return static_cast<uint64_t>(std::max<int64_t>(0, time.ns()));
 }
 
 std::string picture_topic(const std::string& robot) {
-  return std::string(kPictureTopics) + robot;
+  return std::string(kPictures.topic) + robot;
 }
 
 SimTime time_of(const LogRecord& record) {
@@ -43,11 +37,11 @@ Log Log::open(std::unique_ptr<mcap::Input> input, LogAccess access) {
 Log::Log(mcap::Reader reader) : reader_(std::make_unique<mcap::Reader>(std::move(reader))) {
   for (const auto& [id, channel] : reader_->contents().channels) {
     if (channel.message_encoding != "protobuf") continue;
-    for (int i = 0; i < kTopics; ++i) {
-      if (channel.topic == topic_name(static_cast<Topic>(i))) topics_[id] = static_cast<Topic>(i);
+    for (const Topic topic : kTopics) {
+      if (channel.topic == topic_name(topic)) topics_[id] = topic;
     }
-    if (channel.topic.starts_with(kPictureTopics)) {
-      picture_channels_[id] = channel.topic.substr(kPictureTopics.size());
+    if (channel.topic.starts_with(kPictures.topic)) {
+      picture_channels_[id] = channel.topic.substr(kPictures.topic.size());
     }
   }
   try {

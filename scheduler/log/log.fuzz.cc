@@ -17,9 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     try {
       const scheduler::Log log =
           scheduler::Log::open(std::make_unique<mcap::MemoryInput>(bytes), access);
-      using scheduler::Topic;
-      scheduler::LogCursor cursor(log, {Topic::header, Topic::turn, Topic::step, Topic::snapshot,
-                                        Topic::frame, Topic::event, Topic::end});
+      scheduler::LogCursor cursor(log, scheduler::kAllTopics);
       while (cursor.next()) {
       }
       log.snapshot_before(log.end_time());

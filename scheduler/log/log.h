@@ -15,6 +15,7 @@
 namespace seam::scheduler {
 
 using TopicSet = std::set<Topic>;
+inline const TopicSet kAllTopics(std::begin(kTopics), std::end(kTopics));
 
 // How far a reader trusts the file's index.
 enum class LogAccess : uint8_t {

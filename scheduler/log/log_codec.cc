@@ -17,12 +17,14 @@
 namespace seam::scheduler {
 namespace {
 
-constexpr std::string_view kTopicNames[kTopics] = {"/seam/header",   "/seam/turn",  "/seam/step",
-                                                   "/seam/snapshot", "/seam/frame", "/seam/event",
-                                                   "/seam/end"};
-constexpr std::string_view kSchemaNames[kTopics] = {
-    "seam.v1.LogHeader", "seam.v1.Turn",     "seam.v1.LogStep", "seam.v1.LogSnapshot",
-    "seam.v1.LogFrame",  "seam.v1.LogEvent", "seam.v1.LogEnd"};
+#define SEAM_TOPIC_NAME(name, Record, Message) "/seam/" #name,
+constexpr std::string_view kTopicNames[] = {SEAM_LOG_MESSAGES(SEAM_TOPIC_NAME)};
+#undef SEAM_TOPIC_NAME
+#define SEAM_SCHEMA_NAME(name, Record, Message) "seam.v1." #Message,
+constexpr std::string_view kSchemaNames[] = {SEAM_LOG_MESSAGES(SEAM_SCHEMA_NAME)};
+#undef SEAM_SCHEMA_NAME
+
+using Robots = std::vector<std::string>;
 
 template <typename Message>
 Message parse(std::string_view bytes, Topic topic) {
@@ -44,8 +46,7 @@ Enum checked(int number, Enum last, Topic topic, const char* field) {
   return static_cast<Enum>(number);
 }
 
-std::string encode_header(const RunHeader& header) {
-  v1::LogHeader message;
+void fill(v1::LogHeader& message, const RunHeader& header, const Robots&) {
   message.set_format(std::string(kLogFormat));
   message.set_scenario_name(header.scenario_name);
   message.set_scenario_text(header.scenario_text);
@@ -62,11 +63,9 @@ std::string encode_header(const RunHeader& header) {
   }
   for (const std::string& robot : header.robots) message.add_robots(robot);
   for (const std::string& section : header.sections) message.add_sections(section);
-  return message.SerializeAsString();
 }
 
-RunHeader decode_header(std::string_view bytes) {
-  const auto message = parse<v1::LogHeader>(bytes, Topic::header);
+RunHeader read(const v1::LogHeader& message, const Robots&) {
   if (message.format() != kLogFormat) {
     throw InputError(fmt::format("found a log of format '{}', expected {}",
                                  message.format().substr(0, 64), kLogFormat));
@@ -84,8 +83,16 @@ RunHeader decode_header(std::string_view bytes) {
   return header;
 }
 
-std::string encode_step(const StepRecord& step) {
-  v1::LogStep message;
+void fill(v1::Turn& message, const TurnRecord& turn, const Robots& robots) {
+  turn_to_wire(turn.time, turn.turn, robots, message);
+}
+
+TurnRecord read(const v1::Turn& message, const Robots& robots) {
+  auto [time, turn] = turn_from_wire(message, robots);
+  return {time, std::move(turn)};
+}
+
+void fill(v1::LogStep& message, const StepRecord& step, const Robots&) {
   message.set_time_ns(step.time.ns());
   message.set_step(step.step);
   message.set_fingerprint(step.fingerprint);
@@ -93,11 +100,9 @@ std::string encode_step(const StepRecord& step) {
   message.set_field_checks(step.field_checks);
   message.mutable_poses()->Add(step.poses.begin(), step.poses.end());
   message.mutable_field_sums()->Add(step.field_sums.begin(), step.field_sums.end());
-  return message.SerializeAsString();
 }
 
-StepRecord decode_step(std::string_view bytes) {
-  auto message = parse<v1::LogStep>(bytes, Topic::step);
+StepRecord read(v1::LogStep&& message, const Robots&) {
   return {time_from_log(message.time_ns(), "/seam/step: time_ns"),
           message.step(),
           message.fingerprint(),
@@ -107,70 +112,58 @@ StepRecord decode_step(std::string_view bytes) {
           {message.field_sums().begin(), message.field_sums().end()}};
 }
 
-std::string encode_snapshot(const SnapshotRecord& snapshot) {
-  v1::LogSnapshot message;
+void fill(v1::LogSnapshot& message, const SnapshotRecord& snapshot, const Robots&) {
   message.set_time_ns(snapshot.time.ns());
   message.set_step(snapshot.step);
   message.set_state(snapshot.state);
-  return message.SerializeAsString();
 }
 
-SnapshotRecord decode_snapshot(std::string_view bytes) {
-  auto message = parse<v1::LogSnapshot>(bytes, Topic::snapshot);
+SnapshotRecord read(v1::LogSnapshot&& message, const Robots&) {
   return {time_from_log(message.time_ns(), "/seam/snapshot: time_ns"), message.step(),
           std::move(*message.mutable_state())};
 }
 
-std::string encode_frame(const FrameRecord& frame) {
-  v1::LogFrame message;
+void fill(v1::LogFrame& message, const FrameRecord& frame, const Robots&) {
   message.set_time_ns(frame.time.ns());
   message.set_robot(static_cast<uint32_t>(frame.robot));
   message.set_index(frame.index);
   message.set_stamp_ns(frame.stamp.ns());
   message.set_fingerprint(frame.fingerprint);
-  return message.SerializeAsString();
 }
 
-FrameRecord decode_frame(std::string_view bytes, size_t robots) {
-  const auto message = parse<v1::LogFrame>(bytes, Topic::frame);
-  if (message.robot() >= robots) {
+FrameRecord read(const v1::LogFrame& message, const Robots& robots) {
+  if (message.robot() >= robots.size()) {
     throw InputError(fmt::format("/seam/frame: robot: found {}, expected less than {}",
-                                 message.robot(), robots));
+                                 message.robot(), robots.size()));
   }
   return {time_from_log(message.time_ns(), "/seam/frame: time_ns"),
           static_cast<int>(message.robot()), message.index(),
           time_from_log(message.stamp_ns(), "/seam/frame: stamp_ns"), message.fingerprint()};
 }
 
-std::string encode_event(const SimulationEvent& event) {
-  v1::LogEvent message;
+void fill(v1::LogEvent& message, const SimulationEvent& event, const Robots&) {
   message.set_time_ns(event.time.ns());
   message.set_kind(static_cast<v1::LogEvent::Kind>(event.kind));
   message.set_robot(event.robot);
   message.set_name(event.name);
   message.set_detail(event.detail);
-  return message.SerializeAsString();
 }
 
-SimulationEvent decode_event(std::string_view bytes) {
-  const auto message = parse<v1::LogEvent>(bytes, Topic::event);
+SimulationEvent read(const v1::LogEvent& message, const Robots&) {
   return {time_from_log(message.time_ns(), "/seam/event: time_ns"),
           checked(message.kind(), EventKind::debug, Topic::event, "kind"), message.robot(),
           message.name(), message.detail()};
 }
 
-std::string encode_end(const EndRecord& end) {
-  v1::LogEnd message;
+void fill(v1::LogEnd& message, const EndRecord& end, const Robots&) {
   message.set_time_ns(end.time.ns());
   message.set_reason(static_cast<v1::LogEnd::Reason>(end.reason));
   message.set_fingerprint(end.fingerprint);
   message.set_steps(end.steps);
   message.set_frames(end.frames);
-  return message.SerializeAsString();
 }
 
-EndRecord decode_end(std::string_view bytes) {
-  const auto message = parse<v1::LogEnd>(bytes, Topic::end);
+EndRecord read(const v1::LogEnd& message, const Robots&) {
   return {time_from_log(message.time_ns(), "/seam/end: time_ns"),
           checked(message.reason(), EndReason::aborted, Topic::end, "reason"),
           message.fingerprint(), message.steps(), message.frames()};
@@ -184,12 +177,16 @@ void add_file(const google::protobuf::FileDescriptor& file, std::set<std::string
   file.CopyTo(files.add_file());
 }
 
-template <class... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
-template <class... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;  // clang 14 does not deduce it.
+// The message type of a record.
+template <typename Record>
+struct MessageOf;
+#define SEAM_MESSAGE_OF(name, Record, Message) \
+  template <>                                  \
+  struct MessageOf<Record> {                   \
+    using Type = v1::Message;                  \
+  };
+SEAM_LOG_MESSAGES(SEAM_MESSAGE_OF)
+#undef SEAM_MESSAGE_OF
 
 }  // namespace
 
@@ -200,44 +197,32 @@ std::string_view schema_name(Topic topic) {
   return kSchemaNames[static_cast<int>(topic)];
 }
 
-std::string encode(const LogRecord& record, const std::vector<std::string>& robots) {
+std::string encode(const LogRecord& record, const Robots& robots) {
   return std::visit(
-      Overloaded{[](const RunHeader& header) { return encode_header(header); },
-                 [&](const TurnRecord& turn) { return encode_turn(turn.time, turn.turn, robots); },
-                 [](const StepRecord& step) { return encode_step(step); },
-                 [](const SnapshotRecord& snapshot) { return encode_snapshot(snapshot); },
-                 [](const FrameRecord& frame) { return encode_frame(frame); },
-                 [](const SimulationEvent& event) { return encode_event(event); },
-                 [](const EndRecord& end) { return encode_end(end); }},
+      [&]<typename Record>(const Record& one) {
+        typename MessageOf<Record>::Type message;
+        fill(message, one, robots);
+        return message.SerializeAsString();
+      },
       record);
 }
 
-LogRecord decode(Topic topic, std::string_view bytes, const std::vector<std::string>& robots) {
+LogRecord decode(Topic topic, std::string_view bytes, const Robots& robots) {
   switch (topic) {
-    case Topic::header:
-      return decode_header(bytes);
-    case Topic::turn: {
-      auto [time, turn] = decode_turn(bytes, robots);
-      return TurnRecord{time, std::move(turn)};
-    }
-    case Topic::step:
-      return decode_step(bytes);
-    case Topic::snapshot:
-      return decode_snapshot(bytes);
-    case Topic::frame:
-      return decode_frame(bytes, robots.size());
-    case Topic::event:
-      return decode_event(bytes);
-    case Topic::end:
-      return decode_end(bytes);
+#define SEAM_DECODE(name, Record, Message) \
+  case Topic::name:                        \
+    return read(parse<v1::Message>(bytes, Topic::name), robots);
+    SEAM_LOG_MESSAGES(SEAM_DECODE)
+#undef SEAM_DECODE
   }
   check_failed(__FILE__, __LINE__, "topic", std::to_string(static_cast<int>(topic)));
 }
 
 std::string descriptor_set_of(std::string_view message_name) {
   // The generated pool knows only files whose code is linked in: name each once.
-  v1::LogHeader::descriptor();
-  v1::Turn::descriptor();
+#define SEAM_NAME_ONCE(name, Record, Message) v1::Message::descriptor();
+  SEAM_LOG_MESSAGES(SEAM_NAME_ONCE)
+#undef SEAM_NAME_ONCE
   foxglove::CompressedImage::descriptor();
   foxglove::FrameTransforms::descriptor();
   foxglove::SceneUpdate::descriptor();

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "scheduler/log/log_manifest.h"
 #include "scheduler/loop/observer.h"
 
 namespace seam::scheduler {
@@ -57,12 +58,22 @@ struct EndRecord {
   uint64_t frames = 0;
 };
 
-using LogRecord = std::variant<RunHeader, TurnRecord, StepRecord, SnapshotRecord, FrameRecord,
-                               SimulationEvent, EndRecord>;
+// The kinds of records, each with a topic of its own (log_manifest.h).
+#define SEAM_TOPIC(name, Record, Message) name,
+enum class Topic : uint8_t { SEAM_LOG_MESSAGES(SEAM_TOPIC) };
+#undef SEAM_TOPIC
 
-// The kinds of records, each with a topic of its own, in the order of LogRecord's alternatives.
-enum class Topic : uint8_t { header, turn, step, snapshot, frame, event, end };
-inline constexpr int kTopics = 7;
+#define SEAM_TOPIC(name, Record, Message) Topic::name,
+inline constexpr Topic kTopics[] = {SEAM_LOG_MESSAGES(SEAM_TOPIC)};
+#undef SEAM_TOPIC
+
+// A record of any kind, its alternatives in the order of the topics.
+template <typename, typename... Records>
+using AnyOf = std::variant<Records...>;
+#define SEAM_RECORD(name, Record, Message) , Record
+using LogRecord = AnyOf<void SEAM_LOG_MESSAGES(SEAM_RECORD)>;
+#undef SEAM_RECORD
+
 // "/seam/turn".
 std::string_view topic_name(Topic topic);
 // "seam.v1.LogStep".

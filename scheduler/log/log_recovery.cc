@@ -18,9 +18,9 @@ SimTime sim_time(uint64_t ns) {
 // Where the definitions of a log are lost, its first channels are still known: a recorder numbers
 // the topics of seam-log/1 from 1 in their order (replays/FORMAT.md).
 void add_conventional_channels(mcap::Contents& contents) {
-  for (int i = 0; i < kTopics; ++i) {
-    const auto id = static_cast<uint16_t>(i + 1);
-    const Topic topic{static_cast<uint8_t>(i)};
+  uint16_t id = 0;
+  for (const Topic topic : kTopics) {
+    ++id;
     if (contents.channels.contains(id) || contents.schemas.contains(id)) continue;
     const std::string schema(schema_name(topic));
     contents.schemas[id] = {id, schema, "protobuf", descriptor_set_of(schema)};

@@ -54,28 +54,27 @@ StepRecord Recorder::step_record(SimTime time, uint64_t step, const StateDigest&
 Recorder::Recorder(mcap::Output& output, const World& world, const RecorderOptions& options)
     : world_(world), options_(options), writer_(output, writer_options(options)) {}
 
-uint16_t Recorder::add_channel(const std::string& topic, std::string_view message_name) {
+uint16_t Recorder::add_channel(std::string_view topic, std::string_view message_name) {
   auto schema = schemas_.find(message_name);
   if (schema == schemas_.end()) {
     const std::string name(message_name);
     schema =
         schemas_.emplace(name, writer_.add_schema(name, "protobuf", descriptor_set_of(name))).first;
   }
-  return writer_.add_channel(schema->second, topic, "protobuf");
+  return writer_.add_channel(schema->second, std::string(topic), "protobuf");
 }
 
 void Recorder::on_start(const RunHeader& header) {
   robots_ = header.robots;
-  for (int i = 0; i < kTopics; ++i) {
-    const Topic topic{static_cast<uint8_t>(i)};
-    channels_.push_back(add_channel(std::string(topic_name(topic)), schema_name(topic)));
+  for (const Topic topic : kTopics) {
+    channels_.push_back(add_channel(topic_name(topic), schema_name(topic)));
   }
   for (const std::string& robot : robots_) {
     if (!options_.pictures) break;
-    picture_channels_[robot] = add_channel(picture_topic(robot), kCompressedImage);
+    picture_channels_[robot] = add_channel(picture_topic(robot), kPictures.schema);
   }
-  if (options_.transforms) transforms_channel_ = add_channel("/tf", kFrameTransforms);
-  if (options_.scene) scene_channel_ = add_channel("/scene", kSceneUpdate);
+  if (options_.transforms) transforms_channel_ = add_channel(kTransforms.topic, kTransforms.schema);
+  if (options_.scene) scene_channel_ = add_channel(kSceneUpdates.topic, kSceneUpdates.schema);
 
   // The run's inputs as attachments too: one damaged place must not cost them, and any MCAP tool
   // can take them out.

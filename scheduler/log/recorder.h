@@ -43,7 +43,7 @@ class Recorder final : public SimulationObserver {
   void on_end(SimTime time, EndReason reason, uint64_t fingerprint) override;
 
  private:
-  uint16_t add_channel(const std::string& topic, std::string_view message_name);
+  uint16_t add_channel(std::string_view topic, std::string_view message_name);
   StepRecord step_record(SimTime time, uint64_t step, const StateDigest& state);
   void note(Topic topic, SimTime time, LogRecord record);
   void note_message(uint16_t channel, SimTime time, std::string bytes);

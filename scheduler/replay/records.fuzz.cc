@@ -68,8 +68,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   attempt([&] {
     const Log log = open();
     attempt([&] {
-      LogCursor cursor(log, {Topic::header, Topic::turn, Topic::step, Topic::snapshot, Topic::frame,
-                             Topic::event, Topic::end});
+      LogCursor cursor(log, kAllTopics);
       while (cursor.next()) {
       }
     });

@@ -339,8 +339,8 @@ std::variant<SupervisorAction, FieldError> action_from_wire(
   return action;
 }
 
-std::string encode_turn(SimTime time, const Turn& turn, const std::vector<std::string>& robots) {
-  v1::Turn wire;
+void turn_to_wire(SimTime time, const Turn& turn, const std::vector<std::string>& robots,
+                  v1::Turn& wire) {
   wire.set_time_ns(time.ns());
   for (const Answer& answer : turn.answers) {
     v1::Answer& out = *wire.add_answers();
@@ -351,6 +351,11 @@ std::string encode_turn(SimTime time, const Turn& turn, const std::vector<std::s
   }
   for (const SupervisorAction& action : turn.actions)
     action_to(action, robots, *wire.add_actions());
+}
+
+std::string encode_turn(SimTime time, const Turn& turn, const std::vector<std::string>& robots) {
+  v1::Turn wire;
+  turn_to_wire(time, turn, robots, wire);
   return wire.SerializeAsString();
 }
 
@@ -367,6 +372,11 @@ std::pair<SimTime, Turn> decode_turn(std::string_view bytes,
   v1::Turn wire;
   if (!wire.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     throw InputError("turn: damaged message");
+  return turn_from_wire(wire, robots);
+}
+
+std::pair<SimTime, Turn> turn_from_wire(const v1::Turn& wire,
+                                        const std::vector<std::string>& robots) {
   Turn turn;
   for (const v1::Answer& answer : wire.answers()) {
     if (answer.robot() >= robots.size())

@@ -12,6 +12,7 @@ namespace seam::v1 {
 class Decision;
 class Observation;
 class SupervisorAction;
+class Turn;
 }  // namespace seam::v1
 
 namespace seam::scheduler {
@@ -47,7 +48,13 @@ std::variant<SupervisorAction, FieldError> action_from_wire(const v1::Supervisor
 // overflow: beyond 73 years, a quarter of what fits.
 SimTime time_from_log(int64_t time_ns, std::string_view field);
 
-// A seam.v1.Turn and back. `decode_turn` throws InputError for bytes that are no valid turn.
+// `robots`: the ids in the scenario's order, by which a turn names them. `turn_from_wire` throws
+// InputError for a message that is no valid turn.
+void turn_to_wire(SimTime time, const Turn& turn, const std::vector<std::string>& robots,
+                  v1::Turn& wire);
+std::pair<SimTime, Turn> turn_from_wire(const v1::Turn& wire,
+                                        const std::vector<std::string>& robots);
+// The same as bytes.
 std::string encode_turn(SimTime time, const Turn& turn, const std::vector<std::string>& robots);
 std::pair<SimTime, Turn> decode_turn(std::string_view bytes,
                                      const std::vector<std::string>& robots);
