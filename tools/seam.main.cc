@@ -8,6 +8,7 @@
 #include "app/predictors/frame_predictor.h"
 #include "app/predictors/range_detector.h"
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 #include "tools/command.h"
 
 int main(int argc, char** argv) {
@@ -28,10 +29,10 @@ int main(int argc, char** argv) {
   } catch (const seam::tools::ExitCode& exit) {
     return exit.code;
   } catch (const seam::UsageError& error) {
-    std::fprintf(stderr, "seam: %s\n", error.what());
+    std::fprintf(stderr, "seam: %s\n", seam::shown_lines(error.what()).c_str());
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "seam: %s\n", error.what());
+    std::fprintf(stderr, "seam: %s\n", seam::shown_lines(error.what()).c_str());
     return 1;
   }
 }

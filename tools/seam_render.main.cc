@@ -12,6 +12,7 @@
 #include "app/remote_rendering.h"
 #include "scheduler/remote_render/render_client.h"
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 
 namespace {
 
@@ -69,10 +70,10 @@ int main(int argc, char** argv) {
         "seam-render " SEAM_VERSION, seam::app::load_plugins({argv + 1, argv + argc}),
         [&](seam::app::Command app) { add_options(app, options); });
   } catch (const seam::UsageError& error) {
-    std::fprintf(stderr, "seam-render: %s\n", error.what());
+    std::fprintf(stderr, "seam-render: %s\n", seam::shown_lines(error.what()).c_str());
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "seam-render: %s\n", error.what());
+    std::fprintf(stderr, "seam-render: %s\n", seam::shown_lines(error.what()).c_str());
     return 1;
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/file_names.h"
 
 // One line a kind; `measurement/<name>.cc` defines <name>_kind().
 #define SEAM_KINDS(X) \
@@ -57,13 +58,24 @@ void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& 
     throw InputError(
         fmt::format("{}: the protocol itself, expected another folder to write to", out.string()));
   }
-  fs::copy_file(protocol.root.file(), out / "measurement.yaml",
+  fs::copy_file(protocol.root.file(), written_path(out, "measurement.yaml"),
                 fs::copy_options::overwrite_existing);
   for (const auto& [name, relative] : protocol.files) {
     if (std::find(except_files.begin(), except_files.end(), name) != except_files.end()) continue;
-    fs::create_directories((out / relative).parent_path());
-    fs::copy_file(protocol.folder / relative, out / relative, fs::copy_options::overwrite_existing);
+    copy_into(out, protocol, relative);
   }
+}
+
+void copy_into(const std::filesystem::path& out, const MeasurementSet& protocol,
+               const std::string& name) {
+  std::filesystem::copy_file(path_inside(protocol.folder, name), written_path(out, name),
+                             std::filesystem::copy_options::overwrite_existing);
+}
+
+std::filesystem::path written_path(const std::filesystem::path& out, const std::string& name) {
+  const std::filesystem::path path = path_inside(out, name);
+  std::filesystem::create_directories(path.parent_path());
+  return path;
 }
 
 }  // namespace seam::measurement

@@ -37,5 +37,10 @@ std::unique_ptr<Problem> open_problem(const std::filesystem::path& set);
 // Copies every file of the protocol that `measure` does not write itself.
 void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& out,
                    const std::vector<std::string>& except_files);
+// One more file of the protocol, by its name in the set.
+void copy_into(const std::filesystem::path& out, const MeasurementSet& protocol,
+               const std::string& name);
+// Where a file of that name is written to: inside `out`, in folders that exist.
+std::filesystem::path written_path(const std::filesystem::path& out, const std::string& name);
 
 }  // namespace seam::measurement

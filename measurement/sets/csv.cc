@@ -11,6 +11,10 @@
 namespace seam::measurement {
 namespace {
 
+constexpr uint64_t kMaxBytes = uint64_t{2} << 30;
+// A header is looked through once a column, so that their number is bounded.
+constexpr size_t kMaxColumns = 1000;
+
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
@@ -63,7 +67,7 @@ bool parse_decimal_ns(std::string_view text, int64_t& ns) {
 }  // namespace
 
 CsvTable CsvTable::read(const std::filesystem::path& path) {
-  return from_text(read_file(path), path.string());
+  return from_text(read_file(path, kMaxBytes), path.string());
 }
 
 CsvTable CsvTable::from_text(std::string text, const std::string& name) {
@@ -82,9 +86,11 @@ CsvTable CsvTable::from_text(std::string text, const std::string& name) {
       continue;
     }
     std::vector<uint32_t> cells{static_cast<uint32_t>(position)};
-    for (size_t i = 0; i < row.size(); ++i) {
+    for (size_t i = 0; i < row.size() && cells.size() <= kMaxColumns; ++i) {
       if (row[i] == ',') cells.push_back(static_cast<uint32_t>(position + i + 1));
     }
+    if (cells.size() > kMaxColumns)
+      throw InputError(fmt::format("{}:{}: more than {} columns", name, line, kMaxColumns));
     cells.push_back(static_cast<uint32_t>(end + 1));
     if (table.columns_.empty()) {
       for (size_t i = 0; i + 1 < cells.size(); ++i) {

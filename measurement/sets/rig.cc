@@ -60,7 +60,7 @@ Rig Rig::from_set(const MeasurementSet& set) {
   } else if (const auto poses = node.find("poses")) {
     rig.type_ = Type::poses;
     const std::string name = poses->text();
-    rig.read_poses(set.has_file(name) ? set.file(name) : set.folder / name);
+    rig.read_poses(set.has_file(name) ? set.file(name) : set.inside(*poses));
   } else {
     node.at("pose").choice({"unknown"});
     rig.type_ = Type::unknown;

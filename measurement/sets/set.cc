@@ -7,6 +7,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
+#include "sim_core/input/file_names.h"
 
 namespace seam::measurement {
 namespace {
@@ -61,7 +62,10 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
                : set.kind == "points" || set.kind == "frames" || set.kind == "photometry" ? "frame"
                                                                                           : "run");
   const ConfigNode files = root.at("files");
-  for (const std::string& name : files.keys()) set.files[name] = files.at(name).text();
+  for (const std::string& name : files.keys()) {
+    set.inside(files.at(name));
+    set.files[name] = files.at(name).text();
+  }
   refuse_misspelt(root, kKeys);
   return set;
 }
@@ -71,6 +75,22 @@ std::filesystem::path MeasurementSet::file(const std::string& name) const {
   if (found == files.end())
     root.at("files").fail(fmt::format("'{}' is missing: a set of kind {} needs it", name, kind));
   return folder / found->second;
+}
+
+std::filesystem::path MeasurementSet::inside(const ConfigNode& name) const {
+  const std::string why = why_not_inside(folder, name.text());
+  if (!why.empty()) name.fail(why);
+  return folder / name.text();
+}
+
+std::filesystem::path MeasurementSet::inside(const CsvTable& table, size_t row,
+                                             std::string_view column) const {
+  const std::string name(table.cell(row, column));
+  const std::string why = why_not_inside(folder, name);
+  if (!why.empty())
+    throw InputError(
+        fmt::format("{}:{}: column {}: {}", table.file(), table.line(row), column, why));
+  return folder / name;
 }
 
 std::string MeasurementSet::fingerprint() const {

@@ -36,6 +36,10 @@ struct MeasurementSet {
 
   // The full path of a named file; throws when `files:` does not name it.
   std::filesystem::path file(const std::string& name) const;
+  // The full path of a file of the set that a key of measurement.yaml or a cell of a table names;
+  // throws where that is no path inside the folder, naming the place of the name.
+  std::filesystem::path inside(const ConfigNode& name) const;
+  std::filesystem::path inside(const CsvTable& table, size_t row, std::string_view column) const;
   bool has_file(const std::string& name) const { return files.contains(name); }
   CsvTable table(const std::string& name) const { return CsvTable::read(file(name)); }
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
 #include "sim_core/base/error.h"
 
@@ -49,6 +51,31 @@ TEST(CsvTable, EpochTimesKeepNanoseconds) {
       CsvTable::from_text("t\n1248272278.000000001\n-0.5\n1.25e1\n0.0000000005\n", "t.csv");
   EXPECT_EQ(table.times_ns("t"),
             (std::vector<int64_t>{1248272278000000001, -500000000, 12500000000, 1}));
+}
+
+TEST(CsvTable, ColumnsAreBounded) {
+  std::string wide = "a0";
+  for (int i = 1; i < 2'000'000; ++i) wide += ",a" + std::to_string(i);
+  EXPECT_EQ(message_of([&] { CsvTable::from_text(wide + "\n", "t.csv"); }),
+            "t.csv:1: more than 1000 columns");
+}
+
+// Files that lie outside of a set are not read, wherever it names them.
+TEST(MeasurementSet, NamesStayInsideTheFolder) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / "hostile_set";
+  fs::create_directories(folder);
+  const auto error_of = [&](const std::string& file) {
+    std::ofstream(folder / "measurement.yaml")
+        << "format: seam-measurement/1\nkind: joints\nfiles: {joints: " << file << "}\n";
+    return message_of([&] { MeasurementSet::open(folder); });
+  };
+  EXPECT_EQ(error_of("joints.csv"), "no error");
+  EXPECT_NE(error_of("../joints.csv").find("measurement.yaml:3: files.joints: found '../joints"),
+            std::string::npos);
+  EXPECT_NE(error_of("/etc/passwd").find("files.joints"), std::string::npos);
+  EXPECT_NE(error_of("\"a\\0b\"").find("a\\x00b"), std::string::npos);
+  fs::remove_all(folder);
 }
 
 TEST(HeldOutGroups, ThirtyPerCentRoundedUp) {

@@ -6,11 +6,16 @@
 #include <cmath>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 
 namespace seam {
 namespace {
 
+// Scenarios share models and robots with their neighbours, so that `..` and absolute paths are well
+// here.
 std::filesystem::path beside(const ConfigNode& node, const std::string& path) {
+  if (path.empty() || shown(path) != path)
+    node.fail(fmt::format("found '{}', expected the path of a file", shown(path)));
   const std::filesystem::path file(path);
   return file.is_absolute() ? file : std::filesystem::path(node.file()).parent_path() / file;
 }

@@ -13,6 +13,7 @@ namespace seam {
 namespace {
 
 constexpr uint64_t kMaxPixels = 64'000'000;
+constexpr uint64_t kMaxPngBytes = uint64_t{512} << 20;
 
 struct PngBytes {
   std::string bytes;
@@ -41,7 +42,7 @@ void write_bytes(png_structp png, png_bytep data, size_t count) {
 }  // namespace
 
 Image read_png(const std::filesystem::path& path) {
-  PngBytes reader{read_file(path), 0, {}};
+  PngBytes reader{read_file(path, kMaxPngBytes), 0, {}};
   std::string message;
   Image image;
   std::vector<png_byte> row;

@@ -8,6 +8,7 @@
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
+#include "sim_core/input/shown_text.h"
 
 namespace seam::tools {
 
@@ -23,7 +24,7 @@ effects::Model read_model(const std::string& path) {
 }
 
 void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json) {
-  std::fputs(text.c_str(), stdout);
+  std::fputs(shown_lines(text).c_str(), stdout);
   if (!flags.json.empty()) write_file_atomically(flags.json, json);
 }
 
@@ -37,7 +38,7 @@ measurement::ReportHeader report_header(const std::string& command, const Analys
 measurement::Progress progress_to_terminal() {
   const bool watched = isatty(STDERR_FILENO) != 0;
   return [watched](const std::string& what) {
-    if (watched) std::fprintf(stderr, "%s\n", what.c_str());
+    if (watched) std::fprintf(stderr, "%s\n", shown_lines(what).c_str());
   };
 }
 

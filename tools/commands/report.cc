@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/input/json_input.h"
 #include "tools/command.h"
 
 namespace seam::tools {
@@ -14,15 +14,9 @@ namespace {
 using nlohmann::json;
 
 json read_result(const std::string& file) {
-  try {
-    json result = json::parse(read_file(file));
-    if (result.is_object() && result.contains("format") && result["format"].is_string())
-      return result;
-  } catch (const json::parse_error& error) {
-    throw InputError(fmt::format(
-        "{}: byte {}: found no JSON, expected a result that a command wrote with --json", file,
-        error.byte));
-  }
+  json result = read_json(file, "a result that a command wrote with --json");
+  if (result.is_object() && result.contains("format") && result["format"].is_string())
+    return result;
   throw InputError(
       fmt::format("{}: format: found nothing, expected for example \"seam-diagnose/1\"", file));
 }

@@ -7,6 +7,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
+#include "sim_core/input/shown_text.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -57,8 +58,8 @@ nlohmann::ordered_json summary_of(const scheduler::Log& log) {
 void print_summary(const nlohmann::ordered_json& json) {
   for (const auto& [key, value] : json.items()) {
     if (key == "format") continue;
-    std::printf("%-12s %s\n", key.c_str(),
-                value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    std::printf("%-12s %s\n", shown(key).c_str(), shown(text).c_str());
   }
 }
 
@@ -95,7 +96,7 @@ void print_state(const nlohmann::ordered_json& json) {
   std::printf("time %.9g s, step %llu\n", json["time_ns"].get<double>() * 1e-9,
               json["step"].get<unsigned long long>());
   const auto print_numbers = [](const std::string& name, const nlohmann::ordered_json& numbers) {
-    std::printf("%s:", name.c_str());
+    std::printf("%s:", shown(name).c_str());
     for (const auto& [key, value] : numbers.items()) {
       std::printf(" %s %.6g", key.c_str(), value.get<double>());
     }
@@ -115,16 +116,16 @@ void print_state(const nlohmann::ordered_json& json) {
 void print_events(const scheduler::Log& log) {
   constexpr int kMost = 40;
   scheduler::LogCursor cursor(log, {scheduler::Topic::event});
-  int shown = 0;
+  int printed = 0;
   uint64_t left_out = 0;
   while (const auto record = cursor.next()) {
     const auto& event = std::get<scheduler::SimulationEvent>(*record);
-    if (event.kind == scheduler::EventKind::radio || ++shown > kMost) {
+    if (event.kind == scheduler::EventKind::radio || ++printed > kMost) {
       ++left_out;
       continue;
     }
     std::printf("  %10s  %-8s %-8s %s %s\n", app::seconds(event.time).c_str(), to_text(event.kind),
-                event.robot.c_str(), event.name.c_str(), event.detail.c_str());
+                shown(event.robot).c_str(), shown(event.name).c_str(), shown(event.detail).c_str());
   }
   if (left_out > 0) {
     std::printf("  and %llu more: seam replay export\n", static_cast<unsigned long long>(left_out));

@@ -8,6 +8,7 @@
 #include "scheduler/replay/verifier.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
+#include "sim_core/input/shown_text.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -98,12 +99,12 @@ void run(const Settings& settings) {
   }
   const Divergence& first = *outcome.divergence;
   if (outcome.unreadable) {
-    std::printf("%s: cannot be verified: %s\n", settings.file.c_str(), first.detail.c_str());
+    std::printf("%s: cannot be verified: %s\n", settings.file.c_str(), shown(first.detail).c_str());
   } else {
     std::printf("%s: first divergence at %s (%lld ns): section %s, field %s\n  %s\n",
                 settings.file.c_str(), app::seconds(first.time).c_str(),
                 static_cast<long long>(first.time.ns()), first.section.c_str(),
-                first.field.empty() ? "unknown" : first.field.c_str(), first.detail.c_str());
+                first.field.empty() ? "unknown" : first.field.c_str(), shown(first.detail).c_str());
   }
   throw ExitCode{1};
 }

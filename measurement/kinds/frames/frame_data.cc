@@ -37,7 +37,7 @@ FrameProtocol::FrameProtocol(const MeasurementSet& set, const CsvTable& table)
   }
   if (table.rows() == 0)
     throw InputError(fmt::format("{}: no frames, expected at least one", table.file()));
-  scene_ = read_scene(set.folder / set.root.at("scene").text());
+  scene_ = read_scene(set.inside(set.root.at("scene")));
   for (const int64_t ns : table.times_ns("time_s")) stamps_.push_back(SimTime::from_ns(ns));
 }
 

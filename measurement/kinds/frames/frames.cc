@@ -30,9 +30,8 @@ FramesProblem::FramesProblem(const MeasurementSet& set)
              [this](const Model& model, const std::vector<size_t>& frames) {
                return protocol_.render(model, frames);
              }) {
-  const auto files = table_.texts("file");
   for (size_t row = 0; row < table_.rows(); ++row) {
-    Image image = read_png(set.folder / files[row]);
+    Image image = read_png(set.inside(table_, row, "file"));
     if (image.width_px != protocol_.width_px() || image.height_px != protocol_.height_px() ||
         image.channels != 3 || image.bits != 8) {
       table_.fail(row, "file",

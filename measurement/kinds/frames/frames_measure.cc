@@ -14,10 +14,7 @@ void measure_frames(const Model& truth, const MeasurementSet& protocol,
   const FrameProtocol frames(protocol, table);
   const auto files = table.texts("file");
   copy_protocol(protocol, options.out, {});
-  const std::string scene = protocol.root.at("scene").text();
-  std::filesystem::create_directories((options.out / scene).parent_path());
-  std::filesystem::copy_file(protocol.folder / scene, options.out / scene,
-                             std::filesystem::copy_options::overwrite_existing);
+  copy_into(options.out, protocol, protocol.root.at("scene").text());
   const effects::SensorChain chain = effects::sensor_of(truth);
   const RandomStream camera = RandomStream{.seed = options.seed}.child("frames");
   const auto pattern =
@@ -26,17 +23,13 @@ void measure_frames(const Model& truth, const MeasurementSet& protocol,
       make_frame_predictor(truth, frames.width_px(), frames.height_px(), frames.reference());
   const Rig::Motion motion = frames.rig().motion(truth);
   for (size_t f = 0; f < frames.frames(); ++f) {
-    const std::filesystem::path relative = std::filesystem::path(files[f]).lexically_normal();
-    if (relative.empty() || relative.is_absolute() || relative.begin()->string() == "..") {
-      table.fail(f, "file", files[f], "a path inside the set");
-    }
+    protocol.inside(table, f, "file");
     const std::vector<float> light = predictor->light(frames.job(f, truth, motion));
     const effects::SensorExposure exposure{.exposure_s = effects::timing_of(truth).exposure_s,
                                            .t_s = (frames.stamp(f) - frames.reference()).s()};
     const Image image = effects::expose(chain, pattern, light, exposure,
                                         camera.child("frame").child(f), options.noise);
-    std::filesystem::create_directories((options.out / relative).parent_path());
-    write_png(options.out / relative, image);
+    write_png(written_path(options.out, files[f]), image);
   }
 }
 

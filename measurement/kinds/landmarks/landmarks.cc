@@ -426,7 +426,7 @@ void measure_landmarks(const Model& truth, const MeasurementSet& protocol,
     out.row(cells);
   }
   copy_protocol(protocol, options.out, {"observations"});
-  out.write(options.out / protocol.files.at("observations"));
+  out.write(written_path(options.out, protocol.files.at("observations")));
 }
 
 }  // namespace

@@ -87,7 +87,8 @@ void measure_joints(const Model& truth, const MeasurementSet& protocol,
     }
   }
   copy_protocol(protocol, options.out, {"joints"});
-  write_with(table, {"measured_rad"}, {measured}, options.out / protocol.files.at("joints"));
+  write_with(table, {"measured_rad"}, {measured},
+             written_path(options.out, protocol.files.at("joints")));
 }
 
 void measure_odometry(const Model& truth, const MeasurementSet& protocol,
@@ -112,7 +113,7 @@ void measure_odometry(const Model& truth, const MeasurementSet& protocol,
   }
   copy_protocol(protocol, options.out, {"odometry"});
   write_with(table, {names[0], names[1], names[2]}, measured,
-             options.out / protocol.files.at("odometry"));
+             written_path(options.out, protocol.files.at("odometry")));
 }
 
 }  // namespace seam::measurement

@@ -13,9 +13,8 @@ namespace seam::measurement {
 namespace {
 
 void read_images(const MeasurementSet& set, const CsvTable& table, PhotometryData& data) {
-  const auto files = table.texts("file");
   for (size_t row = 0; row < table.rows(); ++row) {
-    Image image = read_png(set.folder / files[row]);
+    Image image = read_png(set.inside(table, row, "file"));
     if (image.width_px != data.width_px || image.height_px != data.height_px) {
       table.fail(row, "file", fmt::format("an image of {} x {}", image.width_px, image.height_px),
                  fmt::format("{} x {} as the camera has", data.width_px, data.height_px));

@@ -6,19 +6,6 @@
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
-namespace {
-
-// Images stay inside the set's folder.
-std::filesystem::path inside(const std::filesystem::path& folder, const CsvTable& table, size_t row,
-                             const std::string& file) {
-  const std::filesystem::path relative = std::filesystem::path(file).lexically_normal();
-  if (relative.empty() || relative.is_absolute() || relative.begin()->string() == "..") {
-    table.fail(row, "file", file, "a path inside the set");
-  }
-  return folder / relative;
-}
-
-}  // namespace
 
 void measure_photometry(const Model& truth, const MeasurementSet& protocol,
                         const MeasureOptions& options) {
@@ -62,9 +49,8 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol,
                                            .file_bits = data.file_bits};
     const Image image = effects::expose(chain, pattern, illumination, exposure,
                                         camera.child("frame").child(row), options.noise);
-    const auto path = inside(options.out, table, row, files[row]);
-    std::filesystem::create_directories(path.parent_path());
-    write_png(path, image);
+    protocol.inside(table, row, "file");
+    write_png(written_path(options.out, files[row]), image);
   }
 }
 

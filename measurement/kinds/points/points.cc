@@ -492,7 +492,7 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
     out.row(cells);
   }
   copy_protocol(protocol, options.out, {"points"});
-  out.write(options.out / protocol.files.at("points"));
+  out.write(written_path(options.out, protocol.files.at("points")));
 }
 
 }  // namespace

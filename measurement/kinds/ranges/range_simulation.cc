@@ -150,21 +150,19 @@ RangeSimulation::RangeSimulation(const MeasurementSet& set, const std::vector<Ba
     set.root.at("rig").fail("a set of ranges has none: its camera is that of the standing robot");
   const ConfigNode detector = set.root.at("detector");
   const auto table = set.root.find("colour_table");
-  detector_ =
-      make_range_detector({.name = detector.text(),
-                           .width_px = width_px_,
-                           .height_px = height_px_,
-                           .colour_table = table ? (set.folder / table->text()).string() : ""});
+  detector_ = make_range_detector({.name = detector.text(),
+                                   .width_px = width_px_,
+                                   .height_px = height_px_,
+                                   .colour_table = table ? set.inside(*table).string() : ""});
   if (!detector_) {
     detector.fail(fmt::format("found '{}', expected a behaviour that measures distances: {}",
                               detector.text(), fmt::join(range_detector_names(), ", ")));
   }
   const ConfigNode file = set.root.at("scene");
-  if (!std::filesystem::exists(set.folder / file.text())) {
-    file.fail(fmt::format("no file {}, expected one of format seam-scene/1",
-                          (set.folder / file.text()).string()));
-  }
-  const auto scene = read_scene(set.folder / file.text());
+  const std::filesystem::path scene_file = set.inside(file);
+  if (!std::filesystem::exists(scene_file))
+    file.fail(fmt::format("no file {}, expected one of format seam-scene/1", scene_file.string()));
+  const auto scene = read_scene(scene_file);
   background_ = scene->background(), lighting_ = scene->lighting();
   scene->primitives_at(SimTime(), primitives_);
   const auto ball = std::find_if(primitives_.begin(), primitives_.end(),

@@ -18,10 +18,7 @@ void measure_ranges(const Model& truth, const MeasurementSet& protocol,
   copy_protocol(protocol, options.out, {"ranges"});
   for (const char* key : {"scene", "colour_table"}) {
     if (!protocol.root.find(key)) continue;
-    const std::filesystem::path file = protocol.root.at(key).text();
-    std::filesystem::create_directories((options.out / file).parent_path());
-    std::filesystem::copy_file(protocol.folder / file, options.out / file,
-                               std::filesystem::copy_options::overwrite_existing);
+    copy_into(options.out, protocol, protocol.root.at(key).text());
   }
   const RandomStream camera = RandomStream{.seed = options.seed}.child("ranges");
   const auto pattern = effects::fixed_pattern(effects::sensor_of(truth), simulation.width_px(),
@@ -49,7 +46,7 @@ void measure_ranges(const Model& truth, const MeasurementSet& protocol,
         fmt::format("{}: with model '{}' the detector sees the ball in none of {} frames",
                     table.file(), truth.name(), table.rows()));
   }
-  out.write(options.out / protocol.files.at("ranges"));
+  out.write(written_path(options.out, protocol.files.at("ranges")));
 }
 
 }  // namespace seam::measurement
