@@ -2,8 +2,97 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
+
+#include "sim_core/base/error.h"
 
 namespace seam::app {
+namespace {
+
+std::vector<std::string> subcommand_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+// What is wrong with the line where a word of it is no subcommand or option, with the nearest that
+// there is; empty where all of them are known.
+std::string unknown_word(const CLI::App& app) {
+  for (const std::string& word : app.remaining()) {
+    if (word.size() > 1 && word.front() == '-') {
+      const std::string name = word.substr(0, word.find('='));
+      return fmt::format("unknown option '{}'{}", name, suggestion_for(name, option_names(app)));
+    }
+    if (const auto names = subcommand_names(app); !names.empty())
+      return fmt::format("unknown command '{}'{}", word, suggestion_for(word, names));
+  }
+  for (const CLI::App* command : app.get_subcommands()) {
+    if (const std::string found = unknown_word(*command); !found.empty()) return found;
+  }
+  return "";
+}
+
+std::string help_of(const CLI::App& program, const std::vector<std::string>& words) {
+  const CLI::App* command = &program;
+  std::string path;
+  for (const std::string& word : words) {
+    const auto names = subcommand_names(*command);
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      throw UsageError(fmt::format("unknown command '{}'{}", word, suggestion_for(word, names)));
+    path += (path.empty() ? "" : " ") + command->get_name();
+    command = command->get_subcommand(word);
+  }
+  // The program itself has `help` as its subcommand on this line, to which `help()` would go.
+  if (words.empty())
+    return program.get_formatter()->make_help(&program, program.get_name(),
+                                              CLI::AppFormatMode::Normal);
+  return command->help(path);
+}
+
+void add_pages(const CLI::App& app, const std::string& path, std::string& text) {
+  for (const CLI::App* command : app.get_subcommands({})) {
+    text += fmt::format("\n## `{} {}`\n\n```text\n{}```\n", path, command->get_name(),
+                        command->help(path));
+    add_pages(*command, path + " " + command->get_name(), text);
+  }
+}
+
+// docs/commands.md: the help of the program and of each subcommand.
+std::string commands_markdown(const CLI::App& program) {
+  const std::string name = program.get_name();
+  std::string text = fmt::format(
+      "# Commands\n\nMade by `{0} help --markdown`; a test compares this page with the program, "
+      "and "
+      "another runs the\nexamples. `{0} help COMMAND` and `{0} COMMAND --help` show one part of "
+      "it.\n\n```text\n{1}```\n",
+      name, help_of(program, {}));
+  add_pages(program, name, text);
+  return text;
+}
+
+// `help [COMMAND...]`, as many programs have it beside --help.
+void add_help(CLI::App& program) {
+  CLI::App* help = program.add_subcommand("help", "The help of a command, as COMMAND --help");
+  auto words = std::make_shared<std::vector<std::string>>();
+  auto markdown = std::make_shared<bool>(false);
+  help->add_option("COMMAND", *words, "A command, and a command of it");
+  help->add_flag("--markdown", *markdown, "The help of all commands as a page (docs/commands.md)");
+  help->footer("Example: " + program.get_name() + " help " + subcommand_names(program).front());
+  help->callback([&program, words, markdown] {
+    const std::string text = *markdown ? commands_markdown(program) : help_of(program, *words);
+    std::fputs(text.c_str(), stdout);
+  });
+}
+
+}  // namespace
 
 Option& Option::required() {
   option_->required();
@@ -86,10 +175,13 @@ int parse_and_run(const std::string& help, const std::string& program, const std
   CLI::App app{help, program};
   app.set_version_flag("--version", version);
   add_commands(Command(&app));
+  if (!subcommand_names(app).empty()) add_help(app);
   try {
     // CLI11 takes the arguments last to first.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::ParseError& error) {
+    const std::string unknown = error.get_exit_code() == 0 ? "" : unknown_word(app);
+    if (!unknown.empty()) throw UsageError(unknown + "\nRun with --help for more information.");
     return app.exit(error) == 0 ? 0 : 2;
   }
   return 0;

@@ -67,9 +67,10 @@ class Command {
   CLI::App* app_;
 };
 
-// Parses the arguments (without the program's name) and runs the command named. Returns the
-// program's exit code: 0 after help or version, 2 for wrong use; what the commands throw passes
-// through.
+// Parses the arguments (without the program's name) and runs the command named. A program with
+// subcommands has `help` among them: the help of one, or with --markdown that of all as a page.
+// Returns the program's exit code: 0 after help or version, 2 for wrong use; what the commands
+// throw passes through. An unknown command or option throws UsageError with the nearest known one.
 int parse_and_run(const std::string& help, const std::string& program, const std::string& version,
                   const std::vector<std::string>& arguments,
                   const std::function<void(Command)>& add_commands);

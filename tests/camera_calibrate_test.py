@@ -82,6 +82,16 @@ class CameraCalibrate(unittest.TestCase):
         self.assertIn("did you mean 'vignetting'", error)
         self.assertFalse((self.here / "x").exists())
 
+    def test_a_model_that_gives_one_set_only_leaves_nothing_behind(self):
+        for name, lacking in (("blind", SENSOR), ("dark", PINHOLE)):
+            with self.subTest(name):
+                self.seam("camera-calibrate", "--model", self.model(name, lacking), "--out", self.here / name, code=1)
+                self.assertFalse((self.here / name).exists())
+        # Nor does it touch what is there.
+        (self.here / "kept" / "room").mkdir(parents=True)
+        self.seam("camera-calibrate", "--model", self.model("dark", PINHOLE), "--out", self.here / "kept", code=1)
+        self.assertEqual([p.name for p in (self.here / "kept").rglob("*")], ["room"])
+
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[2:]], verbosity=2)

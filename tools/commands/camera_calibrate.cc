@@ -105,17 +105,51 @@ void write_flat_fields(const std::filesystem::path& folder, const Settings& sett
           settings.width_px, settings.height_px));
 }
 
+// Everything is made here and moved to its place when all of it is there, so that a model that
+// cannot give one of the sets leaves nothing behind.
+class Unfinished {
+ public:
+  explicit Unfinished(const std::filesystem::path& out)
+      : out_(out),
+        out_is_new_(!std::filesystem::exists(out)),
+        path_(folder_for(out / ".unfinished")) {}
+  ~Unfinished() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+    // Goes only where it is empty.
+    if (out_is_new_) std::filesystem::remove(out_, ignored);
+  }
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  void finish() const {
+    for (const auto& made : std::filesystem::directory_iterator(path_)) {
+      const std::filesystem::path place = out_ / made.path().filename();
+      std::filesystem::remove_all(place);
+      std::filesystem::rename(made.path(), place);
+    }
+  }
+
+ private:
+  std::filesystem::path out_;
+  bool out_is_new_;
+  std::filesystem::path path_;
+};
+
 void run(const Settings& settings) {
   const effects::Model truth = read_model(settings.model);
   const std::filesystem::path out = settings.out;
-  write_room(folder_for(out / "protocols/room"), settings);
-  write_flat_fields(folder_for(out / "protocols/flat_fields"), settings);
-  for (const char* set : {"room", "flat_fields"}) {
-    const auto protocol = measurement::MeasurementSet::open(out / "protocols" / set);
+  const Unfinished made(out);
+  write_room(folder_for(made.path() / "protocols/room"), settings);
+  write_flat_fields(folder_for(made.path() / "protocols/flat_fields"), settings);
+  for (const char* set : {"flat_fields", "room"}) {
+    const auto protocol = measurement::MeasurementSet::open(made.path() / "protocols" / set);
     measurement::find_kind(protocol.kind)
-        .measure(truth, protocol, {.seed = settings.seed, .noise = true, .out = out / set});
-    std::printf("%s\n", (out / set).c_str());
+        .measure(truth, protocol, {.seed = settings.seed, .noise = true, .out = made.path() / set});
   }
+  made.finish();
+  std::printf("%s\n%s\n", (out / "room").c_str(), (out / "flat_fields").c_str());
   std::printf("Next: seam discover --model YOUR_MODEL --data %s --out calibrated.yaml\n",
               (out / "room").c_str());
 }
@@ -154,8 +188,9 @@ void add_camera_calibrate(app::Command app) {
       "The sets are made by `seam measure`'s code from the protocols beside them, which say what "
       "was done; follow them\n"
       "in a laboratory to calibrate a real camera.\n"
-      "Example: seam camera-calibrate --model models/ers210_full.yaml --out calibration\n"
-      "         seam discover --model models/ideal_camera.yaml --data calibration/room --out "
+      "Examples:\n"
+      "  seam camera-calibrate --model models/ers210_full.yaml --out calibration --frames 60\n"
+      "  seam discover --model models/ideal_camera.yaml --data calibration/room --out "
       "calibrated.yaml");
   command.callback([settings] { run(*settings); });
 }

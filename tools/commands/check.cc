@@ -28,6 +28,7 @@ void add_check(app::Command app) {
       app.add_subcommand("check", "Validates a scenario, model, scene or measurement set");
   auto file = std::make_shared<std::string>();
   command.add_option("FILE", *file, "The file").required();
+  command.footer("Example: seam check scenarios/head_swing.yaml");
   command.callback([file] {
     const ConfigNode root = ConfigNode::from_file(*file);
     const std::string format = root.at("format").text();

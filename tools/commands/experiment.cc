@@ -25,8 +25,10 @@ void add_one(app::Command parent, const std::string& name, const std::string& he
   command.add_option("--seconds", options->duration_s, "Length of each run of a turning head")
       .range(8.0, 3600.0)
       .show_default();
-  command.add_option("--jobs", options->parallel, "Runs at a time").range(1, 256).show_default();
+  command.add_option("--jobs", options->parallel, "Runs at a time (default: one for each core)")
+      .range(1, 256);
   command.add_flag("--quick", options->quick, "A small form: few poses, one seed");
+  command.footer("Example: seam experiment " + name + " --quick");
   command.callback([options, experiment] { experiment(*options); });
 }
 

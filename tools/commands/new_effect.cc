@@ -1,5 +1,5 @@
 // `seam new-effect NAME --stage S`: a working template of an effect with its test, as a plugin
-// that builds outside the tree; its file can be moved into effects/ as it is.
+// that builds outside the tree; its file can be moved into effects/catalogue/STAGE/ as it is.
 #include <cstdio>
 #include <filesystem>
 #include <regex>
@@ -22,39 +22,39 @@ struct StageTemplate {
 };
 
 const StageTemplate kTemplates[] = {
-    {"timing", "kPoints | kFrames", "timing.h",
+    {"timing", "kPoints | kFrames", "stages/timing.h",
      "      .timing = [](Values p, Timing& timing) { timing.latency_s += p[0]; },\n",
      "  seam::effects::Timing timing;\n  effect.timing(values, timing);\n  return "
      "timing.latency_s;\n"},
-    {"joint", "kJoints | kRanges", "servo.h",
+    {"joint", "kJoints | kRanges", "stages/servo.h",
      "      .servo = [](Values p, ServoModel& servo) { servo.latency_s += p[0]; },\n",
      "  seam::effects::ServoModel servo;\n  effect.servo(values, servo);\n  return "
      "servo.latency_s;\n"},
     {"mount", "kPoints | kLandmarks | kFrames", "model.h",
      "      .mount = [](Values p, Pose& X_LC) { X_LC.p.x += p[0]; },\n",
      "  seam::Pose X_LC;\n  effect.mount(values, X_LC);\n  return X_LC.p.x;\n"},
-    {"geometry", "kPoints | kFrames", "geometry.h",
+    {"geometry", "kPoints | kFrames", "stages/geometry.h",
      "      .geometry = [](Values p, ImagePoint& point) { point.cx += p[0]; },\n",
      "  seam::effects::ImagePoint point;\n  effect.geometry(values, point);\n  return point.cx;\n"},
-    {"radiometry", "kPhotometry | kFrames", "optics.h",
+    {"radiometry", "kPhotometry | kFrames", "stages/optics.h",
      "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * "
      "point.v / point.height_px; },\n",
      "  const seam::effects::ImagePoint point{.v = 72, .width_px = 178, .height_px = 144};\n"
      "  return 1 - effect.gain(values, point);\n"},
-    {"light", "kPhotometry", "optics.h",
+    {"light", "kPhotometry", "stages/optics.h",
      "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * "
      "point.v / point.height_px; },\n",
      "  const seam::effects::ImagePoint point{.v = 72, .width_px = 178, .height_px = 144};\n"
      "  return 1 - effect.gain(values, point);\n"},
-    {"sensor", "kPhotometry | kFrames", "sensor.h",
+    {"sensor", "kPhotometry | kFrames", "stages/sensor/sensor.h",
      "      .sensor = [](Values p, SensorChain& chain) { chain.black_dn += p[0]; },\n",
      "  seam::effects::SensorChain chain;\n  effect.sensor(values, chain);\n  return "
      "chain.black_dn;\n"},
-    {"detector", "kLandmarks", "detector.h",
+    {"detector", "kLandmarks", "stages/detector.h",
      "      .detector = [](Values p, Detection& seen) { seen.range_m += p[0]; },\n",
      "  seam::effects::Detection seen;\n  effect.detector(values, seen);\n  return "
      "seen.range_m;\n"},
-    {"locomotion", "kOdometry", "locomotion.h",
+    {"locomotion", "kOdometry", "stages/locomotion.h",
      "      .locomotion = [](Values p, Locomotion& walk) { walk.vx_scale += p[0]; },\n",
      "  seam::effects::Locomotion walk;\n  effect.locomotion(values, walk);\n  return "
      "walk.vx_scale;\n"},
@@ -115,11 +115,21 @@ int main() {{
       name, t.header, t.test);
 }
 
+// The headers that belong to this program: beside it where it is installed, else those of the tree
+// that it was built from.
+std::string own_headers() {
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto installed = program.parent_path().parent_path() / "include/seam";
+  return std::filesystem::exists(installed / "effects/plugin.h") ? installed.string()
+                                                                 : SEAM_SOURCE_DIR;
+}
+
 std::string cmake_text(const std::string& name) {
   return fmt::format(R"(cmake_minimum_required(VERSION 3.25)
 project({0} LANGUAGES CXX)
-# Where SEAM is installed (cmake --install), or its source tree: -DSEAM_INCLUDE=DIR.
-find_path(SEAM_INCLUDE effects/plugin.h PATH_SUFFIXES seam REQUIRED)
+# The headers of the SEAM that wrote this file; others, installed or a source tree: -DSEAM_INCLUDE=DIR.
+find_path(SEAM_INCLUDE effects/plugin.h HINTS "{1}" PATH_SUFFIXES seam REQUIRED)
 find_package(fmt REQUIRED)
 enable_testing()
 
@@ -134,7 +144,7 @@ foreach(target {0} test_{0})
 endforeach()
 add_test(NAME {0} COMMAND test_{0})
 )",
-                     name);
+                     name, own_headers());
 }
 
 std::string plugin_text(const std::string& name) {
@@ -164,8 +174,9 @@ void add_new_effect(app::Command app) {
       .required();
   command.add_option("--out", *out, "The folder to write (default: NAME)");
   command.footer(
-      "Example: seam new-effect thermal_focus --stage geometry && cmake -S thermal_focus -B "
-      "build-focus");
+      "Examples:\n  seam new-effect thermal_focus --stage geometry\n"
+      "  cmake -S thermal_focus -B build-focus && cmake --build build-focus\n"
+      "  seam --plugin build-focus/thermal_focus.so effects thermal_focus");
   command.callback([name, stage, out] {
     if (!std::regex_match(*name, std::regex("[a-z][a-z0-9_]*"))) {
       throw UsageError(
@@ -192,7 +203,7 @@ void add_new_effect(app::Command app) {
     write_file_atomically(folder / "CMakeLists.txt", cmake_text(*name));
     std::printf(
         "%s: an effect of stage %s, its test, and a plugin of it.\n"
-        "  cmake -S %s -B %s/build -DSEAM_INCLUDE=DIR && cmake --build %s/build && ctest "
+        "  cmake -S %s -B %s/build && cmake --build %s/build && ctest "
         "--test-dir %s/build\n"
         "  seam --plugin %s/build/%s.so effects %s\n",
         folder.c_str(), stage->c_str(), folder.c_str(), folder.c_str(), folder.c_str(),

@@ -30,6 +30,9 @@ void add_report(app::Command app) {
   auto out = std::make_shared<std::string>();
   command.add_option("RESULT", *file, "What a command wrote with --json").required();
   command.add_option("--out", *out, "The page to write").required();
+  command.footer(
+      "Example: seam diagnose --model nominal.yaml --data sets/points-a --json found.json && "
+      "seam report found.json --out report.html");
   command.callback([file, out] {
     json result = read_result(*file);
     const std::string format = result["format"];

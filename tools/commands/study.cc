@@ -69,7 +69,7 @@ void add_study(app::Command app) {
                      "Its size in standard errors of such a set (once or more; left out: 5)");
   command.add_option("--value", flags->values, "Its value in its own unit, instead of a size");
   command.add_option("--json", flags->json, "Writes the result as JSON");
-  command.footer("Example: seam study points --effect frame_latency --size 2 --size 5 --seeds 20");
+  command.footer("Example: seam study points --effect frame_latency --size 2 --size 5 --seeds 3");
   command.callback([flags] {
     measurement::StudyPlan& plan = flags->plan;
     plan.sizes = numbers(flags->sizes, "--size"), plan.values = numbers(flags->values, "--value");

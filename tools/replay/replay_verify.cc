@@ -123,7 +123,7 @@ void add_replay_verify(app::Command replay) {
                    "Make and compare the frames too (the default)");
   command.footer(
       "Exit code 0: the same; 1: a divergence, or the log cannot be read.\n"
-      "Example: seam replay verify match.mcap --json result.json");
+      "Example: seam replay verify swing.mcap --json result.json");
   command.callback([settings] { run(*settings); });
 }
 

@@ -108,7 +108,7 @@ void add_replay_whatif(app::Command replay) {
   command.add_option("--log", settings->session.log, "Keep the changed run's log here");
   command.add_option("--json", settings->json, "Write what differs as seam-diff/1");
   command.footer(
-      "Example: seam replay whatif match.mcap --robot red1 --client 'ball_watcher' --from 20");
+      "Example: seam replay whatif swing.mcap --robot red1 --client 'ball_watcher' --from 1");
   command.callback([settings] {
     if (const int code = what_if(*settings); code != 0) throw ExitCode{code};
   });

@@ -1,0 +1,23 @@
+#!/usr/bin/env python3
+"""docs/commands.md says what the program says: commands_page_test.py SEAM docs/commands.md
+
+Where they differ, the page as it should be is written beside it, to be looked at and moved into its place.
+"""
+import pathlib
+import subprocess
+import sys
+
+
+def main():
+    seam, page = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    wanted = subprocess.run([seam, "help", "--markdown"], capture_output=True, text=True, check=True).stdout
+    beside = page.with_name(page.name + ".new")
+    if page.exists() and page.read_text(encoding="utf-8") == wanted:
+        beside.unlink(missing_ok=True)
+        return 0
+    beside.write_text(wanted, encoding="utf-8")
+    return f"{page} differs from the program; compare with {beside} (or: seam help --markdown > docs/commands.md)"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
