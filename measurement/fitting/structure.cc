@@ -154,10 +154,12 @@ class Tester {
       found.p_value = found.p_value <= 1e-297 ? 1e-300 : std::min(1.0, found.p_value * looks_);
     }
     std::erase_if(found_, [](const Structure& s) { return s.p_value > 0.05; });
+    // Of two tests of one thing the surer one stays.
     std::stable_sort(found_.begin(), found_.end(), [](const Structure& a, const Structure& b) {
       return std::pair(a.p_value, -a.explained) < std::pair(b.p_value, -b.explained);
     });
     keep_strongest();
+    strongest_first(facts_, found_);
     return found_;
   }
 
@@ -352,7 +354,27 @@ void Tester::test_spread(const Signal& signal) {
   }
 }
 
+// The noise of the channel, or of the first of the two that a combined one is made of.
+double noise_of(const Facts& facts, const std::string& residual) {
+  for (const Channel& channel : facts.channels) {
+    if (channel.name == residual) return channel.noise;
+  }
+  for (const CombinedChannel& combined : facts.combined) {
+    if (combined.name == residual) return facts.channels[combined.channel_a].noise;
+  }
+  return 1;
+}
+
 }  // namespace
+
+void strongest_first(const Facts& facts, std::vector<Structure>& structures) {
+  const auto key = [&](const Structure& s) {
+    const double noise = noise_of(facts, s.residual);
+    return std::pair(s.p_value, noise > 0 ? -s.strength / noise : -s.strength);
+  };
+  std::stable_sort(structures.begin(), structures.end(),
+                   [&](const Structure& a, const Structure& b) { return key(a) < key(b); });
+}
 
 std::vector<Structure> Problem::structure(const Model& model, const Groups& groups,
                                           int fitted) const {

@@ -137,6 +137,10 @@ struct Structure {
   double explained = 0;   // Share of the residual's sum of squares.
 };
 
+// Surest first. Values of p that are cut (1e-300) are no order: of these, and of equals, the one
+// that is stronger in units of its channel's noise goes first.
+void strongest_first(const Facts& facts, std::vector<Structure>& structures);
+
 struct Outlier {
   int line = 0;
   size_t scalar = 0;
@@ -166,8 +170,8 @@ class Problem {
   virtual Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
                   const Groups& groups) const;
 
-  // Tests of mean and spread against every covariate and product, strongest first. Holds all tests
-  // that are significant; `fitted` parameters were estimated from these data.
+  // Tests of mean and spread against every covariate and product, as strongest_first orders them.
+  // Holds all tests that are significant; `fitted` parameters were estimated from these data.
   virtual std::vector<Structure> structure(const Model& model, const Groups& groups,
                                            int fitted) const;
 
@@ -222,6 +226,8 @@ class Problem {
   // By scalar: rows in which a residual is more than 6 robust sigmas from the median of its
   // neighbours' under this model.
   virtual std::vector<char> find_outliers(const Model& model) const;
+  // Why this kind looks for no outliers, for people who miss them; empty: it does.
+  virtual std::string no_outliers_because() const { return ""; }
   // Rows whose residuals should be like this one's. Default: the nearest in time of its series.
   virtual std::vector<int> neighbours(size_t row) const;
   // What measurement would separate two effects or give an untestable one leverage; may be empty.

@@ -30,6 +30,15 @@ std::string structure_text(const std::vector<Structure>& structure) {
   return text;
 }
 
+// Why the error is not that of `compare`, where it is not.
+std::string outlier_text(const SearchResult& result) {
+  if (result.steps.empty() || (result.outliers.empty() && result.outliers_of_given == 0)) return "";
+  return fmt::format(
+      "{} residuals left out as outliers of the best model found (compare leaves out those of the "
+      "model given, so that its error differs)\n",
+      result.outliers.size());
+}
+
 }  // namespace
 
 std::string advice_for(const Problem& problem, const SearchResult& result) {
@@ -69,10 +78,15 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
                         problem.facts().channels[c].estimated ? " (estimated)" : "");
   }
   if (!result.outliers.empty())
-    text += fmt::format("{} residuals left out as outliers\n", result.outliers.size());
+    text += fmt::format(
+        "{} residuals left out as outliers of this model (diagnose, which may find a better one, "
+        "leaves out that one's, so that its error differs)\n",
+        result.outliers.size());
   if (result.outlier_share > kMostOutliers)
     text += fmt::format("{:.0f} % of the residuals look like outliers: none is left out\n",
                         100 * result.outlier_share);
+  if (const std::string why = problem.no_outliers_because(); !why.empty())
+    text += fmt::format("no outliers are looked for: {}\n", why);
   text += result.structure.empty()
               ? "no significant structure\n"
               : "structure of the residuals:\n" + structure_text(result.structure);
@@ -80,9 +94,10 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
 }
 
 std::string diagnose_text(const Problem& problem, const SearchResult& result) {
-  std::string text =
-      fmt::format("{}: error {:.4f} on held-out groups (1.0 is the noise)\nverdict: {}\n",
-                  problem.facts().title, result.base.assessment.error, result.verdict);
+  std::string text = fmt::format("{}: error {:.4f} on held-out groups (1.0 is the noise)\n",
+                                 problem.facts().title, result.base.assessment.error);
+  text += outlier_text(result);
+  text += fmt::format("verdict: {}\n", result.verdict);
   int rank = 0;
   for (const Candidate& candidate : result.first.candidates) {
     if (++rank > 5 || !candidate.significant) break;
@@ -108,10 +123,13 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
 std::string discover_text(const Problem& problem, const SearchResult& result) {
   std::string text = fmt::format("{}: error {:.4f} on held-out groups before\n",
                                  problem.facts().title, result.base.assessment.error);
+  text += outlier_text(result);
   for (const Step& step : result.steps) {
     text += fmt::format("  + {:24s} {:.4f} -> {:.4f}   {}\n", step.effect, step.error_before,
                         step.error_after,
                         parameter_text(parameters_of(result.best.assessment, step.effect)));
+    for (const std::string& other : step.indistinguishable_from)
+      text += fmt::format("      these data cannot tell it from {}\n", other);
   }
   text += fmt::format("error {:.4f}, {}\n", result.best.assessment.error,
                       result.verdict == "unexplained_structure"

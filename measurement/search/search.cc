@@ -307,6 +307,7 @@ SearchResult Searcher::run() {
   SearchResult result;
   problem_.leave_out({});
   mark_outliers(problem_, model_, result);
+  result.outliers_of_given = result.outliers.size();
   bool marks_changed = true;
   for (int round = 0; round < kOutlierRounds && marks_changed; ++round) {
     promising_.clear();

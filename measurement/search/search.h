@@ -25,9 +25,10 @@ struct SearchResult {
   Grown best;                        // With all effects found.
   std::vector<Step> steps;           // In the order in which they help most.
   std::vector<Structure> remaining;  // Significant structure after the last step.
-  std::vector<Outlier> outliers;
-  double outlier_share = 0;  // Above kMostOutliers none is left out.
-  std::string verdict;       // Of diagnose.
+  std::vector<Outlier> outliers;     // Of the best model.
+  size_t outliers_of_given = 0;      // As many has the model given.
+  double outlier_share = 0;          // Above kMostOutliers none is left out.
+  std::string verdict;               // Of diagnose.
 };
 
 using Progress = std::function<void(const std::string&)>;

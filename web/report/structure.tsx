@@ -1,4 +1,4 @@
-// The list of what the residuals depend on, strongest first within each residual.
+// The list of what the residuals depend on, surest first, and the strongest of those that are equally sure.
 import { number, pValue, splitUnit, words } from "../shared/format";
 import { Rich } from "../shared/rich";
 import type { Report, Structure as Item } from "./data";

@@ -69,7 +69,8 @@ function verdictOf(result: Result): Verdict | null {
     return found.length > 0
       ? { tone: "bad", title: "The residuals are not noise.", text:
         <>{excess}; {found.length === 1 ? "one structure was" : `${found.length} structures were`} found,
-          strongest in <code>{found[0].residual}</code> against <code>{found[0].covariate}</code>.</> }
+          above all in <code>{found[0].residual}</code> against <code>{found[0].covariate}</code>:{" "}
+          {number(found[0].strength)} {splitUnit(found[0].residual).unit}.</> }
       : { tone: "good", title: "The residuals look like noise.", text: `${excess}; no structure was found.` };
   }
   return null;

@@ -391,6 +391,11 @@ std::vector<char> FramesProblem::find_outliers(const Model&) const {
   return std::vector<char>(facts_.scalars(), 0);
 }
 
+std::string FramesProblem::no_outliers_because() const {
+  return "a pixel that stays odd is an effect (hot_pixels, pixel_gain_spread), and neighbouring "
+         "pixels differ at every edge of the scene";
+}
+
 Kind frames_kind() {
   return {.name = "frames",
           .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {

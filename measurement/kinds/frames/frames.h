@@ -38,6 +38,7 @@ class FramesProblem : public Problem {
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
+  std::string no_outliers_because() const override;
   double looks(const Model& model, const EffectDefinition& effect) const override;
 
  private:

@@ -208,6 +208,11 @@ std::vector<char> PhotometryProblem::find_outliers(const Model&) const {
   return std::vector<char>(facts_.scalars(), 0);
 }
 
+std::string PhotometryProblem::no_outliers_because() const {
+  return "a pixel that stays odd is an effect (hot_pixels, pixel_gain_spread), and one odd value "
+         "among many frames is lost in its pixel's mean";
+}
+
 std::string PhotometryProblem::not_testable(const Model& model, const EffectDefinition& effect,
                                             size_t parameter) const {
   const effects::Parameter& definition = effect.parameters[parameter];

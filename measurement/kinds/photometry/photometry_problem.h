@@ -32,6 +32,7 @@ class PhotometryProblem : public Problem {
   bool groups_are_independent() const override { return false; }
   double looks(const Model& model, const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
+  std::string no_outliers_because() const override;
 
   const PhotometryData& data() const { return data_; }
 

@@ -172,7 +172,8 @@ std::vector<std::vector<double>> RangesProblem::starts(const Model& model,
 }
 
 // Residuals that are less than the scatter of predictions can still be smooth: no structure that
-// such data could show. And those that are more at some places, without any order, are one.
+// such data could show. And those that are more at some places, without any order, are one: each
+// place is tested for an offset of its own.
 std::vector<Structure> RangesProblem::structure(const Model& model, const Groups& groups,
                                                 int fitted) const {
   constexpr double kClear = 20;  // Of a chi-square with a few degrees of freedom.
@@ -197,11 +198,12 @@ std::vector<Structure> RangesProblem::structure(const Model& model, const Groups
     if (p < 1e-3 && !told) {
       found.push_back({.residual = name,
                        .moment = "mean",
-                       .covariate = "range",
+                       .covariate = "place",
                        .strength = std::sqrt(std::max(0.0, residual2 - square) / count),
                        .p_value = std::max(p, 1e-300)});
     }
   }
+  strongest_first(facts_, found);
   return found;
 }
 

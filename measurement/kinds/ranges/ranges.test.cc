@@ -190,6 +190,23 @@ TEST_F(Ranges, OneGrossValueIsAnOutlierOfItsOwn) {
   EXPECT_EQ(problem->facts().line_of_row[problem->facts().row_of[scalar]], 6);
 }
 
+// Four places with offsets in no order: too few for any curve over the range, which is not tested.
+TEST_F(Ranges, OffsetsWithoutOrderAreAStructureOfPlaces) {
+  std::string table = "trial,true_m,measured_m\n";
+  for (int k = 0; k < 10; ++k) {
+    for (const auto& [d, off] : {std::pair(0.5, 0.1), {0.6, -0.1}, {0.7, 0.1}, {0.8, -0.1}})
+      table += fmt::format("{},{},{}\n", k, d, d + off + 0.001 * (k % 3));
+  }
+  write("ranges.csv", table);
+  const auto problem = open();
+  problem->prepare(model());
+  std::vector<std::string> covariates;
+  for (const Structure& s : problem->structure(model(), problem->all_groups(), 0)) {
+    if (s.residual == "mean_m") covariates.push_back(s.covariate);
+  }
+  EXPECT_EQ(covariates, std::vector<std::string>{"place"});
+}
+
 TEST_F(Ranges, SaysWhichPlaceShowsNoBall) {
   write("ranges.csv", "trial,true_m,measured_m\n1,0.5,0.5\n2,2.53,2.5\n");
   const auto problem = open();

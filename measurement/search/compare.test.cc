@@ -1,0 +1,57 @@
+// What compare says first is what matters most.
+#include "measurement/search/compare.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "measurement/kinds/kinds.h"
+#include "measurement/report/results.h"
+
+namespace seam::measurement {
+namespace {
+
+std::filesystem::path scratch(const std::string& name) {
+  return std::filesystem::path(testing::TempDir()) / ("compare-" + name);
+}
+
+TEST(StrongestFirst, StrengthDecidesWherePIsCut) {
+  Facts facts;
+  facts.channels = {{.name = "range_m", .noise = 0.03}, {.name = "bearing_rad", .noise = 0.006}};
+  std::vector<Structure> structures = {
+      {.residual = "range_m", .covariate = "time", .strength = 0.9, .p_value = 1e-200},
+      {.residual = "range_m", .covariate = "range", .strength = 0.06, .p_value = 1e-300},
+      {.residual = "bearing_rad", .covariate = "bearing", .strength = 0.03, .p_value = 1e-300},
+      {.residual = "range_m", .covariate = "heading", .strength = 0.09, .p_value = 1e-300}};
+  strongest_first(facts, structures);
+  std::vector<std::string> order;
+  for (const Structure& s : structures) order.push_back(s.covariate);
+  // 5, 3 and 2 noise units; then what is less sure, however strong.
+  EXPECT_EQ(order, (std::vector<std::string>{"bearing", "heading", "range", "time"}));
+}
+
+// The tutorial's recording: many tests have the least p, and their strengths fall from line to
+// line.
+TEST(Compare, ListsTheStrongestFirst) {
+  const std::filesystem::path tutorial = std::filesystem::path(SEAM_SOURCE_DIR) / "docs/tutorial";
+  const Model nominal = Model::from_file(tutorial / "nominal.yaml");
+  find_kind("points").measure(Model::from_file(tutorial / "robot.yaml"),
+                              MeasurementSet::open(tutorial / "room"),
+                              {.seed = 1, .out = scratch("set")});
+  const auto problem = open_problem(scratch("set"));
+  const CompareResult result = compare(*problem, nominal);
+  size_t cut = 0;
+  while (cut < result.structure.size() && result.structure[cut].p_value <= 1e-300) ++cut;
+  ASSERT_GT(cut, 4u);
+  EXPECT_EQ(result.structure[0].covariate, "row*pan_rate");
+  for (size_t i = 1; i < cut; ++i)
+    EXPECT_GE(result.structure[i - 1].strength, result.structure[i].strength)
+        << result.structure[i].residual << " " << result.structure[i].covariate;
+  // The text's first line of structure is the JSON's first entry.
+  const std::string text = compare_text(*problem, result);
+  const std::string lines = text.substr(text.find("structure of the residuals:\n"));
+  EXPECT_LT(lines.find(result.structure[0].covariate), lines.find("\n", 30)) << text;
+}
+
+}  // namespace
+}  // namespace seam::measurement
