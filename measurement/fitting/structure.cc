@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "measurement/numerics/legendre.h"
 #include "measurement/numerics/regression.h"
 #include "measurement/problem/problem.h"
 #include "sim_core/base/maths.h"
@@ -107,11 +108,8 @@ bool scaled_column(const std::vector<double>& values, const std::vector<int>& ro
 std::vector<std::vector<double>> slow_basis(const std::vector<double>& x) {
   std::vector<std::vector<double>> basis(4, std::vector<double>(x.size()));
   for (size_t i = 0; i < x.size(); ++i) {
-    const double t = x[i], t2 = t * t;
-    basis[0][i] = t;
-    basis[1][i] = 0.5 * (3 * t2 - 1);
-    basis[2][i] = 0.5 * t * (5 * t2 - 3);
-    basis[3][i] = 0.125 * (35 * t2 * t2 - 30 * t2 + 3);
+    for (int degree = 1; degree <= 4; ++degree)
+      basis[static_cast<size_t>(degree) - 1][i] = legendre(degree, x[i]);
   }
   return basis;
 }
@@ -150,9 +148,7 @@ class Tester {
       test_order(signal);
       test_spread(signal);
     }
-    for (Structure& found : found_) {
-      found.p_value = found.p_value <= 1e-297 ? 1e-300 : std::min(1.0, found.p_value * looks_);
-    }
+    for (Structure& found : found_) found.p_value = corrected(found.p_value, looks_);
     std::erase_if(found_, [](const Structure& s) { return s.p_value > 0.05; });
     // Of two tests of one thing the surer one stays.
     std::stable_sort(found_.begin(), found_.end(), [](const Structure& a, const Structure& b) {

@@ -322,9 +322,12 @@ double WideFitter::flat_width(size_t i, double sigma) {
   const Vector middle = moved(i, 0.5 * (edge[0] + edge[1]));
   const double cost = cost_at(middle);
   if (cost - cost_ < 0.5 * one) {
+    const bool better = cost_ - cost > one;
     z_ = middle;
     here_ = problem_.evaluate(at(z_), groups_);
     cost_ = cost;
+    // The edges were those of a worse place, far beyond this one's.
+    if (better) return flat_width(i, sigma / std::sqrt(one));
   }
   return (edge[1] - edge[0]) / std::sqrt(12.0);
 }

@@ -107,8 +107,12 @@ double f_tail(double f, double numerator, double denominator) {
 
 double chi2_tail(double x, double freedom) {
   if (!(x > 0)) return 1;
-  if (x > 1300) return 1e-300;
+  if (x > 1400 + 2 * freedom) return 1e-300;  // Below the least double; boost would say so.
   return clamped(boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), x)));
+}
+
+double corrected(double p, double looks) {
+  return p <= 1e-297 ? 1e-300 : std::min(1.0, p * looks);
 }
 
 double normal_tail(double z) {

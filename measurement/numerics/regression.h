@@ -25,6 +25,8 @@ NestedTest category_test(const std::vector<double>& y, const std::vector<int>& l
 double f_tail(double f, double numerator, double denominator);
 double chi2_tail(double x, double freedom);
 double normal_tail(double z);
+// The p-value of one look among so many; one too small to be told stays the smallest, 1e-300.
+double corrected(double p, double looks);
 
 // Standard normal scores of the ranks.
 std::vector<double> normal_scores(const std::vector<double>& values);

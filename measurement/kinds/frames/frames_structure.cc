@@ -2,12 +2,13 @@
 // image's gradients, by which displacement and blur show.
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 
 #include "effects/stages/geometry.h"
 #include "measurement/kinds/frames/frames.h"
+#include "measurement/numerics/legendre.h"
 #include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/regression.h"
 
 namespace seam::measurement {
 namespace {
@@ -24,19 +25,10 @@ struct Block {
   Eigen::Index first, count;
 };
 
-void legendre(double x, Eigen::Index count, double scale, VectorXd& out, Eigen::Index first) {
-  double before = 1, now = x;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    out[first + k] = scale * now;
-    const double n = static_cast<double>(k) + 1;
-    const double next = ((2 * n + 1) * x * now - n * before) / (n + 1);
-    before = now, now = next;
-  }
-}
-
-double upper_tail(double x, double freedom) {
-  if (!(x > 0)) return 1;
-  return x > 1400 + 2 * freedom ? 0 : boost::math::gamma_q(0.5 * freedom, 0.5 * x);
+// Polynomials of degree 1 to `count`.
+void add_legendre(double x, Eigen::Index count, double scale, VectorXd& out, Eigen::Index first) {
+  for (Eigen::Index k = 0; k < count; ++k)
+    out[first + k] = scale * legendre(static_cast<int>(k) + 1, x);
 }
 
 }  // namespace
@@ -87,8 +79,9 @@ std::vector<Structure> FramesProblem::structure(const Model& model, const Groups
           if (!here.used[at]) continue;
           const double w = 1 / here.sigma[at];
           b.setZero();
-          legendre(x, 6, w, b, 0), legendre(y, 6, w, b, 6), legendre(radius, 6, w, b, 12);
-          legendre(predicted(u, v, c) / 127.5 - 1, 6, w, b, 18);
+          add_legendre(x, 6, w, b, 0), add_legendre(y, 6, w, b, 6),
+              add_legendre(radius, 6, w, b, 12);
+          add_legendre(predicted(u, v, c) / 127.5 - 1, 6, w, b, 18);
           const double gu = 0.5 * (predicted(u + 1, v, c) - predicted(u - 1, v, c)) * w;
           const double gv = 0.5 * (predicted(u, v + 1, c) - predicted(u, v - 1, c)) * w;
           b.segment(24, 6) << gu, gu * x, gu * y, gv, gv * x, gv * y;
@@ -113,14 +106,14 @@ std::vector<Structure> FramesProblem::structure(const Model& model, const Groups
   std::vector<Structure> found;
   const double looks = static_cast<double>(blocks.size()) + 4;
   const auto judge = [&](const Block& block, const char* moment, double chi2, double freedom) {
-    const double p = upper_tail(chi2, freedom) * looks;
+    const double p = corrected(chi2_tail(chi2, freedom), looks);
     const double strength = std::sqrt(std::max(0.0, chi2 - freedom) / count);
     if (p < 0.01 && strength > kOwnError) {
       found.push_back({.residual = "dn",
                        .moment = moment,
                        .covariate = block.covariate,
                        .strength = strength * sigma,
-                       .p_value = std::max(p, 1e-300)});
+                       .p_value = p});
     }
   };
   for (const Block& block : blocks) {

@@ -1,9 +1,11 @@
 #include "measurement/kinds/joints/joints.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "effects/stages/servo.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -17,33 +19,22 @@ struct Around {
 
 Around parabola_around(const std::vector<double>& t, const std::vector<double>& x, size_t k) {
   constexpr size_t kReach = 4;
-  double s[5] = {}, b[3] = {};
-  size_t n = 0;
   const size_t from = k >= kReach ? k - kReach : 0, to = std::min(t.size(), k + kReach + 1);
+  const auto count = static_cast<Eigen::Index>(to - from - 1);
+  if (count < 3) return {};
+  Eigen::MatrixXd powers(count, 3);
+  Eigen::VectorXd values(count);
+  Eigen::Index at = 0;
   for (size_t i = from; i < to; ++i) {
     if (i == k) continue;
     const double d = t[i] - t[k];
-    double power = 1;
-    for (int p = 0; p < 5; ++p, power *= d) {
-      s[p] += power;
-      if (p < 3) b[p] += power * x[i];
-    }
-    ++n;
+    powers.row(at) << 1, d, d * d;
+    values[at++] = x[i];
   }
-  if (n < 3) return {};
-  const double m[3][3] = {{s[0], s[1], s[2]}, {s[1], s[2], s[3]}, {s[2], s[3], s[4]}};
-  const auto minor = [&](int r0, int r1, int c0, int c1) {
-    return m[r0][c0] * m[r1][c1] - m[r0][c1] * m[r1][c0];
-  };
-  const double det =
-      m[0][0] * minor(1, 2, 1, 2) - m[0][1] * minor(1, 2, 0, 2) + m[0][2] * minor(1, 2, 0, 1);
-  if (!(std::abs(det) > 0)) return {};
-  // Cramer's rule, symmetric matrix.
-  const double i00 = minor(1, 2, 1, 2), i01 = -minor(1, 2, 0, 2), i02 = minor(1, 2, 0, 1);
-  const double i11 = minor(0, 2, 0, 2), i12 = -minor(0, 2, 0, 1), i22 = minor(0, 1, 0, 1);
-  return {(i00 * b[0] + i01 * b[1] + i02 * b[2]) / det,
-          (i01 * b[0] + i11 * b[1] + i12 * b[2]) / det,
-          2 * (i02 * b[0] + i12 * b[1] + i22 * b[2]) / det};
+  Eigen::Index rank = 0;
+  const Eigen::VectorXd c = solve_any_rank(powers, values, &rank);
+  if (rank < 3) return {};
+  return {c[0], c[1], 2 * c[2]};
 }
 
 }  // namespace

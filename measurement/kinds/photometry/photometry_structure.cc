@@ -6,12 +6,13 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <functional>
 
 #include "effects/stages/geometry.h"
+#include "measurement/numerics/legendre.h"
 #include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/regression.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
@@ -25,23 +26,6 @@ struct Test {
   double chi2 = 0;
   int freedom = 0;
 };
-
-// P(chi-square > x), for any number of degrees of freedom.
-double upper_tail(double x, int freedom) {
-  if (!(x > 0)) return 1;
-  if (x > 1400.0 + 2 * freedom) return 0;
-  return boost::math::gamma_q(0.5 * freedom, 0.5 * x);
-}
-
-double legendre(int order, double x) {
-  double a = 1, b = x;
-  if (order == 0) return 1;
-  for (int n = 1; n < order; ++n) {
-    const double c = ((2 * n + 1) * x * b - n * a) / (n + 1);
-    a = b, b = c;
-  }
-  return b;
-}
 
 // The chi-square of statistics T with covariance C, in the directions in which C has any size.
 std::pair<double, int> chi2_of(const VectorXd& t, const MatrixXd& c, const VectorXd& reference) {
@@ -540,9 +524,10 @@ std::vector<Structure> photometry_structure(const PhotometryView& view, const Mo
   std::vector<Structure> found;
   for (Test& test : tests) {
     if (test.freedom == 0) continue;
-    const double p = upper_tail(test.chi2, test.freedom) * static_cast<double>(tests.size());
+    const double p =
+        corrected(chi2_tail(test.chi2, test.freedom), static_cast<double>(tests.size()));
     if (!(p < 0.01)) continue;
-    test.structure.p_value = std::max(p, 1e-300);
+    test.structure.p_value = p;
     found.push_back(test.structure);
   }
   std::stable_sort(found.begin(), found.end(),

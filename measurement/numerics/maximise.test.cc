@@ -1,0 +1,107 @@
+// Maxima whose place and curvature are known in closed form.
+#include "measurement/numerics/maximise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim_core/base/random.h"
+
+namespace seam::measurement {
+namespace {
+
+TEST(Maximise, ACorrelatedNormalHasItsMeanAndCovariance) {
+  // Covariance {{4, 1.8}, {1.8, 1}} about (3, -2): its inverse is {{1, -1.8}, {-1.8, 4}} / 0.76.
+  const auto log_density = [](const std::vector<double>& x) {
+    const double a = x[0] - 3, b = x[1] + 2;
+    return -0.5 * (a * a - 3.6 * a * b + 4 * b * b) / 0.76;
+  };
+  const Maximum found = maximise(log_density, {{.start = 0, .min = -50, .max = 50, .step = 0.1},
+                                               {.start = 0, .min = -50, .max = 50, .step = 0.1}});
+  EXPECT_TRUE(found.converged);
+  EXPECT_NEAR(found.value[0], 3, 0.02 * 2);
+  EXPECT_NEAR(found.value[1], -2, 0.02 * 1);
+  EXPECT_NEAR(found.sigma[0], 2, 2e-3);
+  EXPECT_NEAR(found.sigma[1], 1, 1e-3);
+  EXPECT_NEAR(found.covariance[1], 1.8, 5e-3);
+  EXPECT_NEAR(found.covariance[2], 1.8, 5e-3);
+  EXPECT_NEAR(found.log_likelihood, 0, 1e-3);
+  EXPECT_FALSE(found.at_bound[0]);
+}
+
+// Of n exponential lifetimes with the sum T, the rate is n / T and its error rate / sqrt(n).
+TEST(Maximise, ARateOnALogarithmicScale) {
+  constexpr double kCount = 400;
+  double total_s = 0;
+  const RandomStream stream{.seed = 5};
+  for (size_t i = 0; i < kCount; ++i) total_s -= std::log(uniform(stream, i)) / 25;
+  const auto log_density = [&](const std::vector<double>& x) {
+    return kCount * std::log(x[0]) - x[0] * total_s;
+  };
+  const double rate = kCount / total_s;
+  for (const double start : {1e-2, 1.0, 400.0}) {
+    const Maximum found =
+        maximise(log_density,
+                 {{.start = start, .min = 1e-6, .max = 1e6, .step = 0.02, .logarithmic = true}});
+    EXPECT_TRUE(found.converged) << start;
+    EXPECT_NEAR(found.value[0], rate, 0.02 * rate / std::sqrt(kCount)) << start;
+    EXPECT_NEAR(found.sigma[0], rate / std::sqrt(kCount), 0.01 * rate / std::sqrt(kCount)) << start;
+  }
+}
+
+// Mean and spread of a normal sample: their errors are s / sqrt(n) and s / sqrt(2 n).
+TEST(Maximise, MeanAndSpreadOfASample) {
+  constexpr size_t kCount = 200;
+  const RandomStream stream{.seed = 6};
+  std::vector<double> sample;
+  double sum = 0, sum2 = 0;
+  for (size_t i = 0; i < kCount; ++i) sample.push_back(1e3 + 0.2 * normal(stream, i));
+  for (const double x : sample) sum += x;
+  const double mean = sum / kCount;
+  for (const double x : sample) sum2 += (x - mean) * (x - mean);
+  const double spread = std::sqrt(sum2 / kCount);
+  const Maximum found = maximise(
+      [&](const std::vector<double>& p) {
+        double value = 0;
+        for (const double x : sample)
+          value -= std::log(p[1]) + 0.5 * (x - p[0]) * (x - p[0]) / (p[1] * p[1]);
+        return value;
+      },
+      {{.start = 999, .min = 0, .max = 1e4, .step = 0.1},
+       {.start = 5, .min = 1e-3, .max = 100, .step = 0.05, .logarithmic = true}});
+  const double root = std::sqrt(static_cast<double>(kCount));
+  EXPECT_NEAR(found.value[0], mean, 0.03 * spread / root);
+  EXPECT_NEAR(found.value[1], spread, 0.03 * spread / root);
+  EXPECT_NEAR(found.sigma[0], spread / root, 0.02 * spread / root);
+  EXPECT_NEAR(found.sigma[1], spread / root / std::sqrt(2.0), 0.02 * spread / root);
+}
+
+TEST(Maximise, StopsAtABoundAndSaysSo) {
+  const Maximum found =
+      maximise([](const std::vector<double>& x) { return -0.5 * (x[0] - 7) * (x[0] - 7); },
+               {{.start = 1, .min = -5, .max = 5, .step = 0.1}});
+  EXPECT_EQ(found.value[0], 5);
+  EXPECT_TRUE(found.at_bound[0]);
+  EXPECT_NEAR(found.log_likelihood, -2, 1e-9);
+}
+
+TEST(Maximise, WhatChangesNothingHasNoEstimate) {
+  const Maximum found =
+      maximise([](const std::vector<double>& x) { return -0.5 * x[0] * x[0]; },
+               {{.start = 1, .min = -5, .max = 5}, {.start = 0.5, .min = -5, .max = 5}});
+  EXPECT_NEAR(found.sigma[0], 1, 1e-3);
+  EXPECT_TRUE(std::isinf(found.sigma[1]));
+  EXPECT_EQ(found.value[1], 0.5);
+}
+
+// The function need not be known everywhere.
+TEST(Maximise, KeepsOutOfWhereThereIsNoValue) {
+  const Maximum found =
+      maximise([](const std::vector<double>& x) { return std::log(x[0]) * 50 - 20 * x[0]; },
+               {{.start = 0.05, .min = -5, .max = 5, .step = 0.01}});
+  EXPECT_NEAR(found.value[0], 2.5, 0.02);
+  EXPECT_NEAR(found.sigma[0], 2.5 / std::sqrt(50.0), 5e-3);
+}
+
+}  // namespace
+}  // namespace seam::measurement
