@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Runs the commands of a document and checks what it promises: doc_test.py FILE.md SEAM.
+"""Runs the commands of a document and checks what it promises: doc_test.py FILE.md SEAM [PYTHON].
 
 Every fenced block marked `sh` is run in order, in a copy of the folder beside the document (docs/x.md:
 docs/x/). After a block, comments such as
     <!-- check: diagnose.json verdict == missing_effect -->
     <!-- check: fitted.json error_after < 1.05 -->
     <!-- check: exists report.html -->
-look at the files it wrote. The document's words are for people; these are for this test.
+look at the files it wrote. The document's words are for people; these are for this test. PYTHON is the python3 of
+the blocks: one that has numpy.
 """
 import json
 import os
@@ -48,7 +49,8 @@ def holds(folder, check):
 def main():
     document = pathlib.Path(sys.argv[1]).resolve()
     seam = pathlib.Path(sys.argv[2]).resolve()
-    environment = dict(os.environ, PATH=f"{seam.parent}:{os.environ['PATH']}")
+    first = [str(seam.parent), *(str(pathlib.Path(python).parent) for python in sys.argv[3:])]
+    environment = dict(os.environ, PATH=":".join([*first, os.environ["PATH"]]))
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name) / "work"
         material = document.with_suffix("")
