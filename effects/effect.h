@@ -40,7 +40,7 @@ enum class Stage {
 };
 std::string to_string(Stage stage);
 
-// Kinds of measurement (measurement_sets.md); an effect names those that it touches.
+// Kinds of measurement (docs/measurements.md); an effect names those that it touches.
 enum Kind : unsigned {
   kPoints = 1,
   kPhotometry = 2,

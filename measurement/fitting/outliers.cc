@@ -1,4 +1,4 @@
-// Gross errors: residuals far from those of their neighbours (definitions.md, "Outlier").
+// Gross errors: residuals far from those of their neighbours (docs/definitions.md, "Outlier").
 #include <algorithm>
 #include <cmath>
 #include <numeric>

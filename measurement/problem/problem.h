@@ -1,7 +1,7 @@
 // What the engine (compare, diagnose, add, fit, discover) needs to know of one measurement set,
 // whatever its kind. A kind derives from `Problem` and implements `evaluate`; it may override
 // `score`, `fit` and `structure` where sufficient statistics do better than residual vectors
-// (photometry). Definitions: definitions.md, "Comparing".
+// (photometry). Definitions: docs/definitions.md.
 //
 // Vocabulary: a *row* is one line of the observation file; a *scalar* is one residual (a row of
 // points has two, u and v). Vectors over scalars always have the length of all scalars; entries
@@ -38,7 +38,7 @@ struct Covariate {
     cyclic,    // An angle in radians.
     category,  // A label, numbered from 0: structure is a mean for each.
   };
-  std::string name;  // As definitions.md, "Vocabulary".
+  std::string name;  // As docs/definitions.md, "What remains", has it.
   Type type = Type::smooth;
   std::vector<double> values;  // One a row; NaN where unknown.
   bool in_products = true;     // Whether `a*b` with the other covariates is looked at.

@@ -1,4 +1,4 @@
-// Scenes of measurement sets: a YAML file of format `seam-scene/1` (measurement_sets.md) as a
+// Scenes of measurement sets: a YAML file of format `seam-scene/1` (docs/measurements.md) as a
 // function of continuous time.
 #pragma once
 

@@ -16,8 +16,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Share of the noise below which a structure may be the renderer's own error (definitions.md allows
-// a fifth of the noise).
+// Share of the noise below which a structure may be the renderer's own error, which must stay below
+// a fifth of the noise (docs/definitions.md).
 constexpr double kOwnError = 0.1;
 
 struct Block {

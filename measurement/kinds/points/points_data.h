@@ -28,7 +28,7 @@ PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts);
 // residual).
 void place_covariates(const PointsData& data, const std::vector<double>& residual, Facts& facts);
 
-// Covariates of definitions.md for points.
+// Covariates of points (docs/definitions.md, "What remains").
 void add_points_covariates(const PointsData& data, const CsvTable& table, Facts& facts);
 
 }  // namespace seam::measurement
