@@ -17,15 +17,20 @@ int main(int argc, char** argv) {
   google::protobuf::SetLogHandler(nullptr);
   seam::app::supply_renderer_to_measurements();
   seam::app::supply_detectors_to_measurements();
+  // For the help alone: load_plugins takes them out of the line, since options may name their
+  // effects.
+  std::vector<std::string> plugins;
   try {
-    return seam::app::parse_and_run("SEAM: simulator of environment and measurement", "seam",
-                                    "seam 0.1.0", seam::app::load_plugins({argv + 1, argv + argc}),
-                                    [](seam::app::Command app) {
-                                      app.require_subcommand();
+    return seam::app::parse_and_run(
+        "SEAM: simulator of environment and measurement", "seam", "seam 0.1.0",
+        seam::app::load_plugins({argv + 1, argv + argc}), [&plugins](seam::app::Command app) {
+          app.require_subcommand();
+          app.add_option("--plugin", plugins,
+                         "Loads effects from this shared object; anywhere in the line");
 #define SEAM_ADD(name) seam::tools::add_##name(app);
-                                      SEAM_COMMANDS(SEAM_ADD)
+          SEAM_COMMANDS(SEAM_ADD)
 #undef SEAM_ADD
-                                    });
+        });
   } catch (const seam::tools::ExitCode& exit) {
     return exit.code;
   } catch (const seam::UsageError& error) {
