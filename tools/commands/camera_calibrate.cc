@@ -189,7 +189,8 @@ void add_camera_calibrate(app::Command app) {
       "was done; follow them\n"
       "in a laboratory to calibrate a real camera.\n"
       "Examples:\n"
-      "  seam camera-calibrate --model models/ers210_full.yaml --out calibration --frames 60\n"
+      "  seam camera-calibrate --model models/ers210_full.yaml --out calibration --frames 50 "
+      "--points 40\n"
       "  seam discover --model models/ideal_camera.yaml --data calibration/room --out "
       "calibrated.yaml");
   command.callback([settings] { run(*settings); });
