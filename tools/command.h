@@ -6,7 +6,7 @@
 
 namespace seam::tools {
 
-// One line a command; `tools/<name>.cc` defines add_<name>.
+// One line a command; a file of tools/commands/, tools/replay/ or tools/viewer/ defines add_<name>.
 #define SEAM_COMMANDS(X) \
   X(add)                 \
   X(camera_calibrate)    \

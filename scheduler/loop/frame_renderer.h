@@ -1,4 +1,4 @@
-// Images, known to the scheduler by interface alone; tools/ supplies the real one from render/.
+// Images, known to the scheduler by interface alone; app/ supplies the real one from render/.
 #pragma once
 
 #include "sim_core/scene/frame.h"
