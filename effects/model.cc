@@ -159,6 +159,7 @@ std::string Model::to_yaml() const {
                            value.value, parameter.neutral, parameter.min, parameter.max);
         if (value.sigma) out += ", sigma: " + number_text(*value.sigma);
         if (value.free) out += ", free: true";
+        if (value.spread != 0) out += ", spread: " + number_text(value.spread);
         out += "}\n";
       }
       continue;

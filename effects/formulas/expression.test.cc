@@ -72,6 +72,18 @@ TEST(Expression, FileRoundTripKeepsTheFormula) {
   EXPECT_EQ(effect.definition->joint_map(effect.values(), sample), 1 - 0.5 * 2);
 }
 
+TEST(Expression, FileRoundTripKeepsWhatIsSaidOfAValue) {
+  const Model model = model_of(
+      "  warm: {stage: sensor, mean: \"mean + k * t\", parameters: {k: {value: 0.5, sigma: 0.01, "
+      "free: true, spread: 0.2}}}");
+  const Model again = Model::from_config(ConfigNode::from_text(model.to_yaml(), "again"));
+  const ParameterValue& value = again.find("warm")->parameters[0];
+  EXPECT_EQ(value.value, 0.5);
+  EXPECT_EQ(value.sigma, 0.01);
+  EXPECT_TRUE(value.free);
+  EXPECT_EQ(value.spread, 0.2);
+}
+
 TEST(Expression, EachStageHasItsVariables) {
   EXPECT_NO_THROW(
       model_of("  a: {stage: radiometry, gain: \"1 - k * rho^2\", parameters: {k: 0.1}}"));
