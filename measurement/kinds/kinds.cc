@@ -1,5 +1,7 @@
 #include "measurement/kinds/kinds.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "sim_core/base/error.h"
@@ -47,7 +49,11 @@ void register_kind(Kind kind) {
 
 std::unique_ptr<Problem> open_problem(const std::filesystem::path& path) {
   const MeasurementSet set = MeasurementSet::open(path);
-  return find_kind(set.kind).open(set);
+  const Kind& kind = find_kind(set.kind);
+  const Concerns concerns = concerns_of(set, kind.observations);
+  if (!concerns.errors.empty())
+    throw InputError(fmt::format("{}", fmt::join(concerns.errors, "\n")));
+  return kind.open(set);
 }
 
 void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& out,

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "measurement/problem/problem.h"
+#include "measurement/sets/observations.h"
 #include "measurement/sets/set.h"
 
 namespace seam::measurement {
@@ -18,6 +19,7 @@ struct MeasureOptions {
 
 struct Kind {
   std::string name;
+  ObservationTable observations;
   // Reads and checks the whole set.
   std::unique_ptr<Problem> (*open)(const MeasurementSet& set) = nullptr;
   // Writes into `options.out` the set that the model would give by this protocol: measured columns
@@ -25,6 +27,9 @@ struct Kind {
   // (seed, kind, row), see sim_core/base/random.h.
   void (*measure)(const Model& truth, const MeasurementSet& protocol,
                   const MeasureOptions& options) = nullptr;
+  // Lines of observations of what this model places behind the camera, where that can be said
+  // without a fit; null for kinds without known points.
+  std::vector<int> (*behind_camera)(const Model& model, const MeasurementSet& set) = nullptr;
 };
 
 // Throws InputError for a kind that nobody supplies.

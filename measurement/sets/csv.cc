@@ -197,6 +197,10 @@ std::vector<std::string> CsvTable::extra_numeric_columns(
   return extra;
 }
 
+void CsvTable::exchange(std::string_view a, std::string_view b) {
+  if (has(a) && has(b)) std::swap(columns_[index_of(a)], columns_[index_of(b)]);
+}
+
 void CsvTable::fail(size_t row, std::string_view column, std::string_view found,
                     std::string_view expected) const {
   throw InputError(fmt::format("{}:{}: column {}: found '{}', expected {}", file_, lines_[row],

@@ -35,6 +35,10 @@ class CsvTable {
   // Columns outside `known` that hold finite numbers in every row: extra covariates.
   std::vector<std::string> extra_numeric_columns(const std::vector<std::string>& known) const;
 
+  // Reads each of two columns as the other, where both are there: to try whether they were mixed
+  // up.
+  void exchange(std::string_view a, std::string_view b);
+
   [[noreturn]] void fail(size_t row, std::string_view column, std::string_view found,
                          std::string_view expected) const;
 

@@ -77,6 +77,12 @@ std::filesystem::path MeasurementSet::file(const std::string& name) const {
   return folder / found->second;
 }
 
+CsvTable MeasurementSet::table(const std::string& name) const {
+  CsvTable table = CsvTable::read(file(name));
+  table.exchange(exchanged.first, exchanged.second);
+  return table;
+}
+
 std::filesystem::path MeasurementSet::inside(const ConfigNode& name) const {
   const std::string why = why_not_inside(folder, name.text());
   if (!why.empty()) name.fail(why);

@@ -29,6 +29,9 @@ struct MeasurementSet {
   std::map<std::string, double> noise;  // One sigma by column; empty where unknown.
   std::string group;                    // The column whose groups are held out whole.
   std::map<std::string, std::string> files;
+  // Two columns of its tables that are read as each other, to see whether they were mixed up; empty
+  // as the set stands.
+  std::pair<std::string, std::string> exchanged;
   ConfigNode root;  // For what a kind reads itself: rig, scene, detector.
 
   // `path` is the folder or its measurement.yaml. Throws InputError.
@@ -41,7 +44,7 @@ struct MeasurementSet {
   std::filesystem::path inside(const ConfigNode& name) const;
   std::filesystem::path inside(const CsvTable& table, size_t row, std::string_view column) const;
   bool has_file(const std::string& name) const { return files.contains(name); }
-  CsvTable table(const std::string& name) const { return CsvTable::read(file(name)); }
+  CsvTable table(const std::string& name) const;
 
   // Of measurement.yaml and the files it names, as 16 hexadecimal digits.
   std::string fingerprint() const;

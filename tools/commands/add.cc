@@ -38,7 +38,8 @@ void add_add(app::Command app) {
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::add_effects(*problem, model, effects);
     result.model.write(*out);
-    tell(*flags, told(result), measurement::add_json(*problem, result, "seam-add/1"));
+    tell(*flags, doubts_about(*flags, result.model, result.error_after) + told(result),
+         measurement::add_json(*problem, result, "seam-add/1"));
   });
 }
 
@@ -54,7 +55,8 @@ void add_fit(app::Command app) {
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::refit_all(*problem, model);
     result.model.write(*out);
-    tell(*flags, told(result), measurement::add_json(*problem, result, "seam-fit/1"));
+    tell(*flags, doubts_about(*flags, result.model, result.error_after) + told(result),
+         measurement::add_json(*problem, result, "seam-fit/1"));
   });
 }
 

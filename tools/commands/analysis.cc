@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "effects/registry.h"
+#include "measurement/check/doubts.h"
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
@@ -21,6 +22,10 @@ void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_re
 
 effects::Model read_model(const std::string& path) {
   return effects::Model::from_file(path);
+}
+
+std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error) {
+  return measurement::doubts_text(measurement::MeasurementSet::open(flags.data), model, error);
 }
 
 void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json) {

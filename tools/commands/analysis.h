@@ -22,6 +22,9 @@ void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_re
 
 effects::Model read_model(const std::string& path);
 
+// Doubts about the data under this model, for people: what stands before a command's results.
+std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error);
+
 // Prints the text; writes the JSON where the user asked for it.
 void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json);
 

@@ -1,46 +1,194 @@
-// `seam check FILE`: validates any file of ours, by its `format:` line.
+// `seam check PATH`: validates any file or folder of ours and says what it holds.
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 
 #include "effects/model.h"
+#include "measurement/check/describe.h"
+#include "render/colour/colour_table.h"
+#include "scheduler/log/log.h"
 #include "sim_core/base/config.h"
+#include "sim_core/base/config_table.h"
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 #include "sim_core/scenario/scenario.h"
+#include "sim_core/scene/scene_file.h"
 #include "tools/command.h"
+#include "tools/commands/analysis.h"
 
 namespace seam::tools {
 namespace {
 
+namespace fs = std::filesystem;
+
+struct Settings {
+  std::string path;
+  std::string model;
+};
+
+std::string effects_text(const effects::Model& model) {
+  std::string text;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    text += fmt::format("  {:<12} ", effect.definition->name);
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      const effects::ParameterValue& value = effect.parameters[i];
+      text += fmt::format("{}{} = {:.6g}", i == 0 ? "" : ", ",
+                          effect.definition->parameters[i].name, value.value);
+      if (value.sigma) text += fmt::format(" +- {:.2g}", *value.sigma);
+      if (value.free) text += " (free)";
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string model_text(const ConfigNode& root) {
+  const effects::Model model = effects::Model::from_config(root);
+  return fmt::format("model: {}, {} effects, {} steps of history\n{}", model.name(),
+                     model.effects().size(), model.history().size(), effects_text(model));
+}
+
 // The camera models inside are for effects/ to check.
-void check_scenario(const std::string& file) {
-  const Scenario scenario = Scenario::from_file(file);
+std::string scenario_text(const ConfigNode& root) {
+  const Scenario scenario = Scenario::from_file(root.file());
+  std::string text =
+      fmt::format("scenario: {}\n  duration     {:g} s, step {:g} s, seed {}\n", scenario.name,
+                  scenario.duration.s(), scenario.step.s(), scenario.seed);
+  text +=
+      fmt::format("  objects      {}{}{}\n", scenario.objects.size(),
+                  scenario.has_field ? ", a field" : "", scenario.ball.present ? ", a ball" : "");
   for (const RobotSpec& robot : scenario.robots) {
     const CameraSpec& camera = robot.camera;
+    text += fmt::format("  robot        {}", robot.id);
     if (!camera.model_yaml.empty()) {
-      effects::Model::from_config(ConfigNode::from_text(camera.model_yaml, camera.model_name));
+      const auto model =
+          effects::Model::from_config(ConfigNode::from_text(camera.model_yaml, camera.model_name));
+      text += fmt::format(", camera model {} of {} effects", model.name(), model.effects().size());
     }
+    text += "\n";
   }
+  return text;
+}
+
+std::string scene_text(const ConfigNode& root) {
+  const auto scene = read_scene(root);
+  std::vector<Primitive> objects;
+  scene->primitives_at(SimTime(), objects);
+  return fmt::format("scene: {} objects, shading {}\n", objects.size(),
+                     scene->lighting().lambert ? "lambert" : "flat");
+}
+
+std::string field_text(const ConfigNode& root) {
+  FieldSpec field;
+  read_config(root, [&](ConfigTable& table) { describe(table, field); });
+  return fmt::format("field: {:g} m x {:g} m\n", 2 * field.half_length_m, 2 * field.half_width_m);
+}
+
+std::string robot_text(const ConfigNode& root) {
+  RobotBody body;
+  read_config(root, [&](ConfigTable& table) { describe(table, body); });
+  return fmt::format("robot: {} joints, {} parts, footprint {:g} m x {:g} m\n", body.joints.size(),
+                     body.parts.size(), body.footprint_length_m, body.footprint_width_m);
+}
+
+std::string colour_table_text(const ConfigNode& root) {
+  const auto table = render::ColourTable::from_config(root);
+  std::string text = "colour table:\n";
+  for (int channel = 0; channel < render::kColourChannels; ++channel) {
+    int used = 0;
+    for (const render::ColourRange& range : table.channel(channel))
+      used += range.cr_min <= range.cr_max && range.cb_min <= range.cb_max;
+    text += fmt::format("  {:<12} {} of {} segments\n", render::kColourNames[channel], used,
+                        render::kLumaSegments);
+  }
+  return text;
+}
+
+struct Format {
+  const char* name;
+  std::string (*text)(const ConfigNode& root);
+};
+constexpr Format kFormats[] = {
+    {"seam-scenario/1", scenario_text}, {"seam-model/1", model_text},
+    {"seam-scene/1", scene_text},       {"seam-field/1", field_text},
+    {"seam-robot/1", robot_text},       {"seam-colour-table/1", colour_table_text}};
+constexpr const char* kSetFormat = "seam-measurement/1";
+
+bool is_log(const std::string& path) {
+  if (fs::path(path).extension() == ".mcap") return true;
+  constexpr std::string_view kMagic = "\x89MCAP0\r\n";
+  char start[kMagic.size()] = {};
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  return std::ifstream(path, std::ios::binary).read(start, sizeof start) &&
+         std::string_view(start, sizeof start) == kMagic;
+}
+
+// Throws ExitCode 1 where the log has gaps.
+void check_log(const std::string& path) {
+  const auto log = scheduler::Log::open(path, scheduler::LogAccess::scanned);
+  const scheduler::RunHeader& header = log.header();
+  std::printf("%s: log of scenario %s\n  robots       %zu\n  until        %.9g s%s\n", path.c_str(),
+              shown(header.scenario_name).c_str(), header.robots.size(), log.end_time().s(),
+              log.end() ? "" : ", without an end");
+  for (const mcap::Loss& loss : log.losses())
+    std::printf("error: %s: %s\n", path.c_str(), shown(loss.what).c_str());
+  if (!log.losses().empty()) throw ExitCode{1};
+}
+
+// All errors are listed, then the exit code says whether there are any.
+void check_set(const Settings& settings) {
+  const auto set = measurement::MeasurementSet::open(settings.path);
+  std::optional<effects::Model> model;
+  if (!settings.model.empty()) model = effects::Model::from_file(settings.model);
+  const measurement::SetDescription description = measurement::describe_set(set, model);
+  std::printf("%s: %s", settings.path.c_str(), shown_lines(description.text).c_str());
+  for (const std::string& warning : description.warnings)
+    std::printf("warning: %s\n", shown_lines(warning).c_str());
+  for (const std::string& error : description.errors)
+    std::printf("error: %s\n", shown_lines(error).c_str());
+  std::printf("%zu errors, %zu warnings\n", description.errors.size(), description.warnings.size());
+  if (!description.errors.empty()) throw ExitCode{1};
+}
+
+void check(const Settings& settings) {
+  if (is_log(settings.path)) return check_log(settings.path);
+  if (fs::is_directory(settings.path)) return check_set(settings);
+  const ConfigNode root = ConfigNode::from_file(settings.path);
+  if (!root.has("format") && root.has("effects")) {
+    std::printf("%s: effects of your own\n", settings.path.c_str());
+    for (const auto& effect : effects_named(settings.path))
+      std::printf("  %-12s %s\n", shown(effect->name).c_str(), to_string(effect->stage).c_str());
+    return;
+  }
+  const std::string format = root.at("format").text();
+  if (format == kSetFormat) return check_set(settings);
+  std::vector<std::string> known = {kSetFormat};
+  for (const Format& entry : kFormats) {
+    known.emplace_back(entry.name);
+    if (format != entry.name) continue;
+    std::printf("%s: a valid %s\n%s", settings.path.c_str(), format.c_str(),
+                shown_lines(entry.text(root)).c_str());
+    return;
+  }
+  root.at("format").fail(fmt::format("found '{}'{}", format, suggestion_for(format, known)));
 }
 
 }  // namespace
 
 void add_check(app::Command app) {
-  app::Command command =
-      app.add_subcommand("check", "Validates a scenario, model, scene or measurement set");
-  auto file = std::make_shared<std::string>();
-  command.add_option("FILE", *file, "The file").required();
-  command.footer("Example: seam check scenarios/head_swing.yaml");
-  command.callback([file] {
-    const ConfigNode root = ConfigNode::from_file(*file);
-    const std::string format = root.at("format").text();
-    if (format == "seam-model/1") {
-      effects::Model::from_config(root);
-    } else if (format == "seam-scenario/1") {
-      check_scenario(*file);
-    } else {
-      root.at("format").fail(suggestion_for(format, {"seam-model/1", "seam-scenario/1"}));
-    }
-    std::printf("%s: a valid %s\n", file->c_str(), format.c_str());
-  });
+  app::Command command = app.add_subcommand(
+      "check",
+      "Validates any file of ours and says what it holds: a scenario, model, measurement set, "
+      "scene, field, robot, colour table or log");
+  auto settings = std::make_shared<Settings>();
+  command.add_option("PATH", settings->path, "The file, or the folder of a measurement set")
+      .required();
+  command.add_option("--model", settings->model,
+                     "Of a measurement set: what is behind this model's camera, and which effects "
+                     "the set can test beside it");
+  command.footer("Example: seam check sets/points-a --model nominal.yaml");
+  command.callback([settings] { check(*settings); });
 }
 
 }  // namespace seam::tools

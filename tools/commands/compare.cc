@@ -17,7 +17,9 @@ void add_compare(app::Command app) {
     const effects::Model model = read_model(flags->model);
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::compare(*problem, model);
-    tell(*flags, measurement::compare_text(*problem, result),
+    tell(*flags,
+         doubts_about(*flags, model, result.base.assessment.error) +
+             measurement::compare_text(*problem, result),
          measurement::compare_json(*problem, result));
     if (!flags->report.empty()) {
       measurement::write_report(

@@ -44,7 +44,8 @@ void add_diagnose(app::Command app) {
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::search(*problem, model, own, progress_to_terminal());
     std::optional<measurement::Suggestion> suggestion;
-    std::string text = measurement::diagnose_text(*problem, result);
+    std::string text = doubts_about(*flags, model, result.base.assessment.error) +
+                       measurement::diagnose_text(*problem, result);
     if (!suggested->empty()) {
       suggestion = measurement::suggest(*problem, result, progress_to_terminal());
       text += told(suggestion, *suggested);

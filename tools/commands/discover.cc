@@ -24,7 +24,9 @@ void add_discover(app::Command app) {
     const auto problem = measurement::open_problem(flags->data);
     const auto result = measurement::search(*problem, model, own, progress_to_terminal());
     measurement::discovered_model(*problem, model, result).write(*out);
-    tell(*flags, measurement::discover_text(*problem, result),
+    tell(*flags,
+         doubts_about(*flags, model, result.base.assessment.error) +
+             measurement::discover_text(*problem, result),
          measurement::discover_json(*problem, result));
     if (!flags->report.empty()) {
       measurement::write_report(

@@ -398,6 +398,7 @@ std::string FramesProblem::no_outliers_because() const {
 
 Kind frames_kind() {
   return {.name = "frames",
+          .observations = {.file = "frames", .keys = {"file"}},
           .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
             return std::make_unique<FramesProblem>(set);
           },

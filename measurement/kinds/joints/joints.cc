@@ -234,6 +234,9 @@ std::string JointsProblem::not_testable(const Model&, const EffectDefinition& ef
 
 Kind joints_kind() {
   return {.name = "joints",
+          .observations = {.file = "joints",
+                           .keys = {"run", "time_s", "joint"},
+                           .measured = {"measured_rad"}},
           .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
             return std::make_unique<JointsProblem>(set);
           },

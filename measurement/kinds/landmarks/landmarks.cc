@@ -432,7 +432,12 @@ void measure_landmarks(const Model& truth, const MeasurementSet& protocol,
 }  // namespace
 
 Kind landmarks_kind() {
-  return {.name = "landmarks", .open = open_landmarks, .measure = measure_landmarks};
+  return {.name = "landmarks",
+          .observations = {.file = "observations",
+                           .keys = {"run", "time_s", "landmark"},
+                           .measured = {"range_m", "bearing_rad"}},
+          .open = open_landmarks,
+          .measure = measure_landmarks};
 }
 
 }  // namespace seam::measurement

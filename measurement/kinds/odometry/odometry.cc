@@ -302,6 +302,9 @@ std::string OdometryProblem::advice(const std::string& effect, const std::string
 
 Kind odometry_kind() {
   return {.name = "odometry",
+          .observations = {.file = "odometry",
+                           .keys = {"run", "time_s"},
+                           .measured = {"x_m", "y_m", "theta_rad"}},
           .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
             return std::make_unique<OdometryProblem>(set);
           },

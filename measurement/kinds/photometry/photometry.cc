@@ -241,6 +241,7 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
 
 Kind photometry_kind() {
   return {.name = "photometry",
+          .observations = {.file = "frames", .keys = {"file"}},
           .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
             return std::make_unique<PhotometryProblem>(set);
           },

@@ -498,7 +498,14 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
 }  // namespace
 
 Kind points_kind() {
-  return {.name = "points", .open = open_points, .measure = measure_points};
+  return {.name = "points",
+          .observations = {.file = "points",
+                           .keys = {"frame", "time_s", "point"},
+                           .measured = {"u_px", "v_px"},
+                           .in_image = true},
+          .open = open_points,
+          .measure = measure_points,
+          .behind_camera = lines_behind_camera};
 }
 
 }  // namespace seam::measurement

@@ -24,6 +24,10 @@ struct PointsData {
 // protocol, whose u_px and v_px need not exist.
 PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts);
 
+// Lines of points that stand behind the camera with this model's joints and mount; none where the
+// poses are unknown, since each is estimated such that it sees its points.
+std::vector<int> lines_behind_camera(const Model& model, const MeasurementSet& set);
+
 // Sets row, column, radius and the directions along it from the predicted places (observed less
 // residual).
 void place_covariates(const PointsData& data, const std::vector<double>& residual, Facts& facts);

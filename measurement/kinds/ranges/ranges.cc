@@ -242,6 +242,7 @@ std::string RangesProblem::advice(const std::string& a, const std::string& b) co
 
 Kind ranges_kind() {
   return {.name = "ranges",
+          .observations = {.file = "ranges", .measured = {"measured_m"}},
           .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
             return std::make_unique<RangesProblem>(set);
           },

@@ -1,0 +1,24 @@
+// What a measurement set holds, for `seam check`: columns and units, groups, noise, what is odd,
+// and what can be tested with it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "effects/model.h"
+#include "measurement/sets/set.h"
+
+namespace seam::measurement {
+
+struct SetDescription {
+  std::string text;  // Lines for people.
+  std::vector<std::string> errors;
+  std::vector<std::string> warnings;
+};
+
+// With a model also: how many points it places behind the camera, and which effects the set can
+// test beside it. Throws InputError where the set cannot be read at all.
+SetDescription describe_set(const MeasurementSet& set, const std::optional<effects::Model>& model);
+
+}  // namespace seam::measurement
