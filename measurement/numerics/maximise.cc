@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/box.h"
+#include "measurement/numerics/curvature.h"
+#include "measurement/numerics/damped_step.h"
 
 namespace seam::measurement {
 namespace {
@@ -21,14 +23,13 @@ class Search {
         parameters_(parameters),
         n_(static_cast<int>(parameters.size())),
         z_(n_),
-        low_(n_),
-        high_(n_),
+        box_{VectorXd(n_), VectorXd(n_)},
         step_(n_) {
     for (int i = 0; i < n_; ++i) {
       const SearchParameter& p = parameters[i];
       const auto inner = [&](double x) { return p.logarithmic ? std::log(std::max(x, 1e-12)) : x; };
-      low_[i] = inner(p.min), high_[i] = inner(p.max);
-      z_[i] = std::clamp(inner(p.start), low_[i], high_[i]);
+      box_.low[i] = inner(p.min), box_.high[i] = inner(p.max);
+      z_[i] = std::clamp(inner(p.start), box_.low[i], box_.high[i]);
       step_[i] = p.step;
     }
   }
@@ -36,31 +37,23 @@ class Search {
   Maximum run() {
     double here = value(z_);
     constexpr double kNothing = 1e-4;  // A gain of log-likelihood that is not worth an evaluation.
-    double damping = 1e-3;
+    DampedSteps steps(
+        {.start = 1e-3, .shrink = 0.125, .least = 1e-9, .grow = 6, .firm = 1e-6, .attempts = 9});
     Maximum out;
     for (int iteration = 0; iteration < 30 && n_ > 0; ++iteration) {
       // Parameters' correlations change little between steps: they are measured at the start and
       // at the end.
       derivatives(here, iteration == 0 || settled_);
-      double gained = 0;
-      VectorXd best = z_;
-      double best_value = here;
-      bool accepted = false;
-      for (int attempt = 0; attempt < 9; ++attempt) {
-        const VectorXd step = direction(damping);
-        if (0.5 * gradient_.dot(step) < kNothing) break;
-        const VectorXd trial = (z_ + step).cwiseMax(low_).cwiseMin(high_);
-        const double there = value(trial);
-        if (there > best_value) {
-          best = trial, best_value = there, accepted = true;
-          damping = std::max(damping / 8, 1e-9);
-          break;
-        }
-        damping = std::min(damping * 6 + 1e-6, 1e9);
-      }
-      gained = best_value - here;
-      z_ = best;
-      here = best_value;
+      const double before = here;
+      const bool accepted =
+          steps.take(parabola(), {.promise = kNothing, .again = kNothing}, [&](const VectorXd& by) {
+            const VectorXd trial = box_.inside(z_ + by);
+            const double there = value(trial);
+            if (!(there > here)) return false;
+            z_ = trial, here = there;
+            return true;
+          }) == DampedSteps::Outcome::taken;
+      const double gained = here - before;
       if (!accepted || gained < 0.01) {
         // Once more with steps that fit the curvature, unless they did already.
         if (settled_ || iteration > 20) {
@@ -68,7 +61,7 @@ class Search {
           break;
         }
         settled_ = true;
-        damping = 1e-3;
+        steps.restart();
       } else if (gained > 0.1) {
         settled_ = false;
       }
@@ -93,11 +86,11 @@ class Search {
     VectorXd plus(n_);
     for (int i = 0; i < n_; ++i) {
       // Inside the bounds, one-sided where they are near.
-      double h = std::min(step_[i], 0.5 * (high_[i] - low_[i]));
+      double h = std::min(step_[i], 0.5 * (box_.high[i] - box_.low[i]));
       VectorXd at = z_;
       double centre = z_[i];
-      if (centre + h > high_[i]) centre = high_[i] - h;
-      if (centre - h < low_[i]) centre = low_[i] + h;
+      if (centre + h > box_.high[i]) centre = box_.high[i] - h;
+      if (centre - h < box_.low[i]) centre = box_.low[i] + h;
       at[i] = centre;
       const double middle = centre == z_[i] ? here : value(at);
       at[i] = centre + h;
@@ -138,23 +131,10 @@ class Search {
     }
   }
 
-  VectorXd direction(double damping) const {
-    MatrixXd system = curvature_;
-    for (int i = 0; i < n_; ++i) {
-      const double size = std::max(std::abs(curvature_(i, i)), 1e-12);
-      system(i, i) = (curvature_(i, i) > 0 ? curvature_(i, i) : size) + damping * size;
-      const bool pushed =
-          (z_[i] <= low_[i] && gradient_[i] <= 0) || (z_[i] >= high_[i] && gradient_[i] >= 0);
-      if (pushed) {
-        system.row(i).setZero();
-        system.col(i).setZero();
-        system(i, i) = 1e300;
-      }
-    }
-    VectorXd out(n_);
-    if (!solve_positive(system, gradient_, out)) {
-      for (int i = 0; i < n_; ++i) out[i] = gradient_[i] / system(i, i);
-    }
+  // Of minus the log-likelihood; where it has no minimum, as if it curved upwards as much.
+  Parabola parabola() const {
+    Parabola out{curvature_, -gradient_, box_.held(z_, -gradient_)};
+    for (int i = 0; i < n_; ++i) out.curvature(i, i) = std::max(std::abs(curvature_(i, i)), 1e-12);
     return out;
   }
 
@@ -162,26 +142,14 @@ class Search {
     out.log_likelihood = here;
     out.covariance.assign(static_cast<size_t>(n_) * n_, 0);
     // Directions without curvature have no estimate.
-    MatrixXd covariance = MatrixXd::Zero(n_, n_);
-    std::vector<char> free(n_, 1);
-    if (n_ > 0) {
-      VectorXd scale(n_);
-      for (int i = 0; i < n_; ++i) {
-        free[i] = curvature_(i, i) > 0;
-        scale[i] = free[i] ? 1 / std::sqrt(curvature_(i, i)) : 0;
-      }
-      MatrixXd unit = scale.asDiagonal() * curvature_ * scale.asDiagonal();
-      for (int i = 0; i < n_; ++i)
-        if (!free[i]) unit(i, i) = 1;
-      covariance = scale.asDiagonal() * floored_inverse(unit, 1e-10) * scale.asDiagonal();
-    }
+    const auto [covariance, known] = covariance_of(curvature_, 1e-10);
     for (int i = 0; i < n_; ++i) {
       const SearchParameter& p = parameters_[i];
       out.value.push_back(p.logarithmic ? std::exp(z_[i]) : z_[i]);
-      out.at_bound.push_back(z_[i] <= low_[i] || z_[i] >= high_[i]);
+      out.at_bound.push_back(z_[i] <= box_.low[i] || z_[i] >= box_.high[i]);
       const double jacobian = p.logarithmic ? out.value[i] : 1;
-      out.sigma.push_back(free[i] ? jacobian * std::sqrt(covariance(i, i))
-                                  : std::numeric_limits<double>::infinity());
+      out.sigma.push_back(known[i] ? jacobian * std::sqrt(covariance(i, i))
+                                   : std::numeric_limits<double>::infinity());
     }
     for (int i = 0; i < n_; ++i) {
       for (int k = 0; k < n_; ++k) {
@@ -195,7 +163,9 @@ class Search {
   const std::function<double(const std::vector<double>&)>& f_;
   const std::vector<SearchParameter>& parameters_;
   int n_;
-  VectorXd z_, low_, high_, step_, gradient_;
+  VectorXd z_;
+  Box box_;
+  VectorXd step_, gradient_;
   VectorXd used_ = VectorXd::Zero(n_), shifted_ = VectorXd::Zero(n_);
   MatrixXd curvature_;
   bool settled_ = false;

@@ -5,8 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/frames/frames.h"
-#include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/maximise.h"
 
 namespace seam::measurement {
@@ -15,50 +16,35 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const effects::Parameter& parameter_of(const Model& model, const Unknown& unknown) {
-  return model.find(unknown.effect)->definition->parameters[unknown.parameter];
-}
-
-double value_of(const Model& model, const Unknown& unknown) {
-  return model.find(unknown.effect)->parameters[unknown.parameter].value;
-}
-
 class FrameFit {
  public:
   FrameFit(const FramesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns,
            const Groups& groups)
       : problem_(problem),
         groups_(groups),
-        unknowns_(unknowns),
+        space_(start, unknowns),
         model_(start),
         here_(problem.evaluate(start, groups)) {
     likelihood_ = likelihood(here_);
-    for (size_t i = 0; i < unknowns.size(); ++i) {
-      (start.find(unknowns[i].effect)->definition->spread_only ? spread_ : mean_).push_back(i);
-    }
+    for (size_t i = 0; i < unknowns.size(); ++i) (space_[i].spread ? spread_ : mean_).push_back(i);
   }
 
   Fit run() {
-    Fit fit;
-    fit.sigma.assign(unknowns_.size(), std::numeric_limits<double>::infinity());
-    fit.covariance.assign(unknowns_.size() * unknowns_.size(), 0);
-    fit.converged = mean_.empty();
-    for (int round = 0; round < 8 && !mean_.empty() && here_.valid; ++round) {
-      if (round == 1) fit_spread(fit);
-      if (step(fit)) {
-        fit.converged = true;
-        break;
-      }
+    bool converged = mean_.empty();
+    for (int round = 0; round < 8 && !converged && here_.valid; ++round) {
+      if (round == 1) fit_spread();
+      converged = !step();
     }
-    if (here_.valid) fit_spread(fit);
-    fit.model = model_;
-    fit.log_likelihood = likelihood_;
-    for (const Unknown& unknown : unknowns_) {
-      const auto& parameter = parameter_of(model_, unknown);
-      const double value = value_of(model_, unknown);
-      fit.value.push_back(value);
-      fit.at_bound.push_back((value <= parameter.min && parameter.min != parameter.neutral) ||
-                             (value >= parameter.max && parameter.max != parameter.neutral));
+    if (here_.valid) fit_spread();
+    const VectorXd place = space_.place(model_);
+    Fit fit = space_.fit_at(model_, place, likelihood_, converged);
+    if (information_.size() > 0) space_.state(covariance_of(information_, 1e-10), 1, place, fit);
+    for (size_t k = 0; k < searched_.sigma.size(); ++k) {
+      fit.sigma[spread_[k]] = searched_.sigma[k];
+      for (size_t j = 0; j < spread_.size(); ++j) {
+        fit.covariance[spread_[k] * space_.size() + spread_[j]] =
+            searched_.covariance[k * spread_.size() + j];
+      }
     }
     return fit;
   }
@@ -78,67 +64,44 @@ class FrameFit {
     return std::max(0.0, 0.5 * sum);
   }
 
-  // One linear step; true when it promises nothing more.
-  bool step(Fit& fit) {
+  Parabola look() {
     std::vector<Unknown> chosen;
-    for (const size_t i : mean_) chosen.push_back(unknowns_[i]);
+    for (const size_t i : mean_) chosen.push_back(space_[i].unknown);
     const auto columns = problem_.jacobian(model_, chosen, groups_, here_);
-    const auto count = static_cast<Eigen::Index>(columns.size());
-    MatrixXd normal(count, count);
-    VectorXd right(count);
     const Eigen::Map<const VectorXd> z(here_.whitened.data(),
                                        static_cast<Eigen::Index>(here_.whitened.size()));
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Eigen::Map<const VectorXd> a(columns[i].data(), z.size());
-      right[i] = -a.dot(z);
-      for (Eigen::Index k = 0; k <= i; ++k) {
-        normal(i, k) = normal(k, i) =
-            a.dot(Eigen::Map<const VectorXd>(columns[k].data(), z.size()));
-      }
+    MatrixXd jacobian = MatrixXd::Zero(z.size(), static_cast<Eigen::Index>(space_.size()));
+    for (size_t k = 0; k < columns.size(); ++k) {
+      jacobian.col(static_cast<Eigen::Index>(mean_[k])) =
+          Eigen::Map<const VectorXd>(columns[k].data(), z.size());
     }
-    VectorXd scale(count);
-    for (Eigen::Index i = 0; i < count; ++i)
-      scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
-    MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
-    for (Eigen::Index i = 0; i < count; ++i) unit(i, i) += scale[i] > 0 ? 1e-10 : 1;
-    const MatrixXd covariance =
-        scale.asDiagonal() * floored_inverse(unit, 1e-13) * scale.asDiagonal();
-    for (Eigen::Index i = 0; i < count; ++i) {
-      if (scale[i] > 0) fit.sigma[mean_[i]] = std::sqrt(covariance(i, i));
-      for (Eigen::Index k = 0; k < count; ++k)
-        fit.covariance[mean_[i] * unknowns_.size() + mean_[k]] = covariance(i, k);
-    }
-    double damping = 0;
-    for (int attempt = 0; attempt < 4; ++attempt) {
-      MatrixXd damped = unit;
-      damped.diagonal().array() += damping;
-      const VectorXd scaled_right = scale.cwiseProduct(right);
-      const VectorXd scaled = solve_symmetric(damped, scaled_right);
-      const double promised = 0.5 * scaled.dot(scaled_right);
-      Model candidate = model_;
-      for (Eigen::Index i = 0; i < count; ++i) {
-        const Unknown& unknown = unknowns_[mean_[i]];
-        const auto& parameter = parameter_of(model_, unknown);
-        candidate.set_value(unknown.effect, unknown.parameter,
-                            std::clamp(value_of(model_, unknown) + scale[i] * scaled[i],
-                                       parameter.min, parameter.max));
-      }
-      if (promised < 0.02) return true;
-      Evaluation there = problem_.evaluate(candidate, groups_);
-      const double value = likelihood(there);
-      if (value > likelihood_) {
-        const double gained = value - likelihood_;
-        model_ = std::move(candidate);
-        here_ = std::move(there);
-        likelihood_ = value;
-        // What is left after a step of linear size is below the renderer's own differences; a model
-        // that is far off needs no exact optimum.
-        return gained < std::max(0.5, 0.004 * excess()) || promised < 2;
-      }
-      if (promised < 1) return true;
-      damping = damping == 0 ? 0.3 : damping * 8;
-    }
+    Parabola out = parabola_of(jacobian, z);
+    information_ = out.curvature;
+    out.held = space_.box().held(space_.place(model_), out.gradient);
+    return out;
+  }
+
+  bool move_to(Model candidate) {
+    Evaluation there = problem_.evaluate(candidate, groups_);
+    const double value = likelihood(there);
+    if (!(value > likelihood_)) return false;
+    model_ = std::move(candidate), here_ = std::move(there), likelihood_ = value;
     return true;
+  }
+
+  // One linear step; true when another one promises more. What is left after a step of linear size
+  // is below the renderer's own differences; a model that is far off needs no exact optimum.
+  bool step() {
+    const DescentEnd end = descend(
+        {.look = [&] { return look(); },
+         .move = [&](const VectorXd& by) { return move_to(space_.moved(model_, by)); },
+         .height = [&] { return -likelihood_; },
+         .worth =
+             [&] {
+               return Worth{.promise = 0.02, .again = 1, .gain = std::max(0.5, 0.004 * excess())};
+             }},
+        {.start = 1e-10, .shrink = 0, .least = 1e-10, .grow = 8, .firm = 0.3, .attempts = 4}, 1);
+    return end.reason == DescentEnd::Reason::steps_spent && end.promised >= 2;
   }
 
   // Parameters of the spread that are sought on the likelihood of some groups, from where the model
@@ -146,8 +109,8 @@ class FrameFit {
   Maximum search_spread(const Groups& groups) {
     std::vector<SearchParameter> parameters;
     for (const size_t i : spread_) {
-      const auto& parameter = parameter_of(model_, unknowns_[i]);
-      const double value = value_of(model_, unknowns_[i]);
+      const effects::Parameter& parameter = *space_[i].parameter;
+      const double value = space_[i].of(model_);
       const bool positive = parameter.min >= 0 && value > 0;
       parameters.push_back(
           {.start = value,
@@ -166,10 +129,7 @@ class FrameFit {
   }
 
   void set_spread(Model& model, const std::vector<double>& values) const {
-    for (size_t k = 0; k < spread_.size(); ++k) {
-      const Unknown& unknown = unknowns_[spread_[k]];
-      model.set_value(unknown.effect, unknown.parameter, values[k]);
-    }
+    for (size_t k = 0; k < spread_.size(); ++k) space_[spread_[k]].set(model, values[k]);
   }
 
   // Two frames hold as many samples as a spread needs to be found: all frames only make it exact,
@@ -186,7 +146,7 @@ class FrameFit {
     few[chosen[chosen.size() / 4]] = few[chosen[3 * chosen.size() / 4]] = 1;
     const Maximum maximum = search_spread(few);
     std::vector<double> neutral;
-    for (const size_t i : spread_) neutral.push_back(parameter_of(model_, unknowns_[i]).neutral);
+    for (const size_t i : spread_) neutral.push_back(space_[i].parameter->neutral);
     Model without = model_;
     set_spread(without, neutral);
     set_spread(model_, maximum.value);
@@ -195,34 +155,25 @@ class FrameFit {
     return maximum.log_likelihood > likelihood(problem_.evaluate(without, few)) + kHelps;
   }
 
-  void fit_spread(Fit& fit) {
+  void fit_spread() {
     if (spread_.empty()) return;
-    if (!searched_ && !helps_on_few()) return;
-    searched_ = true;
-    const Maximum maximum = search_spread(groups_);
-    Model model = model_;
-    set_spread(model, maximum.value);
-    for (size_t k = 0; k < spread_.size(); ++k) {
-      fit.sigma[spread_[k]] = maximum.sigma[k];
-      for (size_t j = 0; j < spread_.size(); ++j) {
-        fit.covariance[spread_[k] * unknowns_.size() + spread_[j]] =
-            maximum.covariance[k * spread_.size() + j];
-      }
-    }
-    if (maximum.log_likelihood < likelihood_) return;
-    model_ = model;
+    if (searched_.value.empty() && !helps_on_few()) return;
+    searched_ = search_spread(groups_);
+    if (searched_.log_likelihood < likelihood_) return;
+    set_spread(model_, searched_.value);
     here_ = problem_.evaluate(model_, groups_);
-    likelihood_ = maximum.log_likelihood;
+    likelihood_ = searched_.log_likelihood;
   }
 
   const FramesProblem& problem_;
   const Groups& groups_;
-  const std::vector<Unknown>& unknowns_;
+  const ParameterSpace space_;
   Model model_;
   Evaluation here_;
   double likelihood_ = 0;
   std::vector<size_t> mean_, spread_;
-  bool searched_ = false;  // Whether the spread stands where some frames want it.
+  MatrixXd information_;  // At the last look.
+  Maximum searched_;      // Of the spread on all groups; empty where only a few were asked.
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
@@ -167,40 +168,33 @@ bool refine_pose(const effects::Projection& projection, const std::vector<Sighti
     return 0.5 * sum;
   };
   double cost = cost_of(residuals);
-  double damping = 1e-8;
-  for (int iteration = 0; iteration < 60; ++iteration) {
-    Eigen::Matrix<double, 6, 6> hessian = Eigen::Matrix<double, 6, 6>::Zero();
-    Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
+  bool looked = true;  // Residuals and derivatives are those of this pose.
+  const auto look = [&] {
+    if (!looked) pose_residuals(projection, seen, X_CW, residuals, &derivatives);
+    looked = true;
+    Parabola here{Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd::Zero(6), {}};
     for (size_t i = 0; i < residuals.size(); ++i) {
       const Eigen::Map<const Eigen::Matrix<double, 6, 1>> row(&derivatives[6 * i]);
-      hessian += row * row.transpose();
-      gradient += row * residuals[i];
+      here.curvature += row * row.transpose();
+      here.gradient += row * residuals[i];
     }
-    bool accepted = false;
-    double gained = 0;
-    for (int attempt = 0; attempt < 10 && !accepted; ++attempt) {
-      Eigen::Matrix<double, 6, 6> damped = hessian;
-      damped.diagonal() *= 1 + damping;
-      const Eigen::Matrix<double, 6, 1> step = -solve_symmetric(damped, gradient);
-      if (!step.allFinite()) return false;
-      const double predicted = -0.5 * step.dot(gradient);
-      if (predicted < 1e-11 * (1 + cost)) return true;
-      const Pose there = moved(X_CW, step);
-      if (pose_residuals(projection, seen, there, next, nullptr) && cost_of(next) < cost) {
-        gained = cost - cost_of(next);
-        X_CW = there;
-        accepted = true;
-        damping *= 0.1;
-      } else {
-        damping = std::max(damping * 10, 1e-4);
-      }
-    }
-    if (!accepted) return true;
-    cost -= gained;
-    pose_residuals(projection, seen, X_CW, residuals, &derivatives);
-    if (gained < 1e-12 * (1 + cost)) return true;
-  }
-  return true;
+    return here;
+  };
+  const auto move = [&](const Eigen::VectorXd& by) {
+    const Pose there = moved(X_CW, by);
+    if (!pose_residuals(projection, seen, there, next, nullptr)) return false;
+    const double lower = cost_of(next);
+    if (!(lower < cost)) return false;
+    X_CW = there, cost = lower, looked = false;
+    return true;
+  };
+  const DescentEnd end = descend(
+      {.look = look,
+       .move = move,
+       .height = [&] { return cost; },
+       .worth = [&] { return Worth{.promise = 1e-11 * (1 + cost), .gain = 1e-12 * (1 + cost)}; }},
+      {.start = 1e-8}, 60);
+  return std::isfinite(end.promised);
 }
 
 }  // namespace seam::measurement

@@ -3,12 +3,14 @@
 // smoothed over displacements of the image: widely at first, by a whole colour pixel, which shows
 // the trend, then less and less. From each width to the next, places are drawn from what the wider
 // one leaves open, and the best is kept.
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/ranges/ranges.h"
+#include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
@@ -21,34 +23,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kWide_px =
     1;  // Half a colour pixel to either side of its middle: no steps are left.
 constexpr size_t kMostDraws = 16;
-
-// One unknown in the coordinate in which it is fitted: limits without end by their reciprocal.
-struct Coordinate {
-  Unknown unknown;
-  const effects::Parameter* parameter = nullptr;
-  double min = 0, max = 0, scale = 1;
-  bool spread =
-      false;  // Of a noise alone: sought on the likelihood, which has no slope where it begins.
-
-  Coordinate(const Model& model, const Unknown& u)
-      : unknown(u), parameter(&model.find(u.effect)->definition->parameters[u.parameter]) {
-    const effects::Parameter& p = *parameter;
-    min = p.fit_reciprocal ? 0 : p.min;
-    max = p.fit_reciprocal ? 1 / std::max(p.min, 1e-300) : p.max;
-    scale = p.fit_reciprocal ? 1 / p.scale : p.scale;
-    spread = model.find(u.effect)->definition->spread_only;
-  }
-  double to_value(double z) const {
-    return parameter->fit_reciprocal ? (z > 0 ? 1 / z : kInfinity) : z;
-  }
-  double of(const Model& model) const {
-    const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
-    return std::clamp(parameter->fit_reciprocal ? 1 / value : value, min, max);
-  }
-  void set(Model& model, double z) const {
-    model.set_value(unknown.effect, unknown.parameter, to_value(z));
-  }
-};
 
 double first_step(const Coordinate& c) {
   return 0.1 * c.scale;
@@ -94,33 +68,21 @@ std::vector<double> slope(const RangesProblem& problem, const Model& model, cons
   return column;
 }
 
-// What brings each coordinate's curvature to 1; 0 for one that changes nothing.
-VectorXd unit_scale(const MatrixXd& normal) {
-  VectorXd scale(normal.rows());
-  for (Eigen::Index i = 0; i < normal.rows(); ++i)
-    scale[i] = normal(i, i) > 0 ? 1 / std::sqrt(normal(i, i)) : 0;
-  return scale;
-}
-
 class RangesFit {
  public:
   RangesFit(const RangesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns,
             const Groups& groups)
-      : problem_(problem), groups_(groups), model_(start) {
-    for (const Unknown& unknown : unknowns) {
-      coordinates_.emplace_back(start, unknown);
-      steps_.push_back(first_step(coordinates_.back()));
-    }
+      : problem_(problem), groups_(groups), space_(start, unknowns), model_(start) {
+    for (const Coordinate& c : space_) steps_.push_back(first_step(c));
   }
 
   Fit run() {
-    const bool mean = std::any_of(coordinates_.begin(), coordinates_.end(),
-                                  [](const Coordinate& c) { return !c.spread; });
+    const bool mean = space_.any_of_mean();
     if (mean) {
       look(kWide_px);
-      descend(kWide_px, 2);  // Leaves its slopes for the draw.
+      go_down(kWide_px, 2);  // Leaves its slopes for the draw.
       if (here_.valid) draw();
-      descend(kPlaceAccuracy_px, 2);
+      go_down(kPlaceAccuracy_px, 2);
     }
     look(0);
     if (here_.valid) {
@@ -145,104 +107,91 @@ class RangesFit {
     model_ = model, here_ = std::move(there), likelihood_ = value;
     return true;
   }
-  void take_slopes(double dither_px) {
-    slopes_.clear();
-    for (size_t i = 0; i < coordinates_.size(); ++i) {
-      const Coordinate& c = coordinates_[i];
-      slopes_.push_back(c.spread ? std::vector<double>{}
-                                 : slope(problem_, model_, c, groups_, dither_px, steps_[i]));
-    }
-  }
-  void normal_equations(MatrixXd& normal, VectorXd& right) const;
-  void descend(double dither_px, int most) {
-    for (int i = 0; i < most && here_.valid; ++i) {
-      if (!step(dither_px)) return;
-    }
-  }
-  bool step(double dither_px);
+  void take_slopes(double dither_px);
+  Parabola parabola() const;
+  void go_down(double dither_px, int most);
   void draw();
   void search_spreads();
   void search_nearby();
-  double sigma_of_spread(const Coordinate& c) const;
   Fit result() const;
 
   const RangesProblem& problem_;
   const Groups& groups_;
+  const ParameterSpace space_;
   Model model_;
-  std::vector<Coordinate> coordinates_;
-  std::vector<double> steps_;                // Of differences, by coordinate.
-  std::vector<std::vector<double>> slopes_;  // Of residuals, by coordinate.
+  std::vector<double> steps_;  // Of differences, by coordinate.
+  MatrixXd slopes_;            // Of residuals, by coordinate.
   Evaluation here_;
   double likelihood_ = 0;
 };
 
-void RangesFit::normal_equations(MatrixXd& normal, VectorXd& right) const {
-  const auto count = static_cast<Eigen::Index>(coordinates_.size());
-  normal = MatrixXd::Zero(count, count);
-  right = VectorXd::Zero(count);
-  for (size_t i = 0; i < here_.used.size(); ++i) {
-    if (!here_.used[i]) continue;
-    VectorXd row = VectorXd::Zero(count);
-    for (size_t k = 0; k < slopes_.size(); ++k)
-      row[static_cast<Eigen::Index>(k)] = slopes_[k].empty() ? 0 : slopes_[k][i] / here_.sigma[i];
-    normal += row * row.transpose();
-    right -= here_.whitened[i] * row;
+void RangesFit::take_slopes(double dither_px) {
+  slopes_ = MatrixXd::Zero(static_cast<Eigen::Index>(here_.residual.size()),
+                           static_cast<Eigen::Index>(space_.size()));
+  for (size_t i = 0; i < space_.size(); ++i) {
+    if (space_[i].spread) continue;
+    const auto column = slope(problem_, model_, space_[i], groups_, dither_px, steps_[i]);
+    for (size_t k = 0; k < column.size(); ++k)
+      slopes_(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) = column[k];
   }
 }
 
-// One damped step of Gauss and Newton; false when it gains nothing worth another.
-bool RangesFit::step(double dither_px) {
-  take_slopes(dither_px);
-  MatrixXd normal;
-  VectorXd right;
-  normal_equations(normal, right);
-  const auto count = static_cast<Eigen::Index>(coordinates_.size());
-  const VectorXd scale = unit_scale(normal);
-  const MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
-  const double before = likelihood_;
-  for (const double damping : {1e-3, 0.3, 3.0, 30.0}) {
-    MatrixXd damped = unit;
-    for (Eigen::Index i = 0; i < count; ++i) damped(i, i) += scale[i] > 0 ? damping : 1;
-    const VectorXd scaled_right = scale.cwiseProduct(right);
-    const VectorXd by = scale.cwiseProduct(solve_symmetric(damped, scaled_right));
-    Model candidate = model_;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Coordinate& c = coordinates_[static_cast<size_t>(i)];
-      c.set(candidate, std::clamp(c.of(model_) + by[i], c.min, c.max));
-    }
-    if (move_to(candidate, dither_px))
-      return likelihood_ - before > std::max(1.0, 0.02 * std::abs(likelihood_));
+// By the slopes that were taken last, and the residuals where the fit stands.
+Parabola RangesFit::parabola() const {
+  MatrixXd jacobian = slopes_;
+  VectorXd residuals = VectorXd::Zero(jacobian.rows());
+  for (Eigen::Index k = 0; k < jacobian.rows(); ++k) {
+    const auto i = static_cast<size_t>(k);
+    jacobian.row(k) *= here_.used[i] ? 1 / here_.sigma[i] : 0;
+    residuals[k] = here_.used[i] ? here_.whitened[i] : 0;
   }
-  return false;
+  Parabola out = parabola_of(jacobian, residuals);
+  out.held = space_.box().held(space_.place(model_), out.gradient);
+  return out;
+}
+
+// A few steps, each from slopes of its own: what they gain beyond is the staircase's.
+void RangesFit::go_down(double dither_px, int most) {
+  if (!here_.valid) return;
+  descend({.look =
+               [&] {
+                 take_slopes(dither_px);
+                 return parabola();
+               },
+           .move = [&](const VectorXd& by) { return move_to(space_.moved(model_, by), dither_px); },
+           .height = [&] { return -likelihood_; },
+           .worth = [&] { return Worth{.gain = std::max(1.0, 0.02 * std::abs(likelihood_))}; }},
+          {.start = 1e-3, .shrink = 0, .least = 1e-3, .firm = 0.3, .attempts = 4}, most);
 }
 
 // To the narrow width: to the best of some places drawn from what the wide one leaves open, a few
 // of them from far out, since slopes tell only what is near.
 void RangesFit::draw() {
-  MatrixXd normal;
-  VectorXd right;
-  normal_equations(normal, right);
-  const Eigen::Index count = normal.rows();
-  const VectorXd scale = unit_scale(normal);
-  MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
+  const MatrixXd information = parabola().curvature;
+  const Eigen::Index count = information.rows();
+  // What brings each coordinate's curvature to 1; 0 for one that changes nothing.
+  VectorXd scale(count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    scale[i] = information(i, i) > 0 ? 1 / std::sqrt(information(i, i)) : 0;
+  MatrixXd unit = scale.asDiagonal() * information * scale.asDiagonal();
   for (Eigen::Index i = 0; i < count; ++i) unit(i, i) += scale[i] > 0 ? 1e-3 : 1;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(unit);
+  const SymmetricEigen axes = symmetric_eigen(unit);
   const Model centre = model_;
   const RandomStream stream = RandomStream{.seed = 0x5EA3}.child("ranges_fit");
   look(kPlaceAccuracy_px);
-  const size_t draws = std::min(kMostDraws, 4 + 4 * coordinates_.size());
+  const size_t draws = std::min(kMostDraws, 4 + 4 * space_.size());
   for (size_t k = 0; k < draws; ++k) {
     VectorXd away(count);
     for (Eigen::Index i = 0; i < count; ++i) {
       away[i] = (k % 2 == 0 ? 1 : 3) *
                 seam::normal(stream, k * static_cast<size_t>(count) + static_cast<size_t>(i)) /
-                std::sqrt(std::max(axes.eigenvalues()[i], 1e-3));
+                std::sqrt(std::max(axes.values[i], 1e-3));
     }
-    const VectorXd by = scale.cwiseProduct(axes.eigenvectors() * away);
+    const VectorXd by = scale.cwiseProduct(axes.vectors * away);
     Model candidate = centre;
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Coordinate& c = coordinates_[static_cast<size_t>(i)];
-      if (!c.spread) c.set(candidate, std::clamp(c.of(centre) + by[i], c.min, c.max));
+    for (size_t i = 0; i < space_.size(); ++i) {
+      const double z = space_[i].of(centre) + by[static_cast<Eigen::Index>(i)];
+      if (!space_[i].spread) candidate = space_.with(candidate, i, z);
     }
     move_to(candidate, kPlaceAccuracy_px);
   }
@@ -251,14 +200,14 @@ void RangesFit::draw() {
 // Factors on each noise, wide to narrow.
 void RangesFit::search_spreads() {
   for (const double factor : {4.0, 1.6, 1.2, 1.06}) {
-    for (const Coordinate& c : coordinates_) {
+    for (size_t i = 0; i < space_.size(); ++i) {
+      const Coordinate& c = space_[i];
       if (!c.spread) continue;
       for (const double by : {factor, 1 / factor}) {
         bool moved = false;
         for (int repeat = 0; repeat < 3; ++repeat) {
-          Model candidate = model_;
-          c.set(candidate, std::clamp(by * std::max(c.of(model_), 1e-3 * c.scale), c.min, c.max));
-          if (!move_to(candidate, 0)) break;
+          const double from = std::max(c.of(model_), 1e-3 * c.scale);
+          if (!move_to(space_.with(model_, i, by * from), 0)) break;
           moved = true;
         }
         if (moved) break;
@@ -267,82 +216,32 @@ void RangesFit::search_spreads() {
   }
 }
 
-// From the curvature of the likelihood.
-double RangesFit::sigma_of_spread(const Coordinate& c) const {
-  const double z = c.of(model_), h = std::max(0.2 * z, 1e-3 * c.scale);
-  const auto at = [&](double value) {
-    Model moved = model_;
-    c.set(moved, std::clamp(value, c.min, c.max));
-    return likelihood(problem_.evaluate(moved, groups_));
-  };
-  const double curvature = (2 * likelihood_ - at(z + h) - at(z - h)) / (h * h);
-  return curvature > 0 ? 1 / std::sqrt(curvature) : kInfinity;
-}
-
 // Each coordinate a little to either side, wide to narrow.
 void RangesFit::search_nearby() {
-  MatrixXd normal;
-  VectorXd right;
-  normal_equations(normal, right);
+  const VectorXd information = parabola().curvature.diagonal();
   for (const double width : {1.0, 0.3}) {
-    for (size_t i = 0; i < coordinates_.size(); ++i) {
-      const Coordinate& c = coordinates_[i];
-      const double along = normal(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
+    for (size_t i = 0; i < space_.size(); ++i) {
+      const double along = information[static_cast<Eigen::Index>(i)];
       if (!(along > 0)) continue;
       for (const double sign : {1.0, -1.0}) {
-        Model candidate = model_;
-        c.set(candidate, std::clamp(c.of(model_) + sign * width / std::sqrt(along), c.min, c.max));
-        if (move_to(candidate, 0)) break;
+        const double z = space_[i].of(model_) + sign * width / std::sqrt(along);
+        if (move_to(space_.with(model_, i, z), 0)) break;
       }
     }
   }
 }
 
 Fit RangesFit::result() const {
-  const size_t count = coordinates_.size();
-  Fit fit{.model = model_, .log_likelihood = likelihood_, .converged = here_.valid};
-  fit.sigma.assign(count, kInfinity);
-  fit.covariance.assign(count * count, 0);
-  fit.at_bound.assign(count, 0);
-  for (size_t i = 0; i < count; ++i) {
-    const Coordinate& c = coordinates_[i];
-    const double z = c.of(model_);
-    fit.value.push_back(c.to_value(z));
-    const double neutral = c.parameter->fit_reciprocal ? 0 : c.parameter->neutral;
-    fit.at_bound[i] = (z <= c.min && c.min != neutral) || (z >= c.max && c.max != neutral);
-  }
-  if (!here_.valid || count == 0) return fit;
-  MatrixXd normal;
-  VectorXd right;
-  normal_equations(normal, right);
-  for (Eigen::Index i = 0; i < normal.rows(); ++i) {
-    if (!(normal(i, i) > 0)) normal(i, i) = 0;
-  }
-  const VectorXd scale = unit_scale(normal);
-  MatrixXd unit = scale.asDiagonal() * normal * scale.asDiagonal();
-  for (Eigen::Index i = 0; i < unit.rows(); ++i) unit(i, i) += scale[i] > 0 ? 0 : 1;
-  // A misfit larger than the noise makes estimates less certain in proportion.
-  const double misfit = std::max(1.0, score_of(problem_, here_).error());
-  const MatrixXd covariance =
-      misfit * misfit * (scale.asDiagonal() * floored_inverse(unit, 1e-12) * scale.asDiagonal());
-  // d(1/z) = -dz / z^2.
-  const auto rate = [&](size_t i) {
-    return coordinates_[i].parameter->fit_reciprocal ? -fit.value[i] * fit.value[i] : 1.0;
-  };
-  for (size_t i = 0; i < count; ++i) {
-    if (!(scale[static_cast<Eigen::Index>(i)] > 0) || !std::isfinite(rate(i))) continue;
-    for (size_t k = 0; k < count; ++k) {
-      if (!std::isfinite(rate(k))) continue;
-      fit.covariance[i * count + k] =
-          rate(i) * rate(k) *
-          covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
-    }
-    fit.sigma[i] = std::sqrt(fit.covariance[i * count + i]);
-  }
-  for (size_t i = 0; i < count; ++i) {
-    if (!coordinates_[i].spread) continue;
-    fit.sigma[i] = std::abs(rate(i)) * sigma_of_spread(coordinates_[i]);
-    if (std::isfinite(fit.sigma[i])) fit.covariance[i * count + i] = fit.sigma[i] * fit.sigma[i];
+  const VectorXd place = space_.place(model_);
+  Fit fit = space_.fit_at(model_, place, likelihood_, here_.valid);
+  if (!here_.valid || space_.size() == 0) return fit;
+  if (slopes_.size() > 0)
+    space_.state(covariance_of(parabola().curvature, 1e-12), misfit_of(problem_, here_), place,
+                 fit);
+  for (size_t i = 0; i < space_.size(); ++i) {
+    if (!space_[i].spread) continue;
+    const double sigma = spread_error(problem_, space_, i, model_, groups_, nullptr, 0.2);
+    space_.state(i, sigma, space_[i].of(model_), fit);
   }
   return fit;
 }
@@ -359,9 +258,8 @@ std::vector<std::vector<double>> RangesProblem::jacobian(const Model& model,
     double h = first_step(c);
     std::vector<double> column = slope(*this, model, c, groups, kPlaceAccuracy_px, h);
     column.resize(facts_.scalars(), 0);
-    const double value = c.to_value(c.of(model));
-    const double rate =
-        c.parameter->fit_reciprocal && std::isfinite(value) ? -1 / (value * value) : 1;
+    const double by_coordinate = c.slope(c.of(model));
+    const double rate = std::isfinite(by_coordinate) ? 1 / by_coordinate : 1;
     for (size_t i = 0; i < column.size(); ++i)
       column[i] = here.used[i] ? rate * column[i] / here.sigma[i] : 0;
     columns.push_back(std::move(column));
