@@ -24,6 +24,81 @@ Chunk chunk_at(const Input& input, const ChunkPlace& place, const Limits& limits
   return decode_chunk(source.raw(source.number<uint64_t>()));
 }
 
+// The summary section, and where it starts, by a footer whose CRC holds.
+struct Summary {
+  uint64_t start = 0;
+  std::string records;
+};
+
+Summary summary_of(const Input& input, const Limits& limits) {
+  // Magic, footer and their places.
+  const uint64_t tail = kFooterBytes + kMagic.size();
+  if (input.size() < kMagic.size() + tail) throw Malformed("too short for a summary");
+  if (input.read(0, kMagic.size()) != kMagic) throw Malformed("no MCAP file");
+  const uint64_t footer_offset = input.size() - tail;
+  const std::string end = input.read(footer_offset, tail);
+  if (!end.ends_with(kMagic) || Opcode(end[0]) != Opcode::footer) throw Malformed("no footer");
+  const Footer footer = decode_footer(std::string_view(end).substr(kRecordHeadBytes));
+  const uint64_t start = footer.summary_start;
+  if (start < kMagic.size() || start > footer_offset ||
+      footer_offset - start > limits.summary_bytes) {
+    throw Malformed("the footer points outside of the file");
+  }
+  const std::string summary = input.read(start, footer_offset - start);
+  const std::string_view covered = std::string_view(end).substr(0, kFooterBytes - 4);
+  if (footer.summary_crc == 0 || footer.summary_crc != crc32(covered, crc32(summary))) {
+    throw Malformed("the CRC of the summary does not match");
+  }
+  return {start, summary};
+}
+
+// Places of an index must be in order and apart: one that names a place many times would cost
+// without bound.
+class PlacesInOrder {
+ public:
+  explicit PlacesInOrder(uint64_t limit) : limit_(limit) {}
+  void check(uint64_t offset, uint64_t length) {
+    if (offset < end_before_ || length < kRecordHeadBytes || offset > limit_ ||
+        length > limit_ - offset) {
+      throw Malformed("an index that cannot be");
+    }
+    end_before_ = offset + length;
+  }
+
+ private:
+  uint64_t limit_;
+  uint64_t end_before_ = kMagic.size();
+};
+
+ChunkPlace chunk_place(const ChunkIndex& index) {
+  if (index.start_time_ns > index.end_time_ns) throw Malformed("a chunk that ends too early");
+  ChunkPlace place{
+      index.chunk_offset, index.chunk_length, index.start_time_ns, index.end_time_ns, {}};
+  for (const auto& [channel, offset] : index.message_index_offsets) {
+    place.channels.push_back(channel);
+  }
+  return place;
+}
+
+std::string content_at(const Input& input, const Limits& limits, uint64_t offset, uint64_t length,
+                       Opcode opcode) {
+  if (length > limits.definition_bytes) throw Malformed("a record of absurd length");
+  const std::string bytes = input.read(offset, length);
+  ByteSource source(bytes);
+  if (Opcode{source.number<uint8_t>()} != opcode) throw Malformed("an index that is wrong");
+  return std::string(source.raw(source.number<uint64_t>()));
+}
+
+// The first record of the file.
+Header header_of(const Input& input, const Limits& limits) {
+  const std::string head = input.read(kMagic.size(), kRecordHeadBytes);
+  ByteSource source(std::string_view(head).substr(1));
+  const uint64_t bytes = source.number<uint64_t>();
+  if (bytes > limits.definition_bytes) throw Malformed("a header of absurd length");
+  return decode_header(
+      content_at(input, limits, kMagic.size(), kRecordHeadBytes + bytes, Opcode::header));
+}
+
 }  // namespace
 
 Reader Reader::open(std::unique_ptr<Input> input, const Limits& limits) {
@@ -80,41 +155,12 @@ void Reader::for_each_message(const ChunkPlace& place,
 }
 
 Contents read_summary(const Input& input, const Limits& limits) {
-  // Magic, footer and their places.
-  const uint64_t tail = kFooterBytes + kMagic.size();
-  if (input.size() < kMagic.size() + tail) throw Malformed("too short for a summary");
-  if (input.read(0, kMagic.size()) != kMagic) throw Malformed("no MCAP file");
-  const uint64_t footer_offset = input.size() - tail;
-  const std::string end = input.read(footer_offset, tail);
-  if (!end.ends_with(kMagic) || Opcode(end[0]) != Opcode::footer) throw Malformed("no footer");
-  const Footer footer = decode_footer(std::string_view(end).substr(kRecordHeadBytes));
-  const uint64_t start = footer.summary_start;
-  if (start < kMagic.size() || start > footer_offset ||
-      footer_offset - start > limits.summary_bytes) {
-    throw Malformed("the footer points outside of the file");
-  }
-  const std::string summary = input.read(start, footer_offset - start);
-  const std::string_view covered = std::string_view(end).substr(0, kFooterBytes - 4);
-  if (footer.summary_crc == 0 || footer.summary_crc != crc32(covered, crc32(summary))) {
-    throw Malformed("the CRC of the summary does not match");
-  }
-
+  const Summary summary = summary_of(input, limits);
   Contents contents;
   contents.complete = true;
   std::vector<MetadataIndex> metadata;
-  // Places must be in order and apart: an index that names one place many times would cost
-  // without bound.
-  const auto check_place = [&](uint64_t offset, uint64_t length, uint64_t& end_before) {
-    if (offset < end_before || length < kRecordHeadBytes || offset > start ||
-        length > start - offset) {
-      throw Malformed("an index that cannot be");
-    }
-    end_before = offset + length;
-  };
-  uint64_t chunks_end = kMagic.size();
-  uint64_t attachments_end = kMagic.size();
-  uint64_t metadata_end = kMagic.size();
-  for_each_record(summary, [&](Opcode opcode, std::string_view content, uint64_t) {
+  PlacesInOrder chunks(summary.start), attachments(summary.start), metadata_places(summary.start);
+  for_each_record(summary.records, [&](Opcode opcode, std::string_view content, uint64_t) {
     if (opcode == Opcode::schema) {
       Schema schema = decode_schema(content);
       contents.schemas.insert_or_assign(schema.id, std::move(schema));
@@ -123,40 +169,20 @@ Contents read_summary(const Input& input, const Limits& limits) {
       contents.channels.insert_or_assign(channel.id, std::move(channel));
     } else if (opcode == Opcode::chunk_index) {
       const ChunkIndex index = decode_chunk_index(content);
-      check_place(index.chunk_offset, index.chunk_length, chunks_end);
-      if (index.start_time_ns > index.end_time_ns) throw Malformed("a chunk that ends too early");
-      ChunkPlace place{
-          index.chunk_offset, index.chunk_length, index.start_time_ns, index.end_time_ns, {}};
-      for (const auto& [channel, offset] : index.message_index_offsets) {
-        place.channels.push_back(channel);
-      }
-      contents.chunks.push_back(std::move(place));
+      chunks.check(index.chunk_offset, index.chunk_length);
+      contents.chunks.push_back(chunk_place(index));
     } else if (opcode == Opcode::attachment_index) {
       contents.attachments.push_back(decode_attachment_index(content));
-      check_place(contents.attachments.back().offset, contents.attachments.back().length,
-                  attachments_end);
+      attachments.check(contents.attachments.back().offset, contents.attachments.back().length);
     } else if (opcode == Opcode::metadata_index) {
       metadata.push_back(decode_metadata_index(content));
-      check_place(metadata.back().offset, metadata.back().length, metadata_end);
+      metadata_places.check(metadata.back().offset, metadata.back().length);
     }
   });
-
-  const auto content_at = [&](uint64_t offset, uint64_t length, Opcode opcode) {
-    if (length > limits.definition_bytes) throw Malformed("a record of absurd length");
-    std::string bytes = input.read(offset, length);
-    ByteSource source(bytes);
-    if (Opcode{source.number<uint8_t>()} != opcode) throw Malformed("an index that is wrong");
-    return std::string(source.raw(source.number<uint64_t>()));
-  };
-  const std::string head = input.read(kMagic.size(), kRecordHeadBytes);
-  ByteSource head_source(std::string_view(head).substr(1));
-  const uint64_t header_bytes = head_source.number<uint64_t>();
-  if (header_bytes > limits.definition_bytes) throw Malformed("a header of absurd length");
-  contents.header =
-      decode_header(content_at(kMagic.size(), kRecordHeadBytes + header_bytes, Opcode::header));
+  contents.header = header_of(input, limits);
   for (const MetadataIndex& index : metadata) {
     contents.metadata.push_back(
-        decode_metadata(content_at(index.offset, index.length, Opcode::metadata)));
+        decode_metadata(content_at(input, limits, index.offset, index.length, Opcode::metadata)));
   }
   return contents;
 }

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,11 @@ struct Contents {
   std::vector<Metadata> metadata;
   bool complete = false;     // The data section has its end: the writer finished.
   std::vector<Loss> losses;  // In the order of the file.
+  // Of a scan: what stands behind the end of the file proper. Nothing reads it.
+  std::optional<Loss> behind_end;
+  // Of a scan: the index is whole, and tells something else than the data. Readers by the index are
+  // misled.
+  bool index_misleads = false;
 };
 
 class Reader {

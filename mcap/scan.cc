@@ -18,6 +18,29 @@ namespace {
 
 constexpr uint64_t kWindowBytes = uint64_t{1} << 20;
 
+bool same_place(const ChunkPlace& a, const ChunkPlace& b) {
+  return a.offset == b.offset && a.length == b.length && a.start_time_ns == b.start_time_ns &&
+         a.end_time_ns == b.end_time_ns && a.channels == b.channels;
+}
+
+bool same_attachment(const AttachmentIndex& a, const AttachmentIndex& b) {
+  return a.offset == b.offset && a.length == b.length && a.log_time_ns == b.log_time_ns &&
+         a.create_time_ns == b.create_time_ns && a.data_size == b.data_size && a.name == b.name &&
+         a.media_type == b.media_type;
+}
+
+bool same_metadata(const Metadata& a, const Metadata& b) {
+  return a.name == b.name && a.values == b.values;
+}
+
+// What an index tells, and what the data are.
+bool same_contents(const Contents& a, const Contents& b) {
+  return a.schemas == b.schemas && a.channels == b.channels &&
+         std::ranges::equal(a.chunks, b.chunks, same_place) &&
+         std::ranges::equal(a.attachments, b.attachments, same_attachment) &&
+         std::ranges::equal(a.metadata, b.metadata, same_metadata);
+}
+
 class Scanner {
  public:
   Scanner(const Input& input, const Limits& limits)
@@ -162,12 +185,46 @@ class Scanner {
   void check_data_end(uint64_t start, uint64_t length) {
     decode_data_end(content_of(start, length, limits_.definition_bytes));
     contents_.complete = true;
+    if (const uint64_t end = end_of_file(start + kRecordHeadBytes + length); end < input_.size()) {
+      contents_.behind_end = Loss{end, input_.size() - end, what_stands_behind(end)};
+      return;
+    }
     try {
-      read_summary(input_, limits_);
+      contents_.index_misleads = !same_contents(read_summary(input_, limits_), contents_);
     } catch (const Malformed& error) {
       lose(start, input_.size(), fmt::format("the index at the end is lost: {}", error.what()),
            true);
     }
+  }
+
+  // Where the file ends that began at its first byte: behind the magic behind the next footer. The
+  // end of the input where the records up to there do not hold up.
+  uint64_t end_of_file(uint64_t offset) const {
+    while (input_.size() - offset >= kRecordHeadBytes) {
+      const std::string head = input_.read(offset, kRecordHeadBytes);
+      ByteSource source(head);
+      const Opcode opcode{source.number<uint8_t>()};
+      const uint64_t length = source.number<uint64_t>();
+      offset += kRecordHeadBytes;
+      if (length > input_.size() - offset) break;
+      offset += length;
+      if (opcode != Opcode::footer) continue;
+      if (input_.size() - offset < kMagic.size() || input_.read(offset, kMagic.size()) != kMagic) {
+        break;
+      }
+      return offset + kMagic.size();
+    }
+    return input_.size();
+  }
+
+  std::string what_stands_behind(uint64_t end) const {
+    const bool is_mcap =
+        input_.size() - end >= kMagic.size() && input_.read(end, kMagic.size()) == kMagic;
+    return is_mcap ? fmt::format(
+                         "behind the end of this file stands another MCAP file, which is "
+                         "not read (tail -c +{} takes it out)",
+                         end + 1)
+                   : "bytes stand behind the end of the file";
   }
 
   void lose(uint64_t begin, uint64_t end, std::string what, bool index_only = false) {

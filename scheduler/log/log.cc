@@ -65,6 +65,10 @@ std::vector<mcap::Loss> Log::losses() const {
   for (const mcap::Loss& loss : reader_->contents().losses) {
     if (!loss.index_only) losses.push_back(loss);
   }
+  if (const auto& behind = reader_->contents().behind_end) {
+    losses.push_back(*behind);
+    losses.back().what = "behind the end of the file stands " + behind->what;
+  }
   return losses;
 }
 
@@ -144,29 +148,21 @@ std::optional<std::string> Log::picture(const FrameRecord& frame) const {
   return png;
 }
 
-LogCursor::LogCursor(const Log& log, TopicSet topics, SimTime from)
-    : log_(log), topics_(std::move(topics)), from_ns_(log_time(from)) {}
+MessageCursor::MessageCursor(const Log& log, SimTime from) : log_(log), from_ns_(log_time(from)) {}
 
-std::optional<LogRecord> LogCursor::next() {
+std::optional<mcap::Message> MessageCursor::next() {
   const auto& chunks = log_.file().contents().chunks;
   while (true) {
     while (offset_ < records_.size()) {
       mcap::ByteSource source(std::string_view(records_).substr(offset_));
-      mcap::Message message;
       try {
         const mcap::Opcode opcode{source.number<uint8_t>()};
         const std::string_view content = source.raw(source.number<uint64_t>());
         offset_ = records_.size() - source.left();
-        if (opcode != mcap::Opcode::message) continue;
-        message = mcap::decode_message(content);
+        if (opcode == mcap::Opcode::message) return mcap::decode_message(content);
       } catch (const mcap::Malformed& error) {
         throw InputError(fmt::format("{}: {}", log_.name(), error.what()));
       }
-      const std::optional<Topic> topic = log_.topic_of(message.channel_id);
-      if (!topic || message.log_time_ns < from_ns_ || !topics_.contains(*topic)) continue;
-      last_bytes_ = message.data;
-      last_topic_ = *topic;
-      return decode(*topic, message.data, log_.header().robots);
     }
     while (next_chunk_ < chunks.size() && chunks[next_chunk_].end_time_ns < from_ns_) {
       ++next_chunk_;
@@ -175,6 +171,20 @@ std::optional<LogRecord> LogCursor::next() {
     records_ = log_.file().read_chunk(chunks[next_chunk_++]);
     offset_ = 0;
   }
+}
+
+LogCursor::LogCursor(const Log& log, TopicSet topics, SimTime from)
+    : log_(log), messages_(log, from), topics_(std::move(topics)), from_ns_(log_time(from)) {}
+
+std::optional<LogRecord> LogCursor::next() {
+  while (const std::optional<mcap::Message> message = messages_.next()) {
+    const std::optional<Topic> topic = log_.topic_of(message->channel_id);
+    if (!topic || message->log_time_ns < from_ns_ || !topics_.contains(*topic)) continue;
+    last_bytes_ = message->data;
+    last_topic_ = *topic;
+    return decode(*topic, message->data, log_.header().robots);
+  }
+  return std::nullopt;
 }
 
 }  // namespace seam::scheduler

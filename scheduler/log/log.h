@@ -62,6 +62,24 @@ class Log {
   std::map<uint16_t, std::string> picture_channels_;  // Robot by channel.
 };
 
+// Walks over all messages in the order of writing, which is the order of time.
+class MessageCursor {
+ public:
+  // From the first chunk that reaches to `from`. `log` must outlive the cursor.
+  explicit MessageCursor(const Log& log, SimTime from = SimTime());
+
+  // Nothing at the end; throws InputError at damage. The message points into the cursor, until the
+  // next call.
+  std::optional<mcap::Message> next();
+
+ private:
+  const Log& log_;
+  uint64_t from_ns_;
+  size_t next_chunk_ = 0;
+  std::string records_;  // Of the current chunk.
+  size_t offset_ = 0;
+};
+
 // Walks over the records of chosen kinds in the order of writing, which is the order of time.
 class LogCursor {
  public:
@@ -76,11 +94,9 @@ class LogCursor {
 
  private:
   const Log& log_;
+  MessageCursor messages_;
   TopicSet topics_;
   uint64_t from_ns_;
-  size_t next_chunk_ = 0;
-  std::string records_;  // Of the current chunk.
-  size_t offset_ = 0;
   std::string last_bytes_;
   Topic last_topic_ = Topic::header;
 };

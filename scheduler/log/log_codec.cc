@@ -161,12 +161,16 @@ void fill(v1::LogEnd& message, const EndRecord& end, const Robots&) {
   message.set_fingerprint(end.fingerprint);
   message.set_steps(end.steps);
   message.set_frames(end.frames);
+  message.set_inputs_hash(end.inputs_hash);
 }
 
 EndRecord read(const v1::LogEnd& message, const Robots&) {
   return {time_from_log(message.time_ns(), "/seam/end: time_ns"),
           checked(message.reason(), EndReason::aborted, Topic::end, "reason"),
-          message.fingerprint(), message.steps(), message.frames()};
+          message.fingerprint(),
+          message.steps(),
+          message.frames(),
+          message.inputs_hash()};
 }
 
 // A file behind all that it imports.

@@ -56,6 +56,7 @@ struct EndRecord {
   uint64_t fingerprint = 0;
   uint64_t steps = 0;
   uint64_t frames = 0;
+  uint64_t inputs_hash = 0;  // See inputs_hash.h; 0: the log has none.
 };
 
 // The kinds of records, each with a topic of its own (log_manifest.h).

@@ -53,6 +53,7 @@ Recovery recover_log(std::unique_ptr<mcap::Input> input, mcap::Output& output) {
   mcap::Contents contents = reader.contents();
   Recovery recovery;
   recovery.losses = losses_in_time(contents);
+  recovery.behind_end = contents.behind_end;
   if (contents.chunks.empty()) {
     throw InputError(reader.name() + ": no message is left to recover");
   }

@@ -25,7 +25,9 @@ struct Recovery {
   // Messages of channels whose definition is lost, and which no convention tells.
   uint64_t unknown_messages = 0;
   std::vector<Loss> losses;  // Indexes that could be made anew do not count.
-  bool whole() const { return losses.empty() && unknown_messages == 0; }
+  // What stands behind the file's end, for instance another log: it is not copied.
+  std::optional<mcap::Loss> behind_end;
+  bool whole() const { return losses.empty() && unknown_messages == 0 && !behind_end; }
 };
 
 // Copies everything that can be read to `output`, with a new index. Throws InputError where nothing

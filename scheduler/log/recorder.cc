@@ -84,6 +84,7 @@ void Recorder::on_start(const RunHeader& header) {
     writer_.attach({.name = "files/" + name, .media_type = "text/plain", .data = text});
   }
   header_bytes_ = encode(header, robots_);
+  inputs_.add(header, header_bytes_);
   writer_.write(channels_[static_cast<size_t>(Topic::header)], log_time(SimTime()), header_bytes_);
   writer_.flush();  // From the first moment on the log says what it is of.
 }
@@ -96,9 +97,17 @@ void Recorder::note(Topic topic, SimTime time, LogRecord record) {
     batches_.start();
     chunk_start_ = time;
   }
-  batches_.add([this, topic, time, record = std::move(record)] {
-    writer_.write(channels_[static_cast<size_t>(topic)], log_time(time), encode(record, robots_));
-  });
+  batches_.add(
+      [this, topic, time, record = std::move(record)]() mutable { write(topic, time, record); });
+}
+
+void Recorder::write(Topic topic, SimTime time, LogRecord& record) {
+  if (auto* end = std::get_if<EndRecord>(&record)) {
+    end->inputs_hash = inputs_.digest(end->time, end->reason);
+  }
+  const std::string bytes = encode(record, robots_);
+  inputs_.add(record, bytes);
+  writer_.write(channels_[static_cast<size_t>(topic)], log_time(time), bytes);
 }
 
 void Recorder::note_message(uint16_t channel, SimTime time, std::string bytes) {
@@ -164,7 +173,7 @@ void Recorder::on_event(const SimulationEvent& event) {
 }
 
 void Recorder::on_end(SimTime time, EndReason reason, uint64_t fingerprint) {
-  note(Topic::end, time, EndRecord{time, reason, fingerprint, steps_, frames_});
+  note(Topic::end, time, EndRecord{time, reason, fingerprint, steps_, frames_, 0});
   batches_.finish();
   writer_.finish();
 }

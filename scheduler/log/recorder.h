@@ -12,6 +12,7 @@
 #include "mcap/writer.h"
 #include "scheduler/log/batches.h"
 #include "scheduler/log/field_sums.h"
+#include "scheduler/log/inputs_hash.h"
 #include "scheduler/log/log_records.h"
 #include "scheduler/loop/observer.h"
 #include "sim_core/world/world.h"
@@ -46,6 +47,8 @@ class Recorder final : public SimulationObserver {
   uint16_t add_channel(std::string_view topic, std::string_view message_name);
   StepRecord step_record(SimTime time, uint64_t step, const StateDigest& state);
   void note(Topic topic, SimTime time, LogRecord record);
+  // In the writing thread.
+  void write(Topic topic, SimTime time, LogRecord& record);
   void note_message(uint16_t channel, SimTime time, std::string bytes);
   void note_foxglove(SimTime time);
   void note_snapshot(SimTime time, uint64_t step);
@@ -65,7 +68,8 @@ class Recorder final : public SimulationObserver {
   std::optional<SimTime> last_snapshot_;
   uint64_t steps_ = 0;
   uint64_t frames_ = 0;
-  FieldSums sums_;   // Of the last step.
+  FieldSums sums_;  // Of the last step.
+  InputsHash inputs_;
   Batches batches_;  // They use the writer and what `on_start` sets: the last to be made, the first
                      // to go.
 };

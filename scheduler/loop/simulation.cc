@@ -6,9 +6,9 @@
 #include "scheduler/loop/clock.h"
 #include "scheduler/loop/event_queue.h"
 #include "scheduler/loop/frame_pipeline.h"
+#include "scheduler/loop/run_fingerprint.h"
 #include "scheduler/loop/world_actions.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/hash.h"
 
 namespace seam::scheduler {
 
@@ -20,7 +20,7 @@ class Simulation::Loop {
   bool run_to(SimTime time);
 
   SimTime now() const { return now_; }
-  uint64_t fingerprint() const { return fingerprint_; }
+  uint64_t fingerprint() const { return fingerprint_.value(); }
   uint64_t steps() const { return steps_; }
   uint64_t frames() const { return frames_; }
   uint64_t decisions() const { return decisions_; }
@@ -54,7 +54,6 @@ class Simulation::Loop {
   void tell_policy(const Answer& answer);
   void tell_debug(const Answer& answer);
   void tell(SimulationEvent event);
-  void chain(std::span<const uint64_t> values);
   SimTime acts_at(int robot) const;
   void push_tick(int robot);
   const std::string& id(int robot) const { return parts_.scenario.robots[robot].id; }
@@ -69,7 +68,7 @@ class Simulation::Loop {
   SimTime now_;
   bool started_ = false;
   std::optional<EndReason> ended_;
-  uint64_t fingerprint_ = 0;
+  RunFingerprint fingerprint_;
   uint64_t steps_ = 0;
   StateDigest state_;  // After the last step.
   uint64_t frames_ = 0;
@@ -89,19 +88,12 @@ Simulation::Loop::Loop(SimulationParts parts, const SimulationOptions& options)
   if (parts_.renderer != nullptr)
     pipeline_ = std::make_unique<FramePipeline>(
         parts_.world, *parts_.renderer, queue_, options.camera_at_rows, [this](FinishedFrame done) {
-          chain({&done.frame->fingerprint, 1});
+          fingerprint_.add({&done.frame->fingerprint, 1});
           ++frames_;
           for (SimulationObserver* observer : parts_.observers)
             observer->on_frame(done.time, *done.job, *done.frame);
           robots_[done.robot].frames.push_back(std::move(done.frame));
         });
-}
-
-void Simulation::Loop::chain(std::span<const uint64_t> values) {
-  Hasher hasher;
-  hasher.add(fingerprint_);
-  for (const uint64_t value : values) hasher.add(value);
-  fingerprint_ = hasher.digest();
 }
 
 void Simulation::Loop::tell(SimulationEvent event) {
@@ -156,7 +148,7 @@ void Simulation::Loop::finish(EndReason reason) {
   if (pipeline_) pipeline_->collect_all();
   ended_ = reason;
   for (SimulationObserver* observer : parts_.observers)
-    observer->on_end(now_, reason, fingerprint_);
+    observer->on_end(now_, reason, fingerprint());
   const char* words[] = {"the run is over", "the run was stopped", "the run was aborted"};
   parts_.decisions.finish(now_, words[static_cast<size_t>(reason)]);
   parts_.control.close();
@@ -216,7 +208,7 @@ void Simulation::Loop::step_world() {
   ++steps_;
   queue_.push({parts_.world.end(), Phase::step_world, 0, steps_});
   state_ = parts_.world.digest(std::move(state_));
-  chain(state_.section_hashes);
+  fingerprint_.add(state_.section_hashes);
   for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state_);
   for (const WorldEvent& event : parts_.world.take_events())
     tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind,

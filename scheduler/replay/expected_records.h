@@ -28,6 +28,16 @@ class ExpectedRecords {
       if (read_until_ > time + kAhead || !read()) return std::nullopt;
     }
   }
+  // The first record that nobody took, of all that the log has.
+  const Record* rest() {
+    while (read()) {
+    }
+    const Record* first = nullptr;
+    for (const auto& [key, record] : waiting_) {
+      if (first == nullptr || record.time < first->time) first = &record;
+    }
+    return first;
+  }
   // The log has no record that was not read.
   bool exhausted() const { return exhausted_; }
   // A record that should have come by `time`, and did not.

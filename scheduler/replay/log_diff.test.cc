@@ -126,6 +126,24 @@ TEST(LogRecovery, KeepsWhatStandsBehindDamage) {
   }
 }
 
+TEST(LogRecovery, SaysWhatStandsBehindTheEnd) {
+  const std::string first = record(three_robots()).bytes;
+  mcap::MemoryOutput alone;
+  recover_log(std::make_unique<mcap::MemoryInput>(first), alone);
+  for (const std::string& behind : {first, std::string("some bytes")}) {
+    mcap::MemoryOutput output;
+    const Recovery recovery =
+        recover_log(std::make_unique<mcap::MemoryInput>(first + behind), output);
+    EXPECT_FALSE(recovery.whole());
+    EXPECT_TRUE(recovery.losses.empty());
+    ASSERT_TRUE(recovery.behind_end);
+    EXPECT_EQ(recovery.behind_end->offset, first.size());
+    EXPECT_EQ(recovery.behind_end->bytes, behind.size());
+    EXPECT_EQ(output.bytes(), alone.bytes());
+    EXPECT_EQ(log_of(first + behind, LogAccess::scanned).losses().size(), 1u);
+  }
+}
+
 TEST(LogRecovery, OfNothingIsAnError) {
   mcap::MemoryOutput output;
   EXPECT_THROW(recover_log(std::make_unique<mcap::MemoryInput>("no log"), output), InputError);

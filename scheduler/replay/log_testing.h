@@ -10,7 +10,7 @@
 #include "scheduler/loop/testing.h"
 #include "scheduler/replay/player.h"
 #include "scheduler/replay/rewinder.h"
-#include "scheduler/replay/verifier.h"
+#include "scheduler/replay/verification.h"
 
 namespace seam::scheduler::testing {
 
@@ -73,29 +73,53 @@ inline Log log_of(const std::string& bytes, LogAccess access = LogAccess::indexe
   return Log::open(std::make_unique<mcap::MemoryInput>(bytes, "test.mcap"), access);
 }
 
-struct Verified {
-  std::optional<Divergence> divergence;
-  uint64_t steps = 0;
-  uint64_t frames = 0;
+// A message on its way into a changed copy of a log.
+struct CopiedMessage {
+  std::string topic;
+  uint64_t log_time_ns;
+  uint64_t publish_time_ns;
+  std::string data;
 };
 
-inline Verified verify(const Log& log, bool frames = true) {
+// The same log, attachments included, with each message and attachment changed by these, which
+// return whether it is kept.
+struct LogEdit {
+  std::function<bool(CopiedMessage&)> message = [](CopiedMessage&) { return true; };
+  std::function<bool(mcap::Attachment&)> attachment = [](mcap::Attachment&) { return true; };
+};
+
+inline std::string edited(const std::string& bytes, const LogEdit& edit) {
+  const Log log = log_of(bytes);
+  const mcap::Contents& contents = log.file().contents();
+  mcap::MemoryOutput output;
+  mcap::Writer writer(output, {.profile = std::string(kLogFormat)});
+  for (const auto& [id, schema] : contents.schemas)
+    writer.add_schema(schema.name, schema.encoding, schema.data);
+  for (const auto& [id, channel] : contents.channels)
+    writer.add_channel(channel.schema_id, channel.topic, channel.message_encoding);
+  for (const mcap::AttachmentIndex& place : contents.attachments) {
+    mcap::Attachment attachment = log.file().read_attachment(place);
+    if (edit.attachment(attachment)) writer.attach(attachment);
+  }
+  for (const mcap::ChunkPlace& chunk : contents.chunks) {
+    log.file().for_each_message(chunk, [&](const mcap::Message& message) {
+      CopiedMessage copy{contents.channels.at(message.channel_id).topic, message.log_time_ns,
+                         message.publish_time_ns, std::string(message.data)};
+      if (!edit.message(copy)) return;
+      writer.write(message.channel_id, copy.log_time_ns, copy.publish_time_ns, copy.data);
+    });
+    writer.flush();
+  }
+  writer.finish();
+  return output.bytes();
+}
+
+inline Verification verify(const Log& log, bool frames = true) {
   const Scenario scenario = Scenario::from_text(log.header().scenario_text, "log");
   World world(scenario);
-  RunControl control;
   HashRenderer renderer(scenario);
-  LogSource decisions(log);
-  Verifier verifier(log, world, control);
-  if (!frames) verifier.ignore_frames();
-  Simulation simulation({scenario,
-                         world,
-                         decisions,
-                         control,
-                         frames ? &renderer : nullptr,
-                         {&verifier},
-                         header_of(scenario, log.header().scenario_text)});
-  simulation.run();
-  return {verifier.divergence(), verifier.steps(), verifier.frames()};
+  return verify(log, {scenario, world, frames ? &renderer : nullptr,
+                      header_of(scenario, log.header().scenario_text)});
 }
 
 }  // namespace seam::scheduler::testing

@@ -36,12 +36,7 @@ struct Match {
 
 void re_run(const Log& log, Match& match) {
   match.world.restore(match.start);
-  RunControl control;
-  LogSource decisions(log);
-  Verifier verifier(log, match.world, control);
-  Simulation simulation(
-      {match.scenario, match.world, decisions, control, nullptr, {&verifier}, match.header});
-  simulation.run();
+  verify(log, {match.scenario, match.world, nullptr, match.header});
 }
 
 template <typename Action>

@@ -18,9 +18,17 @@ constexpr int kStepsToLookForField = 64;
 // How often missing frames and events are looked for.
 constexpr uint64_t kStepsBetweenLooks = 128;
 
-// Events that follow from the state; the others come from outside.
+// Events that a re-run has again: they follow from the state or the decisions. The others come
+// from outside.
 bool repeats(EventKind kind) {
-  return kind != EventKind::policy && kind != EventKind::fault && kind != EventKind::debug;
+  return kind != EventKind::fault && kind != EventKind::debug;
+}
+
+uint64_t frames_of(const Log& log) {
+  LogCursor cursor(log, {Topic::frame});
+  uint64_t frames = 0;
+  while (cursor.next()) ++frames;
+  return frames;
 }
 
 }  // namespace
@@ -62,6 +70,10 @@ Verifier::Verifier(const Log& log, const World& world, RunControl& control)
       control_(control),
       end_(log.end()),
       steps_expected_(log, {Topic::step}),
+      turns_expected_(log, {Topic::turn}),
+      state_records_(log, world),
+      shown_records_(log, world),
+      chain_(log, {Topic::step, Topic::frame}),
       frames_expected_(
           log, Topic::frame,
           [](const FrameRecord& frame) { return std::pair(frame.robot, frame.index); },
@@ -75,15 +87,27 @@ Verifier::Verifier(const Log& log, const World& world, RunControl& control)
 
 void Verifier::on_start(const RunHeader& header) {
   const RunHeader& logged = log_.header();
+  std::vector<std::string> robots;
+  for (const RobotSpec& robot : world_.scenario().robots) robots.push_back(robot.id);
+  if (robots != logged.robots) {
+    return diverge(SimTime(), "header", "robots",
+                   fmt::format("the log names the robots [{}], its scenario [{}]",
+                               fmt::join(logged.robots, ", "), fmt::join(robots, ", ")));
+  }
   if (header.sections == logged.sections || logged.sections.empty()) return;
   diverge(SimTime(), "header", "sections",
           fmt::format("the log's state has the sections [{}], this program's [{}]",
                       fmt::join(logged.sections, ", "), fmt::join(header.sections, ", ")));
 }
 
+void Verifier::on_turn(SimTime, const Turn&) {
+  // What it says was taken from the log; here it only counts that none is left in the end.
+  if (!over_ && !divergence_) turns_expected_.next();
+}
+
 // A run that was stopped from outside may have ended between two events of its last instant.
 bool Verifier::may_be_cut_off(SimTime time) const {
-  return !end_ || (end_->reason != EndReason::finished && time >= end_->time);
+  return !end_ || (end_->reason == EndReason::stopped && time >= end_->time);
 }
 
 void Verifier::stop_at_open_end() {
@@ -100,15 +124,20 @@ std::optional<StepRecord> Verifier::next_step() {
 // Frames and events of the log that the re-run should have made long ago.
 void Verifier::find_missing(SimTime time) {
   if (const FrameRecord* frame = ignore_frames_ ? nullptr : frames_expected_.overdue(time)) {
-    diverge(frame->time, "frame/" + log_.header().robots[static_cast<size_t>(frame->robot)],
-            "index",
-            fmt::format("the log has frame {}, the re-run does not make it", frame->index));
+    tell_missing(*frame);
   }
-  if (const SimulationEvent* event = events_expected_.overdue(time)) {
-    diverge(event->time, "events", event->name,
-            fmt::format("the log has the event '{}' {} {}, the re-run does not", event->name,
-                        event->robot, event->detail));
-  }
+  if (const SimulationEvent* event = events_expected_.overdue(time)) tell_missing(*event);
+}
+
+void Verifier::tell_missing(const FrameRecord& frame) {
+  diverge(frame.time, "frame/" + log_.header().robots[static_cast<size_t>(frame.robot)], "index",
+          fmt::format("the log has frame {}, the re-run does not make it", frame.index));
+}
+
+void Verifier::tell_missing(const SimulationEvent& event) {
+  diverge(event.time, "events", event.name,
+          fmt::format("the log has the event '{}' {} {}, the re-run does not", event.name,
+                      event.robot, event.detail));
 }
 
 void Verifier::diverge(SimTime time, std::string section, std::string field, std::string detail) {
@@ -144,6 +173,13 @@ void Verifier::compare_step(const StepRecord& logged, SimTime time, uint64_t ste
                                logged.step, logged.time.ns(), step, time.ns()));
   }
   if (logged.fingerprint == step_fingerprint(section_hashes)) {
+    std::optional<Divergence> other = state_records_.compare(logged, state);
+    if (!other) other = shown_records_.compare_step(time);
+    if (other) return diverge(other->time, other->section, other->field, other->detail);
+    if (end_ && end_->reason == EndReason::stopped) {
+      chain_until_step();
+      chained_.add(section_hashes);
+    }
     ++steps_;
     verified_until_ = time;
     return;
@@ -182,7 +218,8 @@ void Verifier::look_for_field(const StepRecord& logged, const StateDigest& state
 }
 
 void Verifier::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
-  if (over_ || divergence_ || ignore_frames_) return;
+  // Also of a log that is over: the last frames are finished behind its last step.
+  if (divergence_ || ignore_frames_) return;
   const std::string section = "frame/" + frame.robot;
   const auto& robots = log_.header().robots;
   const int robot =
@@ -209,8 +246,11 @@ void Verifier::on_frame(SimTime time, const FrameJob&, const Frame& frame) {
         fmt::format("frame {}: the log has the fingerprint {}, the re-run {}", frame.frame_index,
                     to_hex(logged->fingerprint), to_hex(frame.fingerprint)));
   }
+  if (auto other = shown_records_.compare_frame(time, frame)) {
+    return diverge(other->time, other->section, other->field, other->detail);
+  }
   ++frames_;
-  verified_until_ = std::max(verified_until_, time);
+  if (!over_) verified_until_ = std::max(verified_until_, time);
 }
 
 void Verifier::on_event(const SimulationEvent& event) {
@@ -224,18 +264,76 @@ void Verifier::on_event(const SimulationEvent& event) {
 }
 
 void Verifier::on_end(SimTime time, EndReason reason, uint64_t fingerprint) {
-  if (over_ || divergence_ || !end_) return;
-  if (const std::optional<StepRecord> more = next_step()) {
-    return diverge(time, "end", "time_ns",
-                   fmt::format("the re-run ended at {} ns, the log goes on at {} ns", time.ns(),
+  if (divergence_) return;
+  compare_rest();
+  if (divergence_ || !end_) return;
+  if (steps_ != end_->steps) {
+    return diverge(end_->time, "end", "steps",
+                   fmt::format("the log counts {} steps and has {}", end_->steps, steps_));
+  }
+  const uint64_t frames = ignore_frames_ ? frames_of(log_) : frames_;
+  if (frames != end_->frames) {
+    return diverge(end_->time, "end", "frames",
+                   fmt::format("the log counts {} frames and has {}", end_->frames, frames));
+  }
+  if (end_->reason == EndReason::stopped) {
+    compare_stopped_end();
+  } else {
+    compare_end(time, reason, fingerprint);
+  }
+}
+
+// Whatever the log has and the re-run had not.
+void Verifier::compare_rest() {
+  if (const std::optional<StepRecord> more = over_ ? std::nullopt : next_step()) {
+    return diverge(more->time, "end", "time_ns",
+                   fmt::format("the re-run ended after {} steps, the log goes on at {} ns", steps_,
                                more->time.ns()));
   }
-  if (end_->reason != EndReason::finished || ignore_frames_) return;
-  if (reason != end_->reason || end_->fingerprint != fingerprint) {
-    diverge(time, "end", "fingerprint",
-            fmt::format("the log has the fingerprint {}, the re-run {}", to_hex(end_->fingerprint),
-                        to_hex(fingerprint)));
+  if (const std::optional<LogRecord> turn = over_ ? std::nullopt : turns_expected_.next()) {
+    return diverge(time_of(*turn), "end", "turn",
+                   "the log has decisions for an instant that the re-run does not reach");
   }
+  if (const FrameRecord* frame = ignore_frames_ ? nullptr : frames_expected_.rest()) {
+    return tell_missing(*frame);
+  }
+  if (const SimulationEvent* event = events_expected_.rest()) return tell_missing(*event);
+  std::optional<Divergence> other = state_records_.rest();
+  if (!other) other = shown_records_.rest(!ignore_frames_);
+  if (other) diverge(other->time, other->section, other->field, other->detail);
+}
+
+void Verifier::compare_end(SimTime time, EndReason reason, uint64_t fingerprint) {
+  if (reason != end_->reason) {
+    return diverge(time, "end", "reason", "the re-run does not end as the log says");
+  }
+  if (time != end_->time) {
+    return diverge(
+        time, "end", "time_ns",
+        fmt::format("the log ends at {} ns, the re-run at {} ns", end_->time.ns(), time.ns()));
+  }
+  if (end_->fingerprint == fingerprint || ignore_frames_) return;
+  diverge(time, "end", "fingerprint",
+          fmt::format("the log has the fingerprint {}, the re-run {}", to_hex(end_->fingerprint),
+                      to_hex(fingerprint)));
+}
+
+// Chains the frames up to the next step of the log, or to its end.
+void Verifier::chain_until_step() {
+  while (const std::optional<LogRecord> record = chain_.next()) {
+    const auto* frame = std::get_if<FrameRecord>(&*record);
+    if (frame == nullptr) return;
+    chained_.add({&frame->fingerprint, 1});
+  }
+}
+
+void Verifier::compare_stopped_end() {
+  if (ignore_frames_) return;
+  chain_until_step();
+  if (chained_.value() == end_->fingerprint) return;
+  diverge(end_->time, "end", "fingerprint",
+          fmt::format("the log has the fingerprint {}, its steps and frames together {}",
+                      to_hex(end_->fingerprint), to_hex(chained_.value())));
 }
 
 }  // namespace seam::scheduler

@@ -8,18 +8,14 @@
 #include "scheduler/log/log.h"
 #include "scheduler/loop/observer.h"
 #include "scheduler/loop/run_control.h"
+#include "scheduler/loop/run_fingerprint.h"
+#include "scheduler/replay/divergence.h"
 #include "scheduler/replay/expected_records.h"
+#include "scheduler/replay/shown_records.h"
+#include "scheduler/replay/state_records.h"
 #include "sim_core/world/world.h"
 
 namespace seam::scheduler {
-
-// Where two runs first differ. A value, never an error.
-struct Divergence {
-  SimTime time;
-  std::string section;  // "robot/red1", "ball", "frame/red1", "events", "end".
-  std::string field;    // "x_m"; empty where the log does not tell.
-  std::string detail;   // For people.
-};
 
 // What fields of a state are called, by their number over all sections.
 class FieldNames {
@@ -42,6 +38,7 @@ class Verifier final : public SimulationObserver {
   Verifier(const Log& log, const World& world, RunControl& control);
 
   void on_start(const RunHeader& header) override;
+  void on_turn(SimTime time, const Turn& turn) override;
   void on_step(SimTime time, uint64_t step, const StateDigest& state) override;
   void on_frame(SimTime time, const FrameJob& job, const Frame& frame) override;
   void on_event(const SimulationEvent& event) override;
@@ -53,6 +50,10 @@ class Verifier final : public SimulationObserver {
   const std::optional<Divergence>& divergence() const { return divergence_; }
   uint64_t steps() const { return steps_; }
   uint64_t frames() const { return frames_; }
+  // The log has its end, and it was reached.
+  bool has_end() const { return end_.has_value(); }
+  // What the log holds of no step, though a recorder writes it: names for people.
+  std::vector<std::string> absent() const { return state_records_.absent(); }
   // Time of the last step or frame that was compared.
   SimTime verified_until() const { return verified_until_; }
 
@@ -61,9 +62,15 @@ class Verifier final : public SimulationObserver {
 
   std::optional<StepRecord> next_step();
   void find_missing(SimTime time);
+  void tell_missing(const FrameRecord& frame);
+  void tell_missing(const SimulationEvent& event);
   // The log ends here without an end: its writer was killed, and nothing more can be compared.
   bool may_be_cut_off(SimTime time) const;
   void stop_at_open_end();
+  void compare_rest();
+  void compare_end(SimTime time, EndReason reason, uint64_t fingerprint);
+  void compare_stopped_end();
+  void chain_until_step();
   void diverge(SimTime time, std::string section, std::string field, std::string detail);
   void compare_step(const StepRecord& logged, SimTime time, uint64_t step,
                     const StateDigest& state);
@@ -74,6 +81,13 @@ class Verifier final : public SimulationObserver {
   RunControl& control_;
   std::optional<EndRecord> end_;
   LogCursor steps_expected_;
+  LogCursor turns_expected_;
+  StateRecords state_records_;
+  ShownRecords shown_records_;
+  // Of a run that was stopped, whose last frames a re-run finishes later than it did: the
+  // fingerprint in the order of the log.
+  LogCursor chain_;
+  RunFingerprint chained_;
   ExpectedRecords<FrameRecord, std::pair<int, uint64_t>> frames_expected_;
   ExpectedRecords<SimulationEvent, EventKey> events_expected_;
   bool ignore_frames_ = false;

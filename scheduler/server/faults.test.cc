@@ -295,7 +295,7 @@ std::string check(const std::string& scenario_yaml, const Witness& live,
 // The log as it was written while the clients failed.
 std::string check_log(const std::string& bytes, const Witness& live) {
   const Log log = log_of(bytes);
-  const Verified verified = verify(log);
+  const Verification verified = verify(log);
   if (verified.divergence)
     return fmt::format("the log diverges at {} ns in {}", verified.divergence->time.ns(),
                        verified.divergence->section);

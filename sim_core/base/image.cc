@@ -42,7 +42,11 @@ void write_bytes(png_structp png, png_bytep data, size_t count) {
 }  // namespace
 
 Image read_png(const std::filesystem::path& path) {
-  PngBytes reader{read_file(path, kMaxPngBytes), 0, {}};
+  return decode_png(read_file(path, kMaxPngBytes), path.string());
+}
+
+Image decode_png(std::string bytes, const std::string& name) {
+  PngBytes reader{std::move(bytes), 0, {}};
   std::string message;
   Image image;
   std::vector<png_byte> row;
@@ -50,7 +54,7 @@ Image read_png(const std::filesystem::path& path) {
   png_infop info = png_create_info_struct(png);
   if (setjmp(png_jmpbuf(png)) != 0) {
     png_destroy_read_struct(&png, &info, nullptr);
-    throw InputError(fmt::format("{}: not a readable PNG: {}", path.string(), message));
+    throw InputError(fmt::format("{}: not a readable PNG: {}", name, message));
   }
   png_set_read_fn(png, &reader, read_bytes);
   png_read_info(png, info);

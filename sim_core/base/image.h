@@ -27,6 +27,8 @@ struct Image {
 // Grey or RGB, 8 or 16 bits; throws InputError for anything else, damaged files, or more than
 // 64 million pixels.
 Image read_png(const std::filesystem::path& path);
+// The same of a file's bytes; `name` is what errors call it.
+Image decode_png(std::string bytes, const std::string& name);
 
 // The bytes of a PNG file.
 std::string encode_png(const Image& image);

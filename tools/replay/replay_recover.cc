@@ -30,12 +30,17 @@ void write_json(const std::string& path, const scheduler::Recovery& recovery) {
     if (loss.to) entry["to_ns"] = loss.to->ns();
     losses.push_back(std::move(entry));
   }
+  nlohmann::ordered_json behind = nullptr;
+  if (const auto& rest = recovery.behind_end) {
+    behind = {{"offset", rest->offset}, {"bytes", rest->bytes}, {"what", rest->what}};
+  }
   const nlohmann::ordered_json json = {{"format", "seam-recover/1"},
                                        {"whole", recovery.whole()},
                                        {"messages", recovery.messages},
                                        {"chunks", recovery.chunks},
                                        {"unknown_messages", recovery.unknown_messages},
-                                       {"losses", std::move(losses)}};
+                                       {"losses", std::move(losses)},
+                                       {"behind_end", std::move(behind)}};
   write_file_atomically(path, json.dump(2) + "\n");
 }
 
@@ -46,6 +51,11 @@ void tell(const scheduler::Recovery& recovery) {
                 static_cast<unsigned long long>(loss.place.offset), loss.place.what.c_str(),
                 app::seconds(loss.from).c_str(),
                 loss.to ? (" up to " + app::seconds(*loss.to)).c_str() : ", to the end");
+  }
+  if (const auto& rest = recovery.behind_end) {
+    std::printf("behind the end of the log, not copied: %llu bytes at offset %llu: %s\n",
+                static_cast<unsigned long long>(rest->bytes),
+                static_cast<unsigned long long>(rest->offset), rest->what.c_str());
   }
   if (recovery.unknown_messages > 0) {
     std::printf("lost: %llu messages of channels whose definition is lost\n",

@@ -48,7 +48,9 @@ int resume(const Settings& settings) {
         static_cast<unsigned long long>(mixed.compared_decisions));
   }
   const int code = report(summary, settings.session);
-  if (verifier.divergence()) {
+  // Who stops the run while the log still decides has not left it.
+  const bool stopped_before = summary.end == scheduler::EndReason::stopped && !mixed.live_since;
+  if (verifier.divergence() && !stopped_before) {
     std::printf("the resumed run left the log at %s: section %s, field %s\n",
                 app::seconds(verifier.divergence()->time).c_str(),
                 verifier.divergence()->section.c_str(), verifier.divergence()->field.c_str());

@@ -52,6 +52,9 @@ nlohmann::ordered_json summary_of(const scheduler::Log& log) {
   json["fingerprint"] = end ? nlohmann::ordered_json(to_hex(end->fingerprint)) : nullptr;
   json["losses"] = nlohmann::ordered_json::array();
   for (const mcap::Loss& loss : log.file().contents().losses) json["losses"].push_back(loss.what);
+  if (const auto& behind = log.file().contents().behind_end) {
+    json["losses"].push_back("behind the end of the file stands " + behind->what);
+  }
   return json;
 }
 

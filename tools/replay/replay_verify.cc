@@ -3,9 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/logs/replay_match.h"
-#include "scheduler/loop/simulation.h"
-#include "scheduler/replay/player.h"
-#include "scheduler/replay/verifier.h"
+#include "scheduler/replay/verification.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/input/shown_text.h"
@@ -24,87 +22,86 @@ struct Settings {
 };
 
 struct Outcome {
-  std::optional<Divergence> divergence;
-  uint64_t steps = 0;
-  uint64_t frames = 0;
-  SimTime until;
+  scheduler::Verification found;
   bool unreadable = false;
 };
 
-Outcome re_run(const scheduler::Log& log, bool frames) {
-  app::ReplayMatch match(log);
-  scheduler::RunControl control;
-  scheduler::LogSource decisions(log);
-  scheduler::Verifier verifier(log, match.world(), control);
-  if (!frames) verifier.ignore_frames();
-  scheduler::Simulation simulation({match.scenario(),
-                                    match.world(),
-                                    decisions,
-                                    control,
-                                    frames ? &match.renderer() : nullptr,
-                                    {&verifier},
-                                    match.header()});
-  simulation.run();
-  return {verifier.divergence(), verifier.steps(), verifier.frames(), verifier.verified_until()};
+Outcome damaged(SimTime until, std::string what) {
+  Outcome outcome{.unreadable = true};
+  outcome.found.divergence = Divergence{until, "log", "bytes", std::move(what)};
+  return outcome;
 }
 
 // What is wrong with the file is a result here, not a failure of the command.
 Outcome verify(const Settings& settings) {
   try {
-    const scheduler::Log log = scheduler::Log::open(settings.file);
-    Outcome outcome = re_run(log, settings.frames);
+    // All of it is read: an index that leaves something out must not hide it.
+    const scheduler::Log log = scheduler::Log::open(settings.file, scheduler::LogAccess::scanned);
+    app::ReplayMatch match(log);
+    Outcome outcome{
+        scheduler::verify(log, {match.scenario(), match.world(),
+                                settings.frames ? &match.renderer() : nullptr, match.header()})};
     const std::vector<mcap::Loss> losses = log.losses();
-    if (!outcome.divergence && !losses.empty()) {
-      outcome.divergence =
-          Divergence{outcome.until, "log", "bytes",
-                     fmt::format("damaged at offset {}: {}", losses[0].offset, losses[0].what)};
-      outcome.unreadable = true;
-    }
-    return outcome;
+    if (outcome.found.divergence || losses.empty()) return outcome;
+    return damaged(outcome.found.until,
+                   fmt::format("damaged at offset {}: {}", losses[0].offset, losses[0].what));
   } catch (const InputError& error) {
-    Outcome outcome;
-    outcome.divergence = Divergence{SimTime(), "log", "bytes", error.what()};
-    outcome.unreadable = true;
-    return outcome;
+    return damaged(SimTime(), error.what());
   }
 }
 
 void write_json(const std::string& path, const Outcome& outcome) {
+  const scheduler::Verification& found = outcome.found;
   nlohmann::ordered_json json = {{"format", "seam-verify/1"},
-                                 {"ok", !outcome.divergence.has_value()}};
-  if (outcome.divergence) {
-    json["first_divergence"] = {{"time_ns", outcome.divergence->time.ns()},
-                                {"section", outcome.divergence->section},
-                                {"field", outcome.divergence->field},
-                                {"detail", outcome.divergence->detail}};
+                                 {"ok", !found.divergence.has_value()}};
+  if (found.divergence) {
+    json["first_divergence"] = {{"time_ns", found.divergence->time.ns()},
+                                {"section", found.divergence->section},
+                                {"field", found.divergence->field},
+                                {"detail", found.divergence->detail}};
   } else {
     json["first_divergence"] = nullptr;
   }
-  json["steps"] = outcome.steps;
-  json["frames"] = outcome.frames;
-  json["verified_until_ns"] = outcome.until.ns();
+  json["steps"] = found.steps;
+  json["frames"] = found.frames;
+  json["verified_until_ns"] = found.until.ns();
+  json["has_end"] = found.has_end;
+  json["not_compared"] = found.not_compared;
   json["readable"] = !outcome.unreadable;
-  write_file_atomically(path, json.dump(2) + "\n");
+  write_file_atomically(path,
+                        json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+void tell_same(const std::string& file, const scheduler::Verification& found) {
+  const auto steps = static_cast<unsigned long long>(found.steps);
+  const auto frames = static_cast<unsigned long long>(found.frames);
+  const std::string until = app::seconds(found.until);
+  if (found.has_end) {
+    std::printf("%s: the same: %llu steps and %llu frames up to %s\n", file.c_str(), steps, frames,
+                until.c_str());
+  } else {
+    std::printf(
+        "%s: verified up to %s: %llu steps and %llu frames are the same; the log has no end\n",
+        file.c_str(), until.c_str(), steps, frames);
+  }
+  for (const std::string& what : found.not_compared) {
+    std::printf("  not compared: %s\n", shown(what).c_str());
+  }
 }
 
 void run(const Settings& settings) {
   const Outcome outcome = verify(settings);
   if (!settings.json.empty()) write_json(settings.json, outcome);
-  if (!outcome.divergence) {
-    std::printf("%s: the same: %llu steps and %llu frames up to %s\n", settings.file.c_str(),
-                static_cast<unsigned long long>(outcome.steps),
-                static_cast<unsigned long long>(outcome.frames),
-                app::seconds(outcome.until).c_str());
-    return;
-  }
-  const Divergence& first = *outcome.divergence;
+  if (!outcome.found.divergence) return tell_same(settings.file, outcome.found);
+  const Divergence& first = *outcome.found.divergence;
   if (outcome.unreadable) {
     std::printf("%s: cannot be verified: %s\n", settings.file.c_str(), shown(first.detail).c_str());
   } else {
     std::printf("%s: first divergence at %s (%lld ns): section %s, field %s\n  %s\n",
                 settings.file.c_str(), app::seconds(first.time).c_str(),
-                static_cast<long long>(first.time.ns()), first.section.c_str(),
-                first.field.empty() ? "unknown" : first.field.c_str(), shown(first.detail).c_str());
+                static_cast<long long>(first.time.ns()), shown(first.section).c_str(),
+                first.field.empty() ? "unknown" : shown(first.field).c_str(),
+                shown(first.detail).c_str());
   }
   throw ExitCode{1};
 }
@@ -114,7 +111,7 @@ void run(const Settings& settings) {
 void add_replay_verify(app::Command replay) {
   app::Command command = replay.add_subcommand(
       "verify",
-      "Re-runs a log and compares every hash; names the first divergence by time, "
+      "Re-runs a log and compares all that it holds; names the first divergence by time, "
       "section and field");
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The log").required();
@@ -122,7 +119,8 @@ void add_replay_verify(app::Command replay) {
   command.add_flag("--frames,!--no-frames", settings->frames,
                    "Make and compare the frames too (the default)");
   command.footer(
-      "Exit code 0: the same; 1: a divergence, or the log cannot be read.\n"
+      "What was not compared is said. Exit code 0: the same; 1: a divergence, or the log cannot\n"
+      "be read.\n"
       "Example: seam replay verify swing.mcap --json result.json");
   command.callback([settings] { run(*settings); });
 }
