@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "mcap/reader.h"
 #include "sim_core/base/error.h"
@@ -33,12 +34,31 @@ bool same_metadata(const Metadata& a, const Metadata& b) {
   return a.name == b.name && a.values == b.values;
 }
 
+// An index may define what no message uses; all else stands in the data too.
+template <typename Definitions>
+bool same_definitions(const Definitions& index, const Definitions& data,
+                      const std::set<uint16_t>& used) {
+  return std::ranges::all_of(data,
+                             [&](const auto& entry) {
+                               const auto found = index.find(entry.first);
+                               return found != index.end() && found->second == entry.second;
+                             }) &&
+         std::ranges::none_of(index, [&](const auto& entry) {
+           return !data.contains(entry.first) && used.contains(entry.first);
+         });
+}
+
 // What an index tells, and what the data are.
-bool same_contents(const Contents& a, const Contents& b) {
-  return a.schemas == b.schemas && a.channels == b.channels &&
-         std::ranges::equal(a.chunks, b.chunks, same_place) &&
-         std::ranges::equal(a.attachments, b.attachments, same_attachment) &&
-         std::ranges::equal(a.metadata, b.metadata, same_metadata);
+bool same_contents(const Contents& index, const Contents& data) {
+  std::set<uint16_t> used;
+  for (const ChunkPlace& chunk : data.chunks) {
+    used.insert(chunk.channels.begin(), chunk.channels.end());
+  }
+  return same_definitions(index.schemas, data.schemas, {}) &&
+         same_definitions(index.channels, data.channels, used) &&
+         std::ranges::equal(index.chunks, data.chunks, same_place) &&
+         std::ranges::equal(index.attachments, data.attachments, same_attachment) &&
+         std::ranges::equal(index.metadata, data.metadata, same_metadata);
 }
 
 class Scanner {
@@ -220,11 +240,9 @@ class Scanner {
   std::string what_stands_behind(uint64_t end) const {
     const bool is_mcap =
         input_.size() - end >= kMagic.size() && input_.read(end, kMagic.size()) == kMagic;
-    return is_mcap ? fmt::format(
-                         "behind the end of this file stands another MCAP file, which is "
-                         "not read (tail -c +{} takes it out)",
-                         end + 1)
-                   : "bytes stand behind the end of the file";
+    return is_mcap ? fmt::format("another MCAP file, which is not read (tail -c +{} takes it out)",
+                                 end + 1)
+                   : "bytes that are no MCAP file";
   }
 
   void lose(uint64_t begin, uint64_t end, std::string what, bool index_only = false) {

@@ -40,9 +40,13 @@ std::optional<Divergence> StateRecords::compare(const StepRecord& logged,
   for (const uint64_t hash : state.section_hashes) halves.push_back(static_cast<uint32_t>(hash));
   if (differs(hashes_, logged.section_hashes, halves, true)) return other(hashes_);
   if (differs(sums_, logged.field_sums, field_sums_.of(state.words), true)) return other(sums_);
+  // Before there were sums, other bits of the hashes were kept.
+  const bool old_checks = sums_.missing && !logged.field_checks.empty();
+  old_checks_ |= old_checks;
   const bool check_due = logged.step % kCheckEverySteps == 0;
   const bool has_checks = !logged.field_checks.empty();
-  if (differs(checks_, logged.field_checks,
+  if (!old_checks &&
+      differs(checks_, logged.field_checks,
               has_checks ? field_checks(state.words, logged.step) : std::string(), check_due)) {
     return other(checks_);
   }
@@ -95,6 +99,7 @@ std::vector<std::string> StateRecords::absent() const {
   for (const Kept* kept : {&hashes_, &sums_, &checks_, &poses_}) {
     if (kept->missing && !kept->somewhere) names.emplace_back(kept->name);
   }
+  if (old_checks_) names.emplace_back("check bits as they are kept today");
   if (!has_snapshots_) names.emplace_back("snapshots");
   return names;
 }

@@ -44,6 +44,7 @@ class StateRecords {
   std::optional<SnapshotRecord> snapshot_;  // The next one.
   bool snapshots_over_ = false;
   bool has_snapshots_ = false;
+  bool old_checks_ = false;
   FieldSums field_sums_;
   Kept hashes_{"section hashes"}, sums_{"field sums"}, checks_{"check bits"}, poses_{"poses"};
 };

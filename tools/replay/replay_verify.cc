@@ -26,9 +26,9 @@ struct Outcome {
   bool unreadable = false;
 };
 
-Outcome damaged(SimTime until, std::string what) {
+Outcome damaged(std::string what) {
   Outcome outcome{.unreadable = true};
-  outcome.found.divergence = Divergence{until, "log", "bytes", std::move(what)};
+  outcome.found.divergence = Divergence{SimTime(), "log", "bytes", std::move(what)};
   return outcome;
 }
 
@@ -37,16 +37,15 @@ Outcome verify(const Settings& settings) {
   try {
     // All of it is read: an index that leaves something out must not hide it.
     const scheduler::Log log = scheduler::Log::open(settings.file, scheduler::LogAccess::scanned);
+    if (const std::vector<mcap::Loss> losses = log.losses(); !losses.empty()) {
+      return damaged(fmt::format("damaged at offset {}: {}", losses[0].offset, losses[0].what));
+    }
     app::ReplayMatch match(log);
-    Outcome outcome{
+    return {
         scheduler::verify(log, {match.scenario(), match.world(),
                                 settings.frames ? &match.renderer() : nullptr, match.header()})};
-    const std::vector<mcap::Loss> losses = log.losses();
-    if (outcome.found.divergence || losses.empty()) return outcome;
-    return damaged(outcome.found.until,
-                   fmt::format("damaged at offset {}: {}", losses[0].offset, losses[0].what));
   } catch (const InputError& error) {
-    return damaged(SimTime(), error.what());
+    return damaged(error.what());
   }
 }
 
