@@ -74,8 +74,7 @@ void diagnose(benchmark::State& state, void (*write)(const fs::path&), const std
   fs::create_directories(folder / "protocol");
   write(folder / "protocol");
   const MeasurementSet protocol = MeasurementSet::open(folder / "protocol");
-  find_kind(protocol.kind)
-      .measure(model_of(nominal + ", " + hidden), protocol, {.seed = 1, .out = folder / "set"});
+  measure_set(model_of(nominal + ", " + hidden), protocol, {.seed = 1, .out = folder / "set"});
   const Model model = model_of(nominal);
   for (auto _ : state) {
     const auto problem = open_problem(folder / "set");

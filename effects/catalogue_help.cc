@@ -27,11 +27,9 @@ const Stage kStages[] = {Stage::timing,   Stage::joint,      Stage::mount,
 }  // namespace
 
 std::string kinds_text(unsigned kinds) {
-  static const char* const kNames[] = {"points",    "photometry", "joints", "odometry",
-                                       "landmarks", "ranges",     "frames"};
   std::string text;
-  for (int i = 0; i < 7; ++i) {
-    if (kinds & (1u << i)) text += (text.empty() ? "" : ", ") + std::string(kNames[i]);
+  for (const KindFacts& kind : seam::effects::kinds()) {
+    if (kinds & kind.bit) text += (text.empty() ? "" : ", ") + std::string(kind.name);
   }
   return text;
 }

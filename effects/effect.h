@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/kind.h"
 #include "sim_core/base/pose.h"
 
 namespace seam::effects {
@@ -26,30 +27,6 @@ struct Locomotion;      // locomotion.h
 struct VelocitySample;  // locomotion.h
 
 enum class JointRole;  // joint_track.h
-
-enum class Stage {
-  timing,
-  joint,
-  mount,
-  geometry,
-  radiometry,
-  light,
-  sensor,
-  detector,
-  locomotion
-};
-std::string to_string(Stage stage);
-
-// Kinds of measurement (docs/measurements.md); an effect names those that it touches.
-enum Kind : unsigned {
-  kPoints = 1,
-  kPhotometry = 2,
-  kJoints = 4,
-  kOdometry = 8,
-  kLandmarks = 16,
-  kRanges = 32,
-  kFrames = 64,
-};
 
 struct Parameter {
   std::string name;    // With its unit: line_delay_s.

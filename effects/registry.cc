@@ -106,10 +106,4 @@ void register_effect(EffectDefinition definition) {
   mutable_catalogue().push_back(std::make_shared<const EffectDefinition>(std::move(definition)));
 }
 
-std::string to_string(Stage stage) {
-  static const char* const kNames[] = {"timing", "joint",  "mount",    "geometry",  "radiometry",
-                                       "light",  "sensor", "detector", "locomotion"};
-  return kNames[static_cast<int>(stage)];
-}
-
 }  // namespace seam::effects

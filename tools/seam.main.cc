@@ -5,8 +5,6 @@
 #include <exception>
 
 #include "app/plugins.h"
-#include "app/predictors/frame_predictor.h"
-#include "app/predictors/range_detector.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
 #include "tools/command.h"
@@ -15,8 +13,6 @@ int main(int argc, char** argv) {
   // A bad message from a client or a log is answered by an error of ours; the library's own lines
   // would let anybody fill the terminal.
   google::protobuf::SetLogHandler(nullptr);
-  seam::app::supply_renderer_to_measurements();
-  seam::app::supply_detectors_to_measurements();
   // For the help alone: load_plugins takes them out of the line, since options may name their
   // effects.
   std::vector<std::string> plugins;

@@ -1,7 +1,5 @@
-// The renderer as sets of kind `frames` need it.
 #include "app/predictors/frame_predictor.h"
 
-#include "measurement/imaging/frame_predictor.h"
 #include "render/renderer.h"
 
 namespace seam::app {
@@ -27,12 +25,10 @@ class RenderedFrames final : public measurement::FramePredictor {
 
 }  // namespace
 
-void supply_renderer_to_measurements() {
-  measurement::supply_frame_predictor(
-      [](const effects::Model& model, int width_px, int height_px,
-         SimTime reference) -> std::unique_ptr<measurement::FramePredictor> {
-        return std::make_unique<RenderedFrames>(model, width_px, height_px, reference);
-      });
+measurement::MakeFramePredictor rendered_frames() {
+  return [](const effects::Model& model, int width_px, int height_px, SimTime reference) {
+    return std::make_unique<RenderedFrames>(model, width_px, height_px, reference);
+  };
 }
 
 }  // namespace seam::app

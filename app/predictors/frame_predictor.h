@@ -1,8 +1,10 @@
-// Supplies render/'s renderer to measurement sets of kind `frames`.
+// The renderer as measurement sets of whole images need it.
 #pragma once
+
+#include "measurement/imaging/frame_predictor.h"
 
 namespace seam::app {
 
-void supply_renderer_to_measurements();
+measurement::MakeFramePredictor rendered_frames();
 
 }  // namespace seam::app

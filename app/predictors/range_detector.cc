@@ -7,7 +7,6 @@
 
 #include "app/data_file.h"
 #include "effects/stages/robot_parts.h"
-#include "measurement/imaging/range_detector.h"
 #include "render/colour/colour_space.h"
 #include "render/colour/colour_table.h"
 #include "robot_sdk/vision/ball_detector.h"
@@ -19,6 +18,8 @@
 
 namespace seam::app {
 namespace {
+
+constexpr const char* kBallRanger = "ball_ranger";
 
 using measurement::Gaze;
 using measurement::PixelWindow;
@@ -125,14 +126,16 @@ double tilt_to_ball_rad(double distance_m) {
   return std::round(-1e4 * maths::atan2(0.19, distance_m - 0.12)) * 1e-4;
 }
 
-void supply_detectors_to_measurements() {
-  measurement::supply_range_detectors(
-      [](const measurement::RangeDetectorSpec& spec)
-          -> std::unique_ptr<measurement::RangeDetector> {
-        if (spec.name != "ball_ranger") return nullptr;
-        return std::make_unique<BallRanger>(spec);
-      },
-      {"ball_ranger"});
+measurement::MakeRangeDetector sdk_detectors() {
+  return [](const measurement::RangeDetectorSpec& spec)
+             -> std::unique_ptr<measurement::RangeDetector> {
+    if (spec.name != kBallRanger) return nullptr;
+    return std::make_unique<BallRanger>(spec);
+  };
+}
+
+std::vector<std::string> sdk_detector_names() {
+  return {kBallRanger};
 }
 
 }  // namespace seam::app

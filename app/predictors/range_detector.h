@@ -1,5 +1,10 @@
-// Supplies the SDK's ball detector, on a standing robot, to measurement sets of kind `ranges`.
+// The SDK's ball detector, on a standing robot, as measurement sets of kind `ranges` need it.
 #pragma once
+
+#include <string>
+#include <vector>
+
+#include "measurement/imaging/range_detector.h"
 
 namespace seam::app {
 
@@ -8,6 +13,7 @@ namespace seam::app {
 // gives it.
 double tilt_to_ball_rad(double distance_m);
 
-void supply_detectors_to_measurements();
+measurement::MakeRangeDetector sdk_detectors();
+std::vector<std::string> sdk_detector_names();
 
 }  // namespace seam::app

@@ -264,7 +264,7 @@ void Tester::test_products(const Signal& signal) {
 
 // Correlation between neighbours in each series.
 void Tester::test_order(const Signal& signal) {
-  if (facts_.series_of_row.empty() || facts_.kind == "points") return;
+  if (facts_.series_of_row.empty() || !facts_.tests_neighbours) return;
   std::vector<size_t> order(signal.z.size());
   std::iota(order.begin(), order.end(), 0);
   const auto key = [&](size_t i) {

@@ -1,6 +1,7 @@
-// What the kind `frames` needs of a renderer; tools/ supplies it from render/.
+// What kinds of whole images need of a renderer.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -19,14 +20,7 @@ class FramePredictor {
 
 // `reference` is the time from which drift, flicker and formulas of time count. Throws InputError
 // for a model that gives no image.
-using MakeFramePredictor = std::unique_ptr<FramePredictor> (*)(const effects::Model& model,
-                                                               int width_px, int height_px,
-                                                               SimTime reference);
-
-// Called once by the program before sets of kind `frames` are opened.
-void supply_frame_predictor(MakeFramePredictor make);
-// Throws InputError where nobody supplied one.
-std::unique_ptr<FramePredictor> make_frame_predictor(const effects::Model& model, int width_px,
-                                                     int height_px, SimTime reference);
+using MakeFramePredictor = std::function<std::unique_ptr<FramePredictor>(
+    const effects::Model& model, int width_px, int height_px, SimTime reference)>;
 
 }  // namespace seam::measurement

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -61,14 +62,9 @@ struct RangeDetectorSpec {
   std::string colour_table;  // A seam-colour-table/1 file; empty: that of the field of 2002.
 };
 
-// Nothing for a name that is none of `names`; throws InputError for a colour table that cannot be
-// read.
-using MakeRangeDetector = std::unique_ptr<RangeDetector> (*)(const RangeDetectorSpec& spec);
-
-// Called once by the program before sets of kind `ranges` are opened.
-void supply_range_detectors(MakeRangeDetector make, std::vector<std::string> names);
-// The names supplied; empty where nobody supplied any.
-const std::vector<std::string>& range_detector_names();
-std::unique_ptr<RangeDetector> make_range_detector(const RangeDetectorSpec& spec);
+// Nothing for a name that is none of `Instruments::detectors`; throws InputError for a colour table
+// that cannot be read.
+using MakeRangeDetector =
+    std::function<std::unique_ptr<RangeDetector>(const RangeDetectorSpec& spec)>;
 
 }  // namespace seam::measurement

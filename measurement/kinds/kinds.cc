@@ -7,7 +7,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/input/file_names.h"
 
-// One line a kind; `measurement/<name>.cc` defines <name>_kind().
+// One line a kind; `measurement/kinds/<name>/<name>.cc` defines <name>_kind().
 #define SEAM_KINDS(X) \
   X(points)           \
   X(photometry)       \
@@ -23,37 +23,31 @@ namespace seam::measurement {
 SEAM_KINDS(SEAM_DECLARE)
 #undef SEAM_DECLARE
 
-namespace {
-
-std::vector<Kind>& kinds() {
-  static std::vector<Kind> all = {
+const Kind& find_kind(const std::string& name) {
+  static const std::vector<Kind> all = {
 #define SEAM_LIST(name) name##_kind(),
       SEAM_KINDS(SEAM_LIST)
 #undef SEAM_LIST
   };
-  return all;
-}
-
-}  // namespace
-
-const Kind& find_kind(const std::string& name) {
-  for (const Kind& kind : kinds()) {
-    if (kind.name == name) return kind;
+  for (const Kind& kind : all) {
+    if (name == effects::kind_facts(kind.bit).name) return kind;
   }
   throw InputError(fmt::format("measurement sets of kind '{}' are not supported", name));
 }
 
-void register_kind(Kind kind) {
-  kinds().push_back(std::move(kind));
-}
-
-std::unique_ptr<Problem> open_problem(const std::filesystem::path& path) {
+std::unique_ptr<Problem> open_problem(const std::filesystem::path& path,
+                                      const Instruments& instruments) {
   const MeasurementSet set = MeasurementSet::open(path);
   const Kind& kind = find_kind(set.kind);
   const Concerns concerns = concerns_of(set, kind.observations);
   if (!concerns.errors.empty())
     throw InputError(fmt::format("{}", fmt::join(concerns.errors, "\n")));
-  return kind.open(set);
+  return kind.open(set, instruments);
+}
+
+void measure_set(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options,
+                 const Instruments& instruments) {
+  find_kind(protocol.kind).measure(truth, protocol, options, instruments);
 }
 
 void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& out,

@@ -1,10 +1,12 @@
-// The kinds of measurement: how to open a set of each, and how to make one (`seam measure`).
+// The kinds of measurement: how to open a set of each, and how to make one (`seam measure`). What
+// else is asked of a kind by its name stands in effects/kind.h.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <string>
 
+#include "measurement/imaging/instruments.h"
 #include "measurement/problem/problem.h"
 #include "measurement/sets/observations.h"
 #include "measurement/sets/set.h"
@@ -18,26 +20,31 @@ struct MeasureOptions {
 };
 
 struct Kind {
-  std::string name;
+  effects::Kind bit{};
   ObservationTable observations;
   // Reads and checks the whole set.
-  std::unique_ptr<Problem> (*open)(const MeasurementSet& set) = nullptr;
+  std::unique_ptr<Problem> (*open)(const MeasurementSet& set,
+                                   const Instruments& instruments) = nullptr;
   // Writes into `options.out` the set that the model would give by this protocol: measured columns
   // are made (those present are ignored), all else is copied. Random numbers: counters named by
   // (seed, kind, row), see sim_core/base/random.h.
-  void (*measure)(const Model& truth, const MeasurementSet& protocol,
-                  const MeasureOptions& options) = nullptr;
+  void (*measure)(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options,
+                  const Instruments& instruments) = nullptr;
   // Lines of observations of what this model places behind the camera, where that can be said
   // without a fit; null for kinds without known points.
   std::vector<int> (*behind_camera)(const Model& model, const MeasurementSet& set) = nullptr;
 };
 
-// Throws InputError for a kind that nobody supplies.
+// Throws InputError for a name that is none.
 const Kind& find_kind(const std::string& name);
-// Kinds that run the simulator (frames, ranges) are supplied by tools/ with this.
-void register_kind(Kind kind);
 
-std::unique_ptr<Problem> open_problem(const std::filesystem::path& set);
+// Kinds that run the simulator need the instruments; others do without.
+std::unique_ptr<Problem> open_problem(const std::filesystem::path& set,
+                                      const Instruments& instruments = {});
+
+// Writes the set that the model would give by this protocol, whatever its kind.
+void measure_set(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options,
+                 const Instruments& instruments = {});
 
 // Copies every file of the protocol that `measure` does not write itself.
 void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& out,

@@ -54,8 +54,7 @@ struct CombinedChannel {
 
 // What never changes: filled by the kind when it reads the set.
 struct Facts {
-  std::string kind;
-  unsigned kind_bit = 0;  // effects::kPoints, ...
+  effects::Kind kind_bit{};
   std::string title;
   std::string fingerprint;
   std::string file;  // Of the observations, for messages.
@@ -67,11 +66,13 @@ struct Facts {
   // Neighbours for outliers and correlation: rows of one series (a landmark's track in a run, a
   // joint log's run), numbered; empty: the group is the series.
   std::vector<int> series_of_row;
-  std::vector<int> row_of;      // By scalar.
-  std::vector<int> channel_of;  // By scalar.
+  bool tests_neighbours = true;  // Whether the structure tests look for correlation in a series.
+  std::vector<int> row_of;       // By scalar.
+  std::vector<int> channel_of;   // By scalar.
   std::vector<Covariate> covariates;
   std::vector<CombinedChannel> combined;  // Looked at by the structure tests beside the channels.
 
+  std::string kind() const { return effects::kind_facts(kind_bit).name; }
   size_t scalars() const { return row_of.size(); }
   size_t rows() const { return line_of_row.size(); }
   int group_of(size_t scalar) const { return group_of_row[row_of[scalar]]; }

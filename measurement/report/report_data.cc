@@ -54,7 +54,7 @@ json data_json(const Problem& problem, const Assessment& before, const std::stri
   }
   return {{"folder", folder},
           {"title", facts.title},
-          {"kind", facts.kind},
+          {"kind", facts.kind()},
           {"fingerprint", facts.fingerprint},
           {"n", std::max(before.held.n, static_cast<int64_t>(count_used(problem)))},
           {"groups", facts.groups.size()},

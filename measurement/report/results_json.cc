@@ -116,7 +116,7 @@ std::string dumped(const ordered_json& json) {
 
 std::string compare_json(const Problem& problem, const CompareResult& result) {
   ordered_json json = {{"format", "seam-compare/1"},
-                       {"kind", problem.facts().kind},
+                       {"kind", problem.facts().kind()},
                        {"n", count_used(problem)},
                        {"groups", problem.facts().groups.size()}};
   json.update(baseline_json(problem, result.base.assessment));
@@ -131,7 +131,7 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
                           const std::optional<Suggestion>& suggestion) {
   const Assessment& base = result.base.assessment;
   ordered_json json = {{"format", "seam-diagnose/1"},
-                       {"kind", problem.facts().kind},
+                       {"kind", problem.facts().kind()},
                        {"n", problem.facts().rows()},
                        {"residuals", count_used(problem)},
                        {"groups", problem.facts().groups.size()},
@@ -182,7 +182,7 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
 std::string discover_json(const Problem& problem, const SearchResult& result) {
   ordered_json json = {
       {"format", "seam-discover/1"},
-      {"kind", problem.facts().kind},
+      {"kind", problem.facts().kind()},
       {"verdict",
        result.verdict == "unexplained_structure" ? "unexplained_structure" : "adequate"}};
   ordered_json steps = ordered_json::array();

@@ -43,7 +43,7 @@ AddResult add_effects(Problem& problem, const Model& model, const EffectList& ef
   for (const auto& effect : effects) {
     if (!problem.acts(*effect)) {
       throw InputError(fmt::format("effect '{}' does not act on measurements of kind {}",
-                                   effect->name, problem.facts().kind));
+                                   effect->name, problem.facts().kind()));
     }
     grown.assessment.model.remove(effect->name);
     std::erase_if(grown.assessment.unknowns,

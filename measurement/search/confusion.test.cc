@@ -40,7 +40,7 @@ SearchResult searched(const std::string& kind, const std::string& hidden, const 
   }
   const Model truth = Model::from_config(ConfigNode::from_text(
       "format: seam-model/1\neffects: {" + effects + hidden + "}\n", "truth"));
-  find_kind(kind).measure(truth, MeasurementSet::open(protocol), {.seed = 6, .out = out});
+  measure_set(truth, MeasurementSet::open(protocol), {.seed = 6, .out = out});
   const auto problem = open_problem(out);
   return search(*problem, nominal, {}, [](const std::string&) {});
 }

@@ -57,8 +57,7 @@ SearchResult found_in(const std::string& truth, const std::string& name, double 
                       int runs = 8) {
   const auto protocol = landmark_protocol(name + "-protocol", first_time_s, runs);
   const auto out = std::filesystem::path(testing::TempDir()) / name;
-  find_kind("landmarks")
-      .measure(model_of(truth), MeasurementSet::open(protocol), {.seed = 7, .out = out});
+  measure_set(model_of(truth), MeasurementSet::open(protocol), {.seed = 7, .out = out});
   const auto problem = open_problem(out);
   return search(*problem, model_of("{ideal_detector: {}}"), {}, [](const std::string&) {});
 }
@@ -99,7 +98,7 @@ TEST(Search, OneGroupCountsOnce) {
   const auto protocol = landmark_protocol("landmarks-one-protocol", 0, 1);
   const auto out = std::filesystem::path(testing::TempDir()) / "landmarks-one";
   const Model model = model_of("{ideal_detector: {}}");
-  find_kind("landmarks").measure(model, MeasurementSet::open(protocol), {.seed = 3, .out = out});
+  measure_set(model, MeasurementSet::open(protocol), {.seed = 3, .out = out});
   const auto problem = open_problem(out);
   ASSERT_EQ(problem->facts().groups.size(), 1u);
   const double likelihood = problem->score(model, problem->all_groups()).log_likelihood;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim_core/base/config.h"
+#include "sim_core/base/error.h"
 
 namespace seam::measurement {
 namespace {
@@ -112,13 +113,27 @@ std::string Term::label() const {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-std::vector<Vocabulary> vocabularies(const std::string& kind,
-                                     const std::vector<std::string>& columns) {
-  if (kind == "points") return {geometry(), joint({})};
-  if (kind == "joints") return {joint(columns)};
-  if (kind == "landmarks") return {detector()};
-  if (kind == "odometry") return {locomotion()};
-  return {};
+std::vector<Vocabulary> vocabularies(effects::Kind kind, const std::vector<std::string>& columns) {
+  std::vector<Vocabulary> all;
+  for (const effects::Stage stage : effects::kind_facts(kind).formula_stages) {
+    switch (stage) {
+      case effects::Stage::geometry:
+        all.push_back(geometry());
+        break;
+      case effects::Stage::joint:
+        all.push_back(joint(columns));
+        break;
+      case effects::Stage::detector:
+        all.push_back(detector());
+        break;
+      case effects::Stage::locomotion:
+        all.push_back(locomotion());
+        break;
+      default:
+        SEAM_CHECK(false, "no words for formulas of stage {}", to_string(stage));
+    }
+  }
+  return all;
 }
 
 std::string formula_yaml(const std::string& name, const std::string& stage, const std::string& help,

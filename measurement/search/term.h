@@ -38,8 +38,7 @@ struct Vocabulary {
 };
 
 // The stages whose formulas act on a kind; `columns` are the further columns of a servo log.
-std::vector<Vocabulary> vocabularies(const std::string& kind,
-                                     const std::vector<std::string>& columns);
+std::vector<Vocabulary> vocabularies(effects::Kind kind, const std::vector<std::string>& columns);
 
 // The YAML of an expression effect: outputs plus coefficient times term, each coefficient with a
 // neutral value of 0. `help` is a sentence.

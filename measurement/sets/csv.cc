@@ -225,4 +225,25 @@ void CsvWriter::write(const std::filesystem::path& path) const {
   write_file_atomically(path, text_);
 }
 
+void write_table_with(const CsvTable& table, const std::vector<std::string>& names,
+                      const std::vector<std::vector<double>>& values,
+                      const std::filesystem::path& path) {
+  std::vector<std::string> columns = table.columns();
+  for (const std::string& name : names) {
+    if (!table.has(name)) columns.push_back(name);
+  }
+  CsvWriter out(columns);
+  for (size_t row = 0; row < table.rows(); ++row) {
+    std::vector<std::string> cells;
+    for (const std::string& column : columns) {
+      const auto made = std::find(names.begin(), names.end(), column);
+      cells.push_back(made == names.end()
+                          ? std::string(table.cell(row, column))
+                          : fmt::format("{:.9g}", values[made - names.begin()][row]));
+    }
+    out.row(cells);
+  }
+  out.write(path);
+}
+
 }  // namespace seam::measurement

@@ -66,4 +66,10 @@ class CsvWriter {
   std::string text_;
 };
 
+// Writes the table with the named columns replaced, or appended where it lacks them; `values` by
+// column and row.
+void write_table_with(const CsvTable& table, const std::vector<std::string>& names,
+                      const std::vector<std::vector<double>>& values,
+                      const std::filesystem::path& path);
+
 }  // namespace seam::measurement

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "effects/kind.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
@@ -12,8 +13,6 @@
 namespace seam::measurement {
 namespace {
 
-const std::vector<std::string> kKinds = {"points",    "photometry", "joints", "odometry",
-                                         "landmarks", "ranges",     "frames"};
 const std::vector<std::string> kKeys = {"format", "kind",     "title",       "camera",
                                         "noise",  "group",    "files",       "rig",
                                         "scene",  "detector", "colour_table"};
@@ -46,7 +45,8 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
   const ConfigNode& root = set.root;
   if (!root.is_map()) root.fail("expected a map");
   root.at("format").choice({"seam-measurement/1"});
-  set.kind = kKinds[root.at("kind").choice(kKinds)];
+  const effects::KindFacts& kind = effects::kinds()[root.at("kind").choice(effects::kind_names())];
+  set.kind = kind.name;
   set.title = root.text_or("title", set.folder.filename().string());
   if (const auto camera = root.find("camera")) set.camera = read_camera(*camera);
   if (const auto noise = root.find("noise"); noise && noise->is_map()) {
@@ -57,10 +57,7 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
       if (sigma > 0) set.noise[column] = sigma;
     }
   }
-  set.group = root.text_or(
-      "group", set.kind == "ranges"                                                       ? "trial"
-               : set.kind == "points" || set.kind == "frames" || set.kind == "photometry" ? "frame"
-                                                                                          : "run");
+  set.group = root.text_or("group", kind.group);
   const ConfigNode files = root.at("files");
   for (const std::string& name : files.keys()) {
     set.inside(files.at(name));
@@ -97,6 +94,11 @@ std::filesystem::path MeasurementSet::inside(const CsvTable& table, size_t row,
     throw InputError(
         fmt::format("{}:{}: column {}: {}", table.file(), table.line(row), column, why));
   return folder / name;
+}
+
+double MeasurementSet::noise_of(const std::string& column) const {
+  const auto given = noise.find(column);
+  return given == noise.end() ? 0 : given->second;
 }
 
 std::string MeasurementSet::fingerprint() const {

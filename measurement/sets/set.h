@@ -46,6 +46,9 @@ struct MeasurementSet {
   bool has_file(const std::string& name) const { return files.contains(name); }
   CsvTable table(const std::string& name) const;
 
+  // One sigma of a column; 0 where the set states none.
+  double noise_of(const std::string& column) const;
+
   // Of measurement.yaml and the files it names, as 16 hexadecimal digits.
   std::string fingerprint() const;
 };

@@ -61,10 +61,9 @@ class Study {
   std::unique_ptr<Problem> made(const Model& truth, uint64_t seed) {
     const std::filesystem::path out = plan_.folder / "set";
     std::filesystem::remove_all(out);
-    find_kind(plan_.kind)
-        .measure(truth, MeasurementSet::open(plan_.folder / "protocol"),
-                 {.seed = seed, .out = out});
-    auto problem = open_problem(out);
+    measure_set(truth, MeasurementSet::open(plan_.folder / "protocol"), {.seed = seed, .out = out},
+                plan_.instruments);
+    auto problem = open_problem(out, plan_.instruments);
     residuals_ = problem->facts().scalars();
     return problem;
   }

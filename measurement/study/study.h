@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "measurement/imaging/instruments.h"
 #include "measurement/search/search.h"
 
 namespace seam::measurement {
@@ -29,6 +30,7 @@ struct StudyPlan {
   int seeds = 2;
   uint64_t first_seed = 1;
   std::filesystem::path folder;  // Sets are made here and removed again.
+  Instruments instruments;       // For kinds that need them.
 };
 
 // What came out at one size of the effect.

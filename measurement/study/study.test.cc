@@ -68,8 +68,8 @@ std::optional<Suggestion> proposed(const std::string& kind, const std::string& e
   const auto definition = effects::expression_effect("truth", node);
   Model truth = nominal;
   truth.set(definition, effects::expression_values(*definition, node));
-  find_kind(kind).measure(truth, MeasurementSet::open(scratch(name + "-protocol")),
-                          {.seed = 3, .out = scratch(name)});
+  measure_set(truth, MeasurementSet::open(scratch(name + "-protocol")),
+              {.seed = 3, .out = scratch(name)});
   const auto problem = open_problem(scratch(name));
   const SearchResult result = search(*problem, nominal, {}, silent);
   return suggest(*problem, result, silent);
@@ -105,9 +105,8 @@ TEST(Suggest, AWaveOverTheRowsHasItsFrequency) {
 
 TEST(Suggest, NothingWhereTheCatalogueExplains) {
   const Model nominal = write_study_protocol("landmarks", scratch("suggest-none-protocol"));
-  find_kind("landmarks")
-      .measure(nominal, MeasurementSet::open(scratch("suggest-none-protocol")),
-               {.seed = 3, .out = scratch("suggest-none")});
+  measure_set(nominal, MeasurementSet::open(scratch("suggest-none-protocol")),
+              {.seed = 3, .out = scratch("suggest-none")});
   const auto problem = open_problem(scratch("suggest-none"));
   EXPECT_FALSE(suggest(*problem, search(*problem, nominal, {}, silent), silent));
 }

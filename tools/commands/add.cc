@@ -1,4 +1,5 @@
 // `seam add`: fits one effect and adds it to a model.
+#include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
@@ -35,7 +36,7 @@ void add_add(app::Command app) {
   command.callback([flags, effect, out] {
     const effects::Model model = read_model(flags->model);
     const auto effects = effects_named(*effect);
-    const auto problem = measurement::open_problem(flags->data);
+    const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::add_effects(*problem, model, effects);
     result.model.write(*out);
     tell(*flags, doubts_about(*flags, result.model, result.error_after) + told(result),
@@ -52,7 +53,7 @@ void add_fit(app::Command app) {
   command.footer("Example: seam fit --model better.yaml --data sets/points-a --out refitted.yaml");
   command.callback([flags, out] {
     const effects::Model model = read_model(flags->model);
-    const auto problem = measurement::open_problem(flags->data);
+    const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::refit_all(*problem, model);
     result.model.write(*out);
     tell(*flags, doubts_about(*flags, result.model, result.error_after) + told(result),

@@ -4,6 +4,7 @@
 // there.
 #include <filesystem>
 
+#include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
@@ -145,8 +146,9 @@ void run(const Settings& settings) {
   write_flat_fields(folder_for(made.path() / "protocols/flat_fields"), settings);
   for (const char* set : {"flat_fields", "room"}) {
     const auto protocol = measurement::MeasurementSet::open(made.path() / "protocols" / set);
-    measurement::find_kind(protocol.kind)
-        .measure(truth, protocol, {.seed = settings.seed, .noise = true, .out = made.path() / set});
+    measurement::measure_set(truth, protocol,
+                             {.seed = settings.seed, .noise = true, .out = made.path() / set},
+                             app::instruments());
   }
   made.finish();
   std::printf("%s\n%s\n", (out / "room").c_str(), (out / "flat_fields").c_str());

@@ -1,4 +1,5 @@
 // `seam compare`: residuals of a model on held-out groups, and where they fail.
+#include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
 #include "tools/command.h"
@@ -15,7 +16,7 @@ void add_compare(app::Command app) {
       "Example: seam compare --model nominal.yaml --data sets/points-a --json compare.json");
   command.callback([flags] {
     const effects::Model model = read_model(flags->model);
-    const auto problem = measurement::open_problem(flags->data);
+    const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::compare(*problem, model);
     tell(*flags,
          doubts_about(*flags, model, result.base.assessment.error) +

@@ -1,6 +1,7 @@
 // `seam diagnose`: which effect is missing from a model.
 #include <fmt/ranges.h>
 
+#include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
 #include "sim_core/base/files.h"
@@ -41,7 +42,7 @@ void add_diagnose(app::Command app) {
   command.callback([flags, candidates, suggested] {
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
-    const auto problem = measurement::open_problem(flags->data);
+    const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::search(*problem, model, own, progress_to_terminal());
     std::optional<measurement::Suggestion> suggestion;
     std::string text = doubts_about(*flags, model, result.base.assessment.error) +

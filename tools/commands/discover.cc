@@ -1,4 +1,5 @@
 // `seam discover`: adds effects until nothing more is supported by the data.
+#include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
 #include "tools/command.h"
@@ -21,7 +22,7 @@ void add_discover(app::Command app) {
   command.callback([flags, out, candidates] {
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
-    const auto problem = measurement::open_problem(flags->data);
+    const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::search(*problem, model, own, progress_to_terminal());
     measurement::discovered_model(*problem, model, result).write(*out);
     tell(*flags,

@@ -1,4 +1,5 @@
 // `seam measure`: makes the measurement set that a model would give.
+#include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
@@ -26,9 +27,9 @@ void add_measure(app::Command app) {
   command.callback([flags] {
     const effects::Model truth = read_model(flags->model);
     const auto protocol = measurement::MeasurementSet::open(flags->protocol);
-    measurement::find_kind(protocol.kind)
-        .measure(truth, protocol,
-                 {.seed = flags->seed, .noise = flags->noise == "on", .out = flags->out});
+    measurement::measure_set(
+        truth, protocol, {.seed = flags->seed, .noise = flags->noise == "on", .out = flags->out},
+        app::instruments());
     std::printf("%s\n", flags->out.c_str());
   });
 }

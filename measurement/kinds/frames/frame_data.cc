@@ -6,28 +6,15 @@
 #include "sim_core/scene/scene_file.h"
 
 namespace seam::measurement {
-namespace {
 
-MakeFramePredictor& supplied() {
-  static MakeFramePredictor make = nullptr;
-  return make;
-}
-
-}  // namespace
-
-void supply_frame_predictor(MakeFramePredictor make) {
-  supplied() = make;
-}
-
-std::unique_ptr<FramePredictor> make_frame_predictor(const Model& model, int width_px,
-                                                     int height_px, SimTime reference) {
-  if (!supplied())
+FrameProtocol::FrameProtocol(const MeasurementSet& set, const CsvTable& table,
+                             const Instruments& instruments)
+    : make_predictor_(instruments.render),
+      width_px_(set.camera.width_px),
+      height_px_(set.camera.height_px),
+      rig_(Rig::from_set(set)) {
+  if (!make_predictor_)
     throw InputError("sets of kind frames need a renderer, which this program does not have");
-  return supplied()(model, width_px, height_px, reference);
-}
-
-FrameProtocol::FrameProtocol(const MeasurementSet& set, const CsvTable& table)
-    : width_px_(set.camera.width_px), height_px_(set.camera.height_px), rig_(Rig::from_set(set)) {
   if (width_px_ == 0)
     set.root.fail("camera: is missing: a set of frames needs width_px and height_px");
   if (rig_.type() == Rig::Type::unknown) {
@@ -61,12 +48,12 @@ FrameJob FrameProtocol::job(size_t frame, const Model& model, const Rig::Motion&
 
 std::vector<LightImage> FrameProtocol::render(const Model& model,
                                               const std::vector<size_t>& frames) const {
-  const auto predictor = make_frame_predictor(model, width_px_, height_px_, reference());
+  const auto frame_predictor = predictor(model);
   const Rig::Motion motion = rig_.motion(model);
   std::vector<LightImage> light;
   for (const size_t frame : frames)
-    light.push_back(
-        std::make_shared<const std::vector<float>>(predictor->light(job(frame, model, motion))));
+    light.push_back(std::make_shared<const std::vector<float>>(
+        frame_predictor->light(job(frame, model, motion))));
   return light;
 }
 

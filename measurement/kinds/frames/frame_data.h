@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "measurement/imaging/frame_predictor.h"
+#include "measurement/imaging/instruments.h"
 #include "measurement/imaging/light_store.h"
 #include "measurement/problem/problem.h"
 #include "measurement/sets/rig.h"
@@ -17,7 +17,7 @@ namespace seam::measurement {
 // What was done: camera, rig, scene and stamps.
 class FrameProtocol {
  public:
-  FrameProtocol(const MeasurementSet& set, const CsvTable& table);
+  FrameProtocol(const MeasurementSet& set, const CsvTable& table, const Instruments& instruments);
 
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
@@ -27,10 +27,14 @@ class FrameProtocol {
   const Rig& rig() const { return rig_; }
 
   FrameJob job(size_t frame, const Model& model, const Rig::Motion& motion) const;
+  std::unique_ptr<FramePredictor> predictor(const Model& model) const {
+    return make_predictor_(model, width_px_, height_px_, reference());
+  }
   // Light on the sensor in these frames.
   std::vector<LightImage> render(const Model& model, const std::vector<size_t>& frames) const;
 
  private:
+  MakeFramePredictor make_predictor_;
   int width_px_, height_px_;
   Rig rig_;
   std::unique_ptr<SceneSource> scene_;

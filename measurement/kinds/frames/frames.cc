@@ -23,9 +23,9 @@ effects::SensorExposure exposure_of(const Model& model, double t_s) {
 
 }  // namespace
 
-FramesProblem::FramesProblem(const MeasurementSet& set)
+FramesProblem::FramesProblem(const MeasurementSet& set, const Instruments& instruments)
     : table_(set.table("frames")),
-      protocol_(set, table_),
+      protocol_(set, table_, instruments),
       store_(protocol_.frames(), protocol_.width_px(), protocol_.height_px(),
              [this](const Model& model, const std::vector<size_t>& frames) {
                return protocol_.render(model, frames);
@@ -44,13 +44,11 @@ FramesProblem::FramesProblem(const MeasurementSet& set)
     facts_.line_of_row.push_back(table_.line(row));
     facts_.time_of_row.push_back((protocol_.stamp(row) - protocol_.reference()).s());
   }
-  facts_.kind = "frames";
   facts_.kind_bit = effects::kFrames;
   facts_.title = set.title;
   facts_.fingerprint = set.fingerprint();
   facts_.file = table_.file();
-  const auto noise = set.noise.find("dn");
-  facts_.channels = {{.name = "dn", .noise = noise == set.noise.end() ? 0 : noise->second}};
+  facts_.channels = {{.name = "dn", .noise = set.noise_of("dn")}};
   facts_.group_of_row =
       number_groups(table_.texts(table_.has(set.group) ? set.group : "frame"), facts_.groups);
   samples_ = images_.front().size();
@@ -397,10 +395,11 @@ std::string FramesProblem::no_outliers_because() const {
 }
 
 Kind frames_kind() {
-  return {.name = "frames",
+  return {.bit = effects::kFrames,
           .observations = {.file = "frames", .keys = {"file"}},
-          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
-            return std::make_unique<FramesProblem>(set);
+          .open = [](const MeasurementSet& set,
+                     const Instruments& instruments) -> std::unique_ptr<Problem> {
+            return std::make_unique<FramesProblem>(set, instruments);
           },
           .measure = measure_frames};
 }

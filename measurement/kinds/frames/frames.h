@@ -16,7 +16,7 @@ namespace seam::measurement {
 // columns share is whitened within a frame.
 class FramesProblem : public Problem {
  public:
-  explicit FramesProblem(const MeasurementSet& set);
+  FramesProblem(const MeasurementSet& set, const Instruments& instruments);
 
   Evaluation evaluate(const Model& model, const Groups& groups,
                       const Evaluation* warm = nullptr) const override;
@@ -69,6 +69,6 @@ class FramesProblem : public Problem {
 
 // `seam measure` for this kind (frames_measure.cc).
 void measure_frames(const Model& truth, const MeasurementSet& protocol,
-                    const MeasureOptions& options);
+                    const MeasureOptions& options, const Instruments& instruments);
 
 }  // namespace seam::measurement

@@ -9,9 +9,9 @@
 namespace seam::measurement {
 
 void measure_frames(const Model& truth, const MeasurementSet& protocol,
-                    const MeasureOptions& options) {
+                    const MeasureOptions& options, const Instruments& instruments) {
   const CsvTable table = protocol.table("frames");
-  const FrameProtocol frames(protocol, table);
+  const FrameProtocol frames(protocol, table, instruments);
   const auto files = table.texts("file");
   copy_protocol(protocol, options.out, {});
   copy_into(options.out, protocol, protocol.root.at("scene").text());
@@ -19,8 +19,7 @@ void measure_frames(const Model& truth, const MeasurementSet& protocol,
   const RandomStream camera = RandomStream{.seed = options.seed}.child("frames");
   const auto pattern =
       effects::fixed_pattern(chain, frames.width_px(), frames.height_px(), 3, camera);
-  const auto predictor =
-      make_frame_predictor(truth, frames.width_px(), frames.height_px(), frames.reference());
+  const auto predictor = frames.predictor(truth);
   const Rig::Motion motion = frames.rig().motion(truth);
   for (size_t f = 0; f < frames.frames(); ++f) {
     protocol.inside(table, f, "file");

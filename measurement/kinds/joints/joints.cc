@@ -50,7 +50,6 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
 }
 
 void JointsProblem::describe(const MeasurementSet& set, const CsvTable& table) {
-  facts_.kind = "joints";
   facts_.kind_bit = effects::kJoints;
   facts_.title = set.title;
   facts_.fingerprint = set.fingerprint();
@@ -233,14 +232,16 @@ std::string JointsProblem::not_testable(const Model&, const EffectDefinition& ef
 }
 
 Kind joints_kind() {
-  return {.name = "joints",
+  return {.bit = effects::kJoints,
           .observations = {.file = "joints",
                            .keys = {"run", "time_s", "joint"},
                            .measured = {"measured_rad"}},
-          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
+          .open = [](const MeasurementSet& set, const Instruments&) -> std::unique_ptr<Problem> {
             return std::make_unique<JointsProblem>(set);
           },
-          .measure = measure_joints};
+          .measure = [](const Model& truth, const MeasurementSet& protocol,
+                        const MeasureOptions& options,
+                        const Instruments&) { measure_joints(truth, protocol, options); }};
 }
 
 }  // namespace seam::measurement

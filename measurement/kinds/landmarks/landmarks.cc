@@ -105,7 +105,6 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
   }
   const CsvTable table = set.table("observations");
   if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
-  facts.kind = "landmarks";
   facts.kind_bit = effects::kLandmarks;
   facts.title = set.title;
   facts.file = table.file();
@@ -432,12 +431,14 @@ void measure_landmarks(const Model& truth, const MeasurementSet& protocol,
 }  // namespace
 
 Kind landmarks_kind() {
-  return {.name = "landmarks",
+  return {.bit = effects::kLandmarks,
           .observations = {.file = "observations",
                            .keys = {"run", "time_s", "landmark"},
                            .measured = {"range_m", "bearing_rad"}},
-          .open = open_landmarks,
-          .measure = measure_landmarks};
+          .open = [](const MeasurementSet& set, const Instruments&) { return open_landmarks(set); },
+          .measure = [](const Model& truth, const MeasurementSet& protocol,
+                        const MeasureOptions& options,
+                        const Instruments&) { measure_landmarks(truth, protocol, options); }};
 }
 
 }  // namespace seam::measurement

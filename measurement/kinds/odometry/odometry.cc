@@ -46,7 +46,6 @@ OdometryProblem::OdometryProblem(const MeasurementSet& set) {
 }
 
 void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table) {
-  facts_.kind = "odometry";
   facts_.kind_bit = effects::kOdometry;
   facts_.title = set.title;
   facts_.fingerprint = set.fingerprint();
@@ -301,14 +300,16 @@ std::string OdometryProblem::advice(const std::string& effect, const std::string
 }
 
 Kind odometry_kind() {
-  return {.name = "odometry",
+  return {.bit = effects::kOdometry,
           .observations = {.file = "odometry",
                            .keys = {"run", "time_s"},
                            .measured = {"x_m", "y_m", "theta_rad"}},
-          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
+          .open = [](const MeasurementSet& set, const Instruments&) -> std::unique_ptr<Problem> {
             return std::make_unique<OdometryProblem>(set);
           },
-          .measure = measure_odometry};
+          .measure = [](const Model& truth, const MeasurementSet& protocol,
+                        const MeasureOptions& options,
+                        const Instruments&) { measure_odometry(truth, protocol, options); }};
 }
 
 }  // namespace seam::measurement

@@ -240,12 +240,14 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
 }
 
 Kind photometry_kind() {
-  return {.name = "photometry",
+  return {.bit = effects::kPhotometry,
           .observations = {.file = "frames", .keys = {"file"}},
-          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
+          .open = [](const MeasurementSet& set, const Instruments&) -> std::unique_ptr<Problem> {
             return std::make_unique<PhotometryProblem>(set);
           },
-          .measure = measure_photometry};
+          .measure = [](const Model& truth, const MeasurementSet& protocol,
+                        const MeasureOptions& options,
+                        const Instruments&) { measure_photometry(truth, protocol, options); }};
 }
 
 }  // namespace seam::measurement

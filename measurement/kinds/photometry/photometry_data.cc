@@ -116,14 +116,11 @@ PhotometryData read_photometry(const MeasurementSet& set, Facts& facts) {
   }
   sum_rows(data);
   data.fewest_bits = fewest_bits(data.images, data.file_bits);
-
-  facts.kind = "photometry";
   facts.kind_bit = effects::kPhotometry;
   facts.title = set.title;
   facts.fingerprint = fingerprint_of(set, data);
   facts.file = table.file();
-  const auto noise = set.noise.find("dn");
-  facts.channels = {{.name = "dn", .noise = noise == set.noise.end() ? 0 : noise->second}};
+  facts.channels = {{.name = "dn", .noise = set.noise_of("dn")}};
   const std::string group = table.has(set.group) ? set.group : "frame";
   facts.group_of_row = number_groups(table.texts(group), facts.groups);
   for (size_t row = 0; row < table.rows(); ++row) {

@@ -39,9 +39,8 @@ SearchResult found(const std::string& name, const std::string& nominal, const st
                         "format: seam-measurement/1\nkind: photometry\ntitle: pair\ncamera: "
                         "{width_px: 24, height_px: 18, "
                         "frame_period_s: 0.041}\ngroup: frame\nfiles: {frames: frames.csv}\n");
-  find_kind("photometry")
-      .measure(model_with(nominal + ", " + hidden), MeasurementSet::open(folder / "protocol"),
-               {.seed = 5, .out = folder / "set"});
+  measure_set(model_with(nominal + ", " + hidden), MeasurementSet::open(folder / "protocol"),
+              {.seed = 5, .out = folder / "set"});
   const auto problem = open_problem(folder / "set");
   SearchResult result = search(*problem, model_with(nominal), {}, [](const std::string&) {});
   std::filesystem::remove_all(folder);

@@ -498,13 +498,15 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
 }  // namespace
 
 Kind points_kind() {
-  return {.name = "points",
+  return {.bit = effects::kPoints,
           .observations = {.file = "points",
                            .keys = {"frame", "time_s", "point"},
                            .measured = {"u_px", "v_px"},
                            .in_image = true},
-          .open = open_points,
-          .measure = measure_points,
+          .open = [](const MeasurementSet& set, const Instruments&) { return open_points(set); },
+          .measure = [](const Model& truth, const MeasurementSet& protocol,
+                        const MeasureOptions& options,
+                        const Instruments&) { measure_points(truth, protocol, options); },
           .behind_camera = lines_behind_camera};
 }
 

@@ -24,7 +24,6 @@ PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
   if (data.camera.width_px == 0) set.root.at("camera").fail("missing");
   const CsvTable table = set.table("points");
   if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
-  facts.kind = "points";
   facts.kind_bit = effects::kPoints;
   facts.title = set.title;
   facts.file = table.file();
@@ -63,6 +62,7 @@ PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
   }
   facts.time_of_row = data.stamp_s;
   facts.series_of_row = data.frame_of_row;
+  facts.tests_neighbours = false;
   if (measured) add_points_covariates(data, table, facts);
   return data;
 }

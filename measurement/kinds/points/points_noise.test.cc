@@ -31,7 +31,7 @@ fs::path room(double noise_px, int frames) {
   truth.set(effects::find_effect("rolling_shutter"), {{.value = 5e-5}});
   truth.set(effects::find_effect("radial_distortion"), {{.value = -0.04}});
   fs::remove_all(out);
-  find_kind("points").measure(truth, MeasurementSet::open(protocol), {.seed = 11, .out = out});
+  measure_set(truth, MeasurementSet::open(protocol), {.seed = 11, .out = out});
   write_file_atomically(
       out / "measurement.yaml",
       std::regex_replace(read_file(out / "measurement.yaml"), std::regex("noise: .*\n"), ""));

@@ -18,15 +18,6 @@
 namespace seam::measurement {
 namespace {
 
-struct Supplied {
-  MakeRangeDetector make = nullptr;
-  std::vector<std::string> names;
-};
-Supplied& supplied() {
-  static Supplied all;
-  return all;
-}
-
 constexpr int kTrials = 24;          // Frames with noise of their own, a place.
 constexpr int kDisplacements = 8;    // Of images, where jumps are smoothed,
 constexpr int kTrialsDisplaced = 2;  // each with so many frames.
@@ -124,39 +115,33 @@ Moments moments_of(const std::vector<double>& values) {
 
 }  // namespace
 
-void supply_range_detectors(MakeRangeDetector make, std::vector<std::string> names) {
-  supplied() = {make, std::move(names)};
-}
-const std::vector<std::string>& range_detector_names() {
-  return supplied().names;
-}
-std::unique_ptr<RangeDetector> make_range_detector(const RangeDetectorSpec& spec) {
-  if (!supplied().make)
-    throw InputError("sets of kind ranges need a detector, which this program does not have");
-  return supplied().make(spec);
-}
-
 double variance_of_spread(double variance, double fourth, double n) {
   if (!(variance > 0) || n < 2) return 0;
   // The second is that of any distribution for many values; it is larger where few values jump.
   return std::max(variance / (2 * (n - 1)), (fourth - variance * variance) / (4 * variance * n));
 }
 
-RangeSimulation::RangeSimulation(const MeasurementSet& set, const std::vector<BallPlace>& places)
-    : width_px_(set.camera.width_px > 0 ? set.camera.width_px : 178),
+RangeSimulation::RangeSimulation(const MeasurementSet& set, const std::vector<BallPlace>& places,
+                                 const Instruments& instruments)
+    : make_predictor_(instruments.render),
+      width_px_(set.camera.width_px > 0 ? set.camera.width_px : 178),
       height_px_(set.camera.height_px > 0 ? set.camera.height_px : 144),
       places_(places) {
+  if (!instruments.render || !instruments.detect) {
+    throw InputError(
+        "sets of kind ranges need a renderer and a detector, which this program does not have");
+  }
   if (set.root.find("rig"))
     set.root.at("rig").fail("a set of ranges has none: its camera is that of the standing robot");
   const ConfigNode detector = set.root.at("detector");
   const auto table = set.root.find("colour_table");
-  detector_ = make_range_detector({.name = detector.text(),
-                                   .width_px = width_px_,
-                                   .height_px = height_px_,
-                                   .colour_table = table ? set.inside(*table).string() : ""});
+  detector_ = instruments.detect({.name = detector.text(),
+                                  .width_px = width_px_,
+                                  .height_px = height_px_,
+                                  .colour_table = table ? set.inside(*table).string() : ""});
   if (!detector_) {
     detector.fail(fmt::format("found '{}', expected a behaviour that measures distances: {}",
-                              detector.text(), fmt::join(range_detector_names(), ", ")));
+                              detector.text(), fmt::join(instruments.detectors, ", ")));
   }
   const ConfigNode file = set.root.at("scene");
   const std::filesystem::path scene_file = set.inside(file);
@@ -179,7 +164,7 @@ RangeSimulation::RangeSimulation(const MeasurementSet& set, const std::vector<Ba
 
 std::vector<LightImage> RangeSimulation::render(const Model& model,
                                                 const std::vector<size_t>& places) const {
-  const auto predictor = make_frame_predictor(model, width_px_, height_px_, SimTime());
+  const auto predictor = make_predictor_(model, width_px_, height_px_, SimTime());
   const Pose X_LC = effects::mount_of(model);
   FrameJob job;
   // The head rests and so does the ball: every instant shows the same, but for the lamps.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "effects/stages/sensor/sensor.h"
+#include "measurement/imaging/instruments.h"
 #include "measurement/imaging/light_store.h"
-#include "measurement/imaging/range_detector.h"
 #include "measurement/kinds/ranges/ranges_data.h"
 #include "sim_core/scene/scene.h"
 
@@ -30,7 +30,8 @@ double variance_of_spread(double variance, double fourth, double n);
 
 class RangeSimulation {
  public:
-  RangeSimulation(const MeasurementSet& set, const std::vector<BallPlace>& places);
+  RangeSimulation(const MeasurementSet& set, const std::vector<BallPlace>& places,
+                  const Instruments& instruments);
 
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
@@ -76,6 +77,7 @@ class RangeSimulation {
   std::vector<double> trial_values(const Trials& trials, const std::vector<float>& light,
                                    double shift_u, double shift_v, int first, int count) const;
 
+  MakeFramePredictor make_predictor_;
   int width_px_, height_px_;
   std::vector<BallPlace> places_;
   std::unique_ptr<RangeDetector> detector_;

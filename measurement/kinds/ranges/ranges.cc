@@ -22,10 +22,9 @@ double bias_of_spread(double n) {
 
 }  // namespace
 
-RangesProblem::RangesProblem(const MeasurementSet& set)
-    : data_(read_ranges(set, facts_)), simulation_(set, data_.places) {
-  const auto stated = set.noise.find("measured_m");
-  const double noise = stated == set.noise.end() ? 0 : stated->second;
+RangesProblem::RangesProblem(const MeasurementSet& set, const Instruments& instruments)
+    : data_(read_ranges(set, facts_)), simulation_(set, data_.places, instruments) {
+  const double noise = set.noise_of("measured_m");
   facts_.channels = {{.name = "mean_m", .noise = noise}, {.name = "spread_m", .noise = noise}};
   scatter_.assign(data_.places.size(), {});
 }
@@ -241,10 +240,11 @@ std::string RangesProblem::advice(const std::string& a, const std::string& b) co
 }
 
 Kind ranges_kind() {
-  return {.name = "ranges",
+  return {.bit = effects::kRanges,
           .observations = {.file = "ranges", .measured = {"measured_m"}},
-          .open = [](const MeasurementSet& set) -> std::unique_ptr<Problem> {
-            return std::make_unique<RangesProblem>(set);
+          .open = [](const MeasurementSet& set,
+                     const Instruments& instruments) -> std::unique_ptr<Problem> {
+            return std::make_unique<RangesProblem>(set, instruments);
           },
           .measure = measure_ranges};
 }

@@ -21,7 +21,7 @@ inline constexpr double kPlaceAccuracy_px = 0.3;
 
 class RangesProblem : public Problem {
  public:
-  explicit RangesProblem(const MeasurementSet& set);
+  RangesProblem(const MeasurementSet& set, const Instruments& instruments);
 
   Evaluation evaluate(const Model& model, const Groups& groups,
                       const Evaluation* warm = nullptr) const override;
@@ -63,6 +63,6 @@ class RangesProblem : public Problem {
 
 // `seam measure` for this kind (ranges_measure.cc).
 void measure_ranges(const Model& truth, const MeasurementSet& protocol,
-                    const MeasureOptions& options);
+                    const MeasureOptions& options, const Instruments& instruments);
 
 }  // namespace seam::measurement

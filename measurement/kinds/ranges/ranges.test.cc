@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "measurement/imaging/frame_predictor.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -59,16 +58,14 @@ class FirstPixel final : public RangeDetector {
 class Ranges : public testing::Test {
  protected:
   void SetUp() override {
-    supply_frame_predictor(
-        [](const Model&, int width_px, int height_px, SimTime) -> std::unique_ptr<FramePredictor> {
-          return std::make_unique<GreyCamera>(width_px, height_px);
-        });
-    supply_range_detectors(
-        [](const RangeDetectorSpec& spec) -> std::unique_ptr<RangeDetector> {
-          if (spec.name != "first_pixel") return nullptr;
-          return std::make_unique<FirstPixel>(spec);
-        },
-        {"first_pixel"});
+    instruments_.render = [](const Model&, int width_px, int height_px, SimTime) {
+      return std::make_unique<GreyCamera>(width_px, height_px);
+    };
+    instruments_.detect = [](const RangeDetectorSpec& spec) -> std::unique_ptr<RangeDetector> {
+      if (spec.name != "first_pixel") return nullptr;
+      return std::make_unique<FirstPixel>(spec);
+    };
+    instruments_.detectors = {"first_pixel"};
     folder_ = testing::TempDir() + "/ranges_" +
               testing::UnitTest::GetInstance()->current_test_info()->name();
     std::filesystem::create_directories(folder_);
@@ -83,7 +80,7 @@ class Ranges : public testing::Test {
   void write(const std::string& name, const std::string& text) {
     std::ofstream(folder_ / name) << text;
   }
-  std::unique_ptr<Problem> open() const { return open_problem(folder_); }
+  std::unique_ptr<Problem> open() const { return open_problem(folder_, instruments_); }
   static Model model(const std::string& effects = "") {
     return Model::from_config(
         ConfigNode::from_text("format: seam-model/1\neffects:\n  pinhole: {fx_px: 16, fy_px: 16, "
@@ -92,6 +89,7 @@ class Ranges : public testing::Test {
                               "model"));
   }
   std::filesystem::path folder_;
+  Instruments instruments_;
 };
 
 TEST(VarianceOfSpread, IsThatOfSamples) {

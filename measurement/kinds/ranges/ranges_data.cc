@@ -114,7 +114,6 @@ RangeData read_ranges(const MeasurementSet& set, Facts& facts) {
                  "a distance of more than 0 and less than 1000 m");
     }
   }
-  facts.kind = "ranges";
   facts.kind_bit = effects::kRanges;
   facts.title = set.title;
   facts.fingerprint = set.fingerprint();

@@ -9,12 +9,12 @@ namespace seam::measurement {
 
 // Each line is one frame; where no ball is seen in it, the line is left out.
 void measure_ranges(const Model& truth, const MeasurementSet& protocol,
-                    const MeasureOptions& options) {
+                    const MeasureOptions& options, const Instruments& instruments) {
   const CsvTable table = protocol.table("ranges");
   table.texts("trial");
   std::vector<BallPlace> places;
   const std::vector<size_t> place_of_line = read_places(table, places);
-  const RangeSimulation simulation(protocol, places);
+  const RangeSimulation simulation(protocol, places, instruments);
   copy_protocol(protocol, options.out, {"ranges"});
   for (const char* key : {"scene", "colour_table"}) {
     if (!protocol.root.find(key)) continue;
@@ -23,8 +23,7 @@ void measure_ranges(const Model& truth, const MeasurementSet& protocol,
   const RandomStream camera = RandomStream{.seed = options.seed}.child("ranges");
   const auto pattern = effects::fixed_pattern(effects::sensor_of(truth), simulation.width_px(),
                                               simulation.height_px(), 3, camera);
-  const auto stated = protocol.noise.find("measured_m");
-  const double noise = options.noise && stated != protocol.noise.end() ? stated->second : 0;
+  const double noise = options.noise ? protocol.noise_of("measured_m") : 0;
   std::vector<std::string> columns = table.columns();
   if (!table.has("measured_m")) columns.push_back("measured_m");
   CsvWriter out(columns);

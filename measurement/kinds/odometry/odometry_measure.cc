@@ -1,41 +1,13 @@
-// `seam measure` for joints and odometry: the protocol's commands through the model's own solvers.
+// `seam measure` for odometry: the protocol's commands through the model's own walk.
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/odometry/odometry.h"
-#include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {
-
-// Writes the table with some columns replaced (or appended where the protocol lacks them).
-void write_with(const CsvTable& table, const std::vector<std::string>& names,
-                const std::vector<std::vector<double>>& values, const std::filesystem::path& path) {
-  std::vector<std::string> columns = table.columns();
-  for (const std::string& name : names) {
-    if (!table.has(name)) columns.push_back(name);
-  }
-  CsvWriter out(columns);
-  for (size_t row = 0; row < table.rows(); ++row) {
-    std::vector<std::string> cells;
-    for (const std::string& column : columns) {
-      const auto made = std::find(names.begin(), names.end(), column);
-      cells.push_back(made == names.end()
-                          ? std::string(table.cell(row, column))
-                          : fmt::format("{:.9g}", values[made - names.begin()][row]));
-    }
-    out.row(cells);
-  }
-  out.write(path);
-}
-
-double noise_of(const MeasurementSet& set, const char* column) {
-  const auto given = set.noise.find(column);
-  return given == set.noise.end() ? 0 : given->second;
-}
 
 // A wandering pose: the model's path with the steps of walk_noise, each in the body's frame at the
 // end of its interval.
@@ -68,29 +40,6 @@ std::vector<std::array<double, 3>> wander(const effects::Locomotion& walk, const
 
 }  // namespace
 
-void measure_joints(const Model& truth, const MeasurementSet& protocol,
-                    const MeasureOptions& options) {
-  const CsvTable table = protocol.table("joints");
-  const JointLogs set = read_joint_logs(table, protocol.group, false);
-  effects::JointTrack track;
-  effects::apply_encoder_effects(truth, track);
-  const double step = track.quantisation_step_rad, sigma = noise_of(protocol, "measured_rad");
-  const RandomStream random = RandomStream{options.seed, 0}.child("joints");
-  std::vector<double> measured(table.rows(), 0);
-  for (const JointLog& log : set.logs) {
-    const auto angles = predict_joint_log(truth, set, log, log.command_rad.front());
-    for (size_t k = 0; k < angles.size(); ++k) {
-      double angle = angles[k];
-      if (options.noise) angle += sigma * normal(random, log.rows[k]);
-      if (step > 0) angle = step * std::round(angle / step);
-      measured[log.rows[k]] = angle;
-    }
-  }
-  copy_protocol(protocol, options.out, {"joints"});
-  write_with(table, {"measured_rad"}, {measured},
-             written_path(options.out, protocol.files.at("joints")));
-}
-
 void measure_odometry(const Model& truth, const MeasurementSet& protocol,
                       const MeasureOptions& options) {
   const CsvTable table = protocol.table("odometry");
@@ -106,14 +55,14 @@ void measure_odometry(const Model& truth, const MeasurementSet& protocol,
       for (int channel = 0; channel < 3; ++channel) {
         double value = poses[k][channel];
         if (options.noise)
-          value += noise_of(protocol, names[channel]) * normal(random, 3 * row + channel);
+          value += protocol.noise_of(names[channel]) * normal(random, 3 * row + channel);
         measured[channel][row] = channel == 2 ? maths::wrap_angle(value) : value;
       }
     }
   }
   copy_protocol(protocol, options.out, {"odometry"});
-  write_with(table, {names[0], names[1], names[2]}, measured,
-             written_path(options.out, protocol.files.at("odometry")));
+  write_table_with(table, {names[0], names[1], names[2]}, measured,
+                   written_path(options.out, protocol.files.at("odometry")));
 }
 
 }  // namespace seam::measurement

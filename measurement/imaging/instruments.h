@@ -1,0 +1,20 @@
+// What some kinds of measurement need beyond the effects: a renderer and detectors. They come in as
+// arguments, from whoever puts the program together (app/), so that measurement/ knows neither.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "measurement/imaging/frame_predictor.h"
+#include "measurement/imaging/range_detector.h"
+
+namespace seam::measurement {
+
+// Parts may be missing: sets that need them are then refused with the reason.
+struct Instruments {
+  MakeFramePredictor render;
+  MakeRangeDetector detect;
+  std::vector<std::string> detectors;  // The behaviours that `detect` knows.
+};
+
+}  // namespace seam::measurement
