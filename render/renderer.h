@@ -6,37 +6,16 @@
 // alone: not on threads, the machine's vector width, the compiler or its optimisation.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "effects/model.h"
+#include "render/base/linear_image.h"
+#include "render/base/renderer_options.h"
 #include "sim_core/scene/frame.h"
 
 namespace seam::render {
-
-struct RendererOptions {
-  // At least so many samples fall on a pixel, spread over its square and its row's instants.
-  int samples_per_pixel = 8;
-  // Where colours meet, a pixel gets at least so many.
-  int edge_samples_per_pixel = 64;
-  // Where a point would move further than this between two instants, the scene is interpolated
-  // at more instants in between.
-  double max_motion_px = 1;
-  // One frame may be split over so many threads (the same bits for any number).
-  int threads = 1;
-  // Time of the set's (or run's) start: what flicker, drift and time-dependent expressions count
-  // from.
-  SimTime reference;
-};
-
-// Linear light, one plane for each of red, green and blue, row-major.
-struct LinearImage {
-  int width_px = 0;
-  int height_px = 0;
-  std::array<std::vector<float>, 3> planes;
-};
 
 // What is seen by the ray through each pixel's centre at the middle of its row's window.
 struct GroundTruth {

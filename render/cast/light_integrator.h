@@ -1,9 +1,11 @@
 // Scene radiance to a linear image: pixels integrate over their squares, rows over their windows.
 #pragma once
 
+#include "render/base/linear_image.h"
+#include "render/base/renderer_options.h"
 #include "render/cast/ray_table.h"
 #include "render/cast/row_caster.h"
-#include "render/renderer.h"
+#include "sim_core/scene/frame.h"
 
 namespace seam::render {
 

@@ -9,8 +9,9 @@
 
 #include "effects/stages/optics.h"
 #include "effects/stages/sensor/sensor.h"
+#include "render/base/linear_image.h"
 #include "render/cast/ray_table.h"
-#include "render/renderer.h"
+#include "sim_core/scene/frame.h"
 
 namespace seam::render {
 

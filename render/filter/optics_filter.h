@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "effects/stages/optics.h"
-#include "render/renderer.h"
+#include "render/base/linear_image.h"
 
 namespace seam::render {
 

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "robot_sdk/perception.h"
 #include "robot_sdk/robot.h"
+#include "robot_sdk/team/perception.h"
 
 using namespace seam::sdk;
 

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "robot_sdk/perception.h"
 #include "robot_sdk/robot.h"
+#include "robot_sdk/team/perception.h"
 #include "robot_sdk/team/skills.h"
 
 using namespace seam::sdk;

@@ -1,6 +1,5 @@
 #include "measurement/kinds/photometry/photometry_data.h"
 
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -138,8 +137,9 @@ PhotometryData read_photometry(const MeasurementSet& set, Facts& facts) {
 
 PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
                           const std::vector<int>& group_of_frame) {
-  static std::atomic<uint64_t> next{0};
-  PhotometrySums sums{.id = next++};
+  Hasher chosen;
+  chosen.add(std::string_view(groups.data(), groups.size()));
+  PhotometrySums sums{.id = chosen.digest()};
   const size_t samples = data.samples();
   const int width = data.width_px, channels = data.channels;
   for (const PhotometryLevel& level : data.levels) {

@@ -61,7 +61,7 @@ struct LevelSums {
 struct PhotometrySums {
   std::vector<LevelSums> levels;  // Those without frames here have an empty `frames`.
   int64_t values = 0;             // dn values that were summed.
-  uint64_t id = 0;                // Of its own in this program.
+  uint64_t id = 0;                // The same for the same frames of a set.
 };
 
 // Whether row noise and column offsets are the same in all channels, as far as the images tell;

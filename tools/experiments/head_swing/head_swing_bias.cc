@@ -7,9 +7,9 @@
 
 #include "sim_core/base/files.h"
 #include "tools/experiments/experiments.h"
+#include "tools/experiments/head_swing/swing_explained.h"
+#include "tools/experiments/head_swing/swing_studies.h"
 #include "tools/experiments/statistics.h"
-#include "tools/experiments/swing_explained.h"
-#include "tools/experiments/swing_studies.h"
 
 namespace seam::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "robot_sdk/perception.h"
+#include "robot_sdk/team/perception.h"
 
 #include <algorithm>
 #include <cmath>

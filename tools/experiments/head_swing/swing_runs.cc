@@ -1,4 +1,4 @@
-#include "tools/experiments/swing_runs.h"
+#include "tools/experiments/head_swing/swing_runs.h"
 
 #include <fmt/format.h>
 

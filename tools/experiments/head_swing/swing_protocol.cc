@@ -8,7 +8,7 @@
 #include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/body/robot_body.h"
-#include "tools/experiments/swing_studies.h"
+#include "tools/experiments/head_swing/swing_studies.h"
 
 namespace seam::tools {
 namespace {

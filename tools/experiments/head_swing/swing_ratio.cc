@@ -10,9 +10,9 @@
 
 #include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
+#include "tools/experiments/head_swing/swing_studies.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/statistics.h"
-#include "tools/experiments/swing_studies.h"
 
 namespace seam::tools {
 namespace {

@@ -6,9 +6,9 @@
 
 #include "app/data_file.h"
 #include "sim_core/base/files.h"
+#include "tools/experiments/head_swing/swing_studies.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/statistics.h"
-#include "tools/experiments/swing_studies.h"
 
 namespace seam::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/experiments/swing_explained.h"
+#include "tools/experiments/head_swing/swing_explained.h"
 
 #include <gtest/gtest.h>
 

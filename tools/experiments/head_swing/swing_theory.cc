@@ -1,4 +1,4 @@
-#include "tools/experiments/swing_theory.h"
+#include "tools/experiments/head_swing/swing_theory.h"
 
 #include <algorithm>
 #include <cmath>

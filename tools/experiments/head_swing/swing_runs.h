@@ -8,8 +8,8 @@
 
 #include "effects/stages/timing.h"
 #include "tools/experiments/experiments.h"
+#include "tools/experiments/head_swing/swing_theory.h"
 #include "tools/experiments/pose_runs.h"
-#include "tools/experiments/swing_theory.h"
 
 namespace seam::tools {
 

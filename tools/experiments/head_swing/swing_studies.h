@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim_core/base/maths.h"
-#include "tools/experiments/swing_runs.h"
+#include "tools/experiments/head_swing/swing_runs.h"
 
 namespace seam::tools {
 

@@ -6,8 +6,8 @@
 
 #include "app/data_file.h"
 #include "sim_core/base/files.h"
+#include "tools/experiments/head_swing/swing_studies.h"
 #include "tools/experiments/statistics.h"
-#include "tools/experiments/swing_studies.h"
 
 namespace seam::tools {
 namespace {

@@ -2,7 +2,7 @@
 // fits a run's sightings best, weighed as the localisation weighs them, when each errs as it did.
 #pragma once
 
-#include "tools/experiments/swing_runs.h"
+#include "tools/experiments/head_swing/swing_runs.h"
 
 namespace seam::tools {
 

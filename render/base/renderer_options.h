@@ -1,0 +1,23 @@
+// How finely light is sampled.
+#pragma once
+
+#include "sim_core/base/time.h"
+
+namespace seam::render {
+
+struct RendererOptions {
+  // At least so many samples fall on a pixel, spread over its square and its row's instants.
+  int samples_per_pixel = 8;
+  // Where colours meet, a pixel gets at least so many.
+  int edge_samples_per_pixel = 64;
+  // Where a point would move further than this between two instants, the scene is interpolated
+  // at more instants in between.
+  double max_motion_px = 1;
+  // One frame may be split over so many threads (the same bits for any number).
+  int threads = 1;
+  // Time of the set's (or run's) start: what flicker, drift and time-dependent expressions count
+  // from.
+  SimTime reference;
+};
+
+}  // namespace seam::render
