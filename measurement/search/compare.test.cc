@@ -35,9 +35,8 @@ TEST(StrongestFirst, StrengthDecidesWherePIsCut) {
 TEST(Compare, ListsTheStrongestFirst) {
   const std::filesystem::path tutorial = std::filesystem::path(SEAM_SOURCE_DIR) / "docs/tutorial";
   const Model nominal = Model::from_file(tutorial / "nominal.yaml");
-  find_kind("points").measure(Model::from_file(tutorial / "robot.yaml"),
-                              MeasurementSet::open(tutorial / "room"),
-                              {.seed = 1, .out = scratch("set")});
+  measure_set(Model::from_file(tutorial / "robot.yaml"), MeasurementSet::open(tutorial / "room"),
+              {.seed = 1, .out = scratch("set")});
   const auto problem = open_problem(scratch("set"));
   const CompareResult result = compare(*problem, nominal);
   size_t cut = 0;
