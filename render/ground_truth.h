@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/cast/light_integrator.h"
+#include "render/renderer.h"
 
 namespace seam::render {
 
