@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/base/config_table.h"
+#include "sim_core/input/config_table.h"
 #include "sim_core/body/actuator.h"
 #include "sim_core/body/command.h"
 #include "sim_core/body/joints.h"

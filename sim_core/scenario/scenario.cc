@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "sim_core/base/config_table.h"
+#include "sim_core/input/config_table.h"
 
 namespace seam {
 namespace {

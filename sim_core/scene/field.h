@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "sim_core/base/config_table.h"
+#include "sim_core/input/config_table.h"
 #include "sim_core/scene/scene.h"
 
 namespace seam {

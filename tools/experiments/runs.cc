@@ -29,8 +29,9 @@ struct Paths {
 };
 
 // A run is made again when its scenario or a program that plays in it has changed.
-std::string key_of(const Scenario& scenario, const std::string& text) {
-  static std::map<std::string, std::string> programs;  // Content by name.
+// `programs` holds the content of those read before, by name.
+std::string key_of(const Scenario& scenario, const std::string& text,
+                   std::map<std::string, std::string>& programs) {
   Hasher hasher;
   hasher.add(std::string_view(text));
   for (const RobotSpec& robot : scenario.robots) {
@@ -82,6 +83,7 @@ void make_runs(const std::vector<PlannedRun>& runs, const fs::path& folder, int 
   const bool shown = ::isatty(2) != 0;
   std::deque<Running> running;
   size_t done = 0;
+  std::map<std::string, std::string> programs;
   const auto wait_for_first = [&] {
     int status = 0;
     ::waitpid(running.front().child, &status, 0);
@@ -93,7 +95,7 @@ void make_runs(const std::vector<PlannedRun>& runs, const fs::path& folder, int 
   try {
     for (const PlannedRun& run : runs) {
       const std::string text = run.scenario.to_yaml();
-      const std::string key = key_of(run.scenario, text);
+      const std::string key = key_of(run.scenario, text, programs);
       const Paths paths(folder, run.name);
       if (is_made(paths, key)) {
         ++done;

@@ -1,4 +1,4 @@
-#include "sim_core/base/config_table.h"
+#include "sim_core/input/config_table.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
