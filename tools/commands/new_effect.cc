@@ -128,7 +128,7 @@ std::string own_headers() {
 std::string cmake_text(const std::string& name) {
   return fmt::format(R"(cmake_minimum_required(VERSION 3.25)
 project({0} LANGUAGES CXX)
-# The headers of the SEAM that wrote this file; others (installed, a source tree): -DSEAM_INCLUDE=DIR.
+# The headers of the SEAM that wrote this file; others: -DSEAM_INCLUDE=DIR.
 find_path(SEAM_INCLUDE effects/plugin.h HINTS "{1}" PATH_SUFFIXES seam REQUIRED)
 find_package(fmt REQUIRED)
 enable_testing()
