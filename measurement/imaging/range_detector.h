@@ -1,5 +1,5 @@
 // What the kind `ranges` needs of a robot that stands and looks at a ball: where its camera is, and
-// what its behaviour measures in a frame. tools/ supplies it from sim_core's robot, render/'s
+// what its behaviour measures in a frame. app/ supplies it from sim_core's robot, render/'s
 // colour detection and the SDK's own detector.
 #pragma once
 
