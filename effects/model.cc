@@ -7,7 +7,7 @@
 
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 
 namespace seam::effects {
 namespace {

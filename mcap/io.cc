@@ -16,30 +16,12 @@ namespace {
 
 class FileOutput : public Output {
  public:
-  FileOutput(const std::filesystem::path& path) : name_(path.string()) {
-    descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) fail("cannot be created");
-  }
-  ~FileOutput() override { ::close(descriptor_); }
-  FileOutput(const FileOutput&) = delete;
-  FileOutput& operator=(const FileOutput&) = delete;
-
-  void write(std::string_view bytes) override {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) fail("cannot be written");
-      bytes.remove_prefix(static_cast<size_t>(written));
-    }
-  }
+  FileOutput(const std::filesystem::path& path, const OutputRules& rules) : file_(path, rules) {}
+  void write(std::string_view bytes) override { file_.write(bytes); }
+  void close() override { file_.commit(); }
 
  private:
-  [[noreturn]] void fail(const char* what) const {
-    throw InputError(fmt::format("{}: {}: {}", name_, what, std::strerror(errno)));
-  }
-
-  std::string name_;
-  int descriptor_ = -1;
+  OutputFile file_;
 };
 
 class FileInput : public Input {
@@ -87,8 +69,8 @@ class FileInput : public Input {
 
 }  // namespace
 
-std::unique_ptr<Output> create_file(const std::filesystem::path& path) {
-  return std::make_unique<FileOutput>(path);
+std::unique_ptr<Output> create_file(const std::filesystem::path& path, const OutputRules& rules) {
+  return std::make_unique<FileOutput>(path, rules);
 }
 
 std::unique_ptr<Input> open_file(const std::filesystem::path& path) {

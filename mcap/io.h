@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "sim_core/base/output.h"
+
 namespace seam::mcap {
 
 // Where a log is written. Bytes that `write` took survive the death of the process.
@@ -16,6 +18,8 @@ class Output {
   virtual ~Output() = default;
   // Throws InputError with the reason of the operating system (disk full, ...).
   virtual void write(std::string_view bytes) = 0;
+  // Nothing follows. Throws InputError where the operating system could not keep what it took.
+  virtual void close() {}
 };
 
 // Random access to a log.
@@ -30,8 +34,8 @@ class Input {
   virtual const std::string& name() const = 0;
 };
 
-// A new or emptied file. Each write reaches the operating system at once.
-std::unique_ptr<Output> create_file(const std::filesystem::path& path);
+// Each write reaches the operating system at once.
+std::unique_ptr<Output> create_file(const std::filesystem::path& path, const OutputRules& rules);
 // Throws InputError where the file cannot be opened or is no regular file.
 std::unique_ptr<Input> open_file(const std::filesystem::path& path);
 

@@ -7,12 +7,12 @@ Usage: hide_and_find_test.py SEAM [unittest arguments]
 import json
 import math
 import pathlib
-import struct
 import subprocess
 import sys
 import tempfile
 import unittest
-import zlib
+
+import PIL.Image
 
 SEAM = pathlib.Path(sys.argv[1]).resolve()
 LIMIT_S = 200
@@ -34,34 +34,10 @@ NOISE = "noise: {u_px: 0.04, v_px: 0.04}\n"
 
 def png_rows(path):
     """Rows of (r, g, b) of an 8-bit RGB PNG."""
-    data, place, packed = path.read_bytes(), 8, b""
-    while place < len(data):
-        size, kind = struct.unpack(">I4s", data[place:place + 8])
-        body = data[place + 8:place + 8 + size]
-        if kind == b"IHDR":
-            width, height, depth, colour = struct.unpack(">IIBB", body[:10])
-            assert (depth, colour) == (8, 2)
-        packed += body if kind == b"IDAT" else b""
-        place += 12 + size
-    raw, stride, rows, above = zlib.decompress(packed), 3 * width, [], bytes(3 * width)
-    for y in range(height):
-        line = bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        kind = raw[y * (stride + 1)]
-        for i in range(stride):
-            left, up = (line[i - 3] if i >= 3 else 0), above[i]
-            corner = above[i - 3] if i >= 3 else 0
-            if kind == 1:
-                line[i] = line[i] + left & 255
-            elif kind == 2:
-                line[i] = line[i] + up & 255
-            elif kind == 3:
-                line[i] = line[i] + (left + up) // 2 & 255
-            elif kind == 4:
-                distance = [(abs(up - corner), 0, left), (abs(left - corner), 1, up), (abs(left + up - 2 * corner), 2, corner)]
-                line[i] = line[i] + min(distance)[2] & 255
-        rows.append([tuple(line[i:i + 3]) for i in range(0, stride, 3)])
-        above = line
-    return rows
+    with PIL.Image.open(path) as image:
+        assert image.mode == "RGB", image.mode
+        pixels = list(image.getdata())
+        return [pixels[start:start + image.width] for start in range(0, len(pixels), image.width)]
 
 
 def markers(rows):

@@ -31,6 +31,7 @@ FOLDERS = {
 ROOMS = {
     "sim_core": {
         "base": [],
+        "system": ["base"],
         "input": ["base"],
         "scene": ["base", "input"],
         "body": ["base", "input", "scene"],
@@ -83,7 +84,7 @@ ROOMS = {
         "team": [".", "vision", "localization"],
         "examples": [".", "vision", "localization", "team"],
     },
-    "app": {".": [], "logs": ["."], "predictors": ["."]},
+    "app": {".": [], "session": ["."], "logs": ["."], "predictors": ["."]},
     "tools": {
         ".": [],
         "experiments": ["."],
@@ -113,7 +114,7 @@ BANNED = {
 # Clocks of the wall: how long a person or a client has waited, never what is computed.
 CLOCK = re.compile(r"\b(?:system_clock|steady_clock|high_resolution_clock|gettimeofday|clock_gettime)\b|\btime\s*\(\s*(?:nullptr|NULL)")
 CLOCK_PLACES = {
-    "app/behaviours.cc", "app/progress.cc", "app/progress.h", "app/run_session.cc", "robot_sdk/robot.cc",
+    "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "robot_sdk/robot.cc",
     "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
     "scheduler/server/client_hub.h", "scheduler/server/server.cc", "scheduler/server/stream.h",
 }

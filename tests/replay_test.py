@@ -163,7 +163,7 @@ class Replay(unittest.TestCase):
         worst_s, open_ends = 0.0, 0
         for number in range(KILLS):
             log, pictures = self.folder / "killed.mcap", self.folder / f"pictures{number}"
-            run = subprocess.Popen([SEAM, "run", scenario, "--log", log, "--frames", pictures],
+            run = subprocess.Popen([SEAM, "run", scenario, "--log", log, "--frames", pictures, "--force"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
             # A moment of the run, however fast the machine is: after some picture, and a little later.
             wanted, later_s = draw.randrange(1, int(3 / CAMERA_PERIOD_S)), draw.uniform(0, 0.02)
@@ -183,7 +183,7 @@ class Replay(unittest.TestCase):
             worst_s = max(worst_s, lost_s)
             self.assertLess(lost_s, 1.0, f"kill {number}: the log ends at {shown['end_s']} s")
             resumed, summary = self.folder / "resumed.mcap", self.folder / "resumed.json"
-            seam("replay", "resume", log, "--log", resumed, "--json", summary, check=0)
+            seam("replay", "resume", log, "--log", resumed, "--json", summary, "--force", check=0)
             # The whole log again, byte by byte, and with it the fingerprint at the end.
             self.assertEqual(resumed.read_bytes(), whole.read_bytes(), f"kill {number}")
         print(f"{KILLS} kills, {open_ends} of them before the end; the log ended at most {worst_s:.3f} s before the last "

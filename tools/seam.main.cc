@@ -1,22 +1,18 @@
 // The `seam` command.
 #include <google/protobuf/stubs/logging.h>
 
-#include <cstdio>
-#include <exception>
-
 #include "app/plugins.h"
-#include "sim_core/base/error.h"
-#include "sim_core/input/shown_text.h"
 #include "tools/command.h"
+#include "tools/program.h"
 
 int main(int argc, char** argv) {
-  // A bad message from a client or a log is answered by an error of ours; the library's own lines
-  // would let anybody fill the terminal.
-  google::protobuf::SetLogHandler(nullptr);
-  // For the help alone: load_plugins takes them out of the line, since options may name their
-  // effects.
-  std::vector<std::string> plugins;
-  try {
+  return seam::tools::run_program("seam", [&] {
+    // A bad message from a client or a log is answered by an error of ours; the library's own lines
+    // would let anybody fill the terminal.
+    google::protobuf::SetLogHandler(nullptr);
+    // For the help alone: load_plugins takes them out of the line, since options may name their
+    // effects.
+    std::vector<std::string> plugins;
     return seam::app::parse_and_run(
         "SEAM: simulator of environment and measurement", "seam", "seam 0.1.0",
         seam::app::load_plugins({argv + 1, argv + argc}), [&plugins](seam::app::Command app) {
@@ -27,13 +23,5 @@ int main(int argc, char** argv) {
           SEAM_COMMANDS(SEAM_ADD)
 #undef SEAM_ADD
         });
-  } catch (const seam::tools::ExitCode& exit) {
-    return exit.code;
-  } catch (const seam::UsageError& error) {
-    std::fprintf(stderr, "seam: %s\n", seam::shown_lines(error.what()).c_str());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "seam: %s\n", seam::shown_lines(error.what()).c_str());
-    return 1;
-  }
+  });
 }

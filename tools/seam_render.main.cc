@@ -3,16 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <exception>
 #include <thread>
 
 #include "app/command_line.h"
 #include "app/plugins.h"
-#include "app/remote_rendering.h"
+#include "app/session/remote_rendering.h"
 #include "scheduler/remote_render/render_client.h"
-#include "sim_core/base/error.h"
-#include "sim_core/input/shown_text.h"
+#include "tools/program.h"
 
 namespace {
 
@@ -64,16 +61,10 @@ int main(int argc, char** argv) {
   options.version = SEAM_VERSION;
   options.name = host_and_process();
   options.threads = 0;
-  try {
+  return seam::tools::run_program("seam-render", [&] {
     return seam::app::parse_and_run(
         "Renders frames of a run on this machine, the same bits as in the server", "seam-render",
         "seam-render " SEAM_VERSION, seam::app::load_plugins({argv + 1, argv + argc}),
         [&](seam::app::Command app) { add_options(app, options); });
-  } catch (const seam::UsageError& error) {
-    std::fprintf(stderr, "seam-render: %s\n", seam::shown_lines(error.what()).c_str());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "seam-render: %s\n", seam::shown_lines(error.what()).c_str());
-    return 1;
-  }
+  });
 }

@@ -116,11 +116,10 @@ std::string plain_report(std::string_view text) {
   return page + "</html>\n";
 }
 
-void write_report(const fs::path& path, std::string_view json) {
-  fs::path page_template = find_report_template();
-  write_file_atomically(path, page_template.empty()
-                                  ? plain_report(json)
-                                  : fill_report_template(read_file(page_template), json));
+void write_report(OutputFile& out, std::string_view json) {
+  const fs::path page_template = find_report_template();
+  out.fill(page_template.empty() ? plain_report(json)
+                                 : fill_report_template(read_file(page_template), json));
 }
 
 }  // namespace seam::measurement

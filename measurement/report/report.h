@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "sim_core/base/output.h"
+
 namespace seam::measurement {
 
 // The page's template `share/seam/report.html`, beside the running program or one folder above it
@@ -19,7 +21,7 @@ std::string fill_report_template(std::string_view page_template, std::string_vie
 // A page of plain tables with the same numbers, for builds without the template.
 std::string plain_report(std::string_view json);
 
-// Writes the page to `path`, atomically. Throws InputError when `path` cannot be written.
-void write_report(const std::filesystem::path& path, std::string_view json);
+// Writes the page to a file that was claimed before; nothing where none was asked for.
+void write_report(OutputFile& out, std::string_view json);
 
 }  // namespace seam::measurement

@@ -37,7 +37,8 @@ TEST(Report, PlainPageShowsTheNumbersAndEscapesText) {
 
 TEST(Report, WritesAPageWithOrWithoutTheTemplate) {
   auto path = std::filesystem::temp_directory_path() / "seam_report_test.html";
-  write_report(path, R"({"format": "seam-report/1", "result": {"error": 2.25}})");
+  OutputFile page(path);
+  write_report(page, R"({"format": "seam-report/1", "result": {"error": 2.25}})");
   EXPECT_NE(read_file(path).find("2.25"), std::string::npos);
   std::filesystem::remove(path);
 }

@@ -8,6 +8,9 @@
 #include <mutex>
 #include <thread>
 
+#include "sim_core/base/error.h"
+#include "sim_core/system/thread.h"
+
 namespace seam::measurement {
 namespace {
 
@@ -126,10 +129,16 @@ void parallel_for(size_t count, const std::function<void(size_t)>& job) {
       }
     }
   };
-  std::vector<std::thread> threads;
-  for (size_t w = 1; w < workers; ++w) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
+  {
+    std::vector<std::jthread> threads;
+    try {
+      for (size_t w = 1; w < workers; ++w) threads.push_back(start_thread(work));
+    } catch (const InputError&) {
+      next = count;  // Those that were started end with the job they have.
+      throw;
+    }
+    work();
+  }
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -9,7 +9,7 @@
 
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 
 namespace seam::measurement {
 namespace {

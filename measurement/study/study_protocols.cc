@@ -5,8 +5,8 @@
 
 #include "measurement/study/study.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {

@@ -4,6 +4,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 
 namespace seam::render {
 namespace {

@@ -1,5 +1,7 @@
 #include "scheduler/log/batches.h"
 
+#include "sim_core/system/thread.h"
+
 namespace seam::scheduler {
 
 Batches::~Batches() {
@@ -19,9 +21,9 @@ void Batches::wait_for_worker(std::unique_lock<std::mutex>& lock) {
 void Batches::start() {
   std::unique_lock lock(mutex_);
   wait_for_worker(lock);
+  if (!worker_.joinable()) worker_ = start_thread([this] { work(); });
   batch_.swap(gathered_);
   busy_ = true;
-  if (!worker_.joinable()) worker_ = std::thread([this] { work(); });
   lock.unlock();
   changed_.notify_all();
 }

@@ -39,8 +39,8 @@ class Batches {
   std::vector<Task> batch_;
   bool busy_ = false, ending_ = false;
   std::exception_ptr failure_;
-  std::thread worker_;  // One for all batches: a new one each time would spread memory over
-                        // malloc's arenas.
+  std::jthread worker_;  // One for all batches: a new one each time would spread memory over
+                         // malloc's arenas.
 };
 
 }  // namespace seam::scheduler

@@ -1,20 +1,32 @@
 #include "scheduler/loop/render_pool.h"
 
+#include "sim_core/base/error.h"
+#include "sim_core/system/thread.h"
+
 namespace seam::scheduler {
 
 RenderPool::RenderPool(FrameRenderer& renderer) : renderer_(renderer) {
-  for (int worker = 0; worker < renderer.workers(); ++worker)
-    threads_.emplace_back([this, worker] { work(worker); });
+  try {
+    for (int worker = 0; worker < renderer.workers(); ++worker)
+      threads_.push_back(start_thread([this, worker] { work(worker); }));
+  } catch (const InputError&) {
+    end();
+    throw;
+  }
 }
 
 RenderPool::~RenderPool() {
+  end();
+}
+
+void RenderPool::end() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
     queue_.clear();
   }
   changed_.notify_all();
-  for (std::thread& thread : threads_) thread.join();
+  threads_.clear();  // Joins them.
 }
 
 std::future<Frame> RenderPool::submit(int robot, const FrameJob& job) {

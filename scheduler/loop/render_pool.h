@@ -25,13 +25,14 @@ class RenderPool {
 
  private:
   void work(int worker);
+  void end();
 
   FrameRenderer& renderer_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::packaged_task<Frame(int)>> queue_;
   bool ending_ = false;
-  std::vector<std::thread> threads_;
+  std::vector<std::jthread> threads_;
 };
 
 }  // namespace seam::scheduler

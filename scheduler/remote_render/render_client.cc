@@ -14,6 +14,7 @@
 #include "scheduler/wire/wire.h"
 #include "seam/v1/render.grpc.pb.h"
 #include "sim_core/base/error.h"
+#include "sim_core/system/thread.h"
 
 namespace seam::scheduler {
 
@@ -26,17 +27,15 @@ class Workers {
  public:
   Workers(const RenderSetup& setup, FrameRenderer& renderer, ClientStream& stream)
       : setup_(setup), renderer_(renderer), stream_(stream) {
-    for (int worker = 0; worker < renderer.workers(); ++worker)
-      threads_.emplace_back([this, worker] { work(worker); });
-  }
-  ~Workers() {
-    {
-      const std::lock_guard lock(mutex_);
-      ending_ = true;
+    try {
+      for (int worker = 0; worker < renderer.workers(); ++worker)
+        threads_.push_back(start_thread([this, worker] { work(worker); }));
+    } catch (const InputError&) {
+      end();
+      throw;
     }
-    changed_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
   }
+  ~Workers() { end(); }
   void take(v1::RenderJob job) {
     {
       const std::lock_guard lock(mutex_);
@@ -84,6 +83,15 @@ class Workers {
     }
   }
 
+  void end() {
+    {
+      const std::lock_guard lock(mutex_);
+      ending_ = true;
+    }
+    changed_.notify_all();
+    threads_.clear();  // Joins them.
+  }
+
   const RenderSetup& setup_;
   FrameRenderer& renderer_;
   ClientStream& stream_;
@@ -92,7 +100,7 @@ class Workers {
   std::condition_variable changed_;
   std::deque<v1::RenderJob> jobs_;
   bool ending_ = false;
-  std::vector<std::thread> threads_;
+  std::vector<std::jthread> threads_;
 };
 
 class Client {

@@ -6,9 +6,11 @@
 #include <grpcpp/health_check_service_interface.h>
 
 #include <cstdlib>
+#include <deque>
 #include <mutex>
 
 #include "proto/client_channel.h"
+#include "scheduler/server/listen_address.h"
 #include "scheduler/server/services.h"
 #include "scheduler/wire/wire.h"
 #include "sim_core/base/error.h"
@@ -79,6 +81,7 @@ void set_limits(grpc::ServerBuilder& builder) {
 Server::Server(const ServerOptions& options, const Scenario& scenario, const World& world,
                ClientHub& hub, RunControl& control)
     : implementation_(std::make_unique<Implementation>()) {
+  for (const std::string& address : options.addresses) check_listen_address(address);
   enable_plugins();
   implementation_->robots = make_robot_service(scenario, hub);
   implementation_->supervisor =
@@ -93,7 +96,11 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
   builder.RegisterService(implementation_->robots.get());
   builder.RegisterService(implementation_->supervisor.get());
   builder.RegisterService(implementation_->renderers.get());
-  implementation_->server = builder.BuildAndStart();
+  {
+    const std::vector<std::string>& addresses = options.addresses;
+    const std::deque<SocketClaim> claims(addresses.begin(), addresses.end());
+    implementation_->server = builder.BuildAndStart();
+  }
   for (size_t i = 0; i < options.addresses.size(); ++i) {
     std::string address = options.addresses[i];
     if (!implementation_->server || ports[i] <= 0)

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 
 #include "sim_core/base/error.h"
 
@@ -70,23 +69,6 @@ std::string read_file(const std::filesystem::path& path, uint64_t limit_bytes) {
   }
   contents.resize(length);
   return contents;
-}
-
-void write_file_atomically(const std::filesystem::path& path, std::string_view contents) {
-  std::filesystem::path temporary = path;
-  temporary += fmt::format(".{}.part", ::getpid());
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(contents.data(), static_cast<std::streamsize>(contents.size()));
-    out.flush();
-    if (!out) {
-      const std::string why = std::strerror(errno);
-      std::error_code ignored;
-      std::filesystem::remove(temporary, ignored);
-      throw InputError(fmt::format("{}: cannot be written: {}", path.string(), why));
-    }
-  }
-  std::filesystem::rename(temporary, path);
 }
 
 }  // namespace seam

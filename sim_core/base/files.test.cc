@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include "sim_core/base/error.h"
+#include "sim_core/base/output.h"
 
 namespace seam {
 namespace fs = std::filesystem;

@@ -8,6 +8,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 
 namespace seam {
 namespace {

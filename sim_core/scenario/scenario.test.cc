@@ -4,6 +4,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "sim_core/scene/scene_file.h"
 #include "sim_core/world/world.h"
 

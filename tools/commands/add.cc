@@ -34,13 +34,14 @@ void add_add(app::Command app) {
       "Example: seam add rolling_shutter --model nominal.yaml --data sets/points-a --out "
       "better.yaml");
   command.callback([flags, effect, out] {
+    AnalysisOutputs outputs(*flags, *out);
     const effects::Model model = read_model(flags->model);
     const auto effects = effects_named(*effect);
     const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::add_effects(*problem, model, effects);
-    result.model.write(*out);
-    tell(*flags, doubts_about(*flags, result.model, result.error_after) + told(result),
-         measurement::add_json(*problem, result, "seam-add/1"));
+    outputs.out.fill(result.model.to_yaml());
+    outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result),
+                 measurement::add_json(*problem, result, "seam-add/1"));
   });
 }
 
@@ -52,12 +53,13 @@ void add_fit(app::Command app) {
   command.add_option("--out", *out, "The refitted model").required();
   command.footer("Example: seam fit --model better.yaml --data sets/points-a --out refitted.yaml");
   command.callback([flags, out] {
+    AnalysisOutputs outputs(*flags, *out);
     const effects::Model model = read_model(flags->model);
     const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::refit_all(*problem, model);
-    result.model.write(*out);
-    tell(*flags, doubts_about(*flags, result.model, result.error_after) + told(result),
-         measurement::add_json(*problem, result, "seam-fit/1"));
+    outputs.out.fill(result.model.to_yaml());
+    outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result),
+                 measurement::add_json(*problem, result, "seam-fit/1"));
   });
 }
 

@@ -8,7 +8,6 @@
 #include "measurement/check/doubts.h"
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
 #include "sim_core/input/shown_text.h"
 
 namespace seam::tools {
@@ -28,9 +27,17 @@ std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model
   return measurement::doubts_text(measurement::MeasurementSet::open(flags.data), model, error);
 }
 
-void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json) {
+AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file) {
+  const OutputRules rules{
+      .inputs = {flags.model, std::filesystem::path(flags.data) / "measurement.yaml"}};
+  json = OutputFile(flags.json, rules);
+  report = OutputFile(flags.report, rules);
+  out = OutputFile(out_file, rules);
+}
+
+void AnalysisOutputs::tell(const std::string& text, const std::string& json_text) {
   std::fputs(shown_lines(text).c_str(), stdout);
-  if (!flags.json.empty()) write_file_atomically(flags.json, json);
+  json.fill(json_text);
 }
 
 measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags) {

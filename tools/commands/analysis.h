@@ -7,6 +7,7 @@
 #include "app/command_line.h"
 #include "measurement/report/report_data.h"
 #include "measurement/report/results.h"
+#include "sim_core/base/output.h"
 
 namespace seam::tools {
 
@@ -25,8 +26,17 @@ effects::Model read_model(const std::string& path);
 // Doubts about the data under this model, for people: what stands before a command's results.
 std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error);
 
-// Prints the text; writes the JSON where the user asked for it.
-void tell(const AnalysisFlags& flags, const std::string& text, const std::string& json);
+// What a command writes, claimed before it reads and computes: a path that cannot be written is
+// told at once. `out` is a model or effect that the command makes.
+struct AnalysisOutputs {
+  explicit AnalysisOutputs(const AnalysisFlags& flags, const std::string& out = "");
+  // Prints the text; writes the JSON where the user asked for it.
+  void tell(const std::string& text, const std::string& json);
+
+  OutputFile json;
+  OutputFile report;
+  OutputFile out;
+};
 
 // What a report says of where it comes from: `seam <command> --model M --data D`.
 measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags);

@@ -7,8 +7,8 @@
 #include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
@@ -29,11 +29,7 @@ struct Settings {
 };
 
 std::filesystem::path folder_for(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    throw InputError(
-        fmt::format("{}: cannot make this folder: {}", folder.string(), error.message()));
+  make_output_folder(folder);
   return folder;
 }
 

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 
 namespace seam::tools {
@@ -86,12 +86,11 @@ void write_identity(const std::filesystem::path& folder, const std::string& name
   write_file_atomically(folder / (name + ".pem"), pem_text([&](BIO* out) {
                           return PEM_write_bio_X509(out, identity.certificate.get());
                         }));
-  const std::filesystem::path key = folder / (name + ".key");
-  write_file_atomically(key, pem_text([&](BIO* out) {
-                          return PEM_write_bio_PrivateKey(out, identity.key.get(), nullptr, nullptr,
-                                                          0, nullptr, nullptr);
-                        }));
-  chmod(key.c_str(), S_IRUSR | S_IWUSR);
+  OutputFile(folder / (name + ".key"), {.inputs = {}, .mode = S_IRUSR | S_IWUSR})
+      .fill(pem_text([&](BIO* out) {
+        return PEM_write_bio_PrivateKey(out, identity.key.get(), nullptr, nullptr, 0, nullptr,
+                                        nullptr);
+      }));
 }
 
 // "DNS:localhost,IP:127.0.0.1,..." with what the user named.
@@ -126,9 +125,7 @@ void add_certs(app::Command app) {
       .show_default();
   command.footer("Example:\n  seam certs certs --host 10.0.0.1");
   command.callback([options] {
-    std::error_code error;
-    std::filesystem::create_directories(options->folder, error);
-    if (error) throw InputError(fmt::format("{}: {}", options->folder, error.message()));
+    make_output_folder(options->folder);
     const Identity ca = make_identity("SEAM test CA", nullptr, "", "", options->days);
     write_identity(options->folder, "ca", ca);
     write_identity(options->folder, "server",

@@ -3,9 +3,9 @@
 
 #include <cstdio>
 
-#include "app/scenario_frames.h"
+#include "app/session/scenario_frames.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 
 namespace seam::tools {
@@ -40,6 +40,7 @@ void add_colour_table(app::Command app) {
   command.callback([settings] {
     if (settings->to_s < settings->from_s)
       throw UsageError("--to: expected a time that is not before --from");
+    OutputFile out(settings->out, {.inputs = {settings->scenario}});
     render::ColourTableMaker maker;
     int frames = 0;
     app::visit_scenario_frames(
@@ -51,7 +52,7 @@ void add_colour_table(app::Command app) {
                     frame.height_px);
           ++frames;
         });
-    write_file_atomically(settings->out, maker.table(settings->outliers).to_yaml());
+    out.fill(maker.table(settings->outliers).to_yaml());
     std::printf("%s: made from %d frames of %s\n", settings->out.c_str(), frames,
                 settings->robot.c_str());
   });

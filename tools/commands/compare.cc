@@ -15,16 +15,16 @@ void add_compare(app::Command app) {
   command.footer(
       "Example: seam compare --model nominal.yaml --data sets/points-a --json compare.json");
   command.callback([flags] {
+    AnalysisOutputs outputs(*flags);
     const effects::Model model = read_model(flags->model);
     const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::compare(*problem, model);
-    tell(*flags,
-         doubts_about(*flags, model, result.base.assessment.error) +
-             measurement::compare_text(*problem, result),
-         measurement::compare_json(*problem, result));
-    if (!flags->report.empty()) {
+    outputs.tell(doubts_about(*flags, model, result.base.assessment.error) +
+                     measurement::compare_text(*problem, result),
+                 measurement::compare_json(*problem, result));
+    if (outputs.report) {
       measurement::write_report(
-          flags->report,
+          outputs.report,
           measurement::compare_report(*problem, result, report_header("compare", *flags)));
     }
   });

@@ -11,6 +11,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 
 namespace seam::tools {
@@ -183,11 +184,12 @@ void add_contact_sheet(app::Command app) {
       .show_default();
   command.footer("Example: seam contact-sheet rolling instantaneous --out sheet.png");
   command.callback([settings] {
+    OutputFile out(settings->out);
     std::vector<render::Panel> panels;
     for (const std::string& folder : settings->folders) {
       for (render::Panel& panel : panels_of(folder, *settings)) panels.push_back(std::move(panel));
     }
-    write_png(settings->out, render::contact_sheet(panels, settings->count));
+    out.fill(encode_png(render::contact_sheet(panels, settings->count)));
     std::printf("%s: %zu frames of %zu runs\n", settings->out.c_str(), panels.size(),
                 settings->folders.size());
   });

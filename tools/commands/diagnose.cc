@@ -4,7 +4,6 @@
 #include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
-#include "sim_core/base/files.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
 
@@ -40,6 +39,7 @@ void add_diagnose(app::Command app) {
                      "none is supported");
   command.footer("Example: seam diagnose --model nominal.yaml --data sets/points-a");
   command.callback([flags, candidates, suggested] {
+    AnalysisOutputs outputs(*flags, *suggested);
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
     const auto problem = measurement::open_problem(flags->data, app::instruments());
@@ -50,12 +50,12 @@ void add_diagnose(app::Command app) {
     if (!suggested->empty()) {
       suggestion = measurement::suggest(*problem, result, progress_to_terminal());
       text += told(suggestion, *suggested);
-      if (suggestion) write_file_atomically(*suggested, suggestion->yaml);
+      if (suggestion) outputs.out.fill(suggestion->yaml);
     }
-    tell(*flags, text, measurement::diagnose_json(*problem, result, suggestion));
-    if (!flags->report.empty()) {
+    outputs.tell(text, measurement::diagnose_json(*problem, result, suggestion));
+    if (outputs.report) {
       measurement::write_report(
-          flags->report,
+          outputs.report,
           measurement::diagnose_report(*problem, result, report_header("diagnose", *flags)));
     }
   });

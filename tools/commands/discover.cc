@@ -20,18 +20,18 @@ void add_discover(app::Command app) {
   command.footer(
       "Example: seam discover --model nominal.yaml --data sets/points-a --out found.yaml");
   command.callback([flags, out, candidates] {
+    AnalysisOutputs outputs(*flags, *out);
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
     const auto problem = measurement::open_problem(flags->data, app::instruments());
     const auto result = measurement::search(*problem, model, own, progress_to_terminal());
-    measurement::discovered_model(*problem, model, result).write(*out);
-    tell(*flags,
-         doubts_about(*flags, model, result.base.assessment.error) +
-             measurement::discover_text(*problem, result),
-         measurement::discover_json(*problem, result));
-    if (!flags->report.empty()) {
+    outputs.out.fill(measurement::discovered_model(*problem, model, result).to_yaml());
+    outputs.tell(doubts_about(*flags, model, result.base.assessment.error) +
+                     measurement::discover_text(*problem, result),
+                 measurement::discover_json(*problem, result));
+    if (outputs.report) {
       measurement::write_report(
-          flags->report,
+          outputs.report,
           measurement::discover_report(*problem, result, report_header("discover", *flags)));
     }
   });

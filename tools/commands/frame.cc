@@ -4,11 +4,12 @@
 #include <filesystem>
 #include <limits>
 
-#include "app/scenario_frames.h"
+#include "app/session/scenario_frames.h"
 #include "render/colour/colour_table.h"
 #include "render/pictures/pictures.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 
 namespace seam::tools {
@@ -49,11 +50,6 @@ double longest_flow(const render::GroundTruth& truth) {
 // Writes DIR/NN_name.png for each stage and kind of ground truth, and DIR/contact_sheet.png.
 void write_stages(const Settings& settings, const FrameJob& job, const Frame& frame,
                   const render::Renderer& camera) {
-  std::error_code error;
-  std::filesystem::create_directories(settings.stages, error);
-  if (error)
-    throw InputError(
-        fmt::format("{}: cannot make this folder: {}", settings.stages, error.message()));
   const render::GroundTruth truth = camera.ground_truth(job);
   std::vector<render::Panel> panels;
   for (const render::StageImage& stage : camera.stages(job))
@@ -79,6 +75,8 @@ void write_stages(const Settings& settings, const FrameJob& job, const Frame& fr
 
 void run(const Settings& settings) {
   const SimTime at = SimTime::from_s(settings.at_s);
+  OutputFile out(settings.out, {.inputs = {settings.scenario}});
+  if (!settings.stages.empty()) make_output_folder(settings.stages);
   bool made = false;
   // The first frame of the camera's own clock from this time on.
   app::visit_scenario_frames(
@@ -87,7 +85,7 @@ void run(const Settings& settings) {
         if (made) return;
         made = true;
         const Frame& frame = *finished.frame;
-        write_png(settings.out, render::picture_of_frame(frame));
+        out.fill(encode_png(render::picture_of_frame(frame)));
         if (!settings.stages.empty()) write_stages(settings, *finished.job, frame, camera);
         std::printf("%s: frame %llu of %s, stamp %.6f s, fingerprint %s\n", settings.out.c_str(),
                     static_cast<unsigned long long>(frame.frame_index), settings.robot.c_str(),

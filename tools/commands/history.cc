@@ -1,7 +1,7 @@
 // `seam history`: how a model came about.
 #include "measurement/report/report.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
 
@@ -17,6 +17,8 @@ void add_history(app::Command app) {
   command.add_option("--report", flags->report, "Writes them as a web page");
   command.footer("Example: seam history found.yaml");
   command.callback([file, flags] {
+    OutputFile json(flags->json, {.inputs = {*file}});
+    OutputFile report(flags->report, {.inputs = {*file}});
     const effects::Model model = read_model(*file);
     if (model.history().empty())
       std::printf("%s has no history: it was written by hand\n", file->c_str());
@@ -33,10 +35,10 @@ void add_history(app::Command app) {
                      .c_str(),
                  stdout);
     }
-    if (!flags->json.empty()) write_file_atomically(flags->json, measurement::history_json(model));
-    if (!flags->report.empty()) {
+    if (json) json.fill(measurement::history_json(model));
+    if (report) {
       measurement::write_report(
-          flags->report,
+          report,
           measurement::history_report(
               model, {.command = fmt::format("seam history {} --report {}", *file, flags->report),
                       .model_file = *file,

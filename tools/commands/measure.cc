@@ -1,6 +1,7 @@
 // `seam measure`: makes the measurement set that a model would give.
 #include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
 
@@ -25,6 +26,7 @@ void add_measure(app::Command app) {
   command.footer(
       "Example: seam measure --model truth.yaml --protocol sets/points-a --seed 1 --out made");
   command.callback([flags] {
+    make_output_folder(flags->out);
     const effects::Model truth = read_model(flags->model);
     const auto protocol = measurement::MeasurementSet::open(flags->protocol);
     measurement::measure_set(

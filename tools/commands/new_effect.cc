@@ -6,7 +6,7 @@
 
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 
 namespace seam::tools {

@@ -34,6 +34,7 @@ void add_report(app::Command app) {
       "Example: seam diagnose --model nominal.yaml --data sets/points-a --json found.json && "
       "seam report found.json --out report.html");
   command.callback([file, out] {
+    OutputFile page(*out, {.inputs = {*file}});
     json result = read_result(*file);
     const std::string format = result["format"];
     if (format != "seam-report/1") {
@@ -41,7 +42,7 @@ void add_report(app::Command app) {
                 {"command", fmt::format("seam report {} --out {}", *file, *out)},
                 {"result", std::move(result)}};
     }
-    measurement::write_report(*out, result.dump());
+    measurement::write_report(page, result.dump());
     std::printf("%s: a page of %s\n", out->c_str(), format.c_str());
   });
 }

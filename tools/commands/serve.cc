@@ -1,5 +1,6 @@
 // `seam serve SCENARIO`: the server alone, for clients anywhere.
-#include "app/run_session.h"
+#include "app/session/run_session.h"
+#include "app/session/session_outputs.h"
 #include "tools/command.h"
 
 namespace seam::tools {
@@ -35,10 +36,12 @@ void add_serve(app::Command app) {
       "The clock starts when the clients are there. Exit codes as `seam run`.");
   command.callback([options] {
     options->session.addresses = options->listen;
+    options->session.inputs = {options->scenario};
+    app::SessionOutputs outputs(options->session);
     app::Simulator simulator = app::make_simulator(
         app::load_scenario(options->scenario, options->simulator), options->simulator);
-    const app::SessionSummary summary = app::run_session(simulator, options->session);
-    if (const int code = report(summary, options->session); code != 0) throw ExitCode{code};
+    const app::SessionSummary summary = app::run_session(simulator, options->session, outputs);
+    if (const int code = report(summary, outputs); code != 0) throw ExitCode{code};
   });
 }
 

@@ -2,40 +2,17 @@
 #include "measurement/study/study.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
-#include <filesystem>
 #include <memory>
-#include <system_error>
 
+#include "app/scratch_folder.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
 
 namespace seam::tools {
 namespace {
-
-// A folder of its own, which goes when the study ends, however it ends.
-class Scratch {
- public:
-  Scratch() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "seam-study-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr)
-      throw InputError(fmt::format("cannot make a folder like {}", pattern));
-    path_ = pattern;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 std::vector<double> numbers(const std::vector<std::string>& words, const char* option) {
   std::vector<double> all;
@@ -77,12 +54,12 @@ void add_study(app::Command app) {
         (!plan.sizes.empty() || !plan.values.empty() || !plan.parameter.empty()))
       throw UsageError("--size, --value and --parameter need --effect");
     if (!plan.effect.empty() && plan.sizes.empty() && plan.values.empty()) plan.sizes = {5};
-    const Scratch scratch;
+    OutputFile json(flags->json);
+    const app::ScratchFolder scratch("study");
     plan.folder = scratch.path();
     const auto result = measurement::study(plan, progress_to_terminal());
     std::fputs(measurement::study_text(plan, result).c_str(), stdout);
-    if (!flags->json.empty())
-      write_file_atomically(flags->json, measurement::study_json(plan, result));
+    if (json) json.fill(measurement::study_json(plan, result));
   });
 }
 

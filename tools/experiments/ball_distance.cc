@@ -9,6 +9,7 @@
 #include "app/predictors/range_detector.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/experiments/ball_pictures.h"
 #include "tools/experiments/experiments.h"
 #include "tools/experiments/plot.h"

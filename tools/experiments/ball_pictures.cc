@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "app/scenario_frames.h"
+#include "app/session/scenario_frames.h"
 #include "render/pictures/pictures.h"
 #include "sim_core/base/error.h"
 

@@ -10,6 +10,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/base/output.h"
 #include "tools/experiments/experiments.h"
 #include "tools/experiments/pose_runs.h"
 #include "tools/experiments/statistics.h"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 
 namespace seam::tools {
 

@@ -7,11 +7,12 @@
 #include <cstdio>
 #include <deque>
 
-#include "app/behaviours.h"
+#include "app/session/behaviours.h"
 #include "scheduler/log/log.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
+#include "sim_core/base/output.h"
 
 namespace seam::tools {
 namespace {
@@ -28,12 +29,16 @@ struct Paths {
         key(folder / (name + ".key")) {}
 };
 
-// A run is made again when its scenario or a program that plays in it has changed.
+// A run is made again when its scenario, the simulator or a program that plays in it
+// has changed.
 // `programs` holds the content of those read before, by name.
 std::string key_of(const Scenario& scenario, const std::string& text,
                    std::map<std::string, std::string>& programs) {
   Hasher hasher;
   hasher.add(std::string_view(text));
+  std::string& simulator = programs["/proc/self/exe"];
+  if (simulator.empty()) simulator = read_file("/proc/self/exe");
+  hasher.add(std::string_view(simulator));
   for (const RobotSpec& robot : scenario.robots) {
     if (robot.behaviour.command.empty()) continue;
     const std::string& name = robot.behaviour.command.front();

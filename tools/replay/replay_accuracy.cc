@@ -6,7 +6,7 @@
 
 #include "app/logs/estimate_errors.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -75,6 +75,7 @@ bool in_band(const app::EstimateError& error, size_t band) {
 }
 
 void run(const Settings& settings) {
+  OutputFile out(settings.json, {.inputs = {settings.file}});
   const scheduler::Log log = scheduler::Log::open(settings.file);
   const std::vector<std::string>& robots = log.header().robots;
   const std::vector<app::EstimateError> errors =
@@ -98,7 +99,7 @@ void run(const Settings& settings) {
         summary_of(errors, [&](const app::EstimateError& error) { return in_band(error, band); })));
     json["ball_distance_by_truth"].push_back(std::move(entry));
   }
-  if (!settings.json.empty()) write_file_atomically(settings.json, json.dump(2) + "\n");
+  out.fill(json.dump(2) + "\n");
   if (errors.empty()) {
     std::printf("%s: no client logged an estimate\n", settings.file.c_str());
     return;

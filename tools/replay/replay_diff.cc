@@ -6,7 +6,7 @@
 #include "app/logs/replay_match.h"
 #include "scheduler/replay/log_diff.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -20,12 +20,11 @@ struct Settings {
 };
 
 void run(const Settings& settings) {
+  OutputFile json(settings.json, {.inputs = {settings.a, settings.b}});
   const scheduler::Log a = scheduler::Log::open(settings.a);
   const scheduler::Log b = scheduler::Log::open(settings.b);
   const scheduler::LogDifference difference = app::difference_of(a, b);
-  if (!settings.json.empty()) {
-    write_file_atomically(settings.json, app::to_json(difference) + "\n");
-  }
+  if (json) json.fill(app::to_json(difference) + "\n");
   std::fputs(app::to_text(difference).c_str(), stdout);
   if (!difference.equal()) throw ExitCode{1};
 }

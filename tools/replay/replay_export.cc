@@ -1,11 +1,11 @@
 // `seam replay export F --out DIR`: a log as CSV files and pictures.
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 #include "app/logs/replay_match.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -30,21 +30,28 @@ std::string cell(const std::string& text) {
 
 class CsvFile {
  public:
-  CsvFile(const fs::path& path, const std::string& header) : path_(path), file_(path) {
-    if (!file_) throw InputError(path.string() + ": cannot be written");
-    file_ << header << '\n';
-  }
+  CsvFile(const fs::path& path, const std::string& header) : file_(path), text_(header + "\n") {}
   template <typename... Cells>
   void row(const Cells&... cells) {
     std::string line;
     ((line += line.empty() ? fmt::format("{}", cells) : fmt::format(",{}", cells)), ...);
-    file_ << line << '\n';
-    if (!file_) throw InputError(path_.string() + ": cannot be written");
+    text_ += line + "\n";
+    if (text_.size() > kBufferedBytes) flush();
+  }
+  void finish() {
+    flush();
+    file_.commit();
   }
 
  private:
-  fs::path path_;
-  std::ofstream file_;
+  static constexpr size_t kBufferedBytes = 1 << 16;
+  void flush() {
+    file_.write(text_);
+    text_.clear();
+  }
+
+  OutputFile file_;
+  std::string text_;  // Not written yet.
 };
 
 const char* outcome_text(scheduler::Outcome outcome) {
@@ -111,9 +118,13 @@ class Exporter {
   }
 
   void write_file(const std::string& name, const std::string& bytes) {
-    std::ofstream file(folder_ / name, std::ios::binary);
-    file << bytes;
-    if (!file) throw InputError((folder_ / name).string() + ": cannot be written");
+    write_file_atomically(folder_ / name, bytes);
+  }
+
+  void finish() {
+    for (CsvFile* file :
+         {&poses_, &ball_, &steps_, &decisions_, &joints_, &debug_, &frames_, &events_})
+      file->finish();
   }
 
  private:
@@ -155,10 +166,8 @@ class Exporter {
 };
 
 void run(const Settings& settings) {
+  make_output_folder(settings.out);
   const scheduler::Log log = scheduler::Log::open(settings.file);
-  std::error_code error;
-  fs::create_directories(settings.out, error);
-  if (error) throw InputError(settings.out + ": cannot be made: " + error.message());
   Exporter exporter(log, settings.out);
   exporter.write_file("scenario.yaml", log.header().scenario_text);
   using scheduler::Topic;
@@ -168,6 +177,7 @@ void run(const Settings& settings) {
     std::visit(exporter, *record);
     ++records;
   }
+  exporter.finish();
   std::printf("%s: %llu records as CSV%s\n", settings.out.c_str(),
               static_cast<unsigned long long>(records),
               log.has_pictures() ? " and pictures"

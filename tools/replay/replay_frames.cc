@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "app/frame_files.h"
 #include "app/logs/replay_match.h"
+#include "app/session/frame_files.h"
 #include "scheduler/replay/frame_maker.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
@@ -19,6 +19,7 @@ struct Settings {
   double from_s = 0;
   std::optional<double> to_s;
   std::vector<std::string> models;
+  bool force = false;
 };
 
 void run(const Settings& settings) {
@@ -28,7 +29,7 @@ void run(const Settings& settings) {
   const SimTime from = SimTime::from_s(settings.from_s);
   const SimTime to = settings.to_s ? SimTime::from_s(*settings.to_s) : log.end_time();
   if (to < from) throw UsageError("--to: expected a time that is not before --from");
-  app::FrameFiles files(settings.out);
+  app::FrameFiles files(settings.out, settings.force);
   uint64_t frames = 0;
   scheduler::make_frames(match.rewinder(), match.renderer(), robot, from, to,
                          [&](const scheduler::FinishedFrame& frame) {
@@ -58,6 +59,7 @@ void add_replay_frames(app::Command replay) {
       .range(0.0, 9e9);
   command.add_option("--model", settings->models,
                      "[ROBOT=]FILE: another camera model than the run's");
+  command.add_flag("--force", settings->force, "Replaces the frames that the folder holds");
   command.footer(
       "Example: seam replay frames match.mcap --robot red1 --from 10 --to 12 --out eyes");
   command.callback([settings] { run(*settings); });

@@ -1,12 +1,11 @@
 // `seam replay recover F --out G`: a whole log from a damaged one.
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "app/logs/replay_match.h"
 #include "scheduler/log/log_recovery.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -19,7 +18,7 @@ struct Settings {
   std::string json;
 };
 
-void write_json(const std::string& path, const scheduler::Recovery& recovery) {
+void write_json(OutputFile& out, const scheduler::Recovery& recovery) {
   nlohmann::ordered_json losses = nlohmann::ordered_json::array();
   for (const auto& loss : recovery.losses) {
     nlohmann::ordered_json entry = {{"offset", loss.place.offset},
@@ -41,7 +40,7 @@ void write_json(const std::string& path, const scheduler::Recovery& recovery) {
                                        {"unknown_messages", recovery.unknown_messages},
                                        {"losses", std::move(losses)},
                                        {"behind_end", std::move(behind)}};
-  write_file_atomically(path, json.dump(2) + "\n");
+  out.fill(json.dump(2) + "\n");
 }
 
 void tell(const scheduler::Recovery& recovery) {
@@ -64,25 +63,14 @@ void tell(const scheduler::Recovery& recovery) {
 }
 
 void run(const Settings& settings) {
-  if (std::filesystem::exists(settings.out) &&
-      std::filesystem::equivalent(settings.file, settings.out)) {
-    throw UsageError("--out: the same file as the damaged log; give another name");
-  }
-  // Beside the target and renamed, so that nobody takes half of it for a whole log.
-  const std::string partial = settings.out + ".partial";
-  std::unique_ptr<mcap::Input> input = mcap::open_file(settings.file);
-  std::unique_ptr<mcap::Output> output = mcap::create_file(partial);
-  scheduler::Recovery recovery;
-  try {
-    recovery = scheduler::recover_log(std::move(input), *output);
-  } catch (const InputError&) {
-    output.reset();
-    std::filesystem::remove(partial);
-    throw;
-  }
-  output.reset();
-  std::filesystem::rename(partial, settings.out);
-  if (!settings.json.empty()) write_json(settings.json, recovery);
+  const OutputRules rules{.inputs = {settings.file}};
+  OutputFile json(settings.json, rules);
+  // Renamed when it is whole, so that nobody takes half of it for a whole log.
+  const std::unique_ptr<mcap::Output> output = mcap::create_file(settings.out, rules);
+  const scheduler::Recovery recovery =
+      scheduler::recover_log(mcap::open_file(settings.file), *output);
+  output->close();
+  if (json) write_json(json, recovery);
   tell(recovery);
   std::printf("%s: %llu messages in %llu chunks%s\n", settings.out.c_str(),
               static_cast<unsigned long long>(recovery.messages),

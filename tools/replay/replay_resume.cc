@@ -5,7 +5,8 @@
 #include <cstdio>
 
 #include "app/logs/replay_match.h"
-#include "app/run_session.h"
+#include "app/session/run_session.h"
+#include "app/session/session_outputs.h"
 #include "scheduler/replay/player.h"
 #include "scheduler/replay/verifier.h"
 #include "sim_core/base/error.h"
@@ -22,6 +23,7 @@ struct Settings {
 };
 
 int resume(const Settings& settings) {
+  app::SessionOutputs outputs(settings.session);
   const scheduler::Log log = scheduler::Log::open(settings.file);
   if (log.end() && log.end()->reason == scheduler::EndReason::finished) {
     std::printf("%s is of a finished run: it is run again to its end\n", settings.file.c_str());
@@ -32,7 +34,7 @@ int resume(const Settings& settings) {
   scheduler::RunControl unused;
   scheduler::Verifier verifier(log, simulator.world, unused);
   const app::SessionSummary summary =
-      app::run_session(simulator, settings.session,
+      app::run_session(simulator, settings.session, outputs,
                        [&](scheduler::DecisionSource& live) {
                          return std::make_unique<scheduler::MixedSource>(log, live, mixed);
                        },
@@ -47,7 +49,7 @@ int resume(const Settings& settings) {
         static_cast<unsigned long long>(mixed.different_decisions),
         static_cast<unsigned long long>(mixed.compared_decisions));
   }
-  const int code = report(summary, settings.session);
+  const int code = report(summary, outputs);
   // Who stops the run while the log still decides has not left it.
   const bool stopped_before = summary.end == scheduler::EndReason::stopped && !mixed.live_since;
   if (verifier.divergence() && !stopped_before) {
@@ -72,13 +74,13 @@ void add_replay_resume(app::Command replay) {
       .required();
   command.add_option("--json", settings->session.json, "Writes the summary here");
   command.add_option("--frames", settings->session.frames, "Writes frames into this folder");
+  command.add_flag("--force", settings->session.force,
+                   "Replaces a log and frames of an earlier run that stand there");
   command.footer(
       "Exit code 0: resumed; 1: the run left the log, or was aborted.\n"
       "Example: seam replay resume killed.mcap --log whole.mcap");
   command.callback([settings] {
-    if (settings->file == settings->session.log) {
-      throw UsageError("--log: the same file as the log to resume; give another name");
-    }
+    settings->session.inputs = {settings->file};
     if (const int code = resume(*settings); code != 0) throw ExitCode{code};
   });
 }

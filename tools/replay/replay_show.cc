@@ -5,8 +5,8 @@
 
 #include "app/logs/replay_match.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
+#include "sim_core/base/output.h"
 #include "sim_core/input/shown_text.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
@@ -17,6 +17,7 @@ namespace {
 struct Settings {
   std::string file;
   std::optional<double> at_s;
+  std::string robot;  // Empty: all.
   std::string json;
 };
 
@@ -66,14 +67,22 @@ void print_summary(const nlohmann::ordered_json& json) {
   }
 }
 
-nlohmann::ordered_json state_at(const scheduler::Log& log, SimTime time) {
+// Whether a section such as "robot/red1" is of this robot.
+bool is_of(const std::string& section, const std::string& robot) {
+  return robot.empty() || section.ends_with("/" + robot);
+}
+
+// `robot` empty: of the whole world.
+nlohmann::ordered_json state_at(const scheduler::Log& log, SimTime time, const std::string& robot) {
   app::ReplayMatch match(log);
+  if (!robot.empty()) match.robot(robot);  // Known, or an error that names the nearest.
   const SimTime reached = match.rewinder().to(time);
   nlohmann::ordered_json json = {{"format", "seam-state/1"},
                                  {"time_ns", reached.ns()},
                                  {"step", match.rewinder().step()},
                                  {"step_time_ns", match.world().start().ns()}};
   for (const StateSection& section : match.world().sections()) {
+    if (!is_of(section.name, robot)) continue;
     nlohmann::ordered_json& fields = json["sections"][section.name];
     fields = nlohmann::ordered_json::array();
     for (const StateSection::Field& field : section.fields) {
@@ -82,6 +91,7 @@ nlohmann::ordered_json state_at(const scheduler::Log& log, SimTime time) {
   }
   const auto& robots = match.scenario().robots;
   for (size_t i = 0; i < robots.size(); ++i) {
+    if (!robot.empty() && robots[i].id != robot) continue;
     const RobotTruth truth = match.world().robot(i, reached);
     json["robots"][robots[i].id] = {{"x_m", truth.pose.x_m},
                                     {"y_m", truth.pose.y_m},
@@ -93,6 +103,19 @@ nlohmann::ordered_json state_at(const scheduler::Log& log, SimTime time) {
   const Vec3 ball = match.world().ball(reached).p_W;
   json["ball"] = {{"x_m", ball.x}, {"y_m", ball.y}, {"z_m", ball.z}};
   return json;
+}
+
+// The fields of a section, a line each. A field that is there more than once is one of a list: it
+// is shown with its place there.
+void print_section(const std::string& section, const nlohmann::ordered_json& fields) {
+  std::map<std::string, int> count, shown;
+  for (const auto& field : fields) ++count[field[0].get<std::string>()];
+  for (const auto& field : fields) {
+    const auto name = field[0].get<std::string>();
+    const std::string place = count[name] > 1 ? fmt::format("[{}]", shown[name]++) : "";
+    std::printf("  %s %s%s %s\n", section.c_str(), name.c_str(), place.c_str(),
+                field[1].dump().c_str());
+  }
 }
 
 void print_state(const nlohmann::ordered_json& json) {
@@ -108,12 +131,7 @@ void print_state(const nlohmann::ordered_json& json) {
   print_numbers("ball", json["ball"]);
   for (const auto& [robot, truth] : json["robots"].items()) print_numbers(robot, truth);
   std::printf("all fields:\n");
-  for (const auto& [section, fields] : json["sections"].items()) {
-    for (const auto& field : fields) {
-      std::printf("  %s %s %s\n", section.c_str(), field[0].get<std::string>().c_str(),
-                  field[1].dump().c_str());
-    }
-  }
+  for (const auto& [section, fields] : json["sections"].items()) print_section(section, fields);
 }
 
 void print_events(const scheduler::Log& log) {
@@ -136,16 +154,23 @@ void print_events(const scheduler::Log& log) {
 }
 
 void run(const Settings& settings) {
+  if (!settings.robot.empty() && !settings.at_s)
+    throw UsageError("--robot: expected --at too, for whose state is shown");
+  OutputFile out(settings.json, {.inputs = {settings.file}});
   const scheduler::Log log = scheduler::Log::open(settings.file);
   if (settings.at_s) {
     if (*settings.at_s < 0) throw UsageError("--at: expected seconds from 0 on");
-    const nlohmann::ordered_json state = state_at(log, SimTime::from_s(*settings.at_s));
-    if (!settings.json.empty()) write_file_atomically(settings.json, state.dump(2) + "\n");
+    const SimTime at = SimTime::from_s(*settings.at_s);
+    if (at > log.end_time())
+      throw UsageError(
+          fmt::format("--at {}: the log ends at {}", *settings.at_s, app::seconds(log.end_time())));
+    const nlohmann::ordered_json state = state_at(log, at, settings.robot);
+    out.fill(state.dump(2) + "\n");
     print_state(state);
     return;
   }
   const nlohmann::ordered_json summary = summary_of(log);
-  if (!settings.json.empty()) write_file_atomically(settings.json, summary.dump(2) + "\n");
+  out.fill(summary.dump(2) + "\n");
   print_summary(summary);
   print_events(log);
 }
@@ -159,6 +184,7 @@ void add_replay_show(app::Command replay) {
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--at", settings->at_s, "Simulated seconds: show the state at this time")
       .range(-1e9, 9e9);
+  command.add_option("--robot", settings->robot, "Of the state, this robot's part alone");
   command.add_option("--json", settings->json, "Write the same to this file");
   command.footer("Example: seam replay show match.mcap --at 12.5");
   command.callback([settings] { run(*settings); });

@@ -5,7 +5,7 @@
 #include "app/logs/replay_match.h"
 #include "scheduler/replay/verification.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "sim_core/input/shown_text.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
@@ -49,7 +49,7 @@ Outcome verify(const Settings& settings) {
   }
 }
 
-void write_json(const std::string& path, const Outcome& outcome) {
+void write_json(OutputFile& out, const Outcome& outcome) {
   const scheduler::Verification& found = outcome.found;
   nlohmann::ordered_json json = {{"format", "seam-verify/1"},
                                  {"ok", !found.divergence.has_value()}};
@@ -67,8 +67,7 @@ void write_json(const std::string& path, const Outcome& outcome) {
   json["has_end"] = found.has_end;
   json["not_compared"] = found.not_compared;
   json["readable"] = !outcome.unreadable;
-  write_file_atomically(path,
-                        json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  out.fill(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 void tell_same(const std::string& file, const scheduler::Verification& found) {
@@ -89,8 +88,9 @@ void tell_same(const std::string& file, const scheduler::Verification& found) {
 }
 
 void run(const Settings& settings) {
+  OutputFile json(settings.json, {.inputs = {settings.file}});
   const Outcome outcome = verify(settings);
-  if (!settings.json.empty()) write_json(settings.json, outcome);
+  if (json) write_json(json, outcome);
   if (!outcome.found.divergence) return tell_same(settings.file, outcome.found);
   const Divergence& first = *outcome.found.divergence;
   if (outcome.unreadable) {

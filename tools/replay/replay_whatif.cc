@@ -1,16 +1,15 @@
 // `seam replay whatif F --robot R --client CMD [--from T]`: the same run with one behaviour
 // changed.
-#include <unistd.h>
-
 #include <cstdio>
-#include <filesystem>
 
 #include "app/logs/log_difference.h"
 #include "app/logs/replay_match.h"
-#include "app/run_session.h"
+#include "app/scratch_folder.h"
+#include "app/session/run_session.h"
+#include "app/session/session_outputs.h"
 #include "scheduler/replay/player.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -44,19 +43,18 @@ scheduler::MixedSourceOptions set_up(const Settings& settings, const Scenario& s
 }
 
 int what_if(const Settings& settings) {
+  app::SessionOptions session = settings.session;
+  session.inputs = {settings.file};
+  const app::ScratchFolder scratch("whatif");
+  if (session.log.empty()) session.log = (scratch.path() / "changed.mcap").string();
+  app::SessionOutputs outputs(session);
+  OutputFile json(settings.json, {.inputs = {settings.file, session.log}});
   const scheduler::Log log = scheduler::Log::open(settings.file);
   app::Simulator simulator = app::make_simulator(log.header());
   const int changed = app::ReplayMatch(log).robot(settings.robot);
   if (SimTime::from_s(settings.from_s) > log.end_time()) {
     throw UsageError(fmt::format("--from {}: the log ends at {}", settings.from_s,
                                  app::seconds(log.end_time())));
-  }
-  app::SessionOptions session = settings.session;
-  const bool keep_log = !session.log.empty();
-  if (!keep_log) {
-    session.log =
-        (std::filesystem::temp_directory_path() / fmt::format("seam-whatif-{}.mcap", getpid()))
-            .string();
   }
   const scheduler::MixedSourceOptions options =
       set_up(settings, simulator.scenario, changed, session);
@@ -66,18 +64,15 @@ int what_if(const Settings& settings) {
   std::fflush(stdout);
   scheduler::MixedReport mixed;
   const app::SessionSummary summary =
-      app::run_session(simulator, session, [&](scheduler::DecisionSource& live) {
+      app::run_session(simulator, session, outputs, [&](scheduler::DecisionSource& live) {
         return std::make_unique<scheduler::MixedSource>(log, live, mixed, options);
       });
-  const int code = report(summary, session);
+  const int code = report(summary, outputs);
 
   const scheduler::Log changed_log = scheduler::Log::open(session.log);
   const scheduler::LogDifference difference = app::difference_of(log, changed_log);
   std::fputs(app::to_text(difference).c_str(), stdout);
-  if (!settings.json.empty()) {
-    write_file_atomically(settings.json, app::to_json(difference) + "\n");
-  }
-  if (!keep_log) std::filesystem::remove(session.log);
+  if (json) json.fill(app::to_json(difference) + "\n");
   return code;
 }
 
@@ -106,6 +101,7 @@ void add_replay_whatif(app::Command replay) {
       .one_of({"log", "live"})
       .show_default();
   command.add_option("--log", settings->session.log, "Keep the changed run's log here");
+  command.add_flag("--force", settings->session.force, "Replaces a log that stands there");
   command.add_option("--json", settings->json, "Write what differs as seam-diff/1");
   command.footer(
       "Example: seam replay whatif swing.mcap --robot red1 --client 'ball_watcher' --from 1");

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "app/logs/log_difference.h"
 #include "sim_core/base/error.h"
@@ -26,18 +27,12 @@ fs::path page_folder() {
   return fs::read_symlink("/proc/self/exe").parent_path() / "share/seam/viewer";
 }
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return out + "\"";
-}
-
 void refuse(httplib::Response& response, int status, const std::string& sentence) {
   response.status = status;
-  response.set_content("{\"error\": " + quoted(sentence) + "}", "application/json");
+  // A path in the sentence may hold bytes that are no UTF-8.
+  response.set_content(nlohmann::json{{"error", sentence}}.dump(
+                           -1, ' ', false, nlohmann::json::error_handler_t::replace),
+                       "application/json");
 }
 
 // A page of another site must not read logs through the browser: only requests that name this
@@ -89,10 +84,11 @@ class Viewer {
 
   void add_answers() {
     get("info", [this](const Query&, httplib::Response& response) {
-      std::string logs;
-      for (const auto& log : logs_) logs += (logs.empty() ? "" : ",") + log->info();
-      response.set_content("{\"format\":\"seam-view/1\",\"logs\":[" + logs + "]}",
-                           "application/json");
+      nlohmann::ordered_json info = {{"format", "seam-view/1"},
+                                     {"logs", nlohmann::ordered_json::array()}};
+      for (const auto& log : logs_)
+        info["logs"].push_back(nlohmann::ordered_json::parse(log->info()));
+      response.set_content(info.dump(), "application/json");
     });
     const std::pair<const char*, Answer> answers[] = {
         {"truth", &ViewData::truth},   {"state", &ViewData::state},

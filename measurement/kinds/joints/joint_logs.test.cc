@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "measurement/kinds/joints/joints.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -42,10 +43,23 @@ TEST(JointLogs, EncodersLogTheInverse) {
 }
 
 TEST(JointLogs, BadRowsAreNamed) {
-  EXPECT_ANY_THROW(logs_of("0,0.1,arm,0,0\n0,0.1,arm,0,0\n"));
-  EXPECT_ANY_THROW(logs_of("0,0.1,arm,nan,0\n"));
-  EXPECT_ANY_THROW(logs_of("0,0.1,,0,0\n"));
-  EXPECT_ANY_THROW(logs_of("0,0.1,arm,0,1e9\n"));
+  const std::pair<const char*, const char*> bad[] = {
+      {"0,0.1,arm,0,0\n0,0.1,arm,0,0\n",
+       "joints.csv:3: column time_s: found '0.1', expected a later time than the row before it in "
+       "its run"},
+      {"0,0.1,arm,nan,0\n",
+       "joints.csv:2: column command_rad: found 'nan', expected a finite number"},
+      {"0,0.1,,0,0\n", "joints.csv:2: column joint: found '', expected the joint's name"},
+      {"0,0.1,arm,0,1e9\n",
+       "joints.csv:2: column measured_rad: found '1e9', expected an angle in radians"}};
+  for (const auto& [rows, expected] : bad) {
+    try {
+      logs_of(rows);
+      ADD_FAILURE() << rows;
+    } catch (const InputError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with(expected)) << error.what();
+    }
+  }
 }
 
 TEST(JointNoise, IsFoundUnderASwing) {

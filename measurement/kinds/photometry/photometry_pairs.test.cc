@@ -8,7 +8,7 @@
 
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/search.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 
 namespace seam::measurement {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/search.h"
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {

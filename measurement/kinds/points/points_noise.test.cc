@@ -11,6 +11,7 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/study/study.h"
 #include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 
 namespace seam::measurement {
 namespace {

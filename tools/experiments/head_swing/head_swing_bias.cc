@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/experiments/experiments.h"
 #include "tools/experiments/head_swing/swing_explained.h"
 #include "tools/experiments/head_swing/swing_studies.h"

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/base/output.h"
 #include "tools/experiments/head_swing/swing_studies.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/statistics.h"

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/base/output.h"
 #include "sim_core/body/robot_body.h"
 #include "tools/experiments/head_swing/swing_studies.h"
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim_core/base/files.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/base/output.h"
 #include "tools/experiments/head_swing/swing_studies.h"
 #include "tools/experiments/plot.h"
 #include "tools/experiments/statistics.h"

@@ -6,6 +6,7 @@
 
 #include "app/data_file.h"
 #include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
 #include "tools/experiments/head_swing/swing_studies.h"
 #include "tools/experiments/statistics.h"
 

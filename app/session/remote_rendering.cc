@@ -1,4 +1,4 @@
-#include "app/remote_rendering.h"
+#include "app/session/remote_rendering.h"
 
 #include <algorithm>
 #include <filesystem>

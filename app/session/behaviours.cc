@@ -1,4 +1,4 @@
-#include "app/behaviours.h"
+#include "app/session/behaviours.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "sim_core/base/error.h"
+#include "sim_core/system/thread.h"
 
 extern char** environ;  // NOLINT: POSIX's name.
 
@@ -33,6 +34,10 @@ sigset_t our_signals() {
   sigset_t set;
   sigemptyset(&set);
   for (int signal : {SIGINT, SIGTERM, SIGCHLD}) sigaddset(&set, signal);
+  // `nohup` asks that the end of a terminal does not end the run.
+  struct sigaction action {};
+  sigaction(SIGHUP, nullptr, &action);
+  if (action.sa_handler != SIG_IGN) sigaddset(&set, SIGHUP);
   return set;
 }
 
@@ -63,11 +68,14 @@ std::string find_behaviour(const std::string& name, const std::string& robot) {
                                (here / "behaviours").string()));
 }
 
-void block_signals() {
+BlockedSignals::BlockedSignals() {
   const sigset_t set = our_signals();
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
-  // A client that closes its connection must not end the server.
+  pthread_sigmask(SIG_BLOCK, &set, &before_);
   ::signal(SIGPIPE, SIG_IGN);
+}
+
+BlockedSignals::~BlockedSignals() {
+  pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 
 void Behaviours::start(const BehaviourProcess& process) {
@@ -124,7 +132,7 @@ Behaviours::~Behaviours() {
 }
 
 SignalWatch::SignalWatch(std::function<void()> stop, std::function<void()> child)
-    : thread_([this, stop, child] {
+    : thread_(start_thread([this, stop, child] {
         const sigset_t set = our_signals();
         const timespec tick{0, 100'000'000};
         // `timeout` and terminals may send a signal twice at once; that is one wish to stop.
@@ -132,7 +140,7 @@ SignalWatch::SignalWatch(std::function<void()> stop, std::function<void()> child
         std::chrono::steady_clock::time_point first;
         while (!ending_) {
           const int signal = sigtimedwait(&set, nullptr, &tick);
-          if (signal == SIGINT || signal == SIGTERM) {
+          if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) {
             const auto now = std::chrono::steady_clock::now();
             if (!interrupted_.exchange(true)) {
               first = now;
@@ -143,7 +151,7 @@ SignalWatch::SignalWatch(std::function<void()> stop, std::function<void()> child
           }
           child();
         }
-      }) {}
+      })) {}
 
 SignalWatch::~SignalWatch() {
   ending_ = true;

@@ -1,4 +1,4 @@
-#include "app/frame_files.h"
+#include "app/session/frame_files.h"
 
 #include <fmt/format.h>
 
@@ -6,6 +6,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/image.h"
+#include "sim_core/system/thread.h"
 
 namespace seam::app {
 
@@ -39,27 +40,44 @@ std::array<double, 4> quaternion_of(const Mat3& R) {
   return q;
 }
 
+// Whether a file of this name stands in a folder of frames: frames.csv, ROBOT_NNNNNN.png.
+bool is_of_a_run(const std::string& name) {
+  if (name == "frames.csv") return true;
+  if (!name.ends_with(".png")) return false;
+  const std::string_view stem = std::string_view(name).substr(0, name.size() - 4);
+  const size_t robot_end = stem.find_last_not_of("0123456789");
+  return robot_end != stem.npos && robot_end > 0 && stem[robot_end] == '_' &&
+         stem.size() - robot_end > 6;
+}
+
 }  // namespace
 
-FrameFiles::FrameFiles(const std::filesystem::path& folder) : folder_(folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  csv_.open(folder / "frames.csv", std::ios::trunc);
-  if (error || !csv_)
-    throw InputError(fmt::format("{}: cannot write frames here", folder.string()));
-  csv_ << "file,robot,frame,stamp_ns,row,row_start_ns,row_end_ns,x_m,y_m,z_m,qw,qx,qy,qz\n";
-  thread_ = std::thread([this] { write_pictures(); });
+FrameFiles::FrameFiles(const std::filesystem::path& folder, bool overwrite) : folder_(folder) {
+  make_output_folder(folder);
+  std::vector<std::filesystem::path> earlier;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (is_of_a_run(entry.path().filename().string())) earlier.push_back(entry.path());
+  if (!earlier.empty() && !overwrite)
+    throw InputError(fmt::format(
+        "{}: holds the frames of another run ({}); give another folder, or --force to replace them",
+        folder.string(), earlier.front().filename().string()));
+  csv_ = OutputFile(folder / "frames.csv");
+  for (const std::filesystem::path& file : earlier) std::filesystem::remove(file);
+  csv_.write("file,robot,frame,stamp_ns,row,row_start_ns,row_end_ns,x_m,y_m,z_m,qw,qx,qy,qz\n");
+  thread_ = start_thread([this] { write_pictures(); });
 }
 
 FrameFiles::~FrameFiles() {
-  if (thread_.joinable()) {
-    {
-      const std::lock_guard lock(mutex_);
-      ending_ = true;
-    }
-    changed_.notify_all();
-    thread_.join();
+  if (thread_.joinable()) stop_writing();
+}
+
+void FrameFiles::stop_writing() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
   }
+  changed_.notify_all();
+  thread_.join();
 }
 
 void FrameFiles::on_frame(SimTime, const FrameJob& job, const Frame& frame) {
@@ -68,6 +86,7 @@ void FrameFiles::on_frame(SimTime, const FrameJob& job, const Frame& frame) {
   ++written_;
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return pictures_.size() < kMaxWaiting; });
+  if (!error_.empty()) throw InputError(error_);
   pictures_.push_back({folder_ / name, frame.width_px, frame.height_px, frame.rgb});
   changed_.notify_all();
 }
@@ -82,7 +101,7 @@ void FrameFiles::write_rows(const std::string& name, const FrameJob& job, const 
                    frame.robot, frame.frame_index, frame.stamp.ns(), r, row.start.ns(),
                    row.end.ns(), X_WC.p.x, X_WC.p.y, X_WC.p.z, q[0], q[1], q[2], q[3]);
   }
-  csv_.write(out.data(), static_cast<std::streamsize>(out.size()));
+  csv_.write({out.data(), out.size()});
 }
 
 void FrameFiles::write_pictures() {
@@ -106,15 +125,9 @@ void FrameFiles::write_pictures() {
 }
 
 void FrameFiles::on_end(SimTime, scheduler::EndReason, uint64_t) {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  changed_.notify_all();
-  thread_.join();
-  csv_.close();
-  if (!csv_) error_ = "frames.csv could not be written";
-  if (!error_.empty()) throw InputError(fmt::format("{}: {}", folder_.string(), error_));
+  stop_writing();
+  if (!error_.empty()) throw InputError(error_);
+  csv_.commit();
 }
 
 }  // namespace seam::app

@@ -1,6 +1,7 @@
 // The processes of a scenario's behaviours: started, watched, and always ended and reaped.
 #pragma once
 
+#include <signal.h>
 #include <sys/types.h>
 
 #include <atomic>
@@ -22,9 +23,18 @@ struct BehaviourProcess {
 // `behaviours/` beside this program, else in PATH. Throws InputError where there is none.
 std::string find_behaviour(const std::string& name, const std::string& robot);
 
-// Blocks SIGINT, SIGTERM and SIGCHLD in the calling thread and all that it starts later, so that
-// only `SignalWatch` takes them. Call it before any thread is started.
-void block_signals();
+// While it lives, the calling thread and those that it starts leave SIGINT, SIGTERM, SIGHUP and
+// SIGCHLD to `SignalWatch`; a client that closes its connection does not end the program.
+class BlockedSignals {
+ public:
+  BlockedSignals();
+  ~BlockedSignals();
+  BlockedSignals(const BlockedSignals&) = delete;
+  BlockedSignals& operator=(const BlockedSignals&) = delete;
+
+ private:
+  sigset_t before_;
+};
 
 class Behaviours {
  public:
@@ -44,8 +54,8 @@ class Behaviours {
   std::map<pid_t, std::string> running_;  // Robot by process.
 };
 
-// Waits for signals on a thread of its own: `stop` on the first SIGINT or SIGTERM, `child` on
-// SIGCHLD and every 100 ms. Another SIGINT a second later ends the program at once.
+// Waits for signals on a thread of its own: `stop` on the first SIGINT, SIGTERM or SIGHUP, `child`
+// on SIGCHLD and every 100 ms. Another such signal a second later ends the program at once.
 class SignalWatch {
  public:
   SignalWatch(std::function<void()> stop, std::function<void()> child);
@@ -55,7 +65,7 @@ class SignalWatch {
  private:
   std::atomic<bool> ending_ = false;
   std::atomic<bool> interrupted_ = false;
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 }  // namespace seam::app

@@ -2,6 +2,7 @@
 // the two ways into it; replays with live clients use it too.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,8 +11,8 @@
 #include <vector>
 
 #include "app/command_line.h"
-#include "app/memory_watch.h"
-#include "app/remote_rendering.h"
+#include "app/session/memory_watch.h"
+#include "app/session/remote_rendering.h"
 #include "app/simulator.h"
 #include "scheduler/log/recorder.h"
 #include "scheduler/loop/simulation.h"
@@ -23,8 +24,10 @@ namespace seam::app {
 struct SessionOptions {
   std::string log;  // Empty: none.
   scheduler::RecorderOptions recording;
-  std::string frames;  // Folder; empty: none.
-  std::string json;    // Summary; empty: none.
+  std::string frames;                         // Folder; empty: none.
+  std::string json;                           // Summary; empty: none.
+  bool force = false;                         // A log and frames of an earlier run are replaced.
+  std::vector<std::filesystem::path> inputs;  // What is read: no output may be one of these.
   bool start_behaviours = true;
   std::vector<std::string> addresses;  // Beside the private socket of the behaviours.
   std::string certificates;            // Folder with ca.pem, server.pem, server.key.
@@ -55,13 +58,15 @@ struct SessionSummary {
 using WrapSource =
     std::function<std::unique_ptr<scheduler::DecisionSource>(scheduler::DecisionSource& live)>;
 
+struct SessionOutputs;
+
 // Runs to the end, Ctrl-C or abort. Throws InputError and UsageError before anything was started.
 SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
-                           const WrapSource& wrap = {},
+                           SessionOutputs& outputs, const WrapSource& wrap = {},
                            std::vector<scheduler::SimulationObserver*> observers = {});
 
 // The summary on stdout and, where asked for, as JSON; the exit code.
-int report(const SessionSummary& summary, const SessionOptions& options);
+int report(const SessionSummary& summary, SessionOutputs& outputs);
 
 // The options that run and serve share.
 void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator);

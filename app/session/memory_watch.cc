@@ -1,4 +1,4 @@
-#include "app/memory_watch.h"
+#include "app/session/memory_watch.h"
 
 #include <unistd.h>
 

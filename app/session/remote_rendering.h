@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "app/behaviours.h"
 #include "app/command_line.h"
+#include "app/session/behaviours.h"
 #include "app/simulator.h"
 #include "scheduler/remote_render/remote_renderer.h"
 

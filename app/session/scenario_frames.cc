@@ -1,10 +1,10 @@
-#include "app/scenario_frames.h"
+#include "app/session/scenario_frames.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 
-#include "app/run_session.h"
+#include "app/scratch_folder.h"
+#include "app/session/run_session.h"
+#include "app/session/session_outputs.h"
 #include "scheduler/log/log.h"
 #include "scheduler/replay/frame_maker.h"
 #include "scheduler/replay/rewinder.h"
@@ -12,25 +12,6 @@
 
 namespace seam::app {
 namespace {
-
-// Gone with this object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "seam-frames-XXXXXX").string();
-    if (mkdtemp(pattern.data()) == nullptr)
-      throw InputError(fmt::format("{}: cannot make a folder", pattern));
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::string file(const char* name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 size_t robot_of(const Scenario& scenario, const std::string& robot) {
   const size_t index = scenario.robot_index(robot);
@@ -56,11 +37,13 @@ void visit_scenario_frames(
   // Long enough for the last rows of the last frame.
   constexpr int64_t kTail_ns = 500'000'000;
   scenario.duration = to - SimTime() + SimDuration::from_ns(kTail_ns);
-  const TemporaryFolder folder;
-  const std::string log_file = folder.file("run.mcap");
+  const ScratchFolder folder("frames");
+  const std::string log_file = (folder.path() / "run.mcap").string();
   {
+    const SessionOptions session{.log = log_file};
+    SessionOutputs outputs(session);
     Simulator simulator = make_simulator(scenario, options);
-    const SessionSummary summary = run_session(simulator, {.log = log_file});
+    const SessionSummary summary = run_session(simulator, session, outputs);
     if (summary.end == scheduler::EndReason::aborted) {
       throw InputError(
           fmt::format("{}: the run was aborted: {}", scenario_file, summary.abort_reason));

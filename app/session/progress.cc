@@ -1,4 +1,4 @@
-#include "app/progress.h"
+#include "app/session/progress.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,12 +6,14 @@
 
 #include <cstdio>
 
+#include "sim_core/system/thread.h"
+
 namespace seam::app {
 
 Progress::Progress(const scheduler::ClientHub& hub, const scheduler::RunControl& control,
                    SimDuration total)
     : hub_(hub), control_(control), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {
-  thread_ = std::thread([this] {
+  thread_ = start_thread([this] {
     std::unique_lock lock(mutex_);
     while (!changed_.wait_for(lock, std::chrono::milliseconds(200), [&] { return ending_; })) {
       if (terminal_)

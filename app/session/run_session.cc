@@ -1,0 +1,292 @@
+#include "app/session/run_session.h"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+#include "app/scratch_folder.h"
+#include "app/session/behaviours.h"
+#include "app/session/progress.h"
+#include "app/session/session_outputs.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/hash.h"
+#include "sim_core/base/output.h"
+
+namespace seam::app {
+
+namespace {
+
+// 128 random bits from the operating system: a secret, and never part of the simulation.
+std::string new_token() {
+  uint64_t words[2];
+  if (getentropy(words, sizeof words) != 0) throw InputError("no random numbers for tokens");
+  return to_hex(words[0]) + to_hex(words[1]);
+}
+
+std::optional<scheduler::TlsTexts> read_certificates(const std::string& folder) {
+  if (folder.empty()) return std::nullopt;
+  const std::filesystem::path path = folder;
+  return scheduler::TlsTexts{read_file(path / "ca.pem"), read_file(path / "server.pem"),
+                             read_file(path / "server.key")};
+}
+
+// Notes why a run was aborted.
+class AbortReason final : public scheduler::SimulationObserver {
+ public:
+  void on_event(const scheduler::SimulationEvent& event) override {
+    if (event.kind != scheduler::EventKind::policy) return;
+    const std::string line = fmt::format("{}: {} at {:.3f} s: {}", event.robot, event.name,
+                                         event.time.s(), event.detail);
+    if (event.name == "abort") text = line;
+    std::fprintf(stderr, "%s\n", line.c_str());
+  }
+  std::string text;
+};
+
+std::string token_text(const std::vector<scheduler::HubRobot>& robots,
+                       const std::string& supervisor, const std::string& render) {
+  std::string text = fmt::format("supervisor: {}\nrender: {}\nrobots:\n", supervisor, render);
+  for (const scheduler::HubRobot& robot : robots)
+    text += fmt::format("  {}: {}\n", robot.id, robot.token);
+  return text;
+}
+
+std::vector<std::string> command_of(const RobotSpec& robot, const SessionOptions& options) {
+  const auto replaced = options.commands.find(robot.id);
+  return replaced == options.commands.end() ? robot.behaviour.command : replaced->second;
+}
+
+std::vector<scheduler::HubRobot> hub_robots(const Scenario& scenario,
+                                            const SessionOptions& options) {
+  std::vector<scheduler::HubRobot> robots;
+  for (const RobotSpec& robot : scenario.robots)
+    robots.push_back(
+        {.id = robot.id,
+         .token = robot.token.empty() ? new_token() : robot.token,
+         .policy = robot.behaviour.silence,
+         .limit_s = robot.behaviour.wall_limit.s(),
+         .connect_limit_s = options.start_behaviours ? 60 : 1e9,
+         // Nobody will come for a robot without a behaviour that `run` could start.
+         .expected = !options.start_behaviours || !command_of(robot, options).empty()});
+  return robots;
+}
+
+std::vector<BehaviourProcess> behaviour_processes(const Scenario& scenario,
+                                                  const SessionOptions& options) {
+  std::vector<BehaviourProcess> processes;
+  if (!options.start_behaviours) return processes;
+  for (const RobotSpec& robot : scenario.robots) {
+    std::vector<std::string> command = command_of(robot, options);
+    if (command.empty()) continue;
+    command[0] = find_behaviour(command[0], robot.id);
+    processes.push_back({robot.id, std::move(command), {}});
+  }
+  return processes;
+}
+
+void wait_for_renderers(const scheduler::RemoteRenderer& remote,
+                        const RemoteRenderingOptions& options, const scheduler::RunControl& control,
+                        const std::atomic<bool>& one_ended) {
+  const auto wanted = static_cast<size_t>(options.renderers);
+  if (remote.wait_for(wanted, options.connect_limit_s,
+                      [&] { return control.stop_requested() || one_ended; }) ||
+      control.stop_requested())
+    return;
+  throw InputError(one_ended ? std::string("a renderer ended before the run began")
+                             : fmt::format("{} of {} renderers came within {} s",
+                                           remote.renderers(), wanted, options.connect_limit_s));
+}
+
+// Whatever ends the run, also an error of an observer (a full disk): calls that wait for the loop
+// are answered before the server goes.
+struct Closer {
+  scheduler::RunControl& control;
+  ~Closer() { control.close(); }
+};
+
+// Also on the way out of an error: threads that wait for a frame go on.
+struct Finisher {
+  scheduler::RemoteRenderer* remote;
+  ~Finisher() {
+    if (remote != nullptr) remote->finish("the run is over");
+  }
+};
+
+// The parts of one run, which end in the reverse order.
+class Session {
+ public:
+  Session(Simulator& simulator, const SessionOptions& options, SessionOutputs& outputs)
+      : simulator_(simulator),
+        options_(options),
+        outputs_(outputs),
+        processes_(behaviour_processes(simulator.scenario, options)),
+        robots_(hub_robots(simulator.scenario, options)),
+        hub_(robots_, control_) {
+    if (outputs.log) recorder_.emplace(*outputs.log, simulator.world, options.recording);
+  }
+
+  SessionSummary run(const WrapSource& wrap,
+                     std::vector<scheduler::SimulationObserver*> observers) {
+    serve();
+    start_processes();
+    observers.push_back(&aborted_);
+    observers.push_back(&memory_);
+    if (recorder_) observers.push_back(&*recorder_);
+    if (outputs_.frames) observers.push_back(&*outputs_.frames);
+    SessionSummary summary = simulate(wrap, std::move(observers));
+    behaviours_.wait_for_end(2);
+    renderers_.wait_for_end(2);
+    if (!outputs_.log) return summary;
+    outputs_.log->close();
+    std::error_code unknown;
+    summary.log_bytes = std::filesystem::file_size(options_.log, unknown);
+    if (unknown) summary.log_bytes = 0;
+    return summary;
+  }
+
+ private:
+  void serve();
+  void start_processes();
+  SessionSummary simulate(const WrapSource& wrap,
+                          std::vector<scheduler::SimulationObserver*> observers);
+  void reap();
+
+  Simulator& simulator_;
+  const SessionOptions& options_;
+  SessionOutputs& outputs_;
+  const BlockedSignals blocked_;
+  std::vector<BehaviourProcess> processes_;
+  const std::vector<scheduler::HubRobot> robots_;
+  std::optional<scheduler::Recorder> recorder_;
+  AbortReason aborted_;
+  MemoryWatch memory_;
+  scheduler::RunControl control_;
+  scheduler::ClientHub hub_;
+  // Of the private socket, which this user alone reaches.
+  const ScratchFolder socket_folder_{"run"};
+  const std::string socket_ = "unix:" + (socket_folder_.path() / "socket").string();
+  std::string render_token_;
+  std::unique_ptr<scheduler::RemoteRenderer> remote_;
+  std::optional<scheduler::Server> server_;
+  const Closer closer_{control_};
+  Behaviours renderers_;
+  Behaviours behaviours_;
+  std::atomic<bool> renderer_ended_ = false;
+};
+
+void Session::serve() {
+  const Scenario& scenario = simulator_.scenario;
+  RemoteRenderingOptions rendering = options_.rendering;
+  render_token_ = scenario.render_token.empty() ? new_token() : scenario.render_token;
+  rendering.frames.token = render_token_;
+  if (rendering.renderers > 0)
+    remote_ =
+        make_remote_renderer(simulator_, rendering, [this](int robot, const std::string& what) {
+          hub_.note_fault(robot, "renderer", what);
+          std::fprintf(stderr, "%s\n", what.c_str());
+        });
+  scheduler::ServerOptions serving{.addresses = options_.addresses,
+                                   .tls = read_certificates(options_.certificates),
+                                   .supervisor_token = scenario.supervisor_token,
+                                   .renderers = remote_.get()};
+  if (serving.supervisor_token.empty()) serving.supervisor_token = new_token();
+  if (options_.start_behaviours) serving.addresses.push_back(socket_);
+  server_.emplace(serving, scenario, simulator_.world, hub_, control_);
+  if (outputs_.tokens)
+    outputs_.tokens.fill(token_text(robots_, serving.supervisor_token, render_token_));
+  for (const std::string& address : server_->addresses())
+    if (address != socket_) std::printf("listening on %s\n", address.c_str());
+  std::fflush(stdout);
+}
+
+void Session::start_processes() {
+  if (remote_ && options_.start_behaviours)
+    for (const BehaviourProcess& process :
+         render_processes(options_.rendering.renderers, socket_, render_token_))
+      renderers_.start(process);
+  for (BehaviourProcess& process : processes_) {
+    const auto& robot = robots_[static_cast<size_t>(hub_.robot_number(process.robot))];
+    process.environment = {
+        {"SEAM_ADDRESS", socket_}, {"SEAM_ROBOT", robot.id}, {"SEAM_TOKEN", robot.token}};
+    behaviours_.start(process);
+  }
+}
+
+void Session::reap() {
+  renderers_.reap([&](const std::string& name, const std::string& how) {
+    if (how != "ended with exit code 0") std::fprintf(stderr, "%s %s\n", name.c_str(), how.c_str());
+    renderer_ended_ = true;
+  });
+  behaviours_.reap([&](const std::string& robot, const std::string& how) {
+    hub_.give_up(robot, "its behaviour " + how);
+  });
+}
+
+SessionSummary Session::simulate(const WrapSource& wrap,
+                                 std::vector<scheduler::SimulationObserver*> observers) {
+  const Scenario& scenario = simulator_.scenario;
+  const SignalWatch signals([this] { control_.stop(); }, [this] { reap(); });
+  if (remote_) wait_for_renderers(*remote_, options_.rendering, control_, renderer_ended_);
+  const Progress progress(hub_, control_, scenario.duration);
+  const auto source = wrap ? wrap(hub_) : nullptr;
+  scheduler::DecisionSource& decisions = source ? *source : hub_;
+  scheduler::FrameRenderer* renderer = simulator_.renderer.get();
+  if (remote_) renderer = remote_.get();
+  scheduler::Simulation simulation({scenario, simulator_.world, decisions, control_, renderer,
+                                    std::move(observers), simulator_.header},
+                                   {.camera_at_rows = outputs_.frames.has_value()});
+  const Finisher finisher{remote_.get()};
+  const auto start = std::chrono::steady_clock::now();
+  SessionSummary summary;
+  summary.end = simulation.run();
+  summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary.sim_s = simulation.now().s();
+  summary.frames = simulation.frames();
+  summary.rendered_remotely = remote_ ? remote_->rendered_remotely() : 0;
+  summary.decisions = simulation.decisions();
+  summary.fingerprint = simulation.fingerprint();
+  summary.waiting_s = hub_.wall_waiting_s();
+  summary.abort_reason = aborted_.text;
+  summary.has_score = scenario.referee.enabled;
+  summary.red_score = simulator_.world.score(Team::red);
+  summary.blue_score = simulator_.world.score(Team::blue);
+  summary.memory = memory_.samples();
+  return summary;
+}
+
+}  // namespace
+
+SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
+                           SessionOutputs& outputs, const WrapSource& wrap,
+                           std::vector<scheduler::SimulationObserver*> observers) {
+  return Session(simulator, options, outputs).run(wrap, std::move(observers));
+}
+
+void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator) {
+  command.add_option("--seed", simulator.seed, "Replaces the scenario's seed");
+  command.add_option("--log", session.log, "Writes the replay log (MCAP) here");
+  command.add_flag("--log-frames", session.recording.pictures,
+                   "The log also holds each frame as a picture (foxglove.CompressedImage)");
+  command.add_flag(
+      "--log-poses", [&session] { session.recording.transforms = session.recording.scene = true; },
+      "The log also holds poses and the scene for other MCAP tools (foxglove.FrameTransforms,\n"
+      "foxglove.SceneUpdate)");
+  command.add_option("--frames", session.frames,
+                     "Writes each frame as ROBOT_NNNNNN.png and frames.csv into this folder");
+  command.add_flag("--force", session.force,
+                   "Replaces a log and frames of an earlier run that stand there");
+  command.add_option("--json", session.json, "Writes the summary here");
+  command.add_option("--model", simulator.models,
+                     "[ROBOT=]FILE: a seam-model/1 file in place of the scenario's");
+  command
+      .add_option("--render-threads", simulator.render_workers,
+                  "Frames made at once; 0 is one for each core")
+      .range(0, 64);
+  add_remote_rendering_options(command, session.rendering);
+}
+
+}  // namespace seam::app

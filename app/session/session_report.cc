@@ -1,0 +1,51 @@
+// What a run says of itself at its end.
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "app/session/run_session.h"
+#include "app/session/session_outputs.h"
+#include "sim_core/base/hash.h"
+
+namespace seam::app {
+
+namespace {
+
+constexpr const char* kEnds[] = {"finished", "stopped", "aborted"};
+
+nlohmann::ordered_json json_of(const SessionSummary& summary) {
+  nlohmann::ordered_json json = {{"format", "seam-run/1"},
+                                 {"sim_s", summary.sim_s},
+                                 {"wall_s", summary.wall_s},
+                                 {"real_time_factor", summary.real_time_factor()},
+                                 {"frames", summary.frames},
+                                 {"fingerprint", to_hex(summary.fingerprint)},
+                                 {"rendered_remotely", summary.rendered_remotely},
+                                 {"decisions", summary.decisions},
+                                 {"waiting_s", summary.waiting_s},
+                                 {"end", kEnds[static_cast<size_t>(summary.end)]}};
+  if (summary.has_score) json["score"] = {{"red", summary.red_score}, {"blue", summary.blue_score}};
+  json["log_bytes"] = summary.log_bytes;
+  json["memory"] = nlohmann::ordered_json::array();
+  for (const MemorySample& sample : summary.memory)
+    json["memory"].push_back({{"sim_s", sample.sim_s}, {"rss_bytes", sample.resident_bytes}});
+  return json;
+}
+
+}  // namespace
+
+int report(const SessionSummary& summary, SessionOutputs& outputs) {
+  std::printf(
+      "%s: %.3f simulated seconds in %.3f s, %.2f x real time; %llu frames, %llu decisions\n"
+      "fingerprint %s\n",
+      kEnds[static_cast<size_t>(summary.end)], summary.sim_s, summary.wall_s,
+      summary.real_time_factor(), static_cast<unsigned long long>(summary.frames),
+      static_cast<unsigned long long>(summary.decisions), to_hex(summary.fingerprint).c_str());
+  if (summary.has_score)
+    std::printf("score red %d, blue %d\n", summary.red_score, summary.blue_score);
+  if (outputs.json) outputs.json.fill(json_of(summary).dump(2) + "\n");
+  if (summary.end != scheduler::EndReason::aborted) return 0;
+  std::fprintf(stderr, "seam: the run was aborted: %s\n", summary.abort_reason.c_str());
+  return 1;
+}
+
+}  // namespace seam::app

@@ -1,0 +1,50 @@
+#include "tools/program.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+namespace {
+
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    // The lowest free descriptor: this one.
+    if (open("/dev/null", stream == STDIN_FILENO ? O_RDONLY : O_WRONLY) != stream)
+      throw InputError("/dev/null cannot be opened for a standard stream that is closed");
+  }
+}
+
+int finish_output(const std::string& name, int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fprintf(stderr, "%s: standard output cannot be written: %s\n", name.c_str(),
+               std::strerror(errno));
+  return code == 0 ? 1 : code;
+}
+
+}  // namespace
+
+int run_program(const std::string& name, const std::function<int()>& work) {
+  try {
+    open_standard_streams();
+    return finish_output(name, work());
+  } catch (const ExitCode& exit) {
+    return finish_output(name, exit.code);
+  } catch (const UsageError& error) {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), shown_lines(error.what()).c_str());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), shown_lines(error.what()).c_str());
+    return 1;
+  }
+}
+
+}  // namespace seam::tools
