@@ -55,41 +55,34 @@ std::vector<double> log_seconds(const CsvTable& table, const std::string& column
 Rig Rig::from_set(const MeasurementSet& set) {
   Rig rig;
   const ConfigNode node = set.root.at("rig");
-  if (const auto chain = node.find("chain")) {
-    rig.read_chain(*chain, set);
-  } else if (const auto poses = node.find("poses")) {
+  RigKeys keys;
+  read_config(node, [&](ConfigTable& table) { describe_rig(table, keys); });
+  if (keys.has_chain) {
+    rig.read_chain(keys, set);
+  } else if (!keys.poses.empty()) {
     rig.type_ = Type::poses;
-    const std::string name = poses->text();
-    rig.read_poses(set.has_file(name) ? set.file(name) : set.inside(*poses));
-  } else {
-    node.at("pose").choice({"unknown"});
-    rig.type_ = Type::unknown;
+    rig.read_poses(set.has_file(keys.poses) ? set.file(keys.poses) : set.inside(node.at("poses")));
   }
-  node.finish();
   return rig;
 }
 
-void Rig::read_chain(const ConfigNode& chain, const MeasurementSet& set) {
+void Rig::read_chain(const RigKeys& keys, const MeasurementSet& set) {
   type_ = Type::chain;
   Pose fixed;
-  for (const ConfigNode& node : chain.items()) {
-    if (const auto shift = node.find("translate_m")) {
-      fixed = fixed * translation(shift->vec3());
-    } else if (const auto turn = node.find("rotate_rad")) {
-      const Vec3 angles = turn->vec3();
-      fixed = fixed * rotation(rotation_zyx(angles.x, angles.y, angles.z));
-    } else {
-      const std::string joint = node.at("joint").text();
-      const Vec3 axis = node.at("axis").vec3();
-      const double length = glm::length(axis);
-      if (!(length > 0)) node.at("axis").fail("found a zero axis, expected a direction");
-      const auto found = std::find(joint_names_.begin(), joint_names_.end(), joint);
+  for (const RigLink& link : keys.chain) {
+    if (!link.joint.empty()) {
+      const auto found = std::find(joint_names_.begin(), joint_names_.end(), link.joint);
       const int index = static_cast<int>(found - joint_names_.begin());
-      if (found == joint_names_.end()) joint_names_.push_back(joint);
-      links_.push_back({.fixed = fixed, .joint = index, .axis = axis / length});
+      if (found == joint_names_.end()) joint_names_.push_back(link.joint);
+      links_.push_back(
+          {.fixed = fixed, .joint = index, .axis = link.axis / glm::length(link.axis)});
       fixed = Pose{};
+    } else if (!std::isnan(link.translate_m.x)) {
+      fixed = fixed * translation(link.translate_m);
+    } else {
+      fixed =
+          fixed * rotation(rotation_zyx(link.rotate_rad.x, link.rotate_rad.y, link.rotate_rad.z));
     }
-    node.finish();
   }
   links_.push_back({.fixed = fixed});
   if (joint_names_.empty()) {  // A fixed camera: any time will do.

@@ -8,6 +8,7 @@
 
 #include "effects/model.h"
 #include "effects/stages/joint_track.h"
+#include "measurement/sets/rig_keys.h"
 #include "measurement/sets/set.h"
 #include "measurement/sets/spline.h"
 #include "sim_core/base/pose.h"
@@ -74,7 +75,7 @@ class Rig {
     Vec3 axis{0.0};
   };
 
-  void read_chain(const ConfigNode& chain, const MeasurementSet& set);
+  void read_chain(const RigKeys& keys, const MeasurementSet& set);
   void read_poses(const std::filesystem::path& path);
   void find_cycle();
   effects::JointTrack finer_track() const;

@@ -5,35 +5,51 @@
 #include <unordered_map>
 
 #include "effects/kind.h"
+#include "measurement/sets/rig_keys.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
+#include "sim_core/input/config_table.h"
 #include "sim_core/input/file_names.h"
 
 namespace seam::measurement {
 namespace {
 
-const std::vector<std::string> kKeys = {"format", "kind",     "title",       "camera",
-                                        "noise",  "group",    "files",       "rig",
-                                        "scene",  "detector", "colour_table"};
+constexpr double kLargest = 1e300;
 
-CameraFacts read_camera(const ConfigNode& node) {
-  CameraFacts camera;
-  camera.width_px = static_cast<int>(node.at("width_px").integer(1, 100000));
-  camera.height_px = static_cast<int>(node.at("height_px").integer(1, 100000));
-  camera.frame_period_s = node.number_or("frame_period_s", 0, {0, 1e6});
-  camera.channels = node.text_or("channels", "grey");
-  camera.bits = static_cast<int>(node.integer_or("bits", 8, 1, 16));
-  return camera;
+void describe_camera(ConfigTable& table, CameraFacts& camera) {
+  table.allow_notes();
+  int64_t width = camera.width_px, height = camera.height_px, bits = camera.bits;
+  table.integer({"width_px", "Of its images.", true}, width, 1, 100000);
+  table.integer({"height_px", "Of its images.", true}, height, 1, 100000);
+  table.number({"frame_period_s", "From frame to frame, s."}, camera.frame_period_s, {0, 1e6});
+  table.text({"channels", "grey or rgb."}, camera.channels);
+  table.integer({"bits", "Of a sample."}, bits, 1, 16);
+  camera.width_px = static_cast<int>(width), camera.height_px = static_cast<int>(height);
+  camera.bits = static_cast<int>(bits);
 }
 
-// Unknown keys that look like a slip are errors; others are notes that people add to their data.
-void refuse_misspelt(const ConfigNode& node, const std::vector<std::string>& known) {
-  for (const std::string& key : node.keys()) {
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    const std::string hint = suggestion_for(key, known);
-    if (hint.find("did you mean") != std::string::npos) node.at(key).fail("unknown key" + hint);
-  }
+void describe_set(ConfigTable& table, MeasurementSet& set) {
+  table.allow_notes();
+  table.format("seam-measurement/1");
+  size_t kind = 0;
+  table.choice({"kind", "What was measured.", true}, kind, effects::kind_names());
+  set.kind = effects::kinds()[kind].name;
+  table.text({"title", "A line for people; the folder's name where not given."}, set.title);
+  table.object({"camera", "Of sets with images or places in them."},
+               [&](ConfigTable& camera) { describe_camera(camera, set.camera); });
+  table.numbers_by_name(
+      {"noise", "One sigma of a single observation by column; left out: it is estimated."},
+      set.noise, {0, kLargest});
+  set.group = effects::kinds()[kind].group;
+  table.text({"group", "The column whose groups are held out whole."}, set.group);
+  table.texts_by_name({"files", "The set's tables by name, in the folder.", true}, set.files);
+  table.elsewhere({"rig", "Of points and frames: where the camera is."}, describe_rig_keys);
+  std::string scene, detector, colour_table;
+  table.text({"scene", "Of frames and ranges: a seam-scene/1 file in the folder."}, scene);
+  table.text({"detector", "Of ranges: the behaviour that measures."}, detector);
+  table.text({"colour_table", "Of ranges: a seam-colour-table/1 file in the folder."},
+             colour_table);
 }
 
 }  // namespace
@@ -44,27 +60,19 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
   MeasurementSet set{.folder = yaml.parent_path(), .root = ConfigNode::from_file(yaml)};
   const ConfigNode& root = set.root;
   if (!root.is_map()) root.fail("expected a map");
-  root.at("format").choice({"seam-measurement/1"});
-  const effects::KindFacts& kind = effects::kinds()[root.at("kind").choice(effects::kind_names())];
-  set.kind = kind.name;
-  set.title = root.text_or("title", set.folder.filename().string());
-  if (const auto camera = root.find("camera")) set.camera = read_camera(*camera);
-  if (const auto noise = root.find("noise"); noise && noise->is_map()) {
-    for (const std::string& column : noise->keys()) {
-      const ConfigNode value = noise->at(column);
-      if (value.is_null()) continue;
-      const double sigma = value.number({0, 1e300});
-      if (sigma > 0) set.noise[column] = sigma;
-    }
-  }
-  set.group = root.text_or("group", kind.group);
+  root.at("format");
+  set.title = set.folder.filename().string();
+  read_config(root, [&](ConfigTable& table) { describe_set(table, set); });
+  std::erase_if(set.noise, [](const auto& entry) { return !(entry.second > 0); });
   const ConfigNode files = root.at("files");
-  for (const std::string& name : files.keys()) {
-    set.inside(files.at(name));
-    set.files[name] = files.at(name).text();
-  }
-  refuse_misspelt(root, kKeys);
+  for (const std::string& name : files.keys()) set.inside(files.at(name));
   return set;
+}
+
+std::string MeasurementSet::schema() {
+  MeasurementSet set{.root = ConfigNode::from_text("{}", "schema")};
+  return config_schema("SEAM measurement set",
+                       [&](ConfigTable& table) { describe_set(table, set); });
 }
 
 std::filesystem::path MeasurementSet::file(const std::string& name) const {

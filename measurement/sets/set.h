@@ -37,6 +37,10 @@ struct MeasurementSet {
   // `path` is the folder or its measurement.yaml. Throws InputError.
   static MeasurementSet open(const std::filesystem::path& path);
 
+  // JSON Schema of measurement.yaml (docs/measurement.schema.json), from the table that `open`
+  // reads.
+  static std::string schema();
+
   // The full path of a named file; throws when `files:` does not name it.
   std::filesystem::path file(const std::string& name) const;
   // The full path of a file of the set that a key of measurement.yaml or a cell of a table names;

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/schema_testing.h"
 
 namespace seam::measurement {
 namespace {
@@ -76,6 +77,11 @@ TEST(MeasurementSet, NamesStayInsideTheFolder) {
   EXPECT_NE(error_of("/etc/passwd").find("files.joints"), std::string::npos);
   EXPECT_NE(error_of("\"a\\0b\"").find("a\\x00b"), std::string::npos);
   fs::remove_all(folder);
+}
+
+TEST(MeasurementSet, SchemaFileIsCurrent) {
+  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/measurement.schema.json",
+                 MeasurementSet::schema());
 }
 
 TEST(HeldOutGroups, ThirtyPerCentRoundedUp) {

@@ -144,6 +144,15 @@ void ConfigNode::finish() const {
   }
 }
 
+void ConfigNode::finish_with_notes() const {
+  const std::vector<std::string> known(asked_->begin(), asked_->end());
+  for (const std::string& key : keys()) {
+    if (asked_->contains(key)) continue;
+    const std::string hint = suggestion_for(key, known);
+    if (hint.find("did you mean") != std::string::npos) at(key).fail("unknown key" + hint);
+  }
+}
+
 std::vector<ConfigNode> ConfigNode::items() const {
   if (!node_->IsSequence()) fail("expected a list");
   std::vector<ConfigNode> items;

@@ -41,6 +41,8 @@ class ConfigNode {
   std::vector<std::string> keys() const;  // In the file's order; marks none.
   // Throws for a key that was never asked for, with the nearest known one.
   void finish() const;
+  // The same where people add notes of their own: only a key near to a known one is an error.
+  void finish_with_notes() const;
 
   // Lists.
   std::vector<ConfigNode> items() const;

@@ -105,7 +105,21 @@ class Reader final : public ConfigTable {
     const auto found = node_.find(key);
     (found ? *found : node_).fail(message);
   }
-  void finish() const { node_.finish(); }
+  void texts_by_name(ConfigKey key, std::map<std::string, std::string>& value) override {
+    const auto found = find(key);
+    if (!found) return;
+    for (const std::string& name : found->keys()) value[name] = found->at(name).text();
+  }
+  void numbers_by_name(ConfigKey key, std::map<std::string, double>& value, Range range) override {
+    const auto found = find(key);
+    if (!found || !found->is_map()) return;  // A word in its place says that nothing is known.
+    for (const std::string& name : found->keys()) {
+      if (const auto number = found->find(name)) value[name] = number->number(range);
+    }
+  }
+  void elsewhere(ConfigKey key, const Describe&) override { find(key); }
+  void allow_notes() override { has_notes_ = true; }
+  void finish() const { has_notes_ ? node_.finish_with_notes() : node_.finish(); }
 
  private:
   std::optional<ConfigNode> find(const ConfigKey& key) const {
@@ -120,6 +134,7 @@ class Reader final : public ConfigTable {
   }
 
   ConfigNode node_;
+  bool has_notes_ = false;
 };
 
 class Writer final : public ConfigTable {
@@ -170,6 +185,19 @@ class Writer final : public ConfigTable {
     }
     out_ << YAML::EndSeq;
   }
+  void texts_by_name(ConfigKey key, std::map<std::string, std::string>& value) override {
+    put(key) << YAML::BeginMap;
+    for (const auto& [name, text] : value)
+      out_ << YAML::Key << name << YAML::Value << YAML::DoubleQuoted << text;
+    out_ << YAML::EndMap;
+  }
+  void numbers_by_name(ConfigKey key, std::map<std::string, double>& value, Range) override {
+    put(key) << YAML::BeginMap;
+    for (const auto& [name, number] : value)
+      out_ << YAML::Key << name << YAML::Value << fmt::format("{}", number);
+    out_ << YAML::EndMap;
+  }
+  void elsewhere(ConfigKey, const Describe&) override {}
   void require(bool, const char*, const std::string&) override {}
 
  private:
@@ -241,10 +269,20 @@ class Schema final : public ConfigTable {
     add(key, fmt::format("\"type\": \"array\", \"maxItems\": {}, \"items\": {{{}}}", limit,
                          object_body([&](ConfigTable& table) { describe_item(table, 0); }, 1)));
   }
+  void texts_by_name(ConfigKey key, std::map<std::string, std::string>&) override {
+    add(key, R"("type": "object", "additionalProperties": {"type": "string"})");
+  }
+  void numbers_by_name(ConfigKey key, std::map<std::string, double>&, Range range) override {
+    add(key, fmt::format(R"("type": ["object", "string", "null"], "additionalProperties": )"
+                         R"({{"type": ["number", "null"], "minimum": {}, "maximum": {}}})",
+                         range.min, range.max));
+  }
+  void elsewhere(ConfigKey key, const Describe& describe) override { object(key, describe); }
+  void allow_notes() override { has_notes_ = true; }
   void require(bool, const char*, const std::string&) override {}
 
   std::string body() const {
-    std::string out = "\"type\": \"object\", \"additionalProperties\": false";
+    std::string out = fmt::format("\"type\": \"object\", \"additionalProperties\": {}", has_notes_);
     if (!required_.empty()) out += fmt::format(",\n{}\"required\": [{}]", indent_, required_);
     return out + fmt::format(",\n{}\"properties\": {{{}\n{}}}", indent_, properties_, indent_);
   }
@@ -263,6 +301,7 @@ class Schema final : public ConfigTable {
   }
   std::string indent_;
   int depth_;
+  bool has_notes_ = false;
   std::string properties_;
   std::string required_;
 };

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -47,6 +48,14 @@ class ConfigTable {
   virtual void list(ConfigKey key, size_t count, size_t limit,
                     const std::function<void(size_t)>& resize,
                     const std::function<void(ConfigTable&, size_t)>& describe_item) = 0;
+  // A map of names that the file chooses to texts or to numbers (blank: left out).
+  virtual void texts_by_name(ConfigKey key, std::map<std::string, std::string>& value) = 0;
+  virtual void numbers_by_name(ConfigKey key, std::map<std::string, double>& value,
+                               Range range) = 0;
+  // A map that its own reader reads later: here it is known and part of the schema.
+  virtual void elsewhere(ConfigKey key, const Describe& describe) = 0;
+  // People may add keys of their own to this map; only what looks like a slip is an error.
+  virtual void allow_notes() {}
   // A condition on what was read; the message says what was found and what was expected.
   virtual void require(bool condition, const char* key, const std::string& message) = 0;
 

@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
-#include "sim_core/base/output.h"
+#include "sim_core/input/schema_testing.h"
 #include "sim_core/scene/scene_file.h"
 #include "sim_core/world/world.h"
 
@@ -87,15 +86,7 @@ TEST(Scenario, ShippedScenariosAreValid) {
 }
 
 TEST(Scenario, SchemaFileIsCurrent) {
-  const std::string path = kSource + "/docs/scenario.schema.json";
-  const std::string current = Scenario::schema();
-  std::string checked_in;
-  try {
-    checked_in = read_file(path);
-  } catch (const InputError&) {
-  }
-  if (current != checked_in) write_file_atomically(path + ".new", current);
-  EXPECT_TRUE(current == checked_in) << "compare " << path << " with " << path << ".new";
+  expect_page_is(kSource + "/docs/scenario.schema.json", Scenario::schema());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "sim_core/input/config_table.h"
 #include "sim_core/base/error.h"
 
 namespace seam {
@@ -28,26 +29,9 @@ class FileScene final : public SceneSource {
   std::vector<MovingPrimitive> objects_;
 };
 
-Rgb read_rgb(const ConfigNode& node) {
-  const auto values = node.numbers(3);
-  for (const double value : values) {
-    if (value < 0 || value > 1e6)
-      node.fail(fmt::format("found {}, expected linear radiance of 0 or more", value));
-  }
-  return {values[0], values[1], values[2]};
-}
-
-double length(const ConfigNode& node) {
-  const double value = node.number({0, 1e6});
-  if (value <= 0) node.fail(fmt::format("found {}, expected more than 0 metres", value));
-  return value;
-}
-
 // The frame of a rectangle: z along the normal, x horizontal (along world x for an upright normal).
-Mat3 rectangle_axes(const ConfigNode& node, Vec3 normal) {
-  const double size = glm::length(normal);
-  if (!(size > 1e-12)) node.fail("found a zero vector, expected a direction");
-  normal /= size;
+Mat3 rectangle_axes(Vec3 normal) {
+  normal /= glm::length(normal);
   const Vec3 up{0, 0, 1};
   Vec3 x = glm::cross(up, normal);
   // A level rectangle has its first side along world x.
@@ -55,80 +39,150 @@ Mat3 rectangle_axes(const ConfigNode& node, Vec3 normal) {
   return Mat3(x, glm::cross(normal, x), normal);
 }
 
-MovingPrimitive read_object(const ConfigNode& node, uint16_t id) {
-  MovingPrimitive object;
-  Primitive& primitive = object.at_zero;
-  primitive.object_id = id;
-  switch (node.at("shape").choice({"rectangle", "sphere", "cylinder", "box"})) {
-    case 0: {
-      primitive.shape = Shape::rectangle;
-      const ConfigNode size = node.at("size_m");
-      const auto sides = size.numbers(2);
-      if (!(sides[0] > 0 && sides[1] > 0)) size.fail("expected two lengths of more than 0 metres");
-      primitive.size = {sides[0], sides[1], 0};
-      const auto normal = node.find("normal");
-      const Vec3 direction = normal ? normal->vec3() : Vec3{0, 0, 1};
-      primitive.X_WO = {rectangle_axes(normal ? *normal : node, direction),
-                        node.at("centre_m").vec3()};
-      break;
-    }
-    case 1:
-      primitive.shape = Shape::sphere;
-      primitive.size = Vec3(length(node.at("radius_m")));
-      primitive.X_WO.p = node.at("centre_m").vec3();
-      break;
-    case 2: {
-      primitive.shape = Shape::cylinder;
-      const double radius = length(node.at("radius_m"));
-      primitive.size = {radius, radius, length(node.at("height_m"))};
-      primitive.X_WO.p = node.at("base_m").vec3();
-      break;
-    }
-    default: {
-      primitive.shape = Shape::box;
-      const ConfigNode size = node.at("size_m");
-      primitive.size = size.vec3();
-      if (!(primitive.size.x > 0 && primitive.size.y > 0 && primitive.size.z > 0)) {
-        size.fail("expected three lengths of more than 0 metres");
-      }
-      primitive.X_WO = {rotation_about({0, 0, 1}, node.number_or("yaw_rad", 0, {-1e3, 1e3})),
-                        node.at("centre_m").vec3()};
-    }
+// An object as the file states it; what its shape lacks stays as it is here.
+struct SceneObject {
+  size_t shape = 0;  // Into kShapes.
+  Vec3 place_m{0.0};
+  Vec3 size_m{1.0};
+  double radius_m = 1, height_m = 1;
+  Vec3 normal{0, 0, 1};
+  double yaw_rad = 0;
+  Rgb rgb{0, 0, 0};
+  Vec3 velocity_mps{0.0};
+};
+
+const std::vector<std::string> kShapes = {"rectangle", "sphere", "cylinder", "box"};
+enum : size_t { kRectangle, kSphere, kCylinder, kBox };
+constexpr size_t kMaxObjects = 65535;
+
+void describe_rgb(ConfigTable& table, ConfigKey key, Rgb& rgb) {
+  table.numbers(key, rgb);
+  for (const double value : rgb) {
+    table.require(value >= 0 && value <= 1e6, key.key,
+                  fmt::format("found {}, expected linear radiance of 0 or more", value));
   }
-  primitive.rgb = read_rgb(node.at("rgb"));
-  if (const auto velocity = node.find("velocity_mps")) object.velocity_mps = velocity->vec3();
-  node.finish();
-  return object;
+}
+
+void describe_direction(ConfigTable& table, ConfigKey key, Vec3& direction) {
+  table.vec3(key, direction);
+  table.require(glm::length(direction) > 1e-12, key.key,
+                "found a zero vector, expected a direction");
+}
+
+void describe_length(ConfigTable& table, ConfigKey key, double& length_m) {
+  table.number(key, length_m, {0, 1e6});
+  table.require(length_m > 0, key.key,
+                fmt::format("found {}, expected more than 0 metres", length_m));
+}
+
+void describe_object(ConfigTable& table, SceneObject& object) {
+  table.choice({"shape", "Its shape.", true}, object.shape, kShapes);
+  const bool all = table.names_alternatives(), always = !all;
+  const auto is = [&](size_t shape) { return all || object.shape == shape; };
+  if (is(kRectangle) || is(kSphere) || is(kBox))
+    table.vec3({"centre_m", "Of a rectangle, sphere or box: its centre at time 0, m.", always},
+               object.place_m);
+  if (is(kCylinder))
+    table.vec3({"base_m", "Of a cylinder: the middle of its base at time 0, m.", always},
+               object.place_m);
+  if (is(kRectangle) || is(kBox))
+    table.sizes({"size_m", "Of a rectangle its two sides, of a box its three edges, m.", always},
+                object.size_m, object.shape == kRectangle ? 2 : 3);
+  if (is(kSphere) || is(kCylinder))
+    describe_length(table, {"radius_m", "Of a sphere or cylinder, m.", always}, object.radius_m);
+  if (is(kCylinder))
+    describe_length(table, {"height_m", "Of a cylinder, m.", always}, object.height_m);
+  if (is(kRectangle))
+    describe_direction(table, {"normal", "Of a rectangle; (0, 0, 1) where not given."},
+                       object.normal);
+  if (is(kBox))
+    table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, {-1e3, 1e3});
+  describe_rgb(table, {"rgb", "Linear radiance, red, green, blue.", true}, object.rgb);
+  table.vec3({"velocity_mps", "How it moves from its place at time 0, m/s."}, object.velocity_mps);
+}
+
+MovingPrimitive primitive_of(const SceneObject& object, uint16_t id) {
+  Primitive primitive;
+  primitive.object_id = id;
+  primitive.rgb = object.rgb;
+  primitive.X_WO.p = object.place_m;
+  switch (object.shape) {
+    case kRectangle:
+      primitive.shape = Shape::rectangle;
+      primitive.size = {object.size_m.x, object.size_m.y, 0};
+      primitive.X_WO.R = rectangle_axes(object.normal);
+      break;
+    case kSphere:
+      primitive.shape = Shape::sphere;
+      primitive.size = Vec3(object.radius_m);
+      break;
+    case kCylinder:
+      primitive.shape = Shape::cylinder;
+      primitive.size = {object.radius_m, object.radius_m, object.height_m};
+      break;
+    default:
+      primitive.shape = Shape::box;
+      primitive.size = object.size_m;
+      primitive.X_WO.R = rotation_about({0, 0, 1}, object.yaw_rad);
+  }
+  return {primitive, object.velocity_mps};
+}
+
+// A scene file as it stands.
+struct SceneFile {
+  Rgb background{0, 0, 0};
+  bool has_light = false;
+  Lighting lighting;
+  std::vector<SceneObject> objects;
+};
+
+void describe_light(ConfigTable& table, Lighting& lighting) {
+  lighting.ambient = 0.4, lighting.diffuse = 0.6;
+  describe_direction(table, {"direction", "Towards the light; any length.", true},
+                     lighting.direction_W);
+  table.number({"ambient", "Light from all sides."}, lighting.ambient, {0, 1e3});
+  table.number({"diffuse", "Light from that direction."}, lighting.diffuse, {0, 1e3});
+}
+
+void describe_scene(ConfigTable& table, SceneFile& scene) {
+  table.format("seam-scene/1");
+  describe_rgb(table, {"background_rgb", "What is seen where nothing stands, linear.", true},
+               scene.background);
+  size_t shading = 0;
+  table.choice(
+      {"shading", "flat: an object's own rgb; lambert: rgb * (ambient + diffuse * max(0, n.l))."},
+      shading, {"flat", "lambert"});
+  scene.lighting.lambert = shading == 1;
+  table.object({"light", "The light of lambert shading."}, [&](ConfigTable& light) {
+    scene.has_light = true;
+    describe_light(light, scene.lighting);
+  });
+  table.require(scene.has_light || !scene.lighting.lambert, "light",
+                "light: is missing: shading 'lambert' needs its direction");
+  table.list(
+      {"objects", "What is to be seen."}, scene.objects.size(), kMaxObjects,
+      [&](size_t count) { scene.objects.resize(count); },
+      [&](ConfigTable& object, size_t i) { describe_object(object, scene.objects[i]); });
 }
 
 }  // namespace
 
 std::unique_ptr<SceneSource> read_scene(const ConfigNode& root) {
+  root.at("format");
+  SceneFile file;
+  read_config(root, [&](ConfigTable& table) { describe_scene(table, file); });
   auto scene = std::make_unique<FileScene>();
-  root.at("format").choice({"seam-scene/1"});
-  scene->background_ = read_rgb(root.at("background_rgb"));
-  const auto shading = root.find("shading");
-  scene->lighting_.lambert = shading && shading->choice({"flat", "lambert"}) == 1;
-  if (const auto light = root.find("light")) {
-    const ConfigNode direction = light->at("direction");
-    const Vec3 towards = direction.vec3();
-    if (!(glm::length(towards) > 1e-12))
-      direction.fail("found a zero vector, expected a direction");
-    scene->lighting_.direction_W = glm::normalize(towards);
-    scene->lighting_.ambient = light->number_or("ambient", 0.4, {0, 1e3});
-    scene->lighting_.diffuse = light->number_or("diffuse", 0.6, {0, 1e3});
-    light->finish();
-  } else if (scene->lighting_.lambert) {
-    root.fail("light: is missing: shading 'lambert' needs its direction");
-  }
-  const auto objects = root.find("objects");
-  if (objects) {
-    uint16_t id = 1;
-    for (const ConfigNode& node : objects->items())
-      scene->objects_.push_back(read_object(node, id++));
-  }
-  root.finish();
+  scene->background_ = file.background;
+  scene->lighting_ = file.lighting;
+  if (file.has_light) scene->lighting_.direction_W = glm::normalize(file.lighting.direction_W);
+  for (size_t i = 0; i < file.objects.size(); ++i)
+    scene->objects_.push_back(primitive_of(file.objects[i], static_cast<uint16_t>(i + 1)));
   return scene;
+}
+
+std::string scene_schema() {
+  SceneFile scene;
+  return config_schema("SEAM scene", [&](ConfigTable& table) { describe_scene(table, scene); });
 }
 
 std::unique_ptr<SceneSource> read_scene(const std::filesystem::path& path) {

@@ -6,6 +6,7 @@
 #include <glm/matrix.hpp>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/schema_testing.h"
 
 namespace seam {
 namespace {
@@ -51,6 +52,10 @@ TEST(SceneFile, RectanglesStandUprightWithALevelFirstSide) {
   EXPECT_DOUBLE_EQ(now[1].X_WO.R[2].x, 1);
   EXPECT_DOUBLE_EQ(now[1].X_WO.R[0].z, 0);
   EXPECT_DOUBLE_EQ(glm::determinant(now[1].X_WO.R), 1);
+}
+
+TEST(SceneFile, SchemaFileIsCurrent) {
+  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/scene.schema.json", scene_schema());
 }
 
 TEST(SceneFile, BadInputIsNamed) {

@@ -1,0 +1,13 @@
+#include "effects/model_schema.h"
+
+#include "sim_core/input/schema_testing.h"
+
+namespace seam::effects {
+namespace {
+
+TEST(ModelSchema, SchemaFileIsCurrent) {
+  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/model.schema.json", model_schema());
+}
+
+}  // namespace
+}  // namespace seam::effects

@@ -1,0 +1,32 @@
+// The keys of `rig:`, described once for the reader and the schema.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "sim_core/input/config_table.h"
+
+namespace seam::measurement {
+
+inline constexpr Vec3 kNotGiven{std::numeric_limits<double>::quiet_NaN()};
+
+// One entry of a chain: a fixed shift, a fixed turn, or a joint about its axis.
+struct RigLink {
+  Vec3 translate_m = kNotGiven;
+  Vec3 rotate_rad = kNotGiven;
+  std::string joint;
+  Vec3 axis = kNotGiven;
+};
+
+struct RigKeys {
+  std::vector<RigLink> chain;
+  std::string poses;
+  bool has_chain = false;
+};
+
+void describe_rig(ConfigTable& table, RigKeys& rig);
+// For who needs the keys alone.
+void describe_rig_keys(ConfigTable& table);
+
+}  // namespace seam::measurement
