@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "app/trust/tokens.h"
 #include "effects/stages/robot_parts.h"
 #include "scheduler/log/log_records.h"
 #include "sim_core/base/error.h"
@@ -61,7 +62,7 @@ std::vector<effects::Model> models_of(const Scenario& scenario) {
 }
 
 Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions& options) {
-  Scenario scenario = Scenario::from_file(file);
+  Scenario scenario = without_fingerprints(Scenario::from_file(file));
   if (options.seed) scenario.seed = *options.seed;
   replace_models(scenario, options.models);
   return scenario;
@@ -75,7 +76,7 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
   auto renderer =
       std::make_unique<CameraRenderer>(scenario, models, options.render_workers, options.rendering);
   scheduler::RunHeader header;
-  header.scenario_text = scenario.to_yaml();
+  header.scenario_text = with_fingerprints(scenario).to_yaml();
   header.scenario_name = scenario.name;
   header.seed = static_cast<uint64_t>(scenario.seed);
   header.versions = {{"seam", SEAM_VERSION},
@@ -91,7 +92,9 @@ Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOpti
   Scenario scenario = Scenario::from_text(header.scenario_text, header.scenario_name);
   scenario.seed = static_cast<int64_t>(header.seed);
   replace_models(scenario, options.models);
-  return make_simulator(std::move(scenario), options);
+  Simulator simulator = make_simulator(without_fingerprints(scenario), options);
+  simulator.header.scenario_text = with_fingerprints(std::move(scenario)).to_yaml();
+  return simulator;
 }
 
 }  // namespace seam::app

@@ -84,7 +84,7 @@ ROOMS = {
         "team": [".", "vision", "localization"],
         "examples": [".", "vision", "localization", "team"],
     },
-    "app": {".": [], "session": ["."], "logs": ["."], "predictors": ["."]},
+    "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."]},
     "tools": {
         ".": [],
         "experiments": ["."],

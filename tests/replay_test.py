@@ -183,7 +183,8 @@ class Replay(unittest.TestCase):
             worst_s = max(worst_s, lost_s)
             self.assertLess(lost_s, 1.0, f"kill {number}: the log ends at {shown['end_s']} s")
             resumed, summary = self.folder / "resumed.mcap", self.folder / "resumed.json"
-            seam("replay", "resume", log, "--log", resumed, "--json", summary, "--force", check=0)
+            seam("replay", "resume", log, "--log", resumed, "--json", summary, "--force",
+                 "--run-programs", check=0)
             # The whole log again, byte by byte, and with it the fingerprint at the end.
             self.assertEqual(resumed.read_bytes(), whole.read_bytes(), f"kill {number}")
         print(f"{KILLS} kills, {open_ends} of them before the end; the log ended at most {worst_s:.3f} s before the last "

@@ -145,6 +145,7 @@ class Session {
     std::error_code unknown;
     summary.log_bytes = std::filesystem::file_size(options_.log, unknown);
     if (unknown) summary.log_bytes = 0;
+    if (outputs_.key) outputs_.key->sign(options_.log);
     return summary;
   }
 
@@ -269,6 +270,8 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator) {
   command.add_option("--seed", simulator.seed, "Replaces the scenario's seed");
   command.add_option("--log", session.log, "Writes the replay log (MCAP) here");
+  command.add_option("--sign", session.sign_key,
+                     "Signs the log, into a file LOG.sig beside it: a private key, Ed25519 in PEM");
   command.add_flag("--log-frames", session.recording.pictures,
                    "The log also holds each frame as a picture (foxglove.CompressedImage)");
   command.add_flag(

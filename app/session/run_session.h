@@ -22,7 +22,8 @@
 namespace seam::app {
 
 struct SessionOptions {
-  std::string log;  // Empty: none.
+  std::string log;       // Empty: none.
+  std::string sign_key;  // Private, for a signature beside the log; empty: none.
   scheduler::RecorderOptions recording;
   std::string frames;                         // Folder; empty: none.
   std::string json;                           // Summary; empty: none.

@@ -2,14 +2,21 @@
 
 #include <sys/stat.h>
 
+#include "sim_core/base/error.h"
+
 namespace seam::app {
 
 SessionOutputs::SessionOutputs(const SessionOptions& options) {
+  if (!options.sign_key.empty()) {
+    if (options.log.empty()) throw UsageError("--sign: give --log too, the log to sign");
+    key = SigningKey::read_private(options.sign_key);
+  }
   OutputRules rules{.inputs = options.inputs};
   if (!options.log.empty()) {
     OutputRules log_rules = rules;
     log_rules.grows = true;
     log_rules.overwrite = options.force;
+    log_rules.mode = S_IRUSR | S_IWUSR;
     log = mcap::create_file(options.log, log_rules);
     rules.inputs.emplace_back(options.log);
   }

@@ -7,6 +7,7 @@
 
 #include "app/session/frame_files.h"
 #include "app/session/run_session.h"
+#include "app/trust/log_signature.h"
 #include "mcap/io.h"
 #include "sim_core/base/output.h"
 
@@ -17,6 +18,7 @@ struct SessionOutputs {
   explicit SessionOutputs(const SessionOptions& options);
 
   std::unique_ptr<mcap::Output> log;  // None: not asked for.
+  std::optional<SigningKey> key;      // Signs the log when it is whole.
   std::optional<FrameFiles> frames;
   OutputFile json;
   OutputFile tokens;  // Readable by this user alone.

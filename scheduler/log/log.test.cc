@@ -324,6 +324,24 @@ TEST(Log, TimesBeyondReasonAreRefusedByName) {
   }
 }
 
+TEST(Log, NamesRobotsAsScenariosDo) {
+  const RecordedRun run = record(text(0.1));
+  for (const std::string& name :
+       {std::string("/tmp/x"), std::string("../x"), std::string("a\0b", 3), std::string(),
+        std::string("\x1b[31m"), std::string("r1"), std::string(65, 'a')}) {
+    const std::string forged = rewritten(run.bytes, Topic::header, [&](LogRecord& record) {
+      std::get<RunHeader>(record).robots[0] = name;
+      return true;
+    });
+    try {
+      log_of(forged);
+      ADD_FAILURE() << name;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("/seam/header: robots: found '"));
+    }
+  }
+}
+
 TEST(Log, SaysWhenAFileIsNoLogOfOurs) {
   mcap::MemoryOutput output;
   mcap::Writer writer(output, {});

@@ -13,6 +13,7 @@
 #include "seam/v1/log.pb.h"
 #include "seam/v1/turn.pb.h"
 #include "sim_core/base/error.h"
+#include "sim_core/scenario/scenario.h"
 
 namespace seam::scheduler {
 namespace {
@@ -79,6 +80,16 @@ RunHeader read(const v1::LogHeader& message, const Robots&) {
   for (const v1::LogVersion& one : message.versions())
     header.versions.emplace_back(one.name(), one.version());
   header.robots.assign(message.robots().begin(), message.robots().end());
+  std::set<std::string> seen;
+  for (const std::string& robot : header.robots) {
+    if (!is_robot_id(robot)) {
+      throw InputError(fmt::format("/seam/header: robots: found '{}', expected {}",
+                                   robot.substr(0, 64), kRobotIdRule));
+    }
+    if (!seen.insert(robot).second) {
+      throw InputError(fmt::format("/seam/header: robots: found '{}' twice", robot));
+    }
+  }
   header.sections.assign(message.sections().begin(), message.sections().end());
   return header;
 }

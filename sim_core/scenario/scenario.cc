@@ -115,11 +115,8 @@ void describe_common(ConfigTable& table, RobotSpec& robot) {
 
 void describe_robot(ConfigTable& table, RobotSpec& robot) {
   table.text({"id", "Its name: letters, digits, '_' and '-'.", true}, robot.id);
-  const bool plain =
-      robot.id.find_first_not_of(
-          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == std::string::npos;
-  table.require(plain && !robot.id.empty() && robot.id.size() <= 64, "id",
-                fmt::format("found '{}', expected 1 to 64 letters, digits, '_' or '-'", robot.id));
+  table.require(is_robot_id(robot.id), "id",
+                fmt::format("found '{}', expected {}", robot.id, kRobotIdRule));
   table.choice_of({"team", "Its team.", true}, robot.team, {"red", "blue"});
   table.integer({"number", "On the uniform."}, robot.number, 1, 64);
   table.text(
@@ -308,6 +305,12 @@ Scenario from_node(const ConfigNode& root) {
 }
 
 }  // namespace
+
+bool is_robot_id(std::string_view id) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  return !id.empty() && id.size() <= 64 && id.find_first_not_of(kPlain) == std::string_view::npos;
+}
 
 Scenario Scenario::from_file(const std::filesystem::path& path) {
   return from_node(ConfigNode::from_file(path));

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim_core/base/time.h"
@@ -131,6 +132,10 @@ struct ObjectSpec {
   Rgb rgb{0.5, 0.5, 0.5};
   Label label = Label::other;
 };
+
+// Whether a robot may be called so, in scenarios and in logs: names become names of files.
+bool is_robot_id(std::string_view id);
+inline constexpr const char* kRobotIdRule = "1 to 64 letters, digits, '_' or '-'";
 
 struct Scenario {
   std::string name;

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "app/logs/replay_match.h"
+#include "app/trust/tokens.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/output.h"
@@ -169,7 +170,7 @@ void run(const Settings& settings) {
   make_output_folder(settings.out);
   const scheduler::Log log = scheduler::Log::open(settings.file);
   Exporter exporter(log, settings.out);
-  exporter.write_file("scenario.yaml", log.header().scenario_text);
+  exporter.write_file("scenario.yaml", app::shown_scenario(log.header().scenario_text, log.name()));
   using scheduler::Topic;
   scheduler::LogCursor cursor(log, {Topic::turn, Topic::step, Topic::frame, Topic::event});
   uint64_t records = 0;

@@ -7,6 +7,7 @@
 #include "app/logs/replay_match.h"
 #include "app/session/run_session.h"
 #include "app/session/session_outputs.h"
+#include "app/trust/program_consent.h"
 #include "scheduler/replay/player.h"
 #include "scheduler/replay/verifier.h"
 #include "sim_core/base/error.h"
@@ -18,6 +19,7 @@ namespace {
 
 struct Settings {
   std::string file;
+  bool run_programs = false;
   app::SessionOptions session;
   app::SimulatorOptions simulator;
 };
@@ -29,6 +31,7 @@ int resume(const Settings& settings) {
     std::printf("%s is of a finished run: it is run again to its end\n", settings.file.c_str());
   }
   app::Simulator simulator = app::make_simulator(log.header(), settings.simulator);
+  app::require_consent(app::programs_of(simulator.scenario), settings.run_programs);
   scheduler::MixedReport mixed;
   // The part that the log holds must come out the same; the run goes on in any case.
   scheduler::RunControl unused;
@@ -72,13 +75,15 @@ void add_replay_resume(app::Command replay) {
   command.add_option("F", settings->file, "The log, whole or of a killed run").required();
   command.add_option("--log", settings->session.log, "The log of the whole run, a new file")
       .required();
+  command.add_flag("--run-programs", settings->run_programs,
+                   "Start the programs that the log names, without asking");
   command.add_option("--json", settings->session.json, "Writes the summary here");
   command.add_option("--frames", settings->session.frames, "Writes frames into this folder");
   command.add_flag("--force", settings->session.force,
                    "Replaces a log and frames of an earlier run that stand there");
   command.footer(
       "Exit code 0: resumed; 1: the run left the log, or was aborted.\n"
-      "Example: seam replay resume killed.mcap --log whole.mcap");
+      "Example: seam replay resume killed.mcap --log whole.mcap --run-programs");
   command.callback([settings] {
     settings->session.inputs = {settings->file};
     if (const int code = resume(*settings); code != 0) throw ExitCode{code};

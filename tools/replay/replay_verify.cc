@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/logs/replay_match.h"
+#include "app/trust/log_signature.h"
 #include "scheduler/replay/verification.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -18,6 +19,7 @@ using scheduler::Divergence;
 struct Settings {
   std::string file;
   std::string json;
+  std::string key;  // Public; empty: the log need not be signed.
   bool frames = true;
 };
 
@@ -35,6 +37,11 @@ Outcome damaged(std::string what) {
 // What is wrong with the file is a result here, not a failure of the command.
 Outcome verify(const Settings& settings) {
   try {
+    if (!settings.key.empty()) {
+      const std::string why =
+          app::SigningKey::read_public(settings.key).why_not_signed(settings.file);
+      if (!why.empty()) return damaged("not signed: " + why);
+    }
     // All of it is read: an index that leaves something out must not hide it.
     const scheduler::Log log = scheduler::Log::open(settings.file, scheduler::LogAccess::scanned);
     if (const std::vector<mcap::Loss> losses = log.losses(); !losses.empty()) {
@@ -115,6 +122,8 @@ void add_replay_verify(app::Command replay) {
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--json", settings->json, "Write the result as seam-verify/1 to this file");
+  command.add_option("--key", settings->key,
+                     "The log must be signed (run --sign): the public key, Ed25519 in PEM");
   command.add_flag("--frames,!--no-frames", settings->frames,
                    "Make and compare the frames too (the default)");
   command.footer(

@@ -7,6 +7,7 @@
 #include "app/scratch_folder.h"
 #include "app/session/run_session.h"
 #include "app/session/session_outputs.h"
+#include "app/trust/program_consent.h"
 #include "scheduler/replay/player.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -22,6 +23,7 @@ struct Settings {
   std::string client;
   double from_s = 0;
   std::string others = "log";
+  bool run_programs = false;
   std::string json;
   app::SessionOptions session;
 };
@@ -55,6 +57,11 @@ int what_if(const Settings& settings) {
   if (SimTime::from_s(settings.from_s) > log.end_time()) {
     throw UsageError(fmt::format("--from {}: the log ends at {}", settings.from_s,
                                  app::seconds(log.end_time())));
+  }
+  if (settings.others == "live") {
+    Scenario others = simulator.scenario;
+    others.robots[static_cast<size_t>(changed)].behaviour.command.clear();
+    app::require_consent(app::programs_of(others), settings.run_programs);
   }
   const scheduler::MixedSourceOptions options =
       set_up(settings, simulator.scenario, changed, session);
@@ -100,6 +107,8 @@ void add_replay_whatif(app::Command replay) {
                   "and may react")
       .one_of({"log", "live"})
       .show_default();
+  command.add_flag("--run-programs", settings->run_programs,
+                   "With --others live: start the programs that the log names, without asking");
   command.add_option("--log", settings->session.log, "Keep the changed run's log here");
   command.add_flag("--force", settings->session.force, "Replaces a log that stands there");
   command.add_option("--json", settings->json, "Write what differs as seam-diff/1");

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/logs/replay_match.h"
+#include "app/trust/tokens.h"
 #include "render/ground_truth.h"
 #include "scheduler/replay/frame_maker.h"
 #include "sim_core/base/hash.h"
@@ -234,7 +235,7 @@ std::string ViewData::info() {
                {"file", std::filesystem::path(log.name()).filename().string()},
                {"bytes", log.file().file_bytes()},
                {"scenario", header.scenario_name},
-               {"scenario_text", header.scenario_text},
+               {"scenario_text", app::shown_scenario(header.scenario_text, header.scenario_name)},
                {"seed", std::to_string(header.seed)},
                {"start_s", 0},
                {"end_s", log.end_time().s()},
