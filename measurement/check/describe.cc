@@ -137,7 +137,8 @@ std::string behind_text(const MeasurementSet& set, const Kind& kind,
 
 }  // namespace
 
-SetDescription describe_set(const MeasurementSet& set, const std::optional<Model>& model) {
+SetDescription describe_set(const MeasurementSet& set, const std::optional<Model>& model,
+                            const Instruments& instruments) {
   const Kind& kind = find_kind(set.kind);
   SetDescription description;
   std::string& text = description.text;
@@ -166,7 +167,7 @@ SetDescription describe_set(const MeasurementSet& set, const std::optional<Model
     return description;
   }
   try {
-    const auto problem = kind.open(set);
+    const auto problem = kind.open(set, instruments);
     text += groups_text(*problem, set.group) + noise_text(problem->facts());
     if (model) {
       problem->check_model(*model);

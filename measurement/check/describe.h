@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "measurement/imaging/instruments.h"
 #include "measurement/sets/set.h"
 
 namespace seam::measurement {
@@ -19,6 +20,7 @@ struct SetDescription {
 
 // With a model also: how many points it places behind the camera, and which effects the set can
 // test beside it. Throws InputError where the set cannot be read at all.
-SetDescription describe_set(const MeasurementSet& set, const std::optional<effects::Model>& model);
+SetDescription describe_set(const MeasurementSet& set, const std::optional<effects::Model>& model,
+                            const Instruments& instruments = {});
 
 }  // namespace seam::measurement

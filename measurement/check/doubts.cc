@@ -55,7 +55,7 @@ void doubt_columns(const MeasurementSet& set, const Kind& kind, const Model& mod
   exchanged.exchanged = {u, v};
   double other = std::numeric_limits<double>::infinity();
   try {
-    const auto problem = kind.open(exchanged);
+    const auto problem = kind.open(exchanged, {});
     problem->check_model(model);
     problem->prepare(model);
     const Assessment assessment = assess(*problem, model, refitted_unknowns(model));

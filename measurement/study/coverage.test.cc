@@ -54,8 +54,7 @@ Scores of_sets(const std::string& kind, const std::string& effect, const std::ve
   Scores scores;
   for (int seed = 1; seed <= seeds; ++seed) {
     std::filesystem::remove_all(folder / "set");
-    measure_set(model, protocol,
-                            {.seed = static_cast<uint64_t>(seed), .out = folder / "set"});
+    measure_set(model, protocol, {.seed = static_cast<uint64_t>(seed), .out = folder / "set"});
     const auto problem = open_problem(folder / "set");
     problem->prepare(nominal);
     const Fit fit = problem->fit(start, unknowns, problem->all_groups());

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/predictors/instruments.h"
 #include "effects/model.h"
 #include "measurement/check/describe.h"
 #include "render/colour/colour_table.h"
@@ -141,7 +142,8 @@ void check_set(const Settings& settings) {
   const auto set = measurement::MeasurementSet::open(settings.path);
   std::optional<effects::Model> model;
   if (!settings.model.empty()) model = effects::Model::from_file(settings.model);
-  const measurement::SetDescription description = measurement::describe_set(set, model);
+  const measurement::SetDescription description =
+      measurement::describe_set(set, model, app::instruments());
   std::printf("%s: %s", settings.path.c_str(), shown_lines(description.text).c_str());
   for (const std::string& warning : description.warnings)
     std::printf("warning: %s\n", shown_lines(warning).c_str());
