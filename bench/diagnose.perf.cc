@@ -9,6 +9,7 @@
 
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/search.h"
+#include "measurement/study/study.h"
 #include "sim_core/base/output.h"
 
 namespace seam::measurement {
@@ -61,10 +62,8 @@ void write_points(const fs::path& folder) {
       "format: seam-measurement/1\nkind: points\ntitle: Points\n"
       "camera: {width_px: 178, height_px: 144, frame_period_s: 0.08}\nnoise: {u_px: 0.15, v_px: "
       "0.15}\n"
-      "group: frame\nfiles: {points: points.csv, joints: joints.csv}\n"
-      "rig: {chain: [{translate_m: [0, 0, 0.195]}, {joint: tilt, axis: [0, -1, 0]}, "
-      "{translate_m: [0, 0, 0.048]}, {joint: pan, axis: [0, 0, 1]}, {translate_m: [0.0666, 0, "
-      "0]}]}\n");
+      "group: frame\nfiles: {points: points.csv, joints: joints.csv}\n" +
+          head_rig("[0, -1, 0]"));
 }
 
 void diagnose(benchmark::State& state, void (*write)(const fs::path&), const std::string& nominal,

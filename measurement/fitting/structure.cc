@@ -350,7 +350,8 @@ void Tester::test_spread(const Signal& signal) {
   }
 }
 
-// The noise of the channel, or of the first of the two that a combined one is made of.
+}  // namespace
+
 double noise_of(const Facts& facts, const std::string& residual) {
   for (const Channel& channel : facts.channels) {
     if (channel.name == residual) return channel.noise;
@@ -360,8 +361,6 @@ double noise_of(const Facts& facts, const std::string& residual) {
   }
   return 1;
 }
-
-}  // namespace
 
 void strongest_first(const Facts& facts, std::vector<Structure>& structures) {
   const auto key = [&](const Structure& s) {

@@ -70,6 +70,7 @@ struct Facts {
   std::vector<int> row_of;       // By scalar.
   std::vector<int> channel_of;   // By scalar.
   std::vector<Covariate> covariates;
+  std::vector<std::string> notes;         // What of the set takes no part, and why: sentences.
   std::vector<CombinedChannel> combined;  // Looked at by the structure tests beside the channels.
 
   std::string kind() const { return effects::kind_facts(kind_bit).name; }
@@ -137,6 +138,9 @@ struct Structure {
   double p_value = 1;     // Corrected for the number of looks.
   double explained = 0;   // Share of the residual's sum of squares.
 };
+
+// The noise of a residual's channel, or of the first of the two that a combined one is made of.
+double noise_of(const Facts& facts, const std::string& residual);
 
 // Surest first. Values of p that are cut (1e-300) are no order: of these, and of equals, the one
 // that is stronger in units of its channel's noise goes first.

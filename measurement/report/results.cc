@@ -30,6 +30,12 @@ std::string structure_text(const std::vector<Structure>& structure) {
   return text;
 }
 
+std::string notes_text(const Problem& problem) {
+  std::string text;
+  for (const std::string& note : problem.facts().notes) text += note + "\n";
+  return text;
+}
+
 // Why the error is not that of `compare`, where it is not.
 std::string outlier_text(const SearchResult& result) {
   if (result.steps.empty() || (result.outliers.empty() && result.outliers_of_given == 0)) return "";
@@ -77,6 +83,7 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
                         base.held.native[c], problem.facts().channels[c].noise,
                         problem.facts().channels[c].estimated ? " (estimated)" : "");
   }
+  text += notes_text(problem);
   if (!result.outliers.empty())
     text += fmt::format(
         "{} residuals left out as outliers of this model (diagnose, which may find a better one, "
@@ -96,7 +103,7 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
 std::string diagnose_text(const Problem& problem, const SearchResult& result) {
   std::string text = fmt::format("{}: error {:.4f} on held-out groups (1.0 is the noise)\n",
                                  problem.facts().title, result.base.assessment.error);
-  text += outlier_text(result);
+  text += notes_text(problem) + outlier_text(result);
   text += fmt::format("verdict: {}\n", result.verdict);
   int rank = 0;
   for (const Candidate& candidate : result.first.candidates) {
@@ -123,7 +130,7 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
 std::string discover_text(const Problem& problem, const SearchResult& result) {
   std::string text = fmt::format("{}: error {:.4f} on held-out groups before\n",
                                  problem.facts().title, result.base.assessment.error);
-  text += outlier_text(result);
+  text += notes_text(problem) + outlier_text(result);
   for (const Step& step : result.steps) {
     text += fmt::format("  + {:24s} {:.4f} -> {:.4f}   {}\n", step.effect, step.error_before,
                         step.error_after,

@@ -25,6 +25,10 @@ void add_noise(ordered_json& json, const Problem& problem) {
   json["noise_estimated"] = estimated;
 }
 
+void add_notes(ordered_json& json, const Problem& problem) {
+  if (!problem.facts().notes.empty()) json["notes"] = problem.facts().notes;
+}
+
 ordered_json native_json(const Problem& problem, const Score& score) {
   ordered_json native = ordered_json::object();
   for (size_t c = 0; c < problem.facts().channels.size(); ++c)
@@ -124,6 +128,7 @@ std::string compare_json(const Problem& problem, const CompareResult& result) {
   json["structure"] = structure_json(result.structure);
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
+  add_notes(json, problem);
   return dumped(json);
 }
 
@@ -168,6 +173,7 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
   json["not_testable"] = not_testable_json(result.first.not_testable);
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
+  add_notes(json, problem);
   json["advice"] = advice_for(problem, result);
   if (suggestion) {
     json["suggestion"] = {{"effect", suggestion->effect},
@@ -203,6 +209,7 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
   json["not_testable"] = not_testable_json(result.first.not_testable);
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
+  add_notes(json, problem);
   json["advice"] = advice_for(problem, result);
   return dumped(json);
 }

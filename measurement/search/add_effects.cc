@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measurement/search/compare.h"
+#include "measurement/search/told_apart.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -87,10 +88,13 @@ AddResult refit_all(Problem& problem, const Model& model) {
         unknowns.push_back({effect.definition->name, i});
     }
   }
+  std::vector<NotTestable> untold;
+  unknowns = told_apart(problem, before.base.assessment.model, unknowns, untold);
   Assessment after = assess(problem, before.base.assessment.model, unknowns);
   AddResult result{.model = after.model,
                    .error_before = before.base.assessment.error,
-                   .error_after = after.error};
+                   .error_after = after.error,
+                   .not_testable = std::move(untold)};
   write_sigmas(result.model, after.unknowns, after.fit);
   for (const effects::ModelEffect& effect : after.model.effects()) {
     for (auto& [name, value] : parameters_of(after, effect.definition->name)) {

@@ -26,7 +26,8 @@ struct AddResult {
 // Fits and adds effects, all at once (a file may hold several). Throws InputError where one of
 // them cannot be tested with these data.
 AddResult add_effects(Problem& problem, const Model& model, const EffectList& effects);
-// Refits every parameter of the model but counts and bits.
+// Refits every parameter of the model but counts and bits, and those that the data do not tell
+// beside the others (told_apart.h), which stay as they are and are named.
 AddResult refit_all(Problem& problem, const Model& model);
 
 // The model that a search found, with its history.

@@ -92,6 +92,24 @@ Assessment assess(const Problem& problem, const Model& model,
   return result;
 }
 
+void check_enough(const Problem& problem, const Assessment& assessment) {
+  const Score& held = assessment.held;
+  if (!held.valid) return;
+  const auto fail = [&](const std::string& what, int64_t residuals, int64_t unknowns) {
+    throw InputError(
+        fmt::format("{}: {} have {} residuals for {} unknowns (poses or starts of their own{}): "
+                    "too few to tell "
+                    "a model by",
+                    problem.facts().file, what, residuals, unknowns,
+                    what == "all groups" ? ", parameters that are fitted" : ""));
+  };
+  if (held.n <= held.nuisances) fail("the held-out groups", held.n, held.nuisances);
+  if (held.nuisances == 0) return;
+  const Score all = problem.score(assessment.model, problem.all_groups());
+  const int64_t unknowns = all.nuisances + static_cast<int64_t>(assessment.unknowns.size());
+  if (all.n <= unknowns) fail("all groups", all.n, unknowns);
+}
+
 Assessment assess_fixed(const Problem& problem, const Model& model) {
   return assess(problem, model, {});
 }

@@ -1,12 +1,12 @@
 #include "measurement/search/candidates.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "effects/registry.h"
 #include "measurement/numerics/regression.h"
+#include "measurement/numerics/span.h"
 
 namespace seam::measurement {
 namespace {
@@ -28,11 +28,6 @@ Model with_effect(Model model, const std::shared_ptr<const EffectDefinition>& ef
   for (size_t i = 0; i < values.size(); ++i) parameters.push_back({.value = values[i]});
   model.set(effect, std::move(parameters));
   return model;
-}
-
-double column_dot(const std::vector<double>& a, const std::vector<double>& b) {
-  return Eigen::Map<const Eigen::VectorXd>(a.data(), a.size())
-      .dot(Eigen::Map<const Eigen::VectorXd>(b.data(), b.size()));
 }
 
 // Which of the effect's parameters these groups can say anything of, beyond what the parameters
@@ -58,20 +53,14 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   const Evaluation here = problem.evaluate(model, groups);
   if (!here.valid) return open;
   auto columns = problem.jacobian(model, unknowns, groups, here);
-  // Gram-Schmidt: what is left of each column is its leverage.
+  // What is left of each column is its leverage.
   std::vector<size_t> testable;
-  std::vector<std::vector<double>> basis;
+  Span span;
   double gain = 0;
   for (size_t k = 0; k < unknowns.size(); ++k) {
     std::vector<double>& column = columns[k];
-    const double before = std::sqrt(column_dot(column, column));
-    for (int twice = 0; twice < 2; ++twice) {
-      for (const auto& direction : basis) {
-        const double along = column_dot(direction, column);
-        for (size_t i = 0; i < column.size(); ++i) column[i] -= along * direction[i];
-      }
-    }
-    const double after = std::sqrt(column_dot(column, column));
+    const double before = span.take_out_of(column);
+    const double after = length(column);
     const bool candidate = k >= others.size();
     const size_t parameter = unknowns[k].parameter;
     const double width =
@@ -89,10 +78,9 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
                          "these data could not see it at any size in its bounds"});
       continue;
     }
-    for (double& value : column) value /= after;
-    const double along = column_dot(column, here.whitened);
+    const double along = dot(column, here.whitened) / after;
     gain += 0.5 * along * along;
-    basis.push_back(column);
+    span.add(column);
     if (candidate) testable.push_back(parameter);
   }
   if (problem.is_smooth()) expected_ll = score_of(problem, here).log_likelihood + gain;

@@ -9,6 +9,7 @@ CompareResult compare(Problem& problem, const Model& model) {
   SearchResult marks;
   problem.leave_out({});
   Assessment assessment = assess(problem, model, refitted_unknowns(model));
+  check_enough(problem, assessment);
   for (int round = 0; round < kOutlierRounds && mark_outliers(problem, assessment.model, marks);
        ++round) {
     assessment = assess(problem, model, refitted_unknowns(model));

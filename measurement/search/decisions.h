@@ -70,8 +70,17 @@ inline constexpr int kOutlierRounds = 3;
 // Two explanations within this many units count as equally good: a likelihood ratio of 100 to 1.
 // In units of the misfit where a model misses more than the noise.
 inline constexpr double kTieWidth = 4.6;
-// Among the tied, one with fewer parameters goes first within this difference, which two needless
-// parameters gain by chance in one of seven cases (chi-square of 2 above 4). A judgement.
+// Further parameters may put one ahead by what needless ones gain by chance in one of a hundred
+// cases: 5.7 units for three. The simplest of such a tie goes first: before, a lens with one
+// parameter lost to one with three or four, none of the further ones needed, in 4 of 31 made
+// boards.
+inline constexpr double kTieAlarm = 0.01;
+// Ties are passed on (where a is as good as b and b as c, all three are declared), but no further
+// from the best than so many widths: there the likelihood ratio is 10,000 to 1. A judgement.
+inline constexpr double kTieReach = 2;
+// Where the best misses more than the noise, one with fewer parameters goes first within this
+// difference, which two needless parameters gain by chance in one of seven cases (chi-square of 2
+// above 4). A judgement.
 inline constexpr double kFewerParametersWidth = 2;
 // And within this one, where next to nothing tells them apart, the one without a bound at neutral:
 // a latency rather than an exposure (docs/studies.md, "Cross-checks").
@@ -112,6 +121,9 @@ inline constexpr double kSameFit = 0.5;
 // A column of which others leave less than this share, by length, is theirs: differences of
 // predictions are good to about this.
 inline constexpr double kAbsorbed = 1e-5;
+// Of a model whose parameters are all refitted, one whose column has less than this share of its
+// own is not freed: its standard error would be 10,000 times what it is alone. A judgement.
+inline constexpr double kUntold = 1e-4;
 // A parameter that moves residuals by less than two standard errors over all of its bounds cannot
 // be seen at any size in them.
 inline constexpr double kLeastReach = 2;

@@ -32,14 +32,6 @@ size_t needed_parameters(const Grown& grown) {
   return needed;
 }
 
-size_t fitted_parameters(const Grown& grown) {
-  size_t count = 0;
-  for (const Unknown& unknown : grown.assessment.unknowns) {
-    count += std::find(grown.added.begin(), grown.added.end(), unknown.effect) != grown.added.end();
-  }
-  return count;
-}
-
 bool bounded_at_neutral(const EffectDefinition& effect) {
   return std::any_of(effect.parameters.begin(), effect.parameters.end(),
                      [](const Parameter& p) { return p.min >= p.neutral || p.max <= p.neutral; });
@@ -78,6 +70,24 @@ double gain_over_scatter(const Score& before, const Score& after) {
 
 double tie_width(double error) {
   return kTieWidth * std::max(1.0, error * error);
+}
+
+size_t fitted_parameters(const Grown& grown) {
+  size_t count = 0;
+  for (const Unknown& unknown : grown.assessment.unknowns) {
+    count += std::find(grown.added.begin(), grown.added.end(), unknown.effect) != grown.added.end();
+  }
+  return count;
+}
+
+bool cannot_tell(const Weight& a, const Weight& b, double error) {
+  const double ahead = a.total_ll - b.total_ll;
+  if (std::abs(ahead) < tie_width(error)) return true;
+  const bool a_has_more = a.parameters > b.parameters;
+  if (a.parameters == b.parameters || a_has_more != (ahead > 0)) return false;
+  const double further =
+      static_cast<double>(a_has_more ? a.parameters - b.parameters : b.parameters - a.parameters);
+  return chi2_tail(2 * std::abs(ahead) / std::max(1.0, error * error), further) > kTieAlarm;
 }
 
 double merit_of(const Problem& problem, const Grown& grown) {
@@ -134,6 +144,61 @@ bool clearly_helps(const Candidate& candidate) {
   return candidate.significant && !candidate.effect->spread_only && candidate.held_z > kClearGain;
 }
 
+namespace {
+
+Weight weight_of(const Candidate& candidate) {
+  return {candidate.total_gain_ll, candidate.free.size()};
+}
+
+// Moves those that the data cannot tell from the best, or from one of these, to the front, and
+// returns how many there are; the chain ends where one is clearly worse than the best. Where even
+// the best misses more than the noise, what is missing weighs more than parameters do: there only
+// those within the width of a tie belong to it.
+size_t gather_ties(std::vector<Candidate>& candidates) {
+  const double error = candidates.front().grown.assessment.error;
+  const double width = tie_width(error);
+  const Weight best = weight_of(candidates.front());
+  const double best_merit = candidates.front().merit;
+  size_t count = 1;
+  const auto joins = [&](const Candidate& c) {
+    if (!c.significant) return false;
+    if (error > kMisfit)
+      return best_merit - c.merit < width && std::abs(best.total_ll - c.total_gain_ll) < width;
+    if (std::abs(best.total_ll - c.total_gain_ll) > kTieReach * width) return false;
+    return std::any_of(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
+                       [&](const Candidate& member) {
+                         return cannot_tell(weight_of(member), weight_of(c), error);
+                       });
+  };
+  for (bool again = true; again;) {
+    again = false;
+    for (size_t i = count; i < candidates.size(); ++i) {
+      if (!joins(candidates[i])) continue;
+      const auto place = candidates.begin() + static_cast<std::ptrdiff_t>(count);
+      const auto here = candidates.begin() + static_cast<std::ptrdiff_t>(i);
+      std::rotate(place, here, here + 1);
+      ++count, again = true;
+    }
+  }
+  return count;
+}
+
+// Of equally good ones: fewer parameters, then no bound at neutral.
+void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
+  const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(tied);
+  const bool at_noise = candidates.front().grown.assessment.error <= kMisfit;
+  std::stable_sort(candidates.begin(), end, [&](const Candidate& a, const Candidate& b) {
+    const double apart = std::abs(a.total_gain_ll - b.total_gain_ll);
+    if (a.free.size() != b.free.size() && (at_noise || apart < kFewerParametersWidth))
+      return a.free.size() < b.free.size();
+    if (apart < kPreferenceWidth)
+      return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
+    return false;
+  });
+}
+
+}  // namespace
+
 void rank_candidates(std::vector<Candidate>& candidates) {
   // While nothing explains the set by far, training groups can be fitted by what is wrong
   // elsewhere.
@@ -146,32 +211,21 @@ void rank_candidates(std::vector<Candidate>& candidates) {
                      return far ? a.gain_ll > b.gain_ll : a.merit > b.merit;
                    });
   if (candidates.empty() || !candidates.front().significant) return;
-  // Among those as good as the best: fewer parameters, then no bound at neutral.
-  const double width = tie_width(candidates.front().grown.assessment.error);
-  const double best_merit = candidates.front().merit;
-  const double best_total = candidates.front().total_gain_ll;
-  const auto tied = [&](const Candidate& c) {
-    return c.significant && best_merit - c.merit < width &&
-           std::abs(best_total - c.total_gain_ll) < width;
-  };
-  const auto end = std::stable_partition(candidates.begin(), candidates.end(), tied);
-  std::stable_sort(candidates.begin(), end, [](const Candidate& a, const Candidate& b) {
-    if (a.free.size() != b.free.size() &&
-        std::abs(a.total_gain_ll - b.total_gain_ll) < kFewerParametersWidth)
-      return a.free.size() < b.free.size();
-    if (std::abs(a.total_gain_ll - b.total_gain_ll) < kPreferenceWidth)
-      return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
-    return false;
-  });
-  for (Candidate& candidate : candidates) {
+  const size_t tied = gather_ties(candidates);
+  simplest_first(candidates, tied);
+  const bool at_noise = candidates.front().grown.assessment.error <= kMisfit;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    Candidate& candidate = candidates[i];
     if (!candidate.significant) continue;
-    const double own = tie_width(candidate.grown.assessment.error);
-    for (const Candidate& other : candidates) {
-      if (&other == &candidate || !other.significant) continue;
-      if (std::abs(other.total_gain_ll - candidate.total_gain_ll) < own &&
-          candidate.indistinguishable_from.size() < kMostTiesNamed) {
-        candidate.indistinguishable_from.push_back(other.effect->name);
-      }
+    const double error = candidate.grown.assessment.error;
+    for (size_t k = 0; k < candidates.size(); ++k) {
+      const Candidate& other = candidates[k];
+      if (k == i || !other.significant) continue;
+      const bool in_class = at_noise && i < tied && k < tied;
+      const bool pair =
+          std::abs(other.total_gain_ll - candidate.total_gain_ll) < tie_width(error) &&
+          candidate.indistinguishable_from.size() < kMostTiesNamed;
+      if (in_class || pair) candidate.indistinguishable_from.push_back(other.effect->name);
     }
   }
 }

@@ -44,11 +44,25 @@ double gain_over_scatter(const Score& before, const Score& after);
 // moves whole groups (jitter) lets other effects seem to help.
 bool clearly_helps(const Candidate& candidate);
 
-// Best first: merit, then by preference among ties; fills `indistinguishable_from`.
+// Best first: by merit, but of all those that the data cannot tell from the best the simplest goes
+// first; fills `indistinguishable_from`.
 void rank_candidates(std::vector<Candidate>& candidates);
 
 // The log-likelihood below which two explanations count as equally good.
 double tie_width(double error);
+
+// An explanation for the comparison of two: its total log-likelihood and fitted parameters.
+struct Weight {
+  double total_ll = 0;
+  size_t parameters = 0;
+};
+
+// Whether the data cannot tell two explanations apart: they are within the width of a tie, or one
+// is ahead by no more than its further parameters gain by chance. `error` is that of the better.
+bool cannot_tell(const Weight& a, const Weight& b, double error);
+
+// Parameters that were fitted of the effects that a model grew by.
+size_t fitted_parameters(const Grown& grown);
 
 // Total log-likelihood less the price of the parameters that the added effects need.
 double merit_of(const Problem& problem, const Grown& grown);

@@ -27,6 +27,10 @@ Candidate* choose(const Problem& problem, std::vector<Candidate>& candidates) {
   return &candidates.front();
 }
 
+Weight weight_of(const Grown& grown) {
+  return {grown.assessment.total_ll, fitted_parameters(grown)};
+}
+
 // A model less one of its added effects, not fitted again.
 Grown without(const Grown& grown, const std::string& out) {
   Grown smaller{.added = grown.added};
@@ -172,6 +176,10 @@ bool Searcher::exchange(Grown& grown) {
   size_t best = moves.size();
   for (size_t m = 0; m < moves.size(); ++m) {
     if (!tried[m] || tried[m]->assessment.held_ll() < grown.assessment.held_ll()) continue;
+    // Of two that the data cannot tell apart the simpler stays.
+    if (fitted_parameters(*tried[m]) > fitted_parameters(grown) &&
+        cannot_tell(weight_of(*tried[m]), weight_of(grown), grown.assessment.error))
+      continue;
     const double merit = merit_of(problem_, *tried[m]);
     if (merit > best_merit) best_merit = merit, best = m;
   }
@@ -294,8 +302,7 @@ void Searcher::order_steps(SearchResult& result) {
   parallel_for(moves.size(), [&](size_t m) {
     const auto other = replace(result.best, result.steps[moves[m].first].effect, moves[m].second);
     if (!other) return;
-    const double difference = result.best.assessment.total_ll - other->assessment.total_ll;
-    tied[m] = std::abs(difference) < tie_width(result.best.assessment.error);
+    tied[m] = cannot_tell(weight_of(result.best), weight_of(*other), result.best.assessment.error);
   });
   for (size_t m = 0; m < moves.size(); ++m) {
     auto& names = result.steps[moves[m].first].indistinguishable_from;
@@ -312,6 +319,7 @@ SearchResult Searcher::run() {
   for (int round = 0; round < kOutlierRounds && marks_changed; ++round) {
     promising_.clear();
     base_ = base();
+    if (round == 0) check_enough(problem_, base_.assessment);
     forward(result);
     // Outliers are those of the best model; with others the search is run again. A model that
     // explains nothing has none to tell.

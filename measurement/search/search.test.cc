@@ -5,9 +5,9 @@
 
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "measurement/kinds/kinds.h"
+#include "measurement/study/study.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 
@@ -19,37 +19,11 @@ Model model_of(const std::string& effects) {
       ConfigNode::from_text("format: seam-model/1\neffects: " + effects + "\n", "test.yaml"));
 }
 
-// A robot that walks in circles of changing width among six landmarks.
 std::filesystem::path landmark_protocol(const std::string& name, double first_time_s,
                                         int runs = 8) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / name;
   std::filesystem::create_directories(folder);
-  std::string landmarks = "landmark,x_m,y_m\n";
-  for (int k = 0; k < 6; ++k)
-    landmarks += fmt::format("{},{},{}\n", k, 2.2 * std::cos(k * 1.05), 1.6 * std::sin(k * 1.05));
-  std::string poses = "run,time_s,x_m,y_m,theta_rad\n";
-  std::string seen = "run,time_s,landmark,range_m,bearing_rad\n";
-  for (int run = 0; run < runs; ++run) {
-    for (int i = 0; i <= 400; ++i) {
-      const double t = 0.02 * i, turn = 0.9 * t + run;
-      const double at = first_time_s + 10 * run + t;
-      poses += fmt::format("{},{:.4f},{:.7f},{:.7f},{:.7f}\n", run, at, 0.8 * std::cos(turn),
-                           0.6 * std::sin(turn + 0.3 * run),
-                           turn + std::numbers::pi / 2 + 0.3 * std::sin(2 * t));
-      if (i % 20 == 10) {
-        for (int k = 0; k < 6; k += 2)
-          seen += fmt::format("{},{:.4f},{},0,0\n", run, at, (k + i / 20) % 6);
-      }
-    }
-  }
-  write_file_atomically(folder / "landmarks.csv", landmarks);
-  write_file_atomically(folder / "poses.csv", poses);
-  write_file_atomically(folder / "observations.csv", seen);
-  write_file_atomically(
-      folder / "measurement.yaml",
-      "format: seam-measurement/1\nkind: landmarks\nnoise: {range_m: 0.03, bearing_rad: "
-      "0.006}\ngroup: run\n"
-      "files: {observations: observations.csv, landmarks: landmarks.csv, poses: poses.csv}\n");
+  write_landmark_walks(folder, runs, first_time_s);
   return folder;
 }
 

@@ -131,6 +131,20 @@ size_t CsvTable::index_of(std::string_view column) const {
   return found - columns_.begin();
 }
 
+void CsvTable::keep_rows(const std::vector<char>& kept) {
+  const size_t stride = columns_.size() + 1;
+  size_t to = 0;
+  for (size_t row = 0; row < rows_; ++row) {
+    if (!kept[row]) continue;
+    std::copy_n(starts_.begin() + static_cast<std::ptrdiff_t>(row * stride), stride,
+                starts_.begin() + static_cast<std::ptrdiff_t>(to * stride));
+    lines_[to++] = lines_[row];
+  }
+  rows_ = to;
+  starts_.resize(to * stride);
+  lines_.resize(to);
+}
+
 std::string_view CsvTable::at(size_t row, size_t column) const {
   const size_t first = row * (columns_.size() + 1) + column;
   return trimmed(

@@ -32,6 +32,9 @@ class CsvTable {
   // Exact decimal seconds as integer nanoseconds: epoch times of 1.2e9 s keep their precision.
   std::vector<int64_t> times_ns(std::string_view column) const;
 
+  // Leaves out the rows whose flag is 0; lines stay those of the file.
+  void keep_rows(const std::vector<char>& kept);
+
   // Columns outside `known` that hold finite numbers in every row: extra covariates.
   std::vector<std::string> extra_numeric_columns(const std::vector<std::string>& known) const;
 

@@ -23,31 +23,42 @@ class Study {
     nominal_ = write_study_protocol(plan.kind, plan.folder / "protocol");
     if (plan.effect.empty()) return;
     effect_ = effects::find_effect(plan.effect);
-    if (!effect_) throw InputError(fmt::format("unknown effect '{}'", plan.effect));
+    if (!effect_)
+      throw InputError(fmt::format("unknown effect '{}'{}", plan.effect,
+                                   suggestion_for(plan.effect, effects::effect_names())));
     const auto& all = effect_->parameters;
     const auto found = std::find_if(all.begin(), all.end(), [&](const effects::Parameter& p) {
       return plan.parameter.empty() || p.name == plan.parameter;
     });
-    if (found == all.end())
-      throw InputError(
-          fmt::format("effect '{}' has no parameter '{}'", plan.effect, plan.parameter));
+    if (found == all.end()) {
+      std::vector<std::string> names;
+      for (const effects::Parameter& p : all) names.push_back(p.name);
+      throw InputError(fmt::format("effect '{}' has no parameter '{}'{}", plan.effect,
+                                   plan.parameter, suggestion_for(plan.parameter, names)));
+    }
     parameter_ = static_cast<size_t>(found - all.begin());
   }
 
   StudyResult run() {
     StudyResult result;
-    if (!effect_) result.rows.push_back(at(kNaN, 0));
+    const auto look = [&](double size, double value) {
+      StudyRow row = at(size, value);
+      if (row.sets > 0) result.rows.push_back(row);
+    };
+    if (!effect_) look(kNaN, 0);
     if (effect_ && !plan_.sizes.empty()) {
       const double sigma = standard_error();
-      for (const double size : plan_.sizes)
-        result.rows.push_back(at(size, neutral() + size * sigma));
+      for (const double size : plan_.sizes) look(size, neutral() + size * sigma);
     }
-    for (const double value : plan_.values) result.rows.push_back(at(kNaN, value));
+    for (const double value : plan_.values) look(kNaN, value);
     result.residuals = residuals_;
+    result.stopped = stopped_;
     return result;
   }
 
  private:
+  bool stopped() { return stopped_ = stopped_ || plan_.stopped(); }
+
   double neutral() const { return effect_->parameters[parameter_].neutral; }
 
   Model truth(double value) const {
@@ -95,16 +106,18 @@ class Study {
   StudyRow at(double size, double value) {
     StudyRow row{.size = size, .value = value};
     double sum = 0, sum2 = 0;
-    for (int i = 0; i < plan_.seeds; ++i) {
-      progress_(fmt::format("{} {} = {:.4g}: set {} of {}", plan_.kind, plan_.effect, value, i + 1,
-                            plan_.seeds));
+    const std::string what =
+        effect_ ? fmt::format("{} = {:.4g}", plan_.effect, value) : "nothing hidden";
+    for (int i = 0; i < plan_.seeds && !stopped(); ++i) {
+      progress_(fmt::format("{}, {}: set {} of {}", plan_.kind, what, i + 1, plan_.seeds));
       const auto problem = made(truth(value), plan_.first_seed + static_cast<uint64_t>(i));
       const SearchResult result = search(*problem, nominal_, {}, [](const std::string&) {});
       count(result, value, row);
       const double error = result.best.assessment.error;
       sum += error, sum2 += error * error;
+      ++row.sets;
     }
-    const double n = plan_.seeds;
+    const double n = row.sets;
     row.error = sum / n;
     row.error_sigma =
         n > 1 ? std::sqrt(std::max(0.0, sum2 / n - row.error * row.error) / (n - 1)) : kNaN;
@@ -138,6 +151,7 @@ class Study {
   std::shared_ptr<const EffectDefinition> effect_;
   size_t parameter_ = 0;
   size_t residuals_ = 0;
+  bool stopped_ = false;
 };
 
 double wilson(int hits, int trials, double side) {
@@ -183,10 +197,13 @@ std::string study_json(const StudyPlan& plan, const StudyResult& result) {
                                  {"effect", plan.effect},
                                  {"seeds", plan.seeds},
                                  {"residuals", result.residuals}};
+  if (result.stopped) json["stopped"] = true;
   json["rows"] = nlohmann::ordered_json::array();
   for (const StudyRow& row : result.rows) {
-    nlohmann::ordered_json entry = {
-        {"size", number(row.size)}, {"value", row.value}, {"alarms", rate(row.alarms)}};
+    nlohmann::ordered_json entry = {{"size", number(row.size)},
+                                    {"value", row.value},
+                                    {"sets", row.sets},
+                                    {"alarms", rate(row.alarms)}};
     if (!plan.effect.empty()) {
       entry["first"] = rate(row.first), entry["exact"] = rate(row.exact),
       entry["covered"] = rate(row.covered);
@@ -201,6 +218,7 @@ std::string study_text(const StudyPlan& plan, const StudyResult& result) {
   std::string text =
       fmt::format("{}: {} sets of {} residuals; intervals hold the true rate with 95 %\n",
                   plan.kind, plan.seeds, result.residuals);
+  if (result.stopped) text += "stopped: what follows is of the sets that were finished\n";
   for (const StudyRow& row : result.rows) {
     if (plan.effect.empty()) {
       text += fmt::format("nothing hidden: false alarms {}", percent(row.alarms));

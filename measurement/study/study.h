@@ -31,12 +31,15 @@ struct StudyPlan {
   uint64_t first_seed = 1;
   std::filesystem::path folder;  // Sets are made here and removed again.
   Instruments instruments;       // For kinds that need them.
+  // Asked before each set: where it says true, the study ends with the sets that are finished.
+  std::function<bool()> stopped = [] { return false; };
 };
 
 // What came out at one size of the effect.
 struct StudyRow {
   double size = 0;   // In standard errors; NaN where the value was given.
   double value = 0;  // Of the parameter.
+  int sets = 0;      // Finished: as many as the plan's seeds, unless the study was stopped.
   Rate alarms;       // Verdict other than adequate.
   Rate first;        // The effect ranks first or is declared tied with the first.
   Rate exact;        // The search ends with the effect (or its declared tie) and no other.
@@ -46,8 +49,9 @@ struct StudyRow {
 };
 
 struct StudyResult {
-  size_t residuals = 0;  // In one set.
-  std::vector<StudyRow> rows;
+  size_t residuals = 0;        // In one set.
+  bool stopped = false;        // Before all sets were finished.
+  std::vector<StudyRow> rows;  // Of sizes with a finished set.
 };
 
 // Throws InputError for a kind without a protocol, or an effect that does not act on it.
@@ -59,5 +63,12 @@ std::string study_text(const StudyPlan& plan, const StudyResult& result);
 // Writes the kind's protocol of about 1,000 residuals (images: of a few thousand samples) into a
 // folder; returns its nominal model.
 Model write_study_protocol(const std::string& kind, const std::filesystem::path& folder);
+
+// Parts of them, for other protocols. The ERS-210's head on its neck as the `rig:` of a set: tilt
+// about the axis given ("[0, -1, 0]" is up), then pan.
+std::string head_rig(const std::string& tilt_axis);
+// The protocol of landmarks: a robot that walks in circles of changing width among six landmarks
+// and looks around; a run every 10 s.
+void write_landmark_walks(const std::filesystem::path& folder, int runs, double first_time_s);
 
 }  // namespace seam::measurement

@@ -60,6 +60,32 @@ TEST(Study, WrongUseIsNamed) {
       InputError);
 }
 
+// What a progress line says, and that a study that is stopped keeps what it has.
+TEST(Study, StopsWithTheSetsThatAreFinished) {
+  StudyPlan plan{.kind = "odometry", .seeds = 50, .folder = scratch("study-stopped")};
+  std::vector<std::string> told;
+  plan.stopped = [&] { return told.size() == 2; };
+  const StudyResult result = study(plan, [&](const std::string& line) { told.push_back(line); });
+  EXPECT_EQ(told, (std::vector<std::string>{"odometry, nothing hidden: set 1 of 50",
+                                            "odometry, nothing hidden: set 2 of 50"}));
+  EXPECT_TRUE(result.stopped);
+  ASSERT_EQ(result.rows.size(), 1u);
+  EXPECT_EQ(result.rows[0].sets, 2);
+  EXPECT_EQ(result.rows[0].alarms.trials, 2);
+  EXPECT_NEAR(result.rows[0].error, 1.0, 0.15);
+  EXPECT_NE(study_text(plan, result).find("stopped"), std::string::npos);
+}
+
+TEST(Study, AnUnknownEffectGetsASuggestion) {
+  const StudyPlan plan{.kind = "points", .effect = "frame_latancy", .folder = scratch("bad")};
+  try {
+    study(plan, silent);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("frame_latency"), std::string::npos) << error.what();
+  }
+}
+
 // A set whose truth is an effect of no catalogue; what `suggest` makes of it.
 std::optional<Suggestion> proposed(const std::string& kind, const std::string& effect,
                                    const std::string& name) {

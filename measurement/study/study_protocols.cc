@@ -18,14 +18,17 @@ double between(const char* what, uint64_t index, double low, double high) {
   return low + (high - low) * uniform(kProtocol.child(what), index);
 }
 
-// The ERS-210's head on its neck: tilt about the axis given, then pan.
-std::string head_rig(const char* tilt_axis) {
+}  // namespace
+
+std::string head_rig(const std::string& tilt_axis) {
   return fmt::format(
       "rig:\n  chain:\n    - {{translate_m: [0, 0, 0.195]}}\n    - {{joint: tilt, axis: {}}}\n"
       "    - {{translate_m: [0, 0, 0.048]}}\n    - {{joint: pan, axis: [0, 0, 1]}}\n"
       "    - {{translate_m: [0.0666, 0, 0]}}\n",
       tilt_axis);
 }
+
+namespace {
 
 // A head that nods and swings before a room of points.
 std::string points(const std::filesystem::path& folder) {
@@ -96,22 +99,24 @@ std::string odometry(const std::filesystem::path& folder) {
   return "{ideal_odometry: {}}";
 }
 
-// A robot that walks in circles of changing width among six landmarks and looks around.
-std::string landmarks(const std::filesystem::path& folder) {
+}  // namespace
+
+void write_landmark_walks(const std::filesystem::path& folder, int runs, double first_time_s) {
   std::string places = "landmark,x_m,y_m\n";
   for (int k = 0; k < 6; ++k)
     places += fmt::format("{},{:.4f},{:.4f}\n", k, 2.2 * maths::cos(1.05 * k),
                           1.6 * maths::sin(1.05 * k));
   std::string poses = "run,time_s,x_m,y_m,theta_rad\n", seen = "run,time_s,landmark\n";
-  for (int run = 0; run < 10; ++run) {
+  for (int run = 0; run < runs; ++run) {
     for (int i = 0; i <= 400; ++i) {
       const double t = 0.02 * i, turn = 0.9 * t + run;
-      poses += fmt::format("{},{:.4f},{:.7f},{:.7f},{:.7f}\n", run, 10 * run + t,
-                           0.8 * maths::cos(turn), 0.6 * maths::sin(turn + 0.3 * run),
+      const double at = first_time_s + 10 * run + t;
+      poses += fmt::format("{},{:.4f},{:.7f},{:.7f},{:.7f}\n", run, at, 0.8 * maths::cos(turn),
+                           0.6 * maths::sin(turn + 0.3 * run),
                            turn + std::numbers::pi / 2 + 0.3 * maths::sin(2 * t));
       if (i % 20 != 10) continue;
       for (int k = 0; k < 6; k += 2)
-        seen += fmt::format("{},{:.4f},{}\n", run, 10 * run + t, (k + i / 20) % 6);
+        seen += fmt::format("{},{:.4f},{}\n", run, at, (k + i / 20) % 6);
     }
   }
   write_file_atomically(folder / "landmarks.csv", places);
@@ -122,6 +127,12 @@ std::string landmarks(const std::filesystem::path& folder) {
       "format: seam-measurement/1\nkind: landmarks\ntitle: Study of landmarks\n"
       "noise: {range_m: 0.03, bearing_rad: 0.006}\ngroup: run\n"
       "files: {observations: observations.csv, landmarks: landmarks.csv, poses: poses.csv}\n");
+}
+
+namespace {
+
+std::string landmarks(const std::filesystem::path& folder) {
+  write_landmark_walks(folder, 10, 0);
   return "{ideal_detector: {}}";
 }
 

@@ -14,6 +14,9 @@ std::string told(const measurement::AddResult& result) {
     text += fmt::format("  {} = {:.6g}{}\n", name, value.value,
                         value.sigma ? fmt::format(" +- {:.2g}", *value.sigma) : "");
   }
+  for (const measurement::NotTestable& n : result.not_testable)
+    text += fmt::format("  not fitted: {}{}{}: {}\n", n.effect, n.parameter.empty() ? "" : ".",
+                        n.parameter, n.why);
   return text + fmt::format("error on held-out groups {:.4f} -> {:.4f} (1.0 is the noise)\n",
                             result.error_before, result.error_after);
 }

@@ -6,6 +6,7 @@
 
 #include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/study/study.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/output.h"
@@ -70,11 +71,8 @@ void write_room(const std::filesystem::path& folder, const Settings& settings) {
           "camera: {{width_px: {}, height_px: {}, frame_period_s: {}}}\n"
           "noise: {{u_px: 0.15, v_px: 0.15}}\ngroup: frame\nfiles: {{points: points.csv, joints: "
           "joints.csv}}\n"
-          "rig:\n  chain:\n    - {{translate_m: [0.0, 0.0, 0.195]}}\n    - {{joint: tilt, axis: "
-          "[0, 1, 0]}}\n"
-          "    - {{translate_m: [0.0, 0.0, 0.048]}}\n    - {{joint: pan, axis: [0, 0, 1]}}\n"
-          "    - {{translate_m: [0.0666, 0.0, 0.0]}}\n",
-          settings.width_px, settings.height_px, kPeriod_s));
+          "{}",
+          settings.width_px, settings.height_px, kPeriod_s, measurement::head_rig("[0, 1, 0]")));
 }
 
 // Darks first, half of them with four times the exposure (dark current shows there alone), then

@@ -20,9 +20,9 @@ void add_measure(app::Command app) {
       .add_option("--protocol", flags->protocol,
                   "A measurement set; its measured columns are made anew")
       .required();
-  command.add_option("--seed", flags->seed, "Seed of all noise");
+  command.add_option("--seed", flags->seed, "Seed of all noise").show_default();
   command.add_option("--out", flags->out, "The folder to write").required();
-  command.add_option("--noise", flags->noise, "on or off").one_of({"on", "off"});
+  command.add_option("--noise", flags->noise, "on or off").one_of({"on", "off"}).show_default();
   command.footer(
       "Example: seam measure --model truth.yaml --protocol sets/points-a --seed 1 --out made");
   command.callback([flags] {

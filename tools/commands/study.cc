@@ -2,6 +2,7 @@
 #include "measurement/study/study.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 
 #include <memory>
 
@@ -13,6 +14,30 @@
 
 namespace seam::tools {
 namespace {
+
+// While it lives, Ctrl-C waits until the study asks, which it does before each set; from then on
+// Ctrl-C ends the program as ever.
+class Interrupt {
+ public:
+  Interrupt() {
+    sigemptyset(&interrupt_);
+    sigaddset(&interrupt_, SIGINT);
+    pthread_sigmask(SIG_BLOCK, &interrupt_, &before_);
+  }
+  ~Interrupt() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  Interrupt(const Interrupt&) = delete;
+  Interrupt& operator=(const Interrupt&) = delete;
+
+  bool came() {
+    const timespec at_once{};
+    if (sigtimedwait(&interrupt_, nullptr, &at_once) != SIGINT) return false;
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    return true;
+  }
+
+ private:
+  sigset_t interrupt_, before_;
+};
 
 std::vector<double> numbers(const std::vector<std::string>& words, const char* option) {
   std::vector<double> all;
@@ -35,9 +60,13 @@ void add_study(app::Command app) {
       .add_option("KIND", flags->plan.kind,
                   "points, joints, odometry, landmarks, photometry or frames")
       .required();
-  command.add_option("--seeds", flags->plan.seeds, "How many sets at each size").range(1, 100000);
-  command.add_option("--first-seed", flags->plan.first_seed,
-                     "Seed of the first set; the others follow");
+  command.add_option("--seeds", flags->plan.seeds, "How many sets at each size")
+      .range(1, 100000)
+      .show_default();
+  command
+      .add_option("--first-seed", flags->plan.first_seed,
+                  "Seed of the first set; the others follow")
+      .show_default();
   command.add_option("--effect", flags->plan.effect,
                      "What is hidden in each set; left out: nothing, to count false alarms");
   command.add_option("--parameter", flags->plan.parameter,
@@ -57,6 +86,8 @@ void add_study(app::Command app) {
     OutputFile json(flags->json);
     const app::ScratchFolder scratch("study");
     plan.folder = scratch.path();
+    Interrupt interrupt;
+    plan.stopped = [&interrupt] { return interrupt.came(); };
     const auto result = measurement::study(plan, progress_to_terminal());
     std::fputs(measurement::study_text(plan, result).c_str(), stdout);
     if (json) json.fill(measurement::study_json(plan, result));

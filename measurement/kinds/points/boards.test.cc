@@ -2,13 +2,18 @@
 // perspective model, bent to the same points, ends far from it. The points come from the lens's
 // formula, written out here.
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/compare.h"
 #include "measurement/search/search.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 
@@ -29,27 +34,53 @@ Pixel fisheye(double x, double y, double z) {
   return {kFocal_px * x * scale + kCx_px, kFocal_px * y * scale + kCy_px};
 }
 
-// Views of a board of 9 x 7 corners, turned by up to 30 degrees, all over a wide image.
-std::filesystem::path board_views() {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "fisheye-board";
+// A perspective lens with the founding paper's distortion, seen in 640 x 480 pixels.
+Pixel barrel(double x, double y, double z) {
+  const double a = x / z, b = y / z, bent = 2 / (1 + std::sqrt(1 + 4 * 0.05 * (a * a + b * b)));
+  return {420 * a * bent + 319.5, 420 * b * bent + 239.5};
+}
+
+struct BoardViews {
+  std::string name;
+  Pixel (*lens)(double x, double y, double z) = fisheye;
+  int width_px = 1280, height_px = 800;
+  int views = 16;
+  double apart_x_m = 0.45, apart_y_m = 0.3;  // How far the views lie from each other.
+  uint64_t seed = 11;
+  std::vector<int> points;  // That are seen, of 63; empty: all.
+  std::string noise = "";   // A line of measurement.yaml.
+};
+
+// Views of a board of 9 x 7 corners, turned by up to 30 degrees, all over the image.
+std::filesystem::path board_views(const BoardViews& what) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / what.name;
   std::filesystem::create_directories(folder);
   std::string rows = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
   uint64_t draw = 0;
-  const auto within = [&](double limit) { return limit * (2 * uniform({11, 1}, draw++) - 1); };
-  for (int frame = 0; frame < 16; ++frame) {
+  const auto within = [&](double limit) {
+    return limit * (2 * uniform({what.seed, 1}, draw++) - 1);
+  };
+  for (int frame = 0; frame < what.views; ++frame) {
     const double yaw = within(0.5), pitch = within(0.5), roll = within(0.6);
-    const double cx = 0.45 * (frame % 4 - 1.5), cy = 0.3 * (frame / 4 - 1.5),
+    const double cx = what.apart_x_m * (frame % 4 - 1.5), cy = what.apart_y_m * (frame / 4 - 1.5),
                  cz = 0.45 + within(0.1);
     for (int point = 0; point < 63; ++point) {
+      const auto& seen_here = what.points;
+      if (!seen_here.empty() &&
+          std::find(seen_here.begin(), seen_here.end(), point) == seen_here.end())
+        continue;
       const double a = 0.04 * (point % 9 - 4), b = 0.04 * (point / 9 - 3);
       const double x = std::cos(roll) * a - std::sin(roll) * b,
                    y = std::sin(roll) * a + std::cos(roll) * b;
       const double y2 = std::cos(pitch) * y, z2 = std::sin(pitch) * y;
       const double x3 = std::cos(yaw) * x + std::sin(yaw) * z2,
                    z3 = -std::sin(yaw) * x + std::cos(yaw) * z2;
-      const Pixel seen = fisheye(x3 + cx, y2 + cy, z3 + cz);
-      if (seen.u_px < 0 || seen.v_px < 0 || seen.u_px > 1279 || seen.v_px > 799) continue;
-      const double noise_u = normal({11, 2}, 2 * draw), noise_v = normal({11, 2}, 2 * draw++ + 1);
+      const Pixel seen = what.lens(x3 + cx, y2 + cy, z3 + cz);
+      if (seen.u_px < 0 || seen.v_px < 0 || seen.u_px > what.width_px - 1 ||
+          seen.v_px > what.height_px - 1)
+        continue;
+      const double noise_u = normal({what.seed, 2}, 2 * draw),
+                   noise_v = normal({what.seed, 2}, 2 * draw++ + 1);
       rows += fmt::format("{},{},{},{:.6f},{:.6f},0,{:.4f},{:.4f}\n", frame, frame, point, a, b,
                           seen.u_px + kNoise_px * noise_u, seen.v_px + kNoise_px * noise_v);
     }
@@ -57,18 +88,37 @@ std::filesystem::path board_views() {
   write_file_atomically(folder / "points.csv", rows);
   write_file_atomically(
       folder / "measurement.yaml",
-      "format: seam-measurement/1\nkind: points\ncamera: {width_px: 1280, height_px: 800}\n"
-      "group: frame\nfiles: {points: points.csv}\nrig: {pose: unknown}\n");
+      fmt::format("format: seam-measurement/1\nkind: points\n"
+                  "camera: {{width_px: {}, height_px: {}}}\n{}"
+                  "group: frame\nfiles: {{points: points.csv}}\nrig: {{pose: unknown}}\n",
+                  what.width_px, what.height_px, what.noise));
   return folder;
 }
 
-TEST(Boards, AFisheyeLensIsFoundAndItsStepShown) {
-  const auto problem = open_problem(board_views());
-  const Model nominal = Model::from_config(ConfigNode::from_text(
-      "format: seam-model/1\neffects: {pinhole: {fx_px: {value: 420, free: true}, fy_px: {value: "
-      "420, free: true}, "
-      "cx_px: {value: 639.5, free: true}, cy_px: {value: 399.5, free: true}}}\n",
+Model free_pinhole(int width_px, int height_px) {
+  return Model::from_config(ConfigNode::from_text(
+      fmt::format("format: seam-model/1\neffects: {{pinhole: {{fx_px: {{value: 420, free: true}}, "
+                  "fy_px: {{value: 420, free: true}}, cx_px: {{value: {}, free: true}}, cy_px: "
+                  "{{value: {}, free: true}}}}}}\n",
+                  0.5 * (width_px - 1), 0.5 * (height_px - 1)),
       "test.yaml"));
+}
+
+// A small image: less room for the lens to differ from others in.
+BoardViews small(const std::string& name, uint64_t seed) {
+  return {.name = name,
+          .lens = barrel,
+          .width_px = 640,
+          .height_px = 480,
+          .views = 10,
+          .apart_x_m = 0.1,
+          .apart_y_m = 0.07,
+          .seed = seed};
+}
+
+TEST(Boards, AFisheyeLensIsFoundAndItsStepShown) {
+  const auto problem = open_problem(board_views({.name = "fisheye-board"}));
+  const Model nominal = free_pinhole(1280, 800);
   const SearchResult result = search(*problem, nominal, {}, [](const std::string&) {});
   ASSERT_EQ(result.steps.size(), 1u);
   EXPECT_EQ(result.steps[0].effect, "fisheye");
@@ -79,6 +129,66 @@ TEST(Boards, AFisheyeLensIsFoundAndItsStepShown) {
   EXPECT_NEAR(found.find("pinhole")->value("cx_px"), kCx_px, 2);
   for (const double rms_px : result.best.assessment.held.native)
     EXPECT_NEAR(rms_px, kNoise_px, 0.03);
+}
+
+// Lenses with three and four parameters bend as this one with one does. Which of them gains most is
+// chance; the simplest is named first, always.
+TEST(Boards, OneParameterThatDoesIsPreferredToFour) {
+  for (uint64_t seed = 1; seed <= 12; ++seed) {
+    const auto problem = open_problem(board_views(small("barrel-board", seed)));
+    const SearchResult result =
+        search(*problem, free_pinhole(640, 480), {}, [](const std::string&) {});
+    ASSERT_EQ(result.steps.size(), 1u) << seed;
+    EXPECT_EQ(result.steps[0].effect, "radial_distortion") << seed;
+    EXPECT_EQ(result.first.candidates[0].effect->name, "radial_distortion") << seed;
+    const auto& ties = result.steps[0].indistinguishable_from;
+    EXPECT_NE(std::find(ties.begin(), ties.end(), "radial_polynomial"), ties.end()) << seed;
+  }
+}
+
+TEST(Boards, ViewsOfThreePointsTellNothing) {
+  BoardViews few = small("three-points", 1);
+  few.points = {0, 8, 31};
+  few.noise = "noise: {u_px: 0.2, v_px: 0.2}\n";
+  EXPECT_THAT([&] { open_problem(board_views(few)); },
+              testing::ThrowsMessage<InputError>(testing::AllOf(
+                  testing::HasSubstr("points.csv"), testing::HasSubstr("fewer than 4 points"))));
+}
+
+TEST(Boards, AViewWithTooFewPointsIsLeftOutAndNamed) {
+  const auto folder = board_views(small("one-poor-view", 1));
+  const std::string all = read_file(folder / "points.csv");
+  write_file_atomically(folder / "points.csv",
+                        all + "poor,99,1,0,0,0,100,100\npoor,99,2,0.04,0,0,140,100\n");
+  const auto problem = open_problem(folder);
+  ASSERT_EQ(problem->facts().notes.size(), 1u);
+  EXPECT_NE(problem->facts().notes[0].find("frame poor left out"), std::string::npos)
+      << problem->facts().notes[0];
+  EXPECT_EQ(problem->facts().groups.size(), 10u);
+  const CompareResult result = compare(*problem, free_pinhole(640, 480));
+  EXPECT_TRUE(std::isfinite(result.base.assessment.error));
+}
+
+TEST(Boards, NoiseThatFewPointsDoNotTellMustBeStated) {
+  BoardViews few = small("four-points", 1);
+  few.points = {0, 8, 54, 62};
+  EXPECT_THAT([&] { open_problem(board_views(few)); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr("noise")));
+  few.noise = "noise: {u_px: 0.2, v_px: 0.2}\n";
+  const auto problem = open_problem(board_views(few));
+  EXPECT_TRUE(std::isfinite(compare(*problem, free_pinhole(640, 480)).base.assessment.error));
+}
+
+// One of the two views has two of its points outside the image; the other has eight numbers for the
+// six unknowns of its pose and four of the camera.
+TEST(Boards, FewerObservationsThanUnknownsAreRefused) {
+  BoardViews few = small("two-views", 1);
+  few.points = {0, 8, 54, 62}, few.views = 2;
+  few.noise = "noise: {u_px: 0.2, v_px: 0.2}\n";
+  const auto problem = open_problem(board_views(few));
+  EXPECT_THAT(
+      [&] { compare(*problem, free_pinhole(640, 480)); },
+      testing::ThrowsMessage<InputError>(testing::HasSubstr("8 residuals for 10 unknowns")));
 }
 
 }  // namespace

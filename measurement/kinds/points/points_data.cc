@@ -1,5 +1,7 @@
 #include "measurement/kinds/points/points_data.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,13 +19,43 @@ Covariate named(const std::string& name, std::vector<double> values,
   return {.name = name, .type = type, .values = std::move(values)};
 }
 
+// A view whose pose is not known and that shows fewer points than a pose has unknowns to be told
+// from tells nothing: its rows take no part, and the facts say so.
+void leave_out_poor_views(CsvTable& table, Facts& facts) {
+  constexpr size_t kLeastPoints = 4;  // Three give up to four poses, and nothing to check them by.
+  std::vector<std::string> frames;
+  const std::vector<int> frame_of_row = number_groups(table.texts("frame"), frames);
+  std::vector<size_t> points(frames.size(), 0);
+  for (const int frame : frame_of_row) ++points[frame];
+  std::vector<std::string> poor;
+  for (size_t frame = 0; frame < frames.size(); ++frame) {
+    if (points[frame] < kLeastPoints) poor.push_back(frames[frame]);
+  }
+  if (poor.empty()) return;
+  const std::string needed = fmt::format(
+      "fewer than {} points: that is too few to tell a pose of 6 unknowns and a model by",
+      kLeastPoints);
+  if (poor.size() == frames.size())
+    throw InputError(fmt::format("{}: every view (frame) shows {}", table.file(), needed));
+  const size_t told = std::min<size_t>(poor.size(), 8);
+  facts.notes.push_back(
+      fmt::format("frame {}{} left out, {} of {} views: they show {}",
+                  fmt::join(poor.begin(), poor.begin() + static_cast<std::ptrdiff_t>(told), ", "),
+                  told < poor.size() ? fmt::format(" and {} more", poor.size() - told) : "",
+                  poor.size(), frames.size(), needed));
+  std::vector<char> kept;
+  for (const int frame : frame_of_row) kept.push_back(points[frame] >= kLeastPoints);
+  table.keep_rows(kept);
+}
+
 }  // namespace
 
 PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
   PointsData data{.rig = Rig::from_set(set), .camera = set.camera};
   if (data.camera.width_px == 0) set.root.at("camera").fail("missing");
-  const CsvTable table = set.table("points");
+  CsvTable table = set.table("points");
   if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
+  if (measured && data.rig.type() == Rig::Type::unknown) leave_out_poor_views(table, facts);
   facts.kind_bit = effects::kPoints;
   facts.title = set.title;
   facts.file = table.file();

@@ -6,6 +6,7 @@
 
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
+#include "sim_core/base/error.h"
 
 namespace seam::measurement {
 namespace {
@@ -79,6 +80,10 @@ std::array<double, 2> noise_by_frames(const PointsData& data) {
       left[c].insert(left[c].end(), r.begin(), r.end());
     }
   }
+  if (left[0].empty())
+    throw InputError(
+        "measurement.yaml: noise: found none, and no view has points enough to estimate it from "
+        "(7 or more), expected for example {u_px: 0.2, v_px: 0.2}");
   return {robust_sigma(left[0]), robust_sigma(left[1])};
 }
 

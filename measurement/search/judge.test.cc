@@ -1,0 +1,195 @@
+// When an effect counts as found, against calculations of other ways: likelihood ratios from sums
+// of squares, tails in closed form, and ties told by hand.
+#include "measurement/search/judge.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "measurement/fitting/made_problem.h"
+#include "measurement/search/candidates.h"
+
+namespace seam::measurement {
+namespace {
+
+constexpr double kNoise = 0.5;
+
+std::shared_ptr<const EffectDefinition> line() {
+  return made_effect("line", {{.name = "level", .min = -100, .max = 100, .scale = 1}});
+}
+std::shared_ptr<const EffectDefinition> bend() {
+  return made_effect("bend", {{.name = "size", .min = -100, .max = 100, .scale = 1}});
+}
+
+// y = level + size * x^2, in groups of eight.
+class Bent : public MadeProblem {
+ public:
+  Bent()
+      : MadeProblem(evenly(-1, 1, 160), kNoise, [](const std::vector<double>& p, double x) {
+          return p[0] + (p.size() > 1 ? p[1] * x * x : 0);
+        }) {
+    facts_.groups.clear();
+    for (size_t i = 0; i < 160; ++i) {
+      facts_.group_of_row[i] = static_cast<int>(i % 20);  // Each sees the whole range.
+      if (i < 20) facts_.groups.push_back("g" + std::to_string(i));
+    }
+  }
+  std::vector<std::vector<double>> starts(const Model&, const EffectDefinition&) const override {
+    return {{0.05}};
+  }
+};
+
+Model flat() {
+  Model model;
+  model.set(line(), {{.value = 0, .free = true}});
+  return model;
+}
+
+struct Judged {
+  Bent problem;
+  Grown base;
+  Candidate candidate;
+};
+
+std::unique_ptr<Judged> judged(double size, uint64_t seed, double looks) {
+  auto all = std::make_unique<Judged>();
+  Model truth;
+  truth.set(line(), {{.value = 0.3}});
+  truth.set(bend(), {{.value = size}});
+  all->problem.observe(truth, {.seed = seed, .stream = 1});
+  all->problem.prepare(flat());
+  all->base = {.assessment = assess(all->problem, flat(), refitted_unknowns(flat()))};
+  std::vector<NotTestable> reasons;
+  auto candidate = try_effect(all->problem, all->base, bend(), reasons);
+  EXPECT_TRUE(candidate);
+  all->candidate = std::move(*candidate);
+  judge(all->problem, all->base, looks, all->candidate);
+  return all;
+}
+
+// Sums of squares of the least-squares line and parabola over training groups, then what both leave
+// on all groups: by hand, with normal equations.
+double gain_by_hand(const Bent& problem) {
+  const Groups training = problem.training_groups();
+  double n = 0, s2 = 0, s4 = 0, y0 = 0, y2 = 0;
+  for (size_t i = 0; i < problem.x().size(); ++i) {
+    if (!training[problem.facts().group_of(i)]) continue;
+    const double q = problem.x()[i] * problem.x()[i], y = problem.y()[i];
+    ++n, s2 += q, s4 += q * q, y0 += y, y2 += y * q;
+  }
+  const double mean = y0 / n;
+  const double size = (n * y2 - s2 * y0) / (n * s4 - s2 * s2), level = (y0 - size * s2) / n;
+  double gain = 0;
+  for (size_t i = 0; i < problem.x().size(); ++i) {
+    const double q = problem.x()[i] * problem.x()[i], y = problem.y()[i];
+    gain += std::pow(y - mean, 2) - std::pow(y - level - size * q, 2);
+  }
+  return gain / (2 * kNoise * kNoise);
+}
+
+TEST(Judge, GainAndPAreThoseOfSumsOfSquares) {
+  for (const double size : {0.4, 0.8, 1.6}) {
+    const auto all = judged(size, 5, 7);
+    const double gain = gain_by_hand(all->problem);
+    EXPECT_NEAR(all->candidate.total_gain_ll, gain, 2e-3 * (1 + gain)) << size;
+    // A chi-square of one degree of freedom is a squared normal: its tail is erfc.
+    const double error = all->candidate.grown.assessment.error;
+    const double ratio = 2 * all->candidate.total_gain_ll / std::max(1.0, error * error);
+    const double p = std::min(1.0, 7 * std::erfc(std::sqrt(0.5 * ratio)));
+    EXPECT_NEAR(all->candidate.p_value / p, 1, 1e-9) << size;
+  }
+}
+
+TEST(Judge, FoundWhereItIsAndNotWhereItIsNot) {
+  // One standard error of the size is about 0.2: eight of them are always found.
+  int found = 0, alarms = 0;
+  for (uint64_t seed = 1; seed <= 100; ++seed) {
+    found += judged(1.6, seed, 1)->candidate.significant;
+    alarms += judged(0, seed, 1)->candidate.significant;
+  }
+  EXPECT_EQ(found, 100);
+  EXPECT_LE(alarms, 2);  // Of 100 with a design of 0.5 %: three or more in one of 700 trials.
+}
+
+TEST(Judge, GainOverScatterIsStudentsStatistic) {
+  Score before, after;
+  before.by_group = {-10, -12, 0, -9, -11};
+  after.by_group = {-8, -11, 0, -6, -9};  // Gains 2, 1, 3, 2: mean 2, deviation sqrt(2 / 3).
+  EXPECT_NEAR(gain_over_scatter(before, after), 2 / (std::sqrt(2.0 / 3) / 2), 1e-12);
+  before.by_group = {-10, -12}, after.by_group = {-8, -11};
+  EXPECT_EQ(gain_over_scatter(before, after), 0);
+}
+
+TEST(CannotTell, WithinATieOrWhatNeedlessParametersGain) {
+  EXPECT_TRUE(cannot_tell({100, 1}, {104.5, 1}, 1));
+  EXPECT_FALSE(cannot_tell({100, 1}, {104.7, 1}, 1));
+  // Chi-square tables: 11.34 is exceeded in one of a hundred cases with three degrees of freedom.
+  EXPECT_TRUE(cannot_tell({100, 1}, {105.66, 4}, 1));
+  EXPECT_FALSE(cannot_tell({100, 1}, {105.68, 4}, 1));
+  // The one with more parameters is behind: nothing excuses it.
+  EXPECT_FALSE(cannot_tell({105.6, 1}, {100, 4}, 1));
+  // Misfits count for less in proportion.
+  EXPECT_TRUE(cannot_tell({100, 1}, {118, 1}, 2));
+}
+
+Candidate candidate(const std::string& name, size_t parameters, double gain, double merit,
+                    double error = 1) {
+  std::vector<effects::Parameter> definitions(parameters, {.name = "p", .min = -1, .max = 1});
+  Candidate c{.effect = made_effect(name, definitions),
+              .total_gain_ll = gain,
+              .merit = merit,
+              .significant = true};
+  for (size_t i = 0; i < parameters; ++i) c.free.push_back(i);
+  c.grown.assessment.error = error;
+  return c;
+}
+
+std::vector<std::string> order(const std::vector<Candidate>& candidates) {
+  std::vector<std::string> names;
+  for (const Candidate& c : candidates) names.push_back(c.effect->name);
+  return names;
+}
+
+// The lens of a static board: one parameter, three, four; each as good as the next, and the ends
+// 7 units apart.
+TEST(Rank, TheSimplestOfAWholeClassWins) {
+  std::vector<Candidate> candidates = {
+      candidate("other", 1, 900, 896), candidate("fisheye", 4, 1007, 1000.2),
+      candidate("polynomial", 3, 1004, 998), candidate("radial", 1, 1000, 996.5)};
+  rank_candidates(candidates);
+  EXPECT_EQ(order(candidates),
+            (std::vector<std::string>{"radial", "polynomial", "fisheye", "other"}));
+  EXPECT_EQ(candidates[0].indistinguishable_from,
+            (std::vector<std::string>{"polynomial", "fisheye"}));
+  EXPECT_EQ(candidates[2].indistinguishable_from,
+            (std::vector<std::string>{"radial", "polynomial"}));
+  EXPECT_TRUE(candidates[3].indistinguishable_from.empty());
+}
+
+TEST(Rank, WhatTheDataTellApartIsNoTie) {
+  std::vector<Candidate> candidates = {candidate("simple", 1, 1000, 996.5),
+                                       candidate("right", 4, 1030, 1016)};
+  rank_candidates(candidates);
+  EXPECT_EQ(order(candidates), (std::vector<std::string>{"right", "simple"}));
+  EXPECT_TRUE(candidates[0].indistinguishable_from.empty());
+}
+
+TEST(Rank, ChainsEndTwoWidthsFromTheBest) {
+  std::vector<Candidate> candidates;
+  for (int k = 0; k < 6; ++k)
+    candidates.push_back(candidate("e" + std::to_string(k), 6 - static_cast<size_t>(k),
+                                   1000 - 4.0 * k, 990 - 4.0 * k));
+  rank_candidates(candidates);
+  EXPECT_EQ(candidates[0].effect->name, "e2");  // 8 units behind; 9.2 is the end.
+}
+
+TEST(Rank, OfEqualsTheOneWithoutABoundAtNeutral) {
+  std::vector<Candidate> candidates = {candidate("window", 1, 1000.2, 996.8),
+                                       candidate("shift", 1, 1000.1, 996.7)};
+  candidates[0].effect = made_effect("window", {{.name = "p", .min = 0, .max = 1}});
+  rank_candidates(candidates);
+  EXPECT_EQ(order(candidates), (std::vector<std::string>{"shift", "window"}));
+}
+
+}  // namespace
+}  // namespace seam::measurement

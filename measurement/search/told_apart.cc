@@ -1,0 +1,83 @@
+#include "measurement/search/told_apart.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/span.h"
+
+namespace seam::measurement {
+namespace {
+
+std::string name_of(const Model& model, const Unknown& unknown) {
+  return unknown.effect + "." +
+         model.find(unknown.effect)->definition->parameters[unknown.parameter].name;
+}
+
+// The parameters whose columns together make up this one: those that take part in the sum with a
+// tenth of its length or more.
+std::vector<std::string> makers_of(const std::vector<double>& column,
+                                   const std::vector<std::vector<double>>& columns,
+                                   const std::vector<std::string>& names) {
+  constexpr double kTakesPart = 0.1;
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd gram(n, n);
+  Eigen::VectorXd right(n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    const double size = length(columns[a]);
+    right[a] = dot(columns[a], column) / size;
+    for (Eigen::Index b = 0; b < n; ++b)
+      gram(a, b) = dot(columns[a], columns[b]) / (size * length(columns[b]));
+  }
+  const Eigen::VectorXd share = solve_any_rank(gram, right);
+  std::vector<std::string> makers;
+  for (Eigen::Index a = 0; a < n; ++a) {
+    if (std::abs(share[a]) > kTakesPart * length(column)) makers.push_back(names[a]);
+  }
+  return makers;
+}
+
+}  // namespace
+
+std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
+                                const std::vector<Unknown>& unknowns,
+                                std::vector<NotTestable>& untold) {
+  std::vector<Unknown> told, mean;
+  for (const Unknown& unknown : unknowns) {
+    const bool spread = model.find(unknown.effect)->definition->spread_only;
+    (spread ? told : mean).push_back(unknown);
+  }
+  std::stable_partition(mean.begin(), mean.end(), [&](const Unknown& unknown) {
+    return model.find(unknown.effect)->parameters[unknown.parameter].refitted();
+  });
+  const Evaluation here = problem.evaluate(model, problem.all_groups());
+  if (!here.valid || here.whitened.empty()) return unknowns;
+  const auto columns = problem.jacobian(model, mean, problem.all_groups(), here);
+  Span span;
+  std::vector<std::vector<double>> kept;
+  std::vector<std::string> names;
+  for (size_t k = 0; k < mean.size(); ++k) {
+    std::vector<double> left = columns[k];
+    const double before = span.take_out_of(left);
+    if (before > 0 && length(left) > kUntold * before) {
+      span.add(left);
+      kept.push_back(columns[k]), names.push_back(name_of(model, mean[k]));
+      told.push_back(mean[k]);
+      continue;
+    }
+    const effects::Parameter& parameter =
+        model.find(mean[k].effect)->definition->parameters[mean[k].parameter];
+    const std::string why = before > 0
+                                ? fmt::format("these data do not tell it from {}",
+                                              fmt::join(makers_of(columns[k], kept, names), ", "))
+                                : "it does not change the prediction of these data";
+    untold.push_back({mean[k].effect, parameter.name, why});
+  }
+  return told;
+}
+
+}  // namespace seam::measurement

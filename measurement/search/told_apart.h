@@ -1,0 +1,18 @@
+// Which parameters of a model the data tell, when all of them are fitted together.
+#pragma once
+
+#include <vector>
+
+#include "measurement/search/candidates.h"
+
+namespace seam::measurement {
+
+// The unknowns that can be fitted together: those of effects of the mean whose column of the
+// Jacobian is not spanned by the columns before it. Parameters that comparisons refit anyway come
+// first, so that of two that do the same (a lens's focal length and an error of it) the one that
+// was fitted before stays free. The others are named in `untold`, with what absorbs them.
+std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
+                                const std::vector<Unknown>& unknowns,
+                                std::vector<NotTestable>& untold);
+
+}  // namespace seam::measurement

@@ -1,0 +1,60 @@
+// Parameters that do the same to all predictions are named, and one of them is not freed.
+#include "measurement/search/told_apart.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "effects/registry.h"
+#include "measurement/kinds/kinds.h"
+#include "measurement/numerics/span.h"
+#include "measurement/search/add_effects.h"
+#include "measurement/study/study.h"
+
+namespace seam::measurement {
+namespace {
+
+TEST(Span, LeavesWhatIsOrthogonal) {
+  Span span;
+  span.add({3, 4, 0});
+  std::vector<double> column = {1, 0, 2};
+  EXPECT_NEAR(span.take_out_of(column), std::sqrt(5.0), 1e-15);
+  // (1, 0, 2) less 0.6 of the unit vector (0.6, 0.8, 0).
+  EXPECT_NEAR(column[0], 0.64, 1e-15);
+  EXPECT_NEAR(column[1], -0.48, 1e-15);
+  EXPECT_NEAR(column[2], 2, 1e-15);
+  EXPECT_NEAR(length(column), std::sqrt(0.64 + 4), 1e-15);
+}
+
+// A model that discover found has the focal length twice: in the lens, and as an error of it.
+TEST(Refit, AFocalLengthBesideItsErrorIsNotFreed) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "refit-focal";
+  const Model nominal = write_study_protocol("points", folder / "protocol");
+  const auto effect = effects::find_effect("focal_length_error");
+  Model model = nominal;
+  std::vector<effects::ParameterValue> values(effect->parameters.size());
+  for (size_t i = 0; i < values.size(); ++i)
+    values[i] = {.value = effect->parameters[i].neutral, .sigma = 1e-3};
+  values[0].value += 0.01;
+  model.set(effect, values);
+  measure_set(model, MeasurementSet::open(folder / "protocol"), {.seed = 4, .out = folder / "set"});
+  const auto problem = open_problem(folder / "set");
+  const AddResult result = refit_all(*problem, model);
+  ASSERT_FALSE(result.not_testable.empty());
+  for (const NotTestable& untold : result.not_testable) {
+    EXPECT_EQ(untold.effect, "pinhole");  // What was fitted before stays free.
+    EXPECT_NE(untold.why.find("focal_length_error"), std::string::npos) << untold.why;
+  }
+  bool checked = false;
+  for (const auto& [name, value] : result.parameters) {
+    if (name.find("focal_length_error") == std::string::npos) continue;
+    ASSERT_TRUE(value.sigma);
+    EXPECT_LT(*value.sigma, 0.01) << name;  // It was 1e3 and more.
+    checked = true;
+  }
+  EXPECT_TRUE(checked);
+  EXPECT_NEAR(result.error_after, 1, 0.1);
+}
+
+}  // namespace
+}  // namespace seam::measurement
