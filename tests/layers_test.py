@@ -72,7 +72,7 @@ ROOMS = {
         "fitting": ["numerics", "problem"],
         "kinds": ["sets", "imaging", "problem"],
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting"],
-        "check": ["kinds", "sets", "problem", "search"],
+        "check": ["imaging", "kinds", "sets", "problem", "search"],
         "search": ["numerics", "problem", "fitting"],
         "report": ["problem", "search"],
         "study": ["imaging", "kinds", "search"],
