@@ -7,6 +7,7 @@
 
 #include "render/filter/optics_filter.h"
 #include "render/filter/point_spread.h"
+#include "render/renderer.h"
 #include "render/test_scenes.h"
 #include "sim_core/base/error.h"
 

@@ -9,7 +9,7 @@
 #include "render/colour/colour_table.h"
 #include "scheduler/log/log.h"
 #include "sim_core/base/config.h"
-#include "sim_core/base/config_table.h"
+#include "sim_core/input/config_table.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
 #include "sim_core/scenario/scenario.h"
