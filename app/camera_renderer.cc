@@ -12,16 +12,6 @@ namespace seam::app {
 
 namespace {
 
-// `frame_sync`: the frame is taken at the nearest of the instants that stand in lock with the
-// head's cycle (definitions.md, Composition).
-SimTime synchronised(SimTime stamp, int frames, const CameraSpec& spec) {
-  const double n = frames;
-  const double cycle_ns = static_cast<double>(spec.lock_cycle.ns());
-  const auto since_ns = static_cast<double>((stamp - (SimTime() + spec.lock_start)).ns());
-  return SimTime() + spec.lock_start +
-         SimDuration::from_ns(std::llround(std::round(since_ns * n / cycle_ns) * cycle_ns / n));
-}
-
 // What a model cannot be asked is said with the file that it came from.
 std::unique_ptr<render::Renderer> make_renderer(const RobotSpec& robot, const effects::Model& model,
                                                 const render::RendererOptions& options) {
@@ -45,7 +35,6 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
                    : std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, 64)),
       options_(options) {
   SEAM_CHECK(models.size() == scenario.robots.size(), "{} models", models.size());
-  const RandomStream root{static_cast<uint64_t>(scenario.seed), 0};
   for (size_t i = 0; i < models.size(); ++i) {
     const RobotSpec& robot = scenario.robots[i];
     Camera camera;
@@ -56,22 +45,21 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
           ConfigNode::from_text(robot.camera.colour_table_yaml, robot.camera.colour_table_name));
     camera.timing = effects::timing_of(models[i]);
     camera.X_LC = effects::mount_of(models[i]);
-    camera.jitter = root.child("camera").child(robot.id).child("frame_jitter");
+    camera.stream = camera_stream(scenario, robot);
     cameras_.push_back(std::move(camera));
   }
 }
 
 RowSchedule CameraRenderer::schedule(int robot, uint64_t frame_index, SimTime stamp) {
   const Camera& camera = cameras_[robot];
-  effects::RowScheduleOptions options{.instants_per_row =
-                                          static_cast<int>(camera.spec.instants_per_row)};
-  if (camera.timing.jitter_sigma_s > 0)
-    options.jitter =
-        SimDuration::from_s(camera.timing.jitter_sigma_s * normal(camera.jitter, frame_index));
-  if (camera.timing.sync_period_frames > 0)
-    stamp = synchronised(stamp, camera.timing.sync_period_frames, camera.spec);
-  return effects::make_row_schedule(camera.timing, stamp, static_cast<int>(camera.spec.height_px),
-                                    options);
+  const effects::HeadCycle cycle{.start = SimTime() + camera.spec.lock_start,
+                                 .length = camera.spec.lock_cycle};
+  const effects::RowScheduleOptions options{
+      .instants_per_row = static_cast<int>(camera.spec.instants_per_row),
+      .jitter = SimDuration::from_s(camera.timing.own_latency_s(camera.stream, frame_index))};
+  return effects::make_row_schedule(camera.timing,
+                                    effects::stamp_in_lock(camera.timing, stamp, cycle),
+                                    static_cast<int>(camera.spec.height_px), options);
 }
 
 void CameraRenderer::detect_colours(int robot, Frame& frame) const {

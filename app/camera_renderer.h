@@ -39,7 +39,7 @@ class CameraRenderer final : public scheduler::FrameRenderer {
     std::optional<render::ColourTable> colours;
     effects::Timing timing;
     Pose X_LC;
-    RandomStream jitter;
+    RandomStream stream;
     CameraSpec spec;
   };
   std::vector<Camera> cameras_;

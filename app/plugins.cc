@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "effects/plugin.h"
+#include "effects/proof/proof.h"
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
 
@@ -30,7 +31,14 @@ void load(const std::string& file) {
   }
   std::vector<effects::EffectDefinition> found;
   effects(found);
-  for (effects::EffectDefinition& effect : found) effects::register_effect(std::move(effect));
+  for (effects::EffectDefinition& effect : found) {
+    const std::string name = effect.name;
+    effects::register_effect(std::move(effect));
+    if (const std::string failed = effects::failed_proof(effects::find_effect(name));
+        !failed.empty()) {
+      throw InputError(fmt::format("effect '{}' does not meet its own example: {}", name, failed));
+    }
+  }
 }
 
 }  // namespace

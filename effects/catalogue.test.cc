@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "effects/catalogue_help.h"
+#include "effects/proof/proof.h"
+#include "effects/questions.h"
 #include "effects/registry.h"
 #include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
@@ -123,20 +125,43 @@ TEST_P(Catalogue, HelpAndExampleAreWhole) {
   }
 }
 
-// The example's values change something that the model predicts.
-TEST_P(Catalogue, ExampleActs) {
+// Numbers that were computed outside SEAM (scripts/effect_proofs.py).
+TEST_P(Catalogue, WorkedExamplesAreMet) {
   const auto effect = find_effect(GetParam());
-  if (effect->parameters.empty() || effect->name == "linear_response" ||
-      effect->name == "pinhole") {
-    GTEST_SKIP() << GetParam() << " is a base";
+  EXPECT_GE(effect->proof.size(), 2u);
+  EXPECT_EQ(failed_proof(effect), "");
+}
+
+// Every parameter matters in one of the examples: another value fails it.
+TEST_P(Catalogue, WorkedExamplesNoticeEachParameter) {
+  const auto effect = find_effect(GetParam());
+  for (size_t i = 0; i < effect->parameters.size(); ++i) {
+    const Parameter& parameter = effect->parameters[i];
+    if (parameter.integer && effect->parameters.size() > 1) continue;  // How a thing is computed.
+    auto other = std::make_shared<EffectDefinition>(*effect);
+    for (Proof& proof : other->proof)
+      proof.values[i] += parameter.integer ? 1 : 0.1 * parameter.scale;
+    EXPECT_NE(failed_proof(other), "") << parameter.name;
   }
-  if (effect->name == "frame_sync") GTEST_SKIP() << "acts on whole sets of frames";
-  if (effect->name == "quantisation") GTEST_SKIP() << "its example keeps the bits of this file";
-  Model with = model_of(kBase);
-  const std::vector<double> before = everything(with);
-  const Model example = model_of("  " + effect->example + "\n");
-  with.set(effect, example.find(effect->name)->parameters);
-  EXPECT_NE(everything(with), before);
+}
+
+// Records that refer to others refer to effects that exist, and promise no hook that is missing.
+TEST_P(Catalogue, AnswersAreWhole) {
+  const auto effect = find_effect(GetParam());
+  for (const Advice& advice : effect->advice) {
+    EXPECT_FALSE(advice.text.empty());
+    for (const std::string& other : advice.from) {
+      ASSERT_NE(find_effect(other), nullptr) << other;
+      EXPECT_EQ(advice_between(effect->name, other, advice.kinds), advice.text);
+      EXPECT_EQ(advice_between(other, effect->name, advice.kinds), advice.text);
+    }
+  }
+  for (const StartRule& rule : effect->starts) {
+    EXPECT_EQ(rule.kinds & ~effect->kinds, 0u);
+    EXPECT_EQ(rule.search == StartSearch::listed, !rule.values.empty());
+    EXPECT_TRUE(rule.search != StartSearch::excess || effect->start_from_excess);
+    for (const auto& values : rule.values) EXPECT_EQ(values.size(), effect->parameters.size());
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(AllEffects, Catalogue, testing::ValuesIn(effect_names()),

@@ -1,7 +1,9 @@
 #include "effects/catalogue_help.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "effects/questions.h"
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
 
@@ -18,6 +20,50 @@ std::string range_text(const Parameter& parameter) {
       parameter.required ? "must be given" : "neutral " + bound_text(parameter.neutral);
   return text +
          fmt::format(", from {} to {}", bound_text(parameter.min), bound_text(parameter.max));
+}
+
+// "joints; pan_rad a pan joint": what a set must hold, of all parameters and of single ones.
+std::string needs_text(const EffectDefinition& effect) {
+  std::vector<std::vector<Need>> needs;
+  for (size_t i = 0; i < effect.parameters.size(); ++i) needs.push_back(needs_of(effect, i));
+  if (needs.empty()) return "";
+  std::vector<std::string> words, parts;
+  for (const Need need : needs.front()) {
+    const bool all = std::all_of(needs.begin(), needs.end(), [&](const auto& list) {
+      return std::find(list.begin(), list.end(), need) != list.end();
+    });
+    if (all) words.push_back(to_string(need));
+  }
+  if (!words.empty()) parts.push_back(fmt::format("{}", fmt::join(words, ", ")));
+  for (size_t i = 0; i < needs.size(); ++i) {
+    std::vector<std::string> own;
+    for (const Need need : needs[i]) {
+      if (std::find(words.begin(), words.end(), to_string(need)) == words.end())
+        own.push_back(to_string(need));
+    }
+    if (!own.empty())
+      parts.push_back(fmt::format("{}: {}", effect.parameters[i].name, fmt::join(own, ", ")));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+// "frame_latency (points): Swing faster ...": one line an advice.
+std::vector<std::string> advice_lines(const EffectDefinition& effect) {
+  std::vector<std::string> lines;
+  for (const Advice& advice : effect.advice) {
+    lines.push_back(fmt::format(
+        "{} ({}): {}",
+        advice.from.empty() ? "others" : fmt::format("{}", fmt::join(advice.from, ", ")),
+        kinds_text(advice.kinds), advice.text));
+  }
+  return lines;
+}
+
+std::string list_text(const std::vector<Quantity>& list) {
+  std::string text;
+  for (const Quantity& quantity : list)
+    text += fmt::format("{}{} {:.10g}", text.empty() ? "" : ", ", quantity.name, quantity.value);
+  return text;
 }
 
 const Stage kStages[] = {Stage::timing,   Stage::joint,      Stage::mount,
@@ -40,10 +86,16 @@ std::string effect_help(const EffectDefinition& effect) {
                   effect.name, to_string(effect.stage), effect.help, effect.formula,
                   effect.signature, kinds_text(effect.kinds));
   if (effect.spread_only) text += "Changes the spread of measurements, not their mean.\n";
+  const std::string needs = needs_text(effect);
+  if (!needs.empty()) text += fmt::format("Needs:      {}\n", needs);
+  for (const std::string& line : advice_lines(effect))
+    text += fmt::format("Told from:  {}\n", line);
   text += effect.parameters.empty() ? "Parameters: none\n" : "Parameters:\n";
   for (const Parameter& parameter : effect.parameters) {
     text += fmt::format("  {}  {} ({})\n", parameter.name, parameter.help, range_text(parameter));
   }
+  if (!effect.proof.empty()) text += "Worked examples:\n";
+  for (const Proof& proof : effect.proof) text += fmt::format("  {}\n", proof_text(effect, proof));
   return text + fmt::format("\nIn a model:\n  effects:\n    {}\n", effect.example);
 }
 
@@ -73,14 +125,29 @@ std::string catalogue_markdown() {
           "\n### `{}`\n\n{}\n\n- Formula: {}\n- Signature in residuals: {}\n- Acts on: {}\n",
           effect->name, effect->help, effect->formula, effect->signature,
           kinds_text(effect->kinds));
+      const std::string needs = needs_text(*effect);
+      if (!needs.empty()) text += fmt::format("- Needs of a set: {}\n", needs);
+      for (const std::string& line : advice_lines(*effect))
+        text += fmt::format("- Told from {}\n", line);
       for (const Parameter& parameter : effect->parameters) {
         text +=
             fmt::format("- `{}`: {} ({})\n", parameter.name, parameter.help, range_text(parameter));
       }
+      for (const Proof& proof : effect->proof)
+        text += fmt::format("- Worked example: `{}`\n", proof_text(*effect, proof));
       text += fmt::format("\n```yaml\n{}\n```\n", effect->example);
     }
   }
   return text;
+}
+
+std::string proof_text(const EffectDefinition& effect, const Proof& proof) {
+  std::vector<Quantity> values;
+  for (size_t i = 0; i < proof.values.size(); ++i)
+    values.push_back({effect.parameters[i].name, proof.values[i]});
+  const std::string with = list_text(values), given = list_text(proof.given);
+  return fmt::format("{}{}{} -> {} ({})", with, with.empty() || given.empty() ? "" : "; ", given,
+                     list_text(proof.expected), proof.source);
 }
 
 }  // namespace seam::effects

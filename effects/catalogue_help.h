@@ -16,4 +16,7 @@ std::string catalogue_markdown();
 // The words for the kinds of measurement of an effect.
 std::string kinds_text(unsigned kinds);
 
+// "kappa -0.1; x_m 0.3, z_m 1 -> u_px 135.1 (closed form)", for people.
+std::string proof_text(const EffectDefinition& effect, const Proof& proof);
+
 }  // namespace seam::effects

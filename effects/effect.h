@@ -1,7 +1,8 @@
-// A physical effect: its name, stage, parameters, help, the signature it leaves in residuals, and
-// its function. One definition drives the rendered images, the robots' joints and legs, and the
-// prediction of measurements. Catalogue: registry.cc; composition of effects: model.h and the
-// stage headers (timing.h, geometry.h, ...), each of which runs the hooks of one stage.
+// A physical effect: its name, stage, parameters, help, the signature it leaves in residuals, its
+// function, and what else is asked of it (answers.h). One definition drives the rendered images,
+// the robots' joints and legs, and the prediction of measurements. Catalogue: registry.cc;
+// composition of effects: model.h and the stage headers (timing.h, geometry.h, ...), each of which
+// runs the hooks of one stage.
 #pragma once
 
 #include <functional>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/answers.h"
 #include "effects/kind.h"
 #include "sim_core/base/pose.h"
 
@@ -45,6 +47,7 @@ struct Parameter {
   // Values closer than this give the same rounded samples: a fit knows it to no better than this /
   // sqrt(12).
   double resolution = 0;
+  std::vector<Need> needs = {};  // Beside those of the effect.
 };
 
 // The values of an effect's parameters, in the order in which it declares them.
@@ -64,12 +67,26 @@ struct EffectDefinition {
   std::vector<std::string> columns;  // Further columns of a set that a joint's formula reads.
   std::string source;                // Of an expression effect: the YAML of its definition.
 
+  // What is asked of it by those who do not know its name.
+  Base base = Base::none;           // It is the model's base of this sort,
+  Base replaces_base = Base::none;  // or takes the place of one.
+  Term term = Term::none;           // It is one form of this term,
+  Term replaces_term = Term::none;  // or takes the place of every form of it.
+  Family family = Family::none;
+  bool remembers = false;         // The true angle depends on the encoder's log before it.
+  bool shows_at_rest = false;     // A servo effect that a resting joint still shows.
+  std::vector<Need> needs;        // Beside those of its stage (questions.h).
+  std::vector<StartRule> starts;  // By kind; kinds without a rule start by the slope.
+  std::vector<Advice> advice;
+
   // The hooks; an effect sets those of its stage and leaves the others empty.
   std::function<void(Values, Timing&)> timing;       // Contributes to row times.
   std::function<void(Values, JointTrack&)> encoder;  // Encoder log to true angle, in place.
   // The inverse, pointwise: what the encoder of one joint logs at a true angle.
   std::function<double(Values, JointRole, double)> logged;
-  std::function<void(Values, ServoModel&)> servo;               // Command to angle.
+  std::function<void(Values, ServoModel&)> servo;  // Command to angle.
+  // Play of the robot's joint of this role; a servo log has one joint, which `servo` knows.
+  std::function<double(Values, JointRole)> play_rad;
   std::function<double(Values, const JointSample&)> joint_map;  // A formula on the angle.
   std::function<void(Values, Pose&)> mount;                 // X_LC of the camera in its last link.
   std::function<void(Values, ImagePoint&)> geometry;        // Ray to image point, in stage order.
@@ -81,6 +98,14 @@ struct EffectDefinition {
   std::function<void(Values, Detection&)> detector;         // Range and bearing.
   std::function<void(Values, Locomotion&)> locomotion;      // Commanded to true body velocity.
   std::function<void(Values, VelocitySample&)> velocity_map;  // A formula on the body velocity.
+
+  // Where a fit starts, from what the sensor's variances exceed the prediction by.
+  std::function<std::vector<double>(const SensorExcess&)> start_from_excess;
+  // Of values that give the same effect, turns these (fitted all together) into those to be told.
+  std::function<void(std::vector<double>&)> told_once;
+
+  std::vector<Proof>
+      proof;  // Two or more; a test holds the catalogue against them (proof/proof.h).
 };
 
 }  // namespace seam::effects

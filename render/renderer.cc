@@ -4,6 +4,7 @@
 #include <map>
 #include <mutex>
 
+#include "effects/questions.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/optics.h"
 #include "effects/stages/sensor/sensor.h"
@@ -26,7 +27,7 @@ std::string geometry_keys(const effects::Model& model) {
   std::string keys;
   for (const effects::ModelEffect& effect : model.effects()) {
     if (effect.definition->stage != effects::Stage::geometry ||
-        effect.definition->name == "pinhole")
+        effect.definition->base == effects::Base::projection)
       continue;
     std::string values;
     for (size_t i = 0; i < effect.parameters.size(); ++i)
@@ -35,7 +36,7 @@ std::string geometry_keys(const effects::Model& model) {
     keys += fmt::format("{}effects.{} {{{}}}", keys.empty() ? "" : ", ", effect.definition->name,
                         values);
   }
-  return keys.empty() ? "effects.pinhole" : keys;
+  return keys.empty() ? "effects." + effects::base_name(effects::Base::projection) : keys;
 }
 
 uint64_t fingerprint_of(const Frame& frame) {

@@ -44,6 +44,7 @@ ROOMS = {
         "stages": [".", "stages/sensor"],
         "formulas": [".", "stages", "stages/sensor"],
         "catalogue/*": [".", "stages", "stages/sensor"],
+        "proof": [".", "stages", "stages/sensor"],
     },
     "proto": {".": []},
     "mcap": {".": []},

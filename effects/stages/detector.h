@@ -14,6 +14,11 @@ struct Detection {
   double bearing_variance = 0;
 };
 
+// The stream of single ranges' spread, one normal number a range.
+inline RandomStream range_noise_stream(RandomStream frame_noise) {
+  return frame_noise.child("range_noise");
+}
+
 // Applies every detector hook of the model, in order.
 inline void apply_detector(const Model& model, Detection& detection) {
   for (const ModelEffect& effect : model.effects()) {

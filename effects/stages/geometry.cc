@@ -2,16 +2,21 @@
 
 #include <cmath>
 
+#include "effects/questions.h"
 #include "sim_core/base/error.h"
 
 namespace seam::effects {
 
 Projection::Projection(const Model& model, int width_px, int height_px)
     : width_px_(width_px), height_px_(height_px) {
-  if (!model.has("pinhole"))
-    throw InputError("the model has no 'pinhole', expected one: it makes the image");
-  if (model.has("fisheye") && (model.has("radial_distortion") || model.has("radial_polynomial"))) {
-    throw InputError("the model has 'fisheye' and another radial effect, expected one of them");
+  if (base_of(model, Base::projection) == nullptr) {
+    throw InputError(fmt::format("the model has no '{}', expected one: it makes the image",
+                                 base_name(Base::projection)));
+  }
+  if (const ModelEffect* lens = replacement_in(model); lens != nullptr) {
+    throw InputError(
+        fmt::format("the model has '{}' and another radial effect, expected one of them",
+                    lens->definition->name));
   }
   for (const ModelEffect& effect : model.effects()) {
     if (effect.definition->geometry || effect.definition->image_map) effects_.push_back(effect);

@@ -27,6 +27,11 @@ struct JointTrack {
   double quantisation_step_rad = 0;  // Adds a spread of step / sqrt(12) to the angle.
 };
 
+// The stream of what an encoder rounds away, one uniform number a joint and sample.
+inline RandomStream rounding_stream(RandomStream measurement) {
+  return measurement.child("encoder_quantisation");
+}
+
 // Applies every encoder hook of the model, in place.
 void apply_encoder_effects(const Model& model, JointTrack& track);
 

@@ -175,10 +175,11 @@ std::unique_ptr<JointActuator> ModelParts::joint(const RobotSpec& robot, int joi
   const Model& model = found->second;
   const JointRole role = joint_role(std::string(kJointNames[static_cast<size_t>(joint)]));
   ServoModel servo = servo_of(model);
-  const char* const widths[] = {"tilt_width_rad", "width_rad", "roll_width_rad"};
-  const ModelEffect* play = model.find("backlash");
-  servo.backlash_rad =
-      play && role != JointRole::other ? play->value(widths[static_cast<int>(role)]) : 0;
+  servo.backlash_rad = 0;
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->play_rad)
+      servo.backlash_rad += effect.definition->play_rad(effect.values(), role);
+  }
   return std::make_unique<ServoActuator>(model, std::move(servo), role, initial_rad);
 }
 

@@ -90,6 +90,13 @@ RowSchedule one_instant_a_row(std::vector<RowWindow> rows) {
 
 }  // namespace
 
+SimTime stamp_in_lock(const Timing& timing, SimTime stamp, const HeadCycle& cycle) {
+  if (timing.sync_period_frames <= 0) return stamp;
+  const double locked_ns = timing.in_lock(static_cast<double>((stamp - cycle.start).ns()),
+                                          static_cast<double>(cycle.length.ns()));
+  return cycle.start + SimDuration::from_ns(std::llround(locked_ns));
+}
+
 RowSchedule make_row_schedule(const Timing& timing, SimTime stamp, int height_px,
                               const RowScheduleOptions& options) {
   return schedule_of_windows(row_windows(timing, stamp, height_px, options),

@@ -15,6 +15,16 @@ struct RowScheduleOptions {
   SimDuration jitter;
 };
 
+// The head's cycle: its length, and when one begins.
+struct HeadCycle {
+  SimTime start;
+  SimDuration length;
+};
+
+// The stamp of a frame as the camera takes it: in lock with the head's cycle where the timing has
+// such a lock (`frame_sync`).
+SimTime stamp_in_lock(const Timing& timing, SimTime stamp, const HeadCycle& cycle);
+
 inline constexpr int kMaxInstantsPerRow = 4096;
 
 // Row r integrates over [start, start + exposure], start = stamp + drift + latency + jitter +

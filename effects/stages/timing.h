@@ -2,6 +2,7 @@
 #pragma once
 
 #include "effects/model.h"
+#include "sim_core/base/random.h"
 
 namespace seam::effects {
 
@@ -25,6 +26,13 @@ struct Timing {
   double row_middle_after_stamp_s(double row, double since_reference_s) const {
     return row_start_after_stamp_s(row, since_reference_s) + 0.5 * exposure_s;
   }
+
+  // When a frame is taken that is stamped `since_start` after a cycle of the head began: at the
+  // nearest of the instants in lock with the cycle. In one unit throughout; `cycle` 0: no cycle.
+  double in_lock(double since_start, double cycle) const;
+
+  // The latency that a frame has of its own, seconds, drawn from the camera's stream.
+  double own_latency_s(RandomStream camera, uint64_t frame) const;
 };
 
 Timing timing_of(const Model& model);

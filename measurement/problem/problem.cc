@@ -78,15 +78,18 @@ Score Problem::score(const Model& model, const Groups& groups) const {
 }
 
 bool Problem::acts(const EffectDefinition& effect) const {
-  return (effect.kinds & facts_.kind_bit) != 0;
+  return effects::acts_on(effect, facts_.set);
 }
 
-std::string Problem::not_testable(const Model&, const EffectDefinition&, size_t) const {
-  return "";
+std::string Problem::not_testable(const Model&, const EffectDefinition& effect,
+                                  size_t parameter) const {
+  return effects::reason_against(effect, parameter, facts_.set);
 }
 
 std::vector<std::vector<double>> Problem::starts(const Model&,
                                                  const EffectDefinition& effect) const {
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  if (rule.search == effects::StartSearch::listed) return rule.values;
   std::vector<std::vector<double>> all;
   for (const double sign : {1.0, -1.0}) {
     std::vector<double> start;
@@ -110,8 +113,8 @@ double Problem::looks(const Model& model, const EffectDefinition& effect) const 
   return looks;
 }
 
-std::string Problem::advice(const std::string&, const std::string&) const {
-  return "";
+std::string Problem::advice(const std::string& effect, const std::string& other) const {
+  return effects::advice_between(effect, other, facts_.set.kind);
 }
 
 const std::vector<Groups>& Problem::folds() const {

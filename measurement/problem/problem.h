@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "effects/questions.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -54,7 +55,7 @@ struct CombinedChannel {
 
 // What never changes: filled by the kind when it reads the set.
 struct Facts {
-  effects::Kind kind_bit{};
+  effects::SetFacts set;  // What it says of itself to the effects: its kind, what it lacks.
   std::string title;
   std::string fingerprint;
   std::string file;  // Of the observations, for messages.
@@ -73,7 +74,7 @@ struct Facts {
   std::vector<std::string> notes;         // What of the set takes no part, and why: sentences.
   std::vector<CombinedChannel> combined;  // Looked at by the structure tests beside the channels.
 
-  std::string kind() const { return effects::kind_facts(kind_bit).name; }
+  std::string kind() const { return effects::kind_facts(set.kind).name; }
   size_t scalars() const { return row_of.size(); }
   size_t rows() const { return line_of_row.size(); }
   int group_of(size_t scalar) const { return group_of_row[row_of[scalar]]; }
@@ -216,13 +217,14 @@ class Problem {
   // not, no gain of likelihood speaks for either.
   virtual bool is_visible(const Model&, const Model&) const { return true; }
 
-  // Whether the effect is a candidate here. Default: its kinds hold this kind.
-  virtual bool acts(const EffectDefinition& effect) const;
+  // Whether the effect is a candidate here: its record knows.
+  bool acts(const EffectDefinition& effect) const;
   // Why a parameter cannot be tested with these data before any look at numbers; empty: it can.
+  // Default: what the effect needs (its record) and this set lacks.
   virtual std::string not_testable(const Model& model, const EffectDefinition& effect,
                                    size_t parameter) const;
-  // Values from which fits of a candidate start (all are tried, the best is kept). Default: a
-  // small step from neutral in each direction.
+  // Values from which fits of a candidate start (all are tried, the best is kept). Default: those
+  // that the effect's record lists, else a small step from neutral in each direction.
   virtual std::vector<std::vector<double>> starts(const Model& model,
                                                   const EffectDefinition& effect) const;
   // At how many independent places the starts of an effect looked for the best one (frequencies,
@@ -236,6 +238,7 @@ class Problem {
   // Rows whose residuals should be like this one's. Default: the nearest in time of its series.
   virtual std::vector<int> neighbours(size_t row) const;
   // What measurement would separate two effects or give an untestable one leverage; may be empty.
+  // Default: what their records say.
   virtual std::string advice(const std::string& effect, const std::string& other) const;
 
   // By scalar: 1 leaves it out of everything.

@@ -14,16 +14,10 @@ namespace {
 using effects::Parameter;
 using effects::ParameterValue;
 
-bool is_radial(const std::string& name) {
-  return name == "radial_distortion" || name == "radial_polynomial";
-}
-
 // The model with the effect at these values; replacements push out what they replace.
 Model with_effect(Model model, const std::shared_ptr<const EffectDefinition>& effect,
                   const std::vector<double>& values) {
-  if (effect->name == "fisheye") {
-    for (const char* name : {"radial_distortion", "radial_polynomial"}) model.remove(name);
-  }
+  effects::remove_replaced(*effect, model);
   std::vector<ParameterValue> parameters;
   for (size_t i = 0; i < values.size(); ++i) parameters.push_back({.value = values[i]});
   model.set(effect, std::move(parameters));
@@ -169,7 +163,7 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
     const bool required = std::any_of(effect->parameters.begin(), effect->parameters.end(),
                                       [](const Parameter& p) { return p.required; });
     if (required || !problem.acts(*effect)) return;
-    if (is_radial(effect->name) && model.has("fisheye")) return;
+    if (effects::is_excluded(*effect, model)) return;
     absent.push_back(effect);
   };
   for (const auto& effect : effects::catalogue()) consider(effect);
@@ -180,7 +174,7 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons) {
-  if (is_radial(effect->name) && base.assessment.model.has("fisheye")) return std::nullopt;
+  if (effects::is_excluded(*effect, base.assessment.model)) return std::nullopt;
   Prospect prospect{.effect = effect, .starts = problem.starts(base.assessment.model, *effect)};
   if (prospect.starts.empty()) return std::nullopt;
   const Model probe = with_effect(base.assessment.model, effect, prospect.starts.front());

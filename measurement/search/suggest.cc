@@ -334,7 +334,7 @@ std::optional<Found> best_formula(const Problem& problem, const Grown& base,
 std::optional<Suggestion> suggest(const Problem& problem, const SearchResult& result,
                                   const Progress& progress) {
   if (result.verdict == "adequate" || !result.base.assessment.valid) return std::nullopt;
-  const auto stages = vocabularies(problem.facts().kind_bit, problem.formula_columns());
+  const auto stages = vocabularies(problem.facts().set.kind, problem.formula_columns());
   if (stages.empty()) return std::nullopt;
   progress("building a formula from the residuals");
   const Assessment& catalogue = result.best.assessment;

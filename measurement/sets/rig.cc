@@ -204,10 +204,11 @@ Rig::Motion Rig::motion(const effects::Model& model) const {
     return motion;
   }
   if (type_ == Type::unknown) return motion;
-  const bool memory = model.has("backlash");
-  bool any = false;
-  for (const effects::ModelEffect& effect : model.effects())
+  bool any = false, memory = false;
+  for (const effects::ModelEffect& effect : model.effects()) {
     any = any || effect.definition->encoder || effect.definition->joint_map;
+    memory = memory || effect.definition->remembers;
+  }
   if (!any) {
     motion.joints_ = logged_;
     return motion;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/questions.h"
 #include "effects/stages/geometry.h"
 #include "render/filter/camera_filter.h"
 #include "render/filter/filter_kernels.h"
@@ -22,9 +23,10 @@ ImageFilter::ImageFilter(const effects::Model& model, int width_px, int height_p
       width_px_(width_px),
       height_px_(height_px) {
   gain_.resize(whole_blocks(gain_.size()) + kFilterBlock);
-  const effects::ModelEffect* pinhole = model.find("pinhole");
+  const effects::ModelEffect* pinhole = effects::base_of(model, effects::Base::projection);
   if (!pinhole)
-    throw InputError(fmt::format("model '{}': found no pinhole, expected one", model.name()));
+    throw InputError(fmt::format("model '{}': found no {}, expected one", model.name(),
+                                 effects::base_name(effects::Base::projection)));
   const effects::Values ideal = pinhole->values();
   const CameraRays rays = make_camera_rays(effects::Projection(model, width_px, height_px),
                                            model.name(), filter_.border_px(), 0);
@@ -164,7 +166,7 @@ void ImageFilter::apply_in_passes(const LinearImage& ideal, RandomStream frame_n
   // The noise as its own image, then the sum, then the rounding.
   const size_t samples = pattern_.gain.size();
   std::vector<float> noise(samples), values(samples);
-  effects::sample_normals(frame_noise.child("read_noise"), noise);
+  effects::sample_normals(effects::read_noise_stream(frame_noise), noise);
   for (float& value : noise) value *= static_cast<float>(sensor_.read_sigma_dn);
   for (size_t i = 0; i < samples; ++i) {
     const double signal = effects::signal_dn(sensor_, light.planes[i % 3][i / 3], {});

@@ -26,10 +26,9 @@ FramePipeline::FramePipeline(const World& world, FrameRenderer& renderer, EventQ
       on_finished_(std::move(on_finished)),
       pool_(renderer) {
   const Scenario& scenario = world.scenario();
-  const RandomStream root{static_cast<uint64_t>(scenario.seed), 0};
   for (size_t i = 0; i < scenario.robots.size(); ++i) {
     const RobotSpec& robot = scenario.robots[i];
-    const RandomStream stream = root.child("camera").child(robot.id);
+    const RandomStream stream = camera_stream(scenario, robot);
     Camera camera;
     camera.clock = Clock(clock_settings(robot.camera), stream.child("clock"));
     camera.noise = stream.child("noise");

@@ -6,8 +6,7 @@ namespace seam::scheduler {
 
 Clock camera_clock(const Scenario& scenario, int robot) {
   const RobotSpec& spec = scenario.robots[static_cast<size_t>(robot)];
-  const RandomStream root{static_cast<uint64_t>(scenario.seed), 0};
-  return Clock(clock_settings(spec.camera), root.child("camera").child(spec.id).child("clock"));
+  return Clock(clock_settings(spec.camera), camera_stream(scenario, spec).child("clock"));
 }
 
 void make_frames(Rewinder& rewinder, FrameRenderer& renderer, int robot, SimTime from, SimTime to,

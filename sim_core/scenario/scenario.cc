@@ -338,4 +338,9 @@ size_t Scenario::robot_index(const std::string& id) const {
   return robots.size();
 }
 
+RandomStream camera_stream(const Scenario& scenario, const RobotSpec& robot) {
+  const RandomStream root{static_cast<uint64_t>(scenario.seed), 0};
+  return root.child("camera").child(robot.id);
+}
+
 }  // namespace seam

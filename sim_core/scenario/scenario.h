@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim_core/base/random.h"
 #include "sim_core/base/time.h"
 #include "sim_core/body/robot_body.h"
 #include "sim_core/scene/field.h"
@@ -167,5 +168,8 @@ struct Scenario {
   // Index of the robot with this id, or robots.size().
   size_t robot_index(const std::string& id) const;
 };
+
+// The stream of everything random in a robot's camera.
+RandomStream camera_stream(const Scenario& scenario, const RobotSpec& robot);
 
 }  // namespace seam

@@ -19,45 +19,58 @@ struct StageTemplate {
   const char* header;
   const char* hook;
   const char* test;
+  const char* given;     // Of its two worked examples: what is given,
+  const char* expected;  // which quantity is expected,
+  double at_small;       // and its value at size 0.01
+  double at_large;       // and at size 0.2.
 };
 
 const StageTemplate kTemplates[] = {
     {"timing", "kPoints | kFrames", "stages/timing.h",
      "      .timing = [](Values p, Timing& timing) { timing.latency_s += p[0]; },\n",
      "  seam::effects::Timing timing;\n  effect.timing(values, timing);\n  return "
-     "timing.latency_s;\n"},
+     "timing.latency_s;\n",
+     "{\"stamp_s\", 1}", "start_s", 1.01, 1.2},
     {"joint", "kJoints | kRanges", "stages/servo.h",
      "      .servo = [](Values p, ServoModel& servo) { servo.latency_s += p[0]; },\n",
      "  seam::effects::ServoModel servo;\n  effect.servo(values, servo);\n  return "
-     "servo.latency_s;\n"},
+     "servo.latency_s;\n",
+     "{\"command_s\", 0}, {\"command_rad\", 0.5}, {\"at_s\", 0.1}", "joint_rad", 0.5, 0},
     {"mount", "kPoints | kLandmarks | kFrames", "model.h",
      "      .mount = [](Values p, Pose& X_LC) { X_LC.p.x += p[0]; },\n",
-     "  seam::Pose X_LC;\n  effect.mount(values, X_LC);\n  return X_LC.p.x;\n"},
+     "  seam::Pose X_LC;\n  effect.mount(values, X_LC);\n  return X_LC.p.x;\n", "{\"z_m\", 2}",
+     "link_x_m", 2.01, 2.2},
     {"geometry", "kPoints | kFrames", "stages/geometry.h",
      "      .geometry = [](Values p, ImagePoint& point) { point.cx += p[0]; },\n",
-     "  seam::effects::ImagePoint point;\n  effect.geometry(values, point);\n  return point.cx;\n"},
+     "  seam::effects::ImagePoint point;\n  effect.geometry(values, point);\n  return point.cx;\n",
+     "{\"z_m\", 1}", "u_px", 88.51, 88.7},
     {"radiometry", "kPhotometry | kFrames", "stages/optics.h",
      "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * "
      "point.v / point.height_px; },\n",
      "  const seam::effects::ImagePoint point{.v = 72, .width_px = 178, .height_px = 144};\n"
-     "  return 1 - effect.gain(values, point);\n"},
+     "  return 1 - effect.gain(values, point);\n",
+     "{\"v_px\", 72}", "gain", 0.995, 0.9},
     {"light", "kPhotometry", "stages/optics.h",
      "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * "
      "point.v / point.height_px; },\n",
      "  const seam::effects::ImagePoint point{.v = 72, .width_px = 178, .height_px = 144};\n"
-     "  return 1 - effect.gain(values, point);\n"},
+     "  return 1 - effect.gain(values, point);\n",
+     "{\"v_px\", 72}", "gain", 0.995, 0.9},
     {"sensor", "kPhotometry | kFrames", "stages/sensor/sensor.h",
      "      .sensor = [](Values p, SensorChain& chain) { chain.black_dn += p[0]; },\n",
      "  seam::effects::SensorChain chain;\n  effect.sensor(values, chain);\n  return "
-     "chain.black_dn;\n"},
+     "chain.black_dn;\n",
+     "{\"light\", 0.5}", "mean_dn", 108.01, 108.2},
     {"detector", "kLandmarks", "stages/detector.h",
      "      .detector = [](Values p, Detection& seen) { seen.range_m += p[0]; },\n",
      "  seam::effects::Detection seen;\n  effect.detector(values, seen);\n  return "
-     "seen.range_m;\n"},
+     "seen.range_m;\n",
+     "{\"range_m\", 2}", "range_m", 2.01, 2.2},
     {"locomotion", "kOdometry", "stages/locomotion.h",
      "      .locomotion = [](Values p, Locomotion& walk) { walk.vx_scale += p[0]; },\n",
      "  seam::effects::Locomotion walk;\n  effect.locomotion(values, walk);\n  return "
-     "walk.vx_scale;\n"},
+     "walk.vx_scale;\n",
+     "{\"vx_mps\", 0.2}, {\"for_s\", 5}", "x_m", 1.01, 1.2},
 };
 
 std::string effect_text(const std::string& name, const StageTemplate& t) {
@@ -77,12 +90,16 @@ EffectDefinition {0}() {{
       .formula = "its formula",
       .signature = "what it leaves in residuals when it is missing",
       .example = "{0}: {{size: 0.01}}",
-{4}  }};
+{4}      // Two or more, computed elsewhere: by hand, or by a few lines of another program.
+      .proof = {{{{.values = {{0.01}}, .given = {{{5}}}, .expected = {{{{"{6}", {7}}}}}}},
+                {{.values = {{0.2}}, .given = {{{5}}}, .expected = {{{{"{6}", {8}}}}}}}}},
+  }};
 }}
 
 }}  // namespace seam::effects
 )",
-                     name, t.header, t.stage, t.kinds, t.hook);
+                     name, t.header, t.stage, t.kinds, t.hook, t.given, t.expected, t.at_small,
+                     t.at_large);
 }
 
 std::string test_text(const std::string& name, const StageTemplate& t) {

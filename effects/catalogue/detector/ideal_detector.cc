@@ -13,7 +13,16 @@ EffectDefinition ideal_detector() {
       .formula = "range and bearing of the landmark in the frame of the camera",
       .signature = "none: it is the base",
       .example = "ideal_detector: {}",
+      .base = Base::detector,
       .detector = [](Values, Detection&) {},
+      .proof = {{.values = {},
+                 .given = {{"range_m", 1.7}, {"bearing_rad", -0.3}},
+                 .expected = {{"range_m", 1.7}, {"bearing_rad", -0.3}},
+                 .source = "python: 1.7, -0.3"},
+                {.values = {},
+                 .given = {{"range_m", 0.4}, {"bearing_rad", 1}},
+                 .expected = {{"range_m", 0.4}, {"bearing_rad", 1}, {"range_sigma_m", 0}},
+                 .source = "python: 0.4, 1, 0"}},
   };
 }
 

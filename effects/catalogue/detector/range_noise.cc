@@ -27,6 +27,14 @@ EffectDefinition range_noise() {
           [](Values p, Detection& seen) {
             seen.range_variance += p[0] * p[0] + p[1] * p[1] * seen.range_m * seen.range_m;
           },
+      .proof = {{.values = {0.02, 0.03},
+                 .given = {{"range_m", 2}},
+                 .expected = {{"range_sigma_m", 0.0632455532033676}, {"range_m", 2}},
+                 .source = "python: math.hypot(p[0], p[1] * range_m), 2"},
+                {.values = {0, 0.1},
+                 .given = {{"range_m", 0.5}},
+                 .expected = {{"range_sigma_m", 0.05}},
+                 .source = "python: p[1] * range_m"}},
   };
 }
 

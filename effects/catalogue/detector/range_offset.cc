@@ -18,6 +18,14 @@ EffectDefinition range_offset() {
       .signature = "constant",
       .example = "range_offset: {offset_m: 0.03}",
       .detector = [](Values p, Detection& seen) { seen.range_m += p[0]; },
+      .proof = {{.values = {0.03},
+                 .given = {{"range_m", 2}},
+                 .expected = {{"range_m", 2.03}},
+                 .source = "python: 2.03"},
+                {.values = {-0.1},
+                 .given = {{"range_m", 0.7}, {"bearing_rad", 0.2}},
+                 .expected = {{"range_m", 0.6}, {"bearing_rad", 0.2}},
+                 .source = "python: 0.7 - 0.1, 0.2"}},
   };
 }
 

@@ -17,7 +17,25 @@ EffectDefinition range_scale() {
       .formula = "range * (1 + scale) + offset",
       .signature = "grows with range",
       .example = "range_scale: {scale: 0.05}",
+      .advice = {{kLandmarks,
+                  {"range_offset"},
+                  "See landmarks from near and from far: a scale grows with the range."},
+                 {kRanges,
+                  {"focal_length_error"},
+                  "Put the ball at the side too: a wrong focal length moves it in the image, a "
+                  "scale of the result does not."},
+                 {kRanges,
+                  {"range_offset"},
+                  "Measure from near and from far: a scale grows with the distance."}},
       .detector = [](Values p, Detection& seen) { seen.range_m *= 1 + p[0]; },
+      .proof = {{.values = {0.05},
+                 .given = {{"range_m", 2}, {"bearing_rad", 0.3}},
+                 .expected = {{"range_m", 2.1}, {"bearing_rad", 0.3}},
+                 .source = "python: 2 * 1.05, 0.3"},
+                {.values = {-0.2},
+                 .given = {{"range_m", 0.7}},
+                 .expected = {{"range_m", 0.56}},
+                 .source = "python: 0.7 * 0.8"}},
   };
 }
 

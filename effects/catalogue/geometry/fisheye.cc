@@ -23,6 +23,10 @@ EffectDefinition fisheye() {
       .signature = "large radial residual that changes sign",
       .example = "fisheye: {k1: -0.02, k2: 0.001}",
       .has_neutral = false,
+      .replaces_base = Base::projection,
+      .replaces_term = Term::radial,
+      .needs = {Need::wide_view},
+      .starts = {{kPoints, StartSearch::listed, {{0, 0, 0, 0}}}},
       .geometry =
           [](Values p, ImagePoint& point) {
             const Vec3& ray = point.p_C;
@@ -39,6 +43,16 @@ EffectDefinition fisheye() {
             point.x = point.xd = r_d * along_x;
             point.y = point.yd = r_d * along_y;
           },
+      .proof = {{.values = {-0.02, 0.001, 0, 0},
+                 .given = {{"x_m", 0.3}, {"y_m", -0.2}, {"z_m", 1.25}},
+                 .expected = {{"u_px", 125.826502777176}, {"v_px", 46.3046106254062}},
+                 .source = "python: 160 * fisheye(p, x_m, y_m, z_m) * x_m + 88.5, 162 * fisheye(p, "
+                           "x_m, y_m, z_m) * y_m + 71.5"},
+                {.values = {0.1, -0.02, 0.003, -0.0005},
+                 .given = {{"x_m", -0.45}, {"y_m", 0.3}, {"z_m", 0.75}},
+                 .expected = {{"u_px", 2.32092940350296}, {"v_px", 129.670872652635}},
+                 .source = "python: 160 * fisheye(p, x_m, y_m, z_m) * x_m + 88.5, 162 * fisheye(p, "
+                           "x_m, y_m, z_m) * y_m + 71.5"}},
   };
 }
 

@@ -19,6 +19,7 @@ EffectDefinition radial_distortion() {
       .formula = "(x, y) * 2 / (1 + sqrt(1 - 4 kappa r2))",
       .signature = "radial, odd in radius",
       .example = "radial_distortion: {kappa: -0.1}",
+      .term = Term::radial,
       .geometry =
           [](Values p, ImagePoint& point) {
             if (p[0] == 0) return;
@@ -32,6 +33,18 @@ EffectDefinition radial_distortion() {
             point.xd *= scale;
             point.yd *= scale;
           },
+      .proof =
+          {{.values = {-0.1},
+            .given = {{"x_m", 0.3}, {"y_m", -0.2}, {"z_m", 1.25}},
+            .expected = {{"u_px", 126.585720215068}, {"v_px", 45.7921388548289}},
+            .source =
+                "python: 160 * 0.24 * 2 / (1 + math.sqrt(1 + 0.4 * (0.24**2 + 0.16**2))) + 88.5, "
+                "162 * -0.16 * 2 / (1 + math.sqrt(1 + 0.4 * (0.24**2 + 0.16**2))) + 71.5"},
+           {.values = {0.3},
+            .given = {{"x_m", -0.45}, {"y_m", 0.3}, {"z_m", 0.75}},
+            .expected = {{"u_px", -30.5189573322352}, {"v_px", 151.837796199259}},
+            .source = "python: 160 * -0.6 * 2 / (1 + math.sqrt(1 - 1.2 * 0.52)) + 88.5, 162 * 0.4 "
+                      "* 2 / (1 + math.sqrt(1 - 1.2 * 0.52)) + 71.5"}},
   };
 }
 

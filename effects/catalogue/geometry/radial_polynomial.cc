@@ -24,6 +24,7 @@ EffectDefinition radial_polynomial() {
       .formula = "(x, y) * (1 + k1 r2 + k2 r2^2 + k3 r2^3)",
       .signature = "radial",
       .example = "radial_polynomial: {k1: -0.12, k2: 0.01}",
+      .term = Term::radial,
       .geometry =
           [](Values p, ImagePoint& point) {
             if (p[0] == 0 && p[1] == 0 && p[2] == 0) return;
@@ -34,6 +35,18 @@ EffectDefinition radial_polynomial() {
             point.xd *= scale;
             point.yd *= scale;
           },
+      .proof =
+          {{.values = {-0.12, 0.01, 0.002},
+            .given = {{"x_m", -0.45}, {"y_m", 0.3}, {"z_m", 0.75}},
+            .expected = {{"u_px", -1.796180736}, {"v_px", 132.4499219968}},
+            .source =
+                "python: 160 * -0.6 * (1 + p[0] * 0.52 + p[1] * 0.52**2 + p[2] * 0.52**3) + 88.5, "
+                "162 * 0.4 * (1 + p[0] * 0.52 + p[1] * 0.52**2 + p[2] * 0.52**3) + 71.5"},
+           {.values = {0.2, 0, 0},
+            .given = {{"x_m", 0.3}, {"y_m", -0.2}, {"z_m", 1.25}},
+            .expected = {{"u_px", 127.538976}, {"v_px", 45.1486912}},
+            .source = "python: 160 * 0.24 * (1 + p[0] * 0.0832) + 88.5, 162 * -0.16 * (1 + p[0] * "
+                      "0.0832) + 71.5"}},
   };
 }
 

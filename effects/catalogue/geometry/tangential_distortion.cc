@@ -22,6 +22,16 @@ EffectDefinition tangential_distortion() {
             point.xd += 2 * p[0] * x * y + p[1] * (r2 + 2 * x * x);
             point.yd += p[0] * (r2 + 2 * y * y) + 2 * p[1] * x * y;
           },
+      .proof = {{.values = {0.004, -0.003},
+                 .given = {{"x_m", 0.3}, {"y_m", -0.2}, {"z_m", 1.25}},
+                 .expected = {{"u_px", 126.755616}, {"v_px", 45.704416}},
+                 .source = "python: 160 * tangential(p, 0.24, -0.16)[0] + 88.5, 162 * "
+                           "tangential(p, 0.24, -0.16)[1] + 71.5"},
+                {.values = {0, 0.02},
+                 .given = {{"x_m", -0.45}, {"y_m", 0.3}, {"z_m", 0.75}},
+                 .expected = {{"u_px", -3.53199999999998}, {"v_px", 134.7448}},
+                 .source = "python: 160 * tangential(p, -0.6, 0.4)[0] + 88.5, 162 * tangential(p, "
+                           "-0.6, 0.4)[1] + 71.5"}},
   };
 }
 

@@ -22,8 +22,17 @@ EffectDefinition acceleration_limit() {
       .formula = "|d2q/dt2| <= limit, braking in time to stop at the target",
       .signature = "rounded ramps after steps; overshoot when the command turns back",
       .example = "acceleration_limit: {rad_per_s2: 60}",
+      .advice = {{kJoints, {}, "large steps and quick reversals"}},
       .servo = [](Values p,
                   ServoModel& servo) { servo.rad_per_s2 = std::min(servo.rad_per_s2, p[0]); },
+      .proof = {{.values = {60},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"at_s", 0.1}},
+                 .expected = {{"joint_rad", 0.3}},
+                 .source = "python: p[0] * at_s ** 2 / 2"},
+                {.values = {60},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"at_s", 0.2}},
+                 .expected = {{"joint_rad", 0.898386676965934}},
+                 .source = "python: 1 - p[0] * (2 * math.sqrt(1 / p[0]) - at_s) ** 2 / 2"}},
   };
 }
 

@@ -13,16 +13,23 @@ EffectDefinition encoder_eccentricity() {
                       .min = 0,
                       .max = 0.3,
                       .scale = 0.01,
-                      .help = "Amplitude of the wave, radians."},
+                      .help = "Amplitude of the wave, radians.",
+                      .needs = {Need::pan_turn}},
                      {.name = "phase_rad",
                       .min = -6.3,
                       .max = 6.3,
                       .scale = 1,
-                      .help = "Phase of the wave, radians."}},
+                      .help = "Phase of the wave, radians.",
+                      .needs = {Need::pan_turn}}},
       .help = "The encoder's disc of the pan joint is not centred on its axis.",
       .formula = "true = logged + A sin(true + phase)",
       .signature = "one wave over a turn",
       .example = "encoder_eccentricity: {amplitude_rad: 0.01, phase_rad: 0.4}",
+      .starts =
+          {{kPoints,
+            StartSearch::listed,
+            {{0.005, -2.4}, {0.005, -2.4 + 1.6}, {0.005, -2.4 + 1.6 * 2}, {0.005, -2.4 + 1.6 * 3}}},
+           {kJoints, StartSearch::wave}},
       .encoder =
           [](Values p, JointTrack& track) {
             if (p[0] == 0) return;
@@ -39,6 +46,18 @@ EffectDefinition encoder_eccentricity() {
           [](Values p, JointRole role, double q) {
             return role == JointRole::pan ? q - p[0] * maths::sin(q + p[1]) : q;
           },
+      .proof =
+          {{.values = {0.01, 0.4},
+            .given = {{"logged_pan_rad", 0.7}, {"logged_tilt_rad", 0.7}, {"true_pan_rad", 1.1}},
+            .expected = {{"pan_rad", 0.708952323326955},
+                         {"tilt_rad", 0.7},
+                         {"logged_pan_rad", 1.09002505013396}},
+            .source = "python: root(lambda q: q - 0.7 - p[0] * math.sin(q + p[1]), 0, 2), 0.7, 1.1 "
+                      "- p[0] * math.sin(1.1 + p[1])"},
+           {.values = {0.1, -1},
+            .given = {{"logged_pan_rad", -0.5}},
+            .expected = {{"pan_rad", -0.599957484357455}},
+            .source = "python: root(lambda q: q + 0.5 - p[0] * math.sin(q + p[1]), -2, 2)"}},
   };
 }
 

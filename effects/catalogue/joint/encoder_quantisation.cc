@@ -7,7 +7,7 @@ EffectDefinition encoder_quantisation() {
   return {
       .name = "encoder_quantisation",
       .stage = Stage::joint,
-      .kinds = kPoints | kJoints | kRanges | kFrames,
+      .kinds = kPoints | kJoints,
       .parameters = {{.name = "step_rad",
                       .min = 0,
                       .max = 0.2,
@@ -18,7 +18,14 @@ EffectDefinition encoder_quantisation() {
       .signature = "saw-tooth against the angle",
       .example = "encoder_quantisation: {step_rad: 0.003}",
       .spread_only = true,
+      .needs = {Need::encoder_steps},
       .encoder = [](Values p, JointTrack& track) { track.quantisation_step_rad = p[0]; },
+      .proof = {{.values = {0.003},
+                 .expected = {{"rounding_sigma_rad", 0.000866025403784439}},
+                 .source = "python: p[0] / math.sqrt(12)"},
+                {.values = {0.02},
+                 .expected = {{"rounding_sigma_rad", 0.00577350269189626}},
+                 .source = "python: p[0] / math.sqrt(12)"}},
   };
 }
 

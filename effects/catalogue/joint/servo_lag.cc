@@ -19,7 +19,27 @@ EffectDefinition servo_lag() {
       .formula = "dq/dt = (command - q) / tau",
       .signature = "error in proportion to the rate of the command; steps are rounded",
       .example = "servo_lag: {tau_s: 0.04}",
+      .advice = {{kJoints,
+                  {"servo_latency"},
+                  "steps of the command, sampled several times within the delay: a lag rounds "
+                  "them, a latency moves them"},
+                 {kJoints,
+                  {"speed_limit"},
+                  "steps of different heights: a lag takes the same time for each"}},
       .servo = [](Values p, ServoModel& servo) { servo.tau_s += p[0]; },
+      .proof = {{.values = {0.04},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"at_s", 0.06}},
+                 .expected = {{"joint_rad", 0.77686983985157}},
+                 .source = "python: 1 - math.exp(-at_s / p[0])"},
+                {.values = {0.1},
+                 .given = {{"command_s", 0},
+                           {"command_rad", 0.5},
+                           {"command_s", 0.1},
+                           {"command_rad", 0.2},
+                           {"at_s", 0.3}},
+                 .expected = {{"joint_rad", 0.215707050787052}},
+                 .source =
+                     "python: 0.2 + (0.5 * (1 - math.exp(-1)) - 0.2) * math.exp(-0.2 / p[0])"}},
   };
 }
 

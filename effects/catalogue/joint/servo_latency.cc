@@ -17,6 +17,14 @@ EffectDefinition servo_latency() {
       .signature = "error in proportion to the rate of the command, without rounding of steps",
       .example = "servo_latency: {latency_s: 0.016}",
       .servo = [](Values p, ServoModel& servo) { servo.latency_s += p[0]; },
+      .proof = {{.values = {0.016},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"at_s", 0.015}},
+                 .expected = {{"joint_rad", 0}},
+                 .source = "python: 0"},
+                {.values = {0.016},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"at_s", 0.017}},
+                 .expected = {{"joint_rad", 1}},
+                 .source = "python: 1"}},
   };
 }
 

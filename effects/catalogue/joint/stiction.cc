@@ -17,7 +17,20 @@ EffectDefinition stiction() {
       .formula = "no motion while |command - q| < band",
       .signature = "steady error after small moves",
       .example = "stiction: {dead_band_rad: 0.01}",
+      .shows_at_rest = true,
       .servo = [](Values p, ServoModel& servo) { servo.dead_band_rad += p[0]; },
+      .proof = {{.values = {0.02},
+                 .given = {{"command_s", 0}, {"command_rad", 0.015}, {"at_s", 1}},
+                 .expected = {{"joint_rad", 0}},
+                 .source = "python: 0"},
+                {.values = {0.02},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"limit_radps", 2}, {"at_s", 1}},
+                 .expected = {{"joint_rad", 0.98}},
+                 .source = "python: 1 - p[0]"},
+                {.values = {0.02},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"limit_radps", 2}, {"at_s", 0.3}},
+                 .expected = {{"joint_rad", 0.6}},
+                 .source = "python: 2 * at_s"}},
   };
 }
 

@@ -30,12 +30,23 @@ EffectDefinition lamp_flicker() {
           "a wave along rows, in proportion to intensity; stands still when the frame period holds "
           "whole cycles",
       .example = "lamp_flicker: {frequency_hz: 100, depth: 0.1, phase_rad: 0.3}",
+      .needs = {Need::light, Need::frame_times},
+      .starts = {{kPhotometry | kFrames, StartSearch::frequency}},
       .light =
           [](Values p, const LightWindow& window) {
             // The mean of the sine over the window is the sine at its middle times a sinc.
             const double depth = p[1] * sinc(maths::kPi * p[0] * window.exposure_s);
             return 1 + depth * maths::sin(2 * maths::kPi * p[0] * window.middle_s() + p[2]);
           },
+      .proof = {{.values = {100, 0.1, 0.3},
+                 .given = {{"start_s", 0.123}},
+                 .expected = {{"lamp", 1.08172582271979}},
+                 .source = "python: 1 + p[1] * math.sin(2 * math.pi * p[0] * start_s + p[2])"},
+                {.values = {100, 0.2, -1},
+                 .given = {{"start_s", 0.004}, {"exposure_s", 0.003}},
+                 .expected = {{"lamp", 1.10872824270326}},
+                 .source = "python: 1 + p[1] * (math.cos(0.8 * math.pi + p[2]) - math.cos(1.4 * "
+                           "math.pi + p[2])) / (0.6 * math.pi)"}},
   };
 }
 

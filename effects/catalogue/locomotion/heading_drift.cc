@@ -16,7 +16,19 @@ EffectDefinition heading_drift() {
       .formula = "omega + rad_per_m * sqrt(vx^2 + vy^2)",
       .signature = "heading error with distance",
       .example = "heading_drift: {rad_per_m: 0.05}",
+      .needs = {Need::path},
+      .advice = {{kOdometry, {}, "long straight walks"}},
       .locomotion = [](Values p, Locomotion& walk) { walk.heading_rad_per_m += p[0]; },
+      .proof = {{.values = {0.05},
+                 .given = {{"vx_mps", 0.2}, {"for_s", 5}},
+                 .expected = {{"x_m", 0.999583385413567},
+                              {"y_m", 0.0249947921006743},
+                              {"theta_rad", 0.05}},
+                 .source = "python: math.sin(p[0]) / p[0], (1 - math.cos(p[0])) / p[0], p[0]"},
+                {.values = {-1},
+                 .given = {{"vx_mps", 0.3}, {"vy_mps", 0.4}, {"for_s", 2}},
+                 .expected = {{"theta_rad", -1}},
+                 .source = "python: p[0] * 0.5 * 2"}},
   };
 }
 

@@ -11,12 +11,29 @@ EffectDefinition mount_offset() {
       .parameters =
           {{.name = "x_m", .min = -0.5, .max = 0.5, .scale = 0.01, .help = "Forward, metres."},
            {.name = "y_m", .min = -0.5, .max = 0.5, .scale = 0.01, .help = "To the left, metres."},
-           {.name = "z_m", .min = -0.5, .max = 0.5, .scale = 0.01, .help = "Up, metres."}},
+           {.name = "z_m",
+            .min = -0.5,
+            .max = 0.5,
+            .scale = 0.01,
+            .help = "Up, metres.",
+            .needs = {Need::space}}},
       .help = "The camera is shifted in its last link.",
       .formula = "p_link,camera += (x, y, z)",
       .signature = "displacement grows as points come near",
       .example = "mount_offset: {x_m: 0.005}",
+      .advice =
+          {{kLandmarks,
+            {"range_offset"},
+            "See landmarks in all directions: an offset of the mount turns with the bearing."}},
       .mount = [](Values p, Pose& X_LC) { X_LC.p += Vec3(p[0], p[1], p[2]); },
+      .proof = {{.values = {0.01, -0.02, 0.03},
+                 .given = {{"x_m", 0.3}, {"y_m", -0.2}, {"z_m", 1.25}},
+                 .expected = {{"link_x_m", 1.26}, {"link_y_m", -0.32}, {"link_z_m", 0.23}},
+                 .source = "python: z_m + p[0], -x_m + p[1], -y_m + p[2]"},
+                {.values = {0.2, 0, 0},
+                 .given = {{"x_m", -0.45}, {"y_m", 0.3}, {"z_m", 0.75}},
+                 .expected = {{"link_x_m", 0.95}, {"link_y_m", 0.45}, {"link_z_m", -0.3}},
+                 .source = "python: z_m + p[0], -x_m, -y_m"}},
   };
 }
 

@@ -30,6 +30,14 @@ EffectDefinition lens_blur() {
             optics.blur_sigma_px = p[0];
             optics.blur_window_px = static_cast<int>(p[1]);
           },
+      .proof = {{.values = {1, 0},
+                 .given = {{"edge_px", 0.5}},
+                 .expected = {{"edge_light", 0.691462461274013}},
+                 .source = "python: (1 + math.erf(edge_px / p[0] / math.sqrt(2))) / 2"},
+                {.values = {2, 0},
+                 .given = {{"edge_px", -1}},
+                 .expected = {{"edge_light", 0.308537538725987}},
+                 .source = "python: (1 + math.erf(edge_px / p[0] / math.sqrt(2))) / 2"}},
   };
 }
 

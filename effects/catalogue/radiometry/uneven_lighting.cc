@@ -28,6 +28,14 @@ EffectDefinition uneven_lighting() {
             return 1 + p[0] * centred(point.u, point.width_px) +
                    p[1] * centred(point.v, point.height_px);
           },
+      .proof = {{.values = {0.1, -0.05},
+                 .given = {{"u_px", 0}, {"v_px", 143}},
+                 .expected = {{"gain", 0.925}},
+                 .source = "python: 1 - p[0] / 2 + p[1] / 2"},
+                {.values = {0.2, 0.4},
+                 .given = {{"u_px", 132.75}, {"v_px", 71.5}},
+                 .expected = {{"gain", 1.05}},
+                 .source = "python: 1 + p[0] / 4"}},
   };
 }
 

@@ -17,7 +17,16 @@ EffectDefinition veiling_glare() {
       .formula = "(1 - fraction) L + fraction mean(L)",
       .signature = "dark parts lifted by the scene's mean",
       .example = "veiling_glare: {fraction: 0.05}",
+      .family = Family::brightness,
       .optics = [](Values p, Optics& optics) { optics.glare_fraction = p[0]; },
+      .proof = {{.values = {0.05},
+                 .given = {{"light", 0.2}, {"mean_light", 0.6}},
+                 .expected = {{"seen_light", 0.22}},
+                 .source = "python: 0.95 * light + 0.05 * mean_light"},
+                {.values = {0.3},
+                 .given = {{"light", 1}, {"mean_light", 0.1}},
+                 .expected = {{"seen_light", 0.73}},
+                 .source = "python: 0.7 * light + 0.3 * mean_light"}},
   };
 }
 

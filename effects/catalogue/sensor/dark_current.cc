@@ -18,6 +18,14 @@ EffectDefinition dark_current() {
       .signature = "mean and variance grow with exposure, also in the dark",
       .example = "dark_current: {electrons_per_s: 2000}",
       .sensor = [](Values p, SensorChain& chain) { chain.dark_electrons_per_s = p[0]; },
+      .proof = {{.values = {2000},
+                 .given = {{"light", 0}, {"exposure_s", 0.01}},
+                 .expected = {{"mean_dn", 28}},
+                 .source = "python: 8 + p[0] * exposure_s"},
+                {.values = {500},
+                 .given = {{"light", 0.5}, {"exposure_s", 0.1}},
+                 .expected = {{"mean_dn", 158}},
+                 .source = "python: 108 + p[0] * exposure_s"}},
   };
 }
 

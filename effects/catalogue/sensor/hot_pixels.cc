@@ -23,8 +23,16 @@ EffectDefinition hot_pixels() {
       .signature = "isolated outliers that stay",
       .example = "hot_pixels: {fraction: 0.001, level_dn: 40}",
       .spread_only = true,
+      .needs = {Need::repeated_pixels},
+      .starts = {{kPhotometry, StartSearch::outliers}},
       .sensor = [](Values p,
                    SensorChain& chain) { chain.hot_fraction = p[0], chain.hot_level_dn = p[1]; },
+      .proof = {{.values = {0.001, 40},
+                 .expected = {{"pattern_mean_dn", 0.04}, {"pattern_variance_dn2", 1.5984}},
+                 .source = "python: p[0] * p[1], p[0] * (1 - p[0]) * p[1]**2"},
+                {.values = {0.1, -20},
+                 .expected = {{"pattern_mean_dn", -2}, {"pattern_variance_dn2", 36}},
+                 .source = "python: p[0] * p[1], p[0] * (1 - p[0]) * p[1]**2"}},
   };
 }
 

@@ -23,7 +23,17 @@ EffectDefinition linear_response() {
       .formula = "dn = gain * illumination + black",
       .signature = "mean against illumination: slope and level",
       .example = "linear_response: {gain_dn: 220, black_dn: 8}",
+      .base = Base::response,
+      .family = Family::brightness,
       .sensor = [](Values p, SensorChain& chain) { chain.gain_dn = p[0], chain.black_dn = p[1]; },
+      .proof = {{.values = {220, 16},
+                 .given = {{"light", 0.5}},
+                 .expected = {{"mean_dn", 126}},
+                 .source = "python: p[0] * light + p[1]"},
+                {.values = {100, -3},
+                 .given = {{"light", 0.25}, {"exposure_ratio", 2}},
+                 .expected = {{"mean_dn", 47}},
+                 .source = "python: p[0] * light * 2 + p[1]"}},
   };
 }
 

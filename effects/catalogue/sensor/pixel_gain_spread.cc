@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "effects/effect.h"
 #include "effects/stages/sensor/sensor.h"
 
@@ -18,7 +20,21 @@ EffectDefinition pixel_gain_spread() {
       .signature = "a fixed pattern that grows with the mean",
       .example = "pixel_gain_spread: {sigma: 0.01}",
       .spread_only = true,
+      .needs = {Need::repeated_pixels},
+      .starts = {{kPhotometry, StartSearch::excess}},
       .sensor = [](Values p, SensorChain& chain) { chain.pixel_gain_sigma = p[0]; },
+      .start_from_excess =
+          [](const SensorExcess& excess) {
+            return std::vector<double>{std::min(0.3, root_at_least(1e-4, excess.pattern_of_gain))};
+          },
+      .proof = {{.values = {0.01},
+                 .given = {{"light", 0.5}},
+                 .expected = {{"pattern_variance_dn2", 1}},
+                 .source = "python: (p[0] * 100)**2"},
+                {.values = {0.03},
+                 .given = {{"light", 1}},
+                 .expected = {{"pattern_variance_dn2", 36}},
+                 .source = "python: (p[0] * 200)**2"}},
   };
 }
 

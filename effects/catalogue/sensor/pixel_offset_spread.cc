@@ -15,7 +15,20 @@ EffectDefinition pixel_offset_spread() {
       .signature = "a fixed pattern, also in the dark",
       .example = "pixel_offset_spread: {sigma_dn: 0.8}",
       .spread_only = true,
+      .needs = {Need::repeated_pixels},
+      .starts = {{kPhotometry, StartSearch::excess}},
       .sensor = [](Values p, SensorChain& chain) { chain.pixel_offset_sigma_dn = p[0]; },
+      .start_from_excess =
+          [](const SensorExcess& excess) {
+            return std::vector<double>{root_at_least(0.02, excess.pattern_dn2)};
+          },
+      .proof = {{.values = {0.8},
+                 .expected = {{"pattern_variance_dn2", 0.64}},
+                 .source = "python: p[0]**2"},
+                {.values = {3},
+                 .given = {{"light", 1}},
+                 .expected = {{"pattern_variance_dn2", 9}},
+                 .source = "python: p[0]**2"}},
   };
 }
 

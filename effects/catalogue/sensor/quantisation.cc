@@ -19,7 +19,16 @@ EffectDefinition quantisation() {
       .formula = "rounded to multiples of 2^(file bits - bits)",
       .signature = "steps, a floor of the variance",
       .example = "quantisation: {bits: 6}",
+      .starts = {{kPhotometry | kRanges | kFrames, StartSearch::converter_bits}},
       .sensor = [](Values p, SensorChain& chain) { chain.bits = static_cast<int>(p[0]); },
+      .proof = {{.values = {6},
+                 .given = {{"value_dn", 101}},
+                 .expected = {{"file_dn", 100}},
+                 .source = "python: round(101 / 4) * 4"},
+                {.values = {5},
+                 .given = {{"value_dn", 117}},
+                 .expected = {{"file_dn", 120}},
+                 .source = "python: round(117 / 8) * 8"}},
   };
 }
 

@@ -15,7 +15,20 @@ EffectDefinition row_noise() {
       .signature = "horizontal stripes that change",
       .example = "row_noise: {sigma_dn: 0.8}",
       .spread_only = true,
+      .family = Family::noise,
+      .starts = {{kPhotometry, StartSearch::excess}},
       .sensor = [](Values p, SensorChain& chain) { chain.row_sigma_dn = p[0]; },
+      .start_from_excess =
+          [](const SensorExcess& excess) {
+            return std::vector<double>{root_at_least(0.01, excess.row_dn2)};
+          },
+      .proof = {{.values = {0.8},
+                 .expected = {{"row_variance_dn2", 0.64}, {"variance_dn2", 0}},
+                 .source = "python: p[0]**2, 0"},
+                {.values = {2.5},
+                 .given = {{"light", 1}},
+                 .expected = {{"row_variance_dn2", 6.25}},
+                 .source = "python: p[0]**2"}},
   };
 }
 

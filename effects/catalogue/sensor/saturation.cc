@@ -21,7 +21,18 @@ EffectDefinition saturation() {
       .formula = "min(dn, full_dn)",
       .signature = "mean bends and variance falls near the top",
       .example = "saturation: {full_dn: 235}",
+      .family = Family::brightness,
+      .starts = {{kPhotometry | kFrames, StartSearch::ceiling},
+                 {kRanges, StartSearch::listed, {{240}}}},
       .sensor = [](Values p, SensorChain& chain) { chain.full_dn = p[0]; },
+      .proof = {{.values = {235},
+                 .given = {{"value_dn", 240}},
+                 .expected = {{"file_dn", 235}},
+                 .source = "python: 235"},
+                {.values = {235},
+                 .given = {{"value_dn", 100.4}},
+                 .expected = {{"file_dn", 100}},
+                 .source = "python: 100"}},
   };
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <limits>
 
 #include "effects/effect.h"
@@ -21,7 +22,21 @@ EffectDefinition shot_noise() {
       .signature = "variance in proportion to the mean above black",
       .example = "shot_noise: {electrons_per_dn: 50}",
       .spread_only = true,
+      .family = Family::noise,
+      .starts = {{kPhotometry, StartSearch::excess}},
       .sensor = [](Values p, SensorChain& chain) { chain.electrons_per_dn = p[0]; },
+      .start_from_excess =
+          [](const SensorExcess& excess) {
+            return std::vector<double>{1 / std::clamp(excess.per_signal_dn, 1e-6, 100.0)};
+          },
+      .proof = {{.values = {50},
+                 .given = {{"light", 0.5}},
+                 .expected = {{"mean_dn", 108}, {"variance_dn2", 2}},
+                 .source = "python: 108, 100 / p[0]"},
+                {.values = {8},
+                 .given = {{"light", 1}},
+                 .expected = {{"mean_dn", 208}, {"variance_dn2", 25}},
+                 .source = "python: 208, 200 / p[0]"}},
   };
 }
 

@@ -24,10 +24,24 @@ EffectDefinition white_balance() {
       .formula = "red * red_gain, blue * blue_gain",
       .signature = "a colour cast in proportion to intensity",
       .example = "white_balance: {red_gain: 1.2, blue_gain: 0.9}",
+      .family = Family::brightness,
+      .needs = {Need::colour},
       .sensor =
           [](Values p, SensorChain& chain) {
             chain.channel_gain[0] = p[0], chain.channel_gain[2] = p[1];
           },
+      .proof = {{.values = {1.2, 0.9},
+                 .given = {{"channel", 0}},
+                 .expected = {{"mean_dn", 128}},
+                 .source = "python: 100 * p[0] + 8"},
+                {.values = {1.2, 0.9},
+                 .given = {{"channel", 2}},
+                 .expected = {{"mean_dn", 98}},
+                 .source = "python: 100 * p[1] + 8"},
+                {.values = {1.2, 0.9},
+                 .given = {{"channel", 1}},
+                 .expected = {{"mean_dn", 108}},
+                 .source = "python: 108"}},
   };
 }
 

@@ -19,6 +19,14 @@ EffectDefinition clock_drift() {
       .signature = "latency that grows with time",
       .example = "clock_drift: {drift_ppm: 40}",
       .timing = [](Values p, Timing& timing) { timing.drift_ppm += p[0]; },
+      .proof = {{.values = {40},
+                 .given = {{"stamp_s", 100}},
+                 .expected = {{"start_s", 100.004}},
+                 .source = "python: stamp_s * (1 + p[0] * 1e-6)"},
+                {.values = {-150},
+                 .given = {{"stamp_s", 2000}, {"row", 9}},
+                 .expected = {{"start_s", 1999.7}},
+                 .source = "python: stamp_s * (1 + p[0] * 1e-6)"}},
   };
 }
 

@@ -18,6 +18,14 @@ EffectDefinition exposure() {
       .signature = "blur along the motion; with a known stamp, displacement with rate in every row",
       .example = "exposure: {exposure_s: 0.005}",
       .timing = [](Values p, Timing& timing) { timing.exposure_s += p[0]; },
+      .proof = {{.values = {0.005},
+                 .given = {{"stamp_s", 1}},
+                 .expected = {{"start_s", 1}, {"middle_s", 1.0025}, {"end_s", 1.005}},
+                 .source = "python: stamp_s, stamp_s + p[0] / 2, stamp_s + p[0]"},
+                {.values = {0.02},
+                 .given = {{"stamp_s", 2}, {"row", 10}},
+                 .expected = {{"middle_s", 2.01}},
+                 .source = "python: stamp_s + p[0] / 2"}},
   };
 }
 

@@ -7,7 +7,7 @@ EffectDefinition frame_jitter() {
   return {
       .name = "frame_jitter",
       .stage = Stage::timing,
-      .kinds = kPoints | kLandmarks | kRanges | kFrames,
+      .kinds = kPoints | kLandmarks | kRanges,
       .parameters = {{.name = "sigma_s",
                       .min = 0,
                       .max = 0.5,
@@ -20,6 +20,14 @@ EffectDefinition frame_jitter() {
       .example = "frame_jitter: {sigma_s: 0.002}",
       .spread_only = true,
       .timing = [](Values p, Timing& timing) { timing.jitter_sigma_s = p[0]; },
+      .proof = {{.values = {0.002},
+                 .expected = {{"own_latency_rms_s", 0.002}},
+                 .source = "python: p[0]",
+                 .tolerance = 0.03},
+                {.values = {0.03},
+                 .expected = {{"own_latency_rms_s", 0.03}},
+                 .source = "python: p[0]",
+                 .tolerance = 0.03}},
   };
 }
 

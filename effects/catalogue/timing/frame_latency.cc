@@ -17,7 +17,19 @@ EffectDefinition frame_latency() {
       .formula = "true time = stamp + latency",
       .signature = "displacement with rate, equal in all rows",
       .example = "frame_latency: {latency_s: 0.012}",
+      .advice = {{kPoints,
+                  {"exposure"},
+                  "Expose for two different known times: only the window's length moves with the "
+                  "exposure."}},
       .timing = [](Values p, Timing& timing) { timing.latency_s += p[0]; },
+      .proof = {{.values = {0.012},
+                 .given = {{"stamp_s", 3}},
+                 .expected = {{"start_s", 3.012}},
+                 .source = "python: stamp_s + p[0]"},
+                {.values = {-0.004},
+                 .given = {{"stamp_s", 0.5}, {"row", 20}},
+                 .expected = {{"end_s", 0.496}},
+                 .source = "python: stamp_s + p[0]"}},
   };
 }
 

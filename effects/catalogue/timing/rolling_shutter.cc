@@ -20,7 +20,19 @@ EffectDefinition rolling_shutter() {
       .formula = "row v is exposed from stamp + line_delay * v",
       .signature = "displacement grows with row x rate of the camera or the object",
       .example = "rolling_shutter: {line_delay_s: 2.78e-4}",
+      .advice = {{kPoints,
+                  {"frame_latency"},
+                  "Swing faster with points over all rows: a line delay grows with the row, a "
+                  "latency does not."}},
       .timing = [](Values p, Timing& timing) { timing.line_delay_s += p[0]; },
+      .proof = {{.values = {0.0002},
+                 .given = {{"stamp_s", 12.5}, {"row", 71}},
+                 .expected = {{"start_s", 12.5142}},
+                 .source = "python: stamp_s + p[0] * row"},
+                {.values = {-0.0003},
+                 .given = {{"stamp_s", 0}, {"row", 100}},
+                 .expected = {{"middle_s", -0.03}},
+                 .source = "python: p[0] * row"}},
   };
 }
 

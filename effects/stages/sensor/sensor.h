@@ -18,7 +18,9 @@
 // (sensor_kernels.h).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <span>
@@ -55,6 +57,11 @@ struct SensorChain {
 };
 
 SensorChain sensor_of(const Model& model);
+
+// One sigma whose square is a measured variance, which may have come out too small.
+inline double root_at_least(double least, double variance) {
+  return std::sqrt(std::max(variance, least * least));
+}
 
 // How one frame was exposed.
 struct SensorExposure {
@@ -103,6 +110,11 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
 float sample_normal(RandomStream stream, uint64_t sample);
 // Those of samples 0, 1, 2, ...
 void sample_normals(RandomStream stream, std::span<float> out);
+
+// The stream of the read-out's noise, one normal number a sample.
+inline RandomStream read_noise_stream(RandomStream frame_noise) {
+  return frame_noise.child("read_noise");
+}
 
 // One frame: `illumination` has width * height * channels values, row-major, interleaved. With one
 // channel the white balance's gain of green (1) applies. `noise` false: means without any noise or

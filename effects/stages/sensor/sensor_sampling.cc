@@ -42,7 +42,7 @@ class Exposing {
         shot_(frame_noise.child("shot_noise")),
         few_(shot_.child("few")),
         row_(frame_noise.child("row_noise")),
-        read_(frame_noise.child("read_noise")),
+        read_(read_noise_stream(frame_noise)),
         channel_gain_(kChunk) {
     // A chunk begins with a whole pixel.
     for (size_t i = 0; i < kChunk; i += 3) {

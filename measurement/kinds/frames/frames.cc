@@ -3,19 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/timing.h"
-#include "measurement/imaging/converter_steps.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
 namespace {
-
-bool is_spread(const EffectDefinition& effect) {
-  return effect.spread_only;
-}
 
 effects::SensorExposure exposure_of(const Model& model, double t_s) {
   return {.exposure_s = effects::timing_of(model).exposure_s, .t_s = t_s, .file_bits = 8};
@@ -44,7 +38,7 @@ FramesProblem::FramesProblem(const MeasurementSet& set, const Instruments& instr
     facts_.line_of_row.push_back(table_.line(row));
     facts_.time_of_row.push_back((protocol_.stamp(row) - protocol_.reference()).s());
   }
-  facts_.kind_bit = effects::kFrames;
+  facts_.set.kind = effects::kFrames;
   facts_.title = set.title;
   facts_.fingerprint = set.fingerprint();
   facts_.file = table_.file();
@@ -302,86 +296,10 @@ bool FramesProblem::is_visible(const Model& a, const Model& b) const {
   return mean_excess > kShare * mean_accuracy || spread_change > spread_accuracy;
 }
 
-std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
-                                                       const EffectDefinition& effect) const {
-  std::vector<double> start;
-  for (const auto& parameter : effect.parameters) {
-    double value = parameter.neutral;
-    if (!std::isfinite(value))
-      value = 20 * parameter.scale;
-    else if (is_spread(effect) && !parameter.integer)
-      value += 0.3 * parameter.scale;
-    else if (!parameter.integer && parameter.min >= parameter.neutral)
-      value += 0.02 * parameter.scale;
-    start.push_back(std::clamp(value, std::min(parameter.min, value), parameter.max));
-  }
-  if (std::all_of(effect.parameters.begin(), effect.parameters.end(),
-                  [](const auto& p) { return p.integer; })) {
-    if (effect.name != "quantisation") return {};
-    std::vector<std::vector<double>> choices;
-    for (int bits = std::max(4, fewest_bits(images_, 8)); bits < 8; ++bits)
-      choices.push_back({static_cast<double>(bits)});
-    return choices;
-  }
-  if (is_spread(effect)) return {start};
-  if (effect.name == "lamp_flicker") return {flicker_start(model)};
-  // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried.
-  const Groups few = some_training_frames(2);
-  const auto likelihood = [&](const std::vector<double>& values) {
-    std::vector<effects::ParameterValue> given;
-    for (const double value : values) given.push_back({.value = value});
-    Model tried = model;
-    tried.set(std::make_shared<const EffectDefinition>(effect), std::move(given));
-    const Score score = Problem::score(tried, few);
-    return score.valid && std::isfinite(score.log_likelihood)
-               ? score.log_likelihood
-               : -std::numeric_limits<double>::infinity();
-  };
-  if (effect.name == "saturation") {
-    // A limit that the light never reaches has no slope: it is sought from the brightest sample
-    // down.
-    double highest = 0;
-    for (const size_t frame : frames_of(few)) {
-      for (const uint16_t dn : images_[frame]) highest = std::max<double>(highest, dn);
-    }
-    start = {highest};
-    double start_value = likelihood(start);
-    for (const double share : {0.99, 0.97, 0.94, 0.9, 0.8, 0.7}) {
-      const double there = likelihood({share * highest});
-      if (there > start_value) start_value = there, start = {share * highest};
-    }
-    // A limit that brings nothing anywhere is none.
-    if (start_value < Problem::score(model, few).log_likelihood + 10) return {};
-    return {start};
-  }
-  std::vector<double> best = start;
-  double best_value = likelihood(start) + 10;
-  for (size_t i = 0; i < start.size(); ++i) {
-    const auto& parameter = effect.parameters[i];
-    for (const double size : {0.5, -0.5, 2.0, -2.0, 6.0, -6.0}) {
-      std::vector<double> values = start;
-      values[i] = (std::isfinite(parameter.neutral) ? parameter.neutral : start[i]) +
-                  size * parameter.scale;
-      if (values[i] < parameter.min || values[i] > parameter.max) continue;
-      const double there = likelihood(values);
-      if (there > best_value) best_value = there, best = values;
-    }
-  }
-  return {best};
-}
-
-bool FramesProblem::acts(const EffectDefinition& effect) const {
-  // Spreads in time and angle have no closed form over whole images.
-  if (effect.name == "frame_jitter" || effect.name == "encoder_quantisation" ||
-      effect.name == "frame_sync")
-    return false;
-  return Problem::acts(effect);
-}
-
 void FramesProblem::check_model(const Model& model) const {
-  if (!model.has("pinhole") && !model.has("fisheye")) {
-    throw InputError(fmt::format(
-        "model '{}': pinhole is missing: a set of frames needs a projection", model.name()));
+  if (!effects::has_base(model, effects::Base::projection)) {
+    throw InputError(fmt::format("model '{}': {} is missing: a set of frames needs a projection",
+                                 model.name(), effects::base_name(effects::Base::projection)));
   }
 }
 

@@ -31,7 +31,6 @@ class FramesProblem : public Problem {
   std::vector<Structure> structure(const Model& model, const Groups& groups,
                                    int fitted) const override;
   void check_model(const Model& model) const override;
-  bool acts(const EffectDefinition& effect) const override;
   bool is_smooth() const override { return true; }
   std::optional<Groups> screening_groups() const override;
   bool is_visible(const Model& a, const Model& b) const override;
@@ -42,9 +41,14 @@ class FramesProblem : public Problem {
   double looks(const Model& model, const EffectDefinition& effect) const override;
 
  private:
-  // Of `lamp_flicker`: the strongest wave in what this model leaves of the rows
+  // Of flickering lamps: the strongest wave in what this model leaves of the rows
   // (frames_flicker.cc).
   std::vector<double> flicker_start(const Model& model) const;
+  // Of the model with the effect at these values; minus infinity where it predicts no image.
+  double likelihood(const Model& model, const EffectDefinition& effect,
+                    const std::vector<double>& values, const Groups& groups) const;
+  std::vector<std::vector<double>> ceiling_start(const Model& model,
+                                                 const EffectDefinition& effect) const;
   std::vector<size_t> frames_of(const Groups& groups) const;
   Groups some_training_frames(size_t count) const;
   // `tables` by colour; `scale` is the signal (DN) of light 1.

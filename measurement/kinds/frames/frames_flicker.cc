@@ -35,7 +35,8 @@ std::vector<double> FramesProblem::flicker_start(const Model& model) const {
 }
 
 double FramesProblem::looks(const Model& model, const EffectDefinition& effect) const {
-  if (effect.name != "lamp_flicker") return Problem::looks(model, effect);
+  if (effects::start_rule(effect, facts_.set.kind).search != effects::StartSearch::frequency)
+    return Problem::looks(model, effect);
   const size_t frames = protocol_.frames();
   const double span_s = (protocol_.stamp(frames - 1) - protocol_.stamp(0)).s();
   return flicker_looks(row_delays(model, protocol_.height_px()),

@@ -47,10 +47,11 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   describe(set, table);
   add_covariates();
   look_for_steps();
+  facts_.set.lacks = lacks();
 }
 
 void JointsProblem::describe(const MeasurementSet& set, const CsvTable& table) {
-  facts_.kind_bit = effects::kJoints;
+  facts_.set.kind = effects::kJoints;
   facts_.title = set.title;
   facts_.fingerprint = set.fingerprint();
   facts_.file = table.file();
@@ -210,25 +211,24 @@ void JointsProblem::check_model(const Model& model) const {
   }
 }
 
-std::string JointsProblem::not_testable(const Model&, const EffectDefinition& effect,
-                                        size_t parameter) const {
-  const std::string& name = effect.parameters[parameter].name;
-  const auto has = [&](effects::JointRole role) {
+std::vector<effects::Lack> JointsProblem::lacks() const {
+  using effects::JointRole;
+  using effects::Need;
+  const auto has = [&](JointRole role) {
     return std::any_of(set_.logs.begin(), set_.logs.end(),
                        [&](const JointLog& log) { return log.role == role; });
   };
-  if (effect.name == "backlash" && name != "width_rad")
-    return "width_rad is the play of a logged joint";
-  if (effect.name == "encoder_eccentricity")
-    return has(effects::JointRole::pan) ? "" : "the set has no pan joint";
-  if (!effect.logged) return "";
-  if (name.starts_with("tilt_") && !has(effects::JointRole::tilt))
-    return "the set has no tilt joint";
-  if (name.starts_with("roll_") && !has(effects::JointRole::roll))
-    return "the set has no roll joint";
-  if (name.starts_with("pan_") && !has(effects::JointRole::pan))
-    return "the set has no joint besides tilt and roll";
-  return "";
+  std::vector<effects::Lack> lacks = {
+      {Need::tilt_reversals, "width_rad is the play of a logged joint"},
+      {Need::roll_reversals, "width_rad is the play of a logged joint"}};
+  if (largest_step_rad_ == 0) lacks.push_back({Need::encoder_steps, ""});
+  if (!has(JointRole::tilt)) lacks.push_back({Need::tilt_joint, "the set has no tilt joint"});
+  if (!has(JointRole::roll)) lacks.push_back({Need::roll_joint, "the set has no roll joint"});
+  if (!has(JointRole::pan)) {
+    lacks.push_back({Need::pan_turn, "the set has no pan joint"});
+    lacks.push_back({Need::pan_joint, "the set has no joint besides tilt and roll"});
+  }
+  return lacks;
 }
 
 Kind joints_kind() {

@@ -59,13 +59,10 @@ class JointsProblem : public Problem {
                                           const EffectDefinition& effect) const override;
   void check_model(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
-  bool acts(const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
-  std::string not_testable(const Model& model, const EffectDefinition& effect,
-                           size_t parameter) const override;
-  std::string advice(const std::string& effect, const std::string& other) const override;
 
  private:
+  std::vector<effects::Lack> lacks() const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates();
   // Fits the log's true start; writes residuals; returns the start minus the first measurement.

@@ -1,4 +1,4 @@
-// Fits of servo models, and what measurement would tell servo effects apart.
+// Fits of servo models.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,24 +12,25 @@ namespace seam::measurement {
 
 namespace {
 
-// A load that hangs the other way round at the opposite level is the same load. Told with the level
-// within a right angle of zero, as far as the data can tell a right angle; there with a positive
-// sag.
-void tell_sag_once(Fit& fit, const std::vector<Unknown>& unknowns) {
-  constexpr double kMargin_rad = 0.2;
-  std::optional<size_t> sag, level;
-  for (size_t i = 0; i < unknowns.size(); ++i) {
-    if (unknowns[i].effect == "gravity_sag") (unknowns[i].parameter == 0 ? sag : level) = i;
+// Of values that give the same effect, those that its record wants told.
+void tell_once(Fit& fit, const std::vector<Unknown>& unknowns) {
+  const Model found = fit.model;
+  for (const effects::ModelEffect& effect : found.effects()) {
+    const EffectDefinition& definition = *effect.definition;
+    if (!definition.told_once) continue;
+    std::vector<size_t> places;
+    for (size_t i = 0; i < unknowns.size(); ++i) {
+      if (unknowns[i].effect == definition.name) places.push_back(i);
+    }
+    if (places.size() < definition.parameters.size()) continue;
+    std::vector<double> values(definition.parameters.size());
+    for (const size_t i : places) values[unknowns[i].parameter] = fit.value[i];
+    definition.told_once(values);
+    for (const size_t i : places) {
+      fit.value[i] = values[unknowns[i].parameter];
+      fit.model.set_value(definition.name, unknowns[i].parameter, fit.value[i]);
+    }
   }
-  if (!sag || !level) return;
-  double& sag_rad = fit.value[*sag];
-  double& level_rad = fit.value[*level];
-  const double beyond_rad = std::abs(level_rad) - maths::kPi / 2;
-  if (beyond_rad < -kMargin_rad || (beyond_rad < kMargin_rad && sag_rad >= 0)) return;
-  sag_rad = -sag_rad;
-  level_rad -= std::copysign(maths::kPi, level_rad);
-  fit.model.set_value("gravity_sag", 0, sag_rad);
-  fit.model.set_value("gravity_sag", 1, level_rad);
 }
 
 }  // namespace
@@ -37,7 +38,7 @@ void tell_sag_once(Fit& fit, const std::vector<Unknown>& unknowns) {
 Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                        const Groups& groups) const {
   Fit fit = wide_fit(*this, start, unknowns, groups);
-  tell_sag_once(fit, unknowns);
+  tell_once(fit, unknowns);
   return fit;
 }
 
@@ -57,6 +58,8 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
                                                        const EffectDefinition& effect) const {
   if (effect.spread_only)
     return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  if (rule.search == effects::StartSearch::listed) return rule.values;
   if (effect.parameters.empty() || (!effect.servo && !effect.logged))
     return Problem::starts(model, effect);
   const effects::Parameter& first = effect.parameters[0];
@@ -65,7 +68,7 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
     neutral.push_back(parameter.neutral);
   std::vector<std::vector<double>> grid;
   // An eccentricity has a phase besides, and the likelihood is wide in its amplitude.
-  const bool wave = effect.name == "encoder_eccentricity";
+  const bool wave = rule.search == effects::StartSearch::wave;
   for (double factor = 0.03; factor < 40; factor *= wave ? 3 : kCoarse) {
     for (const double sign : {1.0, -1.0}) {
       std::vector<double> values = neutral;
@@ -117,32 +120,6 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
   std::vector<double> small = neutral;
   small[0] = first.fit_reciprocal ? 10 * first.scale : 0.2 * first.scale;
   return {best_values, small};
-}
-
-std::string JointsProblem::advice(const std::string& effect, const std::string& other) const {
-  const auto pair = [&](const char* a, const char* b) {
-    return (effect == a && other == b) || (effect == b && other == a);
-  };
-  if (pair("servo_lag", "servo_latency")) {
-    return "steps of the command, sampled several times within the delay: a lag rounds them, a "
-           "latency moves them";
-  }
-  if (pair("backlash", "stiction")) {
-    return "small moves in one direction, one after the other: play is taken up once, a dead band "
-           "stops each of them";
-  }
-  if (pair("speed_limit", "acceleration_limit")) {
-    return "steps of different heights: the time of a ramp grows with the height, that of a "
-           "rounded one with its root";
-  }
-  if (pair("speed_limit", "servo_lag"))
-    return "steps of different heights: a lag takes the same time for each";
-  if (pair("encoder_offset", "gravity_sag"))
-    return "a wide range of angles: an offset is the same at each";
-  if (effect == "speed_limit") return "steps larger and faster than the joint can follow";
-  if (effect == "acceleration_limit") return "large steps and quick reversals";
-  if (effect == "gravity_sag") return "slow moves over the whole range of angles";
-  return "";
 }
 
 }  // namespace seam::measurement

@@ -53,10 +53,6 @@ void JointsProblem::look_for_steps() {
   }
 }
 
-bool JointsProblem::acts(const EffectDefinition& effect) const {
-  return Problem::acts(effect) && (effect.name != "encoder_quantisation" || largest_step_rad_ > 0);
-}
-
 void JointsProblem::round_to_lattice(double sigma_rad, Evaluation& evaluation) const {
   const double step = lattice_rad_;
   // The angle itself is known only so well, which softens the edges between steps.

@@ -43,10 +43,11 @@ OdometryProblem::OdometryProblem(const MeasurementSet& set) {
   runs_ = read_walk_runs(table, set.group, true);
   describe(set, table);
   add_covariates(table, set.group);
+  facts_.set.lacks = lacks();
 }
 
 void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table) {
-  facts_.kind_bit = effects::kOdometry;
+  facts_.set.kind = effects::kOdometry;
   facts_.title = set.title;
   facts_.fingerprint = set.fingerprint();
   facts_.file = table.file();
@@ -254,19 +255,8 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
   return evaluation;
 }
 
-std::vector<std::vector<double>> OdometryProblem::starts(const Model& model,
-                                                         const EffectDefinition& effect) const {
-  auto all = Problem::starts(model, effect);
-  if (effect.name == "walk_noise") all = {{0.01, 0.02}, {0.05, 0.1}};
-  if (effect.name == "walk_lag") all = {{0.02}, {0.2}, {1.0}};
-  return all;
-}
-
-void OdometryProblem::check_model(const Model&) const {}
-
-std::string OdometryProblem::not_testable(const Model&, const EffectDefinition& effect,
-                                          size_t parameter) const {
-  const std::string& name = effect.parameters[parameter].name;
+std::vector<effects::Lack> OdometryProblem::lacks() const {
+  using effects::Need;
   const auto ever = [&](auto quantity) {
     for (const WalkRun& run : runs_) {
       for (const auto& command : run.command) {
@@ -275,29 +265,19 @@ std::string OdometryProblem::not_testable(const Model&, const EffectDefinition& 
     }
     return false;
   };
-  if (name == "vx_scale" && !ever([](const BodyVelocity& v) { return v.vx_mps; }))
-    return "the body never walks forward";
-  if (name == "vy_scale" && !ever([](const BodyVelocity& v) { return v.vy_mps; }))
-    return "the body never walks sideways";
-  if (name == "omega_scale" && !ever([](const BodyVelocity& v) { return v.omega_radps; }))
-    return "the body never turns";
-  if ((effect.name == "heading_drift" || effect.name == "walk_noise") &&
-      !ever([](const BodyVelocity& v) { return std::abs(v.vx_mps) + std::abs(v.vy_mps); }))
-    return "the body never walks";
-  return "";
+  std::vector<effects::Lack> lacks;
+  if (!ever([](const BodyVelocity& v) { return v.vx_mps; }))
+    lacks.push_back({Need::forward_walk, "the body never walks forward"});
+  if (!ever([](const BodyVelocity& v) { return v.vy_mps; }))
+    lacks.push_back({Need::sideways_walk, "the body never walks sideways"});
+  if (!ever([](const BodyVelocity& v) { return v.omega_radps; }))
+    lacks.push_back({Need::turning, "the body never turns"});
+  if (!ever([](const BodyVelocity& v) { return std::abs(v.vx_mps) + std::abs(v.vy_mps); }))
+    lacks.push_back({Need::path, "the body never walks"});
+  return lacks;
 }
 
-std::string OdometryProblem::advice(const std::string& effect, const std::string& other) const {
-  const auto has = [&](const char* name) { return effect == name || other == name; };
-  if (has("heading_drift") && has("odometry_scale"))
-    return "straight walks without turning, and turns on the spot";
-  if (has("walk_lag")) return "many changes of command within a run";
-  if (has("walk_noise")) return "longer walks, each started from rest";
-  if (has("heading_drift")) return "long straight walks";
-  if (has("odometry_scale"))
-    return "long walks forward, sideways, and turns on the spot, one run each";
-  return "";
-}
+void OdometryProblem::check_model(const Model&) const {}
 
 Kind odometry_kind() {
   return {.bit = effects::kOdometry,

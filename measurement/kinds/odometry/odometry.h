@@ -39,14 +39,10 @@ class OdometryProblem : public Problem {
 
   Evaluation evaluate(const Model& model, const Groups& groups,
                       const Evaluation* warm) const override;
-  std::vector<std::vector<double>> starts(const Model& model,
-                                          const EffectDefinition& effect) const override;
   void check_model(const Model& model) const override;
-  std::string not_testable(const Model& model, const EffectDefinition& effect,
-                           size_t parameter) const override;
-  std::string advice(const std::string& effect, const std::string& other) const override;
 
  private:
+  std::vector<effects::Lack> lacks() const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates(const CsvTable& table, const std::string& group_column);
   void fit_start(const WalkRun& run, const std::vector<effects::WalkState>& path,

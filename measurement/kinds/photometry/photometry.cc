@@ -16,6 +16,11 @@ namespace seam::measurement {
 PhotometryProblem::PhotometryProblem(const MeasurementSet& set)
     : data_(read_photometry(set, facts_)) {
   set_noise_dn_ = facts_.channels[0].noise;
+  if (data_.channels != 3) facts_.set.lacks.push_back({effects::Need::colour, ""});
+  const bool lit =
+      std::any_of(data_.levels.begin(), data_.levels.end(),
+                  [](const PhotometryLevel& level) { return !(level.illumination == 0); });
+  if (!lit) facts_.set.lacks.push_back({effects::Need::light, "no frame has light"});
   if (data_.channels > 1) channels_share_ = channels_share_offsets(data_, *sums(all_groups()));
 }
 
@@ -180,22 +185,20 @@ std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model,
 }
 
 double PhotometryProblem::looks(const Model& model, const EffectDefinition& effect) const {
-  if (effect.name == "lamp_flicker") return flicker_looks(data_, model);
-  if (effect.name == "quantisation") return std::max(1, data_.file_bits - data_.fewest_bits);
+  using effects::StartSearch;
+  const StartSearch search = effects::start_rule(effect, facts_.set.kind).search;
+  if (search == StartSearch::frequency) return flicker_looks(data_, model);
+  if (search == StartSearch::converter_bits)
+    return std::max(1, data_.file_bits - data_.fewest_bits);
   return Problem::looks(model, effect);
 }
 
 void PhotometryProblem::check_model(const Model& model) const {
-  if (!model.has("linear_response")) {
-    throw InputError(fmt::format(
-        "model '{}': linear_response is missing: a photometry set needs gain_dn and black_dn",
-        model.name()));
+  if (!effects::has_base(model, effects::Base::response)) {
+    throw InputError(
+        fmt::format("model '{}': {} is missing: a photometry set needs gain_dn and black_dn",
+                    model.name(), effects::base_name(effects::Base::response)));
   }
-}
-
-bool PhotometryProblem::acts(const EffectDefinition& effect) const {
-  if (effect.name == "white_balance" && data_.channels != 3) return false;
-  return Problem::acts(effect);
 }
 
 std::vector<Structure> PhotometryProblem::structure(const Model& model, const Groups& groups,
@@ -217,12 +220,11 @@ std::string PhotometryProblem::not_testable(const Model& model, const EffectDefi
                                             size_t parameter) const {
   const effects::Parameter& definition = effect.parameters[parameter];
   if (definition.integer) return "";
-  if (effect.name == "lamp_flicker") {
-    const bool lit =
-        std::any_of(data_.levels.begin(), data_.levels.end(),
-                    [](const PhotometryLevel& level) { return !(level.illumination == 0); });
-    return lit ? "" : "no frame has light";
-  }
+  const std::string why = Problem::not_testable(model, effect, parameter);
+  // A frequency is sought over all that the rows can tell: no step beside its start says more.
+  if (!why.empty() ||
+      effects::start_rule(effect, facts_.set.kind).search == effects::StartSearch::frequency)
+    return why;
   const double here = model.find(effect.name)->parameters[parameter].value;
   const auto sum = sums(training_groups());
   const PhotometryView view = view_of(*sum);

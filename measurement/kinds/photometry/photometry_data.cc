@@ -115,7 +115,7 @@ PhotometryData read_photometry(const MeasurementSet& set, Facts& facts) {
   }
   sum_rows(data);
   data.fewest_bits = fewest_bits(data.images, data.file_bits);
-  facts.kind_bit = effects::kPhotometry;
+  facts.set.kind = effects::kPhotometry;
   facts.title = set.title;
   facts.fingerprint = fingerprint_of(set, data);
   facts.file = table.file();

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "effects/questions.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "sim_core/base/error.h"
 
@@ -11,10 +12,10 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol,
                         const MeasureOptions& options) {
   const CsvTable table = protocol.table("frames");
   PhotometryData data = read_photometry_frames(protocol, table);
-  if (!truth.has("linear_response")) {
-    throw InputError(fmt::format(
-        "model '{}': linear_response is missing: a photometry set needs gain_dn and black_dn",
-        truth.name()));
+  if (!effects::has_base(truth, effects::Base::response)) {
+    throw InputError(
+        fmt::format("model '{}': {} is missing: a photometry set needs gain_dn and black_dn",
+                    truth.name(), effects::base_name(effects::Base::response)));
   }
   data.channels = protocol.camera.channels == "rgb" ? 3 : 1;
   data.file_bits = protocol.camera.bits <= 8 ? 8 : 16;

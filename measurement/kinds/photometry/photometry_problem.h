@@ -24,7 +24,6 @@ class PhotometryProblem : public Problem {
                                    int fitted) const override;
   ResidualView residual_view(const Model& model, const Groups& groups) const override;
   void check_model(const Model& model) const override;
-  bool acts(const EffectDefinition& effect) const override;
   std::string not_testable(const Model& model, const EffectDefinition& effect,
                            size_t parameter) const override;
   std::vector<std::vector<double>> starts(const Model& model,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/questions.h"
 #include "effects/registry.h"
 #include "measurement/numerics/linear_algebra.h"
 
@@ -27,17 +28,9 @@ Model with(const Model& model, const EffectDefinition& effect, const Values& val
 }
 
 // Moments of the residuals, summed over levels and samples.
-struct Excess {
-  double temporal = 0;    // Variance in time beyond the prediction, mean over values.
-  double per_signal = 0;  // Its slope against the signal.
-  double pattern_offset = 0;
-  double pattern_gain = 0;
-  double column = 0;
-  double row = 0;
-};
-
-Excess excess_of(const PhotometryView& view, const PhotometryPrediction& prediction) {
-  Excess out;
+effects::SensorExcess excess_of(const PhotometryView& view,
+                                const PhotometryPrediction& prediction) {
+  effects::SensorExcess out;
   const PhotometryData& data = view.data;
   double n = 0, xy = 0, xx = 0, po = 0, pg = 0, pgg = 0, count = 0;
   double row_sum = 0, row_count = 0, column_sum = 0, column_count = 0;
@@ -61,7 +54,7 @@ Excess excess_of(const PhotometryView& view, const PhotometryPrediction& predict
       if (frames < 2) continue;
       const double v =
           sum.scatter[i] / ((frames - 1) * (1 - 1.0 / data.width_px)) - level.variance[i];
-      n += 1, out.temporal += v, xy += v * shot, xx += shot * shot;
+      n += 1, out.temporal_dn2 += v, xy += v * shot, xx += shot * shot;
     }
     variance /= static_cast<double>(sum.mean.size());
     for (const double c : column)
@@ -76,17 +69,13 @@ Excess excess_of(const PhotometryView& view, const PhotometryPrediction& predict
       }
     }
   }
-  if (n > 0) out.temporal /= n;
-  if (xx > 0) out.per_signal = xy / xx;
-  if (count > 0) out.pattern_offset = po / count;
-  if (pgg > 0) out.pattern_gain = pg / pgg;
-  if (row_count > 0) out.row = row_sum / row_count;
-  if (column_count > 0) out.column = column_sum / column_count;
+  if (n > 0) out.temporal_dn2 /= n;
+  if (xx > 0) out.per_signal_dn = xy / xx;
+  if (count > 0) out.pattern_dn2 = po / count;
+  if (pgg > 0) out.pattern_of_gain = pg / pgg;
+  if (row_count > 0) out.row_dn2 = row_sum / row_count;
+  if (column_count > 0) out.column_dn2 = column_sum / column_count;
   return out;
-}
-
-double root(double square, double least) {
-  return std::sqrt(std::max(square, least * least));
 }
 
 // Straight from neutral: the least-squares step of the parameters on which the mean depends.
@@ -139,15 +128,6 @@ Values best_of(const PhotometryView& view, const Model& model, const EffectDefin
     if (here > best) best = here, chosen = values;
   }
   return chosen;
-}
-
-std::vector<Values> gamma_choices() {
-  std::vector<Values> choices;
-  for (const double gamma :
-       {0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.93, 0.98, 1.02, 1.08, 1.18, 1.35, 1.6, 2.0, 2.6}) {
-    choices.push_back({gamma});
-  }
-  return choices;
 }
 
 std::vector<Values> full_choices(const PhotometryView& view,
@@ -211,27 +191,27 @@ double log_likelihood(const PhotometryView& view, const Model& model) {
 std::vector<Values> photometry_starts(const PhotometryView& view, const Model& model,
                                       const EffectDefinition& effect) {
   const PhotometryPrediction prediction = predict(view.data, view.sums, model, view.set_noise_dn);
-  const std::string& name = effect.name;
-  if (name == "lamp_flicker") return flicker_starts(view, model, prediction);
-  if (name == "response_gamma") return {best_of(view, model, effect, gamma_choices())};
-  if (name == "saturation") return {best_of(view, model, effect, full_choices(view, prediction))};
-  if (name == "hot_pixels") return {hot_start(view, prediction)};
-  if (name == "quantisation") {
-    std::vector<Values> choices;
-    for (int bits = view.data.fewest_bits; bits < view.data.file_bits; ++bits)
-      choices.push_back({static_cast<double>(bits)});
-    if (choices.empty()) return {};
-    return {best_of(view, model, effect, choices)};
-  }
-  if (name == "read_noise" || name == "shot_noise" || name == "pixel_gain_spread" ||
-      name == "pixel_offset_spread" || name == "column_offsets" || name == "row_noise") {
-    const Excess excess = excess_of(view, prediction);
-    if (name == "read_noise") return {{root(excess.temporal, 0.05)}};
-    if (name == "shot_noise") return {{1 / std::clamp(excess.per_signal, 1e-6, 100.0)}};
-    if (name == "pixel_gain_spread") return {{std::min(0.3, root(excess.pattern_gain, 1e-4))}};
-    if (name == "pixel_offset_spread") return {{root(excess.pattern_offset, 0.02)}};
-    if (name == "column_offsets") return {{root(excess.column, 0.01)}};
-    return {{root(excess.row, 0.01)}};
+  const effects::StartRule& rule = effects::start_rule(effect, effects::kPhotometry);
+  switch (rule.search) {
+    case effects::StartSearch::frequency:
+      return flicker_starts(view, model, prediction);
+    case effects::StartSearch::listed:
+      return {best_of(view, model, effect, rule.values)};
+    case effects::StartSearch::ceiling:
+      return {best_of(view, model, effect, full_choices(view, prediction))};
+    case effects::StartSearch::outliers:
+      return {hot_start(view, prediction)};
+    case effects::StartSearch::converter_bits: {
+      std::vector<Values> choices;
+      for (int bits = view.data.fewest_bits; bits < view.data.file_bits; ++bits)
+        choices.push_back({static_cast<double>(bits)});
+      if (choices.empty()) return {};
+      return {best_of(view, model, effect, choices)};
+    }
+    case effects::StartSearch::excess:
+      return {effect.start_from_excess(excess_of(view, prediction))};
+    default:
+      break;
   }
   return {linear_start(view, model, effect, prediction)};
 }

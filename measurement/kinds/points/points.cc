@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "effects/stages/geometry.h"
-#include "effects/stages/timing.h"
 #include "measurement/fitting/low_rank.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/points/points_data.h"
 #include "measurement/kinds/points/points_noise.h"
+#include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/pose_solver.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
@@ -16,66 +15,31 @@
 namespace seam::measurement {
 namespace {
 
-// A model compiled for one set: stamps to instants, instants to poses, poses to image points.
-class Predictor {
- public:
-  Predictor(const PointsData& data, const Model& model)
-      : data_(data),
-        timing_(effects::timing_of(model)),
-        motion_(data.rig.motion(model)),
-        projection_(model, data.camera.width_px, data.camera.height_px) {}
-
-  // Seconds since the reference at which the frame's row is seen.
-  double instant(double stamp_s, double row) const {
-    double start = stamp_s;
-    const double cycle = data_.rig.cycle_s();
-    if (timing_.sync_period_frames > 0 && cycle > 0) {
-      const double slot = cycle / timing_.sync_period_frames;
-      start = std::round(stamp_s / slot) * slot;
-    }
-    return start + timing_.row_middle_after_stamp_s(row, stamp_s);
-  }
-
-  // `late_s` and `joint_errors` are small changes for derivatives.
-  effects::ImagePoint image(size_t row, double late_s = 0,
-                            const double* joint_errors = nullptr) const {
-    const Vec3& p_W = data_.p_W[row];
-    double v = data_.v_px[row];
-    if (timing_.line_delay_s == 0) {
-      const double t = instant(data_.stamp_s[row], v) + late_s;
-      return projection_.project(motion_.to_camera(t, p_W, joint_errors), t, v);
-    }
-    effects::ImagePoint point;
-    double previous_v = v, previous_f = 0;
-    for (int step = 0; step < 30; ++step) {
-      const double t = instant(data_.stamp_s[row], v) + late_s;
-      point = projection_.project(motion_.to_camera(t, p_W, joint_errors), t, v);
-      if (!point.visible) return point;
-      // The row at which the point is seen is the fixed point of v -> image row; secant steps.
-      const double f = point.v - v;
-      if (std::abs(f) < 1e-8) break;
-      const double slope = step == 0 || v == previous_v ? -1 : (f - previous_f) / (v - previous_v);
-      previous_v = v, previous_f = f;
-      v = std::abs(slope) > 0.1 ? v - f / slope : point.v;
-    }
-    return point;
-  }
-
-  const effects::Timing& timing() const { return timing_; }
-  const Rig::Motion& motion() const { return motion_; }
-  const effects::Projection& projection() const { return projection_; }
-
- private:
-  const PointsData& data_;
-  effects::Timing timing_;
-  Rig::Motion motion_;
-  effects::Projection projection_;
-};
+std::vector<effects::Lack> lacks_of(const Rig& rig) {
+  using effects::Need;
+  std::vector<effects::Lack> lacks = {{Need::colour, "points have no colour"}};
+  if (rig.type() == Rig::Type::unknown)
+    lacks.push_back({Need::known_pose, "the pose of each frame is estimated, which absorbs it"});
+  if (rig.type() != Rig::Type::chain)
+    lacks.push_back({Need::joints, "the camera hangs on no joint"});
+  if (rig.cycle_s() == 0)
+    lacks.push_back({Need::repeating_motion, "the head's motion does not repeat"});
+  const auto without = [&](const std::string& joint, std::initializer_list<Need> needs) {
+    const auto& joints = rig.joint_names();
+    if (std::find(joints.begin(), joints.end(), joint) != joints.end()) return;
+    for (const Need need : needs) lacks.push_back({need, "the rig has no joint " + joint});
+  };
+  without("tilt", {Need::tilt_joint, Need::tilt_reversals});
+  without("roll", {Need::roll_joint, Need::roll_reversals});
+  without("pan", {Need::pan_joint, Need::pan_reversals, Need::pan_turn});
+  return lacks;
+}
 
 class PointsProblem : public Problem {
  public:
   explicit PointsProblem(const MeasurementSet& set) : data_(read_points(set, true, facts_)) {
     facts_.fingerprint = set.fingerprint();
+    facts_.set.lacks = lacks_of(data_.rig);
     const std::array<const char*, 2> names = {"u_px", "v_px"};
     const bool known = set.noise.contains("u_px") && set.noise.contains("v_px");
     const std::array<double, 2> estimate =
@@ -108,11 +72,6 @@ class PointsProblem : public Problem {
                                             const Groups& groups,
                                             const Evaluation& here) const override;
 
-  std::string not_testable(const Model& model, const EffectDefinition& effect,
-                           size_t parameter) const override;
-  std::vector<std::vector<double>> starts(const Model& model,
-                                          const EffectDefinition& effect) const override;
-  std::string advice(const std::string& effect, const std::string& other) const override;
   bool is_smooth() const override { return true; }
 
  private:
@@ -125,8 +84,8 @@ class PointsProblem : public Problem {
     std::vector<double> by_row;
     std::vector<double> instant_s;
   };
-  Slopes slopes_of(const Predictor& predictor, const Groups& groups) const;
-  void whiten_frames(const Predictor& predictor, const Groups& groups, const Slopes& slopes,
+  Slopes slopes_of(const PointsPredictor& predictor, const Groups& groups) const;
+  void whiten_frames(const PointsPredictor& predictor, const Groups& groups, const Slopes& slopes,
                      Evaluation& evaluation) const;
   Evaluation blank() const;
   std::vector<int> neighbours(size_t row) const override;
@@ -164,7 +123,7 @@ Evaluation PointsProblem::evaluate_rig(const Model& model, const Groups& groups,
   Evaluation evaluation = blank();
   evaluation.mean_key = mean_parameters(model);
   const bool reuse = warm && warm->valid && warm->mean_key == evaluation.mean_key;
-  const Predictor predictor(data_, model);
+  const PointsPredictor predictor(data_, model);
   if (reuse) evaluation.residual = warm->residual;
   for (size_t row = 0; row < data_.p_W.size() && !reuse; ++row) {
     if (!groups[facts_.group_of_row[row]]) continue;
@@ -188,7 +147,7 @@ Evaluation PointsProblem::evaluate_rig(const Model& model, const Groups& groups,
   return evaluation;
 }
 
-PointsProblem::Slopes PointsProblem::slopes_of(const Predictor& predictor,
+PointsProblem::Slopes PointsProblem::slopes_of(const PointsPredictor& predictor,
                                                const Groups& groups) const {
   const size_t joints = data_.rig.type() == Rig::Type::chain ? data_.rig.joint_names().size() : 0;
   Slopes slopes{.width = 2 * (1 + joints)};
@@ -214,7 +173,7 @@ PointsProblem::Slopes PointsProblem::slopes_of(const Predictor& predictor,
 
 // Jitter moves all points of a frame together; rounding of the encoder moves those seen between
 // the same two samples of its log together.
-void PointsProblem::whiten_frames(const Predictor& predictor, const Groups& groups,
+void PointsProblem::whiten_frames(const PointsPredictor& predictor, const Groups& groups,
                                   const Slopes& slopes, Evaluation& evaluation) const {
   const double jitter = predictor.timing().jitter_sigma_s;
   const double step = predictor.motion().quantisation_step_rad / std::sqrt(12.0);
@@ -369,130 +328,8 @@ std::vector<std::vector<double>> PointsProblem::jacobian(const Model& model,
   return columns;
 }
 
-std::string PointsProblem::not_testable(const Model&, const EffectDefinition& effect,
-                                        size_t parameter) const {
-  const std::string& name = effect.parameters[parameter].name;
-  const bool unknown = data_.rig.type() == Rig::Type::unknown;
-  if (unknown && effect.stage != effects::Stage::geometry)
-    return "the pose of each frame is estimated, which absorbs it";
-  if (effect.stage == effects::Stage::joint) {
-    if (data_.rig.type() != Rig::Type::chain) return "the camera hangs on no joint";
-    const std::string joint = name.rfind("tilt", 0) == 0   ? "tilt"
-                              : name.rfind("roll", 0) == 0 ? "roll"
-                                                           : "pan";
-    const auto& joints = data_.rig.joint_names();
-    if (!effect.spread_only && std::find(joints.begin(), joints.end(), joint) == joints.end() &&
-        !effect.joint_map) {
-      return "the rig has no joint " + joint;
-    }
-  }
-  if (effect.name == "frame_sync" && data_.rig.cycle_s() == 0)
-    return "the head's motion does not repeat";
-  if (effect.name == "chromatic_aberration") return "points have no colour";
-  return "";
-}
-
-std::vector<std::vector<double>> PointsProblem::starts(const Model& model,
-                                                       const EffectDefinition& effect) const {
-  if (effect.name == "frame_sync") {
-    std::vector<std::vector<double>> all;
-    for (int frames = 2; frames <= 100; ++frames) all.push_back({static_cast<double>(frames)});
-    return all;
-  }
-  if (effect.name == "encoder_eccentricity") {
-    std::vector<std::vector<double>> all;
-    for (int k = 0; k < 4; ++k) all.push_back({0.005, -2.4 + 1.6 * k});
-    return all;
-  }
-  if (effect.name == "fisheye") return {{0, 0, 0, 0}};
-  return Problem::starts(model, effect);
-}
-
-std::string PointsProblem::advice(const std::string& effect, const std::string& other) const {
-  const auto pair = [&](const char* a, const char* b) {
-    return (effect == a && other == b) || (effect == b && other == a);
-  };
-  if (pair("frame_latency", "exposure"))
-    return "Expose for two different known times: only the window's length moves with the "
-           "exposure.";
-  if (pair("rolling_shutter", "frame_latency"))
-    return "Swing faster with points over all rows: a line delay grows with the row, a latency "
-           "does not.";
-  if (pair("encoder_offset", "principal_point_offset"))
-    return "Tilt the head far while panning, and bring points near: an offset of a joint turns "
-           "with the chain.";
-  if (pair("focal_length_error", "encoder_scale"))
-    return "See the same points at several head angles, up to both ends of the joint.";
-  if (pair("encoder_offset", "mount_misalignment"))
-    return "Tilt the head over its whole range: a mount turns with the last link.";
-  if (pair("mount_offset", "encoder_offset"))
-    return "Bring points near to the camera: a shift shows in proportion to 1 / distance.";
-  return "";
-}
-
 std::unique_ptr<Problem> open_points(const MeasurementSet& set) {
   return std::make_unique<PointsProblem>(set);
-}
-
-void measure_points(const Model& truth, const MeasurementSet& protocol,
-                    const MeasureOptions& options) {
-  Facts facts;
-  PointsData data = read_points(protocol, false, facts);
-  if (data.rig.type() == Rig::Type::unknown) {
-    protocol.root.at("rig").fail(
-        "found an unknown pose, expected a chain or poses: a protocol must say where the camera "
-        "is");
-  }
-  const CsvTable table = protocol.table("points");
-  std::fill(data.v_px.begin(), data.v_px.end(), 0.5 * data.camera.height_px);
-  const effects::Timing timing = effects::timing_of(truth);
-  const RandomStream stream = RandomStream{.seed = options.seed}.child("measure").child("points");
-  // Spreads of whole frames are drawn: a latency a frame, an error at each sample of the log.
-  const Predictor predictor(data, truth);
-  const double step = options.noise ? predictor.motion().quantisation_step_rad : 0;
-  std::vector<std::string> columns = table.columns();
-  for (const char* name : {"u_px", "v_px"}) {
-    if (!table.has(name)) columns.push_back(name);
-  }
-  CsvWriter out(columns);
-  for (size_t row = 0; row < data.p_W.size(); ++row) {
-    const uint64_t frame = static_cast<uint64_t>(data.frame_of_row[row]);
-    const double late =
-        options.noise ? timing.jitter_sigma_s * normal(stream.child("frame_jitter"), frame) : 0;
-    std::vector<double> errors(data.rig.joint_names().size(), 0);
-    if (step > 0) {
-      for (size_t j = 0; j < errors.size(); ++j) {
-        // The logged angle is the true one rounded; the true one lies within half a step of it.
-        const auto& log = data.rig.log_times();
-        const double t = predictor.instant(data.stamp_s[row], 0.5 * data.camera.height_px);
-        const size_t node = std::min<size_t>(
-            std::upper_bound(log.begin(), log.end(), t) - log.begin(), log.size() - 1);
-        errors[j] = step * (uniform(stream.child("encoder_quantisation").child(j), node) - 0.5);
-      }
-    }
-    const effects::ImagePoint point =
-        predictor.image(row, late, errors.empty() ? nullptr : errors.data());
-    double u = point.u, v = point.v;
-    if (options.noise) {
-      const auto sigma = [&](const char* name) {
-        return protocol.noise.contains(name) ? protocol.noise.at(name) : 0.0;
-      };
-      u += sigma("u_px") * normal(stream.child("noise"), 2 * row);
-      v += sigma("v_px") * normal(stream.child("noise"), 2 * row + 1);
-    }
-    const bool inside =
-        u > -0.5 && v > -0.5 && u < data.camera.width_px - 0.5 && v < data.camera.height_px - 0.5;
-    if (!point.visible || !inside) continue;
-    std::vector<std::string> cells;
-    for (const std::string& name : columns) {
-      cells.push_back(name == "u_px"   ? fmt::format("{:.6f}", u)
-                      : name == "v_px" ? fmt::format("{:.6f}", v)
-                                       : std::string(table.cell(row, name)));
-    }
-    out.row(cells);
-  }
-  copy_protocol(protocol, options.out, {"points"});
-  out.write(written_path(options.out, protocol.files.at("points")));
 }
 
 }  // namespace

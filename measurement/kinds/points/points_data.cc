@@ -56,7 +56,7 @@ PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
   CsvTable table = set.table("points");
   if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
   if (measured && data.rig.type() == Rig::Type::unknown) leave_out_poor_views(table, facts);
-  facts.kind_bit = effects::kPoints;
+  facts.set.kind = effects::kPoints;
   facts.title = set.title;
   facts.file = table.file();
   const std::vector<int64_t> ns = table.times_ns("time_s");

@@ -355,7 +355,7 @@ std::optional<RangeSighting> RangeSimulation::measure_once(const Model& model, s
   effects::apply_detector(model, detection);
   if (noise && detection.range_variance > 0)
     detection.range_m +=
-        std::sqrt(detection.range_variance) * normal(frame_noise.child("range_noise"), 0);
+        std::sqrt(detection.range_variance) * normal(effects::range_noise_stream(frame_noise), 0);
   return RangeSighting{detection.range_m, detection.bearing_rad};
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "effects/registry.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -20,12 +21,33 @@ double bias_of_spread(double n) {
   return 1 - 1 / (4 * (n - 1));
 }
 
+// What a resting robot that looks at a resting ball cannot tell.
+std::vector<effects::Lack> lacks_at_rest() {
+  using effects::Need;
+  return {
+      {Need::moving_view, "robot and ball rest: no row sees anything else at another time"},
+      {Need::moving_body, "the robot stands"},
+      {Need::bearings, "distances were measured, not bearings"},
+      {Need::wide_view,
+       "it differs from other radial effects only far from the middle of the image"},
+      {Need::frame_times, "the frames have no times"},
+      // A wide enough pattern would explain any misfit.
+      {Need::repeated_pixels,
+       "a fixed pattern shifts each place by an amount of its own, as any other error of the place "
+       "does"},
+      {Need::moving_joint, "the head had come to rest"},
+      {Need::pan_reversals, "only the tilt moved before the head rested"},
+      {Need::roll_reversals, "only the tilt moved before the head rested"},
+  };
+}
+
 }  // namespace
 
 RangesProblem::RangesProblem(const MeasurementSet& set, const Instruments& instruments)
     : data_(read_ranges(set, facts_)), simulation_(set, data_.places, instruments) {
   const double noise = set.noise_of("measured_m");
   facts_.channels = {{.name = "mean_m", .noise = noise}, {.name = "spread_m", .noise = noise}};
+  facts_.set.lacks = lacks_at_rest();
   scatter_.assign(data_.places.size(), {});
 }
 
@@ -106,48 +128,24 @@ Evaluation RangesProblem::evaluate_smoothed(const Model& model, const Groups& gr
 }
 
 void RangesProblem::check_model(const Model& model) const {
-  if (!model.has("pinhole") && !model.has("fisheye")) {
-    throw InputError(fmt::format(
-        "model '{}': pinhole is missing: a set of ranges needs a projection", model.name()));
+  if (!effects::has_base(model, effects::Base::projection)) {
+    throw InputError(fmt::format("model '{}': {} is missing: a set of ranges needs a projection",
+                                 model.name(), effects::base_name(effects::Base::projection)));
   }
 }
 
-bool RangesProblem::acts(const EffectDefinition& effect) const {
-  // Of angles: a distance measured by a resting head has no spread from the encoder's steps.
-  if (effect.name == "encoder_quantisation") return false;
-  return Problem::acts(effect);
-}
-
-std::string RangesProblem::not_testable(const Model&, const EffectDefinition& effect,
+std::string RangesProblem::not_testable(const Model& model, const EffectDefinition& effect,
                                         size_t parameter) const {
-  using effects::Stage;
-  const std::string& name = effect.parameters[parameter].name;
   if (data_.places.size() < 2)
     return "the ball was at one place alone: whatever changes the distance there explains it";
-  if (effect.stage == Stage::timing)
-    return "robot and ball rest: no row sees anything else at another time";
-  if (effect.stage == Stage::locomotion) return "the robot stands";
-  if (effect.name == "bearing_scale" || effect.name == "bearing_noise")
-    return "distances were measured, not bearings";
-  if (effect.name == "fisheye")
-    return "it differs from other radial effects only far from the middle of the image";
-  if (effect.name == "lamp_flicker") return "the frames have no times";
-  // A wide enough pattern would explain any misfit.
-  if (effect.name == "pixel_gain_spread" || effect.name == "pixel_offset_spread" ||
-      effect.name == "column_offsets" || effect.name == "hot_pixels")
-    return "a fixed pattern shifts each place by an amount of its own, as any other error of the "
-           "place does";
-  if (effect.servo && effect.name != "gravity_sag" && effect.name != "backlash" &&
-      effect.name != "stiction")
-    return "the head had come to rest";
-  if (effect.name == "backlash" && name != "tilt_width_rad")
-    return "only the tilt moved before the head rested";
-  return "";
+  return Problem::not_testable(model, effect, parameter);
 }
 
 std::vector<std::vector<double>> RangesProblem::starts(const Model& model,
                                                        const EffectDefinition& effect) const {
-  if (effect.name == "quantisation") {
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  if (rule.search == effects::StartSearch::listed) return rule.values;
+  if (rule.search == effects::StartSearch::converter_bits) {
     std::vector<std::vector<double>> choices;
     for (int bits = 3; bits < 8; ++bits) choices.push_back({static_cast<double>(bits)});
     return choices;
@@ -160,7 +158,7 @@ std::vector<std::vector<double>> RangesProblem::starts(const Model& model,
     for (size_t i = 0; i < start.size(); ++i) {
       const effects::Parameter& p = effect.parameters[i];
       if (p.integer) continue;
-      if (!std::isfinite(p.neutral)) start[i] = p.name == "full_dn" ? 240 : 5 * p.scale;
+      if (!std::isfinite(p.neutral)) start[i] = 5 * p.scale;
       // Nothing has a slope where it begins: a blur's square, a noise's variance.
       else if (p.min >= p.neutral)
         start[i] = std::min(p.neutral + 0.3 * p.scale, p.max);
@@ -213,30 +211,23 @@ std::vector<char> RangesProblem::find_outliers(const Model&) const {
 }
 
 std::string RangesProblem::advice(const std::string& a, const std::string& b) const {
-  const auto one_of = [&](std::initializer_list<const char*> names) {
-    const auto has = [&](const std::string& name) {
-      return std::find(names.begin(), names.end(), name) != names.end();
-    };
-    return has(a) && has(b);
-  };
-  if (one_of({"mount_misalignment", "encoder_offset", "principal_point_offset", "gravity_sag",
-              "encoder_scale", "backlash"}))
-    return "A resting head that always looks at the ball sees where the camera points, not why: "
-           "film known points "
-           "from several head angles (a set of kind points).";
-  if (one_of({"range_scale", "focal_length_error"}))
-    return "Put the ball at the side too: a wrong focal length moves it in the image, a scale of "
-           "the result does not.";
-  if (one_of({"range_scale", "range_offset"}))
-    return "Measure from near and from far: a scale grows with the distance.";
-  if (one_of({"linear_response", "vignetting", "response_gamma", "white_balance", "veiling_glare",
-              "saturation"}))
-    return "Brightness reaches the distance through the colour table alone: take flat fields (a "
-           "set of kind photometry).";
-  if (one_of({"read_noise", "shot_noise", "row_noise"}))
-    return "Noise reaches the distance through a few pixels of the ball's edge: take flat fields "
-           "(a set of kind photometry).";
-  return "";
+  const std::string known = Problem::advice(a, b);
+  if (!known.empty()) return known;
+  const auto first = effects::find_effect(a), second = effects::find_effect(b);
+  if (!first || !second || first->family != second->family) return "";
+  switch (first->family) {
+    case effects::Family::pointing:
+      return "A resting head that always looks at the ball sees where the camera points, not why: "
+             "film known points from several head angles (a set of kind points).";
+    case effects::Family::brightness:
+      return "Brightness reaches the distance through the colour table alone: take flat fields (a "
+             "set of kind photometry).";
+    case effects::Family::noise:
+      return "Noise reaches the distance through a few pixels of the ball's edge: take flat fields "
+             "(a set of kind photometry).";
+    default:
+      return "";
+  }
 }
 
 Kind ranges_kind() {

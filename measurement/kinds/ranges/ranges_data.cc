@@ -69,6 +69,56 @@ Sides sides_of(const CsvTable& table, const std::string& column,
   return sides;
 }
 
+// One row a place and side, and one a gross measurement; returns each group's side.
+std::vector<int> add_rows(const CsvTable& table, const std::vector<size_t>& place_of_line,
+                          const std::vector<double>& measured, const Sides& sides, RangeData& data,
+                          Facts& facts) {
+  std::vector<std::vector<size_t>> lines_of_place(data.places.size());
+  for (size_t line = 0; line < table.rows(); ++line)
+    lines_of_place[place_of_line[line]].push_back(line);
+  const std::vector<char> far = gross(measured, lines_of_place, data.places);
+  std::vector<int> side_of_group;
+  const auto add = [&](RangeRow row, int line, int side) {
+    const BallPlace& place = data.places[row.place];
+    const std::string name =
+        fmt::format("side {} at {} m, {} rad{}", side, place.true_m, place.bearing_rad,
+                    row.outlier ? fmt::format(", line {}", line) : "");
+    facts.group_of_row.push_back(static_cast<int>(facts.groups.size()));
+    facts.groups.push_back(name);
+    side_of_group.push_back(side);
+    facts.line_of_row.push_back(line);
+    facts.time_of_row.push_back(static_cast<double>(data.rows.size()));
+    facts.series_of_row.push_back(static_cast<int>(row.place));
+    for (int channel = 0; channel < (row.count > 1 ? 2 : 1); ++channel) {
+      facts.row_of.push_back(static_cast<int>(data.rows.size()));
+      facts.channel_of.push_back(channel);
+    }
+    data.rows.push_back(row);
+  };
+  for (size_t p = 0; p < data.places.size(); ++p) {
+    size_t good = 0;
+    for (const size_t line : lines_of_place[p]) good += !far[line];
+    for (int side = 0; side < sides.count; ++side) {
+      std::vector<double> values;
+      int first_line = 0;
+      for (const size_t line : lines_of_place[p]) {
+        if (far[line] || sides.of_line[line] != side) continue;
+        if (values.empty()) first_line = table.line(line);
+        values.push_back(measured[line]);
+      }
+      if (values.empty()) continue;
+      add(row_of(p, values, good), first_line, side);
+    }
+    for (const size_t line : lines_of_place[p]) {
+      if (!far[line]) continue;
+      RangeRow row = row_of(p, {measured[line]}, 1);
+      row.outlier = true;
+      add(row, table.line(line), sides.of_line[line]);
+    }
+  }
+  return side_of_group;
+}
+
 }  // namespace
 
 std::vector<size_t> read_places(const CsvTable& table, std::vector<BallPlace>& places) {
@@ -114,55 +164,14 @@ RangeData read_ranges(const MeasurementSet& set, Facts& facts) {
                  "a distance of more than 0 and less than 1000 m");
     }
   }
-  facts.kind_bit = effects::kRanges;
+  facts.set.kind = effects::kRanges;
   facts.title = set.title;
   facts.fingerprint = set.fingerprint();
   facts.file = table.file();
 
-  std::vector<std::vector<size_t>> lines_of_place(data.places.size());
-  for (size_t line = 0; line < table.rows(); ++line)
-    lines_of_place[place_of_line[line]].push_back(line);
-  const std::vector<char> far = gross(measured, lines_of_place, data.places);
   const Sides sides = sides_of(table, set.group, place_of_line);
-  std::vector<int> side_of_group;
-  const auto add = [&](RangeRow row, int line, int side) {
-    const BallPlace& place = data.places[row.place];
-    const std::string name =
-        fmt::format("side {} at {} m, {} rad{}", side, place.true_m, place.bearing_rad,
-                    row.outlier ? fmt::format(", line {}", line) : "");
-    facts.group_of_row.push_back(static_cast<int>(facts.groups.size()));
-    facts.groups.push_back(name);
-    side_of_group.push_back(side);
-    facts.line_of_row.push_back(line);
-    facts.time_of_row.push_back(static_cast<double>(data.rows.size()));
-    facts.series_of_row.push_back(static_cast<int>(row.place));
-    for (int channel = 0; channel < (row.count > 1 ? 2 : 1); ++channel) {
-      facts.row_of.push_back(static_cast<int>(data.rows.size()));
-      facts.channel_of.push_back(channel);
-    }
-    data.rows.push_back(row);
-  };
-  for (size_t p = 0; p < data.places.size(); ++p) {
-    size_t good = 0;
-    for (const size_t line : lines_of_place[p]) good += !far[line];
-    for (int side = 0; side < sides.count; ++side) {
-      std::vector<double> values;
-      int first_line = 0;
-      for (const size_t line : lines_of_place[p]) {
-        if (far[line] || sides.of_line[line] != side) continue;
-        if (values.empty()) first_line = table.line(line);
-        values.push_back(measured[line]);
-      }
-      if (values.empty()) continue;
-      add(row_of(p, values, good), first_line, side);
-    }
-    for (const size_t line : lines_of_place[p]) {
-      if (!far[line]) continue;
-      RangeRow row = row_of(p, {measured[line]}, 1);
-      row.outlier = true;
-      add(row, table.line(line), sides.of_line[line]);
-    }
-  }
+  const std::vector<int> side_of_group =
+      add_rows(table, place_of_line, measured, sides, data, facts);
   for (int side = sides.each_in_turn ? 0 : 1; side < sides.count; ++side) {
     Groups fold;
     for (const int s : side_of_group) fold.push_back(s == side);

@@ -1,0 +1,129 @@
+// What an effect's record (effect.h) answers besides its formula: what a set must hold for the
+// effect to be told, where fits start, what it replaces, which measurement tells it from others,
+// and worked examples. Questions to a record: questions.h.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "effects/kind.h"
+
+namespace seam::effects {
+
+// What other parts need of a model, whatever effect gives it.
+enum class Base {
+  none,
+  projection,  // The ideal perspective: fx, fy, cx, cy in pixels.
+  response,    // DN in proportion to light: gain_dn, black_dn.
+  servo,
+  walk,
+  detector,
+};
+
+// Terms of which a model has one form at a time.
+enum class Term {
+  none,
+  radial,  // How the distance from the optical axis is bent.
+};
+
+// What an effect changes, where a set sees only that and not which effect of the family it was.
+enum class Family {
+  none,
+  pointing,    // Where the camera points.
+  brightness,  // How bright an image is.
+  noise,       // Noise that is new in every image.
+};
+
+// What a set must hold for an effect to be told from it.
+enum class Need {
+  known_pose,  // The camera's place is known beforehand, not estimated from the same points.
+  joints,      // The camera hangs on joints.
+  tilt_joint,  // A joint that tilts; likewise pan and roll.
+  pan_joint,
+  roll_joint,
+  pan_turn,        // A pan joint that turns a good part of a circle.
+  tilt_reversals,  // The tilt (pan, roll) comes to its angles from both sides.
+  pan_reversals,
+  roll_reversals,
+  moving_joint,      // Observations while a joint moves.
+  moving_view,       // Something moves in the image while frames are taken.
+  repeating_motion,  // The head repeats its motion with one period.
+  encoder_steps,     // Angles that may have been rounded to steps.
+  moving_body,       // The body moves.
+  forward_walk,      // It walks forward (sideways, turns) in some run.
+  sideways_walk,
+  turning,
+  path,             // It covers a distance.
+  bearings,         // Directions, not distances alone.
+  space,            // Views beyond the plane of the ground.
+  wide_view,        // Rays far from the middle of the image.
+  colour,           // Three colours.
+  light,            // Some light.
+  frame_times,      // Each image has its time.
+  repeated_pixels,  // The same samples of the sensor at many brightnesses.
+};
+
+// What a set lacks, and why in words for people. Without a reason an effect that needs it is no
+// candidate at all: nobody asks why.
+struct Lack {
+  Need need;
+  std::string why;
+};
+
+// What one measurement set says of itself to the effects; its kind fills it.
+struct SetFacts {
+  Kind kind{};
+  std::vector<Lack> lacks;
+};
+
+// How a fit finds where to start.
+enum class StartSearch {
+  slope,           // A small step from neutral: the data's slope says which way.
+  listed,          // At the values of the rule.
+  wave,            // A coarse look over the first parameter's size and the second's phase.
+  frequency,       // Where the residual light of the rows has its strongest wave.
+  ceiling,         // From the largest values seen downwards.
+  outliers,        // At the share and the mean of samples far from all others.
+  excess,          // From the excess of the sensor's variances (start_from_excess).
+  converter_bits,  // At each count of bits that the files allow.
+};
+
+struct StartRule {
+  unsigned kinds = 0;  // Bits of the kinds to which it applies.
+  StartSearch search = StartSearch::slope;
+  std::vector<std::vector<double>> values = {};  // Of all parameters; for `listed`.
+};
+
+// Variances of the sensor beyond what a model predicts, DN^2, averaged over what was seen.
+struct SensorExcess {
+  double temporal_dn2 = 0;     // In time.
+  double per_signal_dn = 0;    // Slope of that against the signal.
+  double pattern_dn2 = 0;      // Of the fixed pattern,
+  double pattern_of_gain = 0;  // and its slope against the square of the signal.
+  double column_dn2 = 0;       // Between columns.
+  double row_dn2 = 0;          // Between rows, new in each frame.
+};
+
+// Which measurement tells the effect from others in sets of these kinds.
+struct Advice {
+  unsigned kinds = 0;
+  std::vector<std::string> from;  // Names of the other effects; empty: any.
+  std::string text;
+};
+
+struct Quantity {
+  std::string name;  // With its unit.
+  double value = 0;
+};
+
+// A worked example whose numbers were computed outside SEAM (quantities by stage: proof/proof.h).
+struct Proof {
+  std::vector<double> values;   // Of the parameters, in the order of their declaration.
+  std::vector<Quantity> given;  // In order; series repeat a name.
+  std::vector<Quantity> expected;
+  std::string source = "closed form";  // Or the expression that gave the numbers.
+  double tolerance = 1e-9;             // Relative where a number is above 1.
+};
+
+}  // namespace seam::effects

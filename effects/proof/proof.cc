@@ -1,0 +1,238 @@
+#include "effects/proof/proof.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/catalogue_help.h"
+#include "effects/questions.h"
+#include "effects/registry.h"
+#include "effects/stages/detector.h"
+#include "effects/stages/geometry.h"
+#include "effects/stages/joint_track.h"
+#include "effects/stages/locomotion.h"
+#include "effects/stages/optics.h"
+#include "effects/stages/sensor/sensor.h"
+#include "effects/stages/servo.h"
+#include "effects/stages/timing.h"
+#include "sim_core/base/error.h"
+
+namespace seam::effects {
+namespace {
+
+constexpr int kWidth_px = 178, kHeight_px = 144;
+
+using Quantities = std::vector<Quantity>;
+
+double value_of(const Quantities& list, const std::string& name, double otherwise = 0) {
+  for (const Quantity& quantity : list) {
+    if (quantity.name == name) return quantity.value;
+  }
+  return otherwise;
+}
+
+std::vector<double> series_of(const Quantities& list, const std::string& name) {
+  std::vector<double> series;
+  for (const Quantity& quantity : list) {
+    if (quantity.name == name) series.push_back(quantity.value);
+  }
+  return series;
+}
+
+// The effect at these values, with the bases that others need beside it.
+Model model_with(const std::shared_ptr<const EffectDefinition>& effect, const Proof& proof) {
+  Model model;
+  const auto add = [&](const auto& definition, const std::vector<double>& numbers) {
+    std::vector<ParameterValue> values;
+    for (const double value : numbers) values.push_back({.value = value});
+    model.set(definition, std::move(values));
+  };
+  for (const auto& [base, numbers] :
+       {std::pair(Base::projection, std::vector<double>{160, 162, 88.5, 71.5}),
+        std::pair(Base::response, std::vector<double>{200, 8})}) {
+    if (effect->base != base) add(find_effect(base_name(base)), numbers);
+  }
+  add(effect, proof.values);
+  return model;
+}
+
+Quantities timing_outcome(const Model& model, const Quantities& given) {
+  const Timing timing = timing_of(model);
+  const double stamp_s = value_of(given, "stamp_s"), row = value_of(given, "row");
+  const double taken_s = timing.in_lock(stamp_s, value_of(given, "cycle_s"));
+  const double start_s = taken_s + timing.row_start_after_stamp_s(row, stamp_s);
+  constexpr uint64_t kFrames = 20000;
+  double square = 0;
+  for (uint64_t frame = 0; frame < kFrames; ++frame) {
+    const double own_s = timing.own_latency_s(RandomStream{.seed = 1}, frame);
+    square += own_s * own_s / kFrames;
+  }
+  return {{"start_s", start_s},
+          {"middle_s", taken_s + timing.row_middle_after_stamp_s(row, stamp_s)},
+          {"end_s", start_s + timing.exposure_s},
+          {"own_latency_rms_s", std::sqrt(square)}};
+}
+
+Quantities joint_outcome(const Model& model, const Quantities& given) {
+  Quantities out;
+  const std::pair<std::string, JointRole> roles[] = {
+      {"tilt", JointRole::tilt}, {"pan", JointRole::pan}, {"roll", JointRole::roll}};
+  JointTrack track;
+  for (const auto& [name, role] : roles) {
+    const std::vector<double> logged = series_of(given, "logged_" + name + "_rad");
+    if (!logged.empty()) track.joints.push_back({.name = name, .role = role, .q_rad = logged});
+  }
+  apply_encoder_effects(model, track);
+  for (const JointSeries& joint : track.joints)
+    out.push_back({joint.name + "_rad", joint.q_rad.back()});
+  out.push_back({"rounding_sigma_rad", track.quantisation_step_rad / std::sqrt(12.0)});
+  for (const auto& [name, role] : roles) {
+    const std::vector<double> actual = series_of(given, "true_" + name + "_rad");
+    if (actual.empty()) continue;
+    double logged = actual.back();
+    for (const ModelEffect& effect : model.effects()) {
+      if (effect.definition->logged)
+        logged = effect.definition->logged(effect.values(), role, logged);
+    }
+    out.push_back({"logged_" + name + "_rad", logged});
+  }
+  const std::vector<double> times = series_of(given, "command_s"),
+                            commands = series_of(given, "command_rad");
+  ServoModel moving = servo_of(model);
+  moving.rad_per_s = std::min(moving.rad_per_s, value_of(given, "limit_radps", INFINITY));
+  Servo servo(std::move(moving), 0, value_of(given, "start_rad"));
+  for (size_t i = 0; i < commands.size(); ++i) servo.command(times.at(i), commands[i]);
+  servo.advance_to(value_of(given, "at_s"));
+  out.push_back({"joint_rad", servo.joint_rad()});
+  return out;
+}
+
+Quantities image_outcome(const Model& model, const Quantities& given) {
+  const Vec3 p_C(value_of(given, "x_m"), value_of(given, "y_m"), value_of(given, "z_m"));
+  const Vec3 p_L = mount_of(model) * p_C;
+  const ImagePoint point = Projection(model, kWidth_px, kHeight_px)
+                               .project(p_C, 0, 0, static_cast<int>(value_of(given, "channel", 1)));
+  return {{"link_x_m", p_L.x},
+          {"link_y_m", p_L.y},
+          {"link_z_m", p_L.z},
+          {"u_px", point.u},
+          {"v_px", point.v}};
+}
+
+Quantities light_outcome(const Model& model, const Quantities& given) {
+  const Optics optics = optics_of(model);
+  double gain = 1;
+  for (const Stage stage : {Stage::radiometry, Stage::light}) {
+    gain *= GainField(model, stage, kWidth_px, kHeight_px)
+                .at(value_of(given, "u_px"), value_of(given, "v_px"));
+  }
+  const double light = value_of(given, "light"), mean = value_of(given, "mean_light");
+  const double sigmas = value_of(given, "edge_px") / std::max(optics.blur_sigma_px, 1e-9);
+  return {{"gain", gain},
+          {"lamp", lamp_brightness(model, {.start_s = value_of(given, "start_s"),
+                                           .exposure_s = value_of(given, "exposure_s")})},
+          {"seen_light", (1 - optics.glare_fraction) * light + optics.glare_fraction * mean},
+          {"edge_light", 0.5 * std::erfc(-sigmas / std::sqrt(2.0))}};
+}
+
+Quantities sensor_outcome(const Model& model, const Quantities& given) {
+  const SensorChain chain = sensor_of(model);
+  const SensorExposure exposure{.exposure_s = value_of(given, "exposure_s", 0.01),
+                                .exposure_ratio = value_of(given, "exposure_ratio", 1)};
+  const double signal = signal_dn(chain, value_of(given, "light", 0.5), exposure);
+  const Moments seen =
+      response_moments(chain, signal, static_cast<int>(value_of(given, "channel", 1)), exposure);
+  const auto square = [](double x) { return x * x; };
+  return {{"mean_dn", seen.mean_dn},
+          {"variance_dn2", seen.variance_dn2 + square(chain.read_sigma_dn)},
+          {"row_variance_dn2", square(chain.row_sigma_dn)},
+          {"pattern_mean_dn", chain.hot_fraction * chain.hot_level_dn},
+          {"pattern_variance_dn2",
+           square(chain.pixel_gain_sigma * signal) + square(chain.pixel_offset_sigma_dn) +
+               square(chain.column_sigma_dn) +
+               chain.hot_fraction * (1 - chain.hot_fraction) * square(chain.hot_level_dn)},
+          {"file_dn", static_cast<double>(to_file(chain, value_of(given, "value_dn"), 8))}};
+}
+
+Quantities detector_outcome(const Model& model, const Quantities& given) {
+  Detection seen{.range_m = value_of(given, "range_m"),
+                 .bearing_rad = value_of(given, "bearing_rad")};
+  apply_detector(model, seen);
+  return {{"range_m", seen.range_m},
+          {"bearing_rad", seen.bearing_rad},
+          {"range_sigma_m", std::sqrt(seen.range_variance)},
+          {"bearing_sigma_rad", std::sqrt(seen.bearing_variance)}};
+}
+
+Quantities walk_outcome(const Model& model, const Quantities& given) {
+  const Locomotion walk = locomotion_of(model);
+  WalkState state;
+  BodyVelocity command;
+  for (const Quantity& quantity : given) {
+    if (quantity.name == "vx_mps") command.vx_mps = quantity.value;
+    if (quantity.name == "vy_mps") command.vy_mps = quantity.value;
+    if (quantity.name == "omega_radps") command.omega_radps = quantity.value;
+    if (quantity.name == "for_s") advance_walk(walk, command, quantity.value, state);
+  }
+  const double root = std::sqrt(state.path_m);
+  return {{"x_m", state.x_m},
+          {"y_m", state.y_m},
+          {"theta_rad", state.theta_rad},
+          {"xy_sigma_m", walk.xy_sigma * root},
+          {"theta_sigma_rad", walk.theta_sigma * root}};
+}
+
+Quantities outcome(Stage stage, const Model& model, const Quantities& given) {
+  switch (stage) {
+    case Stage::timing:
+      return timing_outcome(model, given);
+    case Stage::joint:
+      return joint_outcome(model, given);
+    case Stage::mount:
+    case Stage::geometry:
+      return image_outcome(model, given);
+    case Stage::radiometry:
+    case Stage::light:
+      return light_outcome(model, given);
+    case Stage::sensor:
+      return sensor_outcome(model, given);
+    case Stage::detector:
+      return detector_outcome(model, given);
+    case Stage::locomotion:
+      return walk_outcome(model, given);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<Quantity> worked(const std::shared_ptr<const EffectDefinition>& effect,
+                             const Proof& proof) {
+  const Quantities all = outcome(effect->stage, model_with(effect, proof), proof.given);
+  Quantities found;
+  for (const Quantity& expected : proof.expected) {
+    const auto same = [&](const Quantity& quantity) { return quantity.name == expected.name; };
+    const auto place = std::find_if(all.begin(), all.end(), same);
+    if (place == all.end()) {
+      throw InputError(fmt::format("effect '{}': stage {} has no quantity '{}' to expect",
+                                   effect->name, to_string(effect->stage), expected.name));
+    }
+    found.push_back(*place);
+  }
+  return found;
+}
+
+std::string failed_proof(const std::shared_ptr<const EffectDefinition>& effect) {
+  for (const Proof& proof : effect->proof) {
+    const std::vector<Quantity> found = worked(effect, proof);
+    for (size_t i = 0; i < found.size(); ++i) {
+      const double expected = proof.expected[i].value;
+      const double apart = std::abs(found[i].value - expected);
+      if (apart <= proof.tolerance * std::max(std::abs(expected), 1e-3)) continue;
+      return fmt::format("{}: found {} {:.17g}", proof_text(*effect, proof), found[i].name,
+                         found[i].value);
+    }
+  }
+  return "";
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,42 @@
+// An effect's worked examples, worked by the program: the effect beside the bases that its stage
+// needs, given what the example gives.
+//
+// Quantities by stage; what is not given has the default in brackets, series repeat a name:
+//   timing       stamp_s [0], row [0], cycle_s [0: the head repeats nothing]
+//                -> start_s, middle_s, end_s of the row's exposure; own_latency_rms_s of many
+//                frames
+//   joint        start_rad [0], limit_radps [none], then command_s and command_rad in pairs, at_s
+//                -> joint_rad
+//                logged_tilt_rad, logged_pan_rad, logged_roll_rad (series of the encoder's log)
+//                -> tilt_rad, pan_rad, roll_rad after it; rounding_sigma_rad
+//                true_pan_rad -> logged_pan_rad; likewise tilt, roll
+//   mount        x_m, y_m, z_m in the camera -> link_x_m, link_y_m, link_z_m
+//   geometry     x_m, y_m, z_m in the camera, channel [1: green] -> u_px, v_px
+//                with fx_px 160, fy_px 162, cx_px 88.5, cy_px 71.5
+//   radiometry,  u_px, v_px in 178 x 144 -> gain; start_s, exposure_s -> lamp;
+//   light        light, mean_light -> seen_light; edge_px from an edge -> edge_light
+//   sensor       light [0.5], exposure_s [0.01], exposure_ratio [1], channel [1: green]
+//                -> mean_dn, variance_dn2 (in time), row_variance_dn2, pattern_mean_dn,
+//                pattern_variance_dn2; value_dn -> file_dn; with gain_dn 200, black_dn 8
+//   detector     range_m, bearing_rad -> range_m, bearing_rad, range_sigma_m, bearing_sigma_rad
+//   locomotion   vx_mps [0], vy_mps [0], omega_radps [0], for_s (ends a leg)
+//                -> x_m, y_m, theta_rad, xy_sigma_m, theta_sigma_rad
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "effects/effect.h"
+
+namespace seam::effects {
+
+// What the program gives for each quantity that the example expects; throws InputError for a
+// quantity that its stage does not have.
+std::vector<Quantity> worked(const std::shared_ptr<const EffectDefinition>& effect,
+                             const Proof& proof);
+
+// Which expected number is not met, in words; empty: all are.
+std::string failed_proof(const std::shared_ptr<const EffectDefinition>& effect);
+
+}  // namespace seam::effects

@@ -1,0 +1,190 @@
+#include "effects/questions.h"
+
+#include <algorithm>
+
+#include "effects/registry.h"
+
+namespace seam::effects {
+namespace {
+
+const Lack* lack_of(const SetFacts& set, Need need) {
+  const auto found = std::find_if(set.lacks.begin(), set.lacks.end(),
+                                  [&](const Lack& lack) { return lack.need == need; });
+  return found == set.lacks.end() ? nullptr : &*found;
+}
+
+std::vector<Need> needs_of_stage(const EffectDefinition& effect) {
+  std::vector<Need> needs;
+  if (effect.stage != Stage::geometry && (effect.kinds & kPoints) != 0)
+    needs.push_back(Need::known_pose);
+  if (effect.stage == Stage::timing) needs.push_back(Need::moving_view);
+  if (effect.stage == Stage::locomotion) needs.push_back(Need::moving_body);
+  if (effect.stage == Stage::joint) needs.push_back(Need::joints);
+  if (effect.servo && !effect.shows_at_rest) needs.push_back(Need::moving_joint);
+  return needs;
+}
+
+// An encoder effect has one parameter a joint, whose name begins with the joint's.
+Need joint_of(const Parameter& parameter) {
+  if (parameter.name.starts_with("tilt")) return Need::tilt_joint;
+  return parameter.name.starts_with("roll") ? Need::roll_joint : Need::pan_joint;
+}
+
+const Advice* advice_of(const std::string& name, const std::string& other, unsigned kind) {
+  const auto effect = find_effect(name);
+  if (!effect) return nullptr;
+  for (const Advice& advice : effect->advice) {
+    const bool meant = other.empty() ? advice.from.empty()
+                                     : std::find(advice.from.begin(), advice.from.end(), other) !=
+                                           advice.from.end();
+    if (meant && (advice.kinds & kind) != 0) return &advice;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::string to_string(Need need) {
+  switch (need) {
+    case Need::known_pose:
+      return "a camera whose place is known";
+    case Need::joints:
+      return "joints";
+    case Need::tilt_joint:
+      return "a tilt joint";
+    case Need::pan_joint:
+      return "a pan joint";
+    case Need::roll_joint:
+      return "a roll joint";
+    case Need::pan_turn:
+      return "a pan joint that turns far";
+    case Need::tilt_reversals:
+      return "a tilt joint that comes to its angles from both sides";
+    case Need::pan_reversals:
+      return "a joint that comes to its angles from both sides";
+    case Need::roll_reversals:
+      return "a roll joint that comes to its angles from both sides";
+    case Need::moving_joint:
+      return "a joint that moves";
+    case Need::moving_view:
+      return "something that moves in the image";
+    case Need::repeating_motion:
+      return "a head that repeats its motion";
+    case Need::encoder_steps:
+      return "angles that may have been rounded";
+    case Need::moving_body:
+      return "a body that moves";
+    case Need::forward_walk:
+      return "a walk forward";
+    case Need::sideways_walk:
+      return "a walk sideways";
+    case Need::turning:
+      return "a turn";
+    case Need::path:
+      return "a walk";
+    case Need::bearings:
+      return "bearings";
+    case Need::space:
+      return "views beyond the plane of the ground";
+    case Need::wide_view:
+      return "rays far from the middle of the image";
+    case Need::colour:
+      return "colours";
+    case Need::light:
+      return "light";
+    case Need::frame_times:
+      return "times of the frames";
+    case Need::repeated_pixels:
+      return "the same samples at many brightnesses";
+  }
+  return "";
+}
+
+std::vector<Need> needs_of(const EffectDefinition& effect, size_t parameter) {
+  std::vector<Need> needs = needs_of_stage(effect);
+  needs.insert(needs.end(), effect.needs.begin(), effect.needs.end());
+  const std::vector<Need>& own = effect.parameters[parameter].needs;
+  needs.insert(needs.end(), own.begin(), own.end());
+  if (own.empty() && effect.encoder && !effect.spread_only)
+    needs.push_back(joint_of(effect.parameters[parameter]));
+  return needs;
+}
+
+bool acts_on(const EffectDefinition& effect, const SetFacts& set) {
+  return (effect.kinds & set.kind) != 0 &&
+         std::none_of(effect.needs.begin(), effect.needs.end(), [&](Need need) {
+           const Lack* lack = lack_of(set, need);
+           return lack != nullptr && lack->why.empty();
+         });
+}
+
+std::string reason_against(const EffectDefinition& effect, size_t parameter, const SetFacts& set) {
+  for (const Need need : needs_of(effect, parameter)) {
+    if (const Lack* lack = lack_of(set, need)) return lack->why;
+  }
+  return "";
+}
+
+const StartRule& start_rule(const EffectDefinition& effect, unsigned kind) {
+  static const StartRule by_slope;
+  const auto found = std::find_if(effect.starts.begin(), effect.starts.end(),
+                                  [&](const StartRule& rule) { return (rule.kinds & kind) != 0; });
+  return found == effect.starts.end() ? by_slope : *found;
+}
+
+std::string advice_between(const std::string& effect, const std::string& other, unsigned kind) {
+  for (const Advice* advice : {advice_of(effect, other, kind), advice_of(other, effect, kind),
+                               advice_of(effect, "", kind), advice_of(other, "", kind)}) {
+    if (advice != nullptr) return advice->text;
+  }
+  return "";
+}
+
+const ModelEffect* base_of(const Model& model, Base base) {
+  const auto found =
+      std::find_if(model.effects().begin(), model.effects().end(),
+                   [&](const ModelEffect& effect) { return effect.definition->base == base; });
+  return found == model.effects().end() ? nullptr : &*found;
+}
+
+bool has_base(const Model& model, Base base) {
+  return std::any_of(
+      model.effects().begin(), model.effects().end(), [&](const ModelEffect& effect) {
+        return effect.definition->base == base || effect.definition->replaces_base == base;
+      });
+}
+
+std::string base_name(Base base) {
+  const auto found = std::find_if(catalogue().begin(), catalogue().end(),
+                                  [&](const auto& effect) { return effect->base == base; });
+  return found == catalogue().end() ? "" : (*found)->name;
+}
+
+const ModelEffect* replacement_in(const Model& model) {
+  for (const ModelEffect& effect : model.effects()) {
+    const Term term = effect.definition->replaces_term;
+    if (term == Term::none) continue;
+    for (const ModelEffect& other : model.effects()) {
+      if (other.definition->term == term) return &effect;
+    }
+  }
+  return nullptr;
+}
+
+bool is_excluded(const EffectDefinition& effect, const Model& model) {
+  return effect.term != Term::none &&
+         std::any_of(model.effects().begin(), model.effects().end(), [&](const ModelEffect& other) {
+           return other.definition->replaces_term == effect.term;
+         });
+}
+
+void remove_replaced(const EffectDefinition& effect, Model& model) {
+  if (effect.replaces_term == Term::none) return;
+  std::vector<std::string> replaced;
+  for (const ModelEffect& other : model.effects()) {
+    if (other.definition->term == effect.replaces_term) replaced.push_back(other.definition->name);
+  }
+  for (const std::string& name : replaced) model.remove(name);
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,45 @@
+// Questions to an effect's record that hold for every effect, of the catalogue, a plugin or a
+// formula: what the record does not say follows from its stage.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "effects/model.h"
+
+namespace seam::effects {
+
+// A need in words that go on from "needs".
+std::string to_string(Need need);
+
+// What a set must hold for this parameter to be told: needs of the stage, of the effect, and of
+// the parameter, in this order.
+std::vector<Need> needs_of(const EffectDefinition& effect, size_t parameter);
+
+// Whether the effect is a candidate in such a set.
+bool acts_on(const EffectDefinition& effect, const SetFacts& set);
+
+// Why the set cannot tell this parameter; empty: nothing speaks against it.
+std::string reason_against(const EffectDefinition& effect, size_t parameter, const SetFacts& set);
+
+// Where fits of the effect start in sets of this kind.
+const StartRule& start_rule(const EffectDefinition& effect, unsigned kind);
+
+// Which measurement of this kind tells `effect` from `other`; empty: neither knows one.
+std::string advice_between(const std::string& effect, const std::string& other, unsigned kind);
+
+// The effect by which a model has this base; null where it has none.
+const ModelEffect* base_of(const Model& model, Base base);
+// Whether it has the base, or an effect in its place.
+bool has_base(const Model& model, Base base);
+// The catalogue's effect that is this base, for messages.
+std::string base_name(Base base);
+
+// The effect that stands in the model beside what it should replace; null where none does.
+const ModelEffect* replacement_in(const Model& model);
+// Whether `effect` has no place beside what the model holds already.
+bool is_excluded(const EffectDefinition& effect, const Model& model);
+// Takes out of the model what `effect` replaces.
+void remove_replaced(const EffectDefinition& effect, Model& model);
+
+}  // namespace seam::effects

@@ -1,0 +1,96 @@
+// Where fits of effects in whole images start.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "measurement/imaging/converter_steps.h"
+#include "measurement/kinds/frames/frames.h"
+
+namespace seam::measurement {
+namespace {
+
+// A little away from neutral, where an effect has a slope.
+std::vector<double> beside_neutral(const EffectDefinition& effect) {
+  std::vector<double> start;
+  for (const auto& parameter : effect.parameters) {
+    double value = parameter.neutral;
+    if (!std::isfinite(value))
+      value = 20 * parameter.scale;
+    else if (effect.spread_only && !parameter.integer)
+      value += 0.3 * parameter.scale;
+    else if (!parameter.integer && parameter.min >= parameter.neutral)
+      value += 0.02 * parameter.scale;
+    start.push_back(std::clamp(value, std::min(parameter.min, value), parameter.max));
+  }
+  return start;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
+                                                       const EffectDefinition& effect) const {
+  using effects::StartSearch;
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  if (rule.search == StartSearch::listed) return rule.values;
+  if (std::all_of(effect.parameters.begin(), effect.parameters.end(),
+                  [](const auto& p) { return p.integer; })) {
+    if (rule.search != StartSearch::converter_bits) return {};
+    std::vector<std::vector<double>> choices;
+    for (int bits = std::max(4, fewest_bits(images_, 8)); bits < 8; ++bits)
+      choices.push_back({static_cast<double>(bits)});
+    return choices;
+  }
+  const std::vector<double> start = beside_neutral(effect);
+  if (effect.spread_only) return {start};
+  if (rule.search == StartSearch::frequency) return {flicker_start(model)};
+  if (rule.search == StartSearch::ceiling) return ceiling_start(model, effect);
+  // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried.
+  const Groups few = some_training_frames(2);
+  std::vector<double> best = start;
+  double best_value = likelihood(model, effect, start, few) + 10;
+  for (size_t i = 0; i < start.size(); ++i) {
+    const auto& parameter = effect.parameters[i];
+    for (const double size : {0.5, -0.5, 2.0, -2.0, 6.0, -6.0}) {
+      std::vector<double> values = start;
+      values[i] = (std::isfinite(parameter.neutral) ? parameter.neutral : start[i]) +
+                  size * parameter.scale;
+      if (values[i] < parameter.min || values[i] > parameter.max) continue;
+      const double there = likelihood(model, effect, values, few);
+      if (there > best_value) best_value = there, best = values;
+    }
+  }
+  return {best};
+}
+
+double FramesProblem::likelihood(const Model& model, const EffectDefinition& effect,
+                                 const std::vector<double>& values, const Groups& groups) const {
+  std::vector<effects::ParameterValue> given;
+  for (const double value : values) given.push_back({.value = value});
+  Model tried = model;
+  tried.set(std::make_shared<const EffectDefinition>(effect), std::move(given));
+  const Score score = Problem::score(tried, groups);
+  return score.valid && std::isfinite(score.log_likelihood)
+             ? score.log_likelihood
+             : -std::numeric_limits<double>::infinity();
+}
+
+// A limit that the light never reaches has no slope: it is sought from the brightest sample down.
+std::vector<std::vector<double>> FramesProblem::ceiling_start(
+    const Model& model, const EffectDefinition& effect) const {
+  const Groups few = some_training_frames(2);
+  double highest = 0;
+  for (const size_t frame : frames_of(few)) {
+    for (const uint16_t dn : images_[frame]) highest = std::max<double>(highest, dn);
+  }
+  std::vector<double> start = {highest};
+  double start_value = likelihood(model, effect, start, few);
+  for (const double share : {0.99, 0.97, 0.94, 0.9, 0.8, 0.7}) {
+    const double there = likelihood(model, effect, {share * highest}, few);
+    if (there > start_value) start_value = there, start = {share * highest};
+  }
+  // A limit that brings nothing anywhere is none.
+  if (start_value < Problem::score(model, few).log_likelihood + 10) return {};
+  return {start};
+}
+
+}  // namespace seam::measurement

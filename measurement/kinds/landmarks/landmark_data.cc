@@ -1,0 +1,159 @@
+#include "measurement/kinds/landmarks/landmark_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "measurement/numerics/robust.h"
+#include "measurement/sets/rig.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+namespace {
+
+const std::vector<std::string> kColumns = {"run", "time_s", "landmark", "range_m", "bearing_rad"};
+
+void read_walks(const MeasurementSet& set, LandmarkData& data, std::vector<std::string>& runs,
+                int64_t& reference_ns) {
+  const CsvTable table = set.table("poses");
+  if (table.rows() < 2)
+    throw InputError(
+        fmt::format("{}: found {} rows, expected 2 or more", table.file(), table.rows()));
+  reference_ns = table.times_ns("time_s").front();
+  const bool has_run = table.has("run");
+  const std::vector<int> run_of_row =
+      has_run ? number_groups(table.texts("run"), runs) : std::vector<int>(table.rows(), 0);
+  if (!has_run) runs = {""};
+  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"),
+                            theta = table.numbers("theta_rad");
+  for (size_t run = 0; run < runs.size(); ++run) {
+    std::vector<size_t> rows, keep;
+    for (size_t row = 0; row < table.rows(); ++row) {
+      if (run_of_row[row] == static_cast<int>(run)) rows.push_back(row);
+    }
+    const std::vector<double> times = log_seconds(table, "time_s", reference_ns, rows, keep);
+    std::vector<double> px, py, heading;
+    for (const size_t row : keep) {
+      px.push_back(x[row]);
+      py.push_back(y[row]);
+      heading.push_back(heading.empty()
+                            ? theta[row]
+                            : heading.back() + maths::wrap_angle(theta[row] - heading.back()));
+    }
+    std::vector<double> steps;
+    for (size_t i = 0; i + 1 < times.size(); ++i) steps.push_back(times[i + 1] - times[i]);
+    const double gap = steps.empty() ? 1 : 6 * median_of(steps);
+    data.walks.push_back(
+        {Spline(times, px, gap), Spline(times, py, gap), Spline(times, heading, gap)});
+  }
+}
+
+// Blocks of time serve as groups where the table has no column to hold out by.
+std::vector<std::string> time_blocks(const std::vector<double>& stamps) {
+  constexpr int kBlocks = 20;
+  const auto [first, last] = std::minmax_element(stamps.begin(), stamps.end());
+  std::vector<std::string> blocks;
+  for (const double t : stamps) {
+    const double share = *last > *first ? (t - *first) / (*last - *first) : 0;
+    blocks.push_back("block " +
+                     std::to_string(std::min(kBlocks - 1, static_cast<int>(share * kBlocks))));
+  }
+  return blocks;
+}
+
+using Places = std::map<std::string, std::pair<double, double>>;
+
+Places read_places(const MeasurementSet& set) {
+  Places places;
+  const CsvTable known = set.table("landmarks");
+  const std::vector<double> lx = known.numbers("x_m"), ly = known.numbers("y_m");
+  const std::vector<std::string> names = known.texts("landmark");
+  for (size_t row = 0; row < known.rows(); ++row) {
+    if (!places.emplace(names[row], std::pair(lx[row], ly[row])).second) {
+      known.fail(row, "landmark", names[row], "each landmark once");
+    }
+  }
+  return places;
+}
+
+// Fills what stands in each row; returns a label of its frame: the same stamp of the same run.
+std::vector<std::string> read_rows(const MeasurementSet& set, const CsvTable& table,
+                                   const std::vector<std::string>& runs, int64_t reference_ns,
+                                   const Places& landmarks, LandmarkData& data) {
+  const std::vector<int64_t> ns = table.times_ns("time_s");
+  const bool has_run =
+      table.has("run") && runs.size() > 0 && !(runs.size() == 1 && runs[0].empty());
+  std::vector<std::string> frames;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    const std::string run(has_run ? table.cell(row, "run") : "");
+    const auto walk = std::find(runs.begin(), runs.end(), run);
+    if (walk == runs.end()) table.fail(row, "run", run, "a run of " + set.files.at("poses"));
+    data.walk_of_row.push_back(static_cast<int>(walk - runs.begin()));
+    const std::string landmark(table.cell(row, "landmark"));
+    const auto found = landmarks.find(landmark);
+    if (found == landmarks.end())
+      table.fail(row, "landmark", landmark, "a landmark of " + set.files.at("landmarks"));
+    data.landmark_x.push_back(found->second.first);
+    data.landmark_y.push_back(found->second.second);
+    data.stamp_s.push_back(1e-9 * static_cast<double>(ns[row] - reference_ns));
+    const std::vector<double>& times = data.walks[data.walk_of_row[row]].x.times();
+    if (data.stamp_s[row] < times.front() - 1 || data.stamp_s[row] > times.back() + 1) {
+      table.fail(row, "time_s", table.cell(row, "time_s"), "a time within the poses of its run");
+    }
+    if (data.range_m[row] < 0)
+      table.fail(row, "range_m", table.cell(row, "range_m"), "a distance of 0 or more");
+    frames.push_back(run + "|" + std::to_string(ns[row]));
+  }
+  return frames;
+}
+
+}  // namespace
+
+LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& facts) {
+  LandmarkData data;
+  std::vector<std::string> runs;
+  int64_t reference_ns = 0;
+  read_walks(set, data, runs, reference_ns);
+  const Places landmarks = read_places(set);
+  const CsvTable table = set.table("observations");
+  if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
+  facts.set.kind = effects::kLandmarks;
+  facts.title = set.title;
+  facts.file = table.file();
+  data.range_m = measured ? table.numbers("range_m") : std::vector<double>(table.rows(), 0);
+  data.bearing_rad = measured ? table.numbers("bearing_rad") : std::vector<double>(table.rows(), 0);
+  std::vector<std::string> labels;
+  data.landmark_of_row = number_groups(table.texts("landmark"), labels);
+  std::vector<std::string> frames = read_rows(set, table, runs, reference_ns, landmarks, data);
+  for (size_t row = 0; row < table.rows(); ++row) {
+    facts.line_of_row.push_back(table.line(row));
+    for (int channel = 0; channel < 2; ++channel) {
+      facts.row_of.push_back(static_cast<int>(row));
+      facts.channel_of.push_back(channel);
+    }
+  }
+  const std::vector<std::string> groups =
+      table.has(set.group) ? table.texts(set.group) : time_blocks(data.stamp_s);
+  facts.group_of_row = number_groups(groups, facts.groups);
+  // A frame lies within one group.
+  for (size_t row = 0; row < frames.size(); ++row) frames[row] += "|" + groups[row];
+  std::vector<std::string> frame_names;
+  const std::vector<int> frame_of_row = number_groups(frames, frame_names);
+  data.rows_of_frame.resize(frame_names.size());
+  for (size_t row = 0; row < frames.size(); ++row)
+    data.rows_of_frame[frame_of_row[row]].push_back(static_cast<int>(row));
+  facts.time_of_row = data.stamp_s;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    facts.series_of_row.push_back(data.walk_of_row[row] * static_cast<int>(labels.size()) +
+                                  data.landmark_of_row[row]);
+  }
+  if (measured) {
+    for (const std::string& column : table.extra_numeric_columns(kColumns)) {
+      facts.covariates.push_back({.name = column, .values = table.numbers(column)});
+    }
+  }
+  return data;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,57 @@
+// From a model and a set of landmarks to what the robot's detector reports.
+#pragma once
+
+#include <cmath>
+
+#include "effects/stages/detector.h"
+#include "effects/stages/geometry.h"
+#include "effects/stages/timing.h"
+#include "measurement/kinds/landmarks/landmark_data.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+
+// A model compiled for one set.
+class LandmarkPredictor {
+ public:
+  LandmarkPredictor(const LandmarkData& data, const Model& model)
+      : data_(data), timing_(effects::timing_of(model)), X_LC_(effects::mount_of(model)) {
+    for (const effects::ModelEffect& effect : model.effects()) {
+      if (effect.definition->detector) detectors_.push_back(effect);
+    }
+    // Landmarks lie in the plane: of the mount's rotation only the yaw matters. The camera looks
+    // along its z, which is the link's x.
+    yaw_rad_ = std::atan2(X_LC_.R[2].y, X_LC_.R[2].x);
+  }
+
+  effects::Detection detect(size_t row, double late_s = 0) const {
+    const double stamp = data_.stamp_s[row];
+    const double t = stamp + timing_.row_middle_after_stamp_s(0, stamp) + late_s;
+    const PlanePose pose = data_.walks[data_.walk_of_row[row]].at(t);
+    const double dx = data_.landmark_x[row] - pose.x_m, dy = data_.landmark_y[row] - pose.y_m;
+    const double c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
+    const double ahead = c * dx + s * dy - X_LC_.p.x;
+    const double left = -s * dx + c * dy - X_LC_.p.y;
+    effects::Detection seen{.range_m = std::hypot(ahead, left),
+                            .bearing_rad = maths::wrap_angle(std::atan2(left, ahead) - yaw_rad_),
+                            .t_s = t};
+    for (const effects::ModelEffect& effect : detectors_)
+      effect.definition->detector(effect.values(), seen);
+    return seen;
+  }
+
+  const effects::Timing& timing() const { return timing_; }
+
+ private:
+  const LandmarkData& data_;
+  effects::Timing timing_;
+  Pose X_LC_;
+  double yaw_rad_ = 0;
+  std::vector<effects::ModelEffect> detectors_;
+};
+
+// `seam measure` for this kind (landmarks_measure.cc).
+void measure_landmarks(const Model& truth, const MeasurementSet& protocol,
+                       const MeasureOptions& options);
+
+}  // namespace seam::measurement

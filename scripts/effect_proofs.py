@@ -1,0 +1,293 @@
+#!/usr/bin/env python3
+"""The numbers of the effects' worked examples, computed here from their formulas and not by SEAM.
+
+  scripts/effect_proofs.py            prints them as C++ for the records in effects/catalogue/
+  scripts/effect_proofs.py --check    compares every number with the records; exit code 1 where they differ
+
+Each line: effect, values of its parameters, what is given, what is expected. An expectation is a
+Python expression over `p` (the values) and the names given; its text is the record's `source`.
+Quantities: effects/proof/proof.h."""
+import glob
+import math
+import os
+import re
+import sys
+
+
+def root(f, low, high):
+    """Where f changes its sign, by halving."""
+    for _ in range(200):
+        middle = (low + high) / 2
+        if (f(low) < 0) == (f(middle) < 0):
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
+
+
+def play(width, *motor):
+    """A load in a gap: it stays until the motor has crossed the gap."""
+    load = motor[0]
+    for q in motor:
+        load = min(max(load, q - width / 2), q + width / 2)
+    return load
+
+
+def turned(roll, pitch, yaw, x, y, z):
+    """Rz(yaw) Ry(pitch) Rx(roll) of a point whose camera looks along the link's x axis."""
+    x, y, z = z, -x, -y
+    y, z = math.cos(roll) * y - math.sin(roll) * z, math.sin(roll) * y + math.cos(roll) * z
+    x, z = math.cos(pitch) * x + math.sin(pitch) * z, -math.sin(pitch) * x + math.cos(pitch) * z
+    x, y = math.cos(yaw) * x - math.sin(yaw) * y, math.sin(yaw) * x + math.cos(yaw) * y
+    return x, y, z
+
+
+def walked(p, legs, scale=lambda p, v: v, steps=400000):
+    """Small steps of a walk: legs of ((vx, vy, omega), seconds), without lag."""
+    x = y = theta = 0.0
+    for command, seconds in legs:
+        vx, vy, omega = scale(p, command)
+        h = seconds / steps
+        for _ in range(steps):
+            middle = theta + omega * h / 2
+            x += h * (vx * math.cos(middle) - vy * math.sin(middle))
+            y += h * (vx * math.sin(middle) + vy * math.cos(middle))
+            theta += omega * h
+    return x, y, theta
+
+
+def fisheye(p, x, y, z):
+    """r_d over the tangent's r of a ray."""
+    t = math.atan2(math.hypot(x, y), z)
+    return t * (1 + sum(k * t ** (2 * i + 2) for i, k in enumerate(p))) / math.hypot(x, y)
+
+
+def tangential(p, x, y):
+    r2 = x * x + y * y
+    return (x + 2 * p[0] * x * y + p[1] * (r2 + 2 * x * x),
+            y + p[0] * (r2 + 2 * y * y) + 2 * p[1] * x * y)
+
+
+RAY = [("x_m", 0.3), ("y_m", -0.2), ("z_m", 1.25)]  # x/z = 0.24, y/z = -0.16
+OTHER_RAY = [("x_m", -0.45), ("y_m", 0.3), ("z_m", 0.75)]  # x/z = -0.6, y/z = 0.4
+STEP = [("command_s", 0), ("command_rad", 1)]
+BACK = [("command_s", 0), ("command_rad", 0.5), ("command_s", 0.1), ("command_rad", 0.2)]
+TEN_MICROMETRES = 4e-5  # Of these ways: what advance_walk promises with a lag.
+HALF = [("vx_mps", 0.2), ("vy_mps", -0.1), ("omega_radps", 0.5), ("for_s", 2)]
+ON = [("vx_mps", 0.3), ("for_s", 0.5), ("vx_mps", 0), ("for_s", 0.5)]
+
+
+def image(x, y):
+    return {"u_px": f"160 * {x} + 88.5", "v_px": f"162 * {y} + 71.5"}
+
+
+PROOFS = [
+    # Timing.
+    ("rolling_shutter", [2e-4], [("stamp_s", 12.5), ("row", 71)], {"start_s": "stamp_s + p[0] * row"}),
+    ("rolling_shutter", [-3e-4], [("stamp_s", 0), ("row", 100)], {"middle_s": "p[0] * row"}),
+    ("exposure", [0.005], [("stamp_s", 1)], {"start_s": "stamp_s", "middle_s": "stamp_s + p[0] / 2",
+                                             "end_s": "stamp_s + p[0]"}),
+    ("exposure", [0.02], [("stamp_s", 2), ("row", 10)], {"middle_s": "stamp_s + p[0] / 2"}),
+    ("frame_latency", [0.012], [("stamp_s", 3)], {"start_s": "stamp_s + p[0]"}),
+    ("frame_latency", [-0.004], [("stamp_s", 0.5), ("row", 20)], {"end_s": "stamp_s + p[0]"}),
+    ("clock_drift", [40], [("stamp_s", 100)], {"start_s": "stamp_s * (1 + p[0] * 1e-6)"}),
+    ("clock_drift", [-150], [("stamp_s", 2000), ("row", 9)], {"start_s": "stamp_s * (1 + p[0] * 1e-6)"}),
+    ("frame_jitter", [0.002], [], {"own_latency_rms_s": "p[0]"}, 0.03),
+    ("frame_jitter", [0.03], [], {"own_latency_rms_s": "p[0]"}, 0.03),
+    ("frame_sync", [25], [("stamp_s", 1.03), ("cycle_s", 2)], {"start_s": "13 * 2 / 25"}),
+    ("frame_sync", [4], [("stamp_s", 0.6), ("cycle_s", 1)], {"start_s": "2 * 1 / 4"}),
+    # Joints: from commands.
+    ("ideal_servo", [], STEP + [("at_s", 0.01)], {"joint_rad": "1"}),
+    ("ideal_servo", [], BACK + [("at_s", 0.2)], {"joint_rad": "0.2"}),
+    ("servo_latency", [0.016], STEP + [("at_s", 0.015)], {"joint_rad": "0"}),
+    ("servo_latency", [0.016], STEP + [("at_s", 0.017)], {"joint_rad": "1"}),
+    ("servo_lag", [0.04], STEP + [("at_s", 0.06)], {"joint_rad": "1 - math.exp(-at_s / p[0])"}),
+    ("servo_lag", [0.1], BACK + [("at_s", 0.3)],
+     {"joint_rad": "0.2 + (0.5 * (1 - math.exp(-1)) - 0.2) * math.exp(-0.2 / p[0])"}),
+    ("speed_limit", [3], STEP + [("at_s", 0.2)], {"joint_rad": "p[0] * at_s"}),
+    ("speed_limit", [1], BACK + [("at_s", 0.15)], {"joint_rad": "p[0] * 0.1 + p[0] * 0.05"}),
+    ("speed_limit", [3], BACK + [("at_s", 0.15)], {"joint_rad": "p[0] * 0.1 - 0.1"}),
+    ("acceleration_limit", [60], STEP + [("at_s", 0.1)], {"joint_rad": "p[0] * at_s ** 2 / 2"}),
+    ("acceleration_limit", [60], STEP + [("at_s", 0.2)],
+     {"joint_rad": "1 - p[0] * (2 * math.sqrt(1 / p[0]) - at_s) ** 2 / 2"}),
+    ("stiction", [0.02], [("command_s", 0), ("command_rad", 0.015), ("at_s", 1)], {"joint_rad": "0"}),
+    ("stiction", [0.02], STEP + [("limit_radps", 2), ("at_s", 1)], {"joint_rad": "1 - p[0]"}),
+    ("stiction", [0.02], STEP + [("limit_radps", 2), ("at_s", 0.3)], {"joint_rad": "2 * at_s"}),
+    ("gravity_sag", [0.02, 0], BACK + [("at_s", 0.05)], {"joint_rad": "0.5 - p[0] * math.cos(0.5)"}),
+    ("gravity_sag", [0.1, 0.3], BACK + [("at_s", 0.2)], {"joint_rad": "0.2 - p[0] * math.cos(0.2 - p[1])"}),
+    # Joints: from an encoder's log.
+    ("encoder_eccentricity", [0.01, 0.4], [("logged_pan_rad", 0.7), ("logged_tilt_rad", 0.7), ("true_pan_rad", 1.1)],
+     {"pan_rad": "root(lambda q: q - 0.7 - p[0] * math.sin(q + p[1]), 0, 2)", "tilt_rad": "0.7",
+      "logged_pan_rad": "1.1 - p[0] * math.sin(1.1 + p[1])"}),
+    ("encoder_eccentricity", [0.1, -1], [("logged_pan_rad", -0.5)],
+     {"pan_rad": "root(lambda q: q + 0.5 - p[0] * math.sin(q + p[1]), -2, 2)"}),
+    ("encoder_scale", [0.1, -0.02, 0.05],
+     [("logged_tilt_rad", 0.5), ("logged_pan_rad", 1), ("logged_roll_rad", -0.4), ("true_pan_rad", 0.49)],
+     {"tilt_rad": "0.5 * (1 + p[0])", "pan_rad": "1 + p[1]", "roll_rad": "-0.4 * (1 + p[2])",
+      "logged_pan_rad": "0.49 / (1 + p[1])"}),
+    ("encoder_scale", [0, 0.2, 0], [("logged_pan_rad", -0.3)], {"pan_rad": "-0.3 * (1 + p[1])"}),
+    ("encoder_offset", [0.01, 0.02, -0.03],
+     [("logged_tilt_rad", 0.5), ("logged_pan_rad", 1), ("logged_roll_rad", -0.4), ("true_roll_rad", 0.2)],
+     {"tilt_rad": "0.5 + p[0]", "pan_rad": "1 + p[1]", "roll_rad": "-0.4 + p[2]", "logged_roll_rad": "0.2 - p[2]"}),
+    ("encoder_offset", [0, -0.1, 0], [("logged_pan_rad", 0.25)], {"pan_rad": "0.25 + p[1]"}),
+    ("encoder_quantisation", [0.003], [], {"rounding_sigma_rad": "p[0] / math.sqrt(12)"}),
+    ("encoder_quantisation", [0.02], [], {"rounding_sigma_rad": "p[0] / math.sqrt(12)"}),
+    ("backlash", [0.01, 0.02, 0],
+     [("logged_pan_rad", 0), ("logged_pan_rad", 0.1), ("logged_pan_rad", 0.098),
+      ("logged_tilt_rad", 0), ("logged_tilt_rad", 0.1), ("logged_tilt_rad", 0.05)],
+     {"pan_rad": "play(p[0], 0, 0.1, 0.098)", "tilt_rad": "play(p[1], 0, 0.1, 0.05)"}),
+    ("backlash", [0, 0, 0.03], [("logged_roll_rad", 0.3), ("logged_roll_rad", -0.2)], {"roll_rad": "-0.2 + p[2] / 2"}),
+    ("backlash", [0.02, 0, 0], BACK + [("at_s", 0.2)], {"joint_rad": "play(p[0], 0, 0.5, 0.2)"}),
+    # Mount.
+    ("mount_misalignment", [0.1, -0.2, 0.3], RAY,
+     {f"link_{c}_m": f"turned(*p, x_m, y_m, z_m)[{i}]" for i, c in enumerate("xyz")}),
+    ("mount_misalignment", [0, 0.05, 0], [("z_m", 1)], {"link_x_m": "math.cos(p[1])", "link_z_m": "-math.sin(p[1])"}),
+    ("mount_offset", [0.01, -0.02, 0.03], RAY,
+     {"link_x_m": "z_m + p[0]", "link_y_m": "-x_m + p[1]", "link_z_m": "-y_m + p[2]"}),
+    ("mount_offset", [0.2, 0, 0], OTHER_RAY, {"link_x_m": "z_m + p[0]", "link_y_m": "-x_m", "link_z_m": "-y_m"}),
+    # Geometry.
+    ("pinhole", [161.9, 162.5, 88, 71], RAY, {"u_px": "p[0] * 0.24 + p[2]", "v_px": "p[1] * -0.16 + p[3]"}),
+    ("pinhole", [300, 310, 159.5, 119.5], OTHER_RAY, {"u_px": "p[0] * -0.6 + p[2]", "v_px": "p[1] * 0.4 + p[3]"}),
+    ("fisheye", [-0.02, 0.001, 0, 0], RAY, image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
+    ("fisheye", [0.1, -0.02, 0.003, -0.0005], OTHER_RAY,
+     image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
+    ("radial_distortion", [-0.1], RAY,
+     image("0.24 * 2 / (1 + math.sqrt(1 + 0.4 * (0.24**2 + 0.16**2)))",
+           "-0.16 * 2 / (1 + math.sqrt(1 + 0.4 * (0.24**2 + 0.16**2)))")),
+    ("radial_distortion", [0.3], OTHER_RAY,
+     image("-0.6 * 2 / (1 + math.sqrt(1 - 1.2 * 0.52))", "0.4 * 2 / (1 + math.sqrt(1 - 1.2 * 0.52))")),
+    ("radial_polynomial", [-0.12, 0.01, 0.002], OTHER_RAY,
+     image("-0.6 * (1 + p[0] * 0.52 + p[1] * 0.52**2 + p[2] * 0.52**3)",
+           "0.4 * (1 + p[0] * 0.52 + p[1] * 0.52**2 + p[2] * 0.52**3)")),
+    ("radial_polynomial", [0.2, 0, 0], RAY, image("0.24 * (1 + p[0] * 0.0832)", "-0.16 * (1 + p[0] * 0.0832)")),
+    ("tangential_distortion", [0.004, -0.003], RAY, image("tangential(p, 0.24, -0.16)[0]", "tangential(p, 0.24, -0.16)[1]")),
+    ("tangential_distortion", [0, 0.02], OTHER_RAY, image("tangential(p, -0.6, 0.4)[0]", "tangential(p, -0.6, 0.4)[1]")),
+    ("focal_length_error", [0.01, -0.02], RAY, {"u_px": "160 * 1.01 * 0.24 + 88.5", "v_px": "162 * 0.98 * -0.16 + 71.5"}),
+    ("focal_length_error", [-0.1, 0], OTHER_RAY, {"u_px": "160 * 0.9 * -0.6 + 88.5", "v_px": "162 * 0.4 + 71.5"}),
+    ("principal_point_offset", [2.5, -1.5], RAY, {"u_px": "160 * 0.24 + 91", "v_px": "162 * -0.16 + 70"}),
+    ("principal_point_offset", [0, 4], OTHER_RAY, {"u_px": "160 * -0.6 + 88.5", "v_px": "162 * 0.4 + 75.5"}),
+    ("chromatic_aberration", [0.002, -0.001], RAY + [("channel", 0)], image("0.24 * (1 + p[0])", "-0.16 * (1 + p[0])")),
+    ("chromatic_aberration", [0.002, -0.001], RAY + [("channel", 2)], image("0.24 * (1 + p[1])", "-0.16 * (1 + p[1])")),
+    ("chromatic_aberration", [0.002, -0.001], RAY, image("0.24", "-0.16")),
+    # Radiometry and light.
+    ("lens_blur", [1, 0], [("edge_px", 0.5)], {"edge_light": "(1 + math.erf(edge_px / p[0] / math.sqrt(2))) / 2"}),
+    ("lens_blur", [2, 0], [("edge_px", -1)], {"edge_light": "(1 + math.erf(edge_px / p[0] / math.sqrt(2))) / 2"}),
+    ("vignetting", [0.28, 0.05], [("u_px", 20), ("v_px", 130)],
+     {"gain": "1 - p[0] * (68.5**2 + 58.5**2) / (89**2 + 72**2) - p[1] * ((68.5**2 + 58.5**2) / (89**2 + 72**2))**2"}),
+    ("vignetting", [0, 0.1], [("u_px", 88.5), ("v_px", 0)], {"gain": "1 - p[1] * (71.5**2 / (89**2 + 72**2))**2"}),
+    ("veiling_glare", [0.05], [("light", 0.2), ("mean_light", 0.6)], {"seen_light": "0.95 * light + 0.05 * mean_light"}),
+    ("veiling_glare", [0.3], [("light", 1), ("mean_light", 0.1)], {"seen_light": "0.7 * light + 0.3 * mean_light"}),
+    ("uneven_lighting", [0.1, -0.05], [("u_px", 0), ("v_px", 143)], {"gain": "1 - p[0] / 2 + p[1] / 2"}),
+    ("uneven_lighting", [0.2, 0.4], [("u_px", 132.75), ("v_px", 71.5)], {"gain": "1 + p[0] / 4"}),
+    ("lamp_flicker", [100, 0.1, 0.3], [("start_s", 0.123)], {"lamp": "1 + p[1] * math.sin(2 * math.pi * p[0] * start_s + p[2])"}),
+    ("lamp_flicker", [100, 0.2, -1], [("start_s", 0.004), ("exposure_s", 0.003)],
+     {"lamp": "1 + p[1] * (math.cos(0.8 * math.pi + p[2]) - math.cos(1.4 * math.pi + p[2])) / (0.6 * math.pi)"}),
+    # Sensor.
+    ("linear_response", [220, 16], [("light", 0.5)], {"mean_dn": "p[0] * light + p[1]"}),
+    ("linear_response", [100, -3], [("light", 0.25), ("exposure_ratio", 2)], {"mean_dn": "p[0] * light * 2 + p[1]"}),
+    ("pixel_gain_spread", [0.01], [("light", 0.5)], {"pattern_variance_dn2": "(p[0] * 100)**2"}),
+    ("pixel_gain_spread", [0.03], [("light", 1)], {"pattern_variance_dn2": "(p[0] * 200)**2"}),
+    ("shot_noise", [50], [("light", 0.5)], {"mean_dn": "108", "variance_dn2": "100 / p[0]"}),
+    ("shot_noise", [8], [("light", 1)], {"mean_dn": "208", "variance_dn2": "200 / p[0]"}),
+    ("dark_current", [2000], [("light", 0), ("exposure_s", 0.01)], {"mean_dn": "8 + p[0] * exposure_s"}),
+    ("dark_current", [500], [("light", 0.5), ("exposure_s", 0.1)], {"mean_dn": "108 + p[0] * exposure_s"}),
+    ("response_gamma", [0.8], [("light", 0.5)], {"mean_dn": "200 * light**p[0] + 8"}),
+    ("response_gamma", [2.2], [("light", 0.25)], {"mean_dn": "200 * light**p[0] + 8"}),
+    ("white_balance", [1.2, 0.9], [("channel", 0)], {"mean_dn": "100 * p[0] + 8"}),
+    ("white_balance", [1.2, 0.9], [("channel", 2)], {"mean_dn": "100 * p[1] + 8"}),
+    ("white_balance", [1.2, 0.9], [("channel", 1)], {"mean_dn": "108"}),
+    ("pixel_offset_spread", [0.8], [], {"pattern_variance_dn2": "p[0]**2"}),
+    ("pixel_offset_spread", [3], [("light", 1)], {"pattern_variance_dn2": "p[0]**2"}),
+    ("column_offsets", [0.8], [], {"pattern_variance_dn2": "p[0]**2"}),
+    ("column_offsets", [2], [("light", 1)], {"pattern_variance_dn2": "p[0]**2"}),
+    ("row_noise", [0.8], [], {"row_variance_dn2": "p[0]**2", "variance_dn2": "0"}),
+    ("row_noise", [2.5], [("light", 1)], {"row_variance_dn2": "p[0]**2"}),
+    ("hot_pixels", [0.001, 40], [], {"pattern_mean_dn": "p[0] * p[1]", "pattern_variance_dn2": "p[0] * (1 - p[0]) * p[1]**2"}),
+    ("hot_pixels", [0.1, -20], [], {"pattern_mean_dn": "p[0] * p[1]", "pattern_variance_dn2": "p[0] * (1 - p[0]) * p[1]**2"}),
+    ("read_noise", [1.4], [], {"variance_dn2": "p[0]**2", "mean_dn": "108"}),
+    ("read_noise", [3], [("light", 0)], {"variance_dn2": "p[0]**2", "mean_dn": "8"}),
+    ("saturation", [235], [("value_dn", 240)], {"file_dn": "235"}),
+    ("saturation", [235], [("value_dn", 100.4)], {"file_dn": "100"}),
+    ("quantisation", [6], [("value_dn", 101)], {"file_dn": "round(101 / 4) * 4"}),
+    ("quantisation", [5], [("value_dn", 117)], {"file_dn": "round(117 / 8) * 8"}),
+    # Detector.
+    ("ideal_detector", [], [("range_m", 1.7), ("bearing_rad", -0.3)], {"range_m": "1.7", "bearing_rad": "-0.3"}),
+    ("ideal_detector", [], [("range_m", 0.4), ("bearing_rad", 1)], {"range_m": "0.4", "bearing_rad": "1", "range_sigma_m": "0"}),
+    ("range_scale", [0.05], [("range_m", 2), ("bearing_rad", 0.3)], {"range_m": "2 * 1.05", "bearing_rad": "0.3"}),
+    ("range_scale", [-0.2], [("range_m", 0.7)], {"range_m": "0.7 * 0.8"}),
+    ("range_offset", [0.03], [("range_m", 2)], {"range_m": "2.03"}),
+    ("range_offset", [-0.1], [("range_m", 0.7), ("bearing_rad", 0.2)], {"range_m": "0.7 - 0.1", "bearing_rad": "0.2"}),
+    ("bearing_scale", [-0.03], [("range_m", 2), ("bearing_rad", 0.5)], {"range_m": "2", "bearing_rad": "0.5 * 0.97"}),
+    ("bearing_scale", [0.1], [("bearing_rad", -0.7)], {"bearing_rad": "-0.7 * 1.1"}),
+    ("range_noise", [0.02, 0.03], [("range_m", 2)], {"range_sigma_m": "math.hypot(p[0], p[1] * range_m)", "range_m": "2"}),
+    ("range_noise", [0, 0.1], [("range_m", 0.5)], {"range_sigma_m": "p[1] * range_m"}),
+    ("bearing_noise", [0.01], [("range_m", 2), ("bearing_rad", 0.5)], {"bearing_sigma_rad": "p[0]", "bearing_rad": "0.5"}),
+    ("bearing_noise", [0.2], [("range_m", 1)], {"bearing_sigma_rad": "p[0]", "range_sigma_m": "0"}),
+    # Locomotion.
+    ("ideal_odometry", [], [("vx_mps", 0.2), ("for_s", 3)], {"x_m": "0.2 * 3", "y_m": "0", "theta_rad": "0"}),
+    ("ideal_odometry", [], HALF, {"x_m": "walked(p, [((0.2, -0.1, 0.5), 2)])[0]",
+                                  "y_m": "walked(p, [((0.2, -0.1, 0.5), 2)])[1]", "theta_rad": "1"}),
+    ("odometry_scale", [-0.1, 0.2, 0.05], HALF,
+     {"x_m": "walked(p, [((0.18, -0.12, 0.525), 2)])[0]", "y_m": "walked(p, [((0.18, -0.12, 0.525), 2)])[1]",
+      "theta_rad": "0.525 * 2"}),
+    ("odometry_scale", [0.5, 0, 0], [("vx_mps", 0.2), ("vy_mps", 0.1), ("for_s", 3)], {"x_m": "0.9", "y_m": "0.3"}),
+    ("walk_lag", [0.2], [("vx_mps", 0.3), ("for_s", 1)], {"x_m": "0.3 * (1 - p[0] * (1 - math.exp(-1 / p[0])))"}, TEN_MICROMETRES),
+    ("walk_lag", [0.2], ON,
+     {"x_m": "0.3 * (0.5 - p[0] * (1 - math.exp(-2.5))) + 0.3 * (1 - math.exp(-2.5)) * p[0] * (1 - math.exp(-2.5))"}, TEN_MICROMETRES),
+    ("heading_drift", [0.05], [("vx_mps", 0.2), ("for_s", 5)],
+     {"x_m": "math.sin(p[0]) / p[0]", "y_m": "(1 - math.cos(p[0])) / p[0]", "theta_rad": "p[0]"}),
+    ("heading_drift", [-1], [("vx_mps", 0.3), ("vy_mps", 0.4), ("for_s", 2)], {"theta_rad": "p[0] * 0.5 * 2"}),
+    ("walk_noise", [0.01, 0.02], [("vx_mps", 0.2), ("for_s", 5)], {"xy_sigma_m": "p[0]", "theta_sigma_rad": "p[1]"}),
+    ("walk_noise", [0.03, 0.1], [("vx_mps", 0.3), ("vy_mps", -0.4), ("for_s", 8)],
+     {"xy_sigma_m": "p[0] * 2", "theta_sigma_rad": "p[1] * 2"}),
+]
+
+
+def number(value):
+    return f"{value:.15g}"
+
+
+def proof_of(effect, values, given, expected, tolerance=None):
+    names = {name: value for name, value in given}
+    names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye,
+                 tangential=tangential)
+    found = {name: eval(text, dict(names)) for name, text in expected.items()}
+    pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
+    text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"
+    if given:
+        text += f", .given = {pairs(given)}"
+    text += f", .expected = {pairs(found.items())}"
+    source = ", ".join(dict.fromkeys(expected.values()))
+    text += f', .source = "python: {source}"'
+    if tolerance is not None:
+        text += f", .tolerance = {tolerance}"
+    return text + "}"
+
+
+def blocks():
+    all_proofs = {}
+    for proof in PROOFS:
+        all_proofs.setdefault(proof[0], []).append(proof_of(*proof))
+    return {name: ".proof = {" + ", ".join(proofs) + "}" for name, proofs in all_proofs.items()}
+
+
+def without_layout(text):
+    return re.sub(r"\s+", "", re.sub(r'"\s*\n\s*"', "", text))
+
+
+def main():
+    root_folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
+    files = {os.path.basename(f)[:-3]: f for f in glob.glob(os.path.join(root_folder, "effects/catalogue/*/*.cc"))}
+    if sys.argv[1:] != ["--check"]:
+        for name, block in blocks().items():
+            print(f"{name}\n      {block},\n")
+        return 0
+    wrong = [name for name, block in blocks().items()
+             if name not in files or without_layout(block) not in without_layout(open(files[name]).read())]
+    for name in wrong:
+        print(f"{name}: its record holds other numbers than this script computes")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
