@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "app/predictors/instruments.h"
 #include "app/scratch_folder.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -86,6 +87,7 @@ void add_study(app::Command app) {
     OutputFile json(flags->json);
     const app::ScratchFolder scratch("study");
     plan.folder = scratch.path();
+    plan.instruments = app::instruments();
     Interrupt interrupt;
     plan.stopped = [&interrupt] { return interrupt.came(); };
     const auto result = measurement::study(plan, progress_to_terminal());
