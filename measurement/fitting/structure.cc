@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "measurement/numerics/legendre.h"
 #include "measurement/numerics/regression.h"
@@ -11,6 +12,8 @@
 
 namespace seam::measurement {
 namespace {
+
+constexpr const char* kNeighbour = "neighbour";
 
 // Residuals of one channel (or of two combined): whitened values and the rows they belong to.
 struct Signal {
@@ -284,7 +287,7 @@ void Tester::test_order(const Signal& signal) {
   const double score = sum / variance / std::sqrt(static_cast<double>(count));
   const double correlation = std::clamp(sum / variance / static_cast<double>(count), -1.0, 1.0);
   // Estimated nuisances make neighbours slightly opposed: only agreement is a structure.
-  note(signal, "mean", "neighbour", {.p_value = score > 0 ? 0.5 * normal_tail(score) : 1},
+  note(signal, "mean", kNeighbour, {.p_value = score > 0 ? 0.5 * normal_tail(score) : 1},
        std::sqrt(variance * std::max(0.0, correlation)));
 }
 
@@ -365,7 +368,9 @@ double noise_of(const Facts& facts, const std::string& residual) {
 void strongest_first(const Facts& facts, std::vector<Structure>& structures) {
   const auto key = [&](const Structure& s) {
     const double noise = noise_of(facts, s.residual);
-    return std::pair(s.p_value, noise > 0 ? -s.strength / noise : -s.strength);
+    // That neighbours agree tells that something smooth is missing, which the others name.
+    return std::tuple(s.p_value, s.covariate == kNeighbour,
+                      noise > 0 ? -s.strength / noise : -s.strength);
   };
   std::stable_sort(structures.begin(), structures.end(),
                    [&](const Structure& a, const Structure& b) { return key(a) < key(b); });
