@@ -1,7 +1,6 @@
 #include "tools/viewer/view_data.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,10 +9,12 @@
 #include "app/trust/tokens.h"
 #include "render/ground_truth.h"
 #include "scheduler/replay/frame_maker.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/image.h"
 #include "tools/viewer/view_index.h"
 #include "tools/viewer/view_pictures.h"
+#include "tools/viewer/view_scenery.h"
 
 namespace seam::tools {
 namespace {
@@ -23,92 +24,12 @@ using nlohmann::json;
 constexpr size_t kMostFramesACall = 5000;
 constexpr size_t kCachedFrames = 48;
 
-bool moves(Label label) {
-  return label == Label::ball || label == Label::robot_red || label == Label::robot_blue ||
-         label == Label::robot_body;
-}
-
-const char* shape_name(Shape shape) {
-  switch (shape) {
-    case Shape::rectangle:
-      return "rectangle";
-    case Shape::box:
-      return "box";
-    case Shape::sphere:
-      return "sphere";
-    default:
-      return "cylinder";
-  }
-}
-
-const char* label_name(Label label) {
-  constexpr const char* kNames[] = {
-      "background",    "carpet",         "line",         "wall",
-      "ball",          "goal_yellow",    "goal_skyblue", "beacon_pink",
-      "beacon_yellow", "beacon_skyblue", "beacon_green", "beacon_white",
-      "robot_red",     "robot_blue",     "robot_body",   "other"};
-  return kNames[static_cast<size_t>(label)];
-}
-
-int display(double radiance) {
-  return static_cast<int>(std::lround(255 * std::pow(std::clamp(radiance, 0.0, 1.0), 1 / 2.2)));
-}
-
-json scenery_of(const World& world) {
-  std::vector<Primitive> primitives;
-  world.primitives_at(world.start(), primitives);
-  std::erase_if(primitives, [](const Primitive& primitive) { return moves(primitive.label); });
-  std::stable_sort(primitives.begin(), primitives.end(),
-                   [](const auto& a, const auto& b) { return a.X_WO.p.z < b.X_WO.p.z; });
-  json scenery = json::array();
-  for (const Primitive& primitive : primitives) {
-    const Mat3& R = primitive.X_WO.R;
-    scenery.push_back(
-        {{"shape", shape_name(primitive.shape)},
-         {"label", label_name(primitive.label)},
-         {"x_m", primitive.X_WO.p.x},
-         {"y_m", primitive.X_WO.p.y},
-         {"z_m", primitive.X_WO.p.z},
-         {"yaw_rad", std::atan2(R[0].y, R[0].x)},
-         {"size_m", {primitive.size.x, primitive.size.y, primitive.size.z}},
-         {"rgb",
-          {display(primitive.rgb[0]), display(primitive.rgb[1]), display(primitive.rgb[2])}}});
-  }
-  return scenery;
-}
-
 const char* end_text(const std::optional<scheduler::EndRecord>& end) {
   constexpr const char* kWords[] = {"finished", "stopped", "aborted"};
   return end ? kWords[static_cast<int>(end->reason)] : "unknown";
 }
 
 }  // namespace
-
-double number_of(const Query& query, const std::string& name, double fallback) {
-  const auto found = query.find(name);
-  if (found == query.end()) return fallback;
-  const std::string& text = found->second;
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value) ||
-      std::abs(value) > 9e9) {
-    throw UsageError(fmt::format("{}: found '{}', expected a number", name, text.substr(0, 40)));
-  }
-  return value;
-}
-
-int64_t integer_of(const Query& query, const std::string& name, int64_t fallback) {
-  const double value = number_of(query, name, static_cast<double>(fallback));
-  if (value != std::floor(value) || value < 0) {
-    throw UsageError(name + ": expected a whole number from 0 on");
-  }
-  return static_cast<int64_t>(value);
-}
-
-std::string text_of(const Query& query, const std::string& name, const std::string& fallback) {
-  const auto found = query.find(name);
-  return found == query.end() ? fallback : found->second;
-}
 
 struct ViewData::Impl {
   explicit Impl(scheduler::Log opened, std::string log_id) : log(std::move(opened)), id(log_id) {
@@ -252,15 +173,7 @@ std::string ViewData::info() {
   app::ReplayMatch& match = impl_->match();
   const Scenario& scenario = match.scenario();
   info["step_s"] = scenario.step.s();
-  info["robots"] = json::array();
-  for (size_t i = 0; i < scenario.robots.size(); ++i) {
-    const RobotSpec& robot = scenario.robots[i];
-    info["robots"].push_back(
-        {{"id", robot.id},
-         {"team", robot.team == Team::red ? "red" : "blue"},
-         {"number", i},
-         {"camera", {{"width_px", robot.camera.width_px}, {"height_px", robot.camera.height_px}}}});
-  }
+  info["robots"] = robots_of(scenario);
   info["field"] = {{"length_m", 2 * scenario.field.half_length_m},
                    {"width_m", 2 * scenario.field.half_width_m}};
   info["scenery"] = scenery_of(match.world());

@@ -3,6 +3,33 @@
 #include "effects/stages/servo.h"
 
 namespace seam::effects {
+namespace {
+
+std::vector<Proof> backlash_proof() {
+  return {{.values = {0.01, 0.02, 0},
+           .given = {{"logged_pan_rad", 0},
+                     {"logged_pan_rad", 0.1},
+                     {"logged_pan_rad", 0.098},
+                     {"logged_tilt_rad", 0},
+                     {"logged_tilt_rad", 0.1},
+                     {"logged_tilt_rad", 0.05}},
+           .expected = {{"pan_rad", 0.095}, {"tilt_rad", 0.06}},
+           .source = "python: play(p[0], 0, 0.1, 0.098), play(p[1], 0, 0.1, 0.05)"},
+          {.values = {0, 0, 0.03},
+           .given = {{"logged_roll_rad", 0.3}, {"logged_roll_rad", -0.2}},
+           .expected = {{"roll_rad", -0.185}},
+           .source = "python: -0.2 + p[2] / 2"},
+          {.values = {0.02, 0, 0},
+           .given = {{"command_s", 0},
+                     {"command_rad", 0.5},
+                     {"command_s", 0.1},
+                     {"command_rad", 0.2},
+                     {"at_s", 0.2}},
+           .expected = {{"joint_rad", 0.21}},
+           .source = "python: play(p[0], 0, 0.5, 0.2)"}};
+}
+
+}  // namespace
 
 EffectDefinition backlash() {
   return {
@@ -54,27 +81,7 @@ EffectDefinition backlash() {
                    : role == JointRole::roll ? p[2]
                                              : 0;
           },
-      .proof = {{.values = {0.01, 0.02, 0},
-                 .given = {{"logged_pan_rad", 0},
-                           {"logged_pan_rad", 0.1},
-                           {"logged_pan_rad", 0.098},
-                           {"logged_tilt_rad", 0},
-                           {"logged_tilt_rad", 0.1},
-                           {"logged_tilt_rad", 0.05}},
-                 .expected = {{"pan_rad", 0.095}, {"tilt_rad", 0.06}},
-                 .source = "python: play(p[0], 0, 0.1, 0.098), play(p[1], 0, 0.1, 0.05)"},
-                {.values = {0, 0, 0.03},
-                 .given = {{"logged_roll_rad", 0.3}, {"logged_roll_rad", -0.2}},
-                 .expected = {{"roll_rad", -0.185}},
-                 .source = "python: -0.2 + p[2] / 2"},
-                {.values = {0.02, 0, 0},
-                 .given = {{"command_s", 0},
-                           {"command_rad", 0.5},
-                           {"command_s", 0.1},
-                           {"command_rad", 0.2},
-                           {"at_s", 0.2}},
-                 .expected = {{"joint_rad", 0.21}},
-                 .source = "python: play(p[0], 0, 0.5, 0.2)"}},
+      .proof = backlash_proof(),
   };
 }
 
