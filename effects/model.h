@@ -90,9 +90,6 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
 // The values that the same node gives to its parameters.
 std::vector<ParameterValue> expression_values(const EffectDefinition& definition,
                                               const ConfigNode& node);
-// All expression effects of a file: a map of names to definitions, or one under `effects:`.
-std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>>
-expression_effects(const ConfigNode& root);
 // The YAML of an expression effect's definition without its values; empty for catalogue effects.
 std::string expression_source(const EffectDefinition& definition);
 

@@ -277,19 +277,6 @@ Chunk decode_chunk(std::string_view content) {
   return record;
 }
 
-MessageIndex decode_message_index(std::string_view content) {
-  ByteSource source(content);
-  MessageIndex record;
-  record.channel_id = source.number<uint16_t>();
-  ByteSource elements = source.elements();
-  record.entries.reserve(elements.left() / 16);
-  while (!elements.empty()) {
-    const uint64_t log_time_ns = elements.number<uint64_t>();
-    record.entries.push_back({log_time_ns, elements.number<uint64_t>()});
-  }
-  return record;
-}
-
 ChunkIndex decode_chunk_index(std::string_view content) {
   ByteSource source(content);
   ChunkIndex record;
@@ -348,30 +335,6 @@ MetadataIndex decode_metadata_index(std::string_view content) {
   record.offset = source.number<uint64_t>();
   record.length = source.number<uint64_t>();
   record.name = source.text();
-  return record;
-}
-
-Statistics decode_statistics(std::string_view content) {
-  ByteSource source(content);
-  Statistics record;
-  record.message_count = source.number<uint64_t>();
-  record.schema_count = source.number<uint16_t>();
-  record.channel_count = source.number<uint32_t>();
-  record.attachment_count = source.number<uint32_t>();
-  record.metadata_count = source.number<uint32_t>();
-  record.chunk_count = source.number<uint32_t>();
-  record.start_time_ns = source.number<uint64_t>();
-  record.end_time_ns = source.number<uint64_t>();
-  record.channel_message_counts = decode_numbers(source.elements());
-  return record;
-}
-
-SummaryOffset decode_summary_offset(std::string_view content) {
-  ByteSource source(content);
-  SummaryOffset record;
-  record.group = static_cast<Opcode>(source.number<uint8_t>());
-  record.start = source.number<uint64_t>();
-  record.length = source.number<uint64_t>();
   return record;
 }
 

@@ -1,5 +1,5 @@
-// The records of an MCAP file, with one encoder and one decoder each, as the open specification
-// defines them (https://mcap.dev/spec). Decoders throw Malformed.
+// The records of an MCAP file as the open specification defines them (https://mcap.dev/spec), with
+// one encoder each, and one decoder each of those that are read. Decoders throw Malformed.
 #pragma once
 
 #include <cstdint>
@@ -178,14 +178,11 @@ Schema decode_schema(std::string_view content);
 Channel decode_channel(std::string_view content);
 Message decode_message(std::string_view content);
 Chunk decode_chunk(std::string_view content);
-MessageIndex decode_message_index(std::string_view content);
 ChunkIndex decode_chunk_index(std::string_view content);
 Attachment decode_attachment(std::string_view content);  // Checks the CRC.
 AttachmentIndex decode_attachment_index(std::string_view content);
 Metadata decode_metadata(std::string_view content);
 MetadataIndex decode_metadata_index(std::string_view content);
-Statistics decode_statistics(std::string_view content);
-SummaryOffset decode_summary_offset(std::string_view content);
 DataEnd decode_data_end(std::string_view content);
 
 // CRC-32 (IEEE 802.3, as zlib's), continued from `before`.

@@ -45,7 +45,6 @@ Observation from_wire(const v1::Observation& wire) {
   sensors.odometry = {from.odometry().x_m(), from.odometry().y_m(), from.odometry().heading_rad()};
   for (int i = 0; i < from.paw_contact_size() && i < 4; ++i)
     sensors.paw_contact[i] = from.paw_contact(i);
-  sensors.chest_distance_m = from.chest_distance_m();
   for (const v1::Frame& frame : wire.frames()) observation.frames.push_back(frame_from(frame));
   for (const v1::RadioMessage& message : wire.messages())
     observation.messages.push_back(

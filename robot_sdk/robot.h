@@ -42,7 +42,6 @@ struct Sensors {
   Vector3d acceleration_m_s2;          // In the body's frame, gravity included.
   Odometry odometry;
   std::array<bool, 4> paw_contact{};  // Left front, right front, left rear, right rear.
-  double chest_distance_m = 0;        // 0 where nothing is in range.
 };
 
 // A camera image. Row v collected light from row_start_ns[v] to row_end_ns[v].

@@ -286,23 +286,6 @@ std::vector<ParameterValue> expression_values(const EffectDefinition& definition
   return values;
 }
 
-std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>>
-expression_effects(const ConfigNode& root) {
-  // A file of candidates: a map of names, or a model whose effects are all expressions.
-  const ConfigNode effects = root.has("effects") ? root.at("effects") : root;
-  std::vector<std::pair<std::shared_ptr<const EffectDefinition>, std::vector<ParameterValue>>> all;
-  for (const std::string& name : effects.keys()) {
-    if (!root.has("effects") && (name == "format" || name == "name")) continue;
-    const ConfigNode node = effects.at(name);
-    if (!node.is_map() || !node.has("stage")) node.fail("no stage, expected an expression effect");
-    auto definition = expression_effect(name, node);
-    auto values = expression_values(*definition, node);
-    all.emplace_back(std::move(definition), std::move(values));
-  }
-  if (all.empty()) root.fail("no effects");
-  return all;
-}
-
 std::string expression_source(const EffectDefinition& definition) {
   return definition.source;
 }

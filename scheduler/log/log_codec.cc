@@ -52,11 +52,6 @@ void fill(v1::LogHeader& message, const RunHeader& header, const Robots&) {
   message.set_scenario_name(header.scenario_name);
   message.set_scenario_text(header.scenario_text);
   message.set_seed(header.seed);
-  for (const auto& [name, text] : header.files) {
-    v1::LogFile* file = message.add_files();
-    file->set_name(name);
-    file->set_text(text);
-  }
   for (const auto& [name, version] : header.versions) {
     v1::LogVersion* one = message.add_versions();
     one->set_name(name);
@@ -75,8 +70,6 @@ RunHeader read(const v1::LogHeader& message, const Robots&) {
   header.scenario_name = message.scenario_name();
   header.scenario_text = message.scenario_text();
   header.seed = message.seed();
-  for (const v1::LogFile& file : message.files())
-    header.files.emplace_back(file.name(), file.text());
   for (const v1::LogVersion& one : message.versions())
     header.versions.emplace_back(one.name(), one.version());
   header.robots.assign(message.robots().begin(), message.robots().end());

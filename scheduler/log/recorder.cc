@@ -76,13 +76,10 @@ void Recorder::on_start(const RunHeader& header) {
   if (options_.transforms) transforms_channel_ = add_channel(kTransforms.topic, kTransforms.schema);
   if (options_.scene) scene_channel_ = add_channel(kSceneUpdates.topic, kSceneUpdates.schema);
 
-  // The run's inputs as attachments too: one damaged place must not cost them, and any MCAP tool
-  // can take them out.
+  // The scenario as an attachment too: one damaged place must not cost it, and any MCAP tool can
+  // take it out.
   writer_.attach(
       {.name = "scenario.yaml", .media_type = "application/yaml", .data = header.scenario_text});
-  for (const auto& [name, text] : header.files) {
-    writer_.attach({.name = "files/" + name, .media_type = "text/plain", .data = text});
-  }
   header_bytes_ = encode(header, robots_);
   inputs_.add(header, header_bytes_);
   writer_.write(channels_[static_cast<size_t>(Topic::header)], log_time(SimTime()), header_bytes_);

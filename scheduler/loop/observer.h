@@ -20,9 +20,6 @@ struct RunHeader {
   std::string scenario_text;  // The scenario file's text, and the name that errors call it by.
   std::string scenario_name;
   uint64_t seed = 0;
-  // Texts of the files that the scenario names (models), and of `--model`, by the name under which
-  // they are looked up: `model:ROBOT`.
-  std::vector<std::pair<std::string, std::string>> files;
   std::vector<std::pair<std::string, std::string>> versions;  // Program, format, libraries.
   std::vector<std::string> robots;                            // In the scenario's order.
   std::vector<std::string> sections;                          // Names of the state's hash sections.

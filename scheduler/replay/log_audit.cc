@@ -38,19 +38,14 @@ class Auditor {
     if (!audit_.finding) audit_.finding = {time, "log", std::move(field), std::move(detail)};
   }
 
-  // The run's inputs stand in the header and, for other tools, as attachments.
+  // The scenario stands in the header and, for other tools, as an attachment.
   void check_attachments() {
     for (const mcap::AttachmentIndex& place : log_.file().contents().attachments) {
       const mcap::Attachment attachment = log_.file().read_attachment(place);
-      const std::string* text = nullptr;
-      if (attachment.name == "scenario.yaml") text = &log_.header().scenario_text;
-      for (const auto& [name, file_text] : log_.header().files) {
-        if (attachment.name == "files/" + name) text = &file_text;
-      }
-      if (text == nullptr) {
+      if (attachment.name != "scenario.yaml") {
         audit_.unproved.push_back(fmt::format("the attachment '{}', which seam does not write",
                                               attachment.name.substr(0, 80)));
-      } else if (attachment.data != *text) {
+      } else if (attachment.data != log_.header().scenario_text) {
         find(SimTime(), "attachment " + attachment.name,
              "the attachment is another text than the header's");
       }

@@ -20,7 +20,6 @@ void compare_headers(const RunHeader& a, const RunHeader& b, std::vector<std::st
   if (a.scenario_text != b.scenario_text) {
     found.push_back(fmt::format("scenario: {} and {} differ", a.scenario_name, b.scenario_name));
   }
-  if (a.files != b.files) found.push_back("files: models or other inputs differ");
   if (a.robots != b.robots) {
     found.push_back(fmt::format("robots: {} and {}", joined(a.robots), joined(b.robots)));
   }

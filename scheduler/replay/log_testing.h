@@ -30,7 +30,6 @@ inline RunHeader header_of(const Scenario& scenario, const std::string& yaml) {
   RunHeader header{.scenario_text = yaml,
                    .scenario_name = "test.yaml",
                    .seed = static_cast<uint64_t>(scenario.seed),
-                   .files = {{"model:r0", "format: seam-model/1\n"}},
                    .versions = {{"state", "1"}}};
   for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
   header.sections = World(scenario).section_names();

@@ -201,7 +201,6 @@ TEST(Separation, WhatARobotIsToldIsAClosedList) {
                                     "welcome.next_sequence",
                                     "observation.sequence",
                                     "observation.time_ns",
-                                    "observation.sensors.chest_distance_m",
                                     "observation.sensors.acceleration_m_s2.x",
                                     "observation.sensors.acceleration_m_s2.y",
                                     "observation.sensors.acceleration_m_s2.z",

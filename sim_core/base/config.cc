@@ -67,9 +67,6 @@ ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string pat
 bool ConfigNode::is_map() const {
   return node_->IsMap();
 }
-bool ConfigNode::is_list() const {
-  return node_->IsSequence();
-}
 bool ConfigNode::is_scalar() const {
   return node_->IsScalar();
 }

@@ -30,7 +30,6 @@ class ConfigNode {
   static ConfigNode from_text(const std::string& text, const std::string& name);
 
   bool is_map() const;
-  bool is_list() const;
   bool is_scalar() const;
   bool is_null() const;
 

@@ -32,13 +32,13 @@ struct Motion {
 
 class LimitedActuator final : public JointActuator {
  public:
-  LimitedActuator(double initial_rad, bool instant) : instant_(instant) {
+  explicit LimitedActuator(double initial_rad) {
     motions_.push_back(
         {SimTime::from_ns(std::numeric_limits<int64_t>::min() / 4), initial_rad, initial_rad, 0});
   }
   void command(SimTime time, double target_rad, double max_speed_radps) override {
     while (motions_.size() > 1 && motions_.back().start >= time) motions_.pop_back();
-    const double here = instant_ ? target_rad : motions_.back().at(time);
+    const double here = motions_.back().at(time);
     motions_.push_back({time, here, target_rad, max_speed_radps});
   }
   double angle(SimTime time) const override {
@@ -57,18 +57,13 @@ class LimitedActuator final : public JointActuator {
   }
 
  private:
-  bool instant_;
   std::vector<Motion> motions_;  // Never empty, ascending.
 };
 
 }  // namespace
 
-std::unique_ptr<JointActuator> ideal_actuator(double initial_rad) {
-  return std::make_unique<LimitedActuator>(initial_rad, true);
-}
-
 std::unique_ptr<JointActuator> limited_actuator(double initial_rad) {
-  return std::make_unique<LimitedActuator>(initial_rad, false);
+  return std::make_unique<LimitedActuator>(initial_rad);
 }
 
 }  // namespace seam

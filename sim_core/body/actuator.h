@@ -35,8 +35,6 @@ class JointActuator {
   virtual void visit(StateVisitor& visitor) = 0;
 };
 
-// At its command at once: the definition of an ideal servo.
-std::unique_ptr<JointActuator> ideal_actuator(double initial_rad);
 // Goes to its command at the commanded top speed, then rests there.
 std::unique_ptr<JointActuator> limited_actuator(double initial_rad);
 

@@ -60,13 +60,6 @@ std::string to_string(Kick kick) {
   return kKickNames.at(static_cast<size_t>(kick));
 }
 
-std::optional<Kick> kick_from_string(const std::string& name) {
-  for (size_t i = 0; i < kKickNames.size(); ++i) {
-    if (name == kKickNames[i]) return static_cast<Kick>(i);
-  }
-  return std::nullopt;
-}
-
 std::optional<std::string> invalid_field(const RobotCommand& command) {
   using Limits = CommandLimits;
   if (auto bad = invalid_frames(command.joints)) return bad;

@@ -36,7 +36,6 @@ enum class Kick : uint8_t {
 };
 inline constexpr int kKicks = 8;
 std::string to_string(Kick kick);
-std::optional<Kick> kick_from_string(const std::string& name);
 
 // Absent parts leave as is what an earlier command said.
 struct RobotCommand {

@@ -34,8 +34,6 @@ struct RobotSensors {
 
   SimTime paws_time;
   std::array<bool, kLegs> paw_contact{};
-
-  double chest_distance_m = 0;  // Always 0: the ERS-210's distance sensor is not documented here.
 };
 
 // What the sensors of a robot measure at an instant, free of noise.

@@ -34,7 +34,6 @@ class Sensors:
     acceleration_m_s2: tuple[float, float, float]  # In the body's frame, gravity included.
     odometry: Odometry
     paw_contact: tuple[bool, ...]  # Left front, right front, left rear, right rear.
-    chest_distance_m: float  # 0 where nothing is in range.
 
 
 @dataclasses.dataclass(frozen=True)
@@ -129,8 +128,7 @@ def _sensors(message: wire.Sensors) -> Sensors:
         joint_log=tuple(map(_joints, message.joint_log)),
         acceleration_m_s2=(acceleration.x, acceleration.y, acceleration.z),
         odometry=Odometry(odometry.x_m, odometry.y_m, odometry.heading_rad),
-        paw_contact=tuple(message.paw_contact),
-        chest_distance_m=message.chest_distance_m)
+        paw_contact=tuple(message.paw_contact))
 
 
 def _frame(message: wire.Frame) -> Frame:
