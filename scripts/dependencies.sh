@@ -2,7 +2,7 @@
 # Installs what SEAM is built with, by package name, on Debian 12. Quick when all is there.
 set -euo pipefail
 packages=(
-  build-essential cmake ninja-build ccache mold pkg-config git ca-certificates python3
+  build-essential clang-format cmake ninja-build ccache mold pkg-config git ca-certificates python3
   python3-grpcio python3-protobuf python3-numpy python3-pil python3-jsonschema python3-yaml
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc libssl-dev openssl
   libyaml-cpp-dev libfmt-dev libcli11-dev nlohmann-json3-dev libmuparser-dev

@@ -22,7 +22,6 @@ class MadeProblem : public Problem {
   // Parameters of `spread` effects add their squares to the variance instead.
   MadeProblem(std::vector<double> x, double noise, Formula formula)
       : x_(std::move(x)), y_(x_.size()), formula_(std::move(formula)) {
-
     facts_.channels = {{.name = "y", .noise = noise}};
     facts_.groups = {"all"};
     for (size_t i = 0; i < x_.size(); ++i) {

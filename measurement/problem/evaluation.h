@@ -1,4 +1,5 @@
-// What comes out when a model is held against a measurement set: residuals, scores, fits, structures.
+// What comes out when a model is held against a measurement set: residuals, scores, fits,
+// structures.
 //
 // Vectors over scalars always have the length of all scalars; entries outside the chosen groups, or
 // left out as outliers, have `used` 0.

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "sim_core/input/config_table.h"
 #include "sim_core/body/actuator.h"
 #include "sim_core/body/command.h"
 #include "sim_core/body/joints.h"
+#include "sim_core/input/config_table.h"
 #include "sim_core/scene/scene.h"
 
 namespace seam {

@@ -2,8 +2,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "sim_core/input/config_table.h"
 #include "sim_core/base/error.h"
+#include "sim_core/input/config_table.h"
 
 namespace seam {
 namespace {

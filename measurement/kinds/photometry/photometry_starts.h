@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "measurement/kinds/photometry/photometry_cells.h"
-#include "measurement/kinds/photometry/photometry_likelihood.h"
+#include "measurement/kinds/photometry/likelihood/photometry_cells.h"
+#include "measurement/kinds/photometry/likelihood/photometry_likelihood.h"
 
 namespace seam::measurement {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "effects/stages/geometry.h"
-#include "measurement/kinds/photometry/photometry_model.h"
+#include "measurement/kinds/photometry/likelihood/photometry_model.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "measurement/problem/residual_view.h"
 

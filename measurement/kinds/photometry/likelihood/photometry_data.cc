@@ -1,4 +1,4 @@
-#include "measurement/kinds/photometry/photometry_data.h"
+#include "measurement/kinds/photometry/likelihood/photometry_data.h"
 
 #include <cmath>
 #include <map>

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "effects/stages/optics.h"
-#include "measurement/kinds/photometry/photometry_cells.h"
+#include "measurement/kinds/photometry/likelihood/photometry_cells.h"
 
 namespace seam::measurement {
 namespace {
@@ -29,31 +29,35 @@ std::string light_key(const PhotometrySums& sums, const effects::Model& model) {
   return key;
 }
 
-LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
-                        const std::vector<double>& light, bool all_products) {
-  LightCells cells;
-  for (size_t l = 0; l < sums.levels.size(); ++l) {
-    if (!sums.levels[l].frames.empty()) cells.present.push_back(l);
-  }
-  const auto channels = static_cast<size_t>(data.channels);
-  const size_t samples = light.size(), levels = cells.present.size();
-  // Provisional numbers: channel by channel, by light.
+// Provisional cells of each channel: steps of equal width in the light.
+struct LightSteps {
+  std::vector<size_t> first;  // By channel, and one more.
+  std::vector<double> width;  // By channel.
+};
+
+LightSteps steps_of_light(const std::vector<double>& light, size_t channels, LightCells& cells) {
   cells.least.assign(channels, 1e300), cells.most.assign(channels, -1e300);
-  for (size_t i = 0; i < samples; ++i) {
+  for (size_t i = 0; i < light.size(); ++i) {
     const size_t c = i % channels;
     cells.least[c] = std::min(cells.least[c], light[i]),
     cells.most[c] = std::max(cells.most[c], light[i]);
   }
-  std::vector<size_t> first(channels + 1, 0);
-  std::vector<double> width(channels, 1);
+  LightSteps steps{std::vector<size_t>(channels + 1, 0), std::vector<double>(channels, 1)};
   for (size_t c = 0; c < channels; ++c) {
     const size_t count = cells_for(cells.least[c], cells.most[c]);
-    first[c + 1] = first[c] + count;
-    width[c] = count > 1 ? (cells.most[c] - cells.least[c]) / static_cast<double>(count) : 1;
+    steps.first[c + 1] = steps.first[c] + count;
+    steps.width[c] = count > 1 ? (cells.most[c] - cells.least[c]) / static_cast<double>(count) : 1;
   }
-  std::vector<uint16_t> place(samples);
+  return steps;
+}
+
+// The cells of the steps that have samples, and the cell of each sample.
+void number_cells(const std::vector<double>& light, size_t channels, LightCells& cells) {
+  const auto [first, width] = steps_of_light(light, channels, cells);
+  // Provisional numbers: channel by channel, by light.
+  std::vector<uint16_t> place(light.size());
   std::vector<double> number(first.back(), 0), sum(first.back(), 0);
-  for (size_t i = 0; i < samples; ++i) {
+  for (size_t i = 0; i < light.size(); ++i) {
     const size_t c = i % channels;
     const auto step = static_cast<size_t>((light[i] - cells.least[c]) / width[c]);
     place[i] = static_cast<uint16_t>(first[c] + std::min(step, first[c + 1] - first[c] - 1));
@@ -74,30 +78,40 @@ LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
       cells.high.push_back(one ? cells.most[c] : cells.low.back() + width[c]);
     }
   }
-  const size_t count = cells.count();
-  cells.first.push_back(count);
+  cells.first.push_back(cells.count());
+  cells.of_sample.resize(light.size());
+  for (size_t i = 0; i < light.size(); ++i) cells.of_sample[i] = kept[place[i]];
+}
+
+// How far each sample's light is from its cell's, and the mean light of the rows.
+void compare_light(const PhotometryData& data, const std::vector<double>& light,
+                   LightCells& cells) {
+  const auto channels = static_cast<size_t>(data.channels);
   cells.row_light.assign(data.rows(), 0);
   const size_t row_samples = data.width_px * channels;
-  for (size_t i = 0; i < samples; ++i)
+  for (size_t i = 0; i < light.size(); ++i)
     cells.row_light[i / row_samples * channels + i % channels] += light[i] / data.width_px;
-  cells.of_sample.resize(samples), cells.offset.resize(samples);
-  cells.offset2.assign(count, 0);
-  for (size_t i = 0; i < samples; ++i) {
-    const uint16_t cell = kept[place[i]];
+  cells.offset.resize(light.size());
+  cells.offset2.assign(cells.count(), 0);
+  for (size_t i = 0; i < light.size(); ++i) {
+    const uint16_t cell = cells.of_sample[i];
     const double offset = light[i] - cells.light[cell];
-    cells.of_sample[i] = cell;
     cells.offset[i] = static_cast<float>(offset);
     cells.offset2[cell] += offset * offset;
   }
+}
+
+// Sums over the samples of each cell, by level.
+void sum_samples(const PhotometrySums& sums, bool all_products, LightCells& cells) {
+  const size_t samples = cells.of_sample.size(), count = cells.count(),
+               levels = cells.present.size();
   for (auto* v : {&cells.mean, &cells.with_offset, &cells.scatter}) v->assign(count * levels, 0);
   cells.products.assign(count * levels * levels, 0);
+  std::vector<const double*> means, scatters;
   for (const size_t l : cells.present) {
     double mean = 0;
     for (const double m : sums.levels[l].mean) mean += m;
     cells.reference.push_back(mean / static_cast<double>(samples));
-  }
-  std::vector<const double*> means, scatters;
-  for (const size_t l : cells.present) {
     means.push_back(sums.levels[l].mean.data()), scatters.push_back(sums.levels[l].scatter.data());
   }
   std::vector<double> m(levels);
@@ -116,6 +130,17 @@ LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
       for (size_t l = all_products ? 0 : k; l <= k; ++l) product[k * levels + l] += m[k] * m[l];
     }
   }
+}
+
+LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
+                        const std::vector<double>& light, bool all_products) {
+  LightCells cells;
+  for (size_t l = 0; l < sums.levels.size(); ++l) {
+    if (!sums.levels[l].frames.empty()) cells.present.push_back(l);
+  }
+  number_cells(light, static_cast<size_t>(data.channels), cells);
+  compare_light(data, light, cells);
+  sum_samples(sums, all_products, cells);
   return cells;
 }
 

@@ -11,7 +11,7 @@
 
 #include <vector>
 
-#include "measurement/kinds/photometry/photometry_model.h"
+#include "measurement/kinds/photometry/likelihood/photometry_model.h"
 
 namespace seam::measurement {
 

@@ -1,10 +1,10 @@
-#include "measurement/kinds/photometry/photometry_likelihood.h"
+#include "measurement/kinds/photometry/likelihood/photometry_likelihood.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "measurement/kinds/photometry/photometry_rows.h"
+#include "measurement/kinds/photometry/likelihood/photometry_rows.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {

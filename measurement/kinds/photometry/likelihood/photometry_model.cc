@@ -1,4 +1,4 @@
-#include "measurement/kinds/photometry/photometry_model.h"
+#include "measurement/kinds/photometry/likelihood/photometry_model.h"
 
 #include <algorithm>
 #include <cmath>

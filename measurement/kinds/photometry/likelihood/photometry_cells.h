@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "measurement/kinds/photometry/photometry_model.h"
+#include "measurement/kinds/photometry/likelihood/photometry_model.h"
 
 namespace seam::measurement {
 

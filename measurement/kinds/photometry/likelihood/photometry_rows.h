@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "effects/stages/sensor/sensor.h"
-#include "measurement/kinds/photometry/photometry_data.h"
+#include "measurement/kinds/photometry/likelihood/photometry_data.h"
 
 namespace seam::measurement {
 

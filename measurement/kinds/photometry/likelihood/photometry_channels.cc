@@ -1,7 +1,7 @@
 // Do the channels of a colour sensor share their row noise and column offsets?
 #include <cmath>
 
-#include "measurement/kinds/photometry/photometry_data.h"
+#include "measurement/kinds/photometry/likelihood/photometry_data.h"
 
 namespace seam::measurement {
 namespace {

@@ -1,4 +1,4 @@
-#include "measurement/kinds/photometry/photometry_rows.h"
+#include "measurement/kinds/photometry/likelihood/photometry_rows.h"
 
 #include <algorithm>
 

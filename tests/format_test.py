@@ -1,0 +1,29 @@
+#!/usr/bin/env python3
+"""All C++ stands as clang-format lays it out by .clang-format. Prints the files that do not and how to
+mend them; exit code 77 (skipped) where clang-format is missing."""
+import pathlib
+import shutil
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def main():
+    if not shutil.which("clang-format"):
+        print("clang-format is missing: scripts/dependencies.sh installs it")
+        return 77
+    names = subprocess.run(["git", "-C", str(ROOT), "ls-files", "--cached", "--others", "--exclude-standard",
+                            "*.h", "*.cc", "*.inc"], capture_output=True, text=True, check=True).stdout.split()
+    names = [name for name in names if (ROOT / name).exists()]
+    bad = [name for name in names
+           if subprocess.run(["clang-format", "--dry-run", "-Werror", name], cwd=ROOT,
+                             capture_output=True).returncode != 0]
+    for name in bad:
+        print(f"{name}: not as .clang-format says: clang-format -i {name}")
+    print(f"{len(bad)} of {len(names)} files")
+    return 1 if bad or not names else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
