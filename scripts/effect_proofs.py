@@ -268,7 +268,7 @@ def blocks():
     all_proofs = {}
     for proof in PROOFS:
         all_proofs.setdefault(proof[0], []).append(proof_of(*proof))
-    return {name: ".proof = {" + ", ".join(proofs) + "}" for name, proofs in all_proofs.items()}
+    return {name: "{" + ", ".join(proofs) + "}" for name, proofs in all_proofs.items()}
 
 
 def without_layout(text):
@@ -280,7 +280,7 @@ def main():
     files = {os.path.basename(f)[:-3]: f for f in glob.glob(os.path.join(root_folder, "effects/catalogue/*/*.cc"))}
     if sys.argv[1:] != ["--check"]:
         for name, block in blocks().items():
-            print(f"{name}\n      {block},\n")
+            print(f"{name}\n      .proof = {block},\n")
         return 0
     wrong = [name for name, block in blocks().items()
              if name not in files or without_layout(block) not in without_layout(open(files[name]).read())]

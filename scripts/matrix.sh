@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 failed=0
 results=()
 # What only the matrix needs.
-for package in clang libclang-rt-14-dev qemu-user; do
+for package in clang clang-tidy libclang-rt-14-dev qemu-user; do
   [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
 done
 [ -z "${missing[*]:-}" ] || apt-get install -y -q --no-install-recommends "${missing[@]}"
@@ -26,6 +26,7 @@ build_and_test() {  # build_and_test PRESET FILTER
   cmake --preset "$1" >/dev/null && cmake --build "$folder" && ctest --test-dir "$folder" -R "$2" --output-on-failure -j "$(nproc)"
 }
 
+part "clang-tidy" scripts/tidy.sh
 part "gcc -O0: golden fingerprints" build_and_test dev "$golden"
 part "clang -O2: golden fingerprints" build_and_test clang "$golden"
 part "AddressSanitizer and UBSan: all tests" build_and_test asan-ubsan .

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "measurement/problem/facts.h"
 
 namespace seam::measurement {
 
