@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "measurement/report/headline.h"
+
 namespace seam::measurement {
 namespace {
 
@@ -75,7 +77,8 @@ std::string advice_for(const Problem& problem, const SearchResult& result) {
 
 std::string compare_text(const Problem& problem, const CompareResult& result) {
   const Assessment& base = result.base.assessment;
-  std::string text = fmt::format(
+  std::string text = headline(problem, result);
+  text += fmt::format(
       "{}: {} residuals in {} groups\nerror on held-out groups {:.4f} (1.0 is the noise)\n",
       problem.facts().title, count_used(problem), problem.facts().groups.size(), base.error);
   for (size_t c = 0; c < problem.facts().channels.size(); ++c) {
@@ -95,14 +98,18 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
   if (const std::string why = problem.no_outliers_because(); !why.empty())
     text += fmt::format("no outliers are looked for: {}\n", why);
   text += result.structure.empty()
-              ? "no significant structure\n"
+              ? result.traces.empty() ? "no significant structure\n" : "no structure that matters\n"
               : "structure of the residuals:\n" + structure_text(result.structure);
-  return text;
+  return text + traces_text(result.traces, {});
 }
 
 std::string diagnose_text(const Problem& problem, const SearchResult& result) {
-  std::string text = fmt::format("{}: error {:.4f} on held-out groups (1.0 is the noise)\n",
-                                 problem.facts().title, result.base.assessment.error);
+  const bool unexplained = result.verdict == "unexplained_structure";
+  const auto& trace_structure = unexplained ? result.remaining_traces : result.base_traces;
+  const std::vector<Candidate> traces = traces_of(result.first.candidates);
+  std::string text = headline(problem, result, trace_structure.size() + traces.size());
+  text += fmt::format("{}: error {:.4f} on held-out groups (1.0 is the noise)\n",
+                      problem.facts().title, result.base.assessment.error);
   text += notes_text(problem) + outlier_text(result);
   text += fmt::format("verdict: {}\n", result.verdict);
   int rank = 0;
@@ -115,21 +122,23 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
     for (const std::string& other : candidate.indistinguishable_from)
       text += fmt::format("      these data cannot tell it from {}\n", other);
   }
-  const auto& structure =
-      result.verdict == "unexplained_structure" ? result.remaining : result.base_structure;
+  const auto& structure = unexplained ? result.remaining : result.base_structure;
   if (!structure.empty()) {
-    text += result.verdict == "unexplained_structure" ? "what remains after all known effects:\n"
-                                                      : "structure of the residuals:\n";
+    text +=
+        unexplained ? "what remains after all known effects:\n" : "structure of the residuals:\n";
     text += structure_text(structure);
   }
+  text += traces_text(trace_structure, traces);
   const std::string advice = advice_for(problem, result);
   if (!advice.empty()) text += "advice: " + advice + "\n";
   return text;
 }
 
 std::string discover_text(const Problem& problem, const SearchResult& result) {
-  std::string text = fmt::format("{}: error {:.4f} on held-out groups before\n",
-                                 problem.facts().title, result.base.assessment.error);
+  std::string text =
+      headline(problem, result, result.remaining_traces.size() + result.last_traces.size());
+  text += fmt::format("{}: error {:.4f} on held-out groups before\n", problem.facts().title,
+                      result.base.assessment.error);
   text += notes_text(problem) + outlier_text(result);
   for (const Step& step : result.steps) {
     text += fmt::format("  + {:24s} {:.4f} -> {:.4f}   {}\n", step.effect, step.error_before,
@@ -143,7 +152,7 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
                           ? "structure remains that no known effect explains"
                           : "adequate");
   if (result.verdict == "unexplained_structure") text += structure_text(result.remaining);
-  return text;
+  return text + traces_text(result.remaining_traces, result.last_traces);
 }
 
 }  // namespace seam::measurement

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "measurement/report/finite_or_null.h"
+#include "measurement/report/headline.h"
 #include "measurement/report/results.h"
 #include "sim_core/base/error.h"
 
@@ -112,6 +114,36 @@ ordered_json baseline_json(const Problem& problem, const Assessment& base) {
           {"noise_floor", 1.0}};
 }
 
+ordered_json candidates_json(const SearchResult& result, const Assessment& before,
+                             const std::vector<Candidate>& candidates) {
+  ordered_json list = ordered_json::array();
+  int rank = 0;
+  for (const Candidate& c : candidates) {
+    const Assessment& after = c.grown.assessment;
+    ordered_json entry = {
+        {"effect", c.effect->name},
+        {"rank", ++rank},
+        {"error", finite_or_null<ordered_json>(after.error)},
+        {"gain", gain_json(before.error, after.error, static_cast<double>(before.held.n))},
+        {"p_value", c.p_value},
+        {"significant", c.significant || c.trace},
+        {"log_likelihood_gain", finite_or_null<ordered_json>(c.gain_ll)},
+        {"parameters", parameters_json(after, c.effect->name)},
+        {"indistinguishable_from", c.indistinguishable_from}};
+    if (c.at_bound) entry["at_bound"] = true;
+    entry["why"] = why(result, c);
+    list.push_back(entry);
+  }
+  return list;
+}
+
+// What is significant but not material.
+void add_traces(ordered_json& json, double material, const ordered_json& structure,
+                const ordered_json& candidates) {
+  json["material"] = material;
+  json["traces"] = {{"structure", structure}, {"candidates", candidates}};
+}
+
 std::string dumped(const ordered_json& json) {
   return json.dump(1) + "\n";
 }
@@ -126,6 +158,7 @@ std::string compare_json(const Problem& problem, const CompareResult& result) {
   json.update(baseline_json(problem, result.base.assessment));
   add_noise(json, problem);
   json["structure"] = structure_json(result.structure);
+  add_traces(json, result.material, structure_json(result.traces), ordered_json::array());
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
   add_notes(json, problem);
@@ -143,27 +176,15 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
                        {"verdict", result.verdict}};
   json["baseline"] = baseline_json(problem, base);
   add_noise(json, problem);
-  ordered_json list = ordered_json::array();
-  int rank = 0;
-  for (const Candidate& c : result.first.candidates) {
-    const Assessment& after = c.grown.assessment;
-    ordered_json entry = {
-        {"effect", c.effect->name},
-        {"rank", ++rank},
-        {"error", finite_or_null<ordered_json>(after.error)},
-        {"gain", gain_json(base.error, after.error, static_cast<double>(base.held.n))},
-        {"p_value", c.p_value},
-        {"significant", c.significant},
-        {"log_likelihood_gain", finite_or_null<ordered_json>(c.gain_ll)},
-        {"parameters", parameters_json(after, c.effect->name)},
-        {"indistinguishable_from", c.indistinguishable_from}};
-    if (c.at_bound) entry["at_bound"] = true;
-    entry["why"] = why(result, c);
-    list.push_back(entry);
-  }
-  json["candidates"] = list;
-  json["structure"] = structure_json(
-      result.verdict == "unexplained_structure" ? result.remaining : result.base_structure);
+  std::vector<Candidate> candidates;
+  std::copy_if(result.first.candidates.begin(), result.first.candidates.end(),
+               std::back_inserter(candidates), [](const Candidate& c) { return !c.trace; });
+  json["candidates"] = candidates_json(result, base, candidates);
+  const bool unexplained = result.verdict == "unexplained_structure";
+  json["structure"] = structure_json(unexplained ? result.remaining : result.base_structure);
+  add_traces(json, result.material,
+             structure_json(unexplained ? result.remaining_traces : result.base_traces),
+             candidates_json(result, base, traces_of(result.first.candidates)));
   ordered_json explanation = ordered_json::array();
   for (const Step& step : result.steps)
     explanation.push_back(
@@ -206,6 +227,8 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
   json["native"] = native_json(problem, result.best.assessment.held);
   add_noise(json, problem);
   json["structure"] = structure_json(result.remaining);
+  add_traces(json, result.material, structure_json(result.remaining_traces),
+             candidates_json(result, result.best.assessment, result.last_traces));
   json["not_testable"] = not_testable_json(result.first.not_testable);
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;

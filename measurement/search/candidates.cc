@@ -257,7 +257,7 @@ std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
 
 }  // namespace
 
-Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects,
+Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects, double material,
               bool promising_only) {
   std::vector<std::optional<Prospect>> prospects(effects.size());
   std::vector<std::vector<NotTestable>> reasons(effects.size());
@@ -281,7 +281,7 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
     parallel_for(effects.size(), [&](size_t i) {
       if (!prospects[i] || !worth[i] || !chosen(*effects[i])) return;
       found[i] = fit_prospect(problem, base, *prospects[i], reasons[i]);
-      if (found[i]) judge(problem, base, looks.tried, *found[i]);
+      if (found[i]) judge(problem, base, looks.tried, material, *found[i]);
     });
   };
   fit([](const EffectDefinition& effect) { return !effect.spread_only; });

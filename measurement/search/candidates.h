@@ -56,7 +56,7 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
 // dear (screening_groups), and where the problem is smooth, those whose score test says that they
 // would not be significant are left out, of the others the best few are fitted, and spreads only
 // where no effect of the mean clearly helps.
-Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects,
+Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects, double material,
               bool promising_only = false);
 
 }  // namespace seam::measurement

@@ -2,7 +2,7 @@
 
 namespace seam::measurement {
 
-CompareResult compare(Problem& problem, const Model& model) {
+CompareResult compare(Problem& problem, const Model& model, double material) {
   problem.check_model(model);
   problem.prepare(model);
   CompareResult result;
@@ -17,7 +17,10 @@ CompareResult compare(Problem& problem, const Model& model) {
   result.outliers = marks.outliers;
   result.outlier_share = marks.outlier_share;
   result.base.assessment = std::move(assessment);
-  result.structure = significant_structure(problem, result.base);
+  SplitStructure found = significant_structure(problem, result.base.assessment, material);
+  result.structure = std::move(found.material);
+  result.traces = std::move(found.traces);
+  result.material = material;
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "measurement/numerics/regression.h"
+#include "measurement/search/material.h"
 
 namespace seam::measurement {
 namespace {
@@ -98,7 +99,8 @@ double merit_of(const Problem& problem, const Grown& grown) {
          kPriceOfUnclear * static_cast<double>(fitted - needed);
 }
 
-void judge(const Problem& problem, const Grown& base, double looks, Candidate& candidate) {
+void judge(const Problem& problem, const Grown& base, double looks, double material,
+           Candidate& candidate) {
   const Assessment& before = base.assessment;
   const Assessment& after = candidate.grown.assessment;
   candidate.gain_ll = after.held_ll() - before.held_ll();
@@ -137,6 +139,11 @@ void judge(const Problem& problem, const Grown& base, double looks, Candidate& c
   if (candidate.significant && candidate.effect->has_neutral && !has_counts(*candidate.effect))
     candidate.significant =
         loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll;
+  if (candidate.significant && material > 0) {
+    candidate.moved = movement(problem, before, after, candidate.effect->spread_only);
+    candidate.trace = candidate.moved < material;
+    candidate.significant = !candidate.trace;
+  }
   candidate.merit = merit_of(problem, candidate.grown);
 }
 
@@ -228,6 +235,13 @@ void rank_candidates(std::vector<Candidate>& candidates) {
       if (in_class || pair) candidate.indistinguishable_from.push_back(other.effect->name);
     }
   }
+}
+
+std::vector<Candidate> traces_of(const std::vector<Candidate>& candidates) {
+  std::vector<Candidate> traces;
+  std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(traces),
+               [](const Candidate& c) { return c.trace; });
+  return traces;
 }
 
 }  // namespace seam::measurement

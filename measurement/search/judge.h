@@ -27,15 +27,19 @@ struct Candidate {
   double p_value = 1;        // Likelihood ratio, corrected for the number of candidates.
   double merit = 0;          // Total log-likelihood less a price for each parameter needed.
   bool at_bound = false;
-  bool significant = false;
+  bool significant = false;  // And material: the search goes by both.
+  bool trace = false;        // Significant, but not material.
+  double moved = 0;          // Noise units; where it was asked for (material above 0).
   std::vector<std::string> indistinguishable_from;
 };
 
 // Whether a parameter of the effect is a whole number: it is tried, not fitted.
 bool has_counts(const EffectDefinition& effect);
 
-// Fills p-value and merit of a candidate against what it grew from.
-void judge(const Problem& problem, const Grown& base, double looks, Candidate& candidate);
+// Fills p-value and merit of a candidate against what it grew from. `material` is the least change
+// of predictions that counts, in noise units.
+void judge(const Problem& problem, const Grown& base, double looks, double material,
+           Candidate& candidate);
 
 // Sum of the held-out groups' gains over its standard error; 0 with fewer than three groups.
 double gain_over_scatter(const Score& before, const Score& after);
@@ -47,6 +51,9 @@ bool clearly_helps(const Candidate& candidate);
 // Best first: by merit, but of all those that the data cannot tell from the best the simplest goes
 // first; fills `indistinguishable_from`.
 void rank_candidates(std::vector<Candidate>& candidates);
+
+// Those that are significant but not material.
+std::vector<Candidate> traces_of(const std::vector<Candidate>& candidates);
 
 // The log-likelihood below which two explanations count as equally good.
 double tie_width(double error);

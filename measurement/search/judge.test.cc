@@ -63,7 +63,7 @@ std::unique_ptr<Judged> judged(double size, uint64_t seed, double looks) {
   auto candidate = try_effect(all->problem, all->base, bend(), reasons);
   EXPECT_TRUE(candidate);
   all->candidate = std::move(*candidate);
-  judge(all->problem, all->base, looks, all->candidate);
+  judge(all->problem, all->base, looks, 0, all->candidate);
   return all;
 }
 

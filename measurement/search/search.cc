@@ -46,14 +46,15 @@ Grown without(const Grown& grown, const std::string& out) {
 
 class Searcher {
  public:
-  Searcher(Problem& problem, const Model& model, const EffectList& own, const Progress& progress)
-      : problem_(problem), model_(model), own_(own), progress_(progress) {}
+  Searcher(Problem& problem, const Model& model, const EffectList& own, const Progress& progress,
+           double material)
+      : problem_(problem), model_(model), own_(own), progress_(progress), material_(material) {}
 
   SearchResult run();
 
  private:
   Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
-  Grown grow(Grown grown, Looks* first_looks);
+  Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
   void forward(SearchResult& result);
   std::optional<Grown> replace(const Grown& grown, const std::string& out,
                                const std::string& in) const;
@@ -67,6 +68,7 @@ class Searcher {
   const Model& model_;
   const EffectList& own_;
   const Progress& progress_;
+  const double material_;
   Grown base_;
   double looks_ = 1;
   std::vector<std::string> promising_;  // Significant in some look, best first.
@@ -119,7 +121,7 @@ bool Searcher::prune(Grown& grown) {
       for (const Unknown& unknown : grown.assessment.unknowns) {
         if (unknown.effect == grown.added[i]) back.free.push_back(unknown.parameter);
       }
-      judge(problem_, *without[i], looks_, back);
+      judge(problem_, *without[i], looks_, material_, back);
       if (back.significant) continue;
       if (best == without.size() ||
           merit_of(problem_, *without[i]) > merit_of(problem_, *without[best]))
@@ -188,16 +190,17 @@ bool Searcher::exchange(Grown& grown) {
   return true;
 }
 
-// Adds to a model what helps most, again and again.
-Grown Searcher::grow(Grown grown, Looks* first_looks) {
+// Adds to a model what helps most, again and again; `traces` are those of the last look.
+Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces) {
   for (size_t step = 0; step < kMostSteps; ++step) {
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     // The first look is what the user sees: every effect is fitted in it.
     const bool first = step == 0 && first_looks != nullptr;
     Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_),
-                          /*promising_only=*/!first);
+                          material_, /*promising_only=*/!first);
     looks_ = std::max(looks_, looks.tried);
     if (first) *first_looks = looks;
+    traces = traces_of(looks.candidates);
     for (const Candidate& candidate : looks.candidates) {
       const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) !=
                          promising_.end();
@@ -220,7 +223,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks) {
 }
 
 void Searcher::forward(SearchResult& result) {
-  result.best = grow(base_, &result.first);
+  result.best = grow(base_, &result.first, result.last_traces);
   if (!problem_.effects_imitate()) return;
   // The best first step may stand for several effects at once, from where none of them helps alone:
   // others begin too, the simplest first.
@@ -229,7 +232,8 @@ void Searcher::forward(SearchResult& result) {
     const auto& added = result.best.added;
     const bool taken = std::find(added.begin(), added.end(), candidate.effect->name) != added.end();
     const bool helps = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
-    if (helps && !is_spread(candidate.effect) && !taken) beginnings.push_back(&candidate);
+    if (helps && !candidate.trace && !is_spread(candidate.effect) && !taken)
+      beginnings.push_back(&candidate);
   }
   std::stable_sort(
       beginnings.begin(), beginnings.end(),
@@ -238,8 +242,11 @@ void Searcher::forward(SearchResult& result) {
        i < std::min(kBeginnings, beginnings.size()) && result.best.assessment.error > kMisfit;
        ++i) {
     progress_("trying again from " + beginnings[i]->effect->name);
-    Grown other = grow(beginnings[i]->grown, nullptr);
-    if (merit_of(problem_, other) > merit_of(problem_, result.best)) result.best = std::move(other);
+    std::vector<Candidate> traces;
+    Grown other = grow(beginnings[i]->grown, nullptr, traces);
+    if (merit_of(problem_, other) <= merit_of(problem_, result.best)) continue;
+    result.best = std::move(other);
+    result.last_traces = std::move(traces);
   }
 }
 
@@ -279,6 +286,8 @@ void Searcher::order_steps(SearchResult& result) {
     }
     if (best == left.size()) break;
     Step step{.effect = left[best], .error_before = grown.assessment.error};
+    step.moved = movement(problem_, grown.assessment, tried[best]->grown.assessment,
+                          is_spread(definition(left[best])));
     grown = std::move(tried[best]->grown);
     step.after = grown.assessment;
     step.error_after = grown.assessment.error;
@@ -311,7 +320,7 @@ void Searcher::order_steps(SearchResult& result) {
 }
 
 SearchResult Searcher::run() {
-  SearchResult result;
+  SearchResult result{.material = material_};
   problem_.leave_out({});
   mark_outliers(problem_, model_, result);
   result.outliers_of_given = result.outliers.size();
@@ -330,9 +339,13 @@ SearchResult Searcher::run() {
   result.base = base_;
   order_steps(result);
   progress_("testing what structure remains");
-  result.base_structure = significant_structure(problem_, result.base);
-  result.remaining =
-      result.steps.empty() ? result.base_structure : significant_structure(problem_, result.best);
+  const auto structure_of = [&](const Grown& grown) {
+    return significant_structure(problem_, grown.assessment, material_);
+  };
+  const SplitStructure of_base = structure_of(base_);
+  const SplitStructure of_best = result.steps.empty() ? of_base : structure_of(result.best);
+  result.base_structure = of_base.material, result.base_traces = of_base.traces;
+  result.remaining = of_best.material, result.remaining_traces = of_best.traces;
   const bool first_found =
       !result.first.candidates.empty() && result.first.candidates.front().significant;
   if (!result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found)) {
@@ -377,24 +390,11 @@ bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
   return changed;
 }
 
-std::vector<Structure> significant_structure(const Problem& problem, const Grown& grown) {
-  std::vector<Structure> structure =
-      problem.structure(grown.assessment.model, problem.all_groups(),
-                        static_cast<int>(grown.assessment.unknowns.size()));
-  std::erase_if(structure, [](const Structure& s) { return s.p_value >= kStructureAlarm; });
-  return structure;
-}
-
-bool has_mean_structure(const std::vector<Structure>& structure) {
-  return std::any_of(structure.begin(), structure.end(),
-                     [](const Structure& s) { return s.moment == "mean"; });
-}
-
 SearchResult search(Problem& problem, const Model& model, const EffectList& own,
-                    const Progress& progress) {
+                    const Progress& progress, double material) {
   problem.check_model(model);
   problem.prepare(model);
-  return Searcher(problem, model, own, progress).run();
+  return Searcher(problem, model, own, progress, material).run();
 }
 
 }  // namespace seam::measurement

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measurement/search/candidates.h"
+#include "measurement/search/material.h"
 
 namespace seam::measurement {
 
@@ -15,33 +16,34 @@ struct Step {
   Assessment after;  // The model with this step and those before it.
   double error_before = 0;
   double error_after = 0;
+  double moved = 0;  // By how many noise units it moves predictions.
   std::vector<std::string> indistinguishable_from;
 };
 
 struct SearchResult {
   Grown base;  // The model given, refitted.
   std::vector<Structure> base_structure;
-  Looks first;                       // Candidates for the first step.
-  Grown best;                        // With all effects found.
-  std::vector<Step> steps;           // In the order in which they help most.
-  std::vector<Structure> remaining;  // Significant structure after the last step.
-  std::vector<Outlier> outliers;     // Of the best model.
-  size_t outliers_of_given = 0;      // As many has the model given.
-  double outlier_share = 0;          // Above kMostOutliers none is left out.
-  std::string verdict;               // Of diagnose.
+  std::vector<Structure> base_traces;  // Significant, but not material.
+  Looks first;                         // Candidates for the first step.
+  Grown best;                          // With all effects found.
+  std::vector<Step> steps;             // In the order in which they help most.
+  std::vector<Structure> remaining;    // Significant structure after the last step.
+  std::vector<Structure> remaining_traces;
+  std::vector<Candidate> last_traces;  // Effects that are traces beside the best model.
+  double material = 0;                 // The least that counts, in noise units.
+  std::vector<Outlier> outliers;       // Of the best model.
+  size_t outliers_of_given = 0;        // As many has the model given.
+  double outlier_share = 0;            // Above kMostOutliers none is left out.
+  std::string verdict;                 // Of diagnose.
 };
 
 using Progress = std::function<void(const std::string&)>;
 
 // Leaves the problem with its outliers marked.
 SearchResult search(Problem& problem, const Model& model, const EffectList& own,
-                    const Progress& progress);
+                    const Progress& progress, double material = kMaterial);
 
 // Marks outliers under this model; returns whether the marks changed.
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result);
-
-// Structures significant at the level designed for.
-std::vector<Structure> significant_structure(const Problem& problem, const Grown& grown);
-bool has_mean_structure(const std::vector<Structure>& structure);
 
 }  // namespace seam::measurement

@@ -111,7 +111,9 @@ class Study {
     for (int i = 0; i < plan_.seeds && !stopped(); ++i) {
       progress_(fmt::format("{}, {}: set {} of {}", plan_.kind, what, i + 1, plan_.seeds));
       const auto problem = made(truth(value), plan_.first_seed + static_cast<uint64_t>(i));
-      const SearchResult result = search(*problem, nominal_, {}, [](const std::string&) {});
+      // How significance alone does: what is found is not asked to matter.
+      const SearchResult result = search(
+          *problem, nominal_, {}, [](const std::string&) {}, /*material=*/0);
       count(result, value, row);
       const double error = result.best.assessment.error;
       sum += error, sum2 += error * error;

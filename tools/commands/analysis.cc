@@ -23,8 +23,24 @@ effects::Model read_model(const std::string& path) {
   return effects::Model::from_file(path);
 }
 
+void add_material_flag(app::Command command, AnalysisFlags& flags) {
+  command
+      .add_option(
+          "--material", flags.material,
+          "Noise units by which a structure or an effect must change predictions to matter; "
+          "what is only significant is a trace. 0: whatever is significant matters")
+      .range(0.0, 1000.0)
+      .show_default();
+}
+
 std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error) {
   return measurement::doubts_text(measurement::MeasurementSet::open(flags.data), model, error);
+}
+
+std::string with_doubts(const std::string& text, const AnalysisFlags& flags,
+                        const effects::Model& model, double error) {
+  const size_t second = text.find('\n') + 1;
+  return text.substr(0, second) + doubts_about(flags, model, error) + text.substr(second);
 }
 
 AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& out_file) {

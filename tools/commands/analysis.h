@@ -16,15 +16,23 @@ struct AnalysisFlags {
   std::string data;
   std::string json;
   std::string report;
+  double material = measurement::kMaterial;
 };
 
 // --model, --data and --json; --report where wanted.
 void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_report);
 
+// --material, for commands that say what matters.
+void add_material_flag(app::Command command, AnalysisFlags& flags);
+
 effects::Model read_model(const std::string& path);
 
 // Doubts about the data under this model, for people: what stands before a command's results.
 std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error);
+// A command's results for people with these doubts, which stand before all but the first line: that
+// one says what matters.
+std::string with_doubts(const std::string& text, const AnalysisFlags& flags,
+                        const effects::Model& model, double error);
 
 // What a command writes, claimed before it reads and computes: a path that cannot be written is
 // told at once. `out` is a model or effect that the command makes.

@@ -12,15 +12,16 @@ void add_compare(app::Command app) {
       app.add_subcommand("compare", "Holds a model against measurements and says where it fails");
   auto flags = std::make_shared<AnalysisFlags>();
   add_analysis_flags(command, *flags, true);
+  add_material_flag(command, *flags);
   command.footer(
       "Example: seam compare --model nominal.yaml --data sets/points-a --json compare.json");
   command.callback([flags] {
     AnalysisOutputs outputs(*flags);
     const effects::Model model = read_model(flags->model);
     const auto problem = measurement::open_problem(flags->data, app::instruments());
-    const auto result = measurement::compare(*problem, model);
-    outputs.tell(doubts_about(*flags, model, result.base.assessment.error) +
-                     measurement::compare_text(*problem, result),
+    const auto result = measurement::compare(*problem, model, flags->material);
+    outputs.tell(with_doubts(measurement::compare_text(*problem, result), *flags, model,
+                             result.base.assessment.error),
                  measurement::compare_json(*problem, result));
     if (outputs.report) {
       measurement::write_report(

@@ -31,6 +31,7 @@ void add_diagnose(app::Command app) {
   auto flags = std::make_shared<AnalysisFlags>();
   auto candidates = std::make_shared<std::string>();
   add_analysis_flags(command, *flags, true);
+  add_material_flag(command, *flags);
   command.add_option("--candidates", *candidates,
                      "A file with effects of your own, tried beside the catalogue");
   auto suggested = std::make_shared<std::string>();
@@ -43,10 +44,11 @@ void add_diagnose(app::Command app) {
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
     const auto problem = measurement::open_problem(flags->data, app::instruments());
-    const auto result = measurement::search(*problem, model, own, progress_to_terminal());
+    const auto result =
+        measurement::search(*problem, model, own, progress_to_terminal(), flags->material);
     std::optional<measurement::Suggestion> suggestion;
-    std::string text = doubts_about(*flags, model, result.base.assessment.error) +
-                       measurement::diagnose_text(*problem, result);
+    std::string text = with_doubts(measurement::diagnose_text(*problem, result), *flags, model,
+                                   result.base.assessment.error);
     if (!suggested->empty()) {
       suggestion = measurement::suggest(*problem, result, progress_to_terminal());
       text += told(suggestion, *suggested);

@@ -14,6 +14,7 @@ void add_discover(app::Command app) {
   auto out = std::make_shared<std::string>();
   auto candidates = std::make_shared<std::string>();
   add_analysis_flags(command, *flags, true);
+  add_material_flag(command, *flags);
   command.add_option("--out", *out, "The model found").required();
   command.add_option("--candidates", *candidates,
                      "A file with effects of your own, tried beside the catalogue");
@@ -24,10 +25,11 @@ void add_discover(app::Command app) {
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
     const auto problem = measurement::open_problem(flags->data, app::instruments());
-    const auto result = measurement::search(*problem, model, own, progress_to_terminal());
+    const auto result =
+        measurement::search(*problem, model, own, progress_to_terminal(), flags->material);
     outputs.out.fill(measurement::discovered_model(*problem, model, result).to_yaml());
-    outputs.tell(doubts_about(*flags, model, result.base.assessment.error) +
-                     measurement::discover_text(*problem, result),
+    outputs.tell(with_doubts(measurement::discover_text(*problem, result), *flags, model,
+                             result.base.assessment.error),
                  measurement::discover_json(*problem, result));
     if (outputs.report) {
       measurement::write_report(

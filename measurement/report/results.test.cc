@@ -1,12 +1,12 @@
 // What compare says first is what matters most.
-#include "measurement/search/compare.h"
+#include "measurement/report/results.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "measurement/kinds/kinds.h"
-#include "measurement/report/results.h"
+#include "measurement/search/compare.h"
 
 namespace seam::measurement {
 namespace {
