@@ -38,6 +38,7 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
   for (size_t i = 0; i < models.size(); ++i) {
     const RobotSpec& robot = scenario.robots[i];
     Camera camera;
+    camera.robot = robot.id;
     camera.spec = robot.camera;
     camera.renderer = make_renderer(robot, models[i], options);
     if (!robot.camera.colour_table_yaml.empty())
@@ -72,9 +73,15 @@ void CameraRenderer::detect_colours(int robot, Frame& frame) const {
 }
 
 Frame CameraRenderer::render(int robot, const FrameJob& job, int) {
-  Frame frame = cameras_[robot].renderer->render(job);
-  detect_colours(robot, frame);
-  return frame;
+  const Camera& camera = cameras_[robot];
+  try {
+    Frame frame = camera.renderer->render(job);
+    detect_colours(robot, frame);
+    return frame;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: robot '{}', frame at {:.9g} s: {}", camera.spec.model_name,
+                                 camera.robot, job.stamp.s(), error.what()));
+  }
 }
 
 void CameraRenderer::develop(int robot, Frame& frame) const {

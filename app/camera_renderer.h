@@ -35,6 +35,7 @@ class CameraRenderer final : public scheduler::FrameRenderer {
   void detect_colours(int robot, Frame& frame) const;
 
   struct Camera {
+    std::string robot;
     std::unique_ptr<render::Renderer> renderer;
     std::optional<render::ColourTable> colours;
     effects::Timing timing;

@@ -120,7 +120,8 @@ struct Renderer::Impl {
 
   effects::SensorExposure exposure_of(const FrameJob& job) const {
     const RowWindow& row = job.schedule.rows[0];
-    return {.exposure_s = (row.end - row.start).s(), .t_s = seconds(job.stamp)};
+    return {
+        .exposure_s = (row.end - row.start).s(), .t_s = seconds(job.stamp), .numbers_only = true};
   }
 
   // Light on the sensor, interleaved.

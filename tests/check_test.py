@@ -46,6 +46,22 @@ class FilesOfOurs(unittest.TestCase):
             for path in sorted((SOURCE / folder).glob("*.yaml")):
                 self.holds(path, "a valid seam-")
 
+    def test_formulas_are_tried_over_their_ranges(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "mine.yaml"
+
+            def check(text, value):
+                path.write_text("format: seam-model/1\nname: mine\neffects:\n  mine: {stage: joint, "
+                                f"q: \"{text}\", parameters: {{k: {{value: {value}, neutral: 0, min: 0, max: 1}}}}}}\n")
+                return seam("check", path)
+
+            code, text = check("q + k*sqrt(rate)", 1)
+            self.assertEqual((code, "effects.mine: the formula gives q = " in text), (1, True), text)
+            code, text = check("q + k*sqrt(rate)", 0)
+            self.assertEqual((code, "warning: effects.mine" in text), (0, True), text)
+            code, text = check("q + k*rate", 0.01)
+            self.assertEqual((code, "warning" in text), (0, False), text)
+
     def test_what_is_wrong_is_told(self):
         for name in ("corrupted", "truncated", "headless", "text", "bomb"):
             code, text = seam("check", SOURCE / f"replays/corpus/{name}.mcap")

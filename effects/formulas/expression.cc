@@ -136,14 +136,14 @@ void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& pr
       };
       break;
     case Stage::sensor:
-      effect.sensor = [program](Values p, SensorChain& chain) {
+      effect.sensor = [program, name = effect.name](Values p, SensorChain& chain) {
         if (program->absent(p)) return;
-        chain.maps.push_back([program, values = std::vector<double>(p.begin(), p.end())](
-                                 double mean_dn, double t_s) {
-          Outputs out = {mean_dn};
-          program->run(std::array{mean_dn, t_s}, values, out);
-          return out[0];
-        });
+        chain.maps.push_back({name, [program, values = std::vector<double>(p.begin(), p.end())](
+                                        double mean_dn, double t_s) {
+                                Outputs out = {mean_dn};
+                                program->run(std::array{mean_dn, t_s}, values, out);
+                                return out[0];
+                              }});
       };
       break;
     case Stage::detector:

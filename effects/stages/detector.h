@@ -1,7 +1,10 @@
 // Stage `detector`: range and bearing of a landmark as the robot's own software reports them.
 #pragma once
 
+#include <fmt/format.h>
+
 #include "effects/model.h"
+#include "effects/not_a_number.h"
 
 namespace seam::effects {
 
@@ -19,10 +22,19 @@ inline RandomStream range_noise_stream(RandomStream frame_noise) {
   return frame_noise.child("range_noise");
 }
 
-// Applies every detector hook of the model, in order.
-inline void apply_detector(const Model& model, Detection& detection) {
+// Applies every detector hook of the model, in order. With `numbers_only`, which is not for fits
+// that try what may not work, throws InputError where one gives no number.
+inline void apply_detector(const Model& model, Detection& detection, bool numbers_only = false) {
   for (const ModelEffect& effect : model.effects()) {
-    if (effect.definition->detector) effect.definition->detector(effect.values(), detection);
+    if (!effect.definition->detector) continue;
+    effect.definition->detector(effect.values(), detection);
+    if (!numbers_only) continue;
+    for (const auto& [name, value] :
+         {std::pair{"range", detection.range_m}, std::pair{"bearing", detection.bearing_rad}}) {
+      if (!usable(value))
+        fail_with(effect.definition->name, name, value,
+                  fmt::format("a landmark at {:.9g} s", detection.t_s));
+    }
   }
 }
 

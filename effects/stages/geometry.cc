@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "effects/not_a_number.h"
 #include "effects/questions.h"
 #include "sim_core/base/error.h"
 
@@ -23,7 +24,7 @@ Projection::Projection(const Model& model, int width_px, int height_px)
   }
 }
 
-ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int channel) const {
+ImagePoint Projection::before_formulas(const Vec3& p_C, double t_s, double row, int channel) const {
   ImagePoint point{.p_C = p_C,
                    .t_s = t_s,
                    .row = row,
@@ -39,11 +40,31 @@ ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int chan
   }
   point.u = point.fx * point.xd + point.cx;
   point.v = point.fy * point.yd + point.cy;
+  return point;
+}
+
+ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int channel) const {
+  ImagePoint point = before_formulas(p_C, t_s, row, channel);
   for (const ModelEffect& effect : effects_) {
     if (effect.definition->image_map) effect.definition->image_map(effect.values(), point);
   }
   if (!std::isfinite(point.u) || !std::isfinite(point.v)) point.visible = false;
   return point;
+}
+
+void Projection::check_at(double u, double v, double t_s, int channel) const {
+  const ImagePoint axis = before_formulas({0, 0, 1}, t_s, v, channel);
+  ImagePoint point =
+      before_formulas({(u - axis.cx) / axis.fx, (v - axis.cy) / axis.fy, 1}, t_s, v, channel);
+  for (const ModelEffect& effect : effects_) {
+    if (!effect.definition->image_map) continue;
+    effect.definition->image_map(effect.values(), point);
+    for (const auto& [name, value] : {std::pair{"u", point.u}, std::pair{"v", point.v}}) {
+      if (!usable(value, kLargestOfImage))
+        fail_with(effect.definition->name, name, value,
+                  fmt::format("pixel ({:g}, {:g}) at {:.9g} s", u, v, t_s));
+    }
+  }
 }
 
 std::optional<Vec3> Projection::unproject(double u, double v, double t_s, int channel) const {

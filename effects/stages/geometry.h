@@ -37,10 +37,16 @@ class Projection {
   // lens maps no ray to that point. Newton's method on `project`.
   std::optional<Vec3> unproject(double u, double v, double t_s = 0, int channel = 1) const;
 
+  // Throws InputError with the effect's name where a formula gives no number for the ray that leads
+  // to about (u, v); returns where that is not why there is no ray.
+  void check_at(double u, double v, double t_s, int channel) const;
+
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
 
  private:
+  ImagePoint before_formulas(const Vec3& p_C, double t_s, double row, int channel) const;
+
   std::vector<ModelEffect> effects_;  // Those with geometry or image_map hooks, in order.
   int width_px_;
   int height_px_;

@@ -1,8 +1,10 @@
 #include "effects/stages/locomotion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "effects/not_a_number.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::effects {
@@ -34,15 +36,26 @@ struct Rates {
   double x, y, theta, path;
 };
 
-// d(x, y, theta, path)/dt at a time and heading.
+BrokenWalk look_at(const ModelEffect& formula, const VelocitySample& sample) {
+  const BodyVelocity& v = sample.velocity;
+  const std::array<std::pair<const char*, double>, 3> outputs = {
+      {{"vx", v.vx_mps}, {"vy", v.vy_mps}, {"omega", v.omega_radps}}};
+  for (const auto& [name, value] : outputs)
+    if (!usable(value)) return {formula.definition.get(), name, value, sample.t_s};
+  return {};
+}
+
+// d(x, y, theta, path)/dt at a time and heading; the first formula without a number is noted.
 Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkState& state,
-               double t_s, double theta_rad) {
+               double t_s, double theta_rad, BrokenWalk& broken) {
   VelocitySample sample{.velocity = scaled(walk, followed_after(walk, command, state, t_s)),
                         .theta_rad = theta_rad,
                         .t_s = state.t_s + t_s};
   sample.velocity.omega_radps += walk.heading_rad_per_m * speed(sample.velocity);
-  for (const ModelEffect& formula : walk.formulas)
+  for (const ModelEffect& formula : walk.formulas) {
     formula.definition->velocity_map(formula.values(), sample);
+    if (broken.formula == nullptr) broken = look_at(formula, sample);
+  }
   const BodyVelocity& v = sample.velocity;
   const double c = maths::cos(theta_rad), s = maths::sin(theta_rad);
   return {c * v.vx_mps - s * v.vy_mps, s * v.vx_mps + c * v.vy_mps, v.omega_radps, speed(v)};
@@ -62,10 +75,13 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
     double h = std::min(longest, fading);
     // No sliver at the end.
     h = t + 1.01 * h >= dt_s ? dt_s - t : h;
-    const Rates a = rates_at(walk, command, start, t, state.theta_rad);
-    const Rates b = rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * a.theta);
-    const Rates c = rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * b.theta);
-    const Rates d = rates_at(walk, command, start, t + h, state.theta_rad + h * c.theta);
+    BrokenWalk& broken = state.broken;
+    const Rates a = rates_at(walk, command, start, t, state.theta_rad, broken);
+    const Rates b =
+        rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * a.theta, broken);
+    const Rates c =
+        rates_at(walk, command, start, t + h / 2, state.theta_rad + h / 2 * b.theta, broken);
+    const Rates d = rates_at(walk, command, start, t + h, state.theta_rad + h * c.theta, broken);
     state.x_m += h / 6 * (a.x + 2 * b.x + 2 * c.x + d.x);
     state.y_m += h / 6 * (a.y + 2 * b.y + 2 * c.y + d.y);
     state.theta_rad += h / 6 * (a.theta + 2 * b.theta + 2 * c.theta + d.theta);

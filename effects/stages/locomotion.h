@@ -32,13 +32,22 @@ struct Locomotion {
 
 Locomotion locomotion_of(const Model& model);
 
+// What a formula made of a velocity where it made no speed of it.
+struct BrokenWalk {
+  const EffectDefinition* formula = nullptr;  // None: all is well.
+  const char* output = "";
+  double value = 0;
+  double t_s = 0;  // Since the start of the run.
+};
+
 struct WalkState {
   double x_m = 0;
   double y_m = 0;
-  double theta_rad = 0;   // Not wrapped.
-  BodyVelocity followed;  // The lagged command, before scales.
-  double path_m = 0;      // Walked since the start.
-  double t_s = 0;         // Since the start of the run.
+  double theta_rad = 0;    // Not wrapped.
+  BodyVelocity followed;   // The lagged command, before scales.
+  double path_m = 0;       // Walked since the start.
+  double t_s = 0;          // Since the start of the run.
+  BrokenWalk broken = {};  // The first that came.
 };
 
 // Walks for `dt_s` under a command that holds, without noise. Exact arcs where the velocity is

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "effects/not_a_number.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::effects {
@@ -21,14 +23,27 @@ GainField::GainField(const Model& model, Stage stage, int width_px, int height_p
   }
 }
 
+ImagePoint GainField::point_at(double u, double v, double t_s, int channel) const {
+  return {.u = u,
+          .v = v,
+          .t_s = t_s,
+          .row = v,
+          .channel = channel,
+          .width_px = width_px_,
+          .height_px = height_px_};
+}
+
+void GainField::check_at(double u, double v, double t_s, int channel) const {
+  const ImagePoint point = point_at(u, v, t_s, channel);
+  for (const ModelEffect& effect : effects_) {
+    const double gain = effect.definition->gain(effect.values(), point);
+    if (!usable(gain, kLargestOfImage))
+      fail_with(effect.definition->name, "gain", gain, fmt::format("pixel ({:g}, {:g})", u, v));
+  }
+}
+
 double GainField::at(double u, double v, double t_s, int channel) const {
-  const ImagePoint point{.u = u,
-                         .v = v,
-                         .t_s = t_s,
-                         .row = v,
-                         .channel = channel,
-                         .width_px = width_px_,
-                         .height_px = height_px_};
+  const ImagePoint point = point_at(u, v, t_s, channel);
   double gain = 1;
   for (const ModelEffect& effect : effects_) {
     gain *= effect.definition->gain(effect.values(), point);

@@ -35,8 +35,12 @@ class GainField {
   bool uniform() const { return effects_.empty(); }
   // Gain at an image point (pixels) and time (seconds since the set's reference).
   double at(double u, double v, double t_s = 0, int channel = 1) const;
+  // Throws InputError with the effect's name where the gain there cannot be used.
+  void check_at(double u, double v, double t_s = 0, int channel = 1) const;
 
  private:
+  ImagePoint point_at(double u, double v, double t_s, int channel) const;
+
   std::vector<ModelEffect> effects_;
   int width_px_;
   int height_px_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/not_a_number.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/locomotion.h"
 #include "effects/stages/servo.h"
@@ -37,8 +38,9 @@ struct Piece {
 
 class ServoActuator final : public JointActuator {
  public:
-  ServoActuator(Model model, ServoModel servo, JointRole role, double initial_rad)
-      : model_(std::move(model)), servo_(std::move(servo)), role_(role) {
+  ServoActuator(std::string robot, Model model, ServoModel servo, JointRole role,
+                double initial_rad)
+      : robot_(std::move(robot)), model_(std::move(model)), servo_(std::move(servo)), role_(role) {
     formulas_.swap(servo_.formulas);
     const SimTime always = SimTime::from_ns(std::numeric_limits<int64_t>::min() / 4);
     pieces_.push_back({always, always, initial_rad, 0, true, servo_at_rest(servo_, initial_rad)});
@@ -60,7 +62,10 @@ class ServoActuator final : public JointActuator {
                        .role = role_};
     for (const ModelEffect& formula : formulas_) {
       sample.q_rad = formula.definition->joint_map(formula.values(), sample);
+      if (!usable(sample.q_rad))
+        fail_with(formula.definition->name, "q", sample.q_rad, robot_at(robot_, time.s()));
     }
+    if (!usable(sample.q_rad)) fail_with("servo", "q", sample.q_rad, robot_at(robot_, time.s()));
     return sample.q_rad;
   }
 
@@ -100,6 +105,7 @@ class ServoActuator final : public JointActuator {
     return state;
   }
 
+  std::string robot_;
   Model model_;
   ServoModel servo_;  // Without its formulas, so that copies are cheap.
   std::vector<ModelEffect> formulas_;
@@ -122,14 +128,17 @@ BodyVelocity velocity_of_arc(double dx_m, double dy_m, double turn_rad, double d
 
 class ModelLocomotion final : public LocomotionModel {
  public:
-  ModelLocomotion(Locomotion walk, RandomStream noise)
-      : walk_(std::move(walk)), noise_(noise.child("walk_noise")) {}
+  ModelLocomotion(std::string robot, Locomotion walk, RandomStream noise)
+      : robot_(std::move(robot)), walk_(std::move(walk)), noise_(noise.child("walk_noise")) {}
 
   BodyVelocity velocity(const BodyVelocity& command, SimTime start, SimDuration step) override {
     // From the origin each step; only the lag, and what formulas see, last longer.
     WalkState state{.theta_rad = state_.theta_rad, .followed = state_.followed, .t_s = start.s()};
     const double before_rad = state.theta_rad;
     advance_walk(walk_, command, step.s(), state);
+    if (state.broken.formula != nullptr)
+      fail_with(state.broken.formula->name, state.broken.output, state.broken.value,
+                robot_at(robot_, state.broken.t_s));
     const double c = maths::cos(before_rad), s = maths::sin(before_rad);
     double dx = c * state.x_m + s * state.y_m, dy = -s * state.x_m + c * state.y_m;
     double turn = state.theta_rad - before_rad;
@@ -152,6 +161,7 @@ class ModelLocomotion final : public LocomotionModel {
   }
 
  private:
+  std::string robot_;
   Locomotion walk_;
   RandomStream noise_;
   WalkState state_;
@@ -180,7 +190,7 @@ std::unique_ptr<JointActuator> ModelParts::joint(const RobotSpec& robot, int joi
     if (effect.definition->play_rad)
       servo.backlash_rad += effect.definition->play_rad(effect.values(), role);
   }
-  return std::make_unique<ServoActuator>(model, std::move(servo), role, initial_rad);
+  return std::make_unique<ServoActuator>(robot.id, model, std::move(servo), role, initial_rad);
 }
 
 std::unique_ptr<LocomotionModel> ModelParts::locomotion(const RobotSpec& robot,
@@ -192,7 +202,7 @@ std::unique_ptr<LocomotionModel> ModelParts::locomotion(const RobotSpec& robot,
                                    return e.definition->locomotion || e.definition->velocity_map;
                                  });
   if (!walks) return RobotPartsFactory::locomotion(robot, noise);
-  return std::make_unique<ModelLocomotion>(locomotion_of(found->second), noise);
+  return std::make_unique<ModelLocomotion>(robot.id, locomotion_of(found->second), noise);
 }
 
 }  // namespace seam::effects

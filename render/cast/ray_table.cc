@@ -119,11 +119,12 @@ RayWithSlopes extrapolated(const RayGrid& grid, const Projection& projection, in
 }
 
 void check_image_has_rays(const RayGrid& grid, const Projection& projection, int border,
-                          const std::string& subject) {
+                          const std::string& subject, int channel, double t_s) {
   const int columns = projection.width_px() + 2 * border;
   for (int v = 0; v < projection.height_px(); ++v) {
     for (int u = 0; u < projection.width_px(); ++u) {
       if (grid[static_cast<size_t>(v + border) * columns + u + border]) continue;
+      projection.check_at(u, v, t_s, channel);
       throw InputError(fmt::format(
           "{}: no ray leads to pixel ({}, {}) of {}x{}, expected a calibration that can "
           "be inverted over the whole image (is a distortion too strong?)",
@@ -135,7 +136,7 @@ void check_image_has_rays(const RayGrid& grid, const Projection& projection, int
 RayTable make_table(const Projection& projection, const std::string& subject, int border,
                     int channel, double t_s, bool& perspective) {
   const RayGrid grid = find_rays(projection, border, channel, t_s);
-  check_image_has_rays(grid, projection, border, subject);
+  check_image_has_rays(grid, projection, border, subject, channel, t_s);
   RayTable table;
   for (int k = 0; k < 3; ++k) {
     for (auto* values : {&table.base[k], &table.along_u[k], &table.along_v[k]})

@@ -70,7 +70,10 @@ CameraFilter::CameraFilter(const effects::Optics& optics, const effects::GainFie
   gain_.reserve(static_cast<size_t>(width_px) * height_px * 3);
   for (int v = 0; v < height_px; ++v) {
     for (int u = 0; u < width_px; ++u) {
-      for (int c = 0; c < 3; ++c) gain_.push_back(static_cast<float>(gain.at(u, v, 0, c)));
+      for (int c = 0; c < 3; ++c) {
+        gain_.push_back(static_cast<float>(gain.at(u, v, 0, c)));
+        if (!std::isfinite(gain_.back())) gain.check_at(u, v, 0, c);
+      }
     }
   }
 }

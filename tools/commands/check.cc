@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "app/predictors/instruments.h"
+#include "effects/formulas/formula_ranges.h"
 #include "effects/model.h"
 #include "measurement/check/describe.h"
 #include "render/colour/colour_table.h"
@@ -45,8 +46,15 @@ std::string effects_text(const effects::Model& model) {
 
 std::string model_text(const ConfigNode& root) {
   const effects::Model model = effects::Model::from_config(root);
-  return fmt::format("model: {}, {} effects, {} steps of history\n{}", model.name(),
-                     model.effects().size(), model.history().size(), effects_text(model));
+  std::string text =
+      fmt::format("model: {}, {} effects, {} steps of history\n{}", model.name(),
+                  model.effects().size(), model.history().size(), effects_text(model));
+  // What the model's own values lead to is an error, with the first of them as its text.
+  for (const effects::FormulaTrouble& trouble : effects::troubles_of_formulas(model)) {
+    if (trouble.certain) throw InputError(fmt::format("{}: {}", root.file(), trouble.text));
+    text += fmt::format("warning: {}\n", trouble.text);
+  }
+  return text;
 }
 
 // The camera models inside are for effects/ to check.

@@ -24,6 +24,7 @@
 #include <functional>
 #include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "effects/model.h"
@@ -31,6 +32,13 @@
 #include "sim_core/base/random.h"
 
 namespace seam::effects {
+
+// What an expression effect makes of a mean at a time of the set.
+struct SensorMap {
+  std::string effect;
+  std::function<double(double mean_dn, double t_s)> map;
+  double operator()(double mean_dn, double t_s) const { return map(mean_dn, t_s); }
+};
 
 // What the sensor effects of a model add up to.
 struct SensorChain {
@@ -51,7 +59,7 @@ struct SensorChain {
   int bits = 0;  // 0: as many as the file has.
   // Expression effects: maps of the mean, DN with black and before fixed offsets and row and read
   // noise, at a time of the set; applied in order.
-  std::vector<std::function<double(double mean_dn, double t_s)>> maps;
+  std::vector<SensorMap> maps;
 
   bool has_shot_noise() const { return electrons_per_dn < std::numeric_limits<double>::infinity(); }
 };
@@ -70,6 +78,8 @@ struct SensorExposure {
   double gain = 1;            // The camera's gain setting (`gain` column).
   double t_s = 0;             // Set's time, for maps that depend on it.
   int file_bits = 8;
+  // A map that gives no number is an error; a fit, which tries what may not work, goes on.
+  bool numbers_only = false;
 };
 
 struct Moments {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/not_a_number.h"
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/sensor/sensor_kernels.h"
 #include "sim_core/base/error.h"
@@ -79,8 +80,14 @@ class Exposing {
     } else {
       kernels_.balance(channel_gain_.data(), black, nullptr, chunk.count, value);
       for (const auto& map : chain_.maps) {
-        for (size_t i = 0; i < chunk.count; ++i)
-          value[i] = static_cast<float>(map(value[i], exposure_.t_s));
+        for (size_t i = 0; i < chunk.count; ++i) {
+          const double mapped = map(value[i], exposure_.t_s);
+          if (exposure_.numbers_only && !usable(mapped, kLargestOfImage)) {
+            fail_with(map.effect, "mean", mapped,
+                      fmt::format("a sample of {:g} DN at {:.9g} s", value[i], exposure_.t_s));
+          }
+          value[i] = static_cast<float>(mapped);
+        }
       }
       if (offset != nullptr) kernels_.add(offset, chunk.count, value);
     }

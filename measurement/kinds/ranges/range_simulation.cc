@@ -352,7 +352,7 @@ std::optional<RangeSighting> RangeSimulation::measure_once(const Model& model, s
   if (!sighting) return std::nullopt;
   effects::Detection detection{.range_m = sighting->distance_m,
                                .bearing_rad = sighting->bearing_rad};
-  effects::apply_detector(model, detection);
+  effects::apply_detector(model, detection, true);
   if (noise && detection.range_variance > 0)
     detection.range_m +=
         std::sqrt(detection.range_variance) * normal(effects::range_noise_stream(frame_noise), 0);
