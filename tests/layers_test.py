@@ -120,6 +120,7 @@ CLOCK_PLACES = {
     "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "robot_sdk/robot.cc",
     "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
     "scheduler/server/client_hub.h", "scheduler/server/server.cc", "scheduler/server/stream.h",
+    "scheduler/server/token_tries.h",
 }
 # Statics that change: what plugins register, a library's own switch, formulas compiled for each thread.
 STATIC = re.compile(r"^\s*(?:static|thread_local)\s+(?!const\b|constexpr\b|inline const)[^()]*(?:=|;|\{)")

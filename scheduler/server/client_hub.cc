@@ -12,6 +12,8 @@ namespace {
 
 // Faults that are kept until the loop takes them; a flooding client cannot fill the memory.
 constexpr size_t kMaxFaults = 1000;
+// A line of the log in so much simulated time tells how many came with a wrong token.
+constexpr SimDuration kHellosTold = SimDuration::from_ns(1'000'000'000);
 
 }  // namespace
 
@@ -81,10 +83,11 @@ Acceptance ClientHub::answer(int robot, const ClientConnection& connection, uint
   if (sequence > slot.last_sequence) return Acceptance::future;
   if (sequence < slot.last_sequence) return Acceptance::stale;
   if (!slot.owes) return Acceptance::duplicate;
-  slot.decision = std::move(decision);
+  const bool logs_too_much = !slot.budget.spend(now_, decision.debug);
+  slot.decision = logs_too_much ? Decision{} : std::move(decision);
   slot.owes = false;
   if (--owed_ == 0) changed_.notify_all();
-  return Acceptance::accepted;
+  return logs_too_much ? Acceptance::logs_too_much : Acceptance::accepted;
 }
 
 void ClientHub::note_fault(int robot, const std::string& name, const std::string& detail) {
@@ -92,6 +95,11 @@ void ClientHub::note_fault(int robot, const std::string& name, const std::string
   if (faults_.size() >= kMaxFaults) return;
   faults_.push_back(
       {now_, EventKind::fault, robot < 0 ? "" : slots_[robot].robot.id, name, detail});
+}
+
+void ClientHub::note_wrong_hello(int robot) {
+  const std::lock_guard lock(mutex_);
+  ++slots_[robot].wrong_hellos;
 }
 
 void ClientHub::give_up(const std::string& robot, const std::string& reason) {
@@ -255,6 +263,16 @@ std::optional<Turn> ClientHub::decide(
 
 std::vector<SimulationEvent> ClientHub::take_faults() {
   const std::lock_guard lock(mutex_);
+  for (Slot& slot : slots_) {
+    if (slot.wrong_hellos == 0) continue;
+    if (slot.hellos_told && now_ - *slot.hellos_told < kHellosTold) continue;
+    faults_.push_back({now_, EventKind::fault, slot.robot.id, "wrong_token",
+                       slot.wrong_hellos == 1
+                           ? "a client was refused"
+                           : fmt::format("{} clients were refused", slot.wrong_hellos)});
+    slot.wrong_hellos = 0;
+    slot.hellos_told = now_;
+  }
   return std::exchange(faults_, {});
 }
 

@@ -11,6 +11,7 @@
 
 #include "scheduler/loop/decision_source.h"
 #include "scheduler/loop/run_control.h"
+#include "scheduler/server/debug_budget.h"
 #include "sim_core/scenario/scenario.h"
 
 namespace seam::scheduler {
@@ -46,9 +47,10 @@ struct HubRobotStatus {
 enum class Attachment { accepted, unknown_robot, wrong_token, ended };
 enum class Acceptance {
   accepted,
-  stale,      // Of an earlier observation; nothing changes.
-  duplicate,  // The pending observation was answered already, or none is pending.
-  future,     // Of an observation that was never sent.
+  stale,          // Of an earlier observation; nothing changes.
+  duplicate,      // The pending observation was answered already, or none is pending.
+  future,         // Of an observation that was never sent.
+  logs_too_much,  // Counts as an empty decision: it logs more than the budget has left.
 };
 
 class ClientHub final : public DecisionSource {
@@ -71,6 +73,8 @@ class ClientHub final : public DecisionSource {
                     Decision decision);
   // Something a client did was refused.
   void note_fault(int robot, const std::string& name, const std::string& detail);
+  // A client came with a wrong token, or too soon after many: counted, told once a second.
+  void note_wrong_hello(int robot);
   // Nobody can answer for this robot any more (its process ended): policies act at once, and
   // `wait`, which would wait for ever, aborts.
   void give_up(const std::string& robot, const std::string& reason);
@@ -108,6 +112,9 @@ class ClientHub final : public DecisionSource {
     std::shared_ptr<const Observation> pending;  // The observation of the current instant.
     bool owes = false;
     std::optional<Decision> decision;
+    DebugBudget budget;
+    uint64_t wrong_hellos = 0;  // Since they were last told.
+    std::optional<SimTime> hellos_told;
   };
 
   void hand_out(std::span<const std::shared_ptr<const Observation>> observations);

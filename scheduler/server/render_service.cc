@@ -29,7 +29,8 @@ grpc::StatusCode code_of(RemoteRenderer::Refused why) {
 class RenderSession final : public Stream<v1::RendererMessage, v1::RenderOrder>,
                             public RendererConnection {
  public:
-  explicit RenderSession(RemoteRenderer* renderer) : renderer_(renderer) {}
+  RenderSession(RemoteRenderer* renderer, TokenTries& tries, std::string peer)
+      : renderer_(renderer), tries_(tries), peer_(std::move(peer)) {}
 
   // ---- RendererConnection ----
   bool send(uint64_t number, int robot, const FrameJob& job) override {
@@ -60,6 +61,8 @@ class RenderSession final : public Stream<v1::RendererMessage, v1::RenderOrder>,
   void lose(const std::string& reason);
 
   RemoteRenderer* renderer_;  // None: the server renders.
+  TokenTries& tries_;
+  std::string peer_;
   std::mutex mutex_;
   uint64_t connection_ = 0;  // Once the hello was accepted.
   bool left_ = false;
@@ -81,6 +84,8 @@ void RenderSession::take_hello(const v1::RendererMessage& message) {
   if (renderer_ == nullptr)
     return end({grpc::StatusCode::FAILED_PRECONDITION,
                 "this run renders in the server: start it with --renderers N"});
+  if (const double wait_s = tries_.wait_s(peer_, "renderer"); wait_s > 0)
+    return end({grpc::StatusCode::UNAVAILABLE, wait_text(wait_s)});
   const v1::RendererHello& hello = message.hello();
   const auto attached =
       renderer_->attach({.token = hello.token(),
@@ -89,8 +94,10 @@ void RenderSession::take_hello(const v1::RendererMessage& message) {
                          .robots = {hello.robots().begin(), hello.robots().end()},
                          .frames_at_once = hello.frames_at_once()},
                         std::static_pointer_cast<RenderSession>(shared_from_this()));
-  if (const auto* refusal = std::get_if<RemoteRenderer::Refusal>(&attached))
+  if (const auto* refusal = std::get_if<RemoteRenderer::Refusal>(&attached)) {
+    if (refusal->why == RemoteRenderer::Refused::wrong_token) tries_.note_wrong(peer_, "renderer");
     return end({code_of(refusal->why), refusal->message});
+  }
   const uint64_t connection = std::get<uint64_t>(attached);
   bool left;
   {
@@ -125,23 +132,25 @@ void RenderSession::take(const v1::RendererMessage& message) {
 
 class RenderService final : public v1::Rendering::CallbackService {
  public:
-  explicit RenderService(RemoteRenderer* renderer) : renderer_(renderer) {}
+  RenderService(RemoteRenderer* renderer, TokenTries& tries) : renderer_(renderer), tries_(tries) {}
 
   grpc::ServerBidiReactor<v1::RendererMessage, v1::RenderOrder>* Render(
-      grpc::CallbackServerContext*) override {
-    const auto session = std::make_shared<RenderSession>(renderer_);
+      grpc::CallbackServerContext* context) override {
+    const auto session =
+        std::make_shared<RenderSession>(renderer_, tries_, peer_of(context->peer()));
     session->start();
     return session.get();
   }
 
  private:
   RemoteRenderer* renderer_;
+  TokenTries& tries_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_render_service(RemoteRenderer* renderer) {
-  return std::make_unique<RenderService>(renderer);
+std::unique_ptr<grpc::Service> make_render_service(RemoteRenderer* renderer, TokenTries& tries) {
+  return std::make_unique<RenderService>(renderer, tries);
 }
 
 }  // namespace seam::scheduler

@@ -19,7 +19,8 @@ constexpr size_t kMaxClientNameBytes = 200;
 
 class Session final : public Stream<v1::ClientMessage, v1::ServerMessage>, public ClientConnection {
  public:
-  Session(const Scenario& scenario, ClientHub& hub) : scenario_(scenario), hub_(hub) {}
+  Session(const Scenario& scenario, ClientHub& hub, TokenTries& tries, std::string peer)
+      : scenario_(scenario), hub_(hub), tries_(tries), peer_(std::move(peer)) {}
 
   // ---- ClientConnection ----
   void send(std::shared_ptr<const Observation> observation) override {
@@ -51,6 +52,8 @@ class Session final : public Stream<v1::ClientMessage, v1::ServerMessage>, publi
 
   const Scenario& scenario_;
   ClientHub& hub_;
+  TokenTries& tries_;
+  std::string peer_;
   std::mutex mutex_;
   int robot_ = -1;  // Once the hello was accepted.
   bool left_ = false;
@@ -80,6 +83,14 @@ void Session::take_hello(const v1::ClientMessage& message) {
     return end({grpc::StatusCode::INVALID_ARGUMENT,
                 fmt::format("client: found {} bytes, expected at most {}", hello.client().size(),
                             kMaxClientNameBytes)});
+  const int number = hub_.robot_number(hello.robot());
+  const std::string tried = fmt::format("robot {}", number);
+  if (number >= 0) {
+    if (const double wait_s = tries_.wait_s(peer_, tried); wait_s > 0) {
+      hub_.note_wrong_hello(number);
+      return end({grpc::StatusCode::UNAVAILABLE, wait_text(wait_s)});
+    }
+  }
   const auto attached = hub_.attach(hello.robot(), hello.token(),
                                     std::static_pointer_cast<Session>(shared_from_this()));
   switch (attached.result) {
@@ -87,7 +98,8 @@ void Session::take_hello(const v1::ClientMessage& message) {
       return end({grpc::StatusCode::NOT_FOUND,
                   fmt::format("robot: no robot '{}' here", hello.robot().substr(0, 100))});
     case Attachment::wrong_token:
-      hub_.note_fault(hub_.robot_number(hello.robot()), "wrong_token", "a client was refused");
+      tries_.note_wrong(peer_, tried);
+      hub_.note_wrong_hello(number);
       return end({grpc::StatusCode::UNAUTHENTICATED,
                   fmt::format("token: not the token of robot '{}'", hello.robot())});
     case Attachment::ended:
@@ -135,6 +147,13 @@ void Session::take_decision(const v1::ClientMessage& message) {
       if (!bad) return;
       hub_.note_fault(robot_, "refused", fmt::format("{}: {}", bad->field, bad->message));
       return refuse(sequence, *bad, false);
+    case Acceptance::logs_too_much:
+      hub_.note_fault(robot_, "refused", "debug: beyond the budget");
+      return refuse(sequence,
+                    {"debug", fmt::format("found more than the budget, expected at most {} bytes "
+                                          "a simulated second",
+                                          DebugBudget::kBytesPerSecond)},
+                    false);
     case Acceptance::stale:
       hub_.note_fault(robot_, "stale", fmt::format("sequence {}", sequence));
       return refuse(sequence, {"sequence", "of an earlier observation"}, true);
@@ -159,11 +178,13 @@ void Session::refuse(uint64_t sequence, const FieldError& error, bool decision_o
 
 class RobotService final : public v1::Simulation::CallbackService {
  public:
-  RobotService(const Scenario& scenario, ClientHub& hub) : scenario_(scenario), hub_(hub) {}
+  RobotService(const Scenario& scenario, ClientHub& hub, TokenTries& tries)
+      : scenario_(scenario), hub_(hub), tries_(tries) {}
 
   grpc::ServerBidiReactor<v1::ClientMessage, v1::ServerMessage>* Drive(
-      grpc::CallbackServerContext*) override {
-    const auto session = std::make_shared<Session>(scenario_, hub_);
+      grpc::CallbackServerContext* context) override {
+    const auto session =
+        std::make_shared<Session>(scenario_, hub_, tries_, peer_of(context->peer()));
     session->start();
     return session.get();
   }
@@ -171,12 +192,14 @@ class RobotService final : public v1::Simulation::CallbackService {
  private:
   const Scenario& scenario_;
   ClientHub& hub_;
+  TokenTries& tries_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_robot_service(const Scenario& scenario, ClientHub& hub) {
-  return std::make_unique<RobotService>(scenario, hub);
+std::unique_ptr<grpc::Service> make_robot_service(const Scenario& scenario, ClientHub& hub,
+                                                  TokenTries& tries) {
+  return std::make_unique<RobotService>(scenario, hub, tries);
 }
 
 }  // namespace seam::scheduler

@@ -18,6 +18,7 @@
 namespace seam::scheduler {
 
 struct Server::Implementation {
+  TokenTries tries;
   std::unique_ptr<grpc::Service> robots;
   std::unique_ptr<grpc::Service> supervisor;
   std::unique_ptr<grpc::Service> renderers;
@@ -83,10 +84,10 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
     : implementation_(std::make_unique<Implementation>()) {
   for (const std::string& address : options.addresses) check_listen_address(address);
   enable_plugins();
-  implementation_->robots = make_robot_service(scenario, hub);
-  implementation_->supervisor =
-      make_supervisor_service(world, options.supervisor_token, hub, control);
-  implementation_->renderers = make_render_service(options.renderers);
+  implementation_->robots = make_robot_service(scenario, hub, implementation_->tries);
+  implementation_->supervisor = make_supervisor_service(world, options.supervisor_token, hub,
+                                                        control, implementation_->tries);
+  implementation_->renderers = make_render_service(options.renderers, implementation_->tries);
   grpc::ServerBuilder builder;
   set_limits(builder);
   std::vector<int> ports(options.addresses.size(), 0);

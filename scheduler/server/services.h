@@ -8,14 +8,17 @@
 #include "scheduler/loop/run_control.h"
 #include "scheduler/remote_render/remote_renderer.h"
 #include "scheduler/server/client_hub.h"
+#include "scheduler/server/token_tries.h"
 #include "sim_core/world/world.h"
 
 namespace seam::scheduler {
 
-std::unique_ptr<grpc::Service> make_robot_service(const Scenario& scenario, ClientHub& hub);
+std::unique_ptr<grpc::Service> make_robot_service(const Scenario& scenario, ClientHub& hub,
+                                                  TokenTries& tries);
 std::unique_ptr<grpc::Service> make_supervisor_service(const World& world, std::string token,
-                                                       ClientHub& hub, RunControl& control);
+                                                       ClientHub& hub, RunControl& control,
+                                                       TokenTries& tries);
 // None: renderers are told that the server renders.
-std::unique_ptr<grpc::Service> make_render_service(RemoteRenderer* renderer);
+std::unique_ptr<grpc::Service> make_render_service(RemoteRenderer* renderer, TokenTries& tries);
 
 }  // namespace seam::scheduler

@@ -17,8 +17,9 @@ constexpr int64_t kMaxStep_ns = int64_t{1'000'000} * 1'000'000'000;
 
 class SupervisorService final : public v1::Supervisor::CallbackService {
  public:
-  SupervisorService(const World& world, std::string token, ClientHub& hub, RunControl& control)
-      : world_(world), token_(std::move(token)), hub_(hub), control_(control) {}
+  SupervisorService(const World& world, std::string token, ClientHub& hub, RunControl& control,
+                    TokenTries& tries)
+      : world_(world), token_(std::move(token)), hub_(hub), control_(control), tries_(tries) {}
 
   grpc::ServerUnaryReactor* GetStatus(grpc::CallbackServerContext* context,
                                       const v1::SupervisorRequest* request,
@@ -58,7 +59,7 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
   grpc::ServerUnaryReactor* Step(grpc::CallbackServerContext* context,
                                  const v1::StepRequest* request, v1::Status* reply) override {
     auto* reactor = context->DefaultReactor();
-    if (!authorised(request->token(), *reactor)) return reactor;
+    if (!authorised(*context, request->token(), *reactor)) return reactor;
     if (request->duration_ns() < 1 || request->duration_ns() > kMaxStep_ns) {
       reactor->Finish({grpc::StatusCode::INVALID_ARGUMENT,
                        fmt::format("duration_ns: found {}, expected 1 to {}",
@@ -80,7 +81,7 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
   grpc::ServerUnaryReactor* Act(grpc::CallbackServerContext* context, const v1::ActRequest* request,
                                 v1::Status* reply) override {
     auto* reactor = context->DefaultReactor();
-    if (!authorised(request->token(), *reactor)) return reactor;
+    if (!authorised(*context, request->token(), *reactor)) return reactor;
     std::vector<std::string> robots;
     for (const RobotSpec& robot : world_.scenario().robots) robots.push_back(robot.id);
     std::vector<SupervisorAction> actions;
@@ -115,8 +116,17 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
   }
 
  private:
-  bool authorised(const std::string& token, grpc::ServerUnaryReactor& reactor) const {
+  static constexpr const char* kTried = "supervisor";
+
+  bool authorised(const grpc::CallbackServerContext& context, const std::string& token,
+                  grpc::ServerUnaryReactor& reactor) const {
+    const std::string peer = peer_of(context.peer());
+    if (const double wait_s = tries_.wait_s(peer, kTried); wait_s > 0) {
+      reactor.Finish({grpc::StatusCode::UNAVAILABLE, wait_text(wait_s)});
+      return false;
+    }
     if (!token_.empty() && same_token(token, token_)) return true;
+    tries_.note_wrong(peer, kTried);
     reactor.Finish({grpc::StatusCode::UNAUTHENTICATED, "token: not the supervisor's token"});
     return false;
   }
@@ -126,7 +136,7 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
                                   const v1::SupervisorRequest& request, Task task,
                                   bool needs_running = false) {
     auto* reactor = context->DefaultReactor();
-    if (!authorised(request.token(), *reactor)) return reactor;
+    if (!authorised(*context, request.token(), *reactor)) return reactor;
     control_.post([task, reactor, needs_running](bool running) {
       task(running);
       if (needs_running && !running)
@@ -181,13 +191,15 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
   std::string token_;
   ClientHub& hub_;
   RunControl& control_;
+  TokenTries& tries_;
 };
 
 }  // namespace
 
 std::unique_ptr<grpc::Service> make_supervisor_service(const World& world, std::string token,
-                                                       ClientHub& hub, RunControl& control) {
-  return std::make_unique<SupervisorService>(world, std::move(token), hub, control);
+                                                       ClientHub& hub, RunControl& control,
+                                                       TokenTries& tries) {
+  return std::make_unique<SupervisorService>(world, std::move(token), hub, control, tries);
 }
 
 }  // namespace seam::scheduler
