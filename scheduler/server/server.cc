@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "proto/client_channel.h"
+#include "scheduler/server/descriptors.h"
 #include "scheduler/server/listen_address.h"
 #include "scheduler/server/services.h"
 #include "scheduler/wire/wire.h"
@@ -61,6 +62,9 @@ void enable_plugins() {
   });
 }
 
+constexpr int kHandshake_ms = 5'000;
+constexpr int kIdle_ms = 5 * 60'000;  // Without a call; clients connect again when they have one.
+
 void set_limits(grpc::ServerBuilder& builder) {
   builder.SetMaxReceiveMessageSize(WireLimits::kMaxMessageBytes);
   builder.SetMaxSendMessageSize(kMaxServerMessageBytes);
@@ -73,6 +77,9 @@ void set_limits(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  // Who connects and says nothing, and who is through with saying something, makes room.
+  builder.AddChannelArgument("grpc.server_handshake_timeout_ms", kHandshake_ms);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdle_ms);
   // A listening address that is taken is an error, not a share of its connections.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
@@ -84,6 +91,7 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
     : implementation_(std::make_unique<Implementation>()) {
   for (const std::string& address : options.addresses) check_listen_address(address);
   enable_plugins();
+  raise_descriptor_limit();
   implementation_->robots = make_robot_service(scenario, hub, implementation_->tries);
   implementation_->supervisor = make_supervisor_service(world, options.supervisor_token, hub,
                                                         control, implementation_->tries);

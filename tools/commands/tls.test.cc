@@ -8,6 +8,7 @@
 
 #include "scheduler/server/client_hub.h"
 #include "scheduler/server/server.h"
+#include "scheduler/server/silent_connections.h"
 #include "seam/v1/simulation.grpc.pb.h"
 #include "sim_core/base/files.h"
 #include "sim_core/world/world.h"
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 
 class Tls : public ::testing::Test {
  protected:
+  scheduler::testing::UsualDescriptorLimit limit_;
   Tls() {
     std::string pattern = (fs::temp_directory_path() / "seam-tls-XXXXXX").string();
     EXPECT_NE(mkdtemp(pattern.data()), nullptr);
@@ -86,6 +88,16 @@ class Tls : public ::testing::Test {
   scheduler::ClientHub hub_{{{"red1", "secret"}}, control_};
   std::optional<scheduler::Server> server_;
 };
+
+// More than the descriptors that a program usually has: the server still listens, and hangs up.
+TEST_F(Tls, SilentConnectionsDoNotEndTheListener) {
+  if (!limit_.can_be_raised_to(4096)) GTEST_SKIP() << "the system allows no more descriptors";
+  const scheduler::testing::SilentConnections silent(server_->addresses()[0], 1100);
+  ASSERT_EQ(silent.count(), 1100u);
+  EXPECT_EQ(ask(credentials("ours/ca.pem", "ours/client.key", "ours/client.pem")),
+            grpc::StatusCode::UNAUTHENTICATED);
+  EXPECT_TRUE(silent.hung_up_within(20));
+}
 
 TEST_F(Tls, OnlyClientsWithACertificateOfTheSameAuthorityReachTheServices) {
   const auto good = credentials("ours/ca.pem", "ours/client.key", "ours/client.pem");
