@@ -6,7 +6,7 @@ namespace seam::effects {
 namespace {
 
 TEST(ModelSchema, SchemaFileIsCurrent) {
-  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/model.schema.json", model_schema());
+  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/schemas/model.schema.json", model_schema());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The results of the commands as JSON (docs/results.schema.json) and as text for people.
+// The results of the commands as JSON (docs/schemas/results.schema.json) and as text for people.
 #pragma once
 
 #include <string>

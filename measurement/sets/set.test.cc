@@ -80,7 +80,7 @@ TEST(MeasurementSet, NamesStayInsideTheFolder) {
 }
 
 TEST(MeasurementSet, SchemaFileIsCurrent) {
-  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/measurement.schema.json",
+  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/schemas/measurement.schema.json",
                  MeasurementSet::schema());
 }
 

@@ -162,7 +162,7 @@ struct Scenario {
   static Scenario from_text(const std::string& yaml, const std::string& name);
   // The whole scenario in one document, files included: from_text gives an equal scenario.
   std::string to_yaml() const;
-  // JSON Schema (docs/scenario.schema.json).
+  // JSON Schema (docs/schemas/scenario.schema.json).
   static std::string schema();
 
   // Index of the robot with this id, or robots.size().

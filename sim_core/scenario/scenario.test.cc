@@ -86,7 +86,7 @@ TEST(Scenario, ShippedScenariosAreValid) {
 }
 
 TEST(Scenario, SchemaFileIsCurrent) {
-  expect_page_is(kSource + "/docs/scenario.schema.json", Scenario::schema());
+  expect_page_is(kSource + "/docs/schemas/scenario.schema.json", Scenario::schema());
 }
 
 }  // namespace

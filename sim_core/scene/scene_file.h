@@ -15,7 +15,7 @@ namespace seam {
 // Throws InputError naming file, line and key.
 std::unique_ptr<SceneSource> read_scene(const std::filesystem::path& path);
 std::unique_ptr<SceneSource> read_scene(const ConfigNode& root);
-// JSON Schema of the format (docs/scene.schema.json), from the table that the reader uses.
+// JSON Schema of the format (docs/schemas/scene.schema.json), from the table that the reader uses.
 std::string scene_schema();
 
 }  // namespace seam
