@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "effects/stages/servo.h"
+#include "measurement/kinds/series_facts.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 
@@ -52,28 +53,11 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
 
 void JointsProblem::describe(const MeasurementSet& set, const CsvTable& table) {
   facts_.set.kind = effects::kJoints;
-  facts_.title = set.title;
-  facts_.fingerprint = set.fingerprint();
-  facts_.file = table.file();
-  facts_.group_of_row = number_groups(table.texts(set.group), facts_.groups);
-  facts_.time_of_row.resize(table.rows());
-  facts_.series_of_row.resize(table.rows());
-  for (size_t row = 0; row < table.rows(); ++row) {
-    facts_.line_of_row.push_back(table.line(row));
-    facts_.row_of.push_back(static_cast<int>(row));
-    facts_.channel_of.push_back(0);
-  }
+  describe_rows(set, table, 1, facts_);
   std::vector<std::vector<double>> times, values;
   for (size_t i = 0; i < set_.logs.size(); ++i) {
     const JointLog& log = set_.logs[i];
-    for (size_t k = 0; k < log.rows.size(); ++k) {
-      facts_.time_of_row[log.rows[k]] = log.time_s[k];
-      facts_.series_of_row[log.rows[k]] = static_cast<int>(i);
-      const int group = facts_.group_of_row[log.rows[k]];
-      if (group != facts_.group_of_row[log.rows[0]]) {
-        table.fail(log.rows[k], set.group, table.cell(log.rows[k], set.group), "one group a run");
-      }
-    }
+    add_series(set, table, i, log.rows, log.time_s, facts_);
     times.push_back(log.time_s);
     values.push_back(log.measured_rad);
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/kinds/series_facts.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
@@ -48,29 +49,9 @@ OdometryProblem::OdometryProblem(const MeasurementSet& set) {
 
 void OdometryProblem::describe(const MeasurementSet& set, const CsvTable& table) {
   facts_.set.kind = effects::kOdometry;
-  facts_.title = set.title;
-  facts_.fingerprint = set.fingerprint();
-  facts_.file = table.file();
-  facts_.group_of_row = number_groups(table.texts(set.group), facts_.groups);
-  facts_.time_of_row.resize(table.rows());
-  facts_.series_of_row.resize(table.rows());
-  for (size_t row = 0; row < table.rows(); ++row) {
-    facts_.line_of_row.push_back(table.line(row));
-    for (int channel = 0; channel < 3; ++channel) {
-      facts_.row_of.push_back(static_cast<int>(row));
-      facts_.channel_of.push_back(channel);
-    }
-  }
-  for (size_t i = 0; i < runs_.size(); ++i) {
-    for (size_t k = 0; k < runs_[i].rows.size(); ++k) {
-      const size_t row = runs_[i].rows[k];
-      facts_.time_of_row[row] = runs_[i].time_s[k];
-      facts_.series_of_row[row] = static_cast<int>(i);
-      if (facts_.group_of_row[row] != facts_.group_of_row[runs_[i].rows[0]]) {
-        table.fail(row, set.group, table.cell(row, set.group), "one group a run");
-      }
-    }
-  }
+  describe_rows(set, table, 3, facts_);
+  for (size_t i = 0; i < runs_.size(); ++i)
+    add_series(set, table, i, runs_[i].rows, runs_[i].time_s, facts_);
   std::array<double, 3> estimated{};
   bool have_estimate = false;
   for (int channel = 0; channel < 3; ++channel) {
