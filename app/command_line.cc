@@ -161,6 +161,10 @@ void Command::require_subcommand() {
   app_->require_subcommand(1);
 }
 
+bool Command::has_chosen_subcommand() const {
+  return !app_->get_subcommands().empty();
+}
+
 void Command::footer(const std::string& text) {
   app_->footer(text);
 }

@@ -58,6 +58,8 @@ class Command {
                   const std::string& help);
   // One of the subcommands must be given.
   void require_subcommand();
+  // After parsing: whether the line goes on to one of them.
+  bool has_chosen_subcommand() const;
   // Text after the options in the help: exit codes, examples.
   void footer(const std::string& text);
   // What the command does, once the whole line is parsed.

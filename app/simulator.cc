@@ -53,6 +53,20 @@ void replace_models(Scenario& scenario, const std::vector<std::string>& models) 
   }
 }
 
+// What the options change, as paths and values.
+std::vector<ScenarioChange> changes_of(const SimulatorOptions& options) {
+  std::vector<ScenarioChange> changes;
+  for (const std::string& text : options.changes) changes.push_back(change_from_text(text));
+  if (options.seed) changes.push_back({"seed", {fmt::format("{}", *options.seed)}});
+  for (const std::string& option : options.models) {
+    const size_t equals = option.find('=');
+    const bool all = equals == std::string::npos;
+    changes.push_back({fmt::format("robots[{}].camera.model", all ? "*" : option.substr(0, equals)),
+                       {all ? option : option.substr(equals + 1)}});
+  }
+  return changes;
+}
+
 }  // namespace
 
 std::vector<effects::Model> models_of(const Scenario& scenario) {
@@ -63,6 +77,9 @@ std::vector<effects::Model> models_of(const Scenario& scenario) {
 
 Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions& options) {
   Scenario scenario = without_fingerprints(Scenario::from_file(file));
+  std::vector<ScenarioChange> changes;
+  for (const std::string& text : options.changes) changes.push_back(change_from_text(text));
+  scenario = changed_scenario(scenario, changes, ".");
   if (options.seed) scenario.seed = *options.seed;
   replace_models(scenario, options.models);
   return scenario;
@@ -84,8 +101,8 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
                      {"state", std::string(scheduler::kStateVersion)}};
   for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
   header.sections = world.section_names();
-  return {std::move(scenario), std::move(models), std::move(world), std::move(renderer),
-          std::move(header)};
+  return {std::move(scenario), std::move(models), std::move(world),
+          std::move(renderer), std::move(header), changes_of(options)};
 }
 
 Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOptions& options) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/camera_renderer.h"
+#include "app/scenario_tree.h"
 #include "effects/model.h"
 #include "scheduler/loop/observer.h"
 #include "sim_core/scenario/scenario.h"
@@ -17,7 +18,8 @@
 namespace seam::app {
 
 struct SimulatorOptions {
-  std::optional<int64_t> seed;  // Replaces the scenario's.
+  std::vector<std::string> changes;  // "PATH=VALUE": any key of the scenario or of its models.
+  std::optional<int64_t> seed;       // Replaces the scenario's.
   std::vector<std::string>
       models;              // "FILE" for all robots or "ROBOT=FILE"; replace the scenario's.
   int render_workers = 0;  // 0: one for each core.
@@ -29,7 +31,8 @@ struct Simulator {
   std::vector<effects::Model> models;  // One a robot: its own values drawn from spreads.
   World world;
   std::unique_ptr<CameraRenderer> renderer;
-  scheduler::RunHeader header;  // Its scenario text holds everything, files included.
+  scheduler::RunHeader header;          // Its scenario text holds everything, files included.
+  std::vector<ScenarioChange> changes;  // Of the scenario's file, as they were asked for.
 };
 
 // One a robot: its file's or the ideal one, with the robot's own values drawn from spreads.

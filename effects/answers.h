@@ -17,14 +17,17 @@ enum class Base {
   projection,  // The ideal perspective: fx, fy, cx, cy in pixels.
   response,    // DN in proportion to light: gain_dn, black_dn.
   servo,
+  motor,  // A servo with torque: angle and rate of its joint are a state.
   walk,
+  wheels,
   detector,
 };
 
 // Terms of which a model has one form at a time.
 enum class Term {
   none,
-  radial,  // How the distance from the optical axis is bent.
+  radial,     // How the distance from the optical axis is bent.
+  kinematic,  // Rules by which a joint goes to its command without torque.
 };
 
 // What an effect changes, where a set sees only that and not which effect of the family it was.
@@ -33,6 +36,13 @@ enum class Family {
   pointing,    // Where the camera points.
   brightness,  // How bright an image is.
   noise,       // Noise that is new in every image.
+};
+
+// How the errors of an effect of spread hang together.
+enum class Errors {
+  independent,
+  together,      // In time or in a run: white noise takes them for structure of the mean.
+  now_and_then,  // A few are far larger than the others: they look like outliers.
 };
 
 // What a set must hold for an effect to be told from it.
@@ -56,7 +66,13 @@ enum class Need {
   turning,
   path,             // It covers a distance.
   bearings,         // Directions, not distances alone.
+  distances,        // Distances, not directions alone.
+  wheels,           // A body on two wheels, whose turns are known or commanded.
+  commanded_walk,   // A body whose velocity is commanded, not the turns of its wheels logged.
+  landmark_places,  // Landmarks whose places can be told from errors of ranges and bearings.
   space,            // Views beyond the plane of the ground.
+  flat_target,      // The points lie in a plane, or nearly so: a board.
+  several_views,    // The same points seen in several images.
   wide_view,        // Rays far from the middle of the image.
   colour,           // Three colours.
   light,            // Some light.
@@ -81,12 +97,14 @@ struct SetFacts {
 enum class StartSearch {
   slope,           // A small step from neutral: the data's slope says which way.
   listed,          // At the values of the rule.
+  best_listed,     // At the likeliest values of the rule, before any fit.
   wave,            // A coarse look over the first parameter's size and the second's phase.
-  frequency,       // Where the residual light of the rows has its strongest wave.
+  frequency,       // Where residuals have their strongest wave, in time or over the image.
   ceiling,         // From the largest values seen downwards.
   outliers,        // At the share and the mean of samples far from all others.
   excess,          // From the excess of the sensor's variances (start_from_excess).
   converter_bits,  // At each count of bits that the files allow.
+  motion,          // Where accelerations seen agree best with the equation of motion.
 };
 
 struct StartRule {

@@ -13,9 +13,11 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/locomotion.h"
+#include "effects/stages/noise.h"
 #include "effects/stages/optics.h"
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/servo.h"
+#include "effects/stages/target.h"
 #include "effects/stages/timing.h"
 
 namespace seam::effects {
@@ -78,16 +80,23 @@ std::vector<double> everything(const Model& model) {
     }
   }
   all.insert(all.end(), {chain.pixel_gain_sigma, chain.pixel_offset_sigma_dn, chain.column_sigma_dn,
-                         chain.row_sigma_dn, chain.read_sigma_dn, chain.hot_fraction});
+                         chain.row_sigma_dn, chain.read_sigma_dn, chain.hot_fraction,
+                         chain.weak_fraction, chain.lamp_sigma, chain.wave.amplitude_dn});
   Detection detection{.range_m = 1.7, .bearing_rad = -0.3, .t_s = 4};
   apply_detector(model, detection);
   all.insert(all.end(), {detection.range_m, detection.bearing_rad, detection.range_variance,
                          detection.bearing_variance});
+  const Noise noise = noise_of(model);
+  all.insert(all.end(), {static_cast<double>(noise.hangs_together()), noise.range_tail.fraction,
+                         noise.point_scatter.fraction, static_cast<double>(noise.pose.size())});
   const Locomotion walk = locomotion_of(model);
   WalkState state;
   for (const BodyVelocity& v : {BodyVelocity{0.2, 0.05, 0.4}, BodyVelocity{-0.1, 0, 0}})
     advance_walk(walk, v, 0.7, state);
   all.insert(all.end(), {state.x_m, state.y_m, state.theta_rad, walk.xy_sigma, walk.theta_sigma});
+  const TargetShape target = target_of(model);
+  const Vec3 corner = target.placed({0.1, -0.2, 0.01}, 0.5, -0.7, 1e-3 * target.flex_sigma_m);
+  all.insert(all.end(), {corner.x, corner.y, corner.z, target.scatter_sigma_m});
   return all;
 }
 
@@ -109,7 +118,10 @@ TEST_P(Catalogue, HelpAndExampleAreWhole) {
        {effect->help, effect->formula, effect->signature, effect->example})
     EXPECT_FALSE(text.empty());
   EXPECT_NE(effect->kinds, 0u);
-  const Model example = model_of("  " + effect->example + "\n");
+  std::string base;
+  if (effect->needs_base != Base::none)
+    base = "  " + find_effect(base_name(effect->needs_base))->example + "\n";
+  const Model example = model_of(base + "  " + effect->example + "\n");
   ASSERT_TRUE(example.has(effect->name));
   EXPECT_EQ(Model::from_config(ConfigNode::from_text(example.to_yaml(), "again")).to_yaml(),
             example.to_yaml());
@@ -156,9 +168,13 @@ TEST_P(Catalogue, AnswersAreWhole) {
       EXPECT_EQ(advice_between(other, effect->name, advice.kinds), advice.text);
     }
   }
+  for (const std::string& name : effect->companions) EXPECT_NE(find_effect(name), nullptr) << name;
   for (const StartRule& rule : effect->starts) {
     EXPECT_EQ(rule.kinds & ~effect->kinds, 0u);
-    EXPECT_EQ(rule.search == StartSearch::listed, !rule.values.empty());
+    const bool lists = rule.search == StartSearch::listed ||
+                       rule.search == StartSearch::best_listed ||
+                       rule.search == StartSearch::motion;
+    EXPECT_EQ(lists, !rule.values.empty());
     EXPECT_TRUE(rule.search != StartSearch::excess || effect->start_from_excess);
     for (const auto& values : rule.values) EXPECT_EQ(values.size(), effect->parameters.size());
   }

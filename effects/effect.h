@@ -26,7 +26,9 @@ struct LightWindow;     // optics.h
 struct SensorChain;     // sensor.h
 struct Detection;       // detector.h
 struct Locomotion;      // locomotion.h
+struct Noise;           // noise.h
 struct VelocitySample;  // locomotion.h
+struct TargetShape;     // target.h
 
 enum class JointRole;  // joint_track.h
 
@@ -44,6 +46,8 @@ struct Parameter {
   bool fit_reciprocal = false;
   // Stays at its neutral value unless the data ask for it: a fit frees it only when that pays.
   bool on_demand = false;
+  // Other parameters can do all that it does: it is stated, and fitted only where a model frees it.
+  bool stated = false;
   // Values closer than this give the same rounded samples: a fit knows it to no better than this /
   // sqrt(12).
   double resolution = 0;
@@ -58,21 +62,28 @@ struct EffectDefinition {
   Stage stage = Stage::geometry;
   unsigned kinds = 0;  // Kind bits.
   std::vector<Parameter> parameters;
-  std::string help;                  // What it is, for `seam effects NAME`.
-  std::string formula;               // As in the catalogue.
-  std::string signature;             // What it leaves in residuals when it is missing.
-  std::string example;               // One line of a model's YAML.
-  bool spread_only = false;          // Changes the spread of measurements, never their mean.
-  bool has_neutral = true;           // False for a base (pinhole) or a replacement (fisheye).
-  std::vector<std::string> columns;  // Further columns of a set that a joint's formula reads.
-  std::string source;                // Of an expression effect: the YAML of its definition.
+  std::string help;          // What it is, for `seam effects NAME`.
+  std::string formula;       // As in the catalogue.
+  std::string signature;     // What it leaves in residuals when it is missing.
+  std::string example;       // One line of a model's YAML.
+  bool spread_only = false;  // Changes the spread of measurements, never their mean.
+  // Of a spread: each of its draws is one for the whole set and estimated with it (where the points
+  // of a target truly are), so that it moves predictions, too.
+  bool draws_estimated = false;
+  Errors errors = Errors::independent;  // What sort of errors it makes.
+  bool has_neutral = true;              // False for a base (pinhole) or a replacement (fisheye).
+  std::vector<std::string> columns;     // Further columns of a set that a joint's formula reads.
+  std::string source;                   // Of an expression effect: the YAML of its definition.
 
   // What is asked of it by those who do not know its name.
   Base base = Base::none;           // It is the model's base of this sort,
   Base replaces_base = Base::none;  // or takes the place of one.
+  Base needs_base = Base::none;     // Acts only in a model that has this one.
   Term term = Term::none;           // It is one form of this term,
   Term replaces_term = Term::none;  // or takes the place of every form of it.
   Family family = Family::none;
+  // Effects without which it seldom helps: the search offers them with it as one move.
+  std::vector<std::string> companions;
   bool remembers = false;         // The true angle depends on the encoder's log before it.
   bool shows_at_rest = false;     // A servo effect that a resting joint still shows.
   std::vector<Need> needs;        // Beside those of its stage (questions.h).
@@ -89,6 +100,7 @@ struct EffectDefinition {
   std::function<double(Values, JointRole)> play_rad;
   std::function<double(Values, const JointSample&)> joint_map;  // A formula on the angle.
   std::function<void(Values, Pose&)> mount;                 // X_LC of the camera in its last link.
+  std::function<void(Values, TargetShape&)> target;         // Where the points of a target are.
   std::function<void(Values, ImagePoint&)> geometry;        // Ray to image point, in stage order.
   std::function<void(Values, ImagePoint&)> image_map;       // Acts on (u, v) after all of geometry.
   std::function<void(Values, Optics&)> optics;              // Point spread, glare.
@@ -98,6 +110,7 @@ struct EffectDefinition {
   std::function<void(Values, Detection&)> detector;         // Range and bearing.
   std::function<void(Values, Locomotion&)> locomotion;      // Commanded to true body velocity.
   std::function<void(Values, VelocitySample&)> velocity_map;  // A formula on the body velocity.
+  std::function<void(Values, Noise&)> noise;                  // Errors that are not white.
 
   // Where a fit starts, from what the sensor's variances exceed the prediction by.
   std::function<std::vector<double>(const SensorExcess&)> start_from_excess;

@@ -33,8 +33,8 @@ std::vector<std::string> kind_names() {
 }
 
 std::string to_string(Stage stage) {
-  static const char* const kNames[] = {"timing", "joint",  "mount",    "geometry",  "radiometry",
-                                       "light",  "sensor", "detector", "locomotion"};
+  static const char* const kNames[] = {"timing", "joint",  "mount",    "geometry",   "radiometry",
+                                       "light",  "sensor", "detector", "locomotion", "target"};
   return kNames[static_cast<int>(stage)];
 }
 

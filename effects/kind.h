@@ -17,7 +17,8 @@ enum class Stage {
   light,
   sensor,
   detector,
-  locomotion
+  locomotion,
+  target
 };
 std::string to_string(Stage stage);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/questions.h"
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -140,6 +141,7 @@ Model Model::from_config(const ConfigNode& root) {
       model.history_.push_back(read_history_step(step));
   }
   root.finish();
+  if (const std::string conflict = conflict_in(model); !conflict.empty()) effects.fail(conflict);
   return model;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "effects/registry.h"
+#include "sim_core/base/error.h"
 
 namespace seam::effects {
 namespace {
@@ -15,8 +16,8 @@ const Lack* lack_of(const SetFacts& set, Need need) {
 
 std::vector<Need> needs_of_stage(const EffectDefinition& effect) {
   std::vector<Need> needs;
-  if (effect.stage != Stage::geometry && (effect.kinds & kPoints) != 0)
-    needs.push_back(Need::known_pose);
+  const bool told_without_pose = effect.stage == Stage::geometry || effect.stage == Stage::target;
+  if (!told_without_pose && (effect.kinds & kPoints) != 0) needs.push_back(Need::known_pose);
   if (effect.stage == Stage::timing) needs.push_back(Need::moving_view);
   if (effect.stage == Stage::locomotion) needs.push_back(Need::moving_body);
   if (effect.stage == Stage::joint) needs.push_back(Need::joints);
@@ -84,8 +85,20 @@ std::string to_string(Need need) {
       return "a walk";
     case Need::bearings:
       return "bearings";
+    case Need::distances:
+      return "ranges";
+    case Need::wheels:
+      return "a body on two wheels";
+    case Need::commanded_walk:
+      return "commanded velocities";
+    case Need::landmark_places:
+      return "landmarks seen from several sides";
     case Need::space:
       return "views beyond the plane of the ground";
+    case Need::flat_target:
+      return "points in a plane";
+    case Need::several_views:
+      return "the same points in three views or more";
     case Need::wide_view:
       return "rays far from the middle of the image";
     case Need::colour:
@@ -171,18 +184,61 @@ const ModelEffect* replacement_in(const Model& model) {
   return nullptr;
 }
 
+std::string missing_base(const EffectDefinition& effect, const Model& model) {
+  const bool missing = effect.needs_base != Base::none && !has_base(model, effect.needs_base);
+  return missing ? base_name(effect.needs_base) : "";
+}
+
+std::string conflict_in(const Model& model) {
+  for (const ModelEffect& effect : model.effects()) {
+    const EffectDefinition& definition = *effect.definition;
+    if (const std::string base = missing_base(definition, model); !base.empty()) {
+      return fmt::format("effect '{}' acts in a model with '{}', expected one", definition.name,
+                         base);
+    }
+    for (const ModelEffect& other : model.effects()) {
+      const Term term = other.definition->term;
+      if (term == Term::none || definition.replaces_term != term) continue;
+      return fmt::format("effect '{}' has no place beside '{}', which replaces it: expected one",
+                         other.definition->name, definition.name);
+    }
+  }
+  return "";
+}
+
 bool is_excluded(const EffectDefinition& effect, const Model& model) {
+  if (!missing_base(effect, model).empty()) return true;
   return effect.term != Term::none &&
          std::any_of(model.effects().begin(), model.effects().end(), [&](const ModelEffect& other) {
            return other.definition->replaces_term == effect.term;
          });
 }
 
+std::vector<std::shared_ptr<const EffectDefinition>> companions_of(const EffectDefinition& effect,
+                                                                   const Model& model) {
+  std::vector<std::shared_ptr<const EffectDefinition>> companions;
+  for (const std::string& name : effect.companions) {
+    if (!model.has(name)) companions.push_back(find_effect(name));
+  }
+  return companions;
+}
+
+bool has_dependents(const Model& model, const std::string& effect) {
+  const Base base = model.find(effect)->definition->base;
+  return base != Base::none &&
+         std::any_of(model.effects().begin(), model.effects().end(), [&](const ModelEffect& other) {
+           return other.definition->needs_base == base;
+         });
+}
+
 void remove_replaced(const EffectDefinition& effect, Model& model) {
-  if (effect.replaces_term == Term::none) return;
   std::vector<std::string> replaced;
   for (const ModelEffect& other : model.effects()) {
-    if (other.definition->term == effect.replaces_term) replaced.push_back(other.definition->name);
+    const EffectDefinition& definition = *other.definition;
+    const bool term = effect.replaces_term != Term::none && definition.term == effect.replaces_term;
+    const bool base = effect.replaces_base != Base::none &&
+                      definition.base == effect.replaces_base && definition.parameters.empty();
+    if (term || base) replaced.push_back(definition.name);
   }
   for (const std::string& name : replaced) model.remove(name);
 }

@@ -2,6 +2,7 @@
 // formula: what the record does not say follows from its stage.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,11 +36,25 @@ bool has_base(const Model& model, Base base);
 // The catalogue's effect that is this base, for messages.
 std::string base_name(Base base);
 
+// The base that the effect needs and the model lacks, by its name in the catalogue; empty: none.
+std::string missing_base(const EffectDefinition& effect, const Model& model);
+
+// What two effects of the model have against each other (one replaces the other, one needs a base
+// that is not there), in words; empty: nothing.
+std::string conflict_in(const Model& model);
+
 // The effect that stands in the model beside what it should replace; null where none does.
 const ModelEffect* replacement_in(const Model& model);
 // Whether `effect` has no place beside what the model holds already.
 bool is_excluded(const EffectDefinition& effect, const Model& model);
-// Takes out of the model what `effect` replaces.
+// The effects that the search offers together with this one: those of its companions that the model
+// lacks.
+std::vector<std::shared_ptr<const EffectDefinition>> companions_of(const EffectDefinition& effect,
+                                                                   const Model& model);
+// Whether some effect of the model would have no base without this one.
+bool has_dependents(const Model& model, const std::string& effect);
+// Takes out of the model what `effect` replaces, and the base whose place it takes if that has
+// nothing of its own to say.
 void remove_replaced(const EffectDefinition& effect, Model& model);
 
 }  // namespace seam::effects

@@ -3,6 +3,90 @@
 #include "sim_core/base/error.h"
 
 // The order of these lines is the order of composition.
+#define SEAM_EFFECTS(X)       \
+  X(rolling_shutter)          \
+  X(exposure)                 \
+  X(frame_latency)            \
+  X(clock_drift)              \
+  X(frame_jitter)             \
+  X(frame_sync)               \
+  X(ideal_servo)              \
+  X(motor_servo)              \
+  X(gravity_torque)           \
+  X(viscous_friction)         \
+  X(coulomb_friction)         \
+  X(stribeck_friction)        \
+  X(load_friction)            \
+  X(torque_limit)             \
+  X(servo_latency)            \
+  X(servo_lag)                \
+  X(speed_limit)              \
+  X(acceleration_limit)       \
+  X(stiction)                 \
+  X(gravity_sag)              \
+  X(encoder_eccentricity)     \
+  X(encoder_scale)            \
+  X(encoder_offset)           \
+  X(encoder_quantisation)     \
+  X(joint_wander)             \
+  X(backlash)                 \
+  X(mount_misalignment)       \
+  X(mount_offset)             \
+  X(pinhole)                  \
+  X(fisheye)                  \
+  X(radial_distortion)        \
+  X(radial_polynomial)        \
+  X(tangential_distortion)    \
+  X(focal_length_error)       \
+  X(principal_point_offset)   \
+  X(chromatic_aberration)     \
+  X(point_scatter)            \
+  X(lens_blur)                \
+  X(vignetting)               \
+  X(veiling_glare)            \
+  X(uneven_lighting)          \
+  X(lamp_flicker)             \
+  X(lamp_fluctuation)         \
+  X(linear_response)          \
+  X(pixel_gain_spread)        \
+  X(weak_pixels)              \
+  X(shot_noise)               \
+  X(dark_current)             \
+  X(response_gamma)           \
+  X(response_cubic)           \
+  X(white_balance)            \
+  X(pixel_offset_spread)      \
+  X(column_offsets)           \
+  X(periodic_pattern)         \
+  X(row_noise)                \
+  X(hot_pixels)               \
+  X(read_noise)               \
+  X(saturation)               \
+  X(quantisation)             \
+  X(ideal_detector)           \
+  X(range_depth)              \
+  X(range_scale)              \
+  X(range_offset)             \
+  X(bearing_scale)            \
+  X(bearing_offset_per_range) \
+  X(range_noise)              \
+  X(bearing_noise)            \
+  X(range_wander)             \
+  X(bearing_wander)           \
+  X(heading_wander)           \
+  X(landmark_bias)            \
+  X(landmark_scatter)         \
+  X(range_tail)               \
+  X(ideal_odometry)           \
+  X(differential_drive)       \
+  X(wheel_scale)              \
+  X(base_scale)               \
+  X(wheel_slip)               \
+  X(odometry_scale)           \
+  X(walk_lag)                 \
+  X(heading_drift)            \
+  X(walk_noise)               \
+  X(pose_noise)
 #define SEAM_EFFECTS(X)     \
   X(rolling_shutter)        \
   X(exposure)               \
@@ -24,11 +108,17 @@
   X(backlash)               \
   X(mount_misalignment)     \
   X(mount_offset)           \
+  X(board_scale)            \
+  X(board_warp)             \
+  X(target_scatter)         \
+  X(board_flex)             \
   X(pinhole)                \
   X(fisheye)                \
   X(radial_distortion)      \
   X(radial_polynomial)      \
+  X(rational_lens)          \
   X(tangential_distortion)  \
+  X(thin_prism)             \
   X(focal_length_error)     \
   X(principal_point_offset) \
   X(chromatic_aberration)   \

@@ -16,12 +16,17 @@ namespace {
 
 class FileOutput : public Output {
  public:
-  FileOutput(const std::filesystem::path& path, const OutputRules& rules) : file_(path, rules) {}
+  FileOutput(const std::filesystem::path& path, const OutputRules& rules)
+      : file_(path, rules), durable_(rules.durable) {}
   void write(std::string_view bytes) override { file_.write(bytes); }
+  void sync() override {
+    if (durable_) file_.sync();
+  }
   void close() override { file_.commit(); }
 
  private:
   OutputFile file_;
+  bool durable_;
 };
 
 class FileInput : public Input {

@@ -18,6 +18,9 @@ class Output {
   virtual ~Output() = default;
   // Throws InputError with the reason of the operating system (disk full, ...).
   virtual void write(std::string_view bytes) = 0;
+  // Where the output was asked to be durable: what was written survives a power cut when it
+  // returns. Throws InputError.
+  virtual void sync() {}
   // Nothing follows. Throws InputError where the operating system could not keep what it took.
   virtual void close() {}
 };

@@ -115,6 +115,7 @@ void Writer::flush() {
   }
   chunk_indexes_.push_back(std::move(index));
   emit_data(sink);
+  output_.sync();
   chunk_.clear();
   chunk_messages_.clear();
 }

@@ -1,5 +1,6 @@
 // Writes an MCAP file as a stream: messages gather in a chunk, and each finished chunk reaches the
-// operating system in one write, so that after a crash everything up to the last chunk is there.
+// operating system in one write, so that after a crash everything up to the last chunk is there; it
+// is synced then, where the output is durable.
 // The file ends with an index (`finish`); a file without it is still readable, by a scan.
 #pragma once
 

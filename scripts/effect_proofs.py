@@ -56,6 +56,34 @@ def walked(p, legs, scale=lambda p, v: v, steps=400000):
     return x, y, theta
 
 
+def swung(at_s, stall=200, back_emf=10, gain=0.5, damping=0, most=1, limit=math.inf, gravity=0, level=0, viscous=0,
+          coulomb=0, stribeck=0, slow=1, load=0, command=1, steps=40000):
+    """A motor's joint from rest at 0, in small steps of Runge and Kutta; where it does not come to rest on its way."""
+    def acceleration(q, w):
+        duty = min(max(gain * (command - q) - damping * w, -most), most)
+        net = min(max(stall * duty - back_emf * w, -limit), limit) - gravity * math.cos(q - level)
+        way = w if w != 0 else net
+        dry = coulomb + stribeck * math.exp(-abs(w) / slow) + load * abs(net)
+        return net - viscous * w - math.copysign(dry, way)
+    q = w = 0.0
+    h = at_s / steps
+    for _ in range(steps):
+        a1 = acceleration(q, w)
+        a2 = acceleration(q + h / 2 * w, w + h / 2 * a1)
+        a3 = acceleration(q + h / 2 * (w + h / 2 * a1), w + h / 2 * a2)
+        a4 = acceleration(q + h * (w + h / 2 * a2), w + h * a3)
+        q += h * w + h * h / 6 * (a1 + a2 + a3)
+        w += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+    return q
+
+
+def sprung(stiffness, damping, way, t):
+    """A linear spring with damping, let go at rest, from 0 to this way."""
+    omega = math.sqrt(stiffness - damping * damping / 4)
+    left = math.exp(-damping / 2 * t) * (math.cos(omega * t) + damping / 2 / omega * math.sin(omega * t))
+    return way * (1 - left)
+
+
 def fisheye(p, x, y, z):
     """r_d over the tangent's r of a ray."""
     t = math.atan2(math.hypot(x, y), z)
@@ -68,12 +96,20 @@ def tangential(p, x, y):
             y + p[0] * (r2 + 2 * y * y) + 2 * p[1] * x * y)
 
 
+def rational(p, r2):
+    return (1 + p[0] * r2 + p[1] * r2**2 + p[2] * r2**3) / (1 + p[3] * r2 + p[4] * r2**2 + p[5] * r2**3)
+
+
 RAY = [("x_m", 0.3), ("y_m", -0.2), ("z_m", 1.25)]  # x/z = 0.24, y/z = -0.16
 OTHER_RAY = [("x_m", -0.45), ("y_m", 0.3), ("z_m", 0.75)]  # x/z = -0.6, y/z = 0.4
+CORNER = [("x_m", 0.12), ("y_m", -0.08), ("z_m", 0.001), ("half_m", 0.2)]  # a = 0.6, b = -0.4
 STEP = [("command_s", 0), ("command_rad", 1)]
 BACK = [("command_s", 0), ("command_rad", 0.5), ("command_s", 0.1), ("command_rad", 0.2)]
 TEN_MICROMETRES = 4e-5  # Of these ways: what advance_walk promises with a lag.
+SMALL_STEPS = 1e-7
 HALF = [("vx_mps", 0.2), ("vy_mps", -0.1), ("omega_radps", 0.5), ("for_s", 2)]
+ARC = [("left_ticks", 900), ("right_ticks", 1100), ("for_s", 2)]
+SPIN = [("left_ticks", -100), ("right_ticks", 100), ("for_s", 1)]
 ON = [("vx_mps", 0.3), ("for_s", 0.5), ("vx_mps", 0), ("for_s", 0.5)]
 
 
@@ -99,6 +135,28 @@ PROOFS = [
     # Joints: from commands.
     ("ideal_servo", [], STEP + [("at_s", 0.01)], {"joint_rad": "1"}),
     ("ideal_servo", [], BACK + [("at_s", 0.2)], {"joint_rad": "0.2"}),
+    # A motor. Its effects stand beside stall 200, back-EMF 10, gain 0.5: a spring of 100 about the command.
+    ("motor_servo", [200, 10, 0.5, 0, 1], STEP + [("at_s", 0.15)], {"joint_rad": "sprung(p[0] * p[2], p[1], 1, at_s)"}),
+    ("motor_servo", [300, 8, 0.4, 0.02, 1], STEP + [("at_s", 0.2)],
+     {"joint_rad": "sprung(p[0] * p[2], p[1] + p[0] * p[3], 1, at_s)"}),
+    ("motor_servo", [300, 20, 5, 0, 0.5], STEP + [("at_s", 0.1)],
+     {"joint_rad": "p[0] * p[4] / p[1] * (at_s - (1 - math.exp(-p[1] * at_s)) / p[1])"}),
+    ("gravity_torque", [60, 0], STEP + [("at_s", 0.2)], {"joint_rad": "swung(at_s, gravity=p[0])"}, SMALL_STEPS),
+    ("gravity_torque", [90, 1.2], STEP + [("at_s", 0.3)], {"joint_rad": "swung(at_s, gravity=p[0], level=p[1])"},
+     SMALL_STEPS),
+    ("viscous_friction", [5], STEP + [("at_s", 0.2)], {"joint_rad": "sprung(100, 10 + p[0], 1, at_s)"}),
+    ("viscous_friction", [2], STEP + [("at_s", 0.3)], {"joint_rad": "sprung(100, 10 + p[0], 1, at_s)"}),
+    ("coulomb_friction", [30], STEP + [("at_s", 0.2)], {"joint_rad": "sprung(100, 10, 1 - p[0] / 100, at_s)"}),
+    ("coulomb_friction", [30], STEP + [("at_s", 2)],
+     {"joint_rad": "(1 - p[0] / 100) * (1 + math.exp(-5 * math.pi / math.sqrt(75)))"}),
+    ("coulomb_friction", [100.5], STEP + [("at_s", 1)], {"joint_rad": "0"}),
+    ("stribeck_friction", [20, 0.8], STEP + [("at_s", 0.2)],
+     {"joint_rad": "swung(at_s, stribeck=p[0], slow=p[1])"}, SMALL_STEPS),
+    ("stribeck_friction", [101, 0.5], STEP + [("at_s", 1)], {"joint_rad": "0"}),
+    ("load_friction", [0.3], STEP + [("at_s", 0.12)], {"joint_rad": "sprung(100 * (1 - p[0]), 10 * (1 - p[0]), 1, at_s)"}),
+    ("load_friction", [0.2], STEP + [("at_s", 0.3)], {"joint_rad": "swung(at_s, load=p[0])"}, SMALL_STEPS),
+    ("torque_limit", [30], STEP + [("at_s", 0.1)], {"joint_rad": "p[0] * at_s ** 2 / 2"}),
+    ("torque_limit", [40], STEP + [("at_s", 0.25)], {"joint_rad": "swung(at_s, limit=p[0])"}, SMALL_STEPS),
     ("servo_latency", [0.016], STEP + [("at_s", 0.015)], {"joint_rad": "0"}),
     ("servo_latency", [0.016], STEP + [("at_s", 0.017)], {"joint_rad": "1"}),
     ("servo_lag", [0.04], STEP + [("at_s", 0.06)], {"joint_rad": "1 - math.exp(-at_s / p[0])"}),
@@ -145,6 +203,19 @@ PROOFS = [
     ("mount_offset", [0.01, -0.02, 0.03], RAY,
      {"link_x_m": "z_m + p[0]", "link_y_m": "-x_m + p[1]", "link_z_m": "-y_m + p[2]"}),
     ("mount_offset", [0.2, 0, 0], OTHER_RAY, {"link_x_m": "z_m + p[0]", "link_y_m": "-x_m", "link_z_m": "-y_m"}),
+    # Target.
+    ("board_warp", [0.003, -0.001], CORNER,
+     {"x_m": "x_m", "y_m": "y_m", "z_m": "z_m + p[0] * (1 - 0.6**2) + p[1] * (1 - 0.4**2)"}),
+    ("board_warp", [0, 0.002], [("half_m", 0.1)], {"z_m": "p[1]"}),
+    ("board_scale", [0.001, -0.002, 0.0005], CORNER,
+     {"x_m": "0.12 * 1.001 + 0.0005 * -0.08", "y_m": "-0.08 * (1 - 0.002)", "z_m": "z_m"}),
+    ("board_scale", [0, 0, 0.01], [("y_m", 0.3)], {"x_m": "0.003", "y_m": "0.3"}),
+    ("target_scatter", [0.0001], CORNER, {"x_m": "x_m", "z_m": "z_m", "scatter_m": "p[0]"}),
+    ("target_scatter", [0.002], [], {"scatter_m": "p[0]"}),
+    ("board_flex", [0.0002], CORNER + [("flex_m", 0.001)],
+     {"z_m": "z_m + 0.001 * (2 - 0.6**2 - 0.4**2) / math.sqrt(2)", "flex_sigma_m": "p[0]"}),
+    ("board_flex", [0.001], [("half_m", 0.1), ("flex_m", -0.002)],
+     {"z_m": "-0.002 * math.sqrt(2)", "flex_sigma_m": "p[0]"}),
     # Geometry.
     ("pinhole", [161.9, 162.5, 88, 71], RAY, {"u_px": "p[0] * 0.24 + p[2]", "v_px": "p[1] * -0.16 + p[3]"}),
     ("pinhole", [300, 310, 159.5, 119.5], OTHER_RAY, {"u_px": "p[0] * -0.6 + p[2]", "v_px": "p[1] * 0.4 + p[3]"}),
@@ -160,6 +231,12 @@ PROOFS = [
      image("-0.6 * (1 + p[0] * 0.52 + p[1] * 0.52**2 + p[2] * 0.52**3)",
            "0.4 * (1 + p[0] * 0.52 + p[1] * 0.52**2 + p[2] * 0.52**3)")),
     ("radial_polynomial", [0.2, 0, 0], RAY, image("0.24 * (1 + p[0] * 0.0832)", "-0.16 * (1 + p[0] * 0.0832)")),
+    ("rational_lens", [0.4, 0.02, 0.001, 0.7, 0.1, 0.003], OTHER_RAY,
+     image("-0.6 * rational(p, 0.52)", "0.4 * rational(p, 0.52)")),
+    ("rational_lens", [-0.1, 0, 0, 0.2, 0, 0], RAY, image("0.24 * rational(p, 0.0832)", "-0.16 * rational(p, 0.0832)")),
+    ("thin_prism", [0.002, -0.001, 0.003, 0.004], OTHER_RAY,
+     image("(-0.6 + p[0] * 0.52 + p[1] * 0.52**2)", "(0.4 + p[2] * 0.52 + p[3] * 0.52**2)")),
+    ("thin_prism", [0, 0.01, -0.02, 0], RAY, image("(0.24 + p[1] * 0.0832**2)", "(-0.16 + p[2] * 0.0832)")),
     ("tangential_distortion", [0.004, -0.003], RAY, image("tangential(p, 0.24, -0.16)[0]", "tangential(p, 0.24, -0.16)[1]")),
     ("tangential_distortion", [0, 0.02], OTHER_RAY, image("tangential(p, -0.6, 0.4)[0]", "tangential(p, -0.6, 0.4)[1]")),
     ("focal_length_error", [0.01, -0.02], RAY, {"u_px": "160 * 1.01 * 0.24 + 88.5", "v_px": "162 * 0.98 * -0.16 + 71.5"}),
@@ -182,6 +259,8 @@ PROOFS = [
     ("lamp_flicker", [100, 0.1, 0.3], [("start_s", 0.123)], {"lamp": "1 + p[1] * math.sin(2 * math.pi * p[0] * start_s + p[2])"}),
     ("lamp_flicker", [100, 0.2, -1], [("start_s", 0.004), ("exposure_s", 0.003)],
      {"lamp": "1 + p[1] * (math.cos(0.8 * math.pi + p[2]) - math.cos(1.4 * math.pi + p[2])) / (0.6 * math.pi)"}),
+    ("lamp_fluctuation", [0.001], [], {"lamp_sigma": "p[0]"}),
+    ("lamp_fluctuation", [0.03], [], {"lamp_sigma": "p[0]"}),
     # Sensor.
     ("linear_response", [220, 16], [("light", 0.5)], {"mean_dn": "p[0] * light + p[1]"}),
     ("linear_response", [100, -3], [("light", 0.25), ("exposure_ratio", 2)], {"mean_dn": "p[0] * light * 2 + p[1]"}),
@@ -193,6 +272,8 @@ PROOFS = [
     ("dark_current", [500], [("light", 0.5), ("exposure_s", 0.1)], {"mean_dn": "108 + p[0] * exposure_s"}),
     ("response_gamma", [0.8], [("light", 0.5)], {"mean_dn": "200 * light**p[0] + 8"}),
     ("response_gamma", [2.2], [("light", 0.25)], {"mean_dn": "200 * light**p[0] + 8"}),
+    ("response_cubic", [-0.1, 0.05], [("light", 0.51)], {"mean_dn": "102 * (1 + p[0] * 0.4 + p[1] * 0.16) + 8"}),
+    ("response_cubic", [0.2, 0], [("light", 1.275)], {"mean_dn": "255 * (1 + p[0]) + 8"}),
     ("white_balance", [1.2, 0.9], [("channel", 0)], {"mean_dn": "100 * p[0] + 8"}),
     ("white_balance", [1.2, 0.9], [("channel", 2)], {"mean_dn": "100 * p[1] + 8"}),
     ("white_balance", [1.2, 0.9], [("channel", 1)], {"mean_dn": "108"}),
@@ -200,10 +281,14 @@ PROOFS = [
     ("pixel_offset_spread", [3], [("light", 1)], {"pattern_variance_dn2": "p[0]**2"}),
     ("column_offsets", [0.8], [], {"pattern_variance_dn2": "p[0]**2"}),
     ("column_offsets", [2], [("light", 1)], {"pattern_variance_dn2": "p[0]**2"}),
+    ("periodic_pattern", [2, 8, 0, 0.5], [("u_px", 3), ("v_px", 11)], {"wave_dn": "p[0] * math.sin(2 * math.pi * u_px / p[1] + p[3])"}),
+    ("periodic_pattern", [3, 25, 1, -2], [("u_px", 100), ("v_px", 7)], {"wave_dn": "p[0] * math.sin(2 * math.pi * (u_px * math.cos(p[2]) + v_px * math.sin(p[2])) / p[1] + p[3])"}),
     ("row_noise", [0.8], [], {"row_variance_dn2": "p[0]**2", "variance_dn2": "0"}),
     ("row_noise", [2.5], [("light", 1)], {"row_variance_dn2": "p[0]**2"}),
     ("hot_pixels", [0.001, 40], [], {"pattern_mean_dn": "p[0] * p[1]", "pattern_variance_dn2": "p[0] * (1 - p[0]) * p[1]**2"}),
     ("hot_pixels", [0.1, -20], [], {"pattern_mean_dn": "p[0] * p[1]", "pattern_variance_dn2": "p[0] * (1 - p[0]) * p[1]**2"}),
+    ("weak_pixels", [0.001, 0.7], [("light", 0.5)], {"pattern_mean_dn": "-100 * p[0] * (1 - p[1])", "pattern_variance_dn2": "p[0] * (1 - p[0]) * (100 * (1 - p[1]))**2"}),
+    ("weak_pixels", [0.1, 0.5], [("light", 1)], {"pattern_mean_dn": "-200 * p[0] * (1 - p[1])", "pattern_variance_dn2": "p[0] * (1 - p[0]) * (200 * (1 - p[1]))**2"}),
     ("read_noise", [1.4], [], {"variance_dn2": "p[0]**2", "mean_dn": "108"}),
     ("read_noise", [3], [("light", 0)], {"variance_dn2": "p[0]**2", "mean_dn": "8"}),
     ("saturation", [235], [("value_dn", 240)], {"file_dn": "235"}),
@@ -213,16 +298,36 @@ PROOFS = [
     # Detector.
     ("ideal_detector", [], [("range_m", 1.7), ("bearing_rad", -0.3)], {"range_m": "1.7", "bearing_rad": "-0.3"}),
     ("ideal_detector", [], [("range_m", 0.4), ("bearing_rad", 1)], {"range_m": "0.4", "bearing_rad": "1", "range_sigma_m": "0"}),
+    ("range_depth", [1], [("range_m", 2), ("bearing_rad", 0.5)],
+     {"range_m": "range_m * math.cos(bearing_rad)", "bearing_rad": "0.5"}),
+    ("range_depth", [-0.4], [("range_m", 1.5), ("bearing_rad", -2.4)],
+     {"range_m": "range_m * abs(math.cos(bearing_rad)) ** p[0]"}),
     ("range_scale", [0.05], [("range_m", 2), ("bearing_rad", 0.3)], {"range_m": "2 * 1.05", "bearing_rad": "0.3"}),
     ("range_scale", [-0.2], [("range_m", 0.7)], {"range_m": "0.7 * 0.8"}),
     ("range_offset", [0.03], [("range_m", 2)], {"range_m": "2.03"}),
     ("range_offset", [-0.1], [("range_m", 0.7), ("bearing_rad", 0.2)], {"range_m": "0.7 - 0.1", "bearing_rad": "0.2"}),
     ("bearing_scale", [-0.03], [("range_m", 2), ("bearing_rad", 0.5)], {"range_m": "2", "bearing_rad": "0.5 * 0.97"}),
     ("bearing_scale", [0.1], [("bearing_rad", -0.7)], {"bearing_rad": "-0.7 * 1.1"}),
+    ("bearing_offset_per_range", [0.004], [("range_m", 2.5), ("bearing_rad", 0.3)],
+     {"bearing_rad": "bearing_rad + p[0] * range_m", "range_m": "range_m"}),
+    ("bearing_offset_per_range", [-0.02], [("range_m", 1.5), ("bearing_rad", -0.7)],
+     {"bearing_rad": "bearing_rad + p[0] * range_m"}),
     ("range_noise", [0.02, 0.03], [("range_m", 2)], {"range_sigma_m": "math.hypot(p[0], p[1] * range_m)", "range_m": "2"}),
     ("range_noise", [0, 0.1], [("range_m", 0.5)], {"range_sigma_m": "p[1] * range_m"}),
     ("bearing_noise", [0.01], [("range_m", 2), ("bearing_rad", 0.5)], {"bearing_sigma_rad": "p[0]", "bearing_rad": "0.5"}),
     ("bearing_noise", [0.2], [("range_m", 1)], {"bearing_sigma_rad": "p[0]", "range_sigma_m": "0"}),
+    ("range_wander", [0.05, 2.5], [("lag_s", 0.5)], {"range_covariance_m2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
+    ("range_wander", [0.2, 0.4], [("lag_s", 1)], {"range_covariance_m2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
+    ("bearing_wander", [0.01, 2], [("lag_s", 1)], {"bearing_covariance_rad2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
+    ("bearing_wander", [0.3, 5], [("lag_s", 10)], {"bearing_covariance_rad2": "p[0]**2 * math.exp(-lag_s / p[1])", "heading_covariance_rad2": "0"}),
+    ("heading_wander", [0.024, 2.3], [("lag_s", 2.3)], {"heading_covariance_rad2": "p[0]**2 / math.e", "bearing_covariance_rad2": "0"}),
+    ("heading_wander", [0.1, 1], [("lag_s", 0.25)], {"heading_covariance_rad2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
+    ("landmark_scatter", [0.03], [("range_m", 2)], {"place_sigma_m": "p[0]", "range_m": "range_m"}),
+    ("landmark_scatter", [0.2], [("range_m", 1)], {"place_sigma_m": "p[0]", "range_covariance_m2": "0"}),
+    ("landmark_bias", [0.03, 0.1], [("lag_s", 5)], {"range_covariance_m2": "p[0]**2", "bearing_covariance_rad2": "p[1]**2"}),
+    ("landmark_bias", [0.2, 0.05], [], {"range_covariance_m2": "p[0]**2", "bearing_covariance_rad2": "p[1]**2"}),
+    ("range_tail", [0.03, 0.4], [("range_m", 2)], {"tail_mean_m": "p[0] * p[1]", "tail_variance_m2": "p[0] * (2 - p[0]) * p[1]**2"}),
+    ("range_tail", [0.2, 1.5], [], {"tail_mean_m": "p[0] * p[1]", "tail_variance_m2": "p[0] * (2 - p[0]) * p[1]**2"}),
     # Locomotion.
     ("ideal_odometry", [], [("vx_mps", 0.2), ("for_s", 3)], {"x_m": "0.2 * 3", "y_m": "0", "theta_rad": "0"}),
     ("ideal_odometry", [], HALF, {"x_m": "walked(p, [((0.2, -0.1, 0.5), 2)])[0]",
@@ -231,6 +336,17 @@ PROOFS = [
      {"x_m": "walked(p, [((0.18, -0.12, 0.525), 2)])[0]", "y_m": "walked(p, [((0.18, -0.12, 0.525), 2)])[1]",
       "theta_rad": "0.525 * 2"}),
     ("odometry_scale", [0.5, 0, 0], [("vx_mps", 0.2), ("vy_mps", 0.1), ("for_s", 3)], {"x_m": "0.9", "y_m": "0.3"}),
+    ("differential_drive", [0.001, 0.2], ARC, {"x_m": "math.sin(1)", "y_m": "1 - math.cos(1)", "theta_rad": "1"}),
+    ("differential_drive", [0.002, 0.5], SPIN, {"x_m": "0", "theta_rad": "200 * p[0] / p[1]"}),
+    ("wheel_scale", [0.1, -0.1], [("left_ticks", 500), ("right_ticks", 500), ("for_s", 4)],
+     {"x_m": "math.sin(0.5)", "y_m": "math.cos(0.5) - 1", "theta_rad": "(0.45 - 0.55) / 0.2"}),
+    ("wheel_scale", [0.02, 0.02], [("vx_mps", 0.3), ("for_s", 2)], {"x_m": "0.6 * (1 + p[0])", "theta_rad": "0"}),
+    ("base_scale", [0.25], SPIN, {"x_m": "0", "theta_rad": "200 * 0.001 / (0.2 * 1.25)"}),
+    ("base_scale", [-0.2], [("omega_radps", 0.4), ("for_s", 2)], {"theta_rad": "0.8 / (1 + p[0])"}),
+    ("wheel_slip", [0.2], ARC, {"x_m": "0.9 * math.sin(1)", "y_m": "0.9 * (1 - math.cos(1))", "theta_rad": "1"}),
+    ("wheel_slip", [0.5], [("left_ticks", 500), ("right_ticks", 500), ("for_s", 1)], {"x_m": "0.5"}),
+    ("wheel_slip", [0.3], [("left_ticks", 1100), ("right_ticks", 900), ("for_s", 1)],
+     {"x_m": "(1 - p[0]) * math.sin(1)", "theta_rad": "-1"}),
     ("walk_lag", [0.2], [("vx_mps", 0.3), ("for_s", 1)], {"x_m": "0.3 * (1 - p[0] * (1 - math.exp(-1 / p[0])))"}, TEN_MICROMETRES),
     ("walk_lag", [0.2], ON,
      {"x_m": "0.3 * (0.5 - p[0] * (1 - math.exp(-2.5))) + 0.3 * (1 - math.exp(-2.5)) * p[0] * (1 - math.exp(-2.5))"}, TEN_MICROMETRES),
@@ -240,6 +356,15 @@ PROOFS = [
     ("walk_noise", [0.01, 0.02], [("vx_mps", 0.2), ("for_s", 5)], {"xy_sigma_m": "p[0]", "theta_sigma_rad": "p[1]"}),
     ("walk_noise", [0.03, 0.1], [("vx_mps", 0.3), ("vy_mps", -0.4), ("for_s", 8)],
      {"xy_sigma_m": "p[0] * 2", "theta_sigma_rad": "p[1] * 2"}),
+    ("pose_noise", [0.001, 0.002, 10, 1.5], [("vx_mps", 0.3), ("vy_mps", -0.4), ("omega_radps", -0.8), ("for_s", 2)],
+     {"pose_xy_sigma_m": "p[0] * (1 + p[2] * 0.5 + p[3] * 0.8)", "pose_theta_sigma_rad": "p[1] * (1 + p[2] * 0.5 + p[3] * 0.8)"}),
+    ("pose_noise", [0.04, 0.05, 2, 0.5], [("vx_mps", 0.2), ("omega_radps", 1), ("for_s", 2)],
+     {"pose_xy_sigma_m": "p[0] * 1.9", "pose_theta_sigma_rad": "p[1] * 1.9"}),
+    # Noise that is not white, of other kinds.
+    ("joint_wander", [0.004, 0.5], [("lag_s", 0.25)], {"joint_covariance_rad2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
+    ("point_scatter", [0.03, 1.5], [("x_m", 0.1), ("z_m", 1)], {"scatter_variance_px2": "p[0] * p[1]**2"}),
+    ("point_scatter", [0.2, 4], [("x_m", 0.1), ("z_m", 1)], {"scatter_variance_px2": "p[0] * p[1]**2"}),
+    ("joint_wander", [0.02, 3], [("lag_s", 1.5)], {"joint_covariance_rad2": "p[0]**2 * math.exp(-lag_s / p[1])"}),
 ]
 
 
@@ -250,7 +375,7 @@ def number(value):
 def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye,
-                 tangential=tangential)
+                 tangential=tangential, rational=rational, swung=swung, sprung=sprung)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
     text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"

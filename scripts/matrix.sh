@@ -6,7 +6,8 @@ cd "$(dirname "$0")/.."
 failed=0
 results=()
 # What only the matrix needs.
-for package in clang clang-tidy libclang-rt-14-dev qemu-user; do
+for package in clang clang-tidy libclang-rt-14-dev qemu-user python3-opencv mrcal; do
+for package in clang clang-tidy libclang-rt-14-dev qemu-user snakemake slurm-wlm munge; do
   [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
 done
 [ -z "${missing[*]:-}" ] || apt-get install -y -q --no-install-recommends "${missing[@]}"
@@ -33,8 +34,12 @@ part "AddressSanitizer and UBSan: all tests" build_and_test asan-ubsan .
 part "ThreadSanitizer: scheduler and renderer" build_and_test tsan 'Simulation|Server|Render|Hub|Pool'
 part "other CPUs and vector widths: same frames" scripts/bits_matrix.sh
 part "500 fault runs" env SEAM_FAULT_RUNS=500 build/tests/test_scheduler --gtest_filter='Faults*'
+part "100 mixes of all faults, ten simulated minutes each" env SEAM_FAULT_MIXES=100 python3 tests/fault_mix_test.py build "$PWD" /usr/bin/python3
+part "exported models, read by OpenCV and mrcal" ctest --test-dir build -R '^export$' --output-on-failure
 part "the recorded match with its frames" build/seam replay verify replays/match.mcap
 part "50 kills, resumed" env SEAM_KILLS=50 python3 tests/replay_test.py build/seam tests/mcap_node
+part "a sweep killed 20 times, and by Snakemake" env SEAM_KILLS=20 python3 tests/sweep_test.py build .
+part "a sweep through Slurm" python3 tests/slurm_test.py build .
 part "fuzzing, 10 minutes each" scripts/fuzz.sh 600
 
 {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the commands of a document and checks what it promises: doc_test.py FILE.md SEAM [PYTHON].
+"""Runs the commands of a document and checks what it promises: doc_test.py FILE.md SEAM [PYTHON] [--set FOLDER].
 
 Every fenced block marked `sh` is run in order, in a copy of the folder beside the document (docs/x.md:
 docs/x/). After a block, comments such as
@@ -7,8 +7,10 @@ docs/x/). After a block, comments such as
     <!-- check: fitted.json error_after < 1.05 -->
     <!-- check: exists report.html -->
 look at the files it wrote. The document's words are for people; these are for this test. PYTHON is the python3 of
-the blocks: one that has numpy.
+the blocks: one that has numpy. FOLDER is a measurement set that is not part of the source, by whose name the commands
+know it; without it nothing is run (exit code 77).
 """
+import argparse
 import json
 import os
 import pathlib
@@ -47,9 +49,17 @@ def holds(folder, check):
 
 
 def main():
-    document = pathlib.Path(sys.argv[1]).resolve()
-    seam = pathlib.Path(sys.argv[2]).resolve()
-    first = [str(seam.parent), *(str(pathlib.Path(python).parent) for python in sys.argv[3:])]
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("document", type=pathlib.Path)
+    arguments.add_argument("seam", type=pathlib.Path)
+    arguments.add_argument("python", type=pathlib.Path, nargs="?")
+    arguments.add_argument("--set", type=pathlib.Path)
+    given = arguments.parse_args()
+    if given.set and not given.set.is_dir():
+        print(f"skipped: {given.set} is not there")
+        return 77
+    document, seam = given.document.resolve(), given.seam.resolve()
+    first = [str(seam.parent), *([str(given.python.parent)] if given.python else [])]
     environment = dict(os.environ, PATH=":".join([*first, os.environ["PATH"]]))
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name) / "work"
@@ -58,6 +68,8 @@ def main():
             shutil.copytree(material, folder)
         else:
             folder.mkdir()
+        if given.set:
+            (folder / given.set.name).symlink_to(given.set.resolve())
         done = checks = 0
         for piece in PIECE.finditer(document.read_text(encoding="utf-8")):
             if piece["sh"]:

@@ -2,7 +2,8 @@
 """An effect answers for itself: nobody else knows it by name.
 
 Looks for names of the catalogue's effects as string literals outside their own files, the registry and the tests.
-Records may name other effects where they say how they are told from them (`.advice`). `--self-test` checks that a
+Records may name other effects where they say how they are told from them (`.advice`) and with which they come
+(`.companions`). `--self-test` checks that a
 name in the wrong place is noticed.
 """
 import pathlib
@@ -38,6 +39,7 @@ def findings(path, text, known):
     if relative.startswith("effects/catalogue/"):
         own = path.stem
         # The list of those from which an advice tells: up to the next field of the record.
+        text = re.sub(r"\.companions = \{[^}]*\}", "", text)
         text = re.sub(r"\.advice =.*?(?=\n      \.)", lambda match: re.sub(r"[^\n]", " ", match.group()), text,
                       flags=re.S)
     for match in re.finditer(r'"([a-z_]+)"', text):

@@ -83,6 +83,10 @@ class Scratch:
         shutil.copytree(folder / "rolling", folder / "instantaneous")
         for name in ("monday.mcap", "today.mcap"):
             shutil.copy(folder / "swing.mcap", folder / name)
+        sweep = ["seam", "sweep", "scenarios/sweep.yaml", "--out"]
+        for part in ("1", "2", "3"):
+            self.run([*sweep, f"part{part}.sqlite", "--shard", f"{part}/3"])
+        self.run(["seam", "sweep", "merge", "part1.sqlite", "part2.sqlite", "part3.sqlite", "--out", "results.sqlite"])
         log = (folder / "swing.mcap").read_bytes()
         (folder / "killed.mcap").write_bytes(log[:len(log) * 2 // 3])
 

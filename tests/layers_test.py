@@ -63,7 +63,8 @@ ROOMS = {
         "log": ["loop", "wire"],
         "replay": ["loop", "wire", "log"],
         "remote_render": ["loop", "wire"],
-        "server": ["loop", "wire", "remote_render"],
+        "listen": [],
+        "server": ["loop", "wire", "remote_render", "listen"],
     },
     "measurement": {
         "numerics": [],
@@ -71,11 +72,15 @@ ROOMS = {
         "imaging": [],
         "problem": ["sets"],
         "fitting": ["numerics", "problem"],
+        "noise": ["numerics", "problem"],
         "kinds": ["sets", "imaging", "problem"],
-        "kinds/photometry/likelihood": ["sets", "imaging", "problem"],
-        "kinds/photometry": ["kinds", "kinds/photometry/likelihood", "sets", "imaging", "problem", "numerics", "fitting"],
-        "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting"],
-        "check": ["imaging", "kinds", "sets", "problem", "search"],
+        "kinds/photometry/stack": ["sets", "imaging", "problem", "numerics"],
+        "kinds/photometry/likelihood": ["kinds/photometry/stack", "sets", "imaging", "problem"],
+        "kinds/photometry": ["kinds", "kinds/photometry/likelihood", "kinds/photometry/stack", "sets", "imaging", "problem", "numerics", "fitting"],
+        "kinds/points/target": ["numerics"],
+        "kinds/points": ["kinds", "kinds/points/target", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
+        "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
+        "check": ["imaging", "kinds", "sets", "problem", "fitting", "search"],
         "search": ["numerics", "problem", "fitting"],
         "report": ["problem", "search"],
         "study": ["imaging", "kinds", "search"],
@@ -87,13 +92,15 @@ ROOMS = {
         "team": [".", "vision", "localization"],
         "examples": [".", "vision", "localization", "team"],
     },
-    "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."]},
+    "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."], "exchange": [],
+            "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
     "tools": {
         ".": [],
         "experiments": ["."],
         "experiments/head_swing": [".", "experiments"],
         "replay": ["."],
         "viewer": ["."],
+        "sweep": [".", "experiments"],
         "commands": [".", "experiments"],
     },
 }
@@ -107,6 +114,7 @@ PRIVATE_HEADERS = {
     r"png\.h": {"sim_core"},
     r"CLI/": {"app"},
     r"httplib": {"tools/viewer"},
+    r"sqlite3": {"app/sweep"},
 }
 BANNED = {
     r"\b(?:std::)?(?:rand|srand|drand48)\s*\(": "use sim_core/base/random.h: numbers keyed by (seed, stream, index)",
@@ -117,8 +125,9 @@ BANNED = {
 # Clocks of the wall: how long a person or a client has waited, never what is computed.
 CLOCK = re.compile(r"\b(?:system_clock|steady_clock|high_resolution_clock|gettimeofday|clock_gettime)\b|\btime\s*\(\s*(?:nullptr|NULL)")
 CLOCK_PLACES = {
-    "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "robot_sdk/robot.cc",
-    "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
+    "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "app/sweep/sweep_progress.h",
+    "app/sweep/sweep_progress.cc", "robot_sdk/robot.cc",
+    "scheduler/listen/accept_loop.cc", "scheduler/listen/connection_count.h", "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
     "scheduler/server/client_hub.h", "scheduler/server/server.cc", "scheduler/server/stream.h",
     "scheduler/server/token_tries.h",
 }

@@ -8,7 +8,8 @@ import subprocess
 import sys
 import tempfile
 
-STAGES = ["timing", "joint", "mount", "geometry", "radiometry", "light", "sensor", "detector", "locomotion"]
+STAGES = ["timing", "joint", "mount", "geometry", "radiometry", "light", "sensor", "detector", "locomotion",
+          "target"]
 
 
 def run(*command):

@@ -19,7 +19,7 @@ except ImportError as missing:
 
 SOURCE = pathlib.Path(sys.argv[1]).resolve()
 SCHEMAS = {f"seam-{name}/1": json.loads((SOURCE / f"docs/schemas/{name}.schema.json").read_text(encoding="utf-8"))
-           for name in ("scenario", "model", "measurement", "scene")}
+           for name in ("scenario", "model", "measurement", "scene", "sweep")}
 
 
 class Reader(yaml.SafeLoader):
@@ -58,6 +58,7 @@ def main():
                              ("seam-measurement/1", "kind", "guesses"),
                              ("seam-measurement/1", "camera", {"width_px": 0, "height_px": 100}),
                              ("seam-scene/1", "objects", [{"shape": "cone", "rgb": [0, 0, 0]}]),
+                             ("seam-sweep/1", "vary", [{"path": "seed", "range": [1, 2], "values": [3]}]),
                              ("seam-scenario/1", "duration_s", -1)):
         spoilt = copy.deepcopy(seen[form])
         spoilt[key] = value

@@ -33,4 +33,18 @@ with tempfile.TemporaryDirectory() as folder:
 
     unknown = subprocess.run([seam, "study", "points", "--effect", "frame_latancy"], capture_output=True, text=True)
     assert unknown.returncode == 1 and "frame_latency" in unknown.stderr, unknown
+    # Sets like recordings, and what they cannot be.
+    like = scratch / "like.json"
+    done = subprocess.run([seam, "study", "odometry", "--groups", "2", "--uneven", "--misfit", "0.05", "--material", "0.1",
+                           "--hide", "{odometry_scale: {vx_scale: 0.1}, walk_lag: {tau_s: 0.3}}", "--seeds", "1",
+                           "--json", like], capture_output=True, text=True)
+    assert done.returncode == 0, done
+    told = json.loads(like.read_text())
+    assert told["conditions"] == "2 groups, uneven time steps, a smooth misfit of 0.05", told
+    assert told["material"] == 0.1 and told["rows"][0]["alarms"]["hits"] == 1, told
+    images = subprocess.run([seam, "study", "photometry", "--wander", "1"], capture_output=True, text=True)
+    assert images.returncode == 1 and "only --groups" in images.stderr, images
+    both = subprocess.run([seam, "study", "odometry", "--effect", "walk_lag", "--hide", "{walk_lag: {tau_s: 1}}"],
+                          capture_output=True, text=True)
+    assert both.returncode == 2, both
 print("ok")

@@ -6,7 +6,8 @@
 
 namespace seam::tools {
 
-// One line a command; a file of tools/commands/, tools/replay/ or tools/viewer/ defines add_<name>.
+// One line a command; a file of tools/commands/, tools/replay/, tools/sweep/ or tools/viewer/
+// defines add_<name>.
 #define SEAM_COMMANDS(X) \
   X(add)                 \
   X(camera_calibrate)    \
@@ -20,6 +21,7 @@ namespace seam::tools {
   X(discover)            \
   X(effects)             \
   X(experiment)          \
+  X(export)              \
   X(fit)                 \
   X(frame)               \
   X(history)             \
@@ -30,6 +32,7 @@ namespace seam::tools {
   X(run)                 \
   X(serve)               \
   X(study)               \
+  X(sweep)               \
   X(view)
 
 #define SEAM_DECLARE(name) void add_##name(app::Command app);

@@ -6,6 +6,7 @@
 
 #include "app/logs/replay_match.h"
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 
 namespace seam::app {
 
@@ -29,7 +30,7 @@ scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler:
 
 std::string to_text(const scheduler::LogDifference& difference) {
   std::string text;
-  for (const std::string& line : difference.header) text += line + "\n";
+  for (const std::string& line : difference.header) text += shown(line) + "\n";
   if (difference.first_decision) {
     const std::string& robot = difference.first_decision->robot;
     text += fmt::format("first other decision: {}, {}\n", seconds(difference.first_decision->time),
@@ -54,7 +55,7 @@ std::string to_text(const scheduler::LogDifference& difference) {
   }
   text += difference.equal() ? "equal" : "different";
   text += fmt::format(" (compared up to {})\n", seconds(difference.compared_until));
-  return text;
+  return shown_lines(text);
 }
 
 std::string to_json(const scheduler::LogDifference& difference) {

@@ -155,6 +155,8 @@ SignalWatch::SignalWatch(std::function<void()> stop, std::function<void()> child
 
 SignalWatch::~SignalWatch() {
   ending_ = true;
+  // Wakes it: a short run need not wait for its next look around.
+  pthread_kill(thread_.native_handle(), SIGCHLD);
   thread_.join();
 }
 

@@ -6,6 +6,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/image.h"
+#include "sim_core/input/file_names.h"
 #include "sim_core/system/thread.h"
 
 namespace seam::app {
@@ -87,7 +88,7 @@ void FrameFiles::on_frame(SimTime, const FrameJob& job, const Frame& frame) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return pictures_.size() < kMaxWaiting; });
   if (!error_.empty()) throw InputError(error_);
-  pictures_.push_back({folder_ / name, frame.width_px, frame.height_px, frame.rgb});
+  pictures_.push_back({path_inside(folder_, name), frame.width_px, frame.height_px, frame.rgb});
   changed_.notify_all();
 }
 

@@ -101,6 +101,26 @@ void wait_for_renderers(const scheduler::RemoteRenderer& remote,
                                            remote.renderers(), wanted, options.connect_limit_s));
 }
 
+std::string fingerprint_of(const std::string& text) {
+  Hasher hasher;
+  hasher.add(std::string_view(text));
+  return to_hex(hasher.digest());
+}
+
+SessionIdentity identity_of(const Simulator& simulator) {
+  SessionIdentity identity{.scenario = simulator.header.scenario_name,
+                           .fingerprint = fingerprint_of(simulator.header.scenario_text),
+                           .changes = simulator.changes,
+                           .seed = simulator.scenario.seed,
+                           .versions = simulator.header.versions};
+  for (size_t i = 0; i < simulator.models.size(); ++i) {
+    const effects::Model& model = simulator.models[i];
+    identity.models.push_back(
+        {simulator.scenario.robots[i].id, model.name(), fingerprint_of(model.to_yaml())});
+  }
+  return identity;
+}
+
 // Whatever ends the run, also an error of an observer (a full disk): calls that wait for the loop
 // are answered before the server goes.
 struct Closer {
@@ -134,6 +154,7 @@ class Session {
     serve();
     start_processes();
     observers.push_back(&aborted_);
+    observers.push_back(&logged_);
     observers.push_back(&memory_);
     if (recorder_) observers.push_back(&*recorder_);
     if (outputs_.frames) observers.push_back(&*outputs_.frames);
@@ -164,6 +185,7 @@ class Session {
   const std::vector<scheduler::HubRobot> robots_;
   std::optional<scheduler::Recorder> recorder_;
   AbortReason aborted_;
+  LoggedValues logged_;
   MemoryWatch memory_;
   scheduler::RunControl control_;
   scheduler::ClientHub hub_;
@@ -232,7 +254,8 @@ SessionSummary Session::simulate(const WrapSource& wrap,
   const Scenario& scenario = simulator_.scenario;
   const SignalWatch signals([this] { control_.stop(); }, [this] { reap(); });
   if (remote_) wait_for_renderers(*remote_, options_.rendering, control_, renderer_ended_);
-  const Progress progress(hub_, control_, scenario.duration);
+  std::optional<Progress> progress;
+  if (options_.progress) progress.emplace(hub_, control_, scenario.duration);
   const auto source = wrap ? wrap(hub_) : nullptr;
   scheduler::DecisionSource& decisions = source ? *source : hub_;
   scheduler::FrameRenderer* renderer = simulator_.renderer.get();
@@ -243,6 +266,7 @@ SessionSummary Session::simulate(const WrapSource& wrap,
   const Finisher finisher{remote_.get()};
   const auto start = std::chrono::steady_clock::now();
   SessionSummary summary;
+  summary.identity = identity_of(simulator_);
   summary.end = simulation.run();
   summary.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   summary.sim_s = simulation.now().s();
@@ -252,6 +276,7 @@ SessionSummary Session::simulate(const WrapSource& wrap,
   summary.fingerprint = simulation.fingerprint();
   summary.waiting_s = hub_.wall_waiting_s();
   summary.abort_reason = aborted_.text;
+  summary.logged = logged_.summaries();
   summary.has_score = scenario.referee.enabled;
   summary.red_score = simulator_.world.score(Team::red);
   summary.blue_score = simulator_.world.score(Team::blue);
@@ -269,7 +294,13 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 
 void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator) {
   command.add_option("--seed", simulator.seed, "Replaces the scenario's seed");
+  command.add_option("--set", simulator.changes,
+                     "PATH=VALUE: changes any key of the scenario or of a model that it names,\n"
+                     "such as robots[0].camera.model.effects.EFFECT.PARAMETER=1e-4");
   command.add_option("--log", session.log, "Writes the replay log (MCAP) here");
+  command.add_flag("--durable", session.durable,
+                   "Syncs each chunk of the log to the disk: after a power cut what is older than\n"
+                   "half a simulated second is there");
   command.add_option("--sign", session.sign_key,
                      "Signs the log, into a file LOG.sig beside it: a private key, Ed25519 in PEM");
   command.add_flag("--log-frames", session.recording.pictures,

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/command_line.h"
+#include "app/session/logged_values.h"
 #include "app/session/memory_watch.h"
 #include "app/session/remote_rendering.h"
 #include "app/simulator.h"
@@ -27,6 +28,7 @@ struct SessionOptions {
   scheduler::RecorderOptions recording;
   std::string frames;                         // Folder; empty: none.
   std::string json;                           // Summary; empty: none.
+  bool durable = false;                       // The log survives a power cut up to its last chunk.
   bool force = false;                         // A log and frames of an earlier run are replaced.
   std::vector<std::filesystem::path> inputs;  // What is read: no output may be one of these.
   bool start_behaviours = true;
@@ -35,9 +37,27 @@ struct SessionOptions {
   std::string token_file;              // Tokens are written here for clients elsewhere.
   RemoteRenderingOptions rendering;
   std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
+  bool progress = true;                                      // On a terminal.
+};
+
+// What a run was made from.
+struct SessionIdentity {
+  std::string scenario;     // Its name.
+  std::string fingerprint;  // Of the whole scenario with all changes and models, tokens apart.
+  std::vector<ScenarioChange> changes;
+  int64_t seed = 0;
+  std::vector<std::pair<std::string, std::string>> versions;
+  struct RobotModel {
+    std::string robot;
+    std::string model;        // The model's own name.
+    std::string fingerprint;  // Of the values that this robot has.
+  };
+  std::vector<RobotModel> models;
 };
 
 struct SessionSummary {
+  SessionIdentity identity;
+  LoggedSummaries logged;  // What behaviours logged as values.
   double sim_s = 0;
   double wall_s = 0;
   double waiting_s = 0;  // Of wall_s: for clients.

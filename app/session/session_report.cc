@@ -12,23 +12,52 @@ namespace {
 
 constexpr const char* kEnds[] = {"finished", "stopped", "aborted"};
 
+void put_identity(nlohmann::ordered_json& json, const SessionIdentity& identity) {
+  json["scenario"] = {{"name", identity.scenario}, {"fingerprint", identity.fingerprint}};
+  json["seed"] = identity.seed;
+  json["changes"] = nlohmann::ordered_json::array();
+  for (const ScenarioChange& change : identity.changes)
+    json["changes"].push_back({{"path", change.path}, {"value", change.value.text}});
+  json["models"] = nlohmann::ordered_json::array();
+  for (const SessionIdentity::RobotModel& model : identity.models)
+    json["models"].push_back(
+        {{"robot", model.robot}, {"name", model.model}, {"fingerprint", model.fingerprint}});
+  json["versions"] = nlohmann::ordered_json::object();
+  for (const auto& [name, version] : identity.versions) json["versions"][name] = version;
+}
+
+// The last value of each name, by robot.
+nlohmann::ordered_json json_of(const LoggedSummaries& logged) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const auto& [key, summary] : logged) json[key.first][key.second] = summary.last;
+  return json;
+}
+
 nlohmann::ordered_json json_of(const SessionSummary& summary) {
-  nlohmann::ordered_json json = {{"format", "seam-run/1"},
-                                 {"sim_s", summary.sim_s},
-                                 {"wall_s", summary.wall_s},
-                                 {"real_time_factor", summary.real_time_factor()},
-                                 {"frames", summary.frames},
-                                 {"fingerprint", to_hex(summary.fingerprint)},
-                                 {"rendered_remotely", summary.rendered_remotely},
-                                 {"decisions", summary.decisions},
-                                 {"waiting_s", summary.waiting_s},
-                                 {"end", kEnds[static_cast<size_t>(summary.end)]}};
+  nlohmann::ordered_json json = {{"format", "seam-run/1"}};
+  put_identity(json, summary.identity);
+  json.update({{"sim_s", summary.sim_s},
+               {"wall_s", summary.wall_s},
+               {"real_time_factor", summary.real_time_factor()},
+               {"frames", summary.frames},
+               {"fingerprint", to_hex(summary.fingerprint)},
+               {"rendered_remotely", summary.rendered_remotely},
+               {"decisions", summary.decisions},
+               {"waiting_s", summary.waiting_s},
+               {"end", kEnds[static_cast<size_t>(summary.end)]}});
   if (summary.has_score) json["score"] = {{"red", summary.red_score}, {"blue", summary.blue_score}};
+  json["values"] = json_of(summary.logged);
   json["log_bytes"] = summary.log_bytes;
   json["memory"] = nlohmann::ordered_json::array();
   for (const MemorySample& sample : summary.memory)
     json["memory"].push_back({{"sim_s", sample.sim_s}, {"rss_bytes", sample.resident_bytes}});
   return json;
+}
+
+// What behaviours call their values may be no UTF-8.
+std::string json_text(const SessionSummary& summary) {
+  return json_of(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) +
+         "\n";
 }
 
 }  // namespace
@@ -42,7 +71,7 @@ int report(const SessionSummary& summary, SessionOutputs& outputs) {
       static_cast<unsigned long long>(summary.decisions), to_hex(summary.fingerprint).c_str());
   if (summary.has_score)
     std::printf("score red %d, blue %d\n", summary.red_score, summary.blue_score);
-  if (outputs.json) outputs.json.fill(json_of(summary).dump(2) + "\n");
+  if (outputs.json) outputs.json.fill(json_text(summary));
   if (summary.end != scheduler::EndReason::aborted) return 0;
   std::fprintf(stderr, "seam: the run was aborted: %s\n", summary.abort_reason.c_str());
   return 1;

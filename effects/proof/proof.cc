@@ -10,9 +10,11 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/locomotion.h"
+#include "effects/stages/noise.h"
 #include "effects/stages/optics.h"
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/servo.h"
+#include "effects/stages/target.h"
 #include "effects/stages/timing.h"
 #include "sim_core/base/error.h"
 
@@ -51,6 +53,12 @@ Model model_with(const std::shared_ptr<const EffectDefinition>& effect, const Pr
         std::pair(Base::response, std::vector<double>{200, 8})}) {
     if (effect->base != base) add(find_effect(base_name(base)), numbers);
   }
+  const auto& needs = effect->needs;
+  if (effect->base != Base::wheels &&
+      std::find(needs.begin(), needs.end(), Need::wheels) != needs.end())
+    add(find_effect(base_name(Base::wheels)), {0.001, 0.2});
+  if (effect->needs_base == Base::motor)
+    add(find_effect(base_name(Base::motor)), {200, 10, 0.5, 0, 1});
   add(effect, proof.values);
   return model;
 }
@@ -70,6 +78,12 @@ Quantities timing_outcome(const Model& model, const Quantities& given) {
           {"middle_s", taken_s + timing.row_middle_after_stamp_s(row, stamp_s)},
           {"end_s", start_s + timing.exposure_s},
           {"own_latency_rms_s", std::sqrt(square)}};
+}
+
+double covariance_of(const std::vector<Wander>& wanders, double lag_s) {
+  double sum = 0;
+  for (const Wander& wander : wanders) sum += wander.covariance(lag_s);
+  return sum;
 }
 
 Quantities joint_outcome(const Model& model, const Quantities& given) {
@@ -103,6 +117,8 @@ Quantities joint_outcome(const Model& model, const Quantities& given) {
   for (size_t i = 0; i < commands.size(); ++i) servo.command(times.at(i), commands[i]);
   servo.advance_to(value_of(given, "at_s"));
   out.push_back({"joint_rad", servo.joint_rad()});
+  out.push_back(
+      {"joint_covariance_rad2", covariance_of(noise_of(model).joint, value_of(given, "lag_s"))});
   return out;
 }
 
@@ -111,11 +127,13 @@ Quantities image_outcome(const Model& model, const Quantities& given) {
   const Vec3 p_L = mount_of(model) * p_C;
   const ImagePoint point = Projection(model, kWidth_px, kHeight_px)
                                .project(p_C, 0, 0, static_cast<int>(value_of(given, "channel", 1)));
+  const Few scatter = noise_of(model).point_scatter;
   return {{"link_x_m", p_L.x},
           {"link_y_m", p_L.y},
           {"link_z_m", p_L.z},
           {"u_px", point.u},
-          {"v_px", point.v}};
+          {"v_px", point.v},
+          {"scatter_variance_px2", scatter.fraction * scatter.size * scatter.size}};
 }
 
 Quantities light_outcome(const Model& model, const Quantities& given) {
@@ -131,6 +149,7 @@ Quantities light_outcome(const Model& model, const Quantities& given) {
           {"lamp", lamp_brightness(model, {.start_s = value_of(given, "start_s"),
                                            .exposure_s = value_of(given, "exposure_s")})},
           {"seen_light", (1 - optics.glare_fraction) * light + optics.glare_fraction * mean},
+          {"lamp_sigma", sensor_of(model).lamp_sigma},
           {"edge_light", 0.5 * std::erfc(-sigmas / std::sqrt(2.0))}};
 }
 
@@ -142,14 +161,18 @@ Quantities sensor_outcome(const Model& model, const Quantities& given) {
   const Moments seen =
       response_moments(chain, signal, static_cast<int>(value_of(given, "channel", 1)), exposure);
   const auto square = [](double x) { return x * x; };
+  const double lost = (1 - chain.weak_gain) * signal;
   return {{"mean_dn", seen.mean_dn},
           {"variance_dn2", seen.variance_dn2 + square(chain.read_sigma_dn)},
           {"row_variance_dn2", square(chain.row_sigma_dn)},
-          {"pattern_mean_dn", chain.hot_fraction * chain.hot_level_dn},
+          {"wave_dn", chain.wave.amplitude_dn *
+                          chain.wave.unit_at(value_of(given, "u_px"), value_of(given, "v_px"))},
+          {"pattern_mean_dn", chain.hot_fraction * chain.hot_level_dn - chain.weak_fraction * lost},
           {"pattern_variance_dn2",
            square(chain.pixel_gain_sigma * signal) + square(chain.pixel_offset_sigma_dn) +
                square(chain.column_sigma_dn) +
-               chain.hot_fraction * (1 - chain.hot_fraction) * square(chain.hot_level_dn)},
+               chain.hot_fraction * (1 - chain.hot_fraction) * square(chain.hot_level_dn) +
+               chain.weak_fraction * (1 - chain.weak_fraction) * square(lost)},
           {"file_dn", static_cast<double>(to_file(chain, value_of(given, "value_dn"), 8))}};
 }
 
@@ -157,28 +180,69 @@ Quantities detector_outcome(const Model& model, const Quantities& given) {
   Detection seen{.range_m = value_of(given, "range_m"),
                  .bearing_rad = value_of(given, "bearing_rad")};
   apply_detector(model, seen);
+  const Noise noise = noise_of(model);
+  const double lag_s = value_of(given, "lag_s");
   return {{"range_m", seen.range_m},
           {"bearing_rad", seen.bearing_rad},
           {"range_sigma_m", std::sqrt(seen.range_variance)},
-          {"bearing_sigma_rad", std::sqrt(seen.bearing_variance)}};
+          {"bearing_sigma_rad", std::sqrt(seen.bearing_variance)},
+          {"place_sigma_m", std::sqrt(noise.place_variance)},
+          {"range_covariance_m2", covariance_of(noise.range, lag_s) + noise.range_bias_variance},
+          {"bearing_covariance_rad2",
+           covariance_of(noise.bearing, lag_s) + noise.bearing_bias_variance},
+          {"heading_covariance_rad2", covariance_of(noise.heading, lag_s)},
+          {"tail_mean_m", noise.range_tail.fraction * noise.range_tail.size},
+          {"tail_variance_m2", noise.range_tail.fraction * (2 - noise.range_tail.fraction) *
+                                   noise.range_tail.size * noise.range_tail.size}};
 }
 
 Quantities walk_outcome(const Model& model, const Quantities& given) {
   const Locomotion walk = locomotion_of(model);
   WalkState state;
   BodyVelocity command;
+  double left_ticks = 0, right_ticks = 0;
   for (const Quantity& quantity : given) {
+    if (quantity.name == "left_ticks") left_ticks = quantity.value;
+    if (quantity.name == "right_ticks") right_ticks = quantity.value;
     if (quantity.name == "vx_mps") command.vx_mps = quantity.value;
     if (quantity.name == "vy_mps") command.vy_mps = quantity.value;
     if (quantity.name == "omega_radps") command.omega_radps = quantity.value;
-    if (quantity.name == "for_s") advance_walk(walk, command, quantity.value, state);
+    if (quantity.name != "for_s") continue;
+    const bool ticks = left_ticks != 0 || right_ticks != 0;
+    advance_walk(
+        walk,
+        ticks ? walk.wheels.velocity_of_ticks(left_ticks, right_ticks, quantity.value) : command,
+        quantity.value, state);
   }
   const double root = std::sqrt(state.path_m);
+  double xy2 = 0, theta2 = 0;
+  for (const MovingNoise& pose : noise_of(model).pose) {
+    const double growth =
+        pose.growth(std::hypot(command.vx_mps, command.vy_mps), command.omega_radps);
+    xy2 += growth * growth * pose.xy_sigma_m * pose.xy_sigma_m;
+    theta2 += growth * growth * pose.theta_sigma_rad * pose.theta_sigma_rad;
+  }
   return {{"x_m", state.x_m},
           {"y_m", state.y_m},
           {"theta_rad", state.theta_rad},
           {"xy_sigma_m", walk.xy_sigma * root},
-          {"theta_sigma_rad", walk.theta_sigma * root}};
+          {"theta_sigma_rad", walk.theta_sigma * root},
+          {"pose_xy_sigma_m", std::sqrt(xy2)},
+          {"pose_theta_sigma_rad", std::sqrt(theta2)}};
+}
+
+// A board that reaches half_m from its middle on each side.
+Quantities target_outcome(const Model& model, const Quantities& given) {
+  const TargetShape shape = target_of(model);
+  const double half_m = value_of(given, "half_m", 1);
+  const Vec3 p_B(value_of(given, "x_m"), value_of(given, "y_m"), value_of(given, "z_m"));
+  const Vec3 placed_B =
+      shape.placed(p_B, p_B.x / half_m, p_B.y / half_m, value_of(given, "flex_m"));
+  return {{"x_m", placed_B.x},
+          {"y_m", placed_B.y},
+          {"z_m", placed_B.z},
+          {"scatter_m", shape.scatter_sigma_m},
+          {"flex_sigma_m", shape.flex_sigma_m}};
 }
 
 Quantities outcome(Stage stage, const Model& model, const Quantities& given) {
@@ -199,6 +263,8 @@ Quantities outcome(Stage stage, const Model& model, const Quantities& given) {
       return detector_outcome(model, given);
     case Stage::locomotion:
       return walk_outcome(model, given);
+    case Stage::target:
+      return target_outcome(model, given);
   }
   return {};
 }

@@ -13,7 +13,18 @@ namespace {
 // After this many time constants the lag is over to double precision of a millimetre.
 constexpr double kLagIsOver = 30;
 
-BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& v) {
+// A velocity as the wheels carry it out that were told to.
+BodyVelocity rolled(const Wheels& wheels, const BodyVelocity& told) {
+  const double half_turn = 0.5 * wheels.base_m * told.omega_radps;
+  const double left = (told.vx_mps - half_turn) * (1 + wheels.left_scale);
+  const double right = (told.vx_mps + half_turn) * (1 + wheels.right_scale);
+  const double omega = (right - left) / (wheels.base_m * (1 + wheels.base_scale));
+  const double grip = std::max(0.0, 1 - wheels.slip_s * std::abs(omega));
+  return {0.5 * (left + right) * grip, 0, omega};
+}
+
+BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& told) {
+  const BodyVelocity v = walk.wheels.driven ? rolled(walk.wheels, told) : told;
   return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale),
           v.omega_radps * (1 + walk.omega_scale)};
 }

@@ -1,6 +1,7 @@
 // Stage `locomotion`: from commanded to true motion of the body. The command holds between its
 // changes; the velocity follows it with a lag, is scaled, and turns the body a little for each
-// metre of path. Constant velocities are integrated as exact arcs.
+// metre of path. A body on wheels takes it through their speeds. Constant velocities are integrated
+// as exact arcs.
 #pragma once
 
 #include <vector>
@@ -17,8 +18,26 @@ struct VelocitySample {
   double t_s = 0;        // Since the start of the run.
 };
 
+// A body on two wheels: what their speeds make of it, and what is wrong with them.
+struct Wheels {
+  bool driven = false;  // Else velocities move the body whatever its legs or wheels do.
+  double metres_per_tick = 0;
+  double base_m = 1;
+  double left_scale = 0;
+  double right_scale = 0;
+  double base_scale = 0;
+  double slip_s = 0;  // Share of the speed that is lost for each rad/s.
+
+  // What the ticks of an interval say by themselves: a velocity that holds over it.
+  BodyVelocity velocity_of_ticks(double left, double right, double dt_s) const {
+    return {0.5 * metres_per_tick * (left + right) / dt_s, 0,
+            metres_per_tick * (right - left) / base_m / dt_s};
+  }
+};
+
 // What the locomotion effects of a model add up to.
 struct Locomotion {
+  Wheels wheels;
   double vx_scale = 0;
   double vy_scale = 0;
   double omega_scale = 0;

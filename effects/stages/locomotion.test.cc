@@ -62,5 +62,35 @@ TEST(Locomotion, AQuarterCircleIsExact) {
   EXPECT_NEAR(s.y_m, 2 / std::acos(-1.0), 1e-15);
 }
 
+// A body on wheels whose velocity is commanded: each wheel by small steps, apart from the solver.
+TEST(Locomotion, WheelsCarryOutWhatTheyAreTold) {
+  const Locomotion walk{.wheels = {.driven = true,
+                                   .metres_per_tick = 1e-4,
+                                   .base_m = 0.3,
+                                   .left_scale = 0.02,
+                                   .right_scale = -0.05,
+                                   .base_scale = 0.1,
+                                   .slip_s = 0.15}};
+  WalkState state;
+  double x = 0, y = 0, theta = 0;
+  for (const BodyVelocity& told : {BodyVelocity{0.4, 0.2, 0.8}, BodyVelocity{-0.1, 0, -2}}) {
+    advance_walk(walk, told, 0.7, state);
+    const double left = (told.vx_mps - 0.15 * told.omega_radps) * 1.02,
+                 right = (told.vx_mps + 0.15 * told.omega_radps) * 0.95;
+    const double omega = (right - left) / 0.33;
+    const double v = 0.5 * (left + right) * (1 - 0.15 * std::abs(omega));
+    const int steps = 20000;
+    const double h = 0.7 / steps;
+    for (int i = 0; i < steps; ++i) {
+      x += v * h * std::cos(theta + omega * h / 2);
+      y += v * h * std::sin(theta + omega * h / 2);
+      theta += omega * h;
+    }
+  }
+  EXPECT_NEAR(state.x_m, x, 1e-8);
+  EXPECT_NEAR(state.y_m, y, 1e-8);
+  EXPECT_NEAR(state.theta_rad, theta, 1e-10);
+}
+
 }  // namespace
 }  // namespace seam::effects

@@ -15,7 +15,12 @@
 namespace seam::effects {
 namespace {
 
-// One command in force: the joint's state where it began to act, from which the motion is closed.
+// A motor is integrated from tick to tick, counted from where its command began to act, so that
+// its angle at any time is the same bits whenever it was asked for before.
+constexpr SimDuration kMotorTick = SimDuration::from_ns(5'000'000);
+
+// One command in force: the joint's state where it began to act, from which the motion is closed;
+// for a motor, at a later tick, from which it is integrated.
 struct Piece {
   SimTime issued;
   SimTime acts;
@@ -23,6 +28,17 @@ struct Piece {
   double speed_radps = 0;
   bool rests = false;  // The first piece: no command acts.
   ServoState state;
+  // Of a motor: its controller is given a setpoint that goes to the command at this speed.
+  bool is_motor = false;
+  double setpoint_rad = 0;  // Where that was when the command began to act.
+  SimTime since;            // The tick of the state.
+
+  // Where the setpoint is, and at which rate it moves.
+  std::pair<double, double> setpoint(SimTime time) const {
+    const double way = command_rad - setpoint_rad, most = speed_radps * (time - acts).s();
+    if (!(std::abs(way) > most)) return {command_rad, 0};
+    return {setpoint_rad + std::copysign(most, way), std::copysign(speed_radps, way)};
+  }
 
   void visit(StateVisitor& visitor) {
     visitor.field("issued", issued);
@@ -34,7 +50,29 @@ struct Piece {
     visitor.field("motor_radps", state.motor_radps);
     visitor.field("load_rad", state.load_rad);
   }
+  void visit_motor(StateVisitor& visitor) {
+    is_motor = true;
+    visitor.field("setpoint_rad", setpoint_rad);
+    visitor.field("since", since);
+  }
 };
+
+// Moves the piece's state to `time`, no further than the piece's next tick is.
+void advance_to(const ServoModel& servo, const Piece& piece, SimTime from, SimTime time,
+                ServoState& state) {
+  const auto [setpoint_rad, radps] = piece.setpoint(from);
+  MotorInput input{.command_rad = setpoint_rad, .command_radps = radps};
+  double left_s = (time - from).s();
+  if (radps != 0) {
+    const double arrives_s = (piece.command_rad - setpoint_rad) / radps;
+    if (arrives_s < left_s) {
+      advance_servo(servo, input, arrives_s, state);
+      left_s -= arrives_s;
+      input = {.command_rad = piece.command_rad};
+    }
+  }
+  advance_servo(servo, input, left_s, state);
+}
 
 class ServoActuator final : public JointActuator {
  public:
@@ -43,13 +81,27 @@ class ServoActuator final : public JointActuator {
       : robot_(std::move(robot)), model_(std::move(model)), servo_(std::move(servo)), role_(role) {
     formulas_.swap(servo_.formulas);
     const SimTime always = SimTime::from_ns(std::numeric_limits<int64_t>::min() / 4);
-    pieces_.push_back({always, always, initial_rad, 0, true, servo_at_rest(servo_, initial_rad)});
+    pieces_.push_back({.issued = always,
+                       .acts = always,
+                       .command_rad = initial_rad,
+                       .rests = true,
+                       .state = servo_at_rest(servo_, initial_rad),
+                       .is_motor = servo_.torque.present,
+                       .setpoint_rad = initial_rad,
+                       .since = always});
   }
 
   void command(SimTime time, double target_rad, double max_speed_radps) override {
     while (pieces_.size() > 1 && pieces_.back().issued >= time) pieces_.pop_back();
     const SimTime acts = time + SimDuration::from_s(servo_.latency_s);
-    pieces_.push_back({time, acts, target_rad, max_speed_radps, false, state_at(acts)});
+    pieces_.push_back({.issued = time,
+                       .acts = acts,
+                       .command_rad = target_rad,
+                       .speed_radps = max_speed_radps,
+                       .state = state_at(acts),
+                       .is_motor = servo_.torque.present,
+                       .setpoint_rad = piece_at(acts).setpoint(acts).first,
+                       .since = acts});
   }
 
   double angle(SimTime time) const override {
@@ -82,10 +134,19 @@ class ServoActuator final : public JointActuator {
     size_t keep = 0;
     while (keep + 1 < pieces_.size() && pieces_[keep + 1].acts <= time) ++keep;
     pieces_.erase(pieces_.begin(), pieces_.begin() + static_cast<std::ptrdiff_t>(keep));
+    Piece& oldest = pieces_.front();
+    if (!oldest.is_motor || oldest.rests) return;
+    while (oldest.since + kMotorTick <= time) {
+      advance_to(servo_, oldest, oldest.since, oldest.since + kMotorTick, oldest.state);
+      oldest.since = oldest.since + kMotorTick;
+    }
   }
 
   void visit(StateVisitor& visitor) override {
     visitor.list("pieces", pieces_);
+    if (servo_.torque.present) {
+      for (Piece& piece : pieces_) piece.visit_motor(visitor);
+    }
     if (pieces_.empty()) throw InputError("snapshot: a joint without motion");
   }
 
@@ -99,6 +160,15 @@ class ServoActuator final : public JointActuator {
     const Piece& piece = piece_at(time);
     ServoState state = piece.state;
     if (piece.rests) return state;
+    if (piece.is_motor) {
+      SimTime from = piece.since;
+      while (from < time) {
+        const SimTime to = std::min(from + kMotorTick, time);
+        advance_to(servo_, piece, from, to, state);
+        from = to;
+      }
+      return state;
+    }
     ServoModel servo = servo_;
     servo.rad_per_s = std::min(servo.rad_per_s, piece.speed_radps);
     advance_servo(servo, piece.command_rad, (time - piece.acts).s(), state);
@@ -186,6 +256,9 @@ std::unique_ptr<JointActuator> ModelParts::joint(const RobotSpec& robot, int joi
   const JointRole role = joint_role(std::string(kJointNames[static_cast<size_t>(joint)]));
   ServoModel servo = servo_of(model);
   servo.backlash_rad = 0;
+  // Gravity turns the head up and down and sideways; the pan's axis is upright and feels none, and
+  // what legs feel is the body's weight, which walks are made of.
+  if (role != JointRole::tilt && role != JointRole::roll) servo.torque.gravity_rad_per_s2 = 0;
   for (const ModelEffect& effect : model.effects()) {
     if (effect.definition->play_rad)
       servo.backlash_rad += effect.definition->play_rad(effect.values(), role);

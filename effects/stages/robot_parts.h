@@ -16,7 +16,9 @@ class ModelParts final : public RobotPartsFactory {
   explicit ModelParts(std::map<std::string, Model> models) : models_(std::move(models)) {}
 
   // Servo effects act on every joint; the play of tilt and roll is that of `tilt_width_rad` and
-  // `roll_width_rad`, legs have none. The encoder sits on the motor, before play and sag.
+  // `roll_width_rad`, legs have none. The encoder sits on the motor, before play and sag. A motor's
+  // gravity acts on the head's tilt and roll; its setpoint goes to a command at the commanded
+  // speed.
   std::unique_ptr<JointActuator> joint(const RobotSpec& robot, int joint, double initial_rad,
                                        RandomStream noise) const override;
   std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot,

@@ -11,6 +11,8 @@ namespace {
 // Angles nearer than this (radians) are the same: far below any encoder's step.
 constexpr double kSameAngle_rad = 1e-13;
 constexpr double kSameTime_s = 1e-9;
+// Turning points of a motor in one advance: more stand for an equation that no servo has.
+constexpr int kMostTurns = 2000;
 
 // Moves the motor along a piece without a turning point and lets the load follow.
 void settle_load(const ServoModel& servo, ServoState& state) {
@@ -219,37 +221,60 @@ void advance_servo(const ServoModel& servo, double command_rad, double dt_s, Ser
   }
 }
 
+void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, ServoState& state) {
+  const double started_rad = input.command_rad;
+  MotorState motor{state.motor_rad, state.motor_radps};
+  int turns = 0;
+  for (double done_s = 0; done_s < dt_s; ++turns) {
+    input.command_rad = started_rad + input.command_radps * done_s;
+    done_s += advance_motor(servo.torque, input, dt_s - done_s, motor);
+    state.motor_rad = motor.q_rad, state.motor_radps = motor.w_radps;
+    settle_load(servo, state);
+    if (turns > kMostTurns) state.motor_rad = state.load_rad = NAN;
+    if (!std::isfinite(state.motor_rad)) return;
+  }
+}
+
 double joint_angle(const ServoModel& servo, const ServoState& state) {
   const double q = state.load_rad;
   return servo.sag_rad == 0 ? q : q - servo.sag_rad * maths::cos(q - servo.level_rad);
 }
 
 Servo::Servo(ServoModel model, double t_s, double joint_rad)
-    : model_(std::move(model)),
-      state_(servo_at_rest(model_, joint_rad)),
-      now_s_(t_s),
-      acting_rad_(joint_rad) {}
+    : model_(std::move(model)), state_(servo_at_rest(model_, joint_rad)), now_s_(t_s) {
+  input_.command_rad = joint_rad;
+}
 
-void Servo::command(double t_s, double command_rad, bool enabled) {
+void Servo::command(double t_s, double command_rad, bool enabled, double kp) {
   if (next_ > 64) {
     queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(next_));
     next_ = 0;
   }
-  queue_.push_back({t_s + model_.latency_s, command_rad, enabled});
+  queue_.push_back({t_s + model_.latency_s, command_rad, enabled, kp});
+}
+
+void Servo::begin_moving(double radps, double command_rad, bool enabled, double kp) {
+  state_.motor_radps = radps;
+  begun_ = true;
+  input_.command_rad = command_rad, input_.enabled = enabled, input_.kp = kp;
 }
 
 void Servo::advance_to(double t_s) {
   while (true) {
     const bool more = next_ < queue_.size() && queue_[next_].acts_s < t_s - kSameTime_s;
     const double until = more ? std::max(queue_[next_].acts_s, now_s_) : t_s;
-    if (acting_)
-      advance_servo(model_, acting_rad_, until - now_s_, state_);
+    if (begun_ && model_.torque.present)
+      advance_servo(model_, input_, until - now_s_, state_);
+    else if (begun_ && input_.enabled)
+      advance_servo(model_, input_.command_rad, until - now_s_, state_);
     else
       state_.motor_radps = 0;
     now_s_ = std::max(now_s_, until);
     if (!more) return;
-    acting_ = queue_[next_].enabled;
-    acting_rad_ = queue_[next_].command_rad;
+    begun_ = true;
+    input_.enabled = queue_[next_].enabled;
+    input_.command_rad = queue_[next_].command_rad;
+    input_.kp = queue_[next_].kp;
     ++next_;
   }
 }

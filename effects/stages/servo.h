@@ -1,7 +1,8 @@
 // Stage `joint`, from commands: how a servo moves its joint. The order is that of the definitions:
-// latency, servo (lag, speed and acceleration limits, stiction), backlash, sag, formulas, and, in a
-// log, the encoder. Between changes of the command the motion has a closed form, so the same
-// solution predicts a log's rows and moves the simulator's joints in continuous time.
+// latency, servo (lag, speed and acceleration limits, stiction, or a motor with torque: torque.h),
+// backlash, sag, formulas, and, in a log, the encoder. Without torque, between changes of the
+// command the motion has a closed form, so the same solution predicts a log's rows and moves the
+// simulator's joints in continuous time.
 #pragma once
 
 #include <limits>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "effects/stages/torque.h"
 
 namespace seam::effects {
 
@@ -22,6 +24,7 @@ struct ServoModel {
   double backlash_rad = 0;   // Play between motor and load.
   double sag_rad = 0;        // The load hangs by sag * cos(q - level).
   double level_rad = 0;
+  TorqueModel torque;  // Where present it moves the motor in the place of the rules above.
   // Joint formulas (expression effects), in order: their result replaces the angle.
   std::vector<ModelEffect> formulas;
 };
@@ -39,7 +42,10 @@ struct ServoState {
 // At rest with the joint (behind backlash and sag) at this angle, the play centred.
 ServoState servo_at_rest(const ServoModel& servo, double joint_rad);
 
-// Moves for `dt_s` under a command that holds. Exact: a sequence of closed-form pieces.
+// Moves a servo with torque for `dt_s`.
+void advance_servo(const ServoModel& servo, MotorInput input, double dt_s, ServoState& state);
+
+// Moves one without for `dt_s` under a command that holds. Exact: a sequence of closed-form pieces.
 void advance_servo(const ServoModel& servo, double command_rad, double dt_s, ServoState& state);
 
 // The joint's angle: behind backlash and sag, before formulas.
@@ -56,15 +62,21 @@ class Servo {
   Servo(ServoModel model, double t_s, double joint_rad);
 
   // A command given at `t_s`, not before earlier ones; `enabled` false: from then on (after the
-  // latency) no command acts.
-  void command(double t_s, double command_rad, bool enabled = true);
+  // latency) no command acts, and a motor has no torque. `kp`: the gain's factor of a motor.
+  void command(double t_s, double command_rad, bool enabled = true, double kp = 1);
+
+  // The joint was moving when the log began, under a command that acts already.
+  void begin_moving(double radps, double command_rad, bool enabled, double kp);
+
+  // The supply of a motor from now on, in units of its median.
+  void set_voltage(double ratio) { input_.voltage = ratio; }
 
   // Moves to `t_s`, to just before commands that act at that very time (within a nanosecond).
   void advance_to(double t_s);
 
   double joint_rad() const { return joint_angle(model_, state_); }
   const ServoState& state() const { return state_; }
-  double acting_command_rad() const { return acting_rad_; }
+  double acting_command_rad() const { return input_.command_rad; }
   const ServoModel& model() const { return model_; }
 
  private:
@@ -72,12 +84,13 @@ class Servo {
     double acts_s;
     double command_rad;
     bool enabled;
+    double kp;
   };
   ServoModel model_;
   ServoState state_;
   double now_s_;
-  bool acting_ = false;
-  double acting_rad_;
+  bool begun_ = false;          // Some command has acted.
+  MotorInput input_;            // What acts now.
   std::vector<Pending> queue_;  // Ascending in time; from next_ on not yet acting.
   size_t next_ = 0;
 };

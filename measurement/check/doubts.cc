@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
-#include "measurement/search/assess.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measurement/fitting/parameter_space.h"
+#include "measurement/fitting/spreads_together.h"
 #include "measurement/numerics/damped_step.h"
 #include "measurement/problem/problem.h"
 
@@ -87,7 +87,9 @@ Parabola Fitter::look() {
   const Eigen::VectorXd place = space_.place(model_);
   for (size_t k = 0; k < columns.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(mean_place_[k]);
-    jacobian.col(i) = space_[mean_place_[k]].slope(place[i]) *
+    // A limit that never binds: the kind gives the derivative by its reciprocal.
+    const double slope = space_[mean_place_[k]].slope(place[i]);
+    jacobian.col(i) = (std::isfinite(slope) ? slope : 1) *
                       Eigen::Map<const Eigen::VectorXd>(columns[k].data(), z.size());
   }
   Parabola out = parabola_of(jacobian, z);
@@ -128,6 +130,9 @@ bool Fitter::fit_mean() {
 
 void Fitter::fit_spread() {
   const size_t count = space_.size() - mean_.size();
+  if (count == 0) return;
+  const SpreadsTogether together = fit_spreads_together(problem_, space_, model_, groups_, &here_);
+  if (!together.which.empty()) try_model(space_.at(model_, together.place));
   for (int sweep = 0; sweep < (count > 1 ? 8 : 1); ++sweep) {
     const double before = value_;
     for (const Coordinate& c : space_) {
@@ -179,6 +184,7 @@ Fit Fitter::result(bool converged) {
     const double sigma = spread_error(problem_, space_, i, model_, groups_, &here_, 0.05);
     space_.state(i, sigma, space_[i].of(model_), fit);
   }
+  fit_spreads_together(problem_, space_, model_, groups_, &here_).state(fit);
   return fit;
 }
 

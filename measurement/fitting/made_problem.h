@@ -43,7 +43,8 @@ class MadeProblem : public Problem {
   const std::vector<double>& x() const { return x_; }
   const std::vector<double>& y() const { return y_; }
 
-  Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation*) const override {
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* = nullptr) const override {
     const auto [mean, variance] = predict(model);
     Evaluation out;
     out.sigma.assign(x_.size(), std::sqrt(variance));

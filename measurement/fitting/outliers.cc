@@ -59,6 +59,9 @@ std::vector<char> Problem::find_outliers(const Model& model) const {
       }
       const double middle = around.size() < 3 ? 0 : median_of(around);
       deviation[i] = (evaluation.residual[i] - middle) / evaluation.sigma[i];
+      // Where the model has a few large errors, it says itself which it does not expect.
+      if (!evaluation.deviance.empty())
+        deviation[i] = std::min(std::abs(deviation[i]), evaluation.deviance[i]);
       by_channel[facts_.channel_of[i]].push_back(deviation[i]);
     }
   }

@@ -141,7 +141,8 @@ class Tester {
       : facts_(problem.facts()), signals_(signals_of(facts_, evaluation)) {
     double n = 0;
     for (const char used : evaluation.used) n += used;
-    lost_share_ = n > 0 ? (static_cast<double>(evaluation.nuisances) + fitted) / n : 0;
+    lost_share_ =
+        n > 0 ? (static_cast<double>(evaluation.nuisances) + evaluation.absorbed + fitted) / n : 0;
   }
 
   std::vector<Structure> run() {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measurement/fitting/parameter_space.h"
+#include "measurement/fitting/spreads_together.h"
 #include "measurement/numerics/damped_step.h"
 
 namespace seam::measurement {
@@ -215,6 +215,9 @@ void WideFitter::fit_spread(size_t i) {
 void WideFitter::go_down() {
   for (int round = 0; round < 4; ++round) {
     levenberg_marquardt();
+    const SpreadsTogether together =
+        fit_spreads_together(problem_, space_, at(z_), groups_, &here_);
+    if (!together.which.empty()) move_to(together.place);
     for (size_t i = 0; i < space_.size(); ++i) {
       if (free_[i] && space_[i].spread) fit_spread(i);
     }
@@ -308,6 +311,7 @@ Fit WideFitter::result() {
       space_.state(i, sigma, z_[index(i)], fit);
     }
   }
+  fit_spreads_together(problem_, space_, model, groups_, &here_).state(fit);
   return fit;
 }
 

@@ -29,10 +29,23 @@ Band band_of(const std::vector<double>& row_delay_s, const FrameStamps& stamps) 
   return {readout, readout > 0 ? std::min(1500.0, 0.45 * rows / readout) : 0.5 / period};
 }
 
+// Whether rows follow each other at one step; not where only some are kept.
+bool are_even(const std::vector<double>& delay_s) {
+  if (delay_s.size() < 3) return true;
+  const double step = delay_s[1] - delay_s[0];
+  return std::abs(delay_s.back() - delay_s[0] - step * static_cast<double>(delay_s.size() - 1)) <=
+         1e-6 * std::abs(step);
+}
+
 Complex frame_amplitude(const RowLight& rows, size_t frame, double frequency) {
   const double w = 2 * maths::kPi * frequency;
   Complex sum = 0;
   const auto& relative = rows.relative[frame];
+  if (!are_even(rows.row_delay_s)) {
+    for (size_t v = 0; v < relative.size(); ++v)
+      sum += relative[v] * std::polar(1.0, -w * rows.row_delay_s[v]);
+    return sum / static_cast<double>(relative.size());
+  }
   const double step = rows.row_delay_s.size() > 1 ? rows.row_delay_s[1] - rows.row_delay_s[0] : 0;
   const Complex turn = std::polar(1.0, -w * step);
   Complex phase = std::polar(1.0, -w * rows.row_delay_s[0]);

@@ -9,56 +9,33 @@ using effects::Moments;
 using effects::SensorChain;
 using effects::SensorExposure;
 
-ResponseTable::ResponseTable(const SensorChain& chain, const SensorExposure& exposure, int colour,
-                             double set_noise_dn, double low, double high)
-    : chain_(chain), exposure_(exposure), colour_(colour), noise2_(set_noise_dn * set_noise_dn) {
-  // The noise smooths the response over its own width.
-  const double noise2 = effects::response_moments(chain, low, colour, exposure).variance_dn2 +
-                        chain.read_sigma_dn * chain.read_sigma_dn;
-  const double step =
-      std::max(effects::quantisation_step(chain, exposure.file_bits), std::sqrt(noise2));
-  low_ = low;
-  const int cells =
-      high > low ? std::clamp(static_cast<int>(16 * (high - low) / step), 32, 4096) : 0;
-  width_ = cells ? (high - low) / cells : 1;
-  for (int i = 0; i <= cells; ++i) entries_.push_back(compute(low + i * width_));
-}
-
-Response ResponseTable::at(double signal) const {
-  if (entries_.size() == 1) return entries_[0];
-  const double place = std::clamp((signal - low_) / width_, 0.0, entries_.size() - 1.0 - 1e-9);
-  const auto i = static_cast<size_t>(place);
-  const double w = place - static_cast<double>(i);
-  const Response &a = entries_[i], &b = entries_[i + 1];
-  const auto mix = [w](double x, double y) { return x + w * (y - x); };
-  return {mix(a.mean, b.mean), mix(a.variance, b.variance), mix(a.offset_slope, b.offset_slope),
-          mix(a.gain_slope, b.gain_slope), mix(a.hot_mean, b.hot_mean)};
-}
-
-Response ResponseTable::compute(double signal) const {
-  const Moments response = effects::response_moments(chain_, signal, colour_, exposure_);
-  const double h = 1e-3 * std::max(std::abs(signal), 1e-3 * chain_.gain_dn);
-  const double slope = (effects::response_moments(chain_, signal + h, colour_, exposure_).mean_dn -
-                        effects::response_moments(chain_, signal - h, colour_, exposure_).mean_dn) /
+Response respond(const SensorChain& chain, const SensorExposure& exposure, int colour,
+                 double set_noise_dn, double signal) {
+  const Moments response = effects::response_moments(chain, signal, colour, exposure);
+  const double noise2 = set_noise_dn * set_noise_dn;
+  const double h =
+      1e-3 * std::max(std::abs(signal), 1e-3 * effects::full_scale_dn(exposure.file_bits));
+  const double slope = (effects::response_moments(chain, signal + h, colour, exposure).mean_dn -
+                        effects::response_moments(chain, signal - h, colour, exposure).mean_dn) /
                        (2 * h);
   const double log_slope = slope * signal;
-  const double read2 = chain_.read_sigma_dn * chain_.read_sigma_dn;
+  const double read2 = chain.read_sigma_dn * chain.read_sigma_dn;
   const double temporal2 = response.variance_dn2 + read2;
   const auto square = [](double x) { return x * x; };
-  const double pattern2 = square(chain_.pixel_gain_sigma * log_slope) +
-                          square(chain_.pixel_offset_sigma_dn) + square(chain_.column_sigma_dn);
-  const double row2 = square(chain_.row_sigma_dn);
+  const double pattern2 = square(chain.pixel_gain_sigma * log_slope) +
+                          square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn);
+  const double row2 = square(chain.row_sigma_dn);
   const auto file = [&](double mean, double variance) {
-    return effects::file_moments(chain_, {mean, variance}, exposure_.file_bits);
+    return effects::file_moments(chain, {mean, variance}, exposure.file_bits);
   };
   const Moments all = file(response.mean_dn, temporal2 + pattern2 + row2);
-  const double top = std::min(chain_.full_dn, static_cast<double>((1u << exposure_.file_bits) - 1));
-  const double step = effects::quantisation_step(chain_, exposure_.file_bits);
+  const double top = std::min(chain.full_dn, effects::full_scale_dn(exposure.file_bits));
+  const double step = effects::quantisation_step(chain, exposure.file_bits);
   const double reach = 7 * std::sqrt(temporal2 + pattern2 + row2) + step;
   const bool clipped = response.mean_dn < reach || response.mean_dn + reach > top;
   Response out{.mean = all.mean_dn, .offset_slope = 1};
   if (!clipped && temporal2 > step * step) {
-    out.variance = temporal2 + step * step / 12 + noise2_;
+    out.variance = temporal2 + step * step / 12 + noise2;
   } else {
     // Averages over the fixed patterns, which move the value against steps and clipping.
     static constexpr double kNode[] = {-2.856970013872806, -1.355626179974266, 0, 1.355626179974266,
@@ -74,7 +51,7 @@ Response ResponseTable::compute(double signal) const {
         break;
       }
     }
-    out.variance += noise2_;
+    out.variance += noise2;
     out.offset_slope = (file(response.mean_dn + d, temporal2 + pattern2 + row2).mean_dn -
                         file(response.mean_dn - d, temporal2 + pattern2 + row2).mean_dn) /
                        (2 * d);
@@ -82,11 +59,46 @@ Response ResponseTable::compute(double signal) const {
   // No value is exactly certain: a constant field with rounding off by one.
   out.variance = std::max(out.variance, 1e-4);
   out.gain_slope = log_slope * out.offset_slope;
-  if (chain_.hot_fraction > 0) {
-    out.hot_mean =
-        file(response.mean_dn + chain_.hot_level_dn, temporal2 + pattern2 + row2).mean_dn;
+  if (chain.hot_fraction > 0) {
+    out.hot_mean = file(response.mean_dn + chain.hot_level_dn, temporal2 + pattern2 + row2).mean_dn;
+  }
+  if (chain.weak_fraction > 0) {
+    const Moments weak =
+        effects::response_moments(chain, signal * chain.weak_gain, colour, exposure);
+    out.weak_mean = file(weak.mean_dn, weak.variance_dn2 + read2 + pattern2 + row2).mean_dn;
   }
   return out;
+}
+
+ResponseTable::ResponseTable(const SensorChain& chain, const SensorExposure& exposure, int colour,
+                             double set_noise_dn, double low, double high) {
+  // The noise smooths the response over its own width.
+  const double noise2 = effects::response_moments(chain, low, colour, exposure).variance_dn2 +
+                        chain.read_sigma_dn * chain.read_sigma_dn;
+  const double step =
+      std::max(effects::quantisation_step(chain, exposure.file_bits), std::sqrt(noise2));
+  low_ = low;
+  const int cells =
+      high > low ? std::clamp(static_cast<int>(16 * (high - low) / step), 32, 4096) : 0;
+  width_ = cells ? (high - low) / cells : 1;
+  for (int i = 0; i <= cells; ++i) {
+    entries_.push_back(respond(chain, exposure, colour, set_noise_dn, low + i * width_));
+  }
+}
+
+Response ResponseTable::at(double signal) const {
+  if (entries_.size() == 1) return entries_[0];
+  const double place = std::clamp((signal - low_) / width_, 0.0, entries_.size() - 1.0 - 1e-9);
+  const auto i = static_cast<size_t>(place);
+  const double w = place - static_cast<double>(i);
+  const Response &a = entries_[i], &b = entries_[i + 1];
+  const auto mix = [w](double x, double y) { return x + w * (y - x); };
+  return {mix(a.mean, b.mean),
+          mix(a.variance, b.variance),
+          mix(a.offset_slope, b.offset_slope),
+          mix(a.gain_slope, b.gain_slope),
+          mix(a.hot_mean, b.hot_mean),
+          mix(a.weak_mean, b.weak_mean)};
 }
 
 }  // namespace seam::measurement

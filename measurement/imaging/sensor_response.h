@@ -14,7 +14,12 @@ struct Response {
   double offset_slope = 0;  // d mean / d offset: 1, less near clipping.
   double gain_slope = 0;    // d mean / d log(signal), DN.
   double hot_mean = 0;      // Mean of a hot sample.
+  double weak_mean = 0;     // Mean of a sample of low gain.
 };
+
+// For a signal (effects::signal_dn); `colour` 0 red, 1 green, 2 blue.
+Response respond(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
+                 int colour, double set_noise_dn, double signal);
 
 class ResponseTable {
  public:
@@ -25,12 +30,6 @@ class ResponseTable {
   Response at(double signal) const;
 
  private:
-  Response compute(double signal) const;
-
-  effects::SensorChain chain_;
-  effects::SensorExposure exposure_;
-  int colour_;
-  double noise2_;
   double low_ = 0, width_ = 1;
   std::vector<Response> entries_;
 };

@@ -36,9 +36,14 @@ const Kind& find_kind(const std::string& name) {
 }
 
 std::unique_ptr<Problem> open_problem(const std::filesystem::path& path,
-                                      const Instruments& instruments) {
-  const MeasurementSet set = MeasurementSet::open(path);
+                                      const Instruments& instruments,
+                                      const std::filesystem::path& target) {
+  MeasurementSet set = MeasurementSet::open(path);
+  set.target = target;
   const Kind& kind = find_kind(set.kind);
+  if (!target.empty() && kind.bit != effects::kPoints)
+    throw InputError(fmt::format("{}: a target file belongs to sets of points, found kind {}",
+                                 target.string(), set.kind));
   const Concerns concerns = concerns_of(set, kind.observations);
   if (!concerns.errors.empty())
     throw InputError(fmt::format("{}", fmt::join(concerns.errors, "\n")));
@@ -48,6 +53,21 @@ std::unique_ptr<Problem> open_problem(const std::filesystem::path& path,
 void measure_set(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options,
                  const Instruments& instruments) {
   find_kind(protocol.kind).measure(truth, protocol, options, instruments);
+}
+
+std::vector<char> left_blank(const CsvTable& table, const std::string& column,
+                             const std::vector<std::string>& measured) {
+  std::vector<char> blank(table.rows(), 0);
+  const bool all_to_be_made =
+      std::all_of(measured.begin(), measured.end(), [&](const std::string& name) {
+        if (!table.has(name)) return false;
+        const std::vector<std::string> cells = table.texts(name);
+        return std::all_of(cells.begin(), cells.end(),
+                           [](const std::string& cell) { return cell.empty(); });
+      });
+  if (all_to_be_made || !table.has(column)) return blank;
+  for (size_t row = 0; row < table.rows(); ++row) blank[row] = table.cell(row, column).empty();
+  return blank;
 }
 
 void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& out,

@@ -39,12 +39,19 @@ struct Kind {
 const Kind& find_kind(const std::string& name);
 
 // Kinds that run the simulator need the instruments; others do without.
+// `target`: a file of where the points of the target are (MeasurementSet::target), empty: none.
 std::unique_ptr<Problem> open_problem(const std::filesystem::path& set,
-                                      const Instruments& instruments = {});
+                                      const Instruments& instruments = {},
+                                      const std::filesystem::path& target = {});
 
 // Writes the set that the model would give by this protocol, whatever its kind.
 void measure_set(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options,
                  const Instruments& instruments = {});
+
+// By row: whether a protocol leaves this cell of a measured column blank on purpose, since nothing
+// was measured there. A table that has all the columns and no value in any is wholly to be made.
+std::vector<char> left_blank(const CsvTable& table, const std::string& column,
+                             const std::vector<std::string>& measured);
 
 // Copies every file of the protocol that `measure` does not write itself.
 void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& out,

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "effects/model.h"
@@ -27,10 +28,21 @@ struct Unknown {
 struct Evaluation {
   std::vector<char> used;        // By scalar.
   std::vector<double> residual;  // Observed - predicted, in the channel's unit.
-  std::vector<double> whitened;  // L^-1 residual with S = L L' = set noise + model noise effects.
-  std::vector<double> sigma;     // By scalar: square root of the diagonal of S.
-  std::vector<double> log_det;   // By group: log det S (groups are independent of each other).
-  int64_t nuisances = 0;         // Fitted on these groups.
+  // L^-1 residual with S = L L' = set noise + model noise effects. Beyond the scalars stand draws
+  // that are estimated with them (displaced points of a target) over their own spreads: they count
+  // into chi-square and likelihood as residuals do, but belong to no row.
+  std::vector<double> whitened;
+  std::vector<double> sigma;    // By scalar: square root of the diagonal of S.
+  std::vector<double> log_det;  // By group: log det S (groups are independent of each other).
+  double shared_log_det = 0;    // The part of log det S that is no single group's.
+  double absorbed = 0;          // Freedom of the residuals that estimated draws take.
+  // Where errors are not normal: the mean of the square of `whitened`, by scalar, which then is the
+  // signed root of twice what the residual costs (noise/few_errors.h). Empty: 1 for all.
+  std::vector<double> mean_square;
+  // Its size there, of what is left out as well, by which outliers are told; infinite for scalars
+  // with normal errors.
+  std::vector<double> deviance;
+  int64_t nuisances = 0;                // Fitted on these groups.
   std::vector<double> nuisance_values;  // For a warm start; layout is the kind's own.
   bool valid = true;  // False where the model cannot predict an observation (no image point).
   // For a kind's own use: what it need not compute again from a warm start. `mean_key` holds the
@@ -49,6 +61,7 @@ struct Score {
   int64_t nuisances = 0;
   double log_likelihood = 0;
   std::vector<double> by_group;     // Log-likelihood of each group; 0 outside the chosen ones.
+  std::vector<double> by_block;     // The same of each block, where groups are few.
   std::vector<double> native;       // By channel: plain root mean square of the residuals.
   std::vector<double> native_sum2;  // By channel, so that folds can be pooled.
   std::vector<int64_t> native_count;
@@ -83,6 +96,32 @@ double noise_of(const Facts& facts, const std::string& residual);
 // Surest first. Values of p that are cut (1e-300) are no order: of these, and of equals, the one
 // that is stronger in units of its channel's noise goes first.
 void strongest_first(const Facts& facts, std::vector<Structure>& structures);
+
+// An error in its own unit of predictions that no measured value on their way corrects.
+struct FreeError {
+  std::string over;      // How far they reach: "1 s", "run".
+  std::string residual;  // position_m
+  double rms = 0;
+  double last = 0;    // Root mean square at their ends alone.
+  int64_t count = 0;  // Of predictions.
+};
+
+// What a model and the data say together that no parameter holds: where a landmark lies.
+struct Finding {
+  std::string what;  // landmark
+  std::string name;
+  std::vector<std::pair<std::string, double>> values;
+  std::string text;  // A sentence.
+};
+
+// A point of a target as a model places it.
+struct PlacedPoint {
+  std::string name;
+  Vec3 plan_m{0.0};   // Where the set has it,
+  Vec3 place_m{0.0};  // and where the model does, in the same axes.
+  Vec3 shift_m{0.0};  // From one to the other along the target's own axes, the last out of a board.
+  Vec3 sigma_m{0.0};  // Of the shift; 0 where no displacement of its own is estimated.
+};
 
 struct Outlier {
   int line = 0;

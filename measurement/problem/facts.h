@@ -41,12 +41,28 @@ struct CombinedChannel {
   std::vector<double> weight_a, weight_b;  // By row.
 };
 
+// A figure by which a field's standard describes what was measured, with its standard error.
+struct Figure {
+  std::string name, unit;
+  double value = 0, sigma = 0;
+};
+struct FigurePoint {
+  double light = 0;  // Photons, where the set counts them.
+  double signal_dn = 0, snr = 0, sigma = 0, expected = 0;
+};
+struct FigureTable {
+  std::string title;
+  std::vector<Figure> figures;     // Empty: the kind or the set has none.
+  std::vector<FigurePoint> curve;  // Signal over noise, measured and as the figures have it.
+};
+
 // What never changes: filled by the kind when it reads the set.
 struct Facts {
   effects::SetFacts set;  // What it says of itself to the effects: its kind, what it lacks.
   std::string title;
   std::string fingerprint;
-  std::string file;  // Of the observations, for messages.
+  std::string file;                 // Of the observations, for messages.
+  int width_px = 0, height_px = 0;  // Of the image that points are seen in; 0: none.
   std::vector<int> line_of_row;
   std::vector<Channel> channels;
   std::vector<std::string> groups;  // Their names.
@@ -59,7 +75,8 @@ struct Facts {
   std::vector<int> row_of;       // By scalar.
   std::vector<int> channel_of;   // By scalar.
   std::vector<Covariate> covariates;
-  std::vector<std::string> notes;         // What of the set takes no part, and why: sentences.
+  std::vector<std::string> notes;  // What of the set takes no part, and why: sentences.
+  FigureTable figures;
   std::vector<CombinedChannel> combined;  // Looked at by the structure tests beside the channels.
 
   std::string kind() const { return effects::kind_facts(set.kind).name; }

@@ -1,5 +1,6 @@
 #include "measurement/problem/problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -44,32 +45,113 @@ void whiten_diagonal(const Problem& problem, const Groups& groups, Evaluation& e
   }
 }
 
-Score score_of(const Problem& problem, const Evaluation& evaluation) {
-  const Facts& facts = problem.facts();
-  const double log_two_pi = std::log(2 * maths::kPi);
+namespace {
+
+// What a scalar adds to minus twice the log-likelihood by its determinant. Where errors of a group
+// are correlated, what that adds is spread over all of its scalars.
+class LogDeterminants {
+ public:
+  LogDeterminants(const Facts& facts, const Evaluation& evaluation)
+      : facts_(facts), evaluation_(evaluation), shared_(evaluation.log_det) {
+    std::vector<double> count(shared_.size(), 0);
+    for (size_t i = 0; i < facts.scalars(); ++i) {
+      if (!evaluation.used[i]) continue;
+      const int group = facts.group_of(i);
+      ++count[group];
+      shared_[group] -= 2 * std::log(evaluation.sigma[i]);
+    }
+    for (size_t g = 0; g < shared_.size(); ++g) shared_[g] /= std::max(1.0, count[g]);
+  }
+  double of(size_t scalar) const {
+    return 2 * std::log(evaluation_.sigma[scalar]) + shared_[facts_.group_of(scalar)];
+  }
+
+ private:
+  const Facts& facts_;
+  const Evaluation& evaluation_;
+  std::vector<double> shared_;
+};
+
+double log_two_pi() {
+  return std::log(2 * maths::kPi);
+}
+
+// Adds a scalar to all that is summed over scalars.
+void count(const Facts& facts, const Evaluation& evaluation, size_t i, Score& score) {
+  const double z2 = evaluation.whitened[i] * evaluation.whitened[i];
+  score.chi2 += evaluation.mean_square.empty() ? z2 : z2 / evaluation.mean_square[i];
+  ++score.n;
+  score.by_group[facts.group_of(i)] -= 0.5 * (z2 + log_two_pi());
+  score.native_sum2[facts.channel_of[i]] += evaluation.residual[i] * evaluation.residual[i];
+  ++score.native_count[facts.channel_of[i]];
+}
+
+Score empty_score(const Facts& facts, const Evaluation& evaluation) {
   Score score;
   score.valid = evaluation.valid;
   score.nuisances = evaluation.nuisances;
   score.by_group.assign(facts.groups.size(), 0);
   score.native_sum2.assign(facts.channels.size(), 0);
   score.native_count.assign(facts.channels.size(), 0);
+  return score;
+}
+
+void take_roots(Score& score) {
+  for (size_t c = 0; c < score.native_sum2.size(); ++c) {
+    const double n = static_cast<double>(score.native_count[c]);
+    score.native.push_back(n > 0 ? std::sqrt(score.native_sum2[c] / n) : 0);
+  }
+}
+
+// By block: `only` one of them (-1: all).
+void add_blocks(const Problem& problem, const Evaluation& evaluation, int only, Score& score) {
+  const std::vector<int>& block = problem.blocks();
+  if (block.empty()) return;
+  const Facts& facts = problem.facts();
+  const LogDeterminants determinants(facts, evaluation);
+  score.by_block.assign(problem.block_count(), 0);
   for (size_t i = 0; i < facts.scalars(); ++i) {
-    if (!evaluation.used[i]) continue;
+    if (!evaluation.used[i] || (only >= 0 && block[i] != only)) continue;
+    const double z2 = evaluation.whitened[i] * evaluation.whitened[i];
+    score.by_block[block[i]] -= 0.5 * (z2 + log_two_pi() + determinants.of(i));
+  }
+}
+
+}  // namespace
+
+Score score_of(const Problem& problem, const Evaluation& evaluation) {
+  const Facts& facts = problem.facts();
+  Score score = empty_score(facts, evaluation);
+  for (size_t i = 0; i < facts.scalars(); ++i) {
+    if (evaluation.used[i]) count(facts, evaluation, i, score);
+  }
+  for (size_t i = facts.scalars(); i < evaluation.whitened.size(); ++i) {
     const double z2 = evaluation.whitened[i] * evaluation.whitened[i];
     score.chi2 += z2;
-    ++score.n;
-    score.by_group[facts.group_of(i)] -= 0.5 * (z2 + log_two_pi);
-    score.native_sum2[facts.channel_of[i]] += evaluation.residual[i] * evaluation.residual[i];
-    ++score.native_count[facts.channel_of[i]];
+    score.log_likelihood -= 0.5 * z2;
   }
+  score.log_likelihood -= 0.5 * evaluation.shared_log_det;
   for (size_t group = 0; group < facts.groups.size(); ++group) {
     score.by_group[group] -= 0.5 * evaluation.log_det[group];
     score.log_likelihood += score.by_group[group];
   }
-  for (size_t c = 0; c < facts.channels.size(); ++c) {
-    score.native.push_back(
-        score.native_count[c] ? std::sqrt(score.native_sum2[c] / score.native_count[c]) : 0);
+  take_roots(score);
+  add_blocks(problem, evaluation, -1, score);
+  return score;
+}
+
+Score score_of_block(const Problem& problem, const Evaluation& evaluation, int block) {
+  const Facts& facts = problem.facts();
+  Score score = empty_score(facts, evaluation);
+  const std::vector<int>& blocks = problem.blocks();
+  for (size_t i = 0; i < facts.scalars(); ++i) {
+    if (evaluation.used[i] && blocks[i] == block) count(facts, evaluation, i, score);
   }
+  take_roots(score);
+  add_blocks(problem, evaluation, block, score);
+  score.log_likelihood = score.by_block[block];
+  // One group alone is cut: what its blocks add is the group's.
+  score.by_group.assign(facts.groups.size(), 0);
   return score;
 }
 
@@ -86,10 +168,11 @@ std::string Problem::not_testable(const Model&, const EffectDefinition& effect,
   return effects::reason_against(effect, parameter, facts_.set);
 }
 
-std::vector<std::vector<double>> Problem::starts(const Model&,
+std::vector<std::vector<double>> Problem::starts(const Model& model,
                                                  const EffectDefinition& effect) const {
   const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
   if (rule.search == effects::StartSearch::listed) return rule.values;
+  if (rule.search == effects::StartSearch::best_listed) return {likeliest(model, effect, rule)};
   std::vector<std::vector<double>> all;
   for (const double sign : {1.0, -1.0}) {
     std::vector<double> start;
@@ -105,6 +188,29 @@ std::vector<std::vector<double>> Problem::starts(const Model&,
   return all;
 }
 
+std::vector<std::vector<double>> Problem::starts_together(const Model& model,
+                                                          const EffectDefinition& effect,
+                                                          const EffectList&) const {
+  return starts(model, effect);
+}
+
+std::vector<double> Problem::likeliest(const Model& model, const EffectDefinition& effect,
+                                       const effects::StartRule& rule) const {
+  const Groups groups = folds().size() == 1 ? training_groups() : all_groups();
+  Model trial = model;
+  trial.add_neutral(std::make_shared<EffectDefinition>(effect));
+  const Evaluation here = evaluate(model, groups);
+  double best = -std::numeric_limits<double>::infinity();
+  const std::vector<double>* values = &rule.values.front();
+  for (const std::vector<double>& start : rule.values) {
+    for (size_t i = 0; i < start.size(); ++i) trial.set_value(effect.name, i, start[i]);
+    const Evaluation there = evaluate(trial, groups, &here);
+    const double likelihood = there.valid ? score_of(*this, there).log_likelihood : best;
+    if (likelihood > best) best = likelihood, values = &start;
+  }
+  return *values;
+}
+
 double Problem::looks(const Model& model, const EffectDefinition& effect) const {
   double looks = 1;
   for (const effects::Parameter& parameter : effect.parameters) {
@@ -118,18 +224,49 @@ std::string Problem::advice(const std::string& effect, const std::string& other)
 }
 
 const std::vector<Groups>& Problem::folds() const {
-  if (!folds_.empty()) return folds_;
-  const size_t count = facts_.groups.size();
-  if (count >= 4) {
-    folds_ = {held_out_groups(facts_.groups)};
-  } else {
+  std::call_once(folds_cut_, [&] {
+    const size_t count = facts_.groups.size();
+    if (count >= groups_for_one_fold()) {
+      folds_ = {held_out_groups(facts_.groups)};
+      return;
+    }
     for (size_t out = 0; out < count; ++out) {
       Groups fold(count, 0);
       fold[out] = 1;
       folds_.push_back(std::move(fold));
     }
-  }
+  });
   return folds_;
+}
+
+Groups Problem::scored_groups() const {
+  return folds().size() == 1 ? folds().front() : all_groups();
+}
+
+const std::vector<int>& Problem::blocks() const {
+  std::call_once(blocks_cut_, [&] { cut_blocks(); });
+  return blocks_;
+}
+
+// As many observations in each block of a group, in the order of time.
+void Problem::cut_blocks() const {
+  constexpr size_t kBlocks = 8;         // In all groups together, or a few more.
+  constexpr size_t kLeastOfABlock = 8;  // Observations.
+  const size_t groups = facts_.groups.size();
+  if (groups == 0 || groups >= kFewGroups) return;
+  std::vector<std::vector<size_t>> of_group(groups);
+  for (size_t i = 0; i < facts_.scalars(); ++i) of_group[facts_.group_of(i)].push_back(i);
+  blocks_.assign(facts_.scalars(), 0);
+  for (std::vector<size_t>& scalars : of_group) {
+    std::stable_sort(scalars.begin(), scalars.end(), [&](size_t a, size_t b) {
+      return facts_.time_of_row[facts_.row_of[a]] < facts_.time_of_row[facts_.row_of[b]];
+    });
+    const size_t wished = std::max<size_t>(2, (kBlocks + groups - 1) / groups);
+    const size_t parts = std::clamp<size_t>(scalars.size() / kLeastOfABlock, 1, wished);
+    for (size_t k = 0; k < scalars.size(); ++k)
+      blocks_[scalars[k]] = static_cast<int>(block_count_ + k * parts / scalars.size());
+    block_count_ += parts;
+  }
 }
 
 Groups Problem::training_groups() const {

@@ -4,6 +4,8 @@
 // Definitions: docs/definitions.md; vocabulary: facts.h.
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +19,9 @@ namespace seam::measurement {
 using effects::EffectDefinition;
 
 struct ResidualView;
+
+// Fewer groups than this are few (docs/definitions.md, "Held-out groups").
+inline constexpr size_t kFewGroups = 8;
 
 class Problem {
  public:
@@ -36,6 +41,14 @@ class Problem {
                                                     const Evaluation& here) const;
 
   virtual Score score(const Model& model, const Groups& groups) const;
+  // The same for groups that are held out, given all others: where groups share draws (a target's
+  // displaced points), these were estimated from the others. Default: groups share none.
+  virtual Score score_held_out(const Model& model, const Groups& groups) const {
+    return score(model, groups);
+  }
+  virtual Evaluation evaluate_held_out(const Model& model, const Groups& groups) const {
+    return evaluate(model, groups);
+  }
   virtual Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
                   const Groups& groups) const;
 
@@ -46,6 +59,13 @@ class Problem {
 
   // Residuals beside their covariates, for plots. Default: those of `evaluate`.
   virtual ResidualView residual_view(const Model& model, const Groups& groups) const;
+
+  // How far free predictions go wrong: over a second, over a whole run. Empty where each
+  // observation is predicted by itself.
+  virtual std::vector<FreeError> free_prediction(const Model&, const Groups&) const { return {}; }
+
+  // What this model finds in all groups beside the values of its parameters.
+  virtual std::vector<Finding> findings(const Model&) const { return {}; }
 
   // Further columns of the set that a formula of this kind may read.
   virtual std::vector<std::string> formula_columns() const { return {}; }
@@ -68,8 +88,15 @@ class Problem {
   // Gauss and Newton from a small start says about what a fit would reach.
   virtual bool is_smooth() const { return false; }
   // Whether groups have errors of their own alone. Where they share some (fixed patterns of a
-  // sensor), the likelihood of all of them is not the sum over training and held-out groups.
-  virtual bool groups_are_independent() const { return true; }
+  // sensor, points of a target), the likelihood of all of them is not the sum over training and
+  // held-out groups.
+  virtual bool groups_are_independent(const Model&) const { return true; }
+  // What the set and this model can say together, beside any number: views that it finds no pose
+  // for, how far the data reach, what they cannot tell. Sentences.
+  virtual std::vector<std::string> remarks(const Model&) const { return {}; }
+  // Where the model puts the points of a target, with what is drawn once and estimated; empty
+  // where it leaves them at their plan.
+  virtual std::vector<PlacedPoint> placed_points(const Model&) const { return {}; }
   // Whether one effect can do about what several others do together, so that the best first step
   // may be a blind alley and the search begins with others too.
   virtual bool effects_imitate() const { return false; }
@@ -87,9 +114,17 @@ class Problem {
   virtual std::string not_testable(const Model& model, const EffectDefinition& effect,
                                    size_t parameter) const;
   // Values from which fits of a candidate start (all are tried, the best is kept). Default: those
-  // that the effect's record lists, else a small step from neutral in each direction.
+  // that the effect's record lists, else a small step from neutral in each direction. A kind that
+  // knows where its companions start says that behind them.
   virtual std::vector<std::vector<double>> starts(const Model& model,
                                                   const EffectDefinition& effect) const;
+  using EffectList = std::vector<std::shared_ptr<const EffectDefinition>>;
+  virtual std::vector<std::vector<double>> starts_together(const Model& model,
+                                                           const EffectDefinition& effect,
+                                                           const EffectList& companions) const;
+  // The values of a rule that are the likeliest on the training groups, before any fit.
+  std::vector<double> likeliest(const Model& model, const EffectDefinition& effect,
+                                const effects::StartRule& rule) const;
   // At how many independent places the starts of an effect looked for the best one (frequencies,
   // counts): so many looks it counts for. Default: its starts where it has counts.
   virtual double looks(const Model& model, const EffectDefinition& effect) const;
@@ -106,11 +141,22 @@ class Problem {
 
   // By scalar: 1 leaves it out of everything.
   void leave_out(std::vector<char> outliers) { left_out_ = std::move(outliers); }
-  bool left_out(size_t scalar) const { return !left_out_.empty() && left_out_[scalar]; }
+  bool left_out(size_t scalar) const {
+    return (!left_out_.empty() && left_out_[scalar]) || (!gross_.empty() && gross_[scalar]);
+  }
   const std::vector<char>& left_out() const { return left_out_; }
 
-  // Held-out folds: one (30 %) with 4 groups or more, else each group in turn.
+  // Held-out folds: one (30 %) where groups are many, else each group in turn.
   virtual const std::vector<Groups>& folds() const;
+  // So many groups are many: below, a third of them is too few to say anything by its scatter.
+  virtual size_t groups_for_one_fold() const { return kFewGroups; }
+  // The groups that `error` is about: the held-out ones of the one fold, else all.
+  Groups scored_groups() const;
+  // By scalar: its block, a stretch of its group in time. Where groups are few their blocks stand
+  // in for them: the scatter of gains is told from them, and those of one group alone are held out
+  // in turn. Empty where groups are many.
+  const std::vector<int>& blocks() const;
+  size_t block_count() const { return block_count_; }  // Known after blocks().
   // What is fitted while the first fold is held out; one group alone cannot be held out and is
   // both.
   Groups training_groups() const;
@@ -122,11 +168,19 @@ class Problem {
   virtual void place(const Model&) {}
 
   Facts facts_;
+  // By scalar: 1 where no model could explain the row (a corner with another's name): it is left
+  // out whatever the model.
+  std::vector<char> gross_;
 
  private:
   Model given_;
   std::vector<char> left_out_;
+  void cut_blocks() const;
+
+  mutable std::once_flag folds_cut_, blocks_cut_;
   mutable std::vector<Groups> folds_;
+  mutable std::vector<int> blocks_;
+  mutable size_t block_count_ = 0;
   mutable std::vector<int> series_order_;  // Rows by series and time, and each row's place in it.
   mutable std::vector<int> series_place_;
 };
@@ -139,5 +193,7 @@ void whiten_diagonal(const Problem& problem, const Groups& groups, Evaluation& e
 
 // Score of an evaluation; what Problem::score does with evaluate's result.
 Score score_of(const Problem& problem, const Evaluation& evaluation);
+// The same of the scalars in one block alone.
+Score score_of_block(const Problem& problem, const Evaluation& evaluation, int block);
 
 }  // namespace seam::measurement

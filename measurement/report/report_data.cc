@@ -8,7 +8,9 @@
 #include <set>
 
 #include "measurement/report/finite_or_null.h"
+#include "measurement/report/lens_map.h"
 #include "measurement/report/report_plots.h"
+#include "measurement/report/target_told.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -22,10 +24,6 @@ struct Stages {
   const Assessment* after = nullptr;  // May be missing.
   std::vector<std::string> added;     // Effects of `after` that `before` lacks.
 };
-
-Groups shown_groups(const Problem& problem) {
-  return problem.folds().size() == 1 ? problem.folds()[0] : problem.all_groups();
-}
 
 json model_json(const Model& model, const std::string& file) {
   json effects = json::object();
@@ -45,7 +43,7 @@ json model_json(const Model& model, const std::string& file) {
 
 json data_json(const Problem& problem, const Assessment& before, const std::string& folder) {
   const Facts& facts = problem.facts();
-  const Groups shown = shown_groups(problem);
+  const Groups shown = problem.scored_groups();
   json noise = json::object();
   bool estimated = false;
   for (const Channel& channel : facts.channels) {
@@ -97,7 +95,7 @@ std::vector<Structure> chosen_for_plots(const Facts& facts,
 
 void append_stage(const Problem& problem, const Assessment& assessment, const std::string& stage,
                   const std::vector<Structure>& structures, json& plots) {
-  const ResidualView view = problem.residual_view(assessment.model, shown_groups(problem));
+  const ResidualView view = problem.residual_view(assessment.model, problem.scored_groups());
   for (const Structure& structure : chosen_for_plots(problem.facts(), structures)) {
     json plot = residual_plot(view, structure, stage);
     if (!plot.is_null()) plots["residuals"].push_back(std::move(plot));
@@ -143,8 +141,14 @@ std::string document(const Problem& problem, const ReportHeader& header, const S
   json plots = json::object();
   append_stage(problem, *stages.before, "before", structures, plots);
   if (stages.after) append_stage(problem, *stages.after, "after", structures, plots);
-  const Assessment& last = stages.after ? *stages.after : *stages.before;
-  if (json worth = leave_one_out(problem, last, stages.added); !worth.empty())
+  const Assessment& shown = stages.after ? *stages.after : *stages.before;
+  const Facts& facts = problem.facts();
+  if (facts.width_px > 0 && !shown.unknowns.empty())
+    plots["lens_error"] = map_json(error_map(shown, facts.width_px, facts.height_px),
+                                   stages.after ? "after" : "before", "Standard error");
+  if (json target = target_arrows(problem, shown.model); !target.empty())
+    plots["target"] = std::move(target);
+  if (json worth = leave_one_out(problem, shown, stages.added); !worth.empty())
     plots["leave_one_out"] = std::move(worth);
   const json report = {{"format", "seam-report/1"},
                        {"title", problem.facts().title},
@@ -191,6 +195,17 @@ std::string discover_report(const Problem& problem, const SearchResult& result,
   std::vector<Structure> structures = result.base_structure;
   structures.insert(structures.begin(), result.remaining.begin(), result.remaining.end());
   return document(problem, header, stages, structures, discover_json(problem, result));
+}
+
+std::string models_report(const LensMap& map, const std::string& a, const std::string& b,
+                          const ReportHeader& header) {
+  return json{{"format", "seam-report/1"},
+              {"title", fmt::format("{} and {}", a, b)},
+              {"command", header.command},
+              {"version", "0.1.0"},
+              {"result", json::parse(models_json(map, a, b))},
+              {"plots", {{"lens_error", map_json(map, "after", "Difference")}}}}
+      .dump();
 }
 
 std::string history_json(const Model& model) {

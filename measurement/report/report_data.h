@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "measurement/report/lens_map.h"
 #include "measurement/report/results.h"
 
 namespace seam::measurement {
@@ -20,6 +21,10 @@ std::string diagnose_report(const Problem& problem, const SearchResult& result,
                             const ReportHeader& header);
 std::string discover_report(const Problem& problem, const SearchResult& result,
                             const ReportHeader& header);
+
+// Two models beside each other.
+std::string models_report(const LensMap& map, const std::string& a, const std::string& b,
+                          const ReportHeader& header);
 
 // The versions of a model; needs no data.
 std::string history_json(const Model& model);

@@ -1,8 +1,10 @@
 #include "measurement/report/results.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "measurement/report/headline.h"
+#include "measurement/report/target_told.h"
 
 namespace seam::measurement {
 namespace {
@@ -32,9 +34,49 @@ std::string structure_text(const std::vector<Structure>& structure) {
   return text;
 }
 
-std::string notes_text(const Problem& problem) {
+std::string notes_text(const Problem& problem, const Model& model) {
   std::string text;
   for (const std::string& note : problem.facts().notes) text += note + "\n";
+  for (const std::string& missed : problem.remarks(model)) text += missed + "\n";
+  return text;
+}
+
+std::string findings_text(const Problem& problem, const Assessment& assessment) {
+  std::string text;
+  for (const Finding& finding : problem.findings(assessment.model)) text += finding.text + "\n";
+  return text;
+}
+
+// How far free predictions go wrong; with a second model, before and after.
+std::string free_text(const Problem& problem, const Assessment& before,
+                      const Assessment* after = nullptr) {
+  const std::vector<FreeError> first = free_errors(problem, before);
+  const std::vector<FreeError> then =
+      after ? free_errors(problem, *after) : std::vector<FreeError>();
+  std::string text;
+  for (size_t i = 0; i < first.size(); ++i) {
+    const auto told = [](const FreeError& error) {
+      const std::string end =
+          error.over == "run" ? fmt::format(" ({:.3g} at its end)", error.last) : "";
+      return fmt::format("{:.3g}{}", error.rms, end);
+    };
+    text += fmt::format("  predicted freely over {:4s} {:10s} {}", first[i].over, first[i].residual,
+                        told(first[i]));
+    if (i < then.size()) text += " -> " + told(then[i]);
+    text += " rms\n";
+  }
+  return text;
+}
+
+// The figures of a field's standard, one a line.
+std::string figures_text(const Problem& problem) {
+  const FigureTable& table = problem.facts().figures;
+  if (table.figures.empty()) return "";
+  std::string text =
+      fmt::format("{} (by the standard's formulas, with standard errors):\n", table.title);
+  for (const Figure& figure : table.figures)
+    text += fmt::format("  {:24s} {:10.5g} +- {:<8.2g} {}\n", figure.name, figure.value,
+                        figure.sigma, figure.unit);
   return text;
 }
 
@@ -75,6 +117,13 @@ std::string advice_for(const Problem& problem, const SearchResult& result) {
   return text;
 }
 
+std::vector<FreeError> free_errors(const Problem& problem, const Assessment& assessment) {
+  if (!assessment.valid) return {};
+  const auto& folds = problem.folds();
+  return problem.free_prediction(assessment.model,
+                                 folds.size() == 1 ? folds.front() : problem.all_groups());
+}
+
 std::string compare_text(const Problem& problem, const CompareResult& result) {
   const Assessment& base = result.base.assessment;
   std::string text = headline(problem, result);
@@ -86,7 +135,7 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
                         base.held.native[c], problem.facts().channels[c].noise,
                         problem.facts().channels[c].estimated ? " (estimated)" : "");
   }
-  text += notes_text(problem);
+  text += free_text(problem, base) + findings_text(problem, base) + notes_text(problem, base.model);
   if (!result.outliers.empty())
     text += fmt::format(
         "{} residuals left out as outliers of this model (diagnose, which may find a better one, "
@@ -100,7 +149,7 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
   text += result.structure.empty()
               ? result.traces.empty() ? "no significant structure\n" : "no structure that matters\n"
               : "structure of the residuals:\n" + structure_text(result.structure);
-  return text + traces_text(result.traces, {});
+  return text + traces_text(result.traces, {}) + figures_text(problem);
 }
 
 std::string diagnose_text(const Problem& problem, const SearchResult& result) {
@@ -110,7 +159,8 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
   std::string text = headline(problem, result, trace_structure.size() + traces.size());
   text += fmt::format("{}: error {:.4f} on held-out groups (1.0 is the noise)\n",
                       problem.facts().title, result.base.assessment.error);
-  text += notes_text(problem) + outlier_text(result);
+  text += free_text(problem, result.base.assessment) +
+          notes_text(problem, result.best.assessment.model) + outlier_text(result);
   text += fmt::format("verdict: {}\n", result.verdict);
   int rank = 0;
   for (const Candidate& candidate : result.first.candidates) {
@@ -119,8 +169,14 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
         "{:2d}. {:24s} error {:.4f}   p = {:.2g}   {}\n", rank, candidate.effect->name,
         candidate.grown.assessment.error, candidate.p_value,
         parameter_text(parameters_of(candidate.grown.assessment, candidate.effect->name)));
+    for (const auto& companion : candidate.companions)
+      text +=
+          fmt::format("    with {:24s} {}\n", companion->name,
+                      parameter_text(parameters_of(candidate.grown.assessment, companion->name)));
     for (const std::string& other : candidate.indistinguishable_from)
       text += fmt::format("      these data cannot tell it from {}\n", other);
+    if (!candidate.stands_in_for.empty())
+      text += fmt::format("      stands in for {}\n", fmt::join(candidate.stands_in_for, ", "));
   }
   const auto& structure = unexplained ? result.remaining : result.base_structure;
   if (!structure.empty()) {
@@ -129,9 +185,10 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
     text += structure_text(structure);
   }
   text += traces_text(trace_structure, traces);
+  text += findings_text(problem, result.best.assessment);
   const std::string advice = advice_for(problem, result);
   if (!advice.empty()) text += "advice: " + advice + "\n";
-  return text;
+  return text + figures_text(problem);
 }
 
 std::string discover_text(const Problem& problem, const SearchResult& result) {
@@ -139,7 +196,7 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
       headline(problem, result, result.remaining_traces.size() + result.last_traces.size());
   text += fmt::format("{}: error {:.4f} on held-out groups before\n", problem.facts().title,
                       result.base.assessment.error);
-  text += notes_text(problem) + outlier_text(result);
+  text += notes_text(problem, result.best.assessment.model) + outlier_text(result);
   for (const Step& step : result.steps) {
     text += fmt::format("  + {:24s} {:.4f} -> {:.4f}   {}\n", step.effect, step.error_before,
                         step.error_after,
@@ -151,8 +208,11 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
                       result.verdict == "unexplained_structure"
                           ? "structure remains that no known effect explains"
                           : "adequate");
+  text += free_text(problem, result.base.assessment, &result.best.assessment) +
+          findings_text(problem, result.best.assessment);
+  text += target_text(problem, result.best.assessment.model);
   if (result.verdict == "unexplained_structure") text += structure_text(result.remaining);
-  return text + traces_text(result.remaining_traces, result.last_traces);
+  return text + traces_text(result.remaining_traces, result.last_traces) + figures_text(problem);
 }
 
 }  // namespace seam::measurement

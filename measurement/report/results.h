@@ -19,6 +19,9 @@ std::string discover_text(const Problem& problem, const SearchResult& result);
 
 std::string add_json(const Problem& problem, const AddResult& result, const std::string& format);
 
+// Errors of free predictions on held-out groups; of all groups where each is held out in turn.
+std::vector<FreeError> free_errors(const Problem& problem, const Assessment& assessment);
+
 // What the best explanation leaves for the user to measure; empty where nothing would help.
 std::string advice_for(const Problem& problem, const SearchResult& result);
 

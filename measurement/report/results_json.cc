@@ -5,6 +5,7 @@
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/results.h"
+#include "measurement/report/target_told.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -27,8 +28,31 @@ void add_noise(ordered_json& json, const Problem& problem) {
   json["noise_estimated"] = estimated;
 }
 
-void add_notes(ordered_json& json, const Problem& problem) {
-  if (!problem.facts().notes.empty()) json["notes"] = problem.facts().notes;
+void add_notes(ordered_json& json, const Problem& problem, const Model& model) {
+  std::vector<std::string> notes = problem.facts().notes;
+  for (const std::string& missed : problem.remarks(model)) notes.push_back(missed);
+  if (!notes.empty()) json["notes"] = notes;
+}
+
+// The figures of a field's standard.
+void add_figures(ordered_json& json, const Problem& problem) {
+  const FigureTable& table = problem.facts().figures;
+  if (table.figures.empty()) return;
+  ordered_json figures = ordered_json::array(), curve = ordered_json::array();
+  for (const Figure& figure : table.figures) {
+    figures.push_back({{"name", figure.name},
+                       {"unit", figure.unit},
+                       {"value", finite_or_null<ordered_json>(figure.value)},
+                       {"sigma", finite_or_null<ordered_json>(figure.sigma)}});
+  }
+  for (const FigurePoint& point : table.curve) {
+    curve.push_back({{"light", point.light},
+                     {"signal_dn", point.signal_dn},
+                     {"snr", finite_or_null<ordered_json>(point.snr)},
+                     {"sigma", finite_or_null<ordered_json>(point.sigma)},
+                     {"expected", finite_or_null<ordered_json>(point.expected)}});
+  }
+  json["figures"] = {{"title", table.title}, {"figures", figures}, {"snr_curve", curve}};
 }
 
 ordered_json native_json(const Problem& problem, const Score& score) {
@@ -36,6 +60,34 @@ ordered_json native_json(const Problem& problem, const Score& score) {
   for (size_t c = 0; c < problem.facts().channels.size(); ++c)
     native[problem.facts().channels[c].name] = finite_or_null<ordered_json>(score.native[c]);
   return native;
+}
+
+ordered_json free_json(const Problem& problem, const Assessment& assessment) {
+  ordered_json list = ordered_json::array();
+  for (const FreeError& error : free_errors(problem, assessment))
+    list.push_back({{"over", error.over},
+                    {"residual", error.residual},
+                    {"rms", finite_or_null<ordered_json>(error.rms)},
+                    {"at_end", finite_or_null<ordered_json>(error.last)},
+                    {"n", error.count}});
+  return list;
+}
+
+void add_free(ordered_json& json, const Problem& problem, const Assessment& assessment) {
+  if (ordered_json list = free_json(problem, assessment); !list.empty())
+    json["free_prediction"] = std::move(list);
+}
+
+void add_findings(ordered_json& json, const Problem& problem, const Assessment& assessment) {
+  ordered_json list = ordered_json::array();
+  for (const Finding& finding : problem.findings(assessment.model)) {
+    ordered_json entry = {{"what", finding.what}, {"name", finding.name}};
+    for (const auto& [name, value] : finding.values)
+      entry[name] = finite_or_null<ordered_json>(value);
+    entry["text"] = finding.text;
+    list.push_back(std::move(entry));
+  }
+  if (!list.empty()) json["findings"] = std::move(list);
 }
 
 ordered_json structure_json(const std::vector<Structure>& structure) {
@@ -109,9 +161,11 @@ ordered_json not_testable_json(const std::vector<NotTestable>& list) {
 }
 
 ordered_json baseline_json(const Problem& problem, const Assessment& base) {
-  return {{"error", finite_or_null<ordered_json>(base.error)},
-          {"native", native_json(problem, base.held)},
-          {"noise_floor", 1.0}};
+  ordered_json json = {{"error", finite_or_null<ordered_json>(base.error)},
+                       {"native", native_json(problem, base.held)},
+                       {"noise_floor", 1.0}};
+  add_free(json, problem, base);
+  return json;
 }
 
 ordered_json candidates_json(const SearchResult& result, const Assessment& before,
@@ -130,7 +184,15 @@ ordered_json candidates_json(const SearchResult& result, const Assessment& befor
         {"log_likelihood_gain", finite_or_null<ordered_json>(c.gain_ll)},
         {"parameters", parameters_json(after, c.effect->name)},
         {"indistinguishable_from", c.indistinguishable_from}};
+    if (!c.companions.empty()) {
+      ordered_json with = ordered_json::object();
+      for (const auto& companion : c.companions)
+        with[companion->name] = parameters_json(after, companion->name);
+      entry["with"] = with;
+    }
     if (c.at_bound) entry["at_bound"] = true;
+    if (c.found) entry["found"] = true;
+    if (!c.stands_in_for.empty()) entry["stands_in_for"] = c.stands_in_for;
     entry["why"] = why(result, c);
     list.push_back(entry);
   }
@@ -161,7 +223,9 @@ std::string compare_json(const Problem& problem, const CompareResult& result) {
   add_traces(json, result.material, structure_json(result.traces), ordered_json::array());
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
-  add_notes(json, problem);
+  add_findings(json, problem, result.base.assessment);
+  add_notes(json, problem, result.base.assessment.model);
+  add_figures(json, problem);
   return dumped(json);
 }
 
@@ -191,10 +255,13 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
         {{"effect", step.effect}, {"error_after", finite_or_null<ordered_json>(step.error_after)}});
   json["explanation"] = {{"steps", explanation},
                          {"error", finite_or_null<ordered_json>(result.best.assessment.error)}};
+  add_free(json["explanation"], problem, result.best.assessment);
+  add_findings(json["explanation"], problem, result.best.assessment);
   json["not_testable"] = not_testable_json(result.first.not_testable);
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
-  add_notes(json, problem);
+  add_notes(json, problem, result.best.assessment.model);
+  add_figures(json, problem);
   json["advice"] = advice_for(problem, result);
   if (suggestion) {
     json["suggestion"] = {{"effect", suggestion->effect},
@@ -225,6 +292,8 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
   json["error"] = finite_or_null<ordered_json>(result.best.assessment.error);
   json["baseline"] = baseline_json(problem, result.base.assessment);
   json["native"] = native_json(problem, result.best.assessment.held);
+  add_free(json, problem, result.best.assessment);
+  add_findings(json, problem, result.best.assessment);
   add_noise(json, problem);
   json["structure"] = structure_json(result.remaining);
   add_traces(json, result.material, structure_json(result.remaining_traces),
@@ -232,7 +301,9 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
   json["not_testable"] = not_testable_json(result.first.not_testable);
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
-  add_notes(json, problem);
+  add_notes(json, problem, result.best.assessment.model);
+  add_target(json, problem, result.best.assessment.model);
+  add_figures(json, problem);
   json["advice"] = advice_for(problem, result);
   return dumped(json);
 }
@@ -251,6 +322,8 @@ std::string add_json(const Problem& problem, const AddResult& result, const std:
                        {"error_after", finite_or_null<ordered_json>(result.error_after)},
                        {"not_testable", not_testable_json(result.not_testable)}};
   add_noise(json, problem);
+  add_notes(json, problem, result.model);
+  add_target(json, problem, result.model);
   return dumped(json);
 }
 

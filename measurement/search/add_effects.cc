@@ -46,6 +46,11 @@ AddResult add_effects(Problem& problem, const Model& model, const EffectList& ef
       throw InputError(fmt::format("effect '{}' does not act on measurements of kind {}",
                                    effect->name, problem.facts().kind()));
     }
+    if (const std::string base = effects::missing_base(*effect, grown.assessment.model);
+        !base.empty()) {
+      throw InputError(
+          fmt::format("effect '{}' acts in a model with '{}', expected one", effect->name, base));
+    }
     grown.assessment.model.remove(effect->name);
     std::erase_if(grown.assessment.unknowns,
                   [&](const Unknown& u) { return u.effect == effect->name; });
@@ -84,8 +89,10 @@ AddResult refit_all(Problem& problem, const Model& model) {
     for (size_t i = 0; i < effect.parameters.size(); ++i) {
       const bool acts = problem.acts(*effect.definition) &&
                         problem.not_testable(model, *effect.definition, i).empty();
-      if (!effect.definition->parameters[i].integer && acts)
-        unknowns.push_back({effect.definition->name, i});
+      const effects::Parameter& parameter = effect.definition->parameters[i];
+      const bool stays =
+          parameter.integer || (parameter.stated && !effect.parameters[i].refitted());
+      if (!stays && acts) unknowns.push_back({effect.definition->name, i});
     }
   }
   std::vector<NotTestable> untold;

@@ -14,13 +14,22 @@ namespace {
 using effects::Parameter;
 using effects::ParameterValue;
 
-// The model with the effect at these values; replacements push out what they replace.
-Model with_effect(Model model, const std::shared_ptr<const EffectDefinition>& effect,
-                  const std::vector<double>& values) {
-  effects::remove_replaced(*effect, model);
-  std::vector<ParameterValue> parameters;
-  for (size_t i = 0; i < values.size(); ++i) parameters.push_back({.value = values[i]});
-  model.set(effect, std::move(parameters));
+// The model with the effect and its companions at these values; replacements push out what they
+// replace. Companions without values are small.
+Model with_effect(Model model, const Prospect& prospect, const std::vector<double>& values) {
+  effects::remove_replaced(*prospect.effect, model);
+  size_t at = 0;
+  const auto add = [&](const std::shared_ptr<const EffectDefinition>& effect) {
+    std::vector<ParameterValue> parameters;
+    for (const Parameter& p : effect->parameters) {
+      const double small = p.stated || p.integer ? p.neutral : p.neutral + 0.05 * p.scale;
+      parameters.push_back({.value = at < values.size() ? values[at] : small});
+      ++at;
+    }
+    model.set(effect, std::move(parameters));
+  };
+  add(prospect.effect);
+  for (const auto& companion : prospect.companions) add(companion);
   return model;
 }
 
@@ -33,7 +42,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
                                         std::vector<NotTestable>& reasons, double& expected_ll) {
   std::vector<size_t> open;
   for (size_t i = 0; i < effect.parameters.size(); ++i) {
-    if (effect.parameters[i].integer) continue;
+    if (effect.parameters[i].integer || effect.parameters[i].stated) continue;
     const std::string why = problem.not_testable(model, effect, i);
     if (why.empty()) {
       open.push_back(i);
@@ -96,11 +105,12 @@ Model as_given(Model model, const std::vector<Unknown>& refitted, const Model& g
 // been unlucky. An effect that replaces another is far from what was fitted without it, so the fit
 // starts from the given values as well.
 std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
-                                     const std::shared_ptr<const EffectDefinition>& effect,
-                                     const std::vector<size_t>& open,
-                                     std::vector<std::vector<double>> starts) {
+                                     const Prospect& prospect) {
+  const auto& effect = prospect.effect;
+  const std::vector<size_t>& open = prospect.free;
+  std::vector<std::vector<double>> starts = prospect.starts;
   for (auto& start : starts) {
-    for (size_t i = 0; i < start.size(); ++i) {
+    for (size_t i = 0; i < std::min(start.size(), effect->parameters.size()); ++i) {
       const bool fitted = std::find(open.begin(), open.end(), i) != open.end();
       if (!fitted && !effect->parameters[i].integer) start[i] = effect->parameters[i].neutral;
     }
@@ -117,7 +127,7 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
     }
     for (size_t i = 0; i < starts.size(); ++i) {
       const Score score =
-          problem.score(with_effect(plain, effect, starts[i]), problem.all_groups());
+          problem.score(with_effect(plain, prospect, starts[i]), problem.all_groups());
       order.emplace_back(
           score.valid ? -score.log_likelihood : std::numeric_limits<double>::infinity(), i);
     }
@@ -128,19 +138,26 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
     starts = best;
   }
   std::vector<Model> bases = {base.assessment.model};
-  if (!effect->has_neutral)
+  if (!effect->has_neutral && !base.assessment.unknowns.empty())
     bases.push_back(as_given(bases[0], base.assessment.unknowns, problem.given()));
   std::optional<Grown> best;
   for (size_t s = 0; s < starts.size() * bases.size(); ++s) {
-    const Model start = with_effect(bases[s / starts.size()], effect, starts[s % starts.size()]);
+    const Model start = with_effect(bases[s / starts.size()], prospect, starts[s % starts.size()]);
     std::vector<Unknown> unknowns;
     for (const Unknown& unknown : base.assessment.unknowns) {
       if (start.has(unknown.effect)) unknowns.push_back(unknown);
     }
     for (const size_t i : open) unknowns.push_back({effect->name, i});
+    for (const auto& companion : prospect.companions) {
+      for (size_t i = 0; i < companion->parameters.size(); ++i) {
+        const Parameter& parameter = companion->parameters[i];
+        if (!parameter.integer && !parameter.stated) unknowns.push_back({companion->name, i});
+      }
+    }
     Grown grown{.added = base.added, .assessment = assess(problem, start, unknowns)};
     std::erase_if(grown.added, [&](const std::string& name) { return !start.has(name); });
     grown.added.push_back(effect->name);
+    for (const auto& companion : prospect.companions) grown.added.push_back(companion->name);
     if (!grown.assessment.valid) continue;
     if (!best || grown.assessment.total_ll > best->assessment.total_ll) best = std::move(grown);
     // Two starts are the two directions of a smooth effect, which meet at the same optimum.
@@ -162,7 +179,10 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
     if (model.has(effect->name) || effect->parameters.empty()) return;
     const bool required = std::any_of(effect->parameters.begin(), effect->parameters.end(),
                                       [](const Parameter& p) { return p.required; });
-    if (required || !problem.acts(*effect)) return;
+    // Values that must be given can be found only where the record says where to begin.
+    const auto& rule = effects::start_rule(*effect, problem.facts().set.kind);
+    if (required && rule.search == effects::StartSearch::slope) return;
+    if (!problem.acts(*effect)) return;
     if (effects::is_excluded(*effect, model)) return;
     absent.push_back(effect);
   };
@@ -173,11 +193,18 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
 
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
-                                    std::vector<NotTestable>& reasons) {
-  if (effects::is_excluded(*effect, base.assessment.model)) return std::nullopt;
-  Prospect prospect{.effect = effect, .starts = problem.starts(base.assessment.model, *effect)};
+                                    std::vector<NotTestable>& reasons, bool alone) {
+  const Model& model = base.assessment.model;
+  if (effects::is_excluded(*effect, model)) return std::nullopt;
+  if (effect->draws_estimated && base.assessment.error > kUseless) {
+    reasons.push_back({effect->name, "", "the model misses too much for single draws to be told"});
+    return std::nullopt;
+  }
+  Prospect prospect{.effect = effect};
+  if (!alone) prospect.companions = effects::companions_of(*effect, model);
+  prospect.starts = problem.starts_together(model, *effect, prospect.companions);
   if (prospect.starts.empty()) return std::nullopt;
-  const Model probe = with_effect(base.assessment.model, effect, prospect.starts.front());
+  const Model probe = with_effect(model, prospect, prospect.starts.front());
   std::vector<Unknown> others;
   for (const Unknown& unknown : base.assessment.unknowns) {
     if (probe.has(unknown.effect) && !probe.find(unknown.effect)->definition->spread_only)
@@ -210,13 +237,16 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
 
 std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
                                       const Prospect& prospect, std::vector<NotTestable>& reasons) {
-  auto grown = fit_from_starts(problem, base, prospect.effect, prospect.free, prospect.starts);
+  auto grown = fit_from_starts(problem, base, prospect);
   if (!grown) {
     reasons.push_back(
         {prospect.effect->name, "", "with it the model predicts no image for some observations"});
     return std::nullopt;
   }
-  return Candidate{.effect = prospect.effect, .grown = std::move(*grown), .free = prospect.free};
+  return Candidate{.effect = prospect.effect,
+                   .grown = std::move(*grown),
+                   .companions = prospect.companions,
+                   .free = prospect.free};
 }
 
 std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
@@ -262,26 +292,20 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
   std::vector<std::optional<Prospect>> prospects(effects.size());
   std::vector<std::vector<NotTestable>> reasons(effects.size());
   promising_only = problem.is_smooth() && (promising_only || problem.screening_groups());
-  // A spread was taken since no effect of the mean helped: where a misfit stays nevertheless, only
-  // another spread can help.
-  const bool spread_taken = std::any_of(
-      base.added.begin(), base.added.end(),
-      [&](const auto& name) { return base.assessment.model.find(name)->definition->spread_only; });
-  const bool spreads_only = promising_only && spread_taken && base.assessment.error > kMisfit;
   parallel_for(effects.size(), [&](size_t i) {
-    if (spreads_only && !effects[i]->spread_only) return;
-    prospects[i] = prospect_of(problem, base, effects[i], reasons[i]);
+    prospects[i] = prospect_of(problem, base, effects[i], reasons[i], /*alone=*/false);
   });
   Looks looks;
   for (const auto& prospect : prospects) looks.tried += prospect.has_value();
   std::vector<char> worth(effects.size(), 1);
   if (promising_only) worth = worth_fitting(problem, base, prospects);
   std::vector<std::optional<Candidate>> found(effects.size());
+  const Evaluation here = problem.evaluate_held_out(base.assessment.model, problem.scored_groups());
   const auto fit = [&](const auto& chosen) {
     parallel_for(effects.size(), [&](size_t i) {
       if (!prospects[i] || !worth[i] || !chosen(*effects[i])) return;
       found[i] = fit_prospect(problem, base, *prospects[i], reasons[i]);
-      if (found[i]) judge(problem, base, looks.tried, material, *found[i]);
+      if (found[i]) judge(problem, base, here, looks.tried, material, *found[i]);
     });
   };
   fit([](const EffectDefinition& effect) { return !effect.spread_only; });

@@ -11,8 +11,6 @@
 
 namespace seam::measurement {
 
-using EffectList = std::vector<std::shared_ptr<const EffectDefinition>>;
-
 struct NotTestable {
   std::string effect;
   std::string parameter;  // Empty: the whole effect.
@@ -31,17 +29,19 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
 // What one linearisation says of an effect beside a model, before anything is fitted.
 struct Prospect {
   std::shared_ptr<const EffectDefinition> effect;
-  std::vector<std::vector<double>> starts;
-  std::vector<size_t> free;  // Its parameters that the data can see.
+  EffectList companions;                    // Fitted with it.
+  std::vector<std::vector<double>> starts;  // Of its parameters, then of its companions'.
+  std::vector<size_t> free;                 // Its parameters that the data can see.
   // Total log-likelihood after one step of Gauss and Newton in all unknowns (the score test);
   // infinite where such a step says nothing: spreads, counts, servos, replacements.
   double expected_ll = std::numeric_limits<double>::infinity();
 };
 
-// Nothing where the effect cannot be tested (and says why in `reasons`).
+// Nothing where the effect cannot be tested (and says why in `reasons`). The companions of its
+// record come with it unless it is wanted `alone`.
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
-                                    std::vector<NotTestable>& reasons);
+                                    std::vector<NotTestable>& reasons, bool alone = true);
 
 // Fits a prospect beside the model it was seen with.
 std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,

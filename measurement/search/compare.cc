@@ -1,6 +1,31 @@
 #include "measurement/search/compare.h"
 
+#include <algorithm>
+
+#include "sim_core/base/error.h"
+
 namespace seam::measurement {
+
+bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
+  std::vector<char> outliers = problem.find_outliers(model);
+  const size_t count = static_cast<size_t>(std::count(outliers.begin(), outliers.end(), 1));
+  result.outlier_share =
+      static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, outliers.size()));
+  result.outliers.clear();
+  if (result.outlier_share > kMostOutliers || count == 0) outliers.clear();
+  const bool changed = outliers != problem.left_out();
+  problem.leave_out(std::move(outliers));
+  if (count == 0 || result.outlier_share > kMostOutliers) return changed;
+  const Evaluation evaluation = problem.evaluate(model, problem.all_groups());
+  for (size_t i = 0; i < problem.left_out().size(); ++i) {
+    if (!problem.left_out()[i]) continue;
+    const int row = problem.facts().row_of[i];
+    result.outliers.push_back({.line = problem.facts().line_of_row[row],
+                               .scalar = i,
+                               .residual = evaluation.residual[i]});
+  }
+  return changed;
+}
 
 CompareResult compare(Problem& problem, const Model& model, double material) {
   problem.check_model(model);
@@ -9,6 +34,13 @@ CompareResult compare(Problem& problem, const Model& model, double material) {
   SearchResult marks;
   problem.leave_out({});
   Assessment assessment = assess(problem, model, refitted_unknowns(model));
+  // Rows without a prediction have no residual: an error without them would be too good.
+  if (!assessment.held.valid)
+    throw InputError(
+        fmt::format("{}: with this model some observations have no prediction (points behind the "
+                    "camera, or beyond the angle at which the lens folds back), so that no error "
+                    "can be stated; seam check --model MODEL names them",
+                    problem.facts().file));
   check_enough(problem, assessment);
   for (int round = 0; round < kOutlierRounds && mark_outliers(problem, assessment.model, marks);
        ++round) {

@@ -46,8 +46,17 @@ inline constexpr double kUnluckyScatter = -1.3;
 // of their scatter. A judgement.
 inline constexpr double kAgreedGain = 1;
 
+// An error that falls to less than this share of itself falls plainly, whatever the scatter of few
+// groups is. It is so defined in this project.
+inline constexpr double kPlainlyLess = 0.5;
+
 // With fewer held-out groups than this their scatter is not known.
 inline constexpr int kLeastGroupsForScatter = 3;
+
+// While the noise is missed, an effect of the mean that lowers residuals in their own units by this
+// share is taken before any spread: a spread wide enough makes any residual small in units of
+// itself. A twentieth of the residual is a tenth of its square. A judgement.
+inline constexpr double kHeardFirst = 0.05;
 
 // A model must lose at least this share of an effect's gain when the effect is taken out and all
 // else stays: the rest of the gain was the base's, whose fit had stopped early. A judgement.
@@ -62,6 +71,10 @@ inline constexpr double kClearGain = 4;
 // renderer's pictures made a blur of 0.01 px a missing effect that lowered the error from 1.0041 to
 // 1.0039.
 inline constexpr double kMaterial = 0.1;
+
+// A spread that widens the noise over a misfit is none if a mean explains this share of the squared
+// residuals that it calls noise. A judgement.
+inline constexpr double kHiddenMean = 0.25;
 
 // More outliers than this share are no gross errors but a model that fails: none is left out. So
 // the word is defined in this project.
@@ -159,12 +172,13 @@ inline constexpr double kLeastActing = 0.2;
 // A column of which others leave less than this share of its sum of squares is theirs (kAbsorbed
 // for columns made with one step of difference, whose length is good to 1e-4). A judgement.
 inline constexpr double kSpanned = 1e-8;
-// With more groups than this the held-out gain must be so many standard errors of its scatter: a
-// formula is free to be anything, so it is held to more than an effect with a name. A judgement.
-inline constexpr size_t kGroupsForAgreement = 5;
+// The held-out gain of a formula must be so many standard errors of its scatter between groups, or
+// between their blocks where fewer than this are held out: a formula is free to be anything, so it
+// is held to more than an effect with a name. A judgement.
+inline constexpr size_t kGroupsForAgreement = 6;
 inline constexpr double kAgreedFormula = 2.5;
-// A term takes at least this share of the excess of the squared error, or it is not worth reading.
-// A judgement.
+// A term takes at least this share of a channel's squared residual, or it is not worth reading: at
+// the noise what kMaterial moves takes so much.
 inline constexpr double kLeastWorthReading = 0.01;
 
 }  // namespace seam::measurement

@@ -56,17 +56,23 @@ bool has_counts(const EffectDefinition& effect) {
                      [](const Parameter& p) { return p.integer; });
 }
 
-double gain_over_scatter(const Score& before, const Score& after) {
-  double count = 0, sum = 0, sum2 = 0;
-  for (size_t g = 0; g < after.by_group.size(); ++g) {
-    if (g >= before.by_group.size() || (after.by_group[g] == 0 && before.by_group[g] == 0))
-      continue;
-    const double gain = after.by_group[g] - before.by_group[g];
-    ++count, sum += gain, sum2 += gain * gain;
-  }
-  if (count < kLeastGroupsForScatter) return 0;
-  const double variance = (sum2 - sum * sum / count) / (count - 1);
-  return sum / std::sqrt(std::max(variance * count, 1e-300));
+double gain_over_scatter(const Score& before, const Score& after, size_t fewest_groups) {
+  size_t units = 0;
+  const auto statistic = [&](const std::vector<double>& from, const std::vector<double>& to) {
+    double count = 0, sum = 0, sum2 = 0;
+    for (size_t g = 0; g < to.size() && g < from.size(); ++g) {
+      if (to[g] == 0 && from[g] == 0) continue;
+      const double gain = to[g] - from[g];
+      ++count, sum += gain, sum2 += gain * gain;
+    }
+    units = static_cast<size_t>(count);
+    if (count < kLeastGroupsForScatter) return 0.0;
+    const double variance = (sum2 - sum * sum / count) / (count - 1);
+    return sum / std::sqrt(std::max(variance * count, 1e-300));
+  };
+  const double by_group = statistic(before.by_group, after.by_group);
+  if (units >= fewest_groups || after.by_block.empty()) return by_group;
+  return statistic(before.by_block, after.by_block);
 }
 
 double tie_width(double error) {
@@ -91,6 +97,15 @@ bool cannot_tell(const Weight& a, const Weight& b, double error) {
   return chi2_tail(2 * std::abs(ahead) / std::max(1.0, error * error), further) > kTieAlarm;
 }
 
+size_t fitted_parameters(const Candidate& candidate) {
+  size_t count = candidate.free.size();
+  for (const auto& companion : candidate.companions) {
+    for (const Unknown& unknown : candidate.grown.assessment.unknowns)
+      count += unknown.effect == companion->name;
+  }
+  return count;
+}
+
 double merit_of(const Problem& problem, const Grown& grown) {
   const double size = std::log(static_cast<double>(std::max<size_t>(count_used(problem), 3)));
   const size_t needed = needed_parameters(grown);
@@ -99,8 +114,8 @@ double merit_of(const Problem& problem, const Grown& grown) {
          kPriceOfUnclear * static_cast<double>(fitted - needed);
 }
 
-void judge(const Problem& problem, const Grown& base, double looks, double material,
-           Candidate& candidate) {
+void judge(const Problem& problem, const Grown& base, const Evaluation& here, double looks,
+           double material, Candidate& candidate) {
   const Assessment& before = base.assessment;
   const Assessment& after = candidate.grown.assessment;
   candidate.gain_ll = after.held_ll() - before.held_ll();
@@ -115,17 +130,22 @@ void judge(const Problem& problem, const Grown& base, double looks, double mater
   // Where the model misses more than the noise, likelihood ratios are worth less in proportion.
   const double misfit = std::max(1.0, after.error * after.error);
   const double ratio = 2 * candidate.total_gain_ll / misfit;
-  const double freedom = static_cast<double>(std::max<size_t>(1, candidate.free.size()));
+  const double freedom = static_cast<double>(std::max<size_t>(1, fitted_parameters(candidate)));
   const double tail = chi2_tail(ratio, freedom);
   candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
   // One parameter gains as much as it stands clear of neutral; a gain without is the base's, whose
   // fit had stopped early.
   const bool clear = has_counts(*candidate.effect) || candidate.effect->spread_only ||
                      clear_parameters(candidate.grown, candidate.effect->name) > 0;
+  candidate.fall = native_fall(before.held, after.held);
   // Beyond the noise a likelihood says little: held-out groups must agree that they gain, and some
-  // value be clear.
-  const bool agreed = after.error <= kMisfit ? clear || candidate.free.size() > 1
-                                             : clear && candidate.held_z > kAgreedGain;
+  // value be clear, unless the gain is plain; and residuals fall in their own units.
+  const bool mean = !only_widens(*candidate.effect);
+  const bool plain = mean && after.error < kPlainlyLess * before.error;
+  const bool falls = !mean || before.error <= kMisfit || candidate.fall > 0;
+  const bool agreed = after.error <= kMisfit
+                          ? clear || candidate.free.size() > 1
+                          : falls && (plain || (clear && candidate.held_z > kAgreedGain));
   // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by
   // as much as noise makes them in one of ten cases at five standard errors, or by what their
   // scatter does in one of ten.
@@ -139,22 +159,32 @@ void judge(const Problem& problem, const Grown& base, double looks, double mater
   if (candidate.significant && candidate.effect->has_neutral && !has_counts(*candidate.effect))
     candidate.significant =
         loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll;
-  if (candidate.significant && material > 0) {
-    candidate.moved = movement(problem, before, after, candidate.effect->spread_only);
-    candidate.trace = candidate.moved < material;
-    candidate.significant = !candidate.trace;
+  if (candidate.significant) {
+    const Change change = change_by(problem, here, before, after, only_widens(*candidate.effect));
+    candidate.moved = change.moved;
+    candidate.significant = mean || change.at_noise;
+    candidate.trace = candidate.significant && candidate.moved < material;
+    candidate.significant = candidate.significant && !candidate.trace;
   }
   candidate.merit = merit_of(problem, candidate.grown);
+}
+
+bool only_widens(const EffectDefinition& effect) {
+  return effect.spread_only && !effect.draws_estimated;
 }
 
 bool clearly_helps(const Candidate& candidate) {
   return candidate.significant && !candidate.effect->spread_only && candidate.held_z > kClearGain;
 }
 
+bool goes_before_spreads(const Candidate& candidate) {
+  return candidate.significant && !candidate.effect->spread_only && candidate.fall > kHeardFirst;
+}
+
 namespace {
 
 Weight weight_of(const Candidate& candidate) {
-  return {candidate.total_gain_ll, candidate.free.size()};
+  return {candidate.total_gain_ll, fitted_parameters(candidate)};
 }
 
 // Moves those that the data cannot tell from the best, or from one of these, to the front, and
@@ -196,8 +226,8 @@ void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
   const bool at_noise = candidates.front().grown.assessment.error <= kMisfit;
   std::stable_sort(candidates.begin(), end, [&](const Candidate& a, const Candidate& b) {
     const double apart = std::abs(a.total_gain_ll - b.total_gain_ll);
-    if (a.free.size() != b.free.size() && (at_noise || apart < kFewerParametersWidth))
-      return a.free.size() < b.free.size();
+    const size_t of_a = fitted_parameters(a), of_b = fitted_parameters(b);
+    if (of_a != of_b && (at_noise || apart < kFewerParametersWidth)) return of_a < of_b;
     if (apart < kPreferenceWidth)
       return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
     return false;

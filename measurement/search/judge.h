@@ -6,10 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "measurement/search/assess.h"
+#include "measurement/fitting/assess.h"
 #include "measurement/search/decisions.h"
 
 namespace seam::measurement {
+
+using EffectList = std::vector<std::shared_ptr<const EffectDefinition>>;
 
 // A model that grew from the one given by the user: the effects added so far and how it does.
 struct Grown {
@@ -20,6 +22,7 @@ struct Grown {
 struct Candidate {
   std::shared_ptr<const EffectDefinition> effect;
   Grown grown;               // The model with it.
+  EffectList companions;     // Added with it, as one move.
   std::vector<size_t> free;  // Its parameters that were fitted.
   double gain_ll = 0;        // Held-out log-likelihood gained.
   double total_gain_ll = 0;  // Of training and held-out groups together.
@@ -29,24 +32,36 @@ struct Candidate {
   bool at_bound = false;
   bool significant = false;  // And material: the search goes by both.
   bool trace = false;        // Significant, but not material.
-  double moved = 0;          // Noise units; where it was asked for (material above 0).
+  double moved = 0;          // Noise units, where it is significant.
+  double fall = 0;           // Of held-out residuals in their own units: a share.
   std::vector<std::string> indistinguishable_from;
+  bool found = false;                      // It is in the model that the search ended with.
+  std::vector<std::string> stands_in_for;  // Effects found that explain what it seemed to.
 };
 
 // Whether a parameter of the effect is a whole number: it is tried, not fitted.
 bool has_counts(const EffectDefinition& effect);
 
 // Fills p-value and merit of a candidate against what it grew from. `material` is the least change
-// of predictions that counts, in noise units.
-void judge(const Problem& problem, const Grown& base, double looks, double material,
-           Candidate& candidate);
+// of predictions that counts, in noise units; `here` is the base's evaluation on the scored groups.
+void judge(const Problem& problem, const Grown& base, const Evaluation& here, double looks,
+           double material, Candidate& candidate);
 
-// Sum of the held-out groups' gains over its standard error; 0 with fewer than three groups.
-double gain_over_scatter(const Score& before, const Score& after);
+// Sum of the held-out groups' gains over its standard error, by their blocks where groups are fewer
+// than this; 0 with fewer than three of either.
+double gain_over_scatter(const Score& before, const Score& after,
+                         size_t fewest_groups = kLeastGroupsForScatter);
+
+// Whether an effect changes the spread of observations and no prediction.
+bool only_widens(const EffectDefinition& effect);
 
 // Whether an effect of the mean helps in most held-out groups, not by the luck of a few: what
 // moves whole groups (jitter) lets other effects seem to help.
 bool clearly_helps(const Candidate& candidate);
+
+// Whether an effect of the mean, found beside a base that misses more than the noise, lowers the
+// residuals in their own units by enough to be heard before any spread.
+bool goes_before_spreads(const Candidate& candidate);
 
 // Best first: by merit, but of all those that the data cannot tell from the best the simplest goes
 // first; fills `indistinguishable_from`.
@@ -70,6 +85,9 @@ bool cannot_tell(const Weight& a, const Weight& b, double error);
 
 // Parameters that were fitted of the effects that a model grew by.
 size_t fitted_parameters(const Grown& grown);
+
+// Parameters that were fitted of a candidate and its companions.
+size_t fitted_parameters(const Candidate& candidate);
 
 // Total log-likelihood less the price of the parameters that the added effects need.
 double merit_of(const Problem& problem, const Grown& grown);

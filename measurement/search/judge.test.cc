@@ -63,7 +63,9 @@ std::unique_ptr<Judged> judged(double size, uint64_t seed, double looks) {
   auto candidate = try_effect(all->problem, all->base, bend(), reasons);
   EXPECT_TRUE(candidate);
   all->candidate = std::move(*candidate);
-  judge(all->problem, all->base, looks, 0, all->candidate);
+  const Evaluation here =
+      all->problem.evaluate(all->base.assessment.model, all->problem.scored_groups());
+  judge(all->problem, all->base, here, looks, 0, all->candidate);
   return all;
 }
 
@@ -118,6 +120,81 @@ TEST(Judge, GainOverScatterIsStudentsStatistic) {
   EXPECT_NEAR(gain_over_scatter(before, after), 2 / (std::sqrt(2.0 / 3) / 2), 1e-12);
   before.by_group = {-10, -12}, after.by_group = {-8, -11};
   EXPECT_EQ(gain_over_scatter(before, after), 0);
+  // Their blocks: gains 1, 1, 0, 1 have the mean 0.75 and the deviation 0.5.
+  before.by_block = {-5, -5, -6, -6}, after.by_block = {-4, -4, -6, -5};
+  EXPECT_NEAR(gain_over_scatter(before, after), 3, 1e-12);
+  before.by_group = {-10, -12, -9}, after.by_group = {-8, -11, -6};
+  EXPECT_NEAR(gain_over_scatter(before, after), 2 / (1 / std::sqrt(3.0)), 1e-12);
+  EXPECT_NEAR(gain_over_scatter(before, after, 4), 3, 1e-12);
+}
+
+// A bend beside a wave that nothing explains, in few groups of neighbours: the error stays above
+// the noise.
+class FewGroups : public MadeProblem {
+ public:
+  explicit FewGroups(size_t groups)
+      : MadeProblem(evenly(-1, 1, 240), kNoise, [](const std::vector<double>& p, double x) {
+          return p[0] + (p.size() > 1 ? p[1] * x * x : 0);
+        }) {
+    facts_.groups.clear();
+    for (size_t g = 0; g < groups; ++g) facts_.groups.push_back("g" + std::to_string(g));
+    for (size_t i = 0; i < 240; ++i) facts_.group_of_row[i] = static_cast<int>(i * groups / 240);
+  }
+  std::vector<std::vector<double>> starts(const Model&, const EffectDefinition&) const override {
+    return {{0.05}};
+  }
+};
+
+Candidate beside_a_wave(size_t groups, double size, uint64_t seed) {
+  FewGroups problem(groups);
+  Model truth;
+  truth.set(line(), {{.value = 0.3}});
+  truth.set(bend(), {{.value = size}});
+  problem.observe(truth, {.seed = seed, .stream = 1});
+  std::vector<double> y = problem.y();
+  for (size_t i = 0; i < y.size(); ++i) y[i] += 2 * kNoise * std::sin(40 * problem.x()[i]);
+  problem.take(y);
+  const Grown base{.assessment = assess(problem, flat(), refitted_unknowns(flat()))};
+  std::vector<NotTestable> reasons;
+  Candidate candidate = *try_effect(problem, base, bend(), reasons);
+  const Evaluation here = problem.evaluate(base.assessment.model, problem.scored_groups());
+  judge(problem, base, here, 20, 0.1, candidate);
+  EXPECT_GT(candidate.grown.assessment.error, kMisfit);
+  return candidate;
+}
+
+TEST(Judge, FewGroupsAddWhatIsPlain) {
+  for (const size_t groups : {1, 2, 4, 6}) {
+    const Candidate candidate = beside_a_wave(groups, 10, 1);
+    EXPECT_TRUE(candidate.significant) << groups;
+    EXPECT_TRUE(goes_before_spreads(candidate)) << groups;
+    int alarms = 0;
+    for (uint64_t seed = 1; seed <= 50; ++seed)
+      alarms += beside_a_wave(groups, 0, seed).significant;
+    EXPECT_LE(alarms, 2) << groups;
+  }
+}
+
+// A noise that may be as wide as the misfit leaves errors of size 1; one that may not is no
+// explanation.
+TEST(Judge, ASpreadEndsAtTheNoiseOrIsNone) {
+  for (const double widest : {100.0, 1.0}) {
+    FewGroups problem(12);
+    Model truth;
+    truth.set(line(), {{.value = 0.3}});
+    truth.set(bend(), {{.value = 10}});
+    problem.observe(truth, {.seed = 2, .stream = 1});
+    const auto wider =
+        made_effect("wider", {{.name = "sigma", .min = 0, .max = widest, .scale = 0.5}}, true);
+    const Grown base{.assessment = assess(problem, flat(), refitted_unknowns(flat()))};
+    std::vector<NotTestable> reasons;
+    Candidate candidate = *try_effect(problem, base, wider, reasons);
+    const Evaluation here = problem.evaluate(base.assessment.model, problem.scored_groups());
+    judge(problem, base, here, 20, 0.1, candidate);
+    EXPECT_LT(candidate.p_value, 1e-6);
+    EXPECT_EQ(candidate.significant, widest > 1) << candidate.grown.assessment.error;
+    EXPECT_NEAR(candidate.fall, 0, 1e-3);
+  }
 }
 
 TEST(CannotTell, WithinATieOrWhatNeedlessParametersGain) {

@@ -18,34 +18,61 @@ double movement_of_gain(double gain, int64_t observations, bool spread_only) {
   return std::sqrt(spread_only ? each : 2 * each);
 }
 
+// So far from 1 a root mean square of n values at the noise is not by chance.
+double limit_at_noise(double n) {
+  constexpr double kSigmas = 3;
+  return std::max(kMisfit, 1 + kSigmas / std::sqrt(2 * n));
+}
+
 }  // namespace
 
-double movement(const Problem& problem, const Assessment& before, const Assessment& after,
-                bool spread_only) {
-  const std::vector<Groups>& folds = problem.folds();
-  const Groups held = folds.size() == 1 ? folds.front() : problem.all_groups();
-  const Evaluation old = problem.evaluate(before.model, held);
-  const Evaluation now = problem.evaluate(after.model, held);
-  if (old.used.empty() || now.used.empty())
-    return movement_of_gain(after.held_ll() - before.held_ll(), after.held.n, spread_only);
+Change change_by(const Problem& problem, const Evaluation& here, const Assessment& before,
+                 const Assessment& after, bool spread_only) {
+  const Evaluation there = problem.evaluate_held_out(after.model, problem.scored_groups());
+  if (here.used.empty() || there.used.empty())
+    return {movement_of_gain(after.held_ll() - before.held_ll(), after.held.n, spread_only),
+            after.error <= limit_at_noise(static_cast<double>(after.held.n))};
   // A model that predicts nothing for some observation differs by anything.
-  if (!old.valid || !now.valid) return kInfinity;
+  if (!here.valid || !there.valid) return {.moved = kInfinity};
   const Facts& facts = problem.facts();
-  std::vector<double> mean2(facts.channels.size(), 0), spread2 = mean2, count = mean2;
+  std::vector<double> mean2(facts.channels.size(), 0), spread2 = mean2, count = mean2, chi2 = mean2;
   for (size_t i = 0; i < facts.scalars(); ++i) {
-    if (!old.used[i] || !now.used[i] || !(old.sigma[i] > 0)) continue;
-    const double mean = (old.residual[i] - now.residual[i]) / old.sigma[i];
-    const double spread = now.sigma[i] / old.sigma[i] - 1;
+    if (!here.used[i] || !there.used[i] || !(here.sigma[i] > 0)) continue;
+    const double mean = (here.residual[i] - there.residual[i]) / here.sigma[i];
+    const double spread = there.sigma[i] / here.sigma[i] - 1;
     const int channel = facts.channel_of[i];
     mean2[channel] += mean * mean, spread2[channel] += spread * spread, ++count[channel];
+    chi2[channel] += there.whitened[i] * there.whitened[i];
   }
-  double most = 0;
+  constexpr double kWidens = 0.01;  // Standard deviations that change by less stay as they are.
+  Change change;
   for (size_t c = 0; c < count.size(); ++c) {
     if (count[c] == 0) continue;
     const double of_mean = spread_only ? 0 : mean2[c];
-    most = std::max(most, std::sqrt(std::max(of_mean, spread2[c]) / count[c]));
+    change.moved = std::max(change.moved, std::sqrt(std::max(of_mean, spread2[c]) / count[c]));
+    if (spread2[c] > kWidens * kWidens * count[c] &&
+        chi2[c] > std::pow(limit_at_noise(count[c]), 2) * count[c])
+      change.at_noise = false;
   }
-  return most;
+  return change;
+}
+
+double native_fall(const Score& before, const Score& after) {
+  double logs = 0, count = 0;
+  for (size_t c = 0; c < after.native.size() && c < before.native.size(); ++c) {
+    const double n = static_cast<double>(after.native_count[c]);
+    if (!(before.native[c] > 0) || !(after.native[c] > 0)) continue;
+    logs += n * std::log(after.native[c] / before.native[c]), count += n;
+  }
+  return count > 0 ? 1 - std::exp(logs / count) : 0;
+}
+
+bool hides_mean(const Problem& problem, const Assessment& with_spread) {
+  const auto left = problem.structure(with_spread.model, problem.all_groups(),
+                                      static_cast<int>(with_spread.unknowns.size()));
+  return std::any_of(left.begin(), left.end(), [](const Structure& s) {
+    return s.moment == "mean" && s.p_value < kStructureAlarm && s.explained > kHiddenMean;
+  });
 }
 
 double noise_units(const Problem& problem, const Assessment& assessment,

@@ -6,18 +6,34 @@
 #include <string>
 #include <vector>
 
-#include "measurement/search/assess.h"
+#include "measurement/fitting/assess.h"
 
 namespace seam::measurement {
 
-// By how many noise units the predictions of `after` differ from those of `before`, each with the
-// best nuisances: the root mean square over held-out observations, of the channel that moves most;
-// and of the standard deviations in the same units. An effect of spread moves these alone. Kinds
-// without residuals of their own (sufficient statistics) tell it from the likelihood: n
-// observations that move by d gain n d^2 / 2, those whose standard deviation changes by the share s
-// gain n s^2.
-double movement(const Problem& problem, const Assessment& before, const Assessment& after,
-                bool spread_only);
+// What an effect changes, on held-out observations.
+struct Change {
+  // By how many noise units predictions differ, each with the best nuisances: the root mean square,
+  // of the channel that moves most; and standard deviations in the same units. An effect of spread
+  // moves these alone. Kinds without residuals of their own (sufficient statistics) tell it from
+  // the likelihood: n observations that move by d gain n d^2 / 2, those whose standard deviation
+  // changes by the share s gain n s^2.
+  double moved = 0;
+  // Whether the channels whose standard deviations change end at the noise: a spread that is there
+  // leaves nothing else in them, one that only stands for a misfit leaves residuals that are no
+  // noise of this size.
+  bool at_noise = true;
+};
+// `here` is that of `before` on the scored groups: evaluate it once for many `after`.
+Change change_by(const Problem& problem, const Evaluation& here, const Assessment& before,
+                 const Assessment& after, bool spread_only);
+
+// By which share held-out residuals fall in their own units, the mean over observations: what an
+// effect of the mean gains whatever the noise is. Negative where they grow.
+double native_fall(const Score& before, const Score& after);
+
+// Whether a spread, wide as the residuals are, only stands for a mean: of what it calls noise a
+// function of some covariate explains a good part.
+bool hides_mean(const Problem& problem, const Assessment& with_spread);
 
 // The strength of a structure in units of its channel's noise; a channel without a stated noise has
 // what the model says of it, its residuals over the error.

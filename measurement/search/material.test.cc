@@ -98,7 +98,8 @@ TEST(Material, ASpreadMovesStandardDeviations) {
   before.model.set(level(), {{.value = 0}});
   after.model = before.model;
   after.model.set(spread, {{.value = 0.375}});
-  EXPECT_NEAR(movement(problem, before, after, true), 0.25, 1e-9);
+  const Evaluation here = problem.evaluate(before.model, problem.scored_groups());
+  EXPECT_NEAR(change_by(problem, here, before, after, true).moved, 0.25, 1e-9);
 }
 
 // A recording of the study's room with 600 frames, by a camera whose rows are read one after the

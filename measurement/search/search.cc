@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/search/stand_ins.h"
 
 namespace seam::measurement {
 namespace {
@@ -12,19 +14,24 @@ bool is_spread(const std::shared_ptr<const EffectDefinition>& effect) {
   return effect->spread_only;
 }
 
-// The best candidate, unless it is one of spread while one of the mean clearly helps, or helps at
-// all and the spread leaves a misfit: a spread wide enough hides any structure of the mean, but
-// only a true one leaves the noise.
-Candidate* choose(const Problem& problem, std::vector<Candidate>& candidates) {
-  if (candidates.empty() || !candidates.front().significant) return nullptr;
-  if (problem.is_smooth() && is_spread(candidates.front().effect)) {
-    const bool misfit = candidates.front().grown.assessment.error > kMisfit;
+// The best candidate, unless it is one of spread while one of the mean clearly helps or lowers the
+// residuals themselves: a spread wide enough hides any structure of the mean. One that only does
+// that is no candidate.
+Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& candidates) {
+  while (!candidates.empty() && candidates.front().significant) {
+    Candidate& best = candidates.front();
+    if (!is_spread(best.effect)) return &best;
     const auto better = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) {
-      return misfit ? c.significant && !is_spread(c.effect) : clearly_helps(c);
+      return (problem.is_smooth() && clearly_helps(c)) || (misses && goes_before_spreads(c));
     });
     if (better != candidates.end()) return &*better;
+    if (!misses || !hides_mean(problem, best.grown.assessment)) return &best;
+    best.significant = false;
+    const auto end = std::find_if(candidates.begin() + 1, candidates.end(),
+                                  [](const Candidate& c) { return !c.significant; });
+    std::rotate(candidates.begin(), candidates.begin() + 1, end);
   }
-  return &candidates.front();
+  return nullptr;
 }
 
 Weight weight_of(const Grown& grown) {
@@ -55,6 +62,7 @@ class Searcher {
  private:
   Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
+  Looks look(const Grown& grown, bool promising_only);
   void forward(SearchResult& result);
   std::optional<Grown> replace(const Grown& grown, const std::string& out,
                                const std::string& in) const;
@@ -62,6 +70,7 @@ class Searcher {
   bool exchange(Grown& grown);
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
   Grown part_of(const Grown& whole, const std::vector<std::string>& left, size_t kept) const;
+  double moved(const Assessment& before, const Assessment& after, const std::string& by) const;
   void order_steps(SearchResult& result);
 
   Problem& problem_;
@@ -102,33 +111,31 @@ bool Searcher::prune(Grown& grown) {
   bool changed = false;
   for (bool again = true; again && grown.added.size() > 1;) {
     again = false;
-    std::vector<std::optional<Grown>> without(grown.added.size());
+    std::vector<std::optional<Grown>> smaller(grown.added.size());
     parallel_for(grown.added.size(), [&](size_t i) {
       if (problem_.is_smooth() && clearly_needed(grown, grown.added[i])) return;
-      Model model = grown.assessment.model;
-      model.remove(grown.added[i]);
-      Grown smaller{.added = grown.added};
-      smaller.added.erase(smaller.added.begin() + static_cast<long>(i));
-      std::vector<Unknown> unknowns = grown.assessment.unknowns;
-      std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == grown.added[i]; });
-      smaller.assessment = assess(problem_, model, unknowns);
-      if (smaller.assessment.valid) without[i] = std::move(smaller);
+      if (effects::has_dependents(grown.assessment.model, grown.added[i])) return;
+      Grown less = without(grown, grown.added[i]);
+      less.assessment = assess(problem_, less.assessment.model, less.assessment.unknowns);
+      if (less.assessment.valid) smaller[i] = std::move(less);
     });
     size_t best = grown.added.size();
-    for (size_t i = 0; i < without.size(); ++i) {
-      if (!without[i]) continue;
+    for (size_t i = 0; i < smaller.size(); ++i) {
+      if (!smaller[i]) continue;
       Candidate back{.effect = definition(grown.added[i]), .grown = grown};
       for (const Unknown& unknown : grown.assessment.unknowns) {
         if (unknown.effect == grown.added[i]) back.free.push_back(unknown.parameter);
       }
-      judge(problem_, *without[i], looks_, material_, back);
+      const Evaluation here =
+          problem_.evaluate(smaller[i]->assessment.model, problem_.scored_groups());
+      judge(problem_, *smaller[i], here, looks_, material_, back);
       if (back.significant) continue;
-      if (best == without.size() ||
-          merit_of(problem_, *without[i]) > merit_of(problem_, *without[best]))
+      if (best == smaller.size() ||
+          merit_of(problem_, *smaller[i]) > merit_of(problem_, *smaller[best]))
         best = i;
     }
-    if (best < without.size()) {
-      grown = std::move(*without[best]);
+    if (best < smaller.size()) {
+      grown = std::move(*smaller[best]);
       changed = again = true;
     }
   }
@@ -161,6 +168,7 @@ bool Searcher::exchange(Grown& grown) {
   if (grown.added.size() < 2) return false;
   std::vector<std::pair<size_t, std::string>> moves;
   for (size_t i = 0; i < grown.added.size(); ++i) {
+    if (effects::has_dependents(grown.assessment.model, grown.added[i])) continue;
     for (const std::string& name : promising_) {
       const bool present =
           std::find(grown.added.begin(), grown.added.end(), name) != grown.added.end();
@@ -190,15 +198,27 @@ bool Searcher::exchange(Grown& grown) {
   return true;
 }
 
+Looks Searcher::look(const Grown& grown, bool promising_only) {
+  Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_),
+                        material_, promising_only);
+  looks_ = std::max(looks_, looks.tried);
+  return looks;
+}
+
 // Adds to a model what helps most, again and again; `traces` are those of the last look.
 Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces) {
   for (size_t step = 0; step < kMostSteps; ++step) {
     progress_("step " + std::to_string(step + 1) + ": trying effects");
-    // The first look is what the user sees: every effect is fitted in it.
+    // The first look is what the user sees: every effect is fitted in it. So is it where the search
+    // would end with a misfit: a step from small starts may have promised too little.
     const bool first = step == 0 && first_looks != nullptr;
-    Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_),
-                          material_, /*promising_only=*/!first);
-    looks_ = std::max(looks_, looks.tried);
+    const bool misses = grown.assessment.error > kMisfit;
+    Looks looks = look(grown, /*promising_only=*/!first);
+    Candidate* next = choose(problem_, misses, looks.candidates);
+    if (!next && !first && misses && problem_.is_smooth()) {
+      looks = look(grown, /*promising_only=*/false);
+      next = choose(problem_, misses, looks.candidates);
+    }
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
     for (const Candidate& candidate : looks.candidates) {
@@ -208,7 +228,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
         promising_.push_back(candidate.effect->name);
     }
     const double before = merit_of(problem_, grown);
-    if (Candidate* next = choose(problem_, looks.candidates)) {
+    if (next) {
       grown = std::move(next->grown);
       prune(grown);
     } else {
@@ -261,6 +281,12 @@ Grown Searcher::part_of(const Grown& whole, const std::vector<std::string>& left
   return part;
 }
 
+double Searcher::moved(const Assessment& before, const Assessment& after,
+                       const std::string& by) const {
+  const Evaluation here = problem_.evaluate_held_out(before.model, problem_.scored_groups());
+  return change_by(problem_, here, before, after, only_widens(*definition(by))).moved;
+}
+
 // The effects found, in the order in which each helps most.
 void Searcher::order_steps(SearchResult& result) {
   result.steps.clear();
@@ -272,8 +298,11 @@ void Searcher::order_steps(SearchResult& result) {
     // Where they do not explain the set, the order in which the search took them is good enough.
     parallel_for(explained ? left.size() : 1, [&](size_t i) {
       std::vector<NotTestable> reasons;
-      tried[i] = try_effect(problem_, grown, definition(left[i]), reasons);
-      // Found after another that it replaced: what was fitted last is the place to start from.
+      const auto effect = definition(left[i]);
+      if (effects::is_excluded(*effect, grown.assessment.model)) return;
+      if (effect->companions.empty()) tried[i] = try_effect(problem_, grown, effect, reasons);
+      // Found after another that it replaced, or with others: what was fitted last is the place to
+      // start from.
       if (tried[i]) return;
       Grown part = part_of(result.best, left, i);
       if (part.assessment.valid) tried[i] = Candidate{.grown = std::move(part)};
@@ -286,8 +315,7 @@ void Searcher::order_steps(SearchResult& result) {
     }
     if (best == left.size()) break;
     Step step{.effect = left[best], .error_before = grown.assessment.error};
-    step.moved = movement(problem_, grown.assessment, tried[best]->grown.assessment,
-                          is_spread(definition(left[best])));
+    step.moved = moved(grown.assessment, tried[best]->grown.assessment, left[best]);
     grown = std::move(tried[best]->grown);
     step.after = grown.assessment;
     step.error_after = grown.assessment.error;
@@ -303,6 +331,7 @@ void Searcher::order_steps(SearchResult& result) {
   std::vector<std::vector<std::string>> ties(result.steps.size());
   std::vector<std::pair<size_t, std::string>> moves;
   for (size_t s = 0; s < result.steps.size(); ++s) {
+    if (effects::has_dependents(result.best.assessment.model, result.steps[s].effect)) continue;
     for (const std::string& name : promising_) {
       if (!result.best.assessment.model.has(name)) moves.emplace_back(s, name);
     }
@@ -353,42 +382,11 @@ SearchResult Searcher::run() {
   } else {
     result.verdict = result.steps.empty() ? "adequate" : "missing_effect";
   }
-  // The first step is one of the effects that the whole explanation needs: others only stood in
-  // for several of them at once.
-  auto& candidates = result.first.candidates;
-  const auto needed = [&](const Candidate& c) {
-    return std::any_of(result.steps.begin(), result.steps.end(),
-                       [&](const Step& s) { return s.effect == c.effect->name; });
-  };
-  if (!result.steps.empty()) {
-    const auto found = std::find_if(candidates.begin(), candidates.end(), needed);
-    if (found != candidates.end()) std::rotate(candidates.begin(), found, found + 1);
-  }
+  rank_by_search(problem_, result);
   return result;
 }
 
 }  // namespace
-
-bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
-  std::vector<char> outliers = problem.find_outliers(model);
-  const size_t count = static_cast<size_t>(std::count(outliers.begin(), outliers.end(), 1));
-  result.outlier_share =
-      static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, outliers.size()));
-  result.outliers.clear();
-  if (result.outlier_share > kMostOutliers || count == 0) outliers.clear();
-  const bool changed = outliers != problem.left_out();
-  problem.leave_out(std::move(outliers));
-  if (count == 0 || result.outlier_share > kMostOutliers) return changed;
-  const Evaluation evaluation = problem.evaluate(model, problem.all_groups());
-  for (size_t i = 0; i < problem.left_out().size(); ++i) {
-    if (!problem.left_out()[i]) continue;
-    const int row = problem.facts().row_of[i];
-    result.outliers.push_back({.line = problem.facts().line_of_row[row],
-                               .scalar = i,
-                               .residual = evaluation.residual[i]});
-  }
-  return changed;
-}
 
 SearchResult search(Problem& problem, const Model& model, const EffectList& own,
                     const Progress& progress, double material) {

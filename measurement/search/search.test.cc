@@ -55,6 +55,16 @@ TEST(Search, FindsTwoEffectsAtOnce) {
   EXPECT_NEAR(result.best.assessment.model.find("mount_misalignment")->value("yaw_rad"), -0.02,
               0.002);
   EXPECT_NEAR(result.best.assessment.error, 1.0, 0.12);
+  // Both come first, and what seemed to help alone says what it stands in for.
+  const auto& candidates = result.first.candidates;
+  ASSERT_GT(candidates.size(), 2u);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    EXPECT_EQ(candidates[i].found, i < 2) << candidates[i].effect->name;
+    if (i < 2) {
+      EXPECT_EQ(candidates[i].effect->name, result.steps[i].effect);
+    }
+    EXPECT_EQ(candidates[i].stands_in_for.empty(), i < 2 || !candidates[i].significant);
+  }
 }
 
 // Seconds since an epoch: a latency of milliseconds survives.
@@ -85,6 +95,23 @@ TEST(Search, FindsAnEffectInOneGroup) {
   EXPECT_EQ(result.verdict, "missing_effect");
   ASSERT_EQ(result.steps.size(), 1u);
   EXPECT_EQ(result.steps[0].effect, "range_scale");
+}
+
+// Beside something that no effect explains, so that the error stays far above the noise. A noise
+// as wide as what is left would hide that, and is no step.
+TEST(Search, FewGroupsAddWhatHalvesTheError) {
+  for (const int runs : {1, 2, 4, 6}) {
+    const SearchResult result = found_in(
+        "{ideal_detector: {}, range_scale: {scale: 0.6}, wave: {stage: detector, "
+        "range: \"range + k * sin(6 * range)\", bearing: \"bearing\", "
+        "parameters: {k: {value: 0.2, neutral: 0, min: -1, max: 1}}}}",
+        "landmarks-few", 0, runs);
+    EXPECT_EQ(result.verdict, "unexplained_structure") << runs;
+    ASSERT_FALSE(result.steps.empty()) << runs;
+    EXPECT_EQ(result.steps[0].effect, "range_scale") << runs;
+    EXPECT_LT(result.steps[0].error_after, 0.5 * result.steps[0].error_before) << runs;
+    EXPECT_GT(result.best.assessment.error, kMisfit) << runs;
+  }
 }
 
 TEST(Landmarks, UnknownLandmarkIsNamed) {

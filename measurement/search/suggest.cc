@@ -29,8 +29,9 @@ class Proposer {
       : problem_(problem), base_(base), vocabulary_(vocabulary), all_(problem.all_groups()) {
     const Groups& held = problem.folds().front();
     training_.resize(problem.facts().scalars());
+    const bool alone = problem.facts().groups.size() < 2;  // Held out by blocks, none of them here.
     for (size_t i = 0; i < training_.size(); ++i)
-      training_[i] = !held[problem.facts().group_of(i)] && !problem.left_out(i);
+      training_[i] = (alone || !held[problem.facts().group_of(i)]) && !problem.left_out(i);
     count_ = static_cast<double>(std::max<size_t>(3, count_used(problem)));
   }
 
@@ -274,14 +275,18 @@ bool Proposer::supported(const Found& before, const Found& after) const {
       kMostWaves * static_cast<double>(vocabulary_.outputs.size() * vocabulary_.variables.size());
   const double ratio = 2 * (after.assessment.total_ll - before.assessment.total_ll) / misfit;
   if (!(chi2_tail(ratio, last.parameters()) * looks < kCandidateAlarm)) return false;
-  // Most held-out groups must gain, and the gain be worth reading about.
-  const double z = gain_over_scatter(before.assessment.held, after.assessment.held);
-  const bool groups = problem_.facts().groups.size() > kGroupsForAgreement;
-  if (after.assessment.held_ll() <= before.assessment.held_ll() || (groups && z < kAgreedFormula))
-    return false;
-  const auto excess = [](const Assessment& a) { return a.error * a.error - 1; };
-  return excess(before.assessment) - excess(after.assessment) >
-         kLeastWorthReading * excess(base_.assessment);
+  // Most held-out groups must gain, or their blocks where groups are few; and residuals fall in
+  // their own units by what is worth reading about: an error in units of a noise that is fitted
+  // beside the formula says nothing.
+  const Score& held = after.assessment.held;
+  const double z = gain_over_scatter(before.assessment.held, held, kGroupsForAgreement);
+  if (after.assessment.held_ll() <= before.assessment.held_ll() || z < kAgreedFormula) return false;
+  double most = 0;
+  for (size_t c = 0; c < held.native.size(); ++c) {
+    if (held.native[c] > 0)
+      most = std::max(most, 1 - std::pow(held.native[c] / before.assessment.held.native[c], 2));
+  }
+  return most > kLeastWorthReading;
 }
 
 // Terms that later ones have made unnecessary go.
@@ -319,6 +324,28 @@ std::optional<Found> Proposer::run() {
   return without_needless(std::move(found));
 }
 
+// Further columns that vary: what stays within a fiftieth of its size in most rows can stand for
+// anything that is constant, and a formula of it says nothing.
+std::vector<std::string> varying_columns(const Problem& problem) {
+  constexpr double kHardly = 0.02;
+  std::vector<std::string> names = problem.formula_columns();
+  std::erase_if(names, [&](const std::string& name) {
+    for (const Covariate& covariate : problem.facts().covariates) {
+      if (covariate.name != name || covariate.values.empty()) continue;
+      std::vector<double> sorted = covariate.values;
+      std::erase_if(sorted, [](double x) { return !std::isfinite(x); });
+      if (sorted.empty()) return true;
+      std::sort(sorted.begin(), sorted.end());
+      const auto at = [&](double share) {
+        return sorted[static_cast<size_t>(share * static_cast<double>(sorted.size() - 1))];
+      };
+      return at(0.9) - at(0.1) <= kHardly * std::max(std::abs(at(0.9)), std::abs(at(0.1)));
+    }
+    return false;
+  });
+  return names;
+}
+
 std::optional<Found> best_formula(const Problem& problem, const Grown& base,
                                   const std::vector<Vocabulary>& vocabularies) {
   std::optional<Found> best;
@@ -334,7 +361,7 @@ std::optional<Found> best_formula(const Problem& problem, const Grown& base,
 std::optional<Suggestion> suggest(const Problem& problem, const SearchResult& result,
                                   const Progress& progress) {
   if (result.verdict == "adequate" || !result.base.assessment.valid) return std::nullopt;
-  const auto stages = vocabularies(problem.facts().set.kind, problem.formula_columns());
+  const auto stages = vocabularies(problem.facts().set.kind, varying_columns(problem));
   if (stages.empty()) return std::nullopt;
   progress("building a formula from the residuals");
   const Assessment& catalogue = result.best.assessment;

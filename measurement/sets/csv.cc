@@ -252,9 +252,12 @@ void write_table_with(const CsvTable& table, const std::vector<std::string>& nam
     std::vector<std::string> cells;
     for (const std::string& column : columns) {
       const auto made = std::find(names.begin(), names.end(), column);
-      cells.push_back(made == names.end()
-                          ? std::string(table.cell(row, column))
-                          : fmt::format("{:.9g}", values[made - names.begin()][row]));
+      if (made == names.end()) {
+        cells.emplace_back(table.cell(row, column));
+        continue;
+      }
+      const double value = values[made - names.begin()][row];
+      cells.push_back(std::isnan(value) ? "" : fmt::format("{:.9g}", value));
     }
     out.row(cells);
   }

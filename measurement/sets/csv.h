@@ -70,7 +70,7 @@ class CsvWriter {
 };
 
 // Writes the table with the named columns replaced, or appended where it lacks them; `values` by
-// column and row.
+// column and row, NaN for a blank cell.
 void write_table_with(const CsvTable& table, const std::vector<std::string>& names,
                       const std::vector<std::vector<double>>& values,
                       const std::filesystem::path& path);

@@ -66,6 +66,13 @@ Rig Rig::from_set(const MeasurementSet& set) {
   return rig;
 }
 
+Rig Rig::from_poses(const std::filesystem::path& table) {
+  Rig rig;
+  rig.type_ = Type::poses;
+  rig.read_poses(table);
+  return rig;
+}
+
 void Rig::read_chain(const RigKeys& keys, const MeasurementSet& set) {
   type_ = Type::chain;
   Pose fixed;

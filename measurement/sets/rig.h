@@ -35,6 +35,9 @@ class Rig {
   // Reads `rig:` and the logs it needs. Throws InputError.
   static Rig from_set(const MeasurementSet& set);
 
+  // The camera's poses from a table of its own, to make a set whose reader will not know them.
+  static Rig from_poses(const std::filesystem::path& table);
+
   Type type() const { return type_; }
   // First time of the reference log; all times below are seconds since it. Unknown poses have no
   // log: the caller sets the first stamp.

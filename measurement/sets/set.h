@@ -32,6 +32,9 @@ struct MeasurementSet {
   // Two columns of its tables that are read as each other, to see whether they were mixed up; empty
   // as the set stands.
   std::pair<std::string, std::string> exchanged;
+  // A table of where the points of the target were found earlier (point, x_m, y_m, z_m), which goes
+  // before the set's own; empty: none.
+  std::filesystem::path target;
   ConfigNode root;  // For what a kind reads itself: rig, scene, detector.
 
   // `path` is the folder or its measurement.yaml. Throws InputError.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
@@ -21,6 +22,20 @@ class Study {
  public:
   Study(const StudyPlan& plan, const Progress& progress) : plan_(plan), progress_(progress) {
     nominal_ = write_study_protocol(plan.kind, plan.folder / "protocol");
+    arrange_protocol(plan.conditions, plan.folder / "protocol");
+    const auto several = [&](const std::string& text, Model into) {
+      if (text.empty()) return into;
+      const Model more = Model::from_config(ConfigNode::from_text(
+          "format: seam-model/1\neffects: " + text + "\n", "effects of the study"));
+      for (const effects::ModelEffect& effect : more.effects())
+        into.set(effect.definition, effect.parameters);
+      return into;
+    };
+    nominal_ = several(plan.beside, nominal_);
+    truth_ = several(plan.hidden, nominal_);
+    for (const effects::ModelEffect& effect : truth_.effects()) {
+      if (!nominal_.has(effect.definition->name)) hidden_.push_back(effect.definition->name);
+    }
     if (plan.effect.empty()) return;
     effect_ = effects::find_effect(plan.effect);
     if (!effect_)
@@ -37,6 +52,7 @@ class Study {
                                    plan.parameter, suggestion_for(plan.parameter, names)));
     }
     parameter_ = static_cast<size_t>(found - all.begin());
+    hidden_ = {plan.effect};
   }
 
   StudyResult run() {
@@ -62,7 +78,7 @@ class Study {
   double neutral() const { return effect_->parameters[parameter_].neutral; }
 
   Model truth(double value) const {
-    Model model = nominal_;
+    Model model = truth_;
     if (!effect_) return model;
     model.add_neutral(effect_);
     model.set_value(effect_->name, parameter_, value);
@@ -74,6 +90,7 @@ class Study {
     std::filesystem::remove_all(out);
     measure_set(truth, MeasurementSet::open(plan_.folder / "protocol"), {.seed = seed, .out = out},
                 plan_.instruments);
+    disturb_set(plan_.conditions, seed, out);
     auto problem = open_problem(out, plan_.instruments);
     residuals_ = problem->facts().scalars();
     return problem;
@@ -111,9 +128,8 @@ class Study {
     for (int i = 0; i < plan_.seeds && !stopped(); ++i) {
       progress_(fmt::format("{}, {}: set {} of {}", plan_.kind, what, i + 1, plan_.seeds));
       const auto problem = made(truth(value), plan_.first_seed + static_cast<uint64_t>(i));
-      // How significance alone does: what is found is not asked to matter.
       const SearchResult result = search(
-          *problem, nominal_, {}, [](const std::string&) {}, /*material=*/0);
+          *problem, nominal_, {}, [](const std::string&) {}, plan_.material);
       count(result, value, row);
       const double error = result.best.assessment.error;
       sum += error, sum2 += error * error;
@@ -126,20 +142,38 @@ class Study {
     return row;
   }
 
+  static const EffectDefinition& definition(const SearchResult& result, const std::string& name) {
+    return *result.best.assessment.model.find(name)->definition;
+  }
+
   void count(const SearchResult& result, double value, StudyRow& row) const {
     const auto tally = [](Rate& rate, bool hit) { rate.hits += hit, ++rate.trials; };
     tally(row.alarms, result.verdict != "adequate");
-    if (!effect_) return;
-    const auto named = [&](const std::string& name, const std::vector<std::string>& ties) {
-      return name == effect_->name ||
-             std::find(ties.begin(), ties.end(), effect_->name) != ties.end();
+    const auto is_hidden = [&](const std::string& name) {
+      return std::find(hidden_.begin(), hidden_.end(), name) != hidden_.end();
     };
+    // The hidden effect that a name, or one of its declared ties, stands for; empty: none.
+    const auto meant = [&](const std::string& name, const std::vector<std::string>& ties) {
+      if (is_hidden(name)) return name;
+      const auto tie = std::find_if(ties.begin(), ties.end(), is_hidden);
+      return tie == ties.end() ? std::string() : *tie;
+    };
+    bool added = false;
+    std::set<std::string> explained;
+    for (const Step& step : result.steps) {
+      const std::string name = meant(step.effect, step.indistinguishable_from);
+      added = added || (name.empty() && !definition(result, step.effect).spread_only);
+      if (!name.empty()) explained.insert(name);
+    }
+    tally(row.adds, added);
+    if (hidden_.empty()) return;
     const auto& candidates = result.first.candidates;
     tally(row.first,
           !candidates.empty() && candidates.front().significant &&
-              named(candidates.front().effect->name, candidates.front().indistinguishable_from));
-    tally(row.exact, result.steps.size() == 1 &&
-                         named(result.steps[0].effect, result.steps[0].indistinguishable_from));
+              !meant(candidates.front().effect->name, candidates.front().indistinguishable_from)
+                   .empty());
+    tally(row.exact, result.steps.size() == hidden_.size() && explained.size() == hidden_.size());
+    if (!effect_) return;
     const Assessment& best = result.best.assessment;
     for (size_t k = 0; k < best.unknowns.size(); ++k) {
       if (best.unknowns[k].effect == effect_->name && best.unknowns[k].parameter == parameter_)
@@ -149,7 +183,8 @@ class Study {
 
   const StudyPlan& plan_;
   const Progress& progress_;
-  Model nominal_;
+  Model nominal_, truth_;
+  std::vector<std::string> hidden_;
   std::shared_ptr<const EffectDefinition> effect_;
   size_t parameter_ = 0;
   size_t residuals_ = 0;
@@ -194,22 +229,21 @@ std::string study_json(const StudyPlan& plan, const StudyResult& result) {
   const auto number = [](double x) {
     return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
   };
-  nlohmann::ordered_json json = {{"format", "seam-study/1"},
-                                 {"kind", plan.kind},
-                                 {"effect", plan.effect},
-                                 {"seeds", plan.seeds},
-                                 {"residuals", result.residuals}};
+  nlohmann::ordered_json json = {
+      {"format", "seam-study/1"},  {"kind", plan.kind},     {"effect", plan.effect},
+      {"hidden", plan.hidden},     {"beside", plan.beside}, {"conditions", plan.conditions.text()},
+      {"material", plan.material}, {"seeds", plan.seeds},   {"residuals", result.residuals}};
   if (result.stopped) json["stopped"] = true;
   json["rows"] = nlohmann::ordered_json::array();
   for (const StudyRow& row : result.rows) {
     nlohmann::ordered_json entry = {{"size", number(row.size)},
                                     {"value", row.value},
                                     {"sets", row.sets},
-                                    {"alarms", rate(row.alarms)}};
-    if (!plan.effect.empty()) {
-      entry["first"] = rate(row.first), entry["exact"] = rate(row.exact),
-      entry["covered"] = rate(row.covered);
-    }
+                                    {"alarms", rate(row.alarms)},
+                                    {"adds", rate(row.adds)}};
+    if (!plan.effect.empty() || !plan.hidden.empty())
+      entry["first"] = rate(row.first), entry["exact"] = rate(row.exact);
+    if (!plan.effect.empty()) entry["covered"] = rate(row.covered);
     entry["error"] = number(row.error), entry["error_sigma"] = number(row.error_sigma);
     json["rows"].push_back(std::move(entry));
   }
@@ -217,13 +251,19 @@ std::string study_json(const StudyPlan& plan, const StudyResult& result) {
 }
 
 std::string study_text(const StudyPlan& plan, const StudyResult& result) {
-  std::string text =
-      fmt::format("{}: {} sets of {} residuals; intervals hold the true rate with 95 %\n",
-                  plan.kind, plan.seeds, result.residuals);
+  const std::string conditions = plan.conditions.text();
+  std::string text = fmt::format(
+      "{}: {} sets of {} residuals{}, material {:g}; intervals hold the true rate with 95 %\n",
+      plan.kind, plan.seeds, result.residuals, conditions.empty() ? "" : ", " + conditions,
+      plan.material);
   if (result.stopped) text += "stopped: what follows is of the sets that were finished\n";
   for (const StudyRow& row : result.rows) {
-    if (plan.effect.empty()) {
-      text += fmt::format("nothing hidden: false alarms {}", percent(row.alarms));
+    if (plan.effect.empty() && plan.hidden.empty()) {
+      text += fmt::format("nothing hidden: false alarms {}, effects of the mean {}",
+                          percent(row.alarms), percent(row.adds));
+    } else if (plan.effect.empty()) {
+      text += fmt::format("{}: found {}, first {}, all and no other {}", plan.hidden,
+                          percent(row.alarms), percent(row.first), percent(row.exact));
     } else {
       text += fmt::format(
           "{} = {:.5g}{}: found {}, first {}, alone {}, within 2 sigma {}", plan.effect, row.value,

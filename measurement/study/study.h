@@ -9,6 +9,7 @@
 
 #include "measurement/imaging/instruments.h"
 #include "measurement/search/search.h"
+#include "measurement/study/conditions.h"
 
 namespace seam::measurement {
 
@@ -22,9 +23,14 @@ struct Rate {
 };
 
 struct StudyPlan {
-  std::string kind;       // points, joints, odometry, landmarks, photometry, frames.
+  std::string kind;       // points, board, joints, odometry, landmarks, photometry, frames.
   std::string effect;     // Hidden in each set; empty: none, so that all findings are false alarms.
   std::string parameter;  // The one that is not neutral; empty: the effect's first.
+  // Effects with values, as in a model ("{frame_latency: {latency_s: 0.02}}"): hidden together in
+  // place of `effect`, and those that truth and model both have.
+  std::string hidden, beside;
+  double material = 0;         // The least that counts; 0: how significance alone does.
+  Conditions conditions;       // What recordings are like.
   std::vector<double> sizes;   // In standard errors of that parameter, as these sets tell it.
   std::vector<double> values;  // The same in its own unit.
   int seeds = 2;
@@ -41,8 +47,9 @@ struct StudyRow {
   double value = 0;  // Of the parameter.
   int sets = 0;      // Finished: as many as the plan's seeds, unless the study was stopped.
   Rate alarms;       // Verdict other than adequate.
-  Rate first;        // The effect ranks first or is declared tied with the first.
-  Rate exact;        // The search ends with the effect (or its declared tie) and no other.
+  Rate first;        // The effect (one of several) ranks first or is declared tied with the first.
+  Rate exact;        // The search ends with the effects (or declared ties) and no others.
+  Rate adds;         // The search ends with an effect of the mean that is not there.
   Rate covered;  // True value within two standard errors, where the search ends with the effect.
   double error = 0;        // Mean of the final error.
   double error_sigma = 0;  // Standard error of this mean.

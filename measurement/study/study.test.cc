@@ -49,6 +49,36 @@ TEST(Study, StartsOfServoLogsAreNoStructure) {
   EXPECT_EQ(result.rows.at(0).alarms.hits, 0) << study_text(plan, result);
 }
 
+// Fewer groups leave fewer residuals; a smooth misfit of five hundredths is seen by nobody who
+// asks for what matters, errors that wander are told for what they are.
+TEST(Study, SetsLikeRecordings) {
+  StudyPlan plan{.kind = "landmarks",
+                 .material = 0.1,
+                 .conditions = {.groups = 4, .uneven = true, .misfit = 0.05},
+                 .seeds = 2,
+                 .folder = scratch("study-conditions")};
+  const StudyResult quiet = study(plan, silent);
+  EXPECT_EQ(quiet.residuals, 4u * 20 * 3 * 2);
+  EXPECT_EQ(quiet.rows.at(0).alarms.hits, 0) << study_text(plan, quiet);
+  plan.conditions = {.wander = 2};
+  const StudyResult wandering = study(plan, silent);
+  EXPECT_EQ(wandering.rows.at(0).alarms.hits, 2) << study_text(plan, wandering);
+  plan.conditions = {.bursts = true};
+  const StudyResult bursts = study(plan, silent);
+  EXPECT_NEAR(bursts.rows.at(0).error, 1, 0.2) << study_text(plan, bursts);
+}
+
+TEST(Study, SeveralEffectsAtOnce) {
+  const StudyPlan plan{.kind = "landmarks",
+                       .hidden = "{range_scale: {scale: 0.05}, frame_latency: {latency_s: 0.05}}",
+                       .material = 0.1,
+                       .seeds = 1,
+                       .folder = scratch("study-two")};
+  const StudyResult result = study(plan, silent);
+  EXPECT_EQ(result.rows.at(0).exact.hits, 1) << study_text(plan, result);
+  EXPECT_EQ(result.rows.at(0).first.hits, 1);
+}
+
 TEST(Study, WrongUseIsNamed) {
   EXPECT_THROW(study({.kind = "walls", .folder = scratch("bad")}, silent), InputError);
   EXPECT_THROW(

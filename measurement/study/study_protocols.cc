@@ -1,12 +1,16 @@
 // Small protocols for studies: what is done is typical of its kind, and varied enough that the
 // catalogue's effects can be told apart.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numbers>
 
 #include "measurement/study/study.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/output.h"
+#include "sim_core/base/pose.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -59,6 +63,64 @@ std::string points(const std::filesystem::path& folder) {
                         "files: {points: points.csv, joints: joints.csv}\n" +
                             head_rig("[0, -1, 0]"));
   return "{pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}}";
+}
+
+// w, x, y, z of a rotation: from the largest of them, so that none is divided by little.
+std::array<double, 4> quaternion_of(const Mat3& R) {
+  const double trace = R[0][0] + R[1][1] + R[2][2];
+  const double squares[4] = {1 + trace, 1 + 2 * R[0][0] - trace, 1 + 2 * R[1][1] - trace,
+                             1 + 2 * R[2][2] - trace};  // Each 4 q^2.
+  const double from_w[4] = {squares[0], R[1][2] - R[2][1], R[2][0] - R[0][2], R[0][1] - R[1][0]};
+  const double from_x[4] = {from_w[1], squares[1], R[1][0] + R[0][1], R[2][0] + R[0][2]};
+  const double from_y[4] = {from_w[2], from_x[2], squares[2], R[2][1] + R[1][2]};
+  const double from_z[4] = {from_w[3], from_x[3], from_y[3], squares[3]};
+  const double* rows[4] = {from_w, from_x, from_y, from_z};
+  const auto largest = std::max_element(squares, squares + 4) - squares;
+  const double scale = 0.5 / std::sqrt(squares[largest]);
+  const double* row = rows[largest];
+  return {scale * row[0], scale * row[1], scale * row[2], scale * row[3]};
+}
+
+// A pose of the camera that looks from its place at a point, turned about the line of sight.
+std::string pose_row(double t_s, const Vec3& eye, const Vec3& at, double roll_rad) {
+  const Vec3 forward = glm::normalize(at - eye);
+  const Vec3 level = glm::normalize(glm::cross(forward, Vec3(0, -1, 0)));
+  const Vec3 right =
+      maths::cos(roll_rad) * level + maths::sin(roll_rad) * glm::cross(forward, level);
+  const Mat3 R(right, glm::cross(forward, right), forward);
+  const auto q = quaternion_of(R);
+  return fmt::format("{:.3f},{:.7f},{:.7f},{:.7f},{:.9f},{:.9f},{:.9f},{:.9f}\n", t_s, eye.x, eye.y,
+                     eye.z, q[0], q[1], q[2], q[3]);
+}
+
+// A board of 20 x 15 corners before a camera, in 16 views tilted all ways and turned; its reader
+// does not know the poses.
+std::string board(const std::filesystem::path& folder) {
+  std::string table = "frame,time_s,point,x_m,y_m,z_m\n",
+              poses = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+  for (int frame = 0; frame < 16; ++frame) {
+    const double around = 2 * std::numbers::pi * frame / 16;
+    const double tilt = frame % 4 == 0 ? 0.05 : between("tilt", frame, 0.3, 0.75);
+    const double away = between("away", frame, 0.34, 0.5);
+    const Vec3 at(between("x", frame, -0.09, 0.09), between("y", frame, -0.06, 0.06), 0);
+    const Vec3 eye = at + away * Vec3(maths::sin(tilt) * maths::cos(around),
+                                      maths::sin(tilt) * maths::sin(around), -maths::cos(tilt));
+    poses += pose_row(frame, eye, at, between("roll", frame, -3, 3));
+    for (int point = 0; point < 300; ++point)
+      table += fmt::format("{0},{0},{1},{2:.4f},{3:.4f},0\n", frame, point,
+                           0.02 * (point % 20 - 9.5), 0.02 * (point / 20 - 7));
+  }
+  write_file_atomically(folder / "poses.csv", poses);
+  write_file_atomically(folder / "points.csv", table);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: points\ntitle: Study of boards\n"
+                        "camera: {width_px: 640, height_px: 480}\n"
+                        "noise: {u_px: 0.15, v_px: 0.15}\ngroup: frame\n"
+                        "files: {points: points.csv, poses: poses.csv}\nrig: {pose: unknown}\n");
+  return "{pinhole: {fx_px: {value: 500, free: true}, fy_px: {value: 500, free: true}, cx_px: "
+         "{value: 319.5, free: true}, cy_px: {value: 239.5, free: true}}, radial_distortion: "
+         "{kappa: "
+         "{value: -0.05, free: true}}}";
 }
 
 // Steps of several heights, swings of several speeds and slow ramps.
@@ -197,6 +259,7 @@ Model write_study_protocol(const std::string& kind, const std::filesystem::path&
   std::filesystem::create_directories(folder);
   std::string nominal;
   if (kind == "points") nominal = points(folder);
+  if (kind == "board") nominal = board(folder);
   if (kind == "joints") nominal = joints(folder);
   if (kind == "odometry") nominal = odometry(folder);
   if (kind == "landmarks") nominal = landmarks(folder);
@@ -204,7 +267,7 @@ Model write_study_protocol(const std::string& kind, const std::filesystem::path&
   if (kind == "frames") nominal = frames(folder);
   if (nominal.empty())
     throw InputError(
-        fmt::format("no study protocol for kind '{}', expected points, joints, odometry, "
+        fmt::format("no study protocol for kind '{}', expected points, board, joints, odometry, "
                     "landmarks, photometry or "
                     "frames",
                     kind));

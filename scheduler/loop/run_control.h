@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -47,6 +48,8 @@ class RunControl {
   // The run is over: every waiting and later task is called with false.
   void close();
   SimTime time() const { return SimTime::from_ns(time_ns_.load(std::memory_order_relaxed)); }
+  void count_frame() { frames_.fetch_add(1, std::memory_order_relaxed); }
+  uint64_t frames() const { return frames_.load(std::memory_order_relaxed); }
 
  private:
   void want(std::unique_lock<std::mutex>& lock);
@@ -60,6 +63,7 @@ class RunControl {
   std::atomic<bool> stop_ = false;
   std::atomic<bool> wanted_ = false;
   std::atomic<int64_t> time_ns_ = 0;
+  std::atomic<uint64_t> frames_ = 0;  // Finished since the start.
   bool paused_ = false;
   bool closed_ = false;
   SimDuration step_asked_;            // Not yet added to run_until_.

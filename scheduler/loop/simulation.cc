@@ -90,6 +90,7 @@ Simulation::Loop::Loop(SimulationParts parts, const SimulationOptions& options)
         parts_.world, *parts_.renderer, queue_, options.camera_at_rows, [this](FinishedFrame done) {
           fingerprint_.add({&done.frame->fingerprint, 1});
           ++frames_;
+          parts_.control.count_frame();
           for (SimulationObserver* observer : parts_.observers)
             observer->on_frame(done.time, *done.job, *done.frame);
           robots_[done.robot].frames.push_back(std::move(done.frame));

@@ -5,6 +5,7 @@
 
 #include "scheduler/wire/token.h"
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 
 namespace seam::scheduler {
 
@@ -36,6 +37,7 @@ int ClientHub::robot_number(const std::string& id) const {
 }
 
 ClientHub::Attached ClientHub::attach(const std::string& robot, const std::string& token,
+                                      const std::string& client,
                                       std::shared_ptr<ClientConnection> connection) {
   const int number = robot_number(robot);
   if (number < 0) return {Attachment::unknown_robot};
@@ -47,6 +49,7 @@ ClientHub::Attached ClientHub::attach(const std::string& robot, const std::strin
     if (!same_token(token, slot.robot.token)) return {Attachment::wrong_token};
     if (ended_) return {Attachment::ended};
     previous = std::exchange(slot.connection, std::move(connection));
+    slot.client = shown(client);
     slot.active = false;
     slot.ever_connected = true;
     slot.returning = true;
@@ -71,6 +74,7 @@ void ClientHub::detach(int robot, const ClientConnection& connection) {
   Slot& slot = slots_[robot];
   if (slot.connection.get() != &connection) return;
   slot.connection.reset();
+  slot.client.clear();
   slot.active = false;
 }
 
@@ -120,7 +124,7 @@ std::vector<HubRobotStatus> ClientHub::status() const {
   const std::lock_guard lock(mutex_);
   std::vector<HubRobotStatus> all;
   for (const Slot& slot : slots_)
-    all.push_back({slot.robot.id, slot.connection != nullptr, slot.frozen, slot.owes});
+    all.push_back({slot.robot.id, slot.connection != nullptr, slot.frozen, slot.owes, slot.client});
   return all;
 }
 

@@ -42,6 +42,7 @@ struct HubRobotStatus {
   bool connected = false;
   bool frozen = false;
   bool owes_decision = false;
+  std::string client;  // As the one that is connected calls itself.
 };
 
 enum class Attachment { accepted, unknown_robot, wrong_token, ended };
@@ -65,7 +66,8 @@ class ClientHub final : public DecisionSource {
     uint64_t next_sequence = 1;
   };
   // A client said hello. The pending observation, if any, is sent once `activate` is called.
-  Attached attach(const std::string& robot, const std::string& token,
+  // `client`: what it calls itself, for people.
+  Attached attach(const std::string& robot, const std::string& token, const std::string& client,
                   std::shared_ptr<ClientConnection> connection);
   void activate(int robot, const ClientConnection& connection);
   void detach(int robot, const ClientConnection& connection);
@@ -102,6 +104,7 @@ class ClientHub final : public DecisionSource {
   struct Slot {
     HubRobot robot;
     std::shared_ptr<ClientConnection> connection;
+    std::string client;   // Its name, control characters shown.
     bool active = false;  // Its Welcome is out; observations may follow.
     bool ever_connected = false;
     bool frozen = false;

@@ -83,8 +83,9 @@ class RawClient {
     finish();
   }
 
-  bool hello(const std::string& robot, const std::string& token) {
+  bool hello(const std::string& robot, const std::string& token, const std::string& client = {}) {
     v1::ClientMessage message;
+    message.mutable_hello()->set_client(client);
     message.mutable_hello()->set_robot(robot);
     message.mutable_hello()->set_token(token);
     return stream_->Write(message);

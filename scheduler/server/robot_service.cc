@@ -91,7 +91,7 @@ void Session::take_hello(const v1::ClientMessage& message) {
       return end({grpc::StatusCode::UNAVAILABLE, wait_text(wait_s)});
     }
   }
-  const auto attached = hub_.attach(hello.robot(), hello.token(),
+  const auto attached = hub_.attach(hello.robot(), hello.token(), hello.client(),
                                     std::static_pointer_cast<Session>(shared_from_this()));
   switch (attached.result) {
     case Attachment::unknown_robot:

@@ -6,24 +6,34 @@
 #include <grpcpp/health_check_service_interface.h>
 
 #include <cstdlib>
-#include <deque>
 #include <mutex>
 
 #include "proto/client_channel.h"
-#include "scheduler/server/descriptors.h"
-#include "scheduler/server/listen_address.h"
+#include "scheduler/listen/accept_loop.h"
+#include "scheduler/listen/descriptors.h"
+#include "scheduler/listen/listen_address.h"
 #include "scheduler/server/services.h"
 #include "scheduler/wire/wire.h"
 #include "sim_core/base/error.h"
 
 namespace seam::scheduler {
 
+namespace {
+
+using Acceptor = std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>;
+
+}  // namespace
+
 struct Server::Implementation {
   TokenTries tries;
   std::unique_ptr<grpc::Service> robots;
   std::unique_ptr<grpc::Service> supervisor;
   std::unique_ptr<grpc::Service> renderers;
+  // Of plain and of TLS connections. gRPC's own listeners end for good where descriptors run out.
+  Acceptor plain;
+  Acceptor tls;
   std::unique_ptr<grpc::Server> server;
+  std::optional<AcceptLoop> listeners;
 };
 
 namespace {
@@ -34,20 +44,36 @@ bool is_local(const std::string& address) {
   return false;
 }
 
-std::shared_ptr<grpc::ServerCredentials> credentials_for(const ServerOptions& options,
-                                                         const std::string& address) {
+Spoken spoken_at(const ServerOptions& options, const std::string& address) {
   // A Unix socket is protected by the file system's rights.
-  if (address.rfind("unix:", 0) == 0 || (!options.tls && is_local(address)))
-    return grpc::InsecureServerCredentials();
+  if (address.rfind("unix:", 0) == 0 || (!options.tls && is_local(address))) return Spoken::http2;
   if (!options.tls)
     throw UsageError(fmt::format(
         "{}: plain connections are served on a Unix socket or loopback only; give --certs DIR "
         "(`seam certs DIR` makes a test set)",
         address));
+  return Spoken::tls;
+}
+
+std::shared_ptr<grpc::ServerCredentials> credentials_of(const TlsTexts& texts) {
   grpc::SslServerCredentialsOptions tls(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
-  tls.pem_root_certs = options.tls->ca;
-  tls.pem_key_cert_pairs.push_back({options.tls->key, options.tls->certificate});
+  tls.pem_root_certs = texts.ca;
+  tls.pem_key_cert_pairs.push_back({texts.key, texts.certificate});
   return grpc::SslServerCredentials(tls);
+}
+
+Acceptor add_acceptor(grpc::ServerBuilder& builder,
+                      const std::shared_ptr<grpc::ServerCredentials>& credentials) {
+  using Experimental = grpc::ServerBuilder::experimental_type;
+  return builder.experimental().AddExternalConnectionAcceptor(
+      Experimental::ExternalConnectionType::FROM_FD, credentials);
+}
+
+void take(grpc::experimental::ExternalConnectionAcceptor& acceptor, int listener, int connection) {
+  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+  parameters.listener_fd = listener;
+  parameters.fd = connection;
+  acceptor.HandleNewConnection(&parameters);
 }
 
 // Once in a process: both change what servers built later offer.
@@ -80,8 +106,6 @@ void set_limits(grpc::ServerBuilder& builder) {
   // Who connects and says nothing, and who is through with saying something, makes room.
   builder.AddChannelArgument("grpc.server_handshake_timeout_ms", kHandshake_ms);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdle_ms);
-  // A listening address that is taken is an error, not a share of its connections.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
 }
 
 }  // namespace
@@ -89,7 +113,11 @@ void set_limits(grpc::ServerBuilder& builder) {
 Server::Server(const ServerOptions& options, const Scenario& scenario, const World& world,
                ClientHub& hub, RunControl& control)
     : implementation_(std::make_unique<Implementation>()) {
-  for (const std::string& address : options.addresses) check_listen_address(address);
+  std::vector<Endpoint> endpoints;
+  for (const std::string& address : options.addresses) {
+    check_listen_address(address);
+    endpoints.push_back({address, spoken_at(options, address), {}});
+  }
   enable_plugins();
   raise_descriptor_limit();
   implementation_->robots = make_robot_service(scenario, hub, implementation_->tries);
@@ -98,29 +126,30 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
   implementation_->renderers = make_render_service(options.renderers, implementation_->tries);
   grpc::ServerBuilder builder;
   set_limits(builder);
-  std::vector<int> ports(options.addresses.size(), 0);
-  for (size_t i = 0; i < options.addresses.size(); ++i)
-    builder.AddListeningPort(options.addresses[i], credentials_for(options, options.addresses[i]),
-                             &ports[i]);
+  implementation_->plain = add_acceptor(builder, grpc::InsecureServerCredentials());
+  if (options.tls) implementation_->tls = add_acceptor(builder, credentials_of(*options.tls));
+  for (Endpoint& endpoint : endpoints) {
+    auto& acceptor =
+        endpoint.spoken == Spoken::tls ? *implementation_->tls : *implementation_->plain;
+    endpoint.take = [&acceptor](int listener, int connection) {
+      take(acceptor, listener, connection);
+    };
+  }
+  implementation_->listeners.emplace(
+      std::move(endpoints), options.limits.value_or(connection_limits()),
+      [&hub](const std::string& what) { hub.note_fault(-1, "connections", what); });
+  addresses_ = implementation_->listeners->addresses();
   builder.RegisterService(implementation_->robots.get());
   builder.RegisterService(implementation_->supervisor.get());
   builder.RegisterService(implementation_->renderers.get());
-  {
-    const std::vector<std::string>& addresses = options.addresses;
-    const std::deque<SocketClaim> claims(addresses.begin(), addresses.end());
-    implementation_->server = builder.BuildAndStart();
-  }
-  for (size_t i = 0; i < options.addresses.size(); ++i) {
-    std::string address = options.addresses[i];
-    if (!implementation_->server || ports[i] <= 0)
-      throw InputError(fmt::format("{}: cannot listen on this address", address));
-    if (address.rfind("unix:", 0) != 0)
-      address = address.substr(0, address.rfind(':') + 1) + std::to_string(ports[i]);
-    addresses_.push_back(address);
-  }
+  implementation_->server = builder.BuildAndStart();
+  if (!implementation_->server)
+    throw InputError("the server cannot start; with --certs: are certificate and key a pair?");
+  implementation_->listeners->start();
 }
 
 Server::~Server() {
+  implementation_->listeners.reset();
   if (implementation_->server) {
     implementation_->server->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
     implementation_->server->Wait();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "scheduler/listen/connection_count.h"
 #include "scheduler/loop/run_control.h"
 #include "scheduler/remote_render/remote_renderer.h"
 #include "scheduler/server/client_hub.h"
@@ -28,7 +29,8 @@ struct ServerOptions {
   std::vector<std::string> addresses;
   std::optional<TlsTexts> tls;
   std::string supervisor_token;
-  RemoteRenderer* renderers = nullptr;  // Where frames are rendered by other processes.
+  RemoteRenderer* renderers = nullptr;     // Where frames are rendered by other processes.
+  std::optional<ConnectionLimits> limits;  // None: connection_limits().
 };
 
 class Server {

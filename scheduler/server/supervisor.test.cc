@@ -95,5 +95,39 @@ TEST_F(Supervised, AnswersWhileTheClockWaitsForAClient) {
   EXPECT_FALSE(status_.robots(0).connected());
 }
 
+TEST_F(Supervised, StatusTellsFramesAndWhoIsConnected) {
+  using Stub = v1::Supervisor::Stub;
+  run_.control.pause();
+  std::thread a = good_client(run_, 0, busy);
+  RawClient named(run_.address);
+  v1::ServerMessage message;
+  named.hello("r1", "token-r1", "watcher 2 \x1b[2J");
+  ASSERT_TRUE(named.read_until(v1::ServerMessage::kWelcome, message));
+  run_.start();
+  ASSERT_TRUE(call(&Stub::GetStatus, v1::SupervisorRequest(), status_).ok());
+  EXPECT_EQ(status_.frames(), 0u);
+  ASSERT_EQ(status_.robots_size(), 2);
+  EXPECT_EQ(status_.robots(1).client(), "watcher 2 \\x1b[2J");
+  ASSERT_TRUE(call(&Stub::Resume, v1::SupervisorRequest(), status_).ok());
+  for (int turn = 0; turn < 30; ++turn) {
+    ASSERT_TRUE(named.read_until(v1::ServerMessage::kObservation, message));
+    ASSERT_TRUE(named.decide(busy(1, message.observation())));
+  }
+  named.cancel();
+  named.finish();
+  for (int tries = 0; status_.robots(1).connected() && tries < 500; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_TRUE(call(&Stub::GetStatus, v1::SupervisorRequest(), status_).ok());
+  }
+  EXPECT_FALSE(status_.robots(1).connected());
+  EXPECT_EQ(status_.robots(1).client(), "");
+  ASSERT_TRUE(call(&Stub::Stop, v1::SupervisorRequest(), status_).ok());
+  run_.wait();
+  a.join();
+  ASSERT_TRUE(call(&Stub::GetStatus, v1::SupervisorRequest(), status_).ok());
+  EXPECT_GT(status_.frames(), 0u);
+  EXPECT_EQ(status_.frames(), run_.simulation->frames());
+}
+
 }  // namespace
 }  // namespace seam::scheduler

@@ -157,7 +157,9 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
       out.set_connected(robot.connected);
       out.set_frozen(robot.frozen);
       out.set_owes_decision(robot.owes_decision);
+      out.set_client(robot.client);
     }
+    status.set_frames(control_.frames());
     status.set_decisions(hub_.decisions());
   }
 

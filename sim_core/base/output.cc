@@ -119,6 +119,23 @@ void OutputFile::claim_growing(bool exists, const OutputRules& rules) {
         "{}: exists already; give another name, or --force to overwrite it", path_.string()));
   remove_if_empty_ = !exists;
   truncate_first_ = exists;
+  if (rules.durable) sync_folder();
+}
+
+// A file whose name is not on the disk is lost with all that was synced of it.
+void OutputFile::sync_folder() const {
+  const fs::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const bool synced = descriptor >= 0 && ::fsync(descriptor) == 0;
+  const int error = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  if (!synced) fail(error);
+}
+
+void OutputFile::sync() {
+  // Devices and FIFOs cannot be synchronised, and say so.
+  if (::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
+    fail(errno);
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -138,9 +155,7 @@ void OutputFile::write(std::string_view bytes) {
 void OutputFile::commit() {
   write("");  // A file that stays empty is emptied too.
   remove_if_empty_ = false;
-  // Devices and FIFOs cannot be synchronised, and say so.
-  if (synced_ && ::fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS && errno != ENOTSUP)
-    fail(errno);
+  if (synced_) sync();
   if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
   if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
   temporary_.clear();

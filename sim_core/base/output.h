@@ -22,6 +22,8 @@ struct OutputRules {
   bool overwrite = true;
   // The file's content is on the disk when `commit` returns.
   bool synced = true;
+  // With `grows`: the file's name is on the disk when it was claimed, its content with each `sync`.
+  bool durable = false;
   mode_t mode = 0666;  // Of a new file, less the umask.
 };
 
@@ -39,6 +41,8 @@ class OutputFile {
 
   // Throws InputError with the operating system's reason (disk full, ...).
   void write(std::string_view bytes);
+  // What was written is on the disk when it returns. Throws InputError where it is not.
+  void sync();
   // Ends the file; throws InputError where the operating system could not keep what was written.
   void commit();
   // The whole content at once.
@@ -48,6 +52,7 @@ class OutputFile {
   void claim(const OutputRules& rules);
   void claim_growing(bool exists, const OutputRules& rules);
   void open_temporary();
+  void sync_folder() const;
   void abandon() noexcept;
   [[noreturn]] void fail(int error) const;
 

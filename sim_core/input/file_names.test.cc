@@ -56,6 +56,13 @@ TEST_F(FileNames, LinksMayStayInsideButNotLeadOut) {
   EXPECT_EQ(why("link.csv"), "");
   EXPECT_NE(why("escape.csv").find("link"), std::string::npos);
   EXPECT_NE(why("up/outside.csv").find("link"), std::string::npos);
+  // Nothing is at its end yet: what is written there would be made outside.
+  fs::create_symlink("../not_made_yet.csv", folder_ / "set" / "dangling.csv");
+  EXPECT_NE(why("dangling.csv").find("link"), std::string::npos);
+  fs::create_symlink(fs::canonical(folder_) / "set" / "inside.csv", folder_ / "set" / "whole.csv");
+  EXPECT_EQ(why("whole.csv"), "");
+  fs::create_symlink("round.csv", folder_ / "set" / "round.csv");
+  EXPECT_NE(why("round.csv"), "");
   // The folder itself may be a link: it is what the user named.
   EXPECT_EQ(why_not_inside(folder_ / "link_to_set", "inside.csv"), "");
 }

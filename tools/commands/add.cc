@@ -1,6 +1,5 @@
 // `seam add`: fits one effect and adds it to a model.
-#include "app/predictors/instruments.h"
-#include "measurement/kinds/kinds.h"
+#include "measurement/report/target_told.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
@@ -32,6 +31,7 @@ void add_add(app::Command app) {
   command.add_option("EFFECT", *effect, "A name of the catalogue, or a file with effects")
       .required();
   add_analysis_flags(command, *flags, false);
+  add_target_out_flag(command, *flags);
   command.add_option("--out", *out, "The model with the effect").required();
   command.footer(
       "Example: seam add rolling_shutter --model nominal.yaml --data sets/points-a --out "
@@ -40,10 +40,12 @@ void add_add(app::Command app) {
     AnalysisOutputs outputs(*flags, *out);
     const effects::Model model = read_model(flags->model);
     const auto effects = effects_named(*effect);
-    const auto problem = measurement::open_problem(flags->data, app::instruments());
+    const auto problem = open_problem(*flags);
     const auto result = measurement::add_effects(*problem, model, effects);
     outputs.out.fill(result.model.to_yaml());
-    outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result),
+    if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
+    outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result) +
+                     measurement::target_text(*problem, result.model),
                  measurement::add_json(*problem, result, "seam-add/1"));
   });
 }
@@ -53,15 +55,18 @@ void add_fit(app::Command app) {
   auto flags = std::make_shared<AnalysisFlags>();
   auto out = std::make_shared<std::string>();
   add_analysis_flags(command, *flags, false);
+  add_target_out_flag(command, *flags);
   command.add_option("--out", *out, "The refitted model").required();
   command.footer("Example: seam fit --model better.yaml --data sets/points-a --out refitted.yaml");
   command.callback([flags, out] {
     AnalysisOutputs outputs(*flags, *out);
     const effects::Model model = read_model(flags->model);
-    const auto problem = measurement::open_problem(flags->data, app::instruments());
+    const auto problem = open_problem(*flags);
     const auto result = measurement::refit_all(*problem, model);
     outputs.out.fill(result.model.to_yaml());
-    outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result),
+    if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
+    outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result) +
+                     measurement::target_text(*problem, result.model),
                  measurement::add_json(*problem, result, "seam-fit/1"));
   });
 }

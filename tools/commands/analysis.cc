@@ -4,8 +4,10 @@
 
 #include <cstdio>
 
+#include "app/predictors/instruments.h"
 #include "effects/registry.h"
 #include "measurement/check/doubts.h"
+#include "measurement/kinds/kinds.h"
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
@@ -14,9 +16,24 @@ namespace seam::tools {
 
 void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_report) {
   command.add_option("--model", flags.model, "The model (seam-model/1)").required();
+  add_data_flags(command, flags, with_report);
+}
+
+void add_data_flags(app::Command command, AnalysisFlags& flags, bool with_report) {
   command.add_option("--data", flags.data, "The folder of the measurement set").required();
+  command.add_option("--target", flags.target,
+                     "Of points: a file of where the target's points were found (--target-out)");
   command.add_option("--json", flags.json, "Writes the result as JSON");
   if (with_report) command.add_option("--report", flags.report, "Writes the result as a web page");
+}
+
+void add_target_out_flag(app::Command command, AnalysisFlags& flags) {
+  command.add_option("--target-out", flags.target_out,
+                     "Of points: writes where the target's points were found, for other sets");
+}
+
+std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags) {
+  return measurement::open_problem(flags.data, app::instruments(), flags.target);
 }
 
 effects::Model read_model(const std::string& path) {
@@ -49,6 +66,7 @@ AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& 
   json = OutputFile(flags.json, rules);
   report = OutputFile(flags.report, rules);
   out = OutputFile(out_file, rules);
+  target = OutputFile(flags.target_out, rules);
 }
 
 void AnalysisOutputs::tell(const std::string& text, const std::string& json_text) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/command_line.h"
+#include "measurement/problem/problem.h"
 #include "measurement/report/report_data.h"
 #include "measurement/report/results.h"
 #include "sim_core/base/output.h"
@@ -16,14 +17,24 @@ struct AnalysisFlags {
   std::string data;
   std::string json;
   std::string report;
+  std::string target;      // Where the points of the target are, of an earlier fit.
+  std::string target_out;  // Where to write where this one finds them.
   double material = measurement::kMaterial;
 };
 
-// --model, --data and --json; --report where wanted.
+// --model, --data, --target and --json; --report where wanted.
 void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_report);
 
 // --material, for commands that say what matters.
 void add_material_flag(app::Command command, AnalysisFlags& flags);
+
+// The same without --model.
+void add_data_flags(app::Command command, AnalysisFlags& flags, bool with_report);
+
+// --target-out, for commands that fit a model.
+void add_target_out_flag(app::Command command, AnalysisFlags& flags);
+
+std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags);
 
 effects::Model read_model(const std::string& path);
 
@@ -44,6 +55,7 @@ struct AnalysisOutputs {
   OutputFile json;
   OutputFile report;
   OutputFile out;
+  OutputFile target;
 };
 
 // What a report says of where it comes from: `seam <command> --model M --data D`.

@@ -1,9 +1,12 @@
 // `seam check PATH`: validates any file or folder of ours and says what it holds.
+#include <fmt/ranges.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 
 #include "app/predictors/instruments.h"
+#include "app/sweep/table.h"
 #include "effects/formulas/formula_ranges.h"
 #include "effects/model.h"
 #include "measurement/check/describe.h"
@@ -113,6 +116,12 @@ std::string colour_table_text(const ConfigNode& root) {
   return text;
 }
 
+std::string sweep_text(const ConfigNode& root) {
+  const auto plan = app::SweepPlan::from_file(root.file());
+  return fmt::format("plan: {} runs of {}\n  columns      {}\n", plan.runs(),
+                     plan.texts().scenario_name, fmt::join(app::table_columns(plan), ", "));
+}
+
 struct Format {
   const char* name;
   std::string (*text)(const ConfigNode& root);
@@ -120,7 +129,8 @@ struct Format {
 constexpr Format kFormats[] = {
     {"seam-scenario/1", scenario_text}, {"seam-model/1", model_text},
     {"seam-scene/1", scene_text},       {"seam-field/1", field_text},
-    {"seam-robot/1", robot_text},       {"seam-colour-table/1", colour_table_text}};
+    {"seam-robot/1", robot_text},       {"seam-colour-table/1", colour_table_text},
+    {"seam-sweep/1", sweep_text}};
 constexpr const char* kSetFormat = "seam-measurement/1";
 
 bool is_log(const std::string& path) {
@@ -190,7 +200,7 @@ void add_check(app::Command app) {
   app::Command command = app.add_subcommand(
       "check",
       "Validates any file of ours and says what it holds: a scenario, model, measurement set, "
-      "scene, field, robot, colour table or log");
+      "scene, field, robot, colour table, plan of a sweep or log");
   auto settings = std::make_shared<Settings>();
   command.add_option("PATH", settings->path, "The file, or the folder of a measurement set")
       .required();

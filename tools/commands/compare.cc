@@ -1,32 +1,73 @@
-// `seam compare`: residuals of a model on held-out groups, and where they fail.
-#include "app/predictors/instruments.h"
-#include "measurement/kinds/kinds.h"
+// `seam compare`: residuals of a model on held-out groups, and where they fail; or two models
+// beside each other over the image.
 #include "measurement/report/report.h"
+#include "sim_core/base/error.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
 
 namespace seam::tools {
+namespace {
+
+void compare_with_data(const AnalysisFlags& flags) {
+  AnalysisOutputs outputs(flags);
+  const effects::Model model = read_model(flags.model);
+  const auto problem = open_problem(flags);
+  const auto result = measurement::compare(*problem, model, flags.material);
+  outputs.tell(with_doubts(measurement::compare_text(*problem, result), flags, model,
+                           result.base.assessment.error),
+               measurement::compare_json(*problem, result));
+  if (outputs.report) {
+    measurement::write_report(
+        outputs.report,
+        measurement::compare_report(*problem, result, report_header("compare", flags)));
+  }
+}
+
+void compare_models(const AnalysisFlags& flags, const std::vector<std::string>& files) {
+  AnalysisOutputs outputs(flags);
+  const auto set = measurement::MeasurementSet::open(flags.data);
+  if (set.camera.width_px == 0)
+    throw InputError(flags.data + ": the set names no camera, expected its width_px and height_px");
+  const auto map = measurement::difference_map(read_model(files[0]), read_model(files[1]),
+                                               set.camera.width_px, set.camera.height_px);
+  outputs.tell(measurement::models_text(map, files[0], files[1]),
+               measurement::models_json(map, files[0], files[1]));
+  if (outputs.report) {
+    const measurement::ReportHeader header{
+        .command = fmt::format("seam compare --models {} {} --data {} --report {}", files[0],
+                               files[1], flags.data, flags.report),
+        .model_file = files[0],
+        .data_folder = flags.data};
+    measurement::write_report(outputs.report,
+                              measurement::models_report(map, files[0], files[1], header));
+  }
+}
+
+}  // namespace
 
 void add_compare(app::Command app) {
-  app::Command command =
-      app.add_subcommand("compare", "Holds a model against measurements and says where it fails");
+  app::Command command = app.add_subcommand(
+      "compare",
+      "Holds a model against measurements and says where it fails, or two models against each "
+      "other");
   auto flags = std::make_shared<AnalysisFlags>();
-  add_analysis_flags(command, *flags, true);
+  auto models = std::make_shared<std::vector<std::string>>();
+  command.add_option("--model", flags->model, "The model (seam-model/1)");
+  command.add_option("--models", *models,
+                     "Two models instead: how their images differ over the set's camera");
+  add_data_flags(command, *flags, true);
   add_material_flag(command, *flags);
   command.footer(
-      "Example: seam compare --model nominal.yaml --data sets/points-a --json compare.json");
-  command.callback([flags] {
-    AnalysisOutputs outputs(*flags);
-    const effects::Model model = read_model(flags->model);
-    const auto problem = measurement::open_problem(flags->data, app::instruments());
-    const auto result = measurement::compare(*problem, model, flags->material);
-    outputs.tell(with_doubts(measurement::compare_text(*problem, result), *flags, model,
-                             result.base.assessment.error),
-                 measurement::compare_json(*problem, result));
-    if (outputs.report) {
-      measurement::write_report(
-          outputs.report,
-          measurement::compare_report(*problem, result, report_header("compare", *flags)));
+      "Examples:\n"
+      "  seam compare --model nominal.yaml --data sets/points-a --json compare.json\n"
+      "  seam compare --models nominal.yaml better.yaml --data sets/points-a");
+  command.callback([flags, models] {
+    if (flags->model.empty() == models->empty() || (!models->empty() && models->size() != 2))
+      throw UsageError("compare: expected --model MODEL, or --models A B with two models");
+    if (models->empty()) {
+      compare_with_data(*flags);
+    } else {
+      compare_models(*flags, *models);
     }
   });
 }

@@ -43,7 +43,7 @@ void add_diagnose(app::Command app) {
     AnalysisOutputs outputs(*flags, *suggested);
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
-    const auto problem = measurement::open_problem(flags->data, app::instruments());
+    const auto problem = open_problem(*flags);
     const auto result =
         measurement::search(*problem, model, own, progress_to_terminal(), flags->material);
     std::optional<measurement::Suggestion> suggestion;

@@ -2,6 +2,7 @@
 #include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
+#include "measurement/report/target_told.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
 
@@ -15,6 +16,7 @@ void add_discover(app::Command app) {
   auto candidates = std::make_shared<std::string>();
   add_analysis_flags(command, *flags, true);
   add_material_flag(command, *flags);
+  add_target_out_flag(command, *flags);
   command.add_option("--out", *out, "The model found").required();
   command.add_option("--candidates", *candidates,
                      "A file with effects of your own, tried beside the catalogue");
@@ -24,10 +26,12 @@ void add_discover(app::Command app) {
     AnalysisOutputs outputs(*flags, *out);
     const effects::Model model = read_model(flags->model);
     const auto own = candidates->empty() ? measurement::EffectList{} : effects_named(*candidates);
-    const auto problem = measurement::open_problem(flags->data, app::instruments());
+    const auto problem = open_problem(*flags);
     const auto result =
         measurement::search(*problem, model, own, progress_to_terminal(), flags->material);
     outputs.out.fill(measurement::discovered_model(*problem, model, result).to_yaml());
+    if (outputs.target)
+      outputs.target.fill(measurement::target_table(*problem, result.best.assessment.model));
     outputs.tell(with_doubts(measurement::discover_text(*problem, result), *flags, model,
                              result.base.assessment.error),
                  measurement::discover_json(*problem, result));

@@ -9,13 +9,14 @@ namespace seam::tools {
 namespace {
 
 void add_one(app::Command parent, const std::string& name, const std::string& help,
-             const std::function<void(const ExperimentOptions&)>& experiment) {
+             const std::function<void(const ExperimentOptions&, OutputFile&)>& experiment) {
   app::Command command = parent.add_subcommand(name, help);
   auto options = std::make_shared<ExperimentOptions>();
+  auto json_file = std::make_shared<std::string>();
   options->folder = "out/" + name;
   options->parallel = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   command.add_option("--out", options->folder, "Folder for runs, tables and plots").show_default();
-  command.add_option("--json", options->json_file, "Write the results here as JSON");
+  command.add_option("--json", *json_file, "Write the results here as JSON");
   command.add_option("--seeds", options->seeds, "Independent repetitions")
       .range(1, 1000)
       .show_default();
@@ -29,7 +30,10 @@ void add_one(app::Command parent, const std::string& name, const std::string& he
       .range(1, 256);
   command.add_flag("--quick", options->quick, "A small form: few poses, one seed");
   command.footer("Example: seam experiment " + name + " --quick");
-  command.callback([options, experiment] { experiment(*options); });
+  command.callback([options, json_file, experiment] {
+    OutputFile json(*json_file);
+    experiment(*options, json);
+  });
 }
 
 }  // namespace

@@ -71,6 +71,11 @@ const StageTemplate kTemplates[] = {
      "  seam::effects::Locomotion walk;\n  effect.locomotion(values, walk);\n  return "
      "walk.vx_scale;\n",
      "{\"vx_mps\", 0.2}, {\"for_s\", 5}", "x_m", 1.01, 1.2},
+    {"target", "kPoints", "stages/target.h",
+     "      .target = [](Values p, TargetShape& shape) { shape.warp_x_m += p[0]; },\n",
+     "  seam::effects::TargetShape shape;\n  effect.target(values, shape);\n  return "
+     "shape.warp_x_m;\n",
+     "{\"half_m\", 1}", "z_m", 0.01, 0.2},
 };
 
 std::string effect_text(const std::string& name, const StageTemplate& t) {
@@ -187,7 +192,8 @@ void add_new_effect(app::Command app) {
   command
       .add_option(
           "--stage", *stage,
-          "timing, joint, mount, geometry, radiometry, light, sensor, detector or locomotion")
+          "timing, joint, mount, geometry, radiometry, light, sensor, detector, locomotion or "
+          "target")
       .required();
   command.add_option("--out", *out, "The folder to write (default: NAME)");
   command.footer(

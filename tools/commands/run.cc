@@ -1,5 +1,6 @@
 // `seam run SCENARIO`: server and behaviours in one process tree.
 #include "app/session/run_session.h"
+#include "app/session/runs_made_here.h"
 #include "app/session/session_outputs.h"
 #include "tools/command.h"
 
@@ -26,6 +27,7 @@ void add_run(app::Command app) {
     app::SessionOutputs outputs(options->session);
     app::Simulator simulator = app::make_simulator(
         app::load_scenario(options->scenario, options->simulator), options->simulator);
+    if (outputs.log) app::RunsMadeHere().note(simulator);
     const app::SessionSummary summary = app::run_session(simulator, options->session, outputs);
     if (const int code = report(summary, outputs); code != 0) throw ExitCode{code};
   });

@@ -46,6 +46,35 @@ std::vector<double> numbers(const std::vector<std::string>& words, const char* o
   return all;
 }
 
+// What the sets are like, and what is hidden in all of them.
+void add_conditions(app::Command command, measurement::StudyPlan& plan) {
+  command.add_option("--hide", plan.hidden,
+                     "Several effects hidden together, as in a model: "
+                     "'{frame_latency: {latency_s: 0.02}, ...}'");
+  command.add_option("--beside", plan.beside,
+                     "Effects that the sets and the model both have, written like --hide");
+  command
+      .add_option("--material", plan.material,
+                  "Noise units that matter, as diagnose has it (0.1 there); 0: how significance "
+                  "alone does")
+      .range(0.0, 1000.0)
+      .show_default();
+  measurement::Conditions& conditions = plan.conditions;
+  command.add_option("--groups", conditions.groups, "As many groups of the protocol; 0: all")
+      .range(0, 1000)
+      .show_default();
+  command.add_flag("--uneven", conditions.uneven, "Uneven time steps");
+  command
+      .add_option("--misfit", conditions.misfit,
+                  "A smooth misfit of this size everywhere, in noise units")
+      .range(0.0, 1000.0);
+  command
+      .add_option("--wander", conditions.wander,
+                  "Errors that wander along each series, of this size in noise units")
+      .range(0.0, 1000.0);
+  command.add_flag("--bursts", conditions.bursts, "Outliers, three in a row, 1 % of the rows");
+}
+
 }  // namespace
 
 void add_study(app::Command app) {
@@ -59,7 +88,7 @@ void add_study(app::Command app) {
   auto flags = std::make_shared<Flags>();
   command
       .add_option("KIND", flags->plan.kind,
-                  "points, joints, odometry, landmarks, photometry or frames")
+                  "points, board, joints, odometry, landmarks, photometry or frames")
       .required();
   command.add_option("--seeds", flags->plan.seeds, "How many sets at each size")
       .range(1, 100000)
@@ -75,6 +104,7 @@ void add_study(app::Command app) {
   command.add_option("--size", flags->sizes,
                      "Its size in standard errors of such a set (once or more; left out: 5)");
   command.add_option("--value", flags->values, "Its value in its own unit, instead of a size");
+  add_conditions(command, flags->plan);
   command.add_option("--json", flags->json, "Writes the result as JSON");
   command.footer("Example: seam study points --effect frame_latency --size 2 --size 5 --seeds 3");
   command.callback([flags] {
@@ -83,6 +113,8 @@ void add_study(app::Command app) {
     if (plan.effect.empty() &&
         (!plan.sizes.empty() || !plan.values.empty() || !plan.parameter.empty()))
       throw UsageError("--size, --value and --parameter need --effect");
+    if (!plan.effect.empty() && !plan.hidden.empty())
+      throw UsageError("--hide stands in place of --effect");
     if (!plan.effect.empty() && plan.sizes.empty() && plan.values.empty()) plan.sizes = {5};
     OutputFile json(flags->json);
     const app::ScratchFolder scratch("study");

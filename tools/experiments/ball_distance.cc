@@ -110,7 +110,7 @@ void draw(const std::filesystem::path& folder) {
 
 }  // namespace
 
-void ball_distance_experiment(const ExperimentOptions& options) {
+void ball_distance_experiment(const ExperimentOptions& options, OutputFile& output) {
   const Scenario base = Scenario::from_file(app::data_file("scenarios/ball_distance.yaml"));
   const std::string ideal = read_file(app::data_file("models/ideal_camera.yaml"));
   const std::string& real = base.robots.front().camera.model_yaml;
@@ -156,7 +156,7 @@ void ball_distance_experiment(const ExperimentOptions& options) {
   write_file_atomically(options.folder / "ball_distance.md", table_of(points));
   draw(options.folder);
   draw_pictures(base, options);
-  if (!options.json_file.empty()) write_file_atomically(options.json_file, json.dump(1) + "\n");
+  output.fill(json.dump(1) + "\n");
 }
 
 }  // namespace seam::tools

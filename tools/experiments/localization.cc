@@ -113,7 +113,7 @@ nlohmann::json json_of(const TableOfMode& table) {
 
 }  // namespace
 
-void localization_experiment(const ExperimentOptions& options) {
+void localization_experiment(const ExperimentOptions& options, OutputFile& output) {
   struct Mode {
     const char* name;
     const char* title;
@@ -164,7 +164,7 @@ void localization_experiment(const ExperimentOptions& options) {
   std::fputs(page.c_str(), stdout);
   write_file_atomically(options.folder / "localization.md", page);
   write_file_atomically(options.folder / "localization.csv", csv);
-  if (!options.json_file.empty()) write_file_atomically(options.json_file, json.dump(1) + "\n");
+  output.fill(json.dump(1) + "\n");
 }
 
 }  // namespace seam::tools

@@ -1,13 +1,14 @@
 #include "tools/experiments/runs.h"
 
-#include <fcntl.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cstdio>
-#include <deque>
+#include <algorithm>
+#include <thread>
 
 #include "app/session/behaviours.h"
+#include "app/session/run_session.h"
+#include "app/session/session_outputs.h"
+#include "app/simulator.h"
+#include "app/sweep/sweep_progress.h"
+#include "app/sweep/workers.h"
 #include "scheduler/log/log.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
@@ -19,13 +20,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMade = "made";
+
 struct Paths {
-  fs::path scenario, log, partial_log, messages, key;
+  fs::path scenario, log, partial_log, key;
   Paths(const fs::path& folder, const std::string& name)
       : scenario(folder / (name + ".yaml")),
         log(folder / (name + ".mcap")),
         partial_log(folder / (name + ".part.mcap")),
-        messages(folder / (name + ".txt")),
         key(folder / (name + ".key")) {}
 };
 
@@ -52,70 +54,70 @@ bool is_made(const Paths& paths, const std::string& key) {
   return fs::exists(paths.log) && fs::exists(paths.key) && read_file(paths.key) == key;
 }
 
-pid_t start(const fs::path& seam, const Paths& paths) {
-  const pid_t child = ::fork();
-  if (child != 0) return child;
-  const int out = ::open(paths.messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  ::dup2(out, 1);
-  ::dup2(out, 2);
-  ::execl(seam.c_str(), "seam", "run", paths.scenario.c_str(), "--log", paths.partial_log.c_str(),
-          static_cast<char*>(nullptr));
-  ::_exit(127);
-}
-
-struct Running {
-  pid_t child;
+// A run that is to be made, and what it was made from.
+struct MissingRun {
   const PlannedRun* run;
   std::string key;
 };
 
-void finish(const Running& running, int status, const fs::path& folder) {
-  const Paths paths(folder, running.run->name);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    throw InputError(
-        fmt::format("run {}: seam run failed: {}", running.run->name, read_file(paths.messages)));
+// In a worker: why the run failed; "made" where it did not, nothing where a signal stopped it.
+std::string make_run(const PlannedRun& run, const Paths& paths, int render_workers) {
+  try {
+    app::SessionOptions options{
+        .log = paths.partial_log.string(), .force = true, .progress = false};
+    app::Simulator simulator =
+        app::make_simulator(run.scenario, {.render_workers = render_workers});
+    app::SessionOutputs outputs(options);
+    const app::SessionSummary summary = app::run_session(simulator, options, outputs);
+    if (summary.end == scheduler::EndReason::stopped) return "";
+    return summary.end == scheduler::EndReason::aborted ? summary.abort_reason : kMade;
+  } catch (const std::exception& error) {
+    return error.what();
   }
-  fs::rename(paths.partial_log, paths.log);
-  write_file_atomically(paths.key, running.key);
-  fs::remove(paths.messages);
 }
 
 }  // namespace
 
 void make_runs(const std::vector<PlannedRun>& runs, const fs::path& folder, int parallel) {
   fs::create_directories(folder);
-  const fs::path seam = fs::read_symlink("/proc/self/exe");
-  const bool shown = ::isatty(2) != 0;
-  std::deque<Running> running;
-  size_t done = 0;
+  std::vector<MissingRun> missing;
   std::map<std::string, std::string> programs;
-  const auto wait_for_first = [&] {
-    int status = 0;
-    ::waitpid(running.front().child, &status, 0);
-    finish(running.front(), status, folder);
-    running.pop_front();
-    ++done;
-    if (shown) std::fprintf(stderr, "\r%zu of %zu runs ", done, runs.size());
-  };
-  try {
-    for (const PlannedRun& run : runs) {
-      const std::string text = run.scenario.to_yaml();
-      const std::string key = key_of(run.scenario, text, programs);
-      const Paths paths(folder, run.name);
-      if (is_made(paths, key)) {
-        ++done;
-        continue;
-      }
-      while (static_cast<int>(running.size()) >= parallel) wait_for_first();
-      write_file_atomically(paths.scenario, text);
-      running.push_back({start(seam, paths), &run, key});
-    }
-    while (!running.empty()) wait_for_first();
-  } catch (...) {
-    for (const Running& other : running) ::waitpid(other.child, nullptr, 0);
-    throw;
+  for (const PlannedRun& run : runs) {
+    const std::string text = run.scenario.to_yaml();
+    const std::string key = key_of(run.scenario, text, programs);
+    const Paths paths(folder, run.name);
+    if (is_made(paths, key)) continue;
+    write_file_atomically(paths.scenario, text);
+    missing.push_back({&run, key});
   }
-  if (shown) std::fprintf(stderr, "\n");
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int render_workers = std::max(1, cores / std::max(1, parallel));
+  app::SweepProgress progress(missing.size());
+  const auto fail = [&](uint64_t job, const std::string& how) {
+    throw InputError(fmt::format("run {} failed: {}", missing[job].run->name, how));
+  };
+  size_t next = 0;
+  const app::WorkerCalls calls{
+      .next =
+          [&] { return next < missing.size() ? std::optional<uint64_t>(next++) : std::nullopt; },
+      .work =
+          [&](uint64_t job) {
+            const PlannedRun& run = *missing[job].run;
+            return make_run(run, Paths(folder, run.name), render_workers);
+          },
+      .done =
+          [&](uint64_t job, const std::string& result) {
+            if (result != kMade) fail(job, result);
+            const Paths paths(folder, missing[job].run->name);
+            fs::rename(paths.partial_log, paths.log);
+            write_file_atomically(paths.key, missing[job].key);
+            progress.count(false);
+          },
+      .died = fail,
+      .tick = [&] { progress.show(); }};
+  const auto workers = std::min(static_cast<size_t>(std::max(1, parallel)), missing.size());
+  if (!app::run_in_workers(static_cast<int>(workers), calls))
+    throw InputError("interrupted: runs that are finished are kept, and the same command goes on");
 }
 
 LoggedValues logged_values(const fs::path& path, int robot) {

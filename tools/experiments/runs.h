@@ -1,6 +1,6 @@
-// Many runs of `seam run`, some at a time, resumed after an interruption: a run whose log is there
-// and was made from the same scenario by the same behaviours is not made again. Results do not
-// depend on the order.
+// Many runs by the worker processes of sweeps, some at a time, resumed after an interruption: a run
+// whose log is there and was made from the same scenario by the same behaviours is not made again.
+// Results do not depend on the order.
 #pragma once
 
 #include <filesystem>

@@ -7,6 +7,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/output.h"
+#include "sim_core/input/file_names.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -119,7 +120,7 @@ class Exporter {
   }
 
   void write_file(const std::string& name, const std::string& bytes) {
-    write_file_atomically(folder_ / name, bytes);
+    write_file_atomically(path_inside(folder_, name), bytes);
   }
 
   void finish() {

@@ -6,6 +6,7 @@
 
 #include "app/logs/replay_match.h"
 #include "app/session/run_session.h"
+#include "app/session/runs_made_here.h"
 #include "app/session/session_outputs.h"
 #include "app/trust/program_consent.h"
 #include "scheduler/replay/player.h"
@@ -31,7 +32,9 @@ int resume(const Settings& settings) {
     std::printf("%s is of a finished run: it is run again to its end\n", settings.file.c_str());
   }
   app::Simulator simulator = app::make_simulator(log.header(), settings.simulator);
-  app::require_consent(app::programs_of(simulator.scenario), settings.run_programs);
+  app::require_consent(app::programs_of(simulator.scenario),
+                       settings.run_programs || app::RunsMadeHere().holds(simulator));
+  app::RunsMadeHere().note(simulator);
   scheduler::MixedReport mixed;
   // The part that the log holds must come out the same; the run goes on in any case.
   scheduler::RunControl unused;

@@ -6,6 +6,7 @@
 #include "app/logs/replay_match.h"
 #include "app/scratch_folder.h"
 #include "app/session/run_session.h"
+#include "app/session/runs_made_here.h"
 #include "app/session/session_outputs.h"
 #include "app/trust/program_consent.h"
 #include "scheduler/replay/player.h"
@@ -61,7 +62,8 @@ int what_if(const Settings& settings) {
   if (settings.others == "live") {
     Scenario others = simulator.scenario;
     others.robots[static_cast<size_t>(changed)].behaviour.command.clear();
-    app::require_consent(app::programs_of(others), settings.run_programs);
+    app::require_consent(app::programs_of(others),
+                         settings.run_programs || app::RunsMadeHere().holds(simulator));
   }
   const scheduler::MixedSourceOptions options =
       set_up(settings, simulator.scenario, changed, session);

@@ -10,6 +10,7 @@
 #include "app/logs/log_difference.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
+#include "tools/viewer/loopback_host.h"
 #include "tools/viewer/view_data.h"
 
 namespace seam::tools {
@@ -35,13 +36,6 @@ void refuse(httplib::Response& response, int status, const std::string& sentence
                        "application/json");
 }
 
-// A page of another site must not read logs through the browser: only requests that name this
-// machine are answered.
-bool is_local(const httplib::Request& request) {
-  const std::string host = request.get_header_value("Host");
-  return host.starts_with("127.0.0.1:") || host.starts_with("localhost:");
-}
-
 class Viewer {
  public:
   explicit Viewer(const Settings& settings) {
@@ -51,7 +45,8 @@ class Viewer {
     }
     server_.set_pre_routing_handler(
         [](const httplib::Request& request, httplib::Response& response) {
-          if (is_local(request)) return httplib::Server::HandlerResponse::Unhandled;
+          if (names_loopback(request.get_header_value("Host")))
+            return httplib::Server::HandlerResponse::Unhandled;
           refuse(response, 403, "only requests from this machine are answered");
           return httplib::Server::HandlerResponse::Handled;
         });

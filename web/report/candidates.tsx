@@ -16,7 +16,7 @@ export function ParameterList({ parameters }: { parameters?: Parameters }) {
   );
 }
 
-const helps = (c: Candidate) => (c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01;
+const helps = (c: Candidate) => c.found === true || ((c.gain ?? 0) > 0 && (c.p_value ?? 1) < 0.01);
 
 export function Candidates({ report }: { report: Report }) {
   const candidates = [...(report.result.candidates ?? [])].sort((a, b) => a.rank - b.rank);
@@ -33,7 +33,7 @@ export function Candidates({ report }: { report: Report }) {
         {helpful.length === 0 ? "None brings a gain that noise would not."
           : helpful.length === 1 ? "One brings a gain that noise cannot explain."
             : `${helpful.length} effects bring a gain that noise cannot explain; they may share one cause, ` +
-              "so only the first is to be believed before it is added."}
+              "so those that the whole search needed come first, and what stands in for them says so."}
       </p>
       <Table candidates={candidates.slice(0, first)} />
       {candidates.length > first && (
@@ -73,6 +73,11 @@ function Row({ candidate: c }: { candidate: Candidate }) {
           at its bound</span>}
         {(c.indistinguishable_from ?? []).length > 0 && (
           <div class="tie">cannot be told from {c.indistinguishable_from!.map((name, i) => (
+            <span key={name}>{i > 0 && ", "}<code>{name}</code></span>
+          ))}</div>
+        )}
+        {(c.stands_in_for ?? []).length > 0 && (
+          <div class="tie">stands in for {c.stands_in_for!.map((name, i) => (
             <span key={name}>{i > 0 && ", "}<code>{name}</code></span>
           ))}</div>
         )}

@@ -17,6 +17,8 @@ export interface Candidate {
   p_value: number | null;
   parameters?: Parameters;
   indistinguishable_from?: string[];
+  stands_in_for?: string[];
+  found?: boolean;
   at_bound?: boolean;
   why?: string;
 }
@@ -53,6 +55,26 @@ export interface Interval {
   spread_mm?: number | null;
 }
 
+export interface FreePrediction {
+  over: string;
+  residual: string;
+  rms: number | null;
+  at_end?: number | null;
+  n: number;
+}
+
+export interface FigureTable {
+  title: string;
+  figures: { name: string; unit: string; value: number | null; sigma: number | null }[];
+  snr_curve: {
+    light: number;
+    signal_dn: number;
+    snr: number | null;
+    sigma: number | null;
+    expected: number | null;
+  }[];
+}
+
 export interface Result {
   format?: string;
   verdict?: string;
@@ -63,13 +85,23 @@ export interface Result {
   native?: Record<string, number>;
   noise_floor?: number | null;
   noise?: Record<string, number>;
-  baseline?: { error: number | null; native?: Record<string, number>; noise_floor?: number };
+  baseline?: {
+    error: number | null;
+    native?: Record<string, number>;
+    noise_floor?: number;
+    free_prediction?: FreePrediction[];
+  };
+  free_prediction?: FreePrediction[];
+  findings?: { what: string; name: string; text: string }[];
   candidates?: Candidate[];
   structure?: Structure[];
+  material?: number;
+  traces?: { structure?: Structure[]; candidates?: Candidate[] };
   steps?: Step[];
   versions?: Step[];
   outliers?: Outlier[] | { count?: number; items?: Outlier[] };
   not_testable?: { effect: string; parameter?: string; why?: string }[];
+  figures?: FigureTable;
   suggestion?: { effect: string; error?: number | null; terms?: unknown };
   advice?: string;
   modes?: Record<string, Interval>;
@@ -151,6 +183,11 @@ export interface Plots {
   series?: Series[];
   intervals?: Series[];
   leave_one_out?: LeaveOneOut[];
+  /** Points of a target: x, y by its plan, their shift along x, y and out of it, and the errors of
+   * the shift along x and out of it; m. */
+  target?: number[][];
+  /** How well the lens is known, or by how much two models differ, over the image. */
+  lens_error?: ImageMap;
 }
 
 export interface Table {

@@ -3,10 +3,12 @@ import { OverImage } from "./image";
 import { Candidates } from "./candidates";
 import type { Report } from "./data";
 import { Distributions, ErrorFalling, Worth } from "./errors";
+import { Figures } from "./figures";
 import { Advice, NotTestable, Outliers, Reproduce, Tables } from "./notes";
 import { Residuals } from "./residuals";
 import { IntervalPlots, Modes, SeriesPlots } from "./series";
 import { Structure } from "./structure";
+import { LensMapFigure, TargetPicture } from "./target";
 import { Header } from "./summary";
 
 export function Page({ report }: { report: Report }) {
@@ -18,8 +20,11 @@ export function Page({ report }: { report: Report }) {
       <ErrorFalling report={report} />
       <Candidates report={report} />
       <Structure report={report} />
+      <Figures report={report} />
       <Residuals report={report} />
       <OverImage report={report} />
+      <LensMapFigure report={report} />
+      <TargetPicture report={report} />
       <SeriesPlots report={report} />
       <IntervalPlots report={report} />
       <Worth report={report} />

@@ -11,7 +11,7 @@ export function Structure({ report }: { report: Report }) {
       <h2>Where the model fails</h2>
       {all.length === 0
         ? <p class="lead">The residuals were tested against every covariate and product that physics
-          suggests; nothing significant was found.</p>
+          suggests; nothing that matters was found.</p>
         : <>
           <p class="lead">
             What the held-out residuals depend on. Strength is the root mean square of what a smooth
@@ -25,7 +25,30 @@ export function Structure({ report }: { report: Report }) {
             </details>
           )}
         </>}
+      <Traces report={report} />
     </section>
+  );
+}
+
+/** What is significant but moves predictions by too little to matter. */
+function Traces({ report }: { report: Report }) {
+  const structure = report.result.traces?.structure ?? [];
+  const candidates = report.result.traces?.candidates ?? [];
+  const count = structure.length + candidates.length;
+  if (count === 0) return null;
+  return (
+    <details class="more traces">
+      <summary>{count === 1 ? "one trace" : `${count} traces`}: significant, but below{" "}
+        {number(report.result.material ?? 0)} of the noise</summary>
+      {candidates.length > 0 && (
+        <p>
+          Effects: {candidates.map((c, i) => (
+            <span key={c.effect}>{i > 0 && ", "}<code>{c.effect}</code> (error {number(c.error, 4)})</span>
+          ))}
+        </p>
+      )}
+      {structure.length > 0 && <Rows items={structure} all={structure} />}
+    </details>
   );
 }
 

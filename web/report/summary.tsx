@@ -108,6 +108,13 @@ function Numbers({ report }: { report: Report }) {
     const split = splitUnit(name);
     tiles.push([`${number(value)} ${split.unit}`, `${split.name}, root mean square`, noiseText(report, name)]);
   }
+  for (const free of result.free_prediction ?? result.baseline?.free_prediction ?? []) {
+    if (free.rms === null) continue;
+    const split = splitUnit(free.residual);
+    const over = free.over === "run" ? "a run" : free.over;
+    tiles.push([`${number(free.rms)} ${split.unit}`, `${split.name} over ${over}`,
+      "root mean square, predicted freely"]);
+  }
   const n = data?.n ?? result.n;
   if (n !== undefined) {
     tiles.push([count(n), "observations", `${count(data?.groups ?? result.groups)} groups` +

@@ -72,10 +72,11 @@ export function diagnosePoints() {
       candidates: [
         { effect: "rolling_shutter", rank: 1, error: 1.004, gain: 0.9994, gain_sigma: 0.0021,
           p_value: 1e-300, parameters: { line_delay_s: p(2.401e-4, 6.1e-7) },
-          indistinguishable_from: [], why: "u residual grows with row x pan rate" },
+          indistinguishable_from: [], found: true, why: "u residual grows with row x pan rate" },
         { effect: "frame_latency", rank: 2, error: 2.21, gain: 0.727, gain_sigma: 0.014,
           p_value: 1e-120, parameters: { latency_s: p(0.01712, 0.00011) },
-          indistinguishable_from: ["exposure"], why: "u residual grows with pan rate" },
+          indistinguishable_from: ["exposure"], stands_in_for: ["rolling_shutter"],
+          why: "u residual grows with pan rate" },
         { effect: "encoder_scale", rank: 3, error: 3.88, gain: 0.018, gain_sigma: 0.006,
           p_value: 0.0021, parameters: { tilt_scale: p(-0.0011, 0.0009), pan_scale: p(0.0042, 0.0008),
             roll_scale: p(0, 0.01) }, at_bound: true, indistinguishable_from: [],
@@ -92,6 +93,11 @@ export function diagnosePoints() {
         { residual: "v_px", moment: "mean", covariate: "row*pan_rate", strength: 0.081, p_value: 3e-92 },
         { residual: "u_px", moment: "spread", covariate: "row", strength: 0.33, p_value: 1e-41 },
       ],
+      material: 0.1,
+      traces: {
+        structure: [{ residual: "v_px", moment: "mean", covariate: "radius", strength: 0.006, p_value: 2e-9 }],
+        candidates: [{ effect: "lens_blur", rank: 1, error: 3.91, gain: 0.0004, p_value: 3e-8,
+          parameters: {}, indistinguishable_from: [], why: "" }] },
       not_testable: [
         { effect: "mount_offset", parameter: "z_m", why: "all points lie beyond 1.5 m" },
         { effect: "clock_drift", parameter: "drift_ppm", why: "the recording lasts 8 s only" }],

@@ -23,6 +23,7 @@ EffectDefinition range_noise() {
       .signature = "spread of the range",
       .example = "range_noise: {sigma_per_m: 0.02}",
       .spread_only = true,
+      .needs = {Need::distances},
       .detector =
           [](Values p, Detection& seen) {
             seen.range_variance += p[0] * p[0] + p[1] * p[1] * seen.range_m * seen.range_m;

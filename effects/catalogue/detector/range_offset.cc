@@ -17,6 +17,7 @@ EffectDefinition range_offset() {
       .formula = "range * (1 + scale) + offset",
       .signature = "constant",
       .example = "range_offset: {offset_m: 0.03}",
+      .needs = {Need::distances},
       .detector = [](Values p, Detection& seen) { seen.range_m += p[0]; },
       .proof = {{.values = {0.03},
                  .given = {{"range_m", 2}},

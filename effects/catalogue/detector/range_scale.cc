@@ -17,6 +17,7 @@ EffectDefinition range_scale() {
       .formula = "range * (1 + scale) + offset",
       .signature = "grows with range",
       .example = "range_scale: {scale: 0.05}",
+      .needs = {Need::distances},
       .advice = {{kLandmarks,
                   {"range_offset"},
                   "See landmarks from near and from far: a scale grows with the range."},

@@ -22,6 +22,7 @@ EffectDefinition acceleration_limit() {
       .formula = "|d2q/dt2| <= limit, braking in time to stop at the target",
       .signature = "rounded ramps after steps; overshoot when the command turns back",
       .example = "acceleration_limit: {rad_per_s2: 60}",
+      .term = Term::kinematic,
       .advice = {{kJoints, {}, "large steps and quick reversals"}},
       .servo = [](Values p,
                   ServoModel& servo) { servo.rad_per_s2 = std::min(servo.rad_per_s2, p[0]); },

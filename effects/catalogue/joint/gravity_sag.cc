@@ -27,6 +27,7 @@ EffectDefinition gravity_sag() {
       .formula = "q - sag * cos(q - level)",
       .signature = "error that depends on the angle, not on the rate",
       .example = "gravity_sag: {rad: 0.02}",
+      .term = Term::kinematic,
       .family = Family::pointing,
       .shows_at_rest = true,
       .advice = {{kJoints,

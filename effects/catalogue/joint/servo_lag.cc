@@ -19,6 +19,7 @@ EffectDefinition servo_lag() {
       .formula = "dq/dt = (command - q) / tau",
       .signature = "error in proportion to the rate of the command; steps are rounded",
       .example = "servo_lag: {tau_s: 0.04}",
+      .term = Term::kinematic,
       .advice = {{kJoints,
                   {"servo_latency"},
                   "steps of the command, sampled several times within the delay: a lag rounds "

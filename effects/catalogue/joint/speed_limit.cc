@@ -20,6 +20,7 @@ EffectDefinition speed_limit() {
       .formula = "|dq/dt| <= limit",
       .signature = "ramps after steps; nothing while the command is slower than the limit",
       .example = "speed_limit: {rad_per_s: 3.0}",
+      .term = Term::kinematic,
       .advice = {{kJoints,
                   {"acceleration_limit"},
                   "steps of different heights: the time of a ramp grows with the height, that of a "

@@ -17,6 +17,7 @@ EffectDefinition stiction() {
       .formula = "no motion while |command - q| < band",
       .signature = "steady error after small moves",
       .example = "stiction: {dead_band_rad: 0.01}",
+      .term = Term::kinematic,
       .shows_at_rest = true,
       .servo = [](Values p, ServoModel& servo) { servo.dead_band_rad += p[0]; },
       .proof = {{.values = {0.02},

@@ -16,7 +16,7 @@ EffectDefinition heading_drift() {
       .formula = "omega + rad_per_m * sqrt(vx^2 + vy^2)",
       .signature = "heading error with distance",
       .example = "heading_drift: {rad_per_m: 0.05}",
-      .needs = {Need::path},
+      .needs = {Need::commanded_walk, Need::path},
       .advice = {{kOdometry, {}, "long straight walks"}},
       .locomotion = [](Values p, Locomotion& walk) { walk.heading_rad_per_m += p[0]; },
       .proof = {{.values = {0.05},

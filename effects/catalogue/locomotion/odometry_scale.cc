@@ -23,6 +23,7 @@ EffectDefinition odometry_scale() {
       .formula = "v (1 + scale)",
       .signature = "displacement with distance or turn",
       .example = "odometry_scale: {vx_scale: -0.1}",
+      .needs = {Need::commanded_walk},
       .advice =
           {{kOdometry, {"heading_drift"}, "straight walks without turning, and turns on the spot"},
            {kOdometry, {}, "long walks forward, sideways, and turns on the spot, one run each"}},

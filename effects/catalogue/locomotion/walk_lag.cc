@@ -19,6 +19,7 @@ EffectDefinition walk_lag() {
       .formula = "dv/dt = (command - v) / tau",
       .signature = "error after each change of command",
       .example = "walk_lag: {tau_s: 0.2}",
+      .needs = {Need::commanded_walk},
       .starts = {{kOdometry, StartSearch::listed, {{0.02}, {0.2}, {1.0}}}},
       .advice = {{kOdometry,
                   {"odometry_scale", "heading_drift", "walk_noise"},

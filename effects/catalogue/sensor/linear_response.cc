@@ -9,8 +9,9 @@ EffectDefinition linear_response() {
       .stage = Stage::sensor,
       .kinds = kPhotometry | kFrames | kRanges,
       .parameters = {{.name = "gain_dn",
-                      .min = 0.001,
-                      .max = 1000000.0,
+                      // The light may be in any unit.
+                      .min = 1e-12,
+                      .max = 1e15,
                       .scale = 100,
                       .help = "DN for illumination 1 at the first exposure.",
                       .required = true},

@@ -9,19 +9,24 @@
 namespace seam::effects {
 namespace {
 
-// Gamma, white balance, black and maps of a signal after photon noise.
-double respond(const SensorChain& chain, double signal, int colour, double t_s) {
+// Gamma, cubic, white balance, black and maps of a signal after photon noise.
+double respond(const SensorChain& chain, double signal, int colour,
+               const SensorExposure& exposure) {
   double value = signal;
   if (chain.gamma != 1) {
     value = value > 0 ? chain.gain_dn * maths::pow(value / chain.gain_dn, chain.gamma) : 0;
   }
+  if (chain.is_cubic()) {
+    const double s = value / full_scale_dn(exposure.file_bits);
+    value *= 1 + s * (chain.cubic2 + s * chain.cubic3);
+  }
   value = chain.channel_gain[static_cast<size_t>(colour)] * value + chain.black_dn;
-  for (const auto& map : chain.maps) value = map(value, t_s);
+  for (const auto& map : chain.maps) value = map(value, exposure.t_s);
   return value;
 }
 
 bool response_is_linear(const SensorChain& chain) {
-  return chain.gamma == 1 && chain.maps.empty();
+  return chain.gamma == 1 && !chain.is_cubic() && chain.maps.empty();
 }
 
 // E and variance of f(X) for X Poisson with mean lambda.
@@ -57,6 +62,27 @@ Moments poisson_expectation(double lambda, F&& f) {
   return {mean, std::max(0.0, sum2 / sum - mean * mean)};
 }
 
+void add_defects_of_gain(const SensorChain& chain, RandomStream camera_noise,
+                         FixedPattern& pattern) {
+  if (!(chain.weak_fraction > 0)) return;
+  const RandomStream stream = camera_noise.child("weak_pixels");
+  for (size_t i = 0; i < pattern.gain.size(); ++i) {
+    if (uniform(stream, i) < chain.weak_fraction)
+      pattern.gain[i] *= static_cast<float>(chain.weak_gain);
+  }
+}
+
+void add_wave(const SensorChain& chain, FixedPattern& pattern) {
+  if (!(chain.wave.amplitude_dn > 0)) return;
+  size_t i = 0;
+  for (int v = 0; v < pattern.height_px; ++v) {
+    for (int u = 0; u < pattern.width_px; ++u) {
+      const auto here = static_cast<float>(chain.wave.amplitude_dn * chain.wave.unit_at(u, v));
+      for (int c = 0; c < pattern.channels; ++c) pattern.offset_dn[i++] += here;
+    }
+  }
+}
+
 }  // namespace
 
 SensorChain sensor_of(const Model& model) {
@@ -75,7 +101,7 @@ Moments response_moments(const SensorChain& chain, double signal, int channel,
                          const SensorExposure& exposure) {
   const double dark = chain.dark_electrons_per_s * exposure.exposure_s;
   if (!chain.has_shot_noise()) {
-    return {respond(chain, signal + dark * exposure.gain, channel, exposure.t_s), 0};
+    return {respond(chain, signal + dark * exposure.gain, channel, exposure), 0};
   }
   const double dn_per_electron = exposure.gain / chain.electrons_per_dn;
   const double electrons = std::max(0.0, signal / dn_per_electron + dark);
@@ -84,7 +110,7 @@ Moments response_moments(const SensorChain& chain, double signal, int channel,
     return {scale * electrons + chain.black_dn, scale * scale * electrons};
   }
   return poisson_expectation(electrons, [&](double counted) {
-    return respond(chain, counted * dn_per_electron, channel, exposure.t_s);
+    return respond(chain, counted * dn_per_electron, channel, exposure);
   });
 }
 
@@ -95,11 +121,16 @@ double quantisation_step(const SensorChain& chain, int file_bits) {
 
 uint16_t to_file(const SensorChain& chain, double value, int file_bits) {
   const double step = quantisation_step(chain, file_bits);
-  const double top = static_cast<double>((1u << file_bits) - 1);
+  const double top = full_scale_dn(file_bits);
   const double clipped = std::min(value, chain.full_dn);
   // Rounded to multiples of the step, then (for a full_dn of the file's own) to whole numbers.
   const double stepped = step * std::floor(clipped / step + 0.5);
   return static_cast<uint16_t>(std::clamp(std::floor(stepped + 0.5), 0.0, top));
+}
+
+double PatternWave::unit_at(double u, double v) const {
+  const double along = u * maths::cos(angle_rad) + v * maths::sin(angle_rad);
+  return maths::sin(2 * maths::kPi * along / period_px + phase_rad);
 }
 
 FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px, int channels,
@@ -108,9 +139,9 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
   const auto samples = static_cast<size_t>(width_px) * height_px * channels;
   pattern.gain.assign(samples, 1.0f);
   pattern.offset_dn.assign(samples, 0.0f);
-  pattern.has_gain = chain.pixel_gain_sigma > 0;
-  pattern.has_offset =
-      chain.pixel_offset_sigma_dn > 0 || chain.column_sigma_dn > 0 || chain.hot_fraction > 0;
+  pattern.has_gain = chain.pixel_gain_sigma > 0 || chain.weak_fraction > 0;
+  pattern.has_offset = chain.pixel_offset_sigma_dn > 0 || chain.column_sigma_dn > 0 ||
+                       chain.hot_fraction > 0 || chain.wave.amplitude_dn > 0;
   if (chain.pixel_gain_sigma > 0) {
     sample_normals(camera_noise.child("pixel_gain_spread"), pattern.gain);
     // A gain below zero has no meaning.
@@ -137,6 +168,8 @@ FixedPattern fixed_pattern(const SensorChain& chain, int width_px, int height_px
         pattern.offset_dn[i] += static_cast<float>(chain.hot_level_dn);
     }
   }
+  add_defects_of_gain(chain, camera_noise, pattern);
+  add_wave(chain, pattern);
   return pattern;
 }
 

@@ -2,9 +2,10 @@
 // gives samples, and means and variances that agree with them.
 //
 //   signal    = gain_dn * illumination * exposure ratio * gain column * (1 + pixel gain)
+//               * the frame's own factor of light
 //   electrons = Poisson(signal * electrons_per_dn / gain column + dark_current * exposure_s)
-//   value     = white_balance * gamma(electrons * gain column / electrons_per_dn)
-//   value    += black + pixel, column, row and hot offsets + read noise
+//   value     = white_balance * cubic(gamma(electrons * gain column / electrons_per_dn))
+//   value    += black + wave + pixel, column, row and hot offsets + read noise
 //   value     = to the file's whole numbers(to multiples of the quantisation(min(value, full_dn)))
 //
 // Without shot noise there is 1 electron a DN and no photon variance. `illumination` includes
@@ -40,6 +41,17 @@ struct SensorMap {
   double operator()(double mean_dn, double t_s) const { return map(mean_dn, t_s); }
 };
 
+// A fixed wave over the image.
+struct PatternWave {
+  double amplitude_dn = 0;
+  double period_px = 1;
+  double angle_rad = 0;
+  double phase_rad = 0;
+
+  // The wave of amplitude 1 at a pixel.
+  double unit_at(double u, double v) const;
+};
+
 // What the sensor effects of a model add up to.
 struct SensorChain {
   double gain_dn = 255;  // DN for illumination 1 at the first frame's exposure.
@@ -47,6 +59,7 @@ struct SensorChain {
   double electrons_per_dn = std::numeric_limits<double>::infinity();  // Infinite: no photon noise.
   double dark_electrons_per_s = 0;
   double gamma = 1;
+  double cubic2 = 0, cubic3 = 0;                   // Bends of the response, relative to full scale.
   std::array<double, 3> channel_gain = {1, 1, 1};  // White balance: red, green, blue.
   double pixel_gain_sigma = 0;                     // Fixed, relative (PRNU).
   double pixel_offset_sigma_dn = 0;                // Fixed (DSNU).
@@ -55,12 +68,17 @@ struct SensorChain {
   double read_sigma_dn = 0;                        // New for each sample.
   double hot_fraction = 0;                         // Of samples; fixed.
   double hot_level_dn = 0;
+  double weak_fraction = 0;  // Of samples; fixed.
+  double weak_gain = 1;
+  double lamp_sigma = 0;  // Of the light of a frame, relative; new for each frame.
+  PatternWave wave;
   double full_dn = std::numeric_limits<double>::infinity();
   int bits = 0;  // 0: as many as the file has.
   // Expression effects: maps of the mean, DN with black and before fixed offsets and row and read
   // noise, at a time of the set; applied in order.
   std::vector<SensorMap> maps;
 
+  bool is_cubic() const { return cubic2 != 0 || cubic3 != 0; }
   bool has_shot_noise() const { return electrons_per_dn < std::numeric_limits<double>::infinity(); }
 };
 
@@ -100,6 +118,11 @@ uint16_t to_file(const SensorChain& chain, double value, int file_bits);
 // Mean and variance of `to_file` of a Gaussian value.
 Moments file_moments(const SensorChain& chain, Moments value, int file_bits);
 
+// The highest value of a file, to which response_cubic and clipping relate.
+inline double full_scale_dn(int file_bits) {
+  return static_cast<double>((1u << file_bits) - 1);
+}
+
 // Step between the values that a file holds: 2^(file bits - bits).
 double quantisation_step(const SensorChain& chain, int file_bits);
 
@@ -108,8 +131,9 @@ struct FixedPattern {
   int width_px = 0;
   int height_px = 0;
   int channels = 1;
-  std::vector<float> gain;       // 1 + PRNU, a factor for each sample.
-  std::vector<float> offset_dn;  // Pixel, column and hot offsets for each sample (without black).
+  std::vector<float> gain;  // 1 + PRNU, a factor for each sample.
+  std::vector<float>
+      offset_dn;  // Wave, pixel, column and hot offsets for each sample (without black).
   // False where all gains are 1, all offsets 0: what need not be looked at.
   bool has_gain = true, has_offset = true;
 };

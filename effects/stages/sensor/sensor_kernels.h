@@ -38,6 +38,8 @@ struct SensorKernels {
   void (*scale)(float scale, size_t count, float* value);
   // value[i] = full * (value[i] / full)^gamma, 0 for value <= 0.
   void (*gamma)(float full, float gamma, size_t count, float* value);
+  // value[i] = value[i] * (1 + k2 s + k3 s^2), s = value[i] * per_full.
+  void (*cubic)(float per_full, float k2, float k3, size_t count, float* value);
   // value[i] = channel_gain[i] * value[i] + black, then + offset[i] where there is one.
   void (*balance)(const float* channel_gain, float black, const float* offset, size_t count,
                   float* value);

@@ -42,7 +42,7 @@ Moments sum_over_values(const SensorChain& chain, Moments value, double step, do
 
 Moments file_moments(const SensorChain& chain, Moments value, int file_bits) {
   const double step = quantisation_step(chain, file_bits);
-  const double top = static_cast<double>((1u << file_bits) - 1);
+  const double top = full_scale_dn(file_bits);
   const double sigma = std::sqrt(value.variance_dn2);
   if (sigma < 1e-6 * step) {
     return {static_cast<double>(to_file(chain, value.mean_dn, file_bits)), 0};

@@ -44,6 +44,10 @@ class Exposing {
         few_(shot_.child("few")),
         row_(frame_noise.child("row_noise")),
         read_(read_noise_stream(frame_noise)),
+        lamp_(chain.lamp_sigma > 0
+                  ? std::max(0.0, 1 + chain.lamp_sigma *
+                                          normal(frame_noise.child("lamp_fluctuation"), 0))
+                  : 1),
         channel_gain_(kChunk) {
     // A chunk begins with a whole pixel.
     for (size_t i = 0; i < kChunk; i += 3) {
@@ -73,6 +77,11 @@ class Exposing {
       kernels_.gamma(static_cast<float>(chain_.gain_dn), static_cast<float>(chain_.gamma),
                      chunk.count, value);
     }
+    if (chain_.is_cubic()) {
+      kernels_.cubic(static_cast<float>(1 / full_scale_dn(exposure_.file_bits)),
+                     static_cast<float>(chain_.cubic2), static_cast<float>(chain_.cubic3),
+                     chunk.count, value);
+    }
     const auto black = static_cast<float>(chain_.black_dn);
     const float* const offset = pattern_.has_offset ? &pattern_.offset_dn[chunk.first] : nullptr;
     if (chain_.maps.empty()) {
@@ -99,7 +108,7 @@ class Exposing {
     const ReadOut how{.sigma = static_cast<float>(chain_.read_sigma_dn),
                       .full = static_cast<float>(std::min(chain_.full_dn, 1e30)),
                       .step = static_cast<float>(quantisation_step(chain_, exposure_.file_bits)),
-                      .top = static_cast<float>((1u << exposure_.file_bits) - 1)};
+                      .top = static_cast<float>(full_scale_dn(exposure_.file_bits))};
     // Without noise of reading, numbers that stand there already count 0 times.
     const float* normal = how.sigma > 0 ? chunk.normals_of(kernels_, read_) : chunk.scratch.data();
     if constexpr (sizeof(Sample) == 1) {
@@ -111,7 +120,7 @@ class Exposing {
 
   // Light to signal, DN above black, with photon noise.
   void count_light(Chunk& chunk, const float* illumination) {
-    const auto scale = static_cast<float>(signal_dn(chain_, 1, exposure_));
+    const auto scale = static_cast<float>(signal_dn(chain_, lamp_, exposure_));
     float* value = chunk.value.data();
     kernels_.signal(illumination, scale, pattern_.has_gain ? &pattern_.gain[chunk.first] : nullptr,
                     chunk.count, value);
@@ -158,6 +167,7 @@ class Exposing {
   const FixedPattern& pattern_;
   const SensorExposure& exposure_;
   RandomStream shot_, few_, row_, read_;
+  double lamp_;  // The frame's own factor of light.
   std::vector<float> channel_gain_;
 };
 

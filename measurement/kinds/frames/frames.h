@@ -33,6 +33,7 @@ class FramesProblem : public Problem {
   void check_model(const Model& model) const override;
   bool is_smooth() const override { return true; }
   std::optional<Groups> screening_groups() const override;
+  size_t groups_for_one_fold() const override { return 4; }  // Each fit is dear.
   bool is_visible(const Model& a, const Model& b) const override;
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;

@@ -1,10 +1,12 @@
 // Reading servo logs, and predicting them.
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
 #include "effects/stages/servo.h"
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -19,6 +21,67 @@ void check_angles(const CsvTable& table, const std::vector<double>& values, cons
       table.fail(row, column, table.cell(row, column), "an angle in radians");
     }
   }
+}
+
+// The gain's factor in each row.
+std::vector<double> read_kp(const CsvTable& table) {
+  if (!table.has("kp")) return std::vector<double>(table.rows(), 1);
+  const auto kp = table.numbers("kp");
+  for (size_t row = 0; row < kp.size(); ++row) {
+    if (kp[row] < 0) table.fail(row, "kp", table.cell(row, "kp"), "a gain, 0 or more");
+  }
+  return kp;
+}
+
+// The supply in each row, in units of its median.
+std::vector<double> read_voltage(const CsvTable& table) {
+  constexpr double kLargest_V = 1000;  // No servo's.
+  if (!table.has("voltage_v")) return std::vector<double>(table.rows(), 1);
+  auto voltage = table.numbers("voltage_v");
+  for (size_t row = 0; row < voltage.size(); ++row) {
+    if (!(voltage[row] > 0 && voltage[row] < kLargest_V)) {
+      table.fail(row, "voltage_v", table.cell(row, "voltage_v"),
+                 "a supply in volts, above 0 (one in millivolts is to be divided by 1000)");
+    }
+  }
+  const double median = voltage.empty() ? 1 : median_of(voltage);
+  for (double& value : voltage) value /= median;
+  return voltage;
+}
+
+std::vector<char> read_enabled(const CsvTable& table) {
+  if (!table.has("torque_enable")) return std::vector<char>(table.rows(), 1);
+  std::vector<char> enabled;
+  for (const double value : table.numbers("torque_enable")) enabled.push_back(value != 0);
+  return enabled;
+}
+
+// The rate at the log's first row where its first rows cannot be those of a joint at rest that
+// something begins to accelerate; else 0.
+double rate_at_start(const JointLog& log) {
+  constexpr size_t kRows = 8;
+  constexpr double kClearly = 8;  // Standard errors.
+  const size_t n = std::min(kRows, log.time_s.size());
+  if (n < kRows) return 0;
+  Eigen::MatrixXd powers(n, 4);
+  Eigen::VectorXd angles(n);
+  const double span = log.time_s[n - 1];
+  for (size_t k = 0; k < n; ++k) {
+    const double t = log.time_s[k] / span;
+    powers.row(static_cast<Eigen::Index>(k)) << 1, t, t * t, t * t * t;
+    angles[static_cast<Eigen::Index>(k)] = log.measured_rad[k];
+  }
+  const Eigen::MatrixXd inverse = (powers.transpose() * powers).inverse();
+  const Eigen::VectorXd c = inverse * powers.transpose() * angles;
+  const double variance = (powers * c - angles).squaredNorm() / static_cast<double>(n - 4);
+  const double rate = c[1] / span, error = std::sqrt(variance * inverse(1, 1)) / span;
+  if (std::abs(rate) < kClearly * error) return 0;
+  // A joint in motion moves in the first step, too, and half as far as in the first two.
+  const double first = log.measured_rad[1] - log.measured_rad[0];
+  const double both = log.measured_rad[2] - log.measured_rad[0];
+  const bool moves = first * rate > 0.5 * rate * rate * log.time_s[1] && first * both > 0 &&
+                     std::abs(first) > 0.35 * std::abs(both);
+  return moves ? rate : 0;
 }
 
 // The joint's angle as its encoder logs it: catalogue encoders, in reverse order of composition.
@@ -53,8 +116,8 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
     angles = table.numbers("measured_rad");
     check_angles(table, angles, "measured_rad");
   }
-  std::vector<double> enable(table.rows(), 1);
-  if (table.has("torque_enable")) enable = table.numbers("torque_enable");
+  const auto enabled = read_enabled(table);
+  const auto kp = read_kp(table), voltage = read_voltage(table);
   JointLogs set;
   set.column_names = table.extra_numeric_columns(
       {"run", "time_s", "joint", "command_rad", "measured_rad", group_column});
@@ -85,14 +148,19 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
     log.time_s.push_back(static_cast<double>(times[row] - first_ns[i]) * 1e-9);
     log.command_rad.push_back(commands[row]);
     log.measured_rad.push_back(angles[row]);
-    log.enabled.push_back(enable[row] != 0);
+    log.enabled.push_back(enabled[row]);
+    log.kp.push_back(kp[row]);
+    log.voltage.push_back(voltage[row]);
     for (size_t c = 0; c < columns.size(); ++c) log.columns[c].push_back(columns[c][row]);
+  }
+  if (measured) {
+    for (JointLog& log : set.logs) log.start_radps = rate_at_start(log);
   }
   return set;
 }
 
 std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log,
-                                      double start_rad) {
+                                      double start_rad, double start_radps) {
   const effects::ServoModel servo = effects::servo_of(model);
   FormulaColumns columns(log);
   effects::JointSample sample{
@@ -119,6 +187,8 @@ std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, 
   }
   if (!std::isfinite(start)) start = start_rad;
   effects::Servo joint(servo, log.time_s.front(), start);
+  if (start_radps != 0 && servo.torque.present)
+    joint.begin_moving(start_radps, log.command_rad[0], log.enabled[0] != 0, log.kp[0]);
   std::vector<double> angles(log.time_s.size());
   double before = start;
   for (size_t k = 0; k < angles.size(); ++k) {
@@ -127,7 +197,8 @@ std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, 
     const double rate = k == 0 ? 0 : (q - before) / (log.time_s[k] - log.time_s[k - 1]);
     angles[k] = shown(q, rate, joint.acting_command_rad(), k);
     before = q;
-    joint.command(log.time_s[k], log.command_rad[k], log.enabled[k] != 0);
+    joint.command(log.time_s[k], log.command_rad[k], log.enabled[k] != 0, log.kp[k]);
+    joint.set_voltage(log.voltage[k]);
   }
   return angles;
 }

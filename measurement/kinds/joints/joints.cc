@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/questions.h"
+#include "effects/stages/noise.h"
 #include "effects/stages/servo.h"
 #include "measurement/kinds/series_facts.h"
+#include "measurement/noise/hidden_errors.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 
@@ -124,44 +127,35 @@ void JointsProblem::add_covariates() {
   }
 }
 
-double JointsProblem::evaluate_log(const Model& model, const JointLog& log, double sigma_rad,
-                                   std::vector<double>& residual) const {
-  const double seen = log.measured_rad.front();
-  const size_t n = log.rows.size();
-  const auto chi2_of = [&](const std::vector<double>& predicted) {
-    double sum = 0;
-    for (size_t k = 0; k < n; ++k) {
-      if (left_out(log.rows[k])) continue;
-      const double miss = log.measured_rad[k] - predicted[k];
-      sum += miss * miss;
+// Residuals of the logs, each from the start that fits it best.
+void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, double sigma_rad,
+                                  const Evaluation* warm, Evaluation& evaluation) const {
+  // A motor's fit takes the starts of its last look as they are: it looks again between rounds.
+  const bool motor = effects::has_base(model, effects::Base::motor);
+  const std::vector<double>* starts =
+      motor && warm != nullptr && warm->reusable ? &warm->nuisance_values : nullptr;
+  for (const JointLog& log : set_.logs) {
+    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
+    LogStart start;
+    std::vector<double> predicted;
+    const size_t place = evaluation.nuisance_values.size();
+    if (starts != nullptr) {
+      start = {starts->at(place), starts->at(place + 1)};
+      predicted = predict_from(model, log, start);
+    } else {
+      start = fit_start(model, log, sigma_rad, predicted);
     }
-    return sum;
-  };
-  std::vector<double> predicted = predict_joint_log(model, set_, log, seen);
-  const double h = sigma_rad;
-  const std::vector<double> moved = predict_joint_log(model, set_, log, seen + h);
-  double along = 0, norm = 0;
-  for (size_t k = 0; k < n; ++k) {
-    if (left_out(log.rows[k])) continue;
-    const double slope = (moved[k] - predicted[k]) / h;
-    along += slope * (log.measured_rad[k] - predicted[k]);
-    norm += slope * slope;
+    for (size_t k = 0; k < predicted.size(); ++k)
+      evaluation.residual[log.rows[k]] = log.measured_rad[k] - predicted[k];
+    evaluation.nuisance_values.insert(evaluation.nuisance_values.end(),
+                                      {start.offset_rad, start.offset_radps});
+    evaluation.nuisances += unknowns_of_start(model, log);
   }
-  // The start is measured as well: a model that fails later must not move it far from there.
-  double start = norm > 0 ? std::clamp(along / norm, -4 * sigma_rad, 4 * sigma_rad) : 0;
-  if (start != 0) {
-    std::vector<double> better = predict_joint_log(model, set_, log, seen + start);
-    if (chi2_of(better) < chi2_of(predicted))
-      predicted = std::move(better);
-    else
-      start = 0;
-  }
-  for (size_t k = 0; k < n; ++k) residual[log.rows[k]] = log.measured_rad[k] - predicted[k];
-  return start;
+  if (motor) evaluation.reusable = std::make_shared<char>();
 }
 
 Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
-                                   const Evaluation*) const {
+                                   const Evaluation* warm) const {
   Evaluation evaluation;
   const size_t n = facts_.scalars();
   evaluation.residual.assign(n, 0);
@@ -171,16 +165,36 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
                noise = facts_.channels[0].noise;
   const double sigma = step == 0 ? noise : std::sqrt(noise * noise + step * step / 12);
   evaluation.sigma.assign(n, sigma);
-  for (const JointLog& log : set_.logs) {
-    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
-    evaluation.nuisance_values.push_back(evaluate_log(model, log, sigma, evaluation.residual));
-    ++evaluation.nuisances;
+  const bool rounds = lattice_rad_ > 0 && step > 0.99 * lattice_rad_ && noise < lattice_rad_;
+  evaluation.mean_key = mean_parameters(model);
+  evaluation.mean_key.push_back(sigma);
+  // Where only a spread changed, residuals and starts stay.
+  if (warm != nullptr && warm->valid && !rounds && warm->mean_key == evaluation.mean_key) {
+    evaluation.residual = warm->residual;
+    evaluation.nuisance_values = warm->nuisance_values, evaluation.nuisances = warm->nuisances;
+    evaluation.reusable = warm->reusable;
+  } else {
+    evaluate_logs(model, groups, sigma, warm, evaluation);
   }
   for (const double r : evaluation.residual) evaluation.valid &= std::isfinite(r);
-  if (lattice_rad_ > 0 && step > 0.99 * lattice_rad_ && noise < lattice_rad_)
-    round_to_lattice(noise, evaluation);
+  if (rounds) round_to_lattice(noise, evaluation);
   whiten_diagonal(*this, groups, evaluation);
+  whiten_wander(effects::noise_of(model), groups, evaluation);
   return evaluation;
+}
+
+void JointsProblem::whiten_wander(const effects::Noise& noise, const Groups& groups,
+                                  Evaluation& evaluation) const {
+  if (noise.joint.empty()) return;
+  HiddenErrors errors;
+  for (const JointLog& log : set_.logs) {
+    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
+    std::vector<HiddenErrors::Share> shares;
+    for (const effects::Wander& wander : noise.joint)
+      shares.push_back({.hidden = errors.add(wander.sigma * wander.sigma, wander.tau_s)});
+    for (size_t k = 0; k < log.rows.size(); ++k) errors.observe(log.rows[k], log.time_s[k], shares);
+  }
+  errors.whiten(facts_, evaluation);
 }
 
 void JointsProblem::check_model(const Model& model) const {

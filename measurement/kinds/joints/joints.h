@@ -22,6 +22,9 @@ struct JointLog {
   std::vector<double> command_rad;
   std::vector<double> measured_rad;
   std::vector<char> enabled;                 // torque_enable.
+  std::vector<double> kp;                    // Of the controller; 1 where the log has none.
+  std::vector<double> voltage;               // Over the median of the set; likewise.
+  double start_radps = 0;                    // Not 0 where the log clearly begins in motion.
   std::vector<std::vector<double>> columns;  // Extra numeric columns by their place in the set.
 };
 
@@ -34,9 +37,9 @@ struct JointLogs {
 JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column, bool measured);
 
 // What the model says the log shows at each row, for a joint whose log shows `start_rad` at rest
-// until the first command acts.
+// until the first command acts. A motor that begins in motion is under its first command already.
 std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log,
-                                      double start_rad);
+                                      double start_rad, double start_radps = 0);
 
 // One sigma of a single observation, from each row against a cubic through its neighbours: robust,
 // without any model. The floor is rounding to the file's or the encoder's steps.
@@ -57,6 +60,9 @@ class JointsProblem : public Problem {
           const Groups& groups) const override;
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
+  std::vector<std::vector<double>> starts_together(const Model& model,
+                                                   const EffectDefinition& effect,
+                                                   const EffectList& companions) const override;
   void check_model(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
   std::vector<char> find_outliers(const Model& model) const override;
@@ -65,9 +71,35 @@ class JointsProblem : public Problem {
   std::vector<effects::Lack> lacks() const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates();
-  // Fits the log's true start; writes residuals; returns the start minus the first measurement.
-  double evaluate_log(const Model& model, const JointLog& log, double sigma_rad,
-                      std::vector<double>& residual) const;
+  // A log's true start less what was measured of it.
+  struct LogStart {
+    double offset_rad = 0, offset_radps = 0;
+  };
+  std::vector<double> predict_from(const Model& model, const JointLog& log,
+                                   const LogStart& start) const;
+  int64_t unknowns_of_start(const Model& model, const JointLog& log) const;
+  // Derivatives of the log's angles by the unknowns of its start.
+  std::vector<std::vector<double>> start_slopes(const Model& model, const JointLog& log,
+                                                const LogStart& start,
+                                                const std::vector<double>& predicted,
+                                                double sigma_rad) const;
+  // The start that fits best, and what is predicted from there.
+  LogStart fit_start(const Model& model, const JointLog& log, double sigma_rad,
+                     std::vector<double>& predicted) const;
+  void evaluate_logs(const Model& model, const Groups& groups, double sigma_rad,
+                     const Evaluation* warm, Evaluation& evaluation) const;
+  // In units of the noise: so far from its measurement a start is looked for.
+  static constexpr double kFarthestStart = 4;
+  // Takes out of derivatives of the whitened residuals what the starts of logs can do about them.
+  void take_out_starts(const Model& model, const Groups& groups, const Evaluation& here,
+                       std::vector<std::vector<double>>& columns) const;
+  std::vector<std::vector<double>> motor_jacobian(const Model& model,
+                                                  const std::vector<Unknown>& unknowns,
+                                                  const Groups& groups,
+                                                  const Evaluation& here) const;
+
+  void whiten_wander(const effects::Noise& noise, const Groups& groups,
+                     Evaluation& evaluation) const;
 
   void look_for_steps();
   // Turns residuals of the angle into those of the rounded angle, with their sigmas.

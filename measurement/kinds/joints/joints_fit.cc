@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "effects/questions.h"
 #include "measurement/fitting/wide_fit.h"
 #include "measurement/kinds/joints/joints.h"
 #include "sim_core/base/maths.h"
@@ -37,7 +38,9 @@ void tell_once(Fit& fit, const std::vector<Unknown>& unknowns) {
 
 Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                        const Groups& groups) const {
-  Fit fit = wide_fit(*this, start, unknowns, groups);
+  Fit fit = effects::has_base(start, effects::Base::motor)
+                ? Problem::fit(start, unknowns, groups)
+                : wide_fit(*this, start, unknowns, groups);
   tell_once(fit, unknowns);
   return fit;
 }
@@ -45,7 +48,9 @@ Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
 std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model,
                                                          const std::vector<Unknown>& unknowns,
                                                          const Groups& groups,
-                                                         const Evaluation&) const {
+                                                         const Evaluation& here) const {
+  if (effects::has_base(model, effects::Base::motor))
+    return motor_jacobian(model, unknowns, groups, here);
   return wide_jacobian(*this, model, unknowns, groups);
 }
 
@@ -56,20 +61,22 @@ constexpr double kCoarse = 1.2;  // From one value of the coarse look to the nex
 // best of it comes first, then a small effect, from which other parameters can make way.
 std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
                                                        const EffectDefinition& effect) const {
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  if (!rule.values.empty()) return Problem::starts(model, effect);
   if (effect.spread_only)
     return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
-  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
-  if (rule.search == effects::StartSearch::listed) return rule.values;
+  if (rule.search == effects::StartSearch::motion) return starts_together(model, effect, {});
   if (effect.parameters.empty() || (!effect.servo && !effect.logged))
     return Problem::starts(model, effect);
   const effects::Parameter& first = effect.parameters[0];
   std::vector<double> neutral;
-  for (const effects::Parameter& parameter : effect.parameters)
-    neutral.push_back(parameter.neutral);
+  for (const effects::Parameter& p : effect.parameters) neutral.push_back(p.neutral);
   std::vector<std::vector<double>> grid;
   // An eccentricity has a phase besides, and the likelihood is wide in its amplitude.
   const bool wave = rule.search == effects::StartSearch::wave;
-  for (double factor = 0.03; factor < 40; factor *= wave ? 3 : kCoarse) {
+  // A motor's motion is smooth in its parameters: its valleys are wide.
+  const bool motor = effects::has_base(model, effects::Base::motor);
+  for (double factor = 0.03; factor < 40; factor *= wave || motor ? 3 : kCoarse) {
     for (const double sign : {1.0, -1.0}) {
       std::vector<double> values = neutral;
       if (effect.logged && !wave) {
@@ -91,11 +98,12 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
   const Groups training = folds().size() == 1 ? training_groups() : all_groups();
   Model trial = model;
   trial.add_neutral(std::make_shared<EffectDefinition>(effect));
+  const Evaluation warm = evaluate(model, training, nullptr);
   double best = std::numeric_limits<double>::infinity();
   std::vector<double> best_values = grid.front();
   const auto look = [&](const std::vector<double>& values) {
     for (size_t i = 0; i < values.size(); ++i) trial.set_value(effect.name, i, values[i]);
-    const Evaluation evaluation = evaluate(trial, training, nullptr);
+    const Evaluation evaluation = evaluate(trial, training, &warm);
     const double cost = evaluation.valid ? -score_of(*this, evaluation).log_likelihood : best;
     if (cost < best) best = cost, best_values = values;
   };
@@ -103,7 +111,7 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
   // The likelihood of a dead band jumps wherever one more move falls into it, so that no descent
   // leads to its best value: the look goes nearer, three times between the neighbours of the best
   // so far.
-  if (effect.servo) {
+  if (effect.servo && !motor) {
     double ratio = kCoarse;
     for (int nearer = 0; nearer < 3; ++nearer) {
       constexpr int kLooks = 12;  // To each side.

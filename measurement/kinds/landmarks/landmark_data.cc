@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "measurement/numerics/robust.h"
@@ -93,7 +94,8 @@ std::vector<std::string> read_rows(const MeasurementSet& set, const CsvTable& ta
     const std::string landmark(table.cell(row, "landmark"));
     const auto found = landmarks.find(landmark);
     if (found == landmarks.end())
-      table.fail(row, "landmark", landmark, "a landmark of " + set.files.at("landmarks"));
+      table.fail(row, "landmark", landmark,
+                 "a landmark with a place in " + set.files.at("landmarks"));
     data.landmark_x.push_back(found->second.first);
     data.landmark_y.push_back(found->second.second);
     data.stamp_s.push_back(1e-9 * static_cast<double>(ns[row] - reference_ns));
@@ -101,11 +103,49 @@ std::vector<std::string> read_rows(const MeasurementSet& set, const CsvTable& ta
     if (data.stamp_s[row] < times.front() - 1 || data.stamp_s[row] > times.back() + 1) {
       table.fail(row, "time_s", table.cell(row, "time_s"), "a time within the poses of its run");
     }
-    if (data.range_m[row] < 0)
-      table.fail(row, "range_m", table.cell(row, "range_m"), "a distance of 0 or more");
+    if (data.range_m[row] <= 0)
+      table.fail(row, "range_m", table.cell(row, "range_m"),
+                 "a distance above 0, or a blank cell where none was measured");
     frames.push_back(run + "|" + std::to_string(ns[row]));
   }
   return frames;
+}
+
+// Ranges and bearings, of which either may be blank, in single rows or all of them.
+void read_measured(const CsvTable& table, LandmarkData& data, Facts& facts) {
+  const std::vector<double> blank(table.rows(), std::numeric_limits<double>::quiet_NaN());
+  const auto column = [&](const char* name) {
+    return table.has(name) ? table.numbers_or_blank(name) : blank;
+  };
+  data.range_m = column(kLandmarkColumns[0]);
+  data.bearing_rad = column(kLandmarkColumns[1]);
+  const std::array<const std::vector<double>*, 2> values = {&data.range_m, &data.bearing_rad};
+  int channels = 0;
+  for (size_t c = 0; c < 2; ++c) {
+    const bool any = std::any_of(values[c]->begin(), values[c]->end(),
+                                 [](double value) { return !std::isnan(value); });
+    if (any) data.channels[c] = channels++;
+  }
+  if (channels == 0)
+    throw InputError(
+        fmt::format("{}: found no value in columns {} and {}, expected ranges, "
+                    "bearings or both",
+                    table.file(), kLandmarkColumns[0], kLandmarkColumns[1]));
+  size_t without = 0;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    std::array<int, 2> scalars = {-1, -1};
+    for (size_t c = 0; c < 2; ++c) {
+      if (std::isnan((*values[c])[row])) continue;
+      scalars[c] = static_cast<int>(facts.scalars());
+      facts.row_of.push_back(static_cast<int>(row));
+      facts.channel_of.push_back(data.channels[c]);
+    }
+    without += scalars[0] < 0 && scalars[1] < 0;
+    data.scalars.push_back(scalars);
+  }
+  if (without > 0)
+    facts.notes.push_back(
+        fmt::format("{} of {} observations hold neither range nor bearing", without, table.rows()));
 }
 
 }  // namespace
@@ -121,18 +161,13 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
   facts.set.kind = effects::kLandmarks;
   facts.title = set.title;
   facts.file = table.file();
-  data.range_m = measured ? table.numbers("range_m") : std::vector<double>(table.rows(), 0);
-  data.bearing_rad = measured ? table.numbers("bearing_rad") : std::vector<double>(table.rows(), 0);
-  std::vector<std::string> labels;
-  data.landmark_of_row = number_groups(table.texts("landmark"), labels);
+  if (measured)
+    read_measured(table, data, facts);
+  else
+    data.range_m.assign(table.rows(), 1);
+  data.landmark_of_row = number_groups(table.texts("landmark"), data.landmarks);
   std::vector<std::string> frames = read_rows(set, table, runs, reference_ns, landmarks, data);
-  for (size_t row = 0; row < table.rows(); ++row) {
-    facts.line_of_row.push_back(table.line(row));
-    for (int channel = 0; channel < 2; ++channel) {
-      facts.row_of.push_back(static_cast<int>(row));
-      facts.channel_of.push_back(channel);
-    }
-  }
+  for (size_t row = 0; row < table.rows(); ++row) facts.line_of_row.push_back(table.line(row));
   const std::vector<std::string> groups =
       table.has(set.group) ? table.texts(set.group) : time_blocks(data.stamp_s);
   facts.group_of_row = number_groups(groups, facts.groups);
@@ -145,7 +180,7 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
     data.rows_of_frame[frame_of_row[row]].push_back(static_cast<int>(row));
   facts.time_of_row = data.stamp_s;
   for (size_t row = 0; row < table.rows(); ++row) {
-    facts.series_of_row.push_back(data.walk_of_row[row] * static_cast<int>(labels.size()) +
+    facts.series_of_row.push_back(data.walk_of_row[row] * static_cast<int>(data.landmarks.size()) +
                                   data.landmark_of_row[row]);
   }
   if (measured) {

@@ -1,6 +1,7 @@
 // A set of kind `landmarks` as it is read: where the robot was, where landmarks are, what was seen.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,20 @@ struct Walk {
   PlanePose at(double t_s) const { return {x.value(t_s), y.value(t_s), theta.value(t_s)}; }
 };
 
+inline constexpr std::array<const char*, 2> kLandmarkColumns = {"range_m", "bearing_rad"};
+
 struct LandmarkData {
   std::vector<Walk> walks;
   std::vector<int> walk_of_row;
   std::vector<double> stamp_s;                 // Since the first time of the poses.
   std::vector<double> landmark_x, landmark_y;  // By row.
   std::vector<int> landmark_of_row;
-  std::vector<double> range_m, bearing_rad;
+  std::vector<std::string> landmarks;        // Their names.
+  std::vector<double> range_m, bearing_rad;  // NaN where blank.
+  // Scalars exist only where something was measured: by row those of its range and its bearing, and
+  // which channels these are; -1: none.
+  std::vector<std::array<int, 2>> scalars;
+  std::array<int, 2> channels = {-1, -1};
   std::vector<std::vector<int>> rows_of_frame;  // Seen at the same stamp of the same run.
 };
 

@@ -1,6 +1,7 @@
 // From a model and a set of landmarks to what the robot's detector reports.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "effects/stages/detector.h"
@@ -17,18 +18,24 @@ class LandmarkPredictor {
   LandmarkPredictor(const LandmarkData& data, const Model& model)
       : data_(data), timing_(effects::timing_of(model)), X_LC_(effects::mount_of(model)) {
     for (const effects::ModelEffect& effect : model.effects()) {
-      if (effect.definition->detector) detectors_.push_back(effect);
+      if (!effect.definition->detector) continue;
+      spreads_last_ = spreads_last_ && (effect.definition->spread_only || !has_spreads_);
+      has_spreads_ = has_spreads_ || effect.definition->spread_only;
+      detectors_.push_back(effect);
     }
     // Landmarks lie in the plane: of the mount's rotation only the yaw matters. The camera looks
     // along its z, which is the link's x.
     yaw_rad_ = std::atan2(X_LC_.R[2].y, X_LC_.R[2].x);
   }
 
-  effects::Detection detect(size_t row, double late_s = 0) const {
+  // `moved_m`: the landmark lies so far from its place in the map.
+  effects::Detection detect(size_t row, double late_s = 0,
+                            std::array<double, 2> moved_m = {0, 0}) const {
     const double stamp = data_.stamp_s[row];
     const double t = stamp + timing_.row_middle_after_stamp_s(0, stamp) + late_s;
     const PlanePose pose = data_.walks[data_.walk_of_row[row]].at(t);
-    const double dx = data_.landmark_x[row] - pose.x_m, dy = data_.landmark_y[row] - pose.y_m;
+    const double dx = data_.landmark_x[row] + moved_m[0] - pose.x_m,
+                 dy = data_.landmark_y[row] + moved_m[1] - pose.y_m;
     const double c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
     const double ahead = c * dx + s * dy - X_LC_.p.x;
     const double left = -s * dx + c * dy - X_LC_.p.y;
@@ -40,6 +47,31 @@ class LandmarkPredictor {
     return seen;
   }
 
+  // By how much range and bearing, the two rows, grow with x and y of the row's landmark.
+  std::array<std::array<double, 2>, 2> slopes_by_place(size_t row) const {
+    constexpr double kStep_m = 1e-4;
+    std::array<std::array<double, 2>, 2> slopes;
+    for (size_t axis = 0; axis < 2; ++axis) {
+      const double x = axis == 0 ? kStep_m : 0, y = axis == 1 ? kStep_m : 0;
+      const effects::Detection less = detect(row, 0, {-x, -y}), more = detect(row, 0, {x, y});
+      slopes[0][axis] = (more.range_m - less.range_m) / (2 * kStep_m);
+      slopes[1][axis] =
+          std::remainder(more.bearing_rad - less.bearing_rad, 2 * maths::kPi) / (2 * kStep_m);
+    }
+    return slopes;
+  }
+
+  // Whether no detector changes what one of spread has looked at, so that spread_about holds.
+  bool spreads_last() const { return spreads_last_; }
+  // Variances of what detect gave, or would give, as the mean of a row.
+  effects::Detection spread_about(effects::Detection seen) const {
+    seen.range_variance = seen.bearing_variance = 0;
+    for (const effects::ModelEffect& effect : detectors_) {
+      if (effect.definition->spread_only) effect.definition->detector(effect.values(), seen);
+    }
+    return seen;
+  }
+
   const effects::Timing& timing() const { return timing_; }
 
  private:
@@ -48,6 +80,7 @@ class LandmarkPredictor {
   Pose X_LC_;
   double yaw_rad_ = 0;
   std::vector<effects::ModelEffect> detectors_;
+  bool spreads_last_ = true, has_spreads_ = false;
 };
 
 // `seam measure` for this kind (landmarks_measure.cc).

@@ -2,10 +2,10 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "measurement/fitting/low_rank.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/kinds/landmarks/landmark_noise.h"
 #include "measurement/kinds/landmarks/landmark_predictor.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
@@ -18,15 +18,25 @@ class LandmarksProblem : public Problem {
  public:
   explicit LandmarksProblem(const MeasurementSet& set) : data_(read_landmarks(set, true, facts_)) {
     facts_.fingerprint = set.fingerprint();
+    rows_of_errors_ = rows_of_errors(data_, facts_);
     facts_.set.lacks = {{effects::Need::space, "ranges and bearings in the plane do not see it"}};
+    if (data_.channels[0] < 0)
+      facts_.set.lacks.push_back({effects::Need::distances, "no range was measured"});
+    if (data_.channels[1] < 0)
+      facts_.set.lacks.push_back({effects::Need::bearings, "no bearing was measured"});
     add_covariates();
     const LandmarkPredictor ideal(data_, Model::from_config(ConfigNode::from_text(
                                              "format: seam-model/1\neffects: {}\n", "none")));
-    const std::array<const char*, 2> names = {"range_m", "bearing_rad"};
+    if (!sees_from_sides(ideal))
+      facts_.set.lacks.push_back(
+          {effects::Need::landmark_places,
+           "each landmark is seen from one side alone, from where its place and a bias of the "
+           "detector look the same"});
     for (int c = 0; c < 2; ++c) {
-      const auto stated = set.noise.find(names[c]);
+      if (data_.channels[c] < 0) continue;
+      const auto stated = set.noise.find(kLandmarkColumns[c]);
       const bool known = stated != set.noise.end();
-      facts_.channels.push_back({.name = names[c],
+      facts_.channels.push_back({.name = kLandmarkColumns[c],
                                  .noise = known ? stated->second : estimate_noise(ideal, c),
                                  .estimated = !known});
     }
@@ -43,6 +53,7 @@ class LandmarksProblem : public Problem {
   }
 
   Evaluation evaluate(const Model& model, const Groups& groups, const Evaluation*) const override;
+  std::vector<Finding> findings(const Model& model) const override;
 
  private:
   void add_covariates();
@@ -52,7 +63,30 @@ class LandmarksProblem : public Problem {
                         : std::remainder(data_.bearing_rad[row] - seen.bearing_rad, 2 * maths::kPi);
   }
 
+  // What an evaluation predicted for a row; 0 where nothing was measured.
+  effects::Detection predicted(const Evaluation& evaluation, size_t row) const {
+    const auto [range, bearing] = data_.scalars[row];
+    return {.range_m = range < 0 ? 0 : data_.range_m[row] - evaluation.residual[range],
+            .bearing_rad = bearing < 0 ? 0 : data_.bearing_rad[row] - evaluation.residual[bearing],
+            .t_s = data_.stamp_s[row]};
+  }
+  // By how much its frame's latency moves a row's range and bearing, a second.
+  std::array<double, 2> slopes(const LandmarkPredictor& predictor, int row) const {
+    const effects::Detection early = predictor.detect(row, -1e-3),
+                             late = predictor.detect(row, 1e-3);
+    return {(late.range_m - early.range_m) / 2e-3,
+            std::remainder(late.bearing_rad - early.bearing_rad, 2 * maths::kPi) / 2e-3};
+  }
+  Evaluation each_by_itself(const Model& model, const LandmarkPredictor& predictor,
+                            const Groups& groups, const Evaluation* warm) const;
+  std::vector<Displacement> whiten_together(const Model& model, const LandmarkPredictor& predictor,
+                                            const Groups& groups, Evaluation& evaluation) const;
+  bool sees_from_sides(const LandmarkPredictor& ideal) const;
+  void whiten_frames(const LandmarkPredictor& predictor, const Groups& groups,
+                     Evaluation& evaluation) const;
+
   LandmarkData data_;
+  std::vector<std::vector<int>> rows_of_errors_;
 };
 
 // From where the robot was, never from what it measured: an observation's noise must not stand on
@@ -92,37 +126,130 @@ void LandmarksProblem::add_covariates() {
 }
 
 Evaluation LandmarksProblem::evaluate(const Model& model, const Groups& groups,
-                                      const Evaluation*) const {
+                                      const Evaluation* warm) const {
   const LandmarkPredictor predictor(data_, model);
+  Evaluation evaluation = each_by_itself(model, predictor, groups, warm);
+  whiten_together(model, predictor, groups, evaluation);
+  return evaluation;
+}
+
+// Residuals with the errors that each has of its own.
+Evaluation LandmarksProblem::each_by_itself(const Model& model, const LandmarkPredictor& predictor,
+                                            const Groups& groups, const Evaluation* warm) const {
   Evaluation evaluation;
+  evaluation.mean_key = mean_parameters(model);
+  // Where only a spread changed, residuals stay.
+  const bool reuse = warm != nullptr && warm->valid && warm->mean_key == evaluation.mean_key &&
+                     predictor.spreads_last();
   evaluation.residual.assign(facts_.scalars(), 0);
   evaluation.sigma.assign(facts_.scalars(), 1);
   for (size_t row = 0; row < data_.stamp_s.size(); ++row) {
     if (!groups[facts_.group_of_row[row]]) continue;
-    const effects::Detection seen = predictor.detect(row);
+    const effects::Detection seen =
+        reuse ? predictor.spread_about(predicted(*warm, row)) : predictor.detect(row);
     const double variance[2] = {seen.range_variance, seen.bearing_variance};
     for (int c = 0; c < 2; ++c) {
-      const double noise = facts_.channels[c].noise;
-      evaluation.residual[2 * row + c] = residual(seen, row, c);
-      evaluation.sigma[2 * row + c] = std::sqrt(noise * noise + variance[c]);
+      const int scalar = data_.scalars[row][c];
+      if (scalar < 0) continue;
+      const double noise = facts_.channels[data_.channels[c]].noise;
+      evaluation.residual[scalar] = reuse ? warm->residual[scalar] : residual(seen, row, c);
+      evaluation.sigma[scalar] = std::sqrt(noise * noise + variance[c]);
     }
   }
   whiten_diagonal(*this, groups, evaluation);
+  return evaluation;
+}
+
+// Errors that residuals share. Returns the displacements of landmarks whose places are uncertain.
+std::vector<Displacement> LandmarksProblem::whiten_together(const Model& model,
+                                                            const LandmarkPredictor& predictor,
+                                                            const Groups& groups,
+                                                            Evaluation& evaluation) const {
   const double jitter = predictor.timing().jitter_sigma_s;
-  if (!(jitter > 0)) return evaluation;
+  const effects::Noise noise = effects::noise_of(model);
+  if (!noise.hangs_together() && noise.range_tail.none()) {
+    if (jitter > 0) whiten_frames(predictor, groups, evaluation);
+    return {};
+  }
+  JitterSlopes of_jitter;
+  if (jitter > 0) {
+    of_jitter = [&](int row) {
+      const std::array<double, 2> slope = slopes(predictor, row);
+      return std::array<double, 2>{jitter * slope[0], jitter * slope[1]};
+    };
+  }
+  return whiten_landmarks(
+      data_, facts_, rows_of_errors_, noise, of_jitter,
+      [&](int row) { return predictor.slopes_by_place(static_cast<size_t>(row)); }, groups,
+      evaluation);
+}
+
+// Landmarks that lie clearly off their places in the map.
+std::vector<Finding> LandmarksProblem::findings(const Model& model) const {
+  constexpr double kClear2 = 20;  // Chi-square of two: 5e-5 of all landmarks by chance.
+  if (!(effects::noise_of(model).place_variance > 0)) return {};
+  const Groups all = all_groups();
+  const LandmarkPredictor predictor(data_, model);
+  Evaluation evaluation = each_by_itself(model, predictor, all, nullptr);
+  const auto displacements = whiten_together(model, predictor, all, evaluation);
+  std::vector<Finding> findings;
+  for (size_t k = 0; k < displacements.size(); ++k) {
+    const auto& [mean, covariance] = displacements[k];
+    const double x = mean[0], y = mean[1], size = std::hypot(x, y);
+    const double xx = covariance[0], yy = covariance[1], xy = covariance[2];
+    const double chi2 = (yy * x * x - 2 * xy * x * y + xx * y * y) / (xx * yy - xy * xy);
+    if (!(chi2 > kClear2)) continue;
+    const double along = std::sqrt(xx * x * x + 2 * xy * x * y + yy * y * y) / size;
+    findings.push_back(
+        {.what = "landmark",
+         .name = data_.landmarks[k],
+         .values = {{"distance_m", size},
+                    {"sigma_m", along},
+                    {"dx_m", x},
+                    {"dy_m", y},
+                    {"dx_sigma_m", std::sqrt(xx)},
+                    {"dy_sigma_m", std::sqrt(yy)}},
+         .text = fmt::format("landmark {} lies {:.3g} +- {:.2g} cm from where the map says (x "
+                             "{:+.3g} cm, y {:+.3g} cm)",
+                             data_.landmarks[k], 100 * size, 100 * along, 100 * x, 100 * y)});
+  }
+  return findings;
+}
+
+// Whether some landmark is seen from sides that lie clearly apart: from one side alone, a range
+// that is too long is a landmark that lies too near, and a bearing likewise.
+bool LandmarksProblem::sees_from_sides(const LandmarkPredictor& ideal) const {
+  constexpr double kNarrow = 0.97;  // Length of the mean direction: within 25 degrees to each side.
+  const size_t n = data_.landmarks.size();
+  std::vector<double> east(n, 0), north(n, 0), count(n, 0);
+  for (size_t row = 0; row < data_.stamp_s.size(); ++row) {
+    const PlanePose pose = data_.walks[data_.walk_of_row[row]].at(data_.stamp_s[row]);
+    const double range = std::max(ideal.detect(row).range_m, 1e-9);
+    const int k = data_.landmark_of_row[row];
+    east[k] += (data_.landmark_x[row] - pose.x_m) / range;
+    north[k] += (data_.landmark_y[row] - pose.y_m) / range;
+    ++count[k];
+  }
+  for (size_t k = 0; k < n; ++k) {
+    if (std::hypot(east[k], north[k]) < kNarrow * count[k]) return true;
+  }
+  return false;
+}
+
+// Jitter moves all landmarks of a frame together.
+void LandmarksProblem::whiten_frames(const LandmarkPredictor& predictor, const Groups& groups,
+                                     Evaluation& evaluation) const {
+  const double jitter = predictor.timing().jitter_sigma_s;
   for (const std::vector<int>& rows : data_.rows_of_frame) {
     if (!groups[facts_.group_of_row[rows.front()]]) continue;
     std::vector<size_t> scalars;
     std::vector<double> effect;
     for (const int row : rows) {
-      const effects::Detection early = predictor.detect(row, -1e-3),
-                               late = predictor.detect(row, 1e-3);
-      const double slope[2] = {
-          (late.range_m - early.range_m) / 2e-3,
-          std::remainder(late.bearing_rad - early.bearing_rad, 2 * maths::kPi) / 2e-3};
+      const std::array<double, 2> slope = slopes(predictor, row);
       for (int c = 0; c < 2; ++c) {
-        if (!evaluation.used[2 * row + c]) continue;
-        scalars.push_back(2 * row + c);
+        const int scalar = data_.scalars[row][c];
+        if (scalar < 0 || !evaluation.used[scalar]) continue;
+        scalars.push_back(scalar);
         effect.push_back(jitter * slope[c]);
       }
     }
@@ -131,14 +258,15 @@ Evaluation LandmarksProblem::evaluate(const Model& model, const Groups& groups,
         Eigen::Map<const Eigen::VectorXd>(effect.data(), static_cast<Eigen::Index>(effect.size()));
     whiten_low_rank(scalars, causes, facts_.group_of_row[rows.front()], evaluation);
   }
-  return evaluation;
 }
 
 // What a straight line between the two neighbours on a landmark's track leaves.
 double LandmarksProblem::estimate_noise(const LandmarkPredictor& ideal, int channel) const {
-  const size_t n = data_.stamp_s.size();
-  std::vector<int> order(n);
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> order;
+  for (size_t row = 0; row < data_.stamp_s.size(); ++row) {
+    if (data_.scalars[row][channel] >= 0) order.push_back(static_cast<int>(row));
+  }
+  const size_t n = order.size();
   const auto key = [&](int row) {
     return std::pair(facts_.series_of_row[row], data_.stamp_s[row]);
   };
@@ -149,8 +277,8 @@ double LandmarksProblem::estimate_noise(const LandmarkPredictor& ideal, int chan
       steps.push_back(key(order[i + 1]).second - key(order[i]).second);
   }
   const double longest = 4 * std::max(median_of(steps), 1e-3);
-  std::vector<double> r(n);
-  for (size_t row = 0; row < n; ++row) r[row] = residual(ideal.detect(row), row, channel);
+  std::vector<double> r(data_.stamp_s.size(), 0);
+  for (const int row : order) r[row] = residual(ideal.detect(row), row, channel);
   for (size_t i = 1; i + 1 < n; ++i) {
     const int a = order[i - 1], b = order[i], c = order[i + 1];
     plain.push_back(r[b]);

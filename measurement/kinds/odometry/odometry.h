@@ -1,37 +1,73 @@
-// Kind `odometry`: walks filmed from above. The locomotion effects of a model predict each run's
-// path from its commands; the true start of a run is a nuisance. With `walk_noise` the errors of a
-// run are correlated: a Kalman filter over the run whitens them.
+// Kind `odometry`: walks and drives filmed from above. The locomotion effects of a model predict
+// each run's path from its commands or from the ticks of its wheels; the true start of a run is a
+// nuisance. With `walk_noise` the errors of a run are correlated: a Kalman filter over the run
+// whitens them.
 #pragma once
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "effects/stages/locomotion.h"
+#include "effects/stages/noise.h"
+#include "effects/stages/timing.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/problem/memo.h"
 #include "measurement/problem/problem.h"
 
 namespace seam::measurement {
+
+inline constexpr std::array<const char*, 3> kPoseColumns = {"x_m", "y_m", "theta_rad"};
+inline constexpr std::array<const char*, 2> kTickColumns = {"left_ticks", "right_ticks"};
+
+using WalkPose = std::array<double, 3>;  // x_m, y_m, theta_rad.
 
 struct WalkRun {
   std::string name;
   std::vector<size_t> rows;    // In the file.
   std::vector<double> time_s;  // Since the run's first row.
+  // Until the next row; empty where ticks were counted.
   std::vector<BodyVelocity> command;
-  std::vector<std::array<double, 3>> pose;  // Measured x_m, y_m, theta_rad.
+  // Of the left and the right wheel since the row before.
+  std::vector<std::array<double, 2>> ticks;
+  std::vector<WalkPose> pose;  // Measured; NaN where blank.
 };
 
-// Reads and checks odometry.csv. `measured` false: a protocol, poses are not read.
+// Reads and checks odometry.csv. `measured` false: a protocol, poses are not read. Of rows of one
+// time the first counts; `repeated` gets how many did not.
 std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& group_column,
-                                    bool measured);
+                                    bool measured, size_t* repeated = nullptr);
 
-// The path of a run by the model, from the origin facing +x: one state a row.
-std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, const WalkRun& run);
+// Whether a table tells of wheels' ticks, not of commanded velocities.
+bool has_ticks(const CsvTable& table);
+
+// Throws InputError where ticks are none since the row before: a counter that goes on, wraps around
+// or was reset.
+void check_ticks(const CsvTable& table, const std::vector<WalkRun>& runs);
+
+// The path of a run by the model, from the origin facing +x: the state at each row's pose, whose
+// true time `timing` tells. Before the first row the body rests.
+std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, const WalkRun& run,
+                                             const effects::Timing& timing = {});
+
+// A pose that starts at `start` and has moved to `moved` in the start's own frame.
+WalkPose placed(const WalkPose& start, const effects::WalkState& moved);
+// What was seen less what was predicted; NaN where blank.
+WalkPose missed(const WalkPose& seen, const WalkPose& predicted);
+// The motion from one state to the next, in the first one's body frame.
+effects::WalkState between(const effects::WalkState& from, const effects::WalkState& to);
 
 // One sigma of a single pose (x, y together, then theta), without a model: third differences of
 // rows under one command, with the part that a random walk has in them taken out.
 std::array<double, 3> noise_of_walks(const std::vector<WalkRun>& runs);
+
+// One sigma of x, y and theta at each row: that of the set and what the motion before the row adds.
+using PoseSigmas = std::vector<std::array<double, 3>>;
+PoseSigmas pose_sigmas(const std::vector<effects::MovingNoise>& noise,
+                       const std::array<double, 3>& of_set, const WalkRun& run,
+                       const std::vector<effects::WalkState>& path);
 
 class OdometryProblem : public Problem {
  public:
@@ -40,17 +76,39 @@ class OdometryProblem : public Problem {
   Evaluation evaluate(const Model& model, const Groups& groups,
                       const Evaluation* warm) const override;
   void check_model(const Model& model) const override;
+  std::vector<FreeError> free_prediction(const Model& model, const Groups& groups) const override;
+
+ protected:
+  void place(const Model& given) override;
 
  private:
-  std::vector<effects::Lack> lacks() const;
+  struct Start {
+    WalkPose pose{};
+    int unknowns = 0;  // As many of its numbers as poses tell.
+  };
+
+  std::vector<effects::Lack> lacks(const effects::Wheels& wheels) const;
   void describe(const MeasurementSet& set, const CsvTable& table);
-  void add_covariates(const CsvTable& table, const std::string& group_column);
-  void fit_start(const WalkRun& run, const std::vector<effects::WalkState>& path,
-                 Evaluation& evaluation) const;
-  void filter(const effects::Locomotion& walk, const WalkRun& run,
-              const std::vector<effects::WalkState>& path, Evaluation& evaluation) const;
+  void add_covariates(const effects::Locomotion& walk);
+  Start fit_start(const WalkRun& run, size_t rows, const std::vector<effects::WalkState>& path,
+                  const PoseSigmas& sigma) const;
+  void take_start(const WalkRun& run, const WalkPose& start,
+                  const std::vector<effects::WalkState>& path, const PoseSigmas& sigma,
+                  Evaluation& evaluation) const;
+  void filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
+              const std::vector<effects::WalkState>& path, const PoseSigmas& sigma,
+              Evaluation& evaluation) const;
+  // Of a channel of a row; -1 where blank.
+  int scalar(size_t row, int channel) const { return scalars_[row][channel]; }
+  bool takes_part(size_t row, int channel) const {
+    return scalar(row, channel) >= 0 && !left_out(scalar(row, channel));
+  }
 
   std::vector<WalkRun> runs_;
+  std::optional<Memo<std::vector<effects::WalkState>>> paths_;  // By run.
+  std::vector<std::array<int, 3>> scalars_;                     // By row.
+  std::vector<Covariate> columns_;                              // Covariates that the table holds.
+  bool ticks_ = false;
   std::array<double, 3> noise_{};
 };
 

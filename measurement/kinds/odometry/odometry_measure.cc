@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/questions.h"
 #include "measurement/kinds/odometry/odometry.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/random.h"
 
@@ -11,11 +13,12 @@ namespace {
 
 // A wandering pose: the model's path with the steps of walk_noise, each in the body's frame at the
 // end of its interval.
-std::vector<std::array<double, 3>> wander(const effects::Locomotion& walk, const WalkRun& run,
-                                          RandomStream random, bool noise) {
-  const auto path = predict_walk(walk, run);
-  std::array<double, 3> pose = {0, 0, 0};
-  std::vector<std::array<double, 3>> poses;
+std::vector<WalkPose> wander(const Model& truth, const WalkRun& run, RandomStream random,
+                             bool noise) {
+  const effects::Locomotion walk = effects::locomotion_of(truth);
+  const auto path = predict_walk(walk, run, effects::timing_of(truth));
+  WalkPose pose = placed({0, 0, 0}, path.front());
+  std::vector<WalkPose> poses;
   for (size_t k = 0; k < path.size(); ++k) {
     if (k > 0) {
       const auto& from = path[k - 1];
@@ -44,24 +47,37 @@ void measure_odometry(const Model& truth, const MeasurementSet& protocol,
                       const MeasureOptions& options) {
   const CsvTable table = protocol.table("odometry");
   const auto runs = read_walk_runs(table, protocol.group, false);
+  check_ticks(table, runs);
   const effects::Locomotion walk = effects::locomotion_of(truth);
+  if (has_ticks(table) && !walk.wheels.driven)
+    throw InputError(fmt::format("{} counts ticks of wheels, expected a model with {}",
+                                 table.file(), effects::base_name(effects::Base::wheels)));
   const RandomStream random = RandomStream{options.seed, 0}.child("odometry");
-  std::vector<std::vector<double>> measured(3, std::vector<double>(table.rows(), 0));
-  const char* const names[3] = {"x_m", "y_m", "theta_rad"};
+  const std::vector<std::string> names(kPoseColumns.begin(), kPoseColumns.end());
+  std::vector<std::vector<double>> measured(3, std::vector<double>(table.rows(), NAN));
+  std::array<std::vector<char>, 3> blank;
+  std::array<double, 3> of_set{};
+  for (size_t c = 0; c < 3; ++c) {
+    blank[c] = left_blank(table, names[c], names);
+    of_set[c] = protocol.noise_of(names[c]);
+  }
+  const std::vector<effects::MovingNoise> noise = effects::noise_of(truth).pose;
   for (size_t i = 0; i < runs.size(); ++i) {
-    const auto poses = wander(walk, runs[i], random.child("walk").child(i), options.noise);
+    const auto poses = wander(truth, runs[i], random.child("walk").child(i), options.noise);
+    const PoseSigmas sigma =
+        pose_sigmas(noise, of_set, runs[i], predict_walk(walk, runs[i], effects::timing_of(truth)));
     for (size_t k = 0; k < poses.size(); ++k) {
       const size_t row = runs[i].rows[k];
       for (int channel = 0; channel < 3; ++channel) {
         double value = poses[k][channel];
-        if (options.noise)
-          value += protocol.noise_of(names[channel]) * normal(random, 3 * row + channel);
-        measured[channel][row] = channel == 2 ? maths::wrap_angle(value) : value;
+        if (options.noise) value += sigma[k][channel] * normal(random, 3 * row + channel);
+        if (!blank[channel][row])
+          measured[channel][row] = channel == 2 ? maths::wrap_angle(value) : value;
       }
     }
   }
   copy_protocol(protocol, options.out, {"odometry"});
-  write_table_with(table, {names[0], names[1], names[2]}, measured,
+  write_table_with(table, names, measured,
                    written_path(options.out, protocol.files.at("odometry")));
 }
 

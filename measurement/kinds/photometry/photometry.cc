@@ -12,6 +12,14 @@
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
+namespace {
+
+// Predictions of a sample at a level that tests of structure and starts of fits look at: both go
+// through every one of them.
+constexpr double kMostForTests = 2e5;
+constexpr double kLeastForTests = 2048;  // Samples, however many levels there are.
+
+}  // namespace
 
 PhotometryProblem::PhotometryProblem(const MeasurementSet& set)
     : data_(read_photometry(set, facts_)) {
@@ -21,18 +29,27 @@ PhotometryProblem::PhotometryProblem(const MeasurementSet& set)
       std::any_of(data_.levels.begin(), data_.levels.end(),
                   [](const PhotometryLevel& level) { return !(level.illumination == 0); });
   if (!lit) facts_.set.lacks.push_back({effects::Need::light, "no frame has light"});
+  const double values = static_cast<double>(data_.samples() * data_.levels.size());
+  if (values > kMostForTests) {
+    const double most =
+        std::max(kLeastForTests, kMostForTests / static_cast<double>(data_.levels.size()));
+    small_ = std::make_unique<const PhotometryData>(
+        thinned(data_, thinning_of(data_.width_px, data_.height_px, data_.channels, most)));
+  }
   if (data_.channels > 1) channels_share_ = channels_share_offsets(data_, *sums(all_groups()));
 }
 
-std::shared_ptr<const PhotometrySums> PhotometryProblem::sums(const Groups& groups) const {
+std::shared_ptr<const PhotometrySums> PhotometryProblem::sums(const Groups& groups,
+                                                              bool small) const {
   const std::scoped_lock lock(mutex_);
+  small = small && small_ != nullptr;
   for (const auto& [key, value] : cache_) {
-    if (key == groups) return value;
+    if (key == std::pair(groups, small)) return value;
   }
-  auto value =
-      std::make_shared<const PhotometrySums>(sum_frames(data_, groups, facts_.group_of_row));
-  if (cache_.size() > 8) cache_.erase(cache_.begin());
-  cache_.emplace_back(groups, value);
+  auto value = std::make_shared<const PhotometrySums>(
+      sum_frames(small ? *small_ : data_, groups, facts_.group_of_row));
+  if (cache_.size() > 6) cache_.erase(cache_.begin());
+  cache_.emplace_back(std::pair(groups, small), value);
   return value;
 }
 
@@ -45,8 +62,11 @@ Evaluation PhotometryProblem::evaluate(const Model&, const Groups&, const Evalua
 
 Score PhotometryProblem::score(const Model& model, const Groups& groups) const {
   const auto sum = sums(groups);
-  const PhotometryPrediction prediction = predict(data_, *sum, model, set_noise_dn_);
-  const PhotometryScore own = score_photometry(data_, *sum, prediction, channels_share_);
+  auto cells = cell_score(data_, *sum, cells_, model, set_noise_dn_, channels_share_);
+  const PhotometryScore own =
+      cells ? std::move(*cells)
+            : score_photometry(data_, *sum, predict(data_, *sum, model, set_noise_dn_),
+                               channels_share_);
   Score score{.chi2 = own.chi2,
               .n = own.values,
               .nuisances = own.nuisances,
@@ -61,133 +81,17 @@ Score PhotometryProblem::score(const Model& model, const Groups& groups) const {
   return score;
 }
 
-namespace {
-
-bool is_logarithmic(const EffectDefinition& effect, const effects::Parameter& parameter) {
-  if (parameter.min < 0) return false;
-  return effect.spread_only || parameter.name == "gamma" || parameter.name == "depth";
-}
-
-}  // namespace
-
-// What a fit on these groups left at its optimum: the model's values and which of them were sought.
-std::string PhotometryProblem::optimum_key(const Model& model, const std::vector<Unknown>& unknowns,
-                                           const Groups& groups) const {
-  std::string key(groups.begin(), groups.end());
-  for (const effects::ModelEffect& effect : model.effects()) {
-    key += effect.definition->name;
-    for (const double value : effect.values()) key += fmt::format(",{:a}", value);
-  }
-  for (const Unknown& unknown : unknowns)
-    key += fmt::format(";{}.{}", unknown.effect, unknown.parameter);
-  return key;
-}
-
-Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
-                           const Groups& groups) const {
-  // A candidate beside parameters that are at their optimum already: if it gains nothing alone, the
-  // others need not move.
-  const std::string candidate = unknowns.empty() ? "" : unknowns.back().effect;
-  std::vector<Unknown> others, own;
-  for (const Unknown& unknown : unknowns)
-    (unknown.effect == candidate ? own : others).push_back(unknown);
-  Model without = start;
-  without.remove(candidate);
-  bool beside = false;
-  if (!others.empty()) {
-    const std::scoped_lock lock(mutex_);
-    const std::string key = optimum_key(without, others, groups);
-    beside = std::find(optima_.begin(), optima_.end(), key) != optima_.end();
-  }
-  Fit fit;
-  bool enough = false;
-  if (beside) {
-    const auto sum = sums(groups);
-    const double base = log_likelihood(view_of(*sum), without);
-    const Fit alone = fit_all(start, own, groups);
-    enough = alone.log_likelihood - base < 2;
-    fit = enough ? widened(alone, start, unknowns, others.size())
-                 : fit_all(alone.model, unknowns, groups);
-  } else {
-    fit = fit_all(start, unknowns, groups);
-  }
-  if (!enough) {
-    const std::scoped_lock lock(mutex_);
-    if (optima_.size() > 200) optima_.clear();
-    optima_.push_back(optimum_key(fit.model, unknowns, groups));
-  }
-  return fit;
-}
-
-// A fit of the last unknowns alone, with the others as they stand.
-Fit PhotometryProblem::widened(const Fit& alone, const Model& start,
-                               const std::vector<Unknown>& unknowns, size_t fixed) const {
-  Fit fit = alone;
-  fit.value.clear(), fit.sigma.clear(), fit.at_bound.clear();
-  const size_t n = unknowns.size();
-  fit.covariance.assign(n * n, 0);
-  for (size_t i = 0; i < n; ++i) {
-    const auto& value = start.find(unknowns[i].effect)->parameters[unknowns[i].parameter];
-    const bool is_fixed = i < fixed;
-    fit.value.push_back(is_fixed ? value.value : alone.value[i - fixed]);
-    fit.sigma.push_back(is_fixed ? value.sigma.value_or(0) : alone.sigma[i - fixed]);
-    fit.at_bound.push_back(is_fixed ? 0 : alone.at_bound[i - fixed]);
-    fit.covariance[i * n + i] = fit.sigma[i] * fit.sigma[i];
-  }
-  return fit;
-}
-
-Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& unknowns,
-                               const Groups& groups) const {
-  const auto sum = sums(groups);
-  const PhotometryView view = view_of(*sum);
-  std::vector<SearchParameter> parameters;
-  const double span =
-      std::max(1e-3, std::abs(data_.frames.back().time_s - data_.frames.front().time_s));
-  for (const Unknown& unknown : unknowns) {
-    const effects::ModelEffect& effect = *start.find(unknown.effect);
-    const effects::Parameter& parameter = effect.definition->parameters[unknown.parameter];
-    SearchParameter search{.start = effect.parameters[unknown.parameter].value,
-                           .min = parameter.min,
-                           .max = parameter.max};
-    search.logarithmic = is_logarithmic(*effect.definition, parameter) && search.start > 0;
-    search.step = search.logarithmic ? 0.02 : 2e-3 * parameter.scale;
-    // A lobe of the frequency is as narrow as the set is long.
-    if (parameter.name == "frequency_hz") search.step = 0.01 / span;
-    if (search.logarithmic) search.min = std::max(search.min, 1e-6 * parameter.scale);
-    parameters.push_back(search);
-  }
-  Model model = start;
-  const auto set_all = [&](const std::vector<double>& values) {
-    for (size_t i = 0; i < unknowns.size(); ++i)
-      model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
-  };
-  const Maximum maximum = maximise(
-      [&](const std::vector<double>& values) {
-        set_all(values);
-        return log_likelihood(view, model);
-      },
-      parameters);
-  set_all(maximum.value);
-  return {.model = model,
-          .value = maximum.value,
-          .sigma = maximum.sigma,
-          .at_bound = maximum.at_bound,
-          .covariance = maximum.covariance,
-          .log_likelihood = maximum.log_likelihood,
-          .converged = maximum.converged};
-}
-
 std::vector<std::vector<double>> PhotometryProblem::starts(const Model& model,
                                                            const EffectDefinition& effect) const {
-  const auto sum = sums(training_groups());
-  return photometry_starts(view_of(*sum), model, effect);
+  const auto sum = sums(training_groups()), small = sums(training_groups(), true);
+  return photometry_starts(small_view_of(*small), view_of(*sum), model, effect);
 }
 
 double PhotometryProblem::looks(const Model& model, const EffectDefinition& effect) const {
   using effects::StartSearch;
   const StartSearch search = effects::start_rule(effect, facts_.set.kind).search;
-  if (search == StartSearch::frequency) return flicker_looks(data_, model);
+  if (search == StartSearch::frequency)
+    return effect.stage == effects::Stage::sensor ? wave_looks(data_) : flicker_looks(data_, model);
   if (search == StartSearch::converter_bits)
     return std::max(1, data_.file_bits - data_.fewest_bits);
   return Problem::looks(model, effect);
@@ -203,8 +107,8 @@ void PhotometryProblem::check_model(const Model& model) const {
 
 std::vector<Structure> PhotometryProblem::structure(const Model& model, const Groups& groups,
                                                     int) const {
-  const auto sum = sums(groups);
-  return photometry_structure(view_of(*sum), model);
+  const auto sum = sums(groups, true);
+  return photometry_structure(small_view_of(*sum), model);
 }
 
 std::vector<char> PhotometryProblem::find_outliers(const Model&) const {

@@ -11,12 +11,20 @@
 namespace seam::measurement {
 namespace {
 
+// Of the rows that are kept.
+std::vector<double> delays_of(const PhotometryData& data, const Model& model) {
+  const std::vector<double> all = row_delays(model, data.sensor_height());
+  std::vector<double> delays;
+  for (int v = 0; v < data.height_px; ++v) delays.push_back(all[static_cast<size_t>(data.row(v))]);
+  return delays;
+}
+
 RowLight row_light(const PhotometryView& view, const Model& model,
                    const PhotometryPrediction& prediction) {
   const PhotometryData& data = view.data;
   const effects::Timing timing = effects::timing_of(model);
   RowLight out;
-  out.row_delay_s = row_delays(model, data.height_px);
+  out.row_delay_s = delays_of(data, model);
   for (size_t l = 0; l < view.sums.levels.size(); ++l) {
     const LevelSums& sum = view.sums.levels[l];
     const LevelPrediction& level = prediction.levels[l];
@@ -37,7 +45,7 @@ RowLight row_light(const PhotometryView& view, const Model& model,
     Eigen::MatrixXd basis(data.height_px, 4);
     Eigen::VectorXd residual(data.height_px);
     for (int v = 0; v < data.height_px; ++v) {
-      const double x = 2.0 * v / std::max(1, data.height_px - 1) - 1;
+      const double x = 2.0 * data.row(v) / std::max(1, data.sensor_height() - 1) - 1;
       basis.row(v) << 1, x, x * x, x * x * x;
       double seen = 0;
       for (int c = 0; c < data.channels; ++c)
@@ -73,8 +81,8 @@ double flicker_looks(const PhotometryData& data, const Model& model) {
   for (const PhotometryLevel& level : data.levels)
     frames += level.illumination == 0 ? 0 : level.frames.size();
   const double span = std::abs(data.frames.back().time_s - data.frames.front().time_s);
-  return flicker_looks(row_delays(model, data.height_px),
-                       {data.frames.size(), span, data.frame_period_s}, frames);
+  return flicker_looks(delays_of(data, model), {data.frames.size(), span, data.frame_period_s},
+                       frames);
 }
 
 std::vector<std::vector<double>> flicker_starts(const PhotometryView& view, const Model& model,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "effects/stages/geometry.h"
 #include "measurement/numerics/linear_algebra.h"
@@ -20,9 +21,9 @@ SamplePlace place_of(const PhotometryData& data, size_t level, int u, int v, int
           u,
           v,
           channel,
-          centred(u, data.width_px),
-          centred(v, data.height_px),
-          effects::rho(u, v, data.width_px, data.height_px)};
+          centred(data.column(u), data.sensor_width()),
+          centred(data.row(v), data.sensor_height()),
+          effects::rho(data.column(u), data.row(v), data.sensor_width(), data.sensor_height())};
 }
 
 MeanTests::MeanTests(const PhotometryView& view, const Model& model)
@@ -107,22 +108,27 @@ double MeanTests::weight(double own2, const LevelPrediction& level, size_t i) co
   return 1 / (own2 + o * o + g * g);
 }
 
-// Samples with a hot offset are not part of the mean's structure.
+// Samples with a hot offset or a weak gain are not part of the mean's structure.
 void MeanTests::find_outstanding() {
   outstanding_.assign(data_.samples(), 0);
-  if (prediction_.chain.hot_fraction <= 0) return;
+  const auto& chain = prediction_.chain;
+  if (chain.hot_fraction <= 0 && chain.weak_fraction <= 0) return;
   for (size_t i = 0; i < outstanding_.size(); ++i) {
-    double cold = 0, hot = 0;
+    double cold = 0, hot = 0, weak = 0;
     for (size_t l = 0; l < prediction_.levels.size(); ++l) {
       if (view_.sums.levels[l].frames.empty()) continue;
       const LevelPrediction& level = prediction_.levels[l];
       const double w = weight(
           level.variance[i] / static_cast<double>(view_.sums.levels[l].frames.size()), level, i);
       const double r = residual(l, i);
-      const double h = r - (level.hot_mean[i] - level.mean[i]);
-      cold += w * r * r, hot += w * h * h;
+      const auto square_from = [&](const std::vector<double>& mean) {
+        if (mean.empty()) return std::numeric_limits<double>::infinity();
+        const double own = r - (mean[i] - level.mean[i]);
+        return w * own * own;
+      };
+      cold += w * r * r, hot += square_from(level.hot_mean), weak += square_from(level.weak_mean);
     }
-    outstanding_[i] = hot < cold;
+    outstanding_[i] = std::min(hot, weak) < cold;
   }
 }
 

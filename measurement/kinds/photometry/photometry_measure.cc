@@ -18,7 +18,8 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol,
                     truth.name(), effects::base_name(effects::Base::response)));
   }
   data.channels = protocol.camera.channels == "rgb" ? 3 : 1;
-  data.file_bits = protocol.camera.bits <= 8 ? 8 : 16;
+  data.file_bits = protocol.camera.bits;
+  data.stored_bits = protocol.camera.bits <= 8 ? 8 : 16;
   for (size_t row = 0; row < table.rows(); ++row) {
     if (std::isnan(data.levels[data.frames[row].level].illumination)) {
       table.fail(row, "illumination", "a blank",
@@ -48,8 +49,9 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol,
                                            .gain = level.gain,
                                            .t_s = t,
                                            .file_bits = data.file_bits};
-    const Image image = effects::expose(chain, pattern, illumination, exposure,
-                                        camera.child("frame").child(row), options.noise);
+    Image image = effects::expose(chain, pattern, illumination, exposure,
+                                  camera.child("frame").child(row), options.noise);
+    image.bits = data.stored_bits;
     protocol.inside(table, row, "file");
     write_png(written_path(options.out, files[row]), image);
   }

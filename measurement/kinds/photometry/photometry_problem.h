@@ -28,7 +28,7 @@ class PhotometryProblem : public Problem {
                            size_t parameter) const override;
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
-  bool groups_are_independent() const override { return false; }
+  bool groups_are_independent(const Model&) const override { return false; }
   double looks(const Model& model, const EffectDefinition& effect) const override;
   std::vector<char> find_outliers(const Model& model) const override;
   std::string no_outliers_because() const override;

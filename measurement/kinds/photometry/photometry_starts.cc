@@ -8,6 +8,7 @@
 #include "effects/questions.h"
 #include "effects/registry.h"
 #include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/robust.h"
 
 namespace seam::measurement {
 namespace {
@@ -147,33 +148,43 @@ std::vector<Values> full_choices(const PhotometryView& view,
   return choices;
 }
 
-// Samples that stand out of the residual means.
-Values hot_start(const PhotometryView& view, const PhotometryPrediction& prediction) {
+// Samples that stand out of the residual means: their share, and how far out they are in DN or, for
+// those of another gain, relative to the light.
+struct Outstanding {
+  double share = 0, size = 0;
+};
+Outstanding outstanding(const PhotometryView& view, const PhotometryPrediction& prediction,
+                        bool of_gain) {
   std::vector<double> residual(view.data.samples(), 0), weight(view.data.samples(), 0);
   for (size_t l = 0; l < prediction.levels.size(); ++l) {
     const LevelSums& sum = view.sums.levels[l];
+    const LevelPrediction& level = prediction.levels[l];
     for (size_t i = 0; i < sum.mean.size(); ++i) {
-      const double w = static_cast<double>(sum.frames.size()) / prediction.levels[l].variance[i];
-      residual[i] += w * (sum.mean[i] - prediction.levels[l].mean[i]);
-      weight[i] += w;
+      const double w = static_cast<double>(sum.frames.size()) / level.variance[i];
+      const double slope = of_gain ? level.gain_slope[i] : 1;
+      residual[i] += w * slope * (sum.mean[i] - level.mean[i]);
+      weight[i] += w * slope * slope;
     }
   }
   for (size_t i = 0; i < residual.size(); ++i) residual[i] /= std::max(weight[i], 1e-300);
-  std::vector<double> sorted = residual;
-  const auto median_of = [](std::vector<double>& x) {
-    std::nth_element(x.begin(), x.begin() + static_cast<long>(x.size() / 2), x.end());
-    return x[x.size() / 2];
-  };
-  const double centre = median_of(sorted);
-  for (double& r : sorted) r = std::abs(r - centre);
-  const double sigma = 1.4826 * median_of(sorted);
-  std::vector<double> high;
-  for (const double r : residual) {
-    if (std::abs(r - centre) > 6 * sigma) high.push_back(r);
+  const double centre = median_of(residual);
+  std::vector<double> from_centre = residual, high;
+  for (double& r : from_centre) r -= centre;
+  const double sigma = robust_sigma(from_centre);
+  for (const double r : from_centre) {
+    const bool odd = of_gain ? r < -6 * sigma : std::abs(r) > 6 * sigma;
+    if (odd) high.push_back(r + centre);
   }
-  if (high.empty()) return {1.0 / static_cast<double>(residual.size()), 20};
-  const double share = static_cast<double>(high.size()) / static_cast<double>(residual.size());
-  return {std::min(share, 0.1), median_of(high)};
+  const auto all = static_cast<double>(residual.size());
+  if (high.empty()) return {1 / all, of_gain ? -0.3 : 20};
+  return {std::min(static_cast<double>(high.size()) / all, 0.1), median_of(high)};
+}
+
+Values odd_start(const PhotometryView& view, const Model& model, const EffectDefinition& effect) {
+  const bool of_gain = effects::sensor_of(with(model, effect, {0.01, 0.5})).weak_fraction > 0;
+  const auto prediction = predict(view.data, view.sums, model, view.set_noise_dn);
+  const Outstanding odd = outstanding(view, prediction, of_gain);
+  return {odd.share, of_gain ? std::max(0.0, 1 + odd.size) : odd.size};
 }
 
 }  // namespace
@@ -188,19 +199,44 @@ double log_likelihood(const PhotometryView& view, const Model& model) {
   return score_photometry(view.data, view.sums, prediction, view.channels_share).log_likelihood;
 }
 
-std::vector<Values> photometry_starts(const PhotometryView& view, const Model& model,
-                                      const EffectDefinition& effect) {
+std::optional<std::pair<double, double>> straight_response(const PhotometryView& view) {
+  std::vector<std::pair<double, double>> points;
+  for (size_t l = 0; l < view.data.levels.size(); ++l) {
+    const PhotometryLevel& level = view.data.levels[l];
+    const auto& means = view.sums.levels[l].mean;
+    if (means.empty() || std::isnan(level.illumination) || level.whole.at_top > 0.005) continue;
+    double sum = 0;
+    for (const double mean : means) sum += mean;
+    points.emplace_back(level.light(), sum / static_cast<double>(means.size()));
+  }
+  std::vector<double> slopes, blacks;
+  for (size_t i = 0; i < points.size(); ++i) {
+    for (size_t k = 0; k < i; ++k) {
+      const double apart = points[i].first - points[k].first;
+      if (apart != 0) slopes.push_back((points[i].second - points[k].second) / apart);
+    }
+  }
+  if (slopes.empty()) return std::nullopt;
+  const double gain = median_of(slopes);
+  for (const auto& [light, mean] : points) blacks.push_back(mean - gain * light);
+  if (!(gain > 0)) return std::nullopt;
+  return std::pair{gain, median_of(blacks)};
+}
+
+std::vector<Values> photometry_starts(const PhotometryView& view, const PhotometryView& whole,
+                                      const Model& model, const EffectDefinition& effect) {
   const PhotometryPrediction prediction = predict(view.data, view.sums, model, view.set_noise_dn);
   const effects::StartRule& rule = effects::start_rule(effect, effects::kPhotometry);
   switch (rule.search) {
     case effects::StartSearch::frequency:
+      if (effect.stage == effects::Stage::sensor) return {strongest_wave(view, prediction)};
       return flicker_starts(view, model, prediction);
     case effects::StartSearch::listed:
       return {best_of(view, model, effect, rule.values)};
     case effects::StartSearch::ceiling:
       return {best_of(view, model, effect, full_choices(view, prediction))};
     case effects::StartSearch::outliers:
-      return {hot_start(view, prediction)};
+      return {odd_start(whole, model, effect)};
     case effects::StartSearch::converter_bits: {
       std::vector<Values> choices;
       for (int bits = view.data.fewest_bits; bits < view.data.file_bits; ++bits)

@@ -1,6 +1,8 @@
 // Where fits of photometry candidates start: estimates from the residual means and variances.
 #pragma once
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "measurement/kinds/photometry/likelihood/photometry_cells.h"
@@ -18,9 +20,21 @@ struct PhotometryView {
 
 double log_likelihood(const PhotometryView& view, const Model& model);
 
-// Values of the effect's parameters from which fits start, the likeliest first.
-std::vector<std::vector<double>> photometry_starts(const PhotometryView& view, const Model& model,
+// Values of the effect's parameters from which fits start, the likeliest first. `whole`: where few
+// odd samples are looked for.
+std::vector<std::vector<double>> photometry_starts(const PhotometryView& view,
+                                                   const PhotometryView& whole, const Model& model,
                                                    const EffectDefinition& effect);
+// Gain and black of the straight line through the levels' means (Theil and Sen), whatever unit the
+// light is in; nothing where fewer than two levels of light tell it.
+std::optional<std::pair<double, double>> straight_response(const PhotometryView& view);
+
+// The strongest wave over the image that stays: amplitude_dn, period_px, angle_rad, phase_rad
+// (photometry_wave.cc).
+std::vector<double> strongest_wave(const PhotometryView& view,
+                                   const PhotometryPrediction& prediction);
+// How many waves it can tell apart.
+double wave_looks(const PhotometryData& data);
 
 // How many frequencies `flicker_starts` can tell apart.
 double flicker_looks(const PhotometryData& data, const Model& model);

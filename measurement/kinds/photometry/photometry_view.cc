@@ -35,12 +35,12 @@ ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& 
     const double n = static_cast<double>(level.frames.size());
     for (size_t i = l % step; i < data_.samples(); i += step) {
       const size_t pixel = i / data_.channels;
-      const double u = static_cast<double>(pixel % data_.width_px),
-                   v = static_cast<double>(pixel / data_.width_px);
+      const double u = data_.column(static_cast<int>(pixel % data_.width_px)),
+                   v = data_.row(static_cast<int>(pixel / data_.width_px));
       const int at = static_cast<int>(row.size());
       row.push_back(v);
       column.push_back(u);
-      radius.push_back(effects::rho(u, v, data_.width_px, data_.height_px));
+      radius.push_back(effects::rho(u, v, data_.sensor_width(), data_.sensor_height()));
       light.push_back(predicted.illumination * data_.levels[l].exposure_ratio);
       channel.push_back(static_cast<double>(i % data_.channels));
       const double offsets = square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn) +

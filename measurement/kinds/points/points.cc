@@ -1,22 +1,27 @@
 // Kind `points`: image positions of known points.
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/fitting/low_rank.h"
 #include "measurement/kinds/kinds.h"
-#include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/points_gross.h"
 #include "measurement/kinds/points/points_noise.h"
 #include "measurement/kinds/points/points_predictor.h"
-#include "measurement/kinds/points/pose_solver.h"
-#include "measurement/numerics/linear_algebra.h"
+#include "measurement/kinds/points/points_problem.h"
+#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
 namespace {
 
-std::vector<effects::Lack> lacks_of(const Rig& rig) {
+size_t median_views(const Target& target) {
+  std::vector<size_t> views = target.views;
+  std::nth_element(views.begin(), views.begin() + views.size() / 2, views.end());
+  return views[views.size() / 2];
+}
+
+std::vector<effects::Lack> lacks_of(const PointsData& data) {
   using effects::Need;
+  const Rig& rig = data.rig;
   std::vector<effects::Lack> lacks = {{Need::colour, "points have no colour"}};
   if (rig.type() == Rig::Type::unknown)
     lacks.push_back({Need::known_pose, "the pose of each frame is estimated, which absorbs it"});
@@ -24,6 +29,10 @@ std::vector<effects::Lack> lacks_of(const Rig& rig) {
     lacks.push_back({Need::joints, "the camera hangs on no joint"});
   if (rig.cycle_s() == 0)
     lacks.push_back({Need::repeating_motion, "the head's motion does not repeat"});
+  if (!data.target.flat) lacks.push_back({Need::flat_target, "the points lie in no plane"});
+  constexpr size_t kSeveral = 3;
+  if (median_views(data.target) < kSeveral)
+    lacks.push_back({Need::several_views, "most points are seen in fewer than three views"});
   const auto without = [&](const std::string& joint, std::initializer_list<Need> needs) {
     const auto& joints = rig.joint_names();
     if (std::find(joints.begin(), joints.end(), joint) != joints.end()) return;
@@ -35,64 +44,80 @@ std::vector<effects::Lack> lacks_of(const Rig& rig) {
   return lacks;
 }
 
-class PointsProblem : public Problem {
- public:
-  explicit PointsProblem(const MeasurementSet& set) : data_(read_points(set, true, facts_)) {
-    facts_.fingerprint = set.fingerprint();
-    facts_.set.lacks = lacks_of(data_.rig);
-    const std::array<const char*, 2> names = {"u_px", "v_px"};
-    const bool known = set.noise.contains("u_px") && set.noise.contains("v_px");
-    const std::array<double, 2> estimate =
-        known ? std::array<double, 2>{1, 1} : estimate_points_noise(data_);
-    for (int c = 0; c < 2; ++c) {
-      const auto stated = set.noise.find(names[c]);
-      const bool has = stated != set.noise.end();
-      facts_.channels.push_back(
-          {.name = names[c], .noise = has ? stated->second : estimate[c], .estimated = !has});
-    }
+}  // namespace
+
+PointsProblem::PointsProblem(const MeasurementSet& set) : data_(read_points(set, true, facts_)) {
+  facts_.fingerprint = set.fingerprint();
+  facts_.set.lacks = lacks_of(data_);
+  gross_ = gross_errors(data_, facts_);
+  state_noise(set);
+}
+
+void PointsProblem::state_noise(const MeasurementSet& set) {
+  const std::array<const char*, 2> names = {"u_px", "v_px"};
+  const bool stated =
+      data_.sigma_px > 0 || (set.noise.contains("u_px") && set.noise.contains("v_px"));
+  const std::array<double, 2> estimate =
+      stated ? std::array<double, 2>{1, 1} : estimate_points_noise(data_, gross_);
+  for (int c = 0; c < 2; ++c) {
+    const auto known = set.noise.find(names[c]);
+    Channel channel{.name = names[c], .noise = estimate[c], .estimated = !stated};
+    if (known != set.noise.end()) channel.noise = known->second, channel.estimated = false;
+    if (data_.sigma_px > 0) channel.noise = data_.sigma_px;
+    facts_.channels.push_back(channel);
   }
+}
 
-  void place(const Model& model) override {
-    const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
-    if (evaluation.valid) place_covariates(data_, evaluation.residual, facts_);
-  }
+void PointsProblem::place(const Model& model) {
+  const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
+  if (evaluation.valid) place_covariates(data_, evaluation.residual, facts_);
+}
 
-  void check_model(const Model& model) const override {
-    effects::Projection(model, data_.camera.width_px, data_.camera.height_px);
-  }
+void PointsProblem::check_model(const Model& model) const {
+  effects::Projection(model, data_.camera.width_px, data_.camera.height_px);
+}
 
-  Evaluation evaluate(const Model& model, const Groups& groups,
-                      const Evaluation* warm) const override {
-    return data_.rig.type() == Rig::Type::unknown ? evaluate_unknown(model, groups, warm)
-                                                  : evaluate_rig(model, groups, warm);
-  }
+bool PointsProblem::groups_are_independent(const Model& model) const {
+  return !(effects::target_of(model).scatter_sigma_m > 0);
+}
 
-  std::vector<std::vector<double>> jacobian(const Model& model,
-                                            const std::vector<Unknown>& unknowns,
-                                            const Groups& groups,
-                                            const Evaluation& here) const override;
+Evaluation PointsProblem::evaluate_plain(const Model& model, const Groups& groups,
+                                         const Evaluation* warm) const {
+  return data_.rig.type() == Rig::Type::unknown ? evaluate_unknown(model, groups, warm)
+                                                : evaluate_rig(model, groups, warm);
+}
 
-  bool is_smooth() const override { return true; }
+Evaluation PointsProblem::evaluate(const Model& model, const Groups& groups,
+                                   const Evaluation* warm) const {
+  if (!effects::target_of(model).has_draws()) return evaluate_plain(model, groups, warm);
+  Evaluation evaluation;
+  adjusted(model, groups, warm, nullptr, evaluation);
+  return evaluation;
+}
 
- private:
-  Evaluation evaluate_rig(const Model& model, const Groups& groups, const Evaluation* warm) const;
-  Evaluation evaluate_unknown(const Model& model, const Groups& groups,
-                              const Evaluation* warm) const;
-  // Derivatives of each row's image by latency and by each joint's angle: (u, v) pairs.
-  struct Slopes {
-    size_t width = 2;
-    std::vector<double> by_row;
-    std::vector<double> instant_s;
-  };
-  Slopes slopes_of(const PointsPredictor& predictor, const Groups& groups) const;
-  void whiten_frames(const PointsPredictor& predictor, const Groups& groups, const Slopes& slopes,
-                     Evaluation& evaluation) const;
-  Evaluation blank() const;
-  std::vector<int> neighbours(size_t row) const override;
-  std::vector<Sighting> sightings(int frame, std::vector<int>& rows) const;
+std::vector<std::vector<double>> PointsProblem::jacobian(const Model& model,
+                                                         const std::vector<Unknown>& unknowns,
+                                                         const Groups& groups,
+                                                         const Evaluation& here) const {
+  if (effects::target_of(model).has_draws()) return jacobian_draws(model, unknowns, groups, here);
+  if (data_.rig.type() == Rig::Type::unknown && !scatter_of(model))
+    return jacobian_unknown(model, unknowns, groups, here);
+  return Problem::jacobian(model, unknowns, groups, here);
+}
 
-  PointsData data_;
-};
+// Beside the outliers of this model those rows that no model explains. A model that misses most
+// points by many times the noise tells nothing of single ones.
+std::vector<char> PointsProblem::find_outliers(const Model& model) const {
+  constexpr double kUseless = 10;
+  std::vector<char> outliers(facts_.scalars(), 0);
+  const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
+  std::vector<double> sizes;
+  for (size_t i = 0; i < facts_.scalars(); ++i)
+    sizes.push_back(evaluation.residual[i] / evaluation.sigma[i]);
+  if (robust_sigma(std::move(sizes)) < kUseless) outliers = Problem::find_outliers(model);
+  for (size_t i = 0; i < outliers.size() && !gross_.empty(); ++i) outliers[i] |= gross_[i];
+  return outliers;
+}
 
 // The nearest points in the same image.
 std::vector<int> PointsProblem::neighbours(size_t row) const {
@@ -114,219 +139,12 @@ Evaluation PointsProblem::blank() const {
   Evaluation evaluation;
   evaluation.residual.assign(facts_.scalars(), 0);
   evaluation.sigma.resize(facts_.scalars());
-  for (size_t i = 0; i < facts_.scalars(); ++i) evaluation.sigma[i] = facts_.channels[i % 2].noise;
+  for (size_t i = 0; i < facts_.scalars(); ++i)
+    evaluation.sigma[i] = sigma_of(i / 2, static_cast<int>(i % 2));
   return evaluation;
 }
 
-Evaluation PointsProblem::evaluate_rig(const Model& model, const Groups& groups,
-                                       const Evaluation* warm) const {
-  Evaluation evaluation = blank();
-  evaluation.mean_key = mean_parameters(model);
-  const bool reuse = warm && warm->valid && warm->mean_key == evaluation.mean_key;
-  const PointsPredictor predictor(data_, model);
-  if (reuse) evaluation.residual = warm->residual;
-  for (size_t row = 0; row < data_.p_W.size() && !reuse; ++row) {
-    if (!groups[facts_.group_of_row[row]]) continue;
-    const effects::ImagePoint point = predictor.image(row);
-    if (!point.visible && !(left_out(2 * row) && left_out(2 * row + 1))) evaluation.valid = false;
-    evaluation.residual[2 * row] = point.visible ? data_.u_px[row] - point.u : 0;
-    evaluation.residual[2 * row + 1] = point.visible ? data_.v_px[row] - point.v : 0;
-  }
-  whiten_diagonal(*this, groups, evaluation);
-  const bool shared_causes =
-      predictor.timing().jitter_sigma_s > 0 || predictor.motion().quantisation_step_rad > 0;
-  if (!shared_causes) return evaluation;
-  // Slopes hardly change on the way of a fit: it keeps those of its start and renews them.
-  if (warm && warm->valid && warm->reusable) {
-    evaluation.reusable = warm->reusable;
-  } else {
-    evaluation.reusable = std::make_shared<const Slopes>(slopes_of(predictor, groups));
-  }
-  whiten_frames(predictor, groups, *static_cast<const Slopes*>(evaluation.reusable.get()),
-                evaluation);
-  return evaluation;
-}
-
-PointsProblem::Slopes PointsProblem::slopes_of(const PointsPredictor& predictor,
-                                               const Groups& groups) const {
-  const size_t joints = data_.rig.type() == Rig::Type::chain ? data_.rig.joint_names().size() : 0;
-  Slopes slopes{.width = 2 * (1 + joints)};
-  slopes.by_row.assign(data_.p_W.size() * slopes.width, 0);
-  slopes.instant_s.assign(data_.p_W.size(), 0);
-  for (size_t row = 0; row < data_.p_W.size(); ++row) {
-    if (!groups[facts_.group_of_row[row]]) continue;
-    const effects::ImagePoint here = predictor.image(row);
-    slopes.instant_s[row] = predictor.instant(data_.stamp_s[row], here.v);
-    for (size_t cause = 0; cause < 1 + joints; ++cause) {
-      std::vector<double> errors(joints, 0);
-      const double by = cause == 0 ? 1e-5 : 1e-6;
-      if (cause > 0) errors[cause - 1] = by;
-      const effects::ImagePoint there =
-          predictor.image(row, cause == 0 ? by : 0, errors.empty() ? nullptr : errors.data());
-      if (!there.visible || !here.visible) continue;
-      slopes.by_row[row * slopes.width + 2 * cause] = (there.u - here.u) / by;
-      slopes.by_row[row * slopes.width + 2 * cause + 1] = (there.v - here.v) / by;
-    }
-  }
-  return slopes;
-}
-
-// Jitter moves all points of a frame together; rounding of the encoder moves those seen between
-// the same two samples of its log together.
-void PointsProblem::whiten_frames(const PointsPredictor& predictor, const Groups& groups,
-                                  const Slopes& slopes, Evaluation& evaluation) const {
-  const double jitter = predictor.timing().jitter_sigma_s;
-  const double step = predictor.motion().quantisation_step_rad / std::sqrt(12.0);
-  const size_t joints = step > 0 ? slopes.width / 2 - 1 : 0;
-  const std::vector<double>& log = data_.rig.log_times();
-  for (const std::vector<int>& rows : data_.rows_of_frame) {
-    if (!groups[facts_.group_of_row[rows.front()]]) continue;
-    std::vector<size_t> scalars;
-    double early = 1e300, late = -1e300;
-    for (const int row : rows) {
-      for (size_t c = 0; c < 2; ++c) {
-        if (evaluation.used[2 * row + c]) scalars.push_back(2 * row + c);
-      }
-      early = std::min(early, slopes.instant_s[row]), late = std::max(late, slopes.instant_s[row]);
-    }
-    if (scalars.empty()) continue;
-    size_t first = 0, nodes = 0;
-    if (joints > 0) {
-      first = std::upper_bound(log.begin(), log.end(), early) - log.begin();
-      first = first > 0 ? first - 1 : 0;
-      const size_t last = std::min<size_t>(
-          std::upper_bound(log.begin(), log.end(), late) - log.begin(), log.size() - 1);
-      nodes = last - first + 1;
-    }
-    Eigen::MatrixXd causes =
-        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(scalars.size()),
-                              static_cast<Eigen::Index>((jitter > 0 ? 1 : 0) + nodes * joints));
-    for (size_t k = 0; k < scalars.size(); ++k) {
-      const size_t row = scalars[k] / 2;
-      const double* slope = &slopes.by_row[row * slopes.width + scalars[k] % 2];
-      Eigen::Index column = 0;
-      if (jitter > 0) causes(static_cast<Eigen::Index>(k), column++) = jitter * slope[0];
-      for (size_t j = 0; j < joints; ++j) {
-        const double t = slopes.instant_s[row];
-        for (size_t node = first; node < first + nodes; ++node, ++column) {
-          const double width = t < log[node]
-                                   ? (node > 0 ? log[node] - log[node - 1] : 1)
-                                   : (node + 1 < log.size() ? log[node + 1] - log[node] : 1);
-          causes(static_cast<Eigen::Index>(k), column) =
-              step * slope[2 * (1 + j)] * std::max(0.0, 1 - std::abs(t - log[node]) / width);
-        }
-      }
-    }
-    whiten_low_rank(scalars, causes, facts_.group_of_row[rows.front()], evaluation);
-  }
-}
-
-std::vector<Sighting> PointsProblem::sightings(int frame, std::vector<int>& rows) const {
-  std::vector<Sighting> seen;
-  for (const int row : data_.rows_of_frame[frame]) {
-    if (left_out(2 * row) || left_out(2 * row + 1)) continue;
-    rows.push_back(row);
-    seen.push_back({.p_W = data_.p_W[row],
-                    .u_px = data_.u_px[row],
-                    .v_px = data_.v_px[row],
-                    .sigma_u = facts_.channels[0].noise,
-                    .sigma_v = facts_.channels[1].noise,
-                    .t_s = data_.stamp_s[row]});
-  }
-  return seen;
-}
-
-Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& groups,
-                                           const Evaluation* warm) const {
-  const effects::Projection projection(model, data_.camera.width_px, data_.camera.height_px);
-  Evaluation evaluation = blank();
-  evaluation.nuisance_values.assign(12 * data_.rows_of_frame.size(), 0);
-  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
-    if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) continue;
-    std::vector<int> rows;
-    const std::vector<Sighting> seen = sightings(static_cast<int>(frame), rows);
-    if (seen.empty()) continue;
-    Pose X_CW;
-    bool have = false;
-    if (warm && warm->nuisance_values.size() == evaluation.nuisance_values.size() && warm->valid) {
-      const double* stored = &warm->nuisance_values[12 * frame];
-      for (int c = 0; c < 3; ++c)
-        X_CW.R[c] = Vec3(stored[3 * c], stored[3 * c + 1], stored[3 * c + 2]);
-      X_CW.p = Vec3(stored[9], stored[10], stored[11]);
-      have = stored[0] != 0 || stored[1] != 0 || stored[2] != 0;
-      have = have && refine_pose(projection, seen, X_CW);
-    }
-    have = have || (initial_pose(projection, seen, X_CW) && refine_pose(projection, seen, X_CW));
-    std::vector<double> whitened;
-    if (!have || !pose_residuals(projection, seen, X_CW, whitened, nullptr)) {
-      evaluation.valid = false;
-      continue;
-    }
-    evaluation.nuisances += 6;
-    for (int c = 0; c < 3; ++c) {
-      for (int r = 0; r < 3; ++r) evaluation.nuisance_values[12 * frame + 3 * c + r] = X_CW.R[c][r];
-      evaluation.nuisance_values[12 * frame + 9 + c] = X_CW.p[c];
-    }
-    for (const int row : data_.rows_of_frame[frame]) {  // Outliers too: they may come back.
-      const effects::ImagePoint point =
-          projection.project(X_CW * data_.p_W[row], data_.stamp_s[row], data_.v_px[row]);
-      evaluation.residual[2 * row] = point.visible ? data_.u_px[row] - point.u : 0;
-      evaluation.residual[2 * row + 1] = point.visible ? data_.v_px[row] - point.v : 0;
-    }
-  }
-  whiten_diagonal(*this, groups, evaluation);
-  return evaluation;
-}
-
-std::vector<std::vector<double>> PointsProblem::jacobian(const Model& model,
-                                                         const std::vector<Unknown>& unknowns,
-                                                         const Groups& groups,
-                                                         const Evaluation& here) const {
-  if (data_.rig.type() != Rig::Type::unknown)
-    return Problem::jacobian(model, unknowns, groups, here);
-  // Differences at fixed poses, less what the frame's own pose can follow (Kaufman 1975).
-  std::vector<std::vector<double>> columns(unknowns.size(),
-                                           std::vector<double>(facts_.scalars(), 0));
-  const effects::Projection projection(model, data_.camera.width_px, data_.camera.height_px);
-  std::vector<effects::Projection> moved;
-  std::vector<double> steps;
-  for (const Unknown& unknown : unknowns) {
-    const effects::ModelEffect& effect = *model.find(unknown.effect);
-    const double value = effect.parameters[unknown.parameter].value;
-    const double step =
-        1e-5 * std::max(effect.definition->parameters[unknown.parameter].scale, std::abs(value));
-    Model changed = model;
-    changed.set_value(unknown.effect, unknown.parameter, value + step);
-    moved.emplace_back(changed, data_.camera.width_px, data_.camera.height_px);
-    steps.push_back(step);
-  }
-  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
-    if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) continue;
-    std::vector<int> rows;
-    const std::vector<Sighting> seen = sightings(static_cast<int>(frame), rows);
-    if (seen.empty()) continue;
-    const double* stored = &here.nuisance_values[12 * frame];
-    Pose X_CW;
-    for (int c = 0; c < 3; ++c)
-      X_CW.R[c] = Vec3(stored[3 * c], stored[3 * c + 1], stored[3 * c + 2]);
-    X_CW.p = Vec3(stored[9], stored[10], stored[11]);
-    std::vector<double> base, derivatives, there;
-    if (!pose_residuals(projection, seen, X_CW, base, &derivatives)) continue;
-    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>> pose(
-        derivatives.data(), base.size(), 6);
-    const Eigen::MatrixXd basis = column_basis(pose);
-    for (size_t p = 0; p < unknowns.size(); ++p) {
-      if (!pose_residuals(moved[p], seen, X_CW, there, nullptr)) continue;
-      Eigen::VectorXd column(base.size());
-      for (size_t k = 0; k < base.size(); ++k) column[k] = (there[k] - base[k]) / steps[p];
-      column -= basis * (basis.transpose() * column);
-      for (size_t k = 0; k < rows.size(); ++k) {
-        for (size_t c = 0; c < 2; ++c) columns[p][2 * rows[k] + c] = column[2 * k + c];
-      }
-    }
-  }
-  return columns;
-}
+namespace {
 
 std::unique_ptr<Problem> open_points(const MeasurementSet& set) {
   return std::make_unique<PointsProblem>(set);

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "effects/stages/geometry.h"
+#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -48,16 +50,72 @@ void leave_out_poor_views(CsvTable& table, Facts& facts) {
   table.keep_rows(kept);
 }
 
+// Places of the target's points from an earlier fit, by name; points that it lacks stay as the set
+// has them.
+void take_places(const std::filesystem::path& path, const std::vector<std::string>& names,
+                 PointsData& data, Facts& facts) {
+  const CsvTable table = CsvTable::read(path);
+  const std::vector<std::string> known = table.texts("point");
+  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"),
+                            z = table.numbers("z_m");
+  std::map<std::string, Vec3> place_of;
+  for (size_t i = 0; i < known.size(); ++i) {
+    if (!place_of.emplace(known[i], Vec3(x[i], y[i], z[i])).second)
+      table.fail(i, "point", known[i], "each point once");
+  }
+  size_t missing = 0;
+  for (const std::string& name : names) missing += !place_of.contains(name);
+  if (missing == names.size())
+    throw InputError(fmt::format("{}: holds none of the points of {}, expected the same names",
+                                 table.file(), facts.file));
+  if (missing > 0)
+    facts.notes.push_back(fmt::format("{} of {} points are not in {} and stay as the set has them",
+                                      missing, names.size(), table.file()));
+  for (size_t row = 0; row < data.p_W.size(); ++row) {
+    const auto found = place_of.find(names[static_cast<size_t>(data.point_of_row[row])]);
+    if (found != place_of.end()) data.p_W[row] = found->second;
+  }
+}
+
+// Noise that rows state for themselves: sigma_px, or a weight that divides the channel's variance.
+void read_spread(const CsvTable& table, PointsData& data) {
+  const bool stated = table.has("sigma_px"), weighted = table.has("weight");
+  if (!stated && !weighted) return;
+  const std::string column = stated ? "sigma_px" : "weight";
+  if (stated && weighted)
+    throw InputError(table.file() +
+                     ": found columns sigma_px and weight, expected one of them: both say how "
+                     "noisy a row is");
+  data.spread = table.numbers(column);
+  for (size_t row = 0; row < table.rows(); ++row) {
+    const bool possible = stated ? data.spread[row] > 0 : data.spread[row] >= 0;
+    if (!possible)
+      table.fail(row, column, table.cell(row, column),
+                 stated ? "a standard deviation above 0" : "a weight of 0 (takes no part) or more");
+  }
+  if (stated) {
+    data.sigma_px = median_of(data.spread);
+    for (double& sigma : data.spread) sigma /= data.sigma_px;
+  } else {
+    for (double& weight : data.spread) weight = weight > 0 ? 1 / std::sqrt(weight) : 0;
+  }
+}
+
 }  // namespace
 
 PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
-  PointsData data{.rig = Rig::from_set(set), .camera = set.camera};
+  return read_points(set, Rig::from_set(set), measured, facts);
+}
+
+PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts& facts) {
+  PointsData data{.rig = std::move(rig), .camera = set.camera};
   if (data.camera.width_px == 0) set.root.at("camera").fail("missing");
   CsvTable table = set.table("points");
   if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
   if (measured && data.rig.type() == Rig::Type::unknown) leave_out_poor_views(table, facts);
   facts.set.kind = effects::kPoints;
   facts.title = set.title;
+  facts.width_px = data.camera.width_px, facts.height_px = data.camera.height_px;
   facts.file = table.file();
   const std::vector<int64_t> ns = table.times_ns("time_s");
   if (data.rig.type() == Rig::Type::unknown || data.rig.reference_ns() == 0) {
@@ -68,11 +126,11 @@ PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
                             z = table.numbers("z_m");
   data.u_px = measured ? table.numbers("u_px") : std::vector<double>(table.rows(), 0);
   data.v_px = measured ? table.numbers("v_px") : std::vector<double>(table.rows(), 0);
-  std::vector<std::string> frames;
-  data.frame_of_row = number_groups(table.texts("frame"), frames);
-  data.rows_of_frame.resize(frames.size());
+  if (measured) read_spread(table, data);
+  data.frame_of_row = number_groups(table.texts("frame"), data.frames);
+  data.rows_of_frame.resize(data.frames.size());
   facts.group_of_row = number_groups(table.texts(set.group), facts.groups);
-  std::vector<int> group_of_frame(frames.size(), -1);
+  std::vector<int> group_of_frame(data.frames.size(), -1);
   for (size_t row = 0; row < table.rows(); ++row) {
     data.p_W.emplace_back(x[row], y[row], z[row]);
     data.stamp_s.push_back(1e-9 * static_cast<double>(ns[row] - data.rig.reference_ns()));
@@ -92,6 +150,10 @@ PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
       facts.channel_of.push_back(channel);
     }
   }
+  std::vector<std::string> names;
+  data.point_of_row = number_groups(table.texts("point"), names);
+  if (!set.target.empty()) take_places(set.target, names, data, facts);
+  data.target = target_of_rows(names, data.point_of_row, data.p_W, data.frame_of_row);
   facts.time_of_row = data.stamp_s;
   facts.series_of_row = data.frame_of_row;
   facts.tests_neighbours = false;
@@ -149,9 +211,8 @@ void add_points_covariates(const PointsData& data, const CsvTable& table, Facts&
       range.push_back(glm::length(data.p_W[i] - motion.X_WC(data.stamp_s[i]).p));
     all.push_back(named("range", std::move(range)));
   }
-  std::vector<std::string> labels;
-  const std::vector<int> points = number_groups(table.texts("point"), labels);
-  if (labels.size() > 1 && labels.size() * 4 < points.size()) {
+  const std::vector<int>& points = data.point_of_row;
+  if (data.target.names.size() > 1 && data.target.names.size() * 4 < points.size()) {
     all.push_back(named("point", {points.begin(), points.end()}, Covariate::Type::category));
   }
   if (data.rows_of_frame.size() > 1) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "measurement/kinds/points/target/target_frame.h"
 #include "measurement/problem/problem.h"
 #include "measurement/sets/rig.h"
 #include "measurement/sets/set.h"
@@ -14,15 +15,23 @@ struct PointsData {
   Rig rig;
   CameraFacts camera;
   std::vector<double> stamp_s;  // By row, since the reference.
-  std::vector<Vec3> p_W;
+  std::vector<Vec3> p_W;        // By the set's plan.
+  Target target;
+  std::vector<int> point_of_row;
   std::vector<double> u_px, v_px;  // Observed; zero in a protocol without measured columns.
+  // By row: its noise over that of the channel (1 / sqrt(weight)); 0 takes no part. Empty: all 1.
+  std::vector<double> spread;
+  double sigma_px = 0;  // Of the channel where the rows state their own; 0: they do not.
   std::vector<int> frame_of_row;
+  std::vector<std::string> frames;  // Their names.
   std::vector<std::vector<int>> rows_of_frame;
 };
 
 // Reads and checks the table; fills what of the facts depends on it alone. `measured` false: a
 // protocol, whose u_px and v_px need not exist.
 PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts);
+// The same beside this rig, whatever the set says of its own.
+PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts& facts);
 
 // Lines of points that stand behind the camera with this model's joints and mount; none where the
 // poses are unknown, since each is estimated such that it sees its points.

@@ -2,32 +2,77 @@
 #include <algorithm>
 
 #include "effects/stages/joint_track.h"
+#include "effects/stages/noise.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
 
+namespace {
+
+// The rig by which a set is made. Of a board whose poses its reader shall not know the protocol
+// says them in its table `poses`.
+Rig rig_to_make(const MeasurementSet& protocol) {
+  Rig rig = Rig::from_set(protocol);
+  if (rig.type() != Rig::Type::unknown) return rig;
+  if (!protocol.has_file("poses"))
+    protocol.root.at("rig").fail(
+        "found an unknown pose, expected a chain or poses, or a table `poses` under `files`: a "
+        "protocol must say where the camera is");
+  return Rig::from_poses(protocol.file("poses"));
+}
+
+// Draws of a target: displacements of its points, the same in all frames, and the bending of each
+// frame, by counters of their numbers.
+class TargetDraw {
+ public:
+  TargetDraw(const PointsData& data, const Model& truth, const RandomStream& stream, bool noise)
+      : data_(data), shape_(effects::target_of(truth)), flex_(stream.child("flex")) {
+    for (size_t point = 0; point < data.target.names.size(); ++point) {
+      Vec3 shift(0.0);
+      for (int axis = 0; axis < 3 && noise; ++axis)
+        shift[axis] = shape_.scatter_sigma_m *
+                      normal(stream.child("scatter"), 3 * point + static_cast<size_t>(axis));
+      displaced_m_.push_back(shift);
+    }
+    if (!noise) shape_.flex_sigma_m = 0;
+  }
+
+  Vec3 shift_W(size_t row) const {
+    const auto point = static_cast<size_t>(data_.point_of_row[row]);
+    const double bend_m =
+        shape_.flex_sigma_m * normal(flex_, static_cast<uint64_t>(data_.frame_of_row[row]));
+    const Vec3 bent(0, 0, bend_m * data_.target.bending(point, shape_));
+    return data_.target.axes_W * (displaced_m_[point] + bent);
+  }
+
+ private:
+  const PointsData& data_;
+  effects::TargetShape shape_;
+  RandomStream flex_;
+  std::vector<Vec3> displaced_m_;
+};
+
+}  // namespace
+
 void measure_points(const Model& truth, const MeasurementSet& protocol,
                     const MeasureOptions& options) {
   Facts facts;
-  PointsData data = read_points(protocol, false, facts);
-  if (data.rig.type() == Rig::Type::unknown) {
-    protocol.root.at("rig").fail(
-        "found an unknown pose, expected a chain or poses: a protocol must say where the camera "
-        "is");
-  }
+  PointsData data = read_points(protocol, rig_to_make(protocol), false, facts);
   const CsvTable table = protocol.table("points");
   std::fill(data.v_px.begin(), data.v_px.end(), 0.5 * data.camera.height_px);
   const effects::Timing timing = effects::timing_of(truth);
   const RandomStream stream = RandomStream{.seed = options.seed}.child("measure").child("points");
   // Spreads of whole frames are drawn: a latency a frame, an error at each sample of the log.
   const PointsPredictor predictor(data, truth);
+  const TargetDraw drawn(data, truth, stream, options.noise);
   const double step = options.noise ? predictor.motion().quantisation_step_rad : 0;
   std::vector<std::string> columns = table.columns();
   for (const char* name : {"u_px", "v_px"}) {
     if (!table.has(name)) columns.push_back(name);
   }
+  const effects::Few scatter = effects::noise_of(truth).point_scatter;
   CsvWriter out(columns);
   for (size_t row = 0; row < data.p_W.size(); ++row) {
     const uint64_t frame = static_cast<uint64_t>(data.frame_of_row[row]);
@@ -44,7 +89,8 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
       }
     }
     const effects::ImagePoint point =
-        predictor.image(row, late, errors.empty() ? nullptr : errors.data());
+        predictor.image_at(row, predictor.places_W()[row] + drawn.shift_W(row), late,
+                           errors.empty() ? nullptr : errors.data());
     double u = point.u, v = point.v;
     if (options.noise) {
       const auto sigma = [&](const char* name) {
@@ -52,6 +98,10 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
       };
       u += sigma("u_px") * normal(stream.child("noise"), 2 * row);
       v += sigma("v_px") * normal(stream.child("noise"), 2 * row + 1);
+      if (uniform(stream.child("scattered"), row) < scatter.fraction) {
+        u += scatter.size * normal(stream.child("scatter"), 2 * row);
+        v += scatter.size * normal(stream.child("scatter"), 2 * row + 1);
+      }
     }
     const bool inside =
         u > -0.5 && v > -0.5 && u < data.camera.width_px - 0.5 && v < data.camera.height_px - 0.5;

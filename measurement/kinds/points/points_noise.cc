@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/kinds/points/board_field.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
@@ -21,63 +22,27 @@ Eigen::VectorXd studentised(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) 
   return r;
 }
 
-// Products of powers of the given coordinates up to a total degree.
-Eigen::MatrixXd monomials(const std::vector<std::vector<double>>& coordinates, int degree) {
-  const size_t n = coordinates.front().size();
-  std::vector<std::vector<double>> columns{std::vector<double>(n, 1)};
-  std::vector<std::pair<size_t, int>> last{{0, 0}};  // Last coordinate used, degree.
-  for (size_t c = 0; c < columns.size(); ++c) {
-    if (last[c].second == degree) continue;
-    for (size_t k = last[c].first; k < coordinates.size(); ++k) {
-      std::vector<double> column(n);
-      for (size_t i = 0; i < n; ++i) column[i] = columns[c][i] * coordinates[k][i];
-      columns.push_back(std::move(column));
-      last.emplace_back(k, last[c].second + 1);
-    }
-  }
-  Eigen::MatrixXd A(n, columns.size());
-  for (size_t c = 0; c < columns.size(); ++c)
-    A.col(c) = Eigen::Map<Eigen::VectorXd>(columns[c].data(), n);
-  return A;
-}
-
-bool is_constant(const std::vector<double>& x) {
-  const auto [low, high] = std::minmax_element(x.begin(), x.end());
-  return *high - *low < 1e-9;
-}
-
-std::vector<double> standardised(std::vector<double> x) {
-  const auto [low, high] = std::minmax_element(x.begin(), x.end());
-  const double middle = 0.5 * (*low + *high), half = std::max(0.5 * (*high - *low), 1e-300);
-  for (double& value : x) value = (value - middle) / half;
-  return x;
-}
-
-std::array<double, 2> noise_by_frames(const PointsData& data) {
+std::array<double, 2> noise_by_frames(const PointsData& data, const std::vector<char>& gross) {
   std::array<std::vector<double>, 2> left;
-  for (const std::vector<int>& rows : data.rows_of_frame) {
-    std::vector<std::vector<double>> coordinates(3);
-    std::array<Eigen::VectorXd, 2> y{Eigen::VectorXd(rows.size()), Eigen::VectorXd(rows.size())};
-    for (size_t i = 0; i < rows.size(); ++i) {
-      for (int c = 0; c < 3; ++c) coordinates[c].push_back(data.p_W[rows[i]][c]);
-      y[0][i] = data.u_px[rows[i]];
-      y[1][i] = data.v_px[rows[i]];
-    }
-    std::erase_if(coordinates, is_constant);
-    if (coordinates.empty()) continue;
-    for (auto& x : coordinates) x = standardised(x);
+  for (const std::vector<int>& all : data.rows_of_frame) {
+    std::vector<int> rows;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(rows),
+                 [&](int row) { return gross.empty() || !gross[2 * row]; });
+    if (rows.empty()) continue;
+    const BoardField field(data, rows);
+    if (field.along().empty()) continue;
     // As flexible as half of the frame's points allow, at most of degree 8.
     int degree = 8;
-    while (degree > 1 &&
-           static_cast<size_t>(monomials({coordinates.begin(), coordinates.end()}, degree).cols()) *
-                   2 >
-               rows.size())
+    while (degree > 1 && static_cast<size_t>(field.columns(degree).cols()) * 2 > rows.size())
       --degree;
-    const Eigen::MatrixXd A = monomials(coordinates, degree);
+    const Eigen::MatrixXd A = field.columns(degree);
     if (static_cast<size_t>(A.cols()) + 4 > rows.size()) continue;
     for (int c = 0; c < 2; ++c) {
-      const Eigen::VectorXd r = studentised(A, y[c]);
-      left[c].insert(left[c].end(), r.begin(), r.end());
+      Eigen::VectorXd y(rows.size());
+      for (size_t i = 0; i < rows.size(); ++i) y[i] = (c ? data.v_px : data.u_px)[rows[i]];
+      const Eigen::VectorXd r = studentised(A, y);
+      for (size_t i = 0; i < rows.size(); ++i)
+        left[c].push_back(r[i] / (data.spread.empty() ? 1 : data.spread[rows[i]]));
     }
   }
   if (left[0].empty())
@@ -159,8 +124,10 @@ std::array<double, 2> noise_by_directions(const PointsData& data) {
 
 }  // namespace
 
-std::array<double, 2> estimate_points_noise(const PointsData& data) {
-  return data.rig.type() == Rig::Type::unknown ? noise_by_frames(data) : noise_by_directions(data);
+std::array<double, 2> estimate_points_noise(const PointsData& data,
+                                            const std::vector<char>& gross) {
+  return data.rig.type() == Rig::Type::unknown ? noise_by_frames(data, gross)
+                                               : noise_by_directions(data);
 }
 
 }  // namespace seam::measurement

@@ -4,9 +4,22 @@
 
 namespace seam::measurement {
 
-effects::ImagePoint PointsPredictor::image(size_t row, double late_s,
-                                           const double* joint_errors) const {
-  const Vec3& p_W = data_.p_W[row];
+std::vector<Vec3> places_of_rows(const PointsData& data, const effects::TargetShape& shape,
+                                 const std::vector<Vec3>& displaced_m) {
+  if (shape.is_plan() && displaced_m.empty()) return data.p_W;
+  std::vector<Vec3> shift_W;
+  for (size_t point = 0; point < data.target.names.size(); ++point) {
+    shift_W.push_back(data.target.placed_W(point, shape) - data.target.plan_W[point]);
+    if (!displaced_m.empty()) shift_W.back() += data.target.axes_W * displaced_m[point];
+  }
+  std::vector<Vec3> places_W = data.p_W;
+  for (size_t row = 0; row < places_W.size(); ++row)
+    places_W[row] += shift_W[static_cast<size_t>(data.point_of_row[row])];
+  return places_W;
+}
+
+effects::ImagePoint PointsPredictor::image_at(size_t row, const Vec3& p_W, double late_s,
+                                              const double* joint_errors) const {
   double v = data_.v_px[row];
   if (timing_.line_delay_s == 0) {
     const double t = instant(data_.stamp_s[row], v) + late_s;

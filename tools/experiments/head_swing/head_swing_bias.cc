@@ -108,7 +108,7 @@ SwingMode camera_rate(const StudySize& size, bool locked) {
   return {locked ? "locked" : "scheduled", {.locked = locked, .duration_s = size.duration_s}};
 }
 
-void head_swing_bias_experiment(const ExperimentOptions& options) {
+void head_swing_bias_experiment(const ExperimentOptions& options, OutputFile& output) {
   // Three swings are enough to see that everything works.
   const StudySize size{
       .poses = paper_poses(options.quick || options.poses == 0 ? 4 : options.poses),
@@ -135,7 +135,7 @@ void head_swing_bias_experiment(const ExperimentOptions& options) {
   json["explained"] = explain(runs, size, options.folder);
   for (const auto& [name, study] : studies) json[name] = study->report(runs, options.folder);
   write_swing_protocol(options.folder / "measure");
-  if (!options.json_file.empty()) write_file_atomically(options.json_file, json.dump(1) + "\n");
+  output.fill(json.dump(1) + "\n");
 }
 
 }  // namespace seam::tools

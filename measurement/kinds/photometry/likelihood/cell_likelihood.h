@@ -1,8 +1,10 @@
 // The likelihood of a photometry set whose samples are sorted into cells of light
-// (photometry_cells.h), in two parts: changes in time within each level (photometry_cells.cc) and
-// means over time with the fixed patterns (cell_means.cc).
+// (photometry_cells.h), in three parts: changes in time within each level (photometry_cells.cc),
+// means over time with the pixels' patterns (cell_means.cc), and what rows, columns, frames and odd
+// samples have of their own (cell_structure.cc).
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "effects/stages/optics.h"
@@ -24,11 +26,12 @@ class CellLikelihood {
         noise_(set_noise_dn),
         share_(share),
         flickers_(effects::lamps_flicker(model)),
+        pixels_(chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0),
         levels_(cells.present.size()),
         entries_(cells.count() * levels_) {}
 
-  // The log-likelihood; minus infinity where cells cannot give one.
-  double run();
+  // The log-likelihood is minus infinity where cells cannot give one.
+  PhotometryScore run();
 
  private:
   // What a level predicts for a cell.
@@ -36,23 +39,26 @@ class CellLikelihood {
     double mean = 0;   // At the cell's mean light.
     double slope = 0;  // d mean / d light.
     double variance = 1, offset_slope = 1, gain_slope = 0;
-    double hot = 0;  // A hot sample's mean less that of others.
+    double wave = 0;                  // d mean / d wave of amplitude 1.
+    std::array<double, 2> odd{0, 0};  // A hot, a weak sample's mean less that of others.
   };
   // By cell, for its samples: the inverse of their covariance between levels, in parts.
   struct Inverse {
     PatternInverse two;
-    double hot_square = 0;    // h' Sigma^-1 h, h the offset of a hot sample.
-    double slope_square = 0;  // The same of the slopes by an offset.
+    std::array<double, 2> odd_square{0, 0};  // h' Sigma^-1 h, h the offset of an odd sample.
+    double slope_square = 0;                 // The same of the slopes by an offset.
   };
-  struct SampleSums;  // Of the pass over all samples (cell_means.cc).
+  struct Column {
+    double info = 0, score = 0;
+  };
 
   const LevelSums& sum(size_t k) const { return sums_.levels[cells_.present[k]]; }
   double frames(size_t k) const { return static_cast<double>(sum(k).frames.size()); }
   Entry& entry(size_t cell, size_t k) { return entries_[cell * levels_ + k]; }
-  size_t unit(int place, int channel) const {
-    return share_ ? static_cast<size_t>(place)
-                  : static_cast<size_t>(place) * data_.channels + channel;
+  size_t unit(size_t place, size_t channel) const {
+    return share_ ? place : place * static_cast<size_t>(data_.channels) + channel;
   }
+  bool is_structured() const { return chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0; }
 
   void predict_level(size_t k);
   void fill(size_t k, double illumination, double lamps, const effects::SensorExposure& exposure);
@@ -61,22 +67,49 @@ class CellLikelihood {
   std::vector<double> row_averages(size_t k, F&& value);
   double gain_scatter(size_t k, const std::vector<double>& row_gain);
   void add_changes(size_t k);
+  void add_rows_of_frames(size_t k, const std::vector<double>& variance,
+                          const std::vector<double>& slope2, const std::vector<double>& gain);
+  void count_certain(size_t k);
+  void share_among_frames();
+
   void add_means();
   void add_patterns(size_t cell);
-  void find_slope_products(size_t cell);
-  void add_samples();
-  void add_row(int v, SampleSums& sums);
-  void compare_columns(int v, SampleSums& sums);
+  void load_patterns(size_t cell);
+  void take_patterns(size_t cell, double q00, double q01, double q11);
+  void add_patterns_by_sample();
+  template <typename F>
+  double solve(size_t cell, F&& value, double* out) const;
+
+  void add_structure();
+  void choose_odd();
+  void sum_groups(const SampleGroups& groups, std::vector<double>& residual) const;
+  void add_row_groups(const std::vector<double>& residual, RowOffsets& rows);
+  void add_columns(const std::vector<double>& column_residual, const RowOffsets& rows);
+  void add_lamps();
 
   // Of residuals from the prediction: sum over a cell's samples of r_k r_l, l <= k.
   double product(size_t cell, size_t k, size_t l) {
     const Entry &a = entry(cell, k), &b = entry(cell, l);
     const double ma = a.mean - cells_.reference[k], mb = b.mean - cells_.reference[l];
     const size_t at = cell * levels_;
-    return cells_.products[(at + k) * levels_ + l] - ma * cells_.mean[at + l] -
-           mb * cells_.mean[at + k] + cells_.samples[cell] * ma * mb -
-           a.slope * cells_.with_offset[at + l] - b.slope * cells_.with_offset[at + k] +
-           a.slope * b.slope * cells_.offset2[cell];
+    const double of_means =
+        cells_.all_products ? cells_.products[(at + k) * levels_ + l] : cells_.products[at + k];
+    double sum = of_means - ma * cells_.mean[at + l] - mb * cells_.mean[at + k] +
+                 cells_.samples[cell] * ma * mb - a.slope * cells_.with_offset[at + l] -
+                 b.slope * cells_.with_offset[at + k] + a.slope * b.slope * cells_.offset2[cell];
+    if (a.wave == 0 && b.wave == 0) return sum;
+    sum += -a.wave * cells_.with_wave[at + l] - b.wave * cells_.with_wave[at + k] +
+           (a.wave * mb + b.wave * ma) * cells_.wave_sum[cell] +
+           (a.wave * b.slope + b.wave * a.slope) * cells_.wave_offset[cell] +
+           a.wave * b.wave * cells_.wave2[cell];
+    return sum;
+  }
+  // Sum over a cell's samples of r_k.
+  double residual_sum(size_t cell, size_t k) {
+    const Entry& here = entry(cell, k);
+    return cells_.mean[cell * levels_ + k] -
+           cells_.samples[cell] * (here.mean - cells_.reference[k]) -
+           here.wave * cells_.wave_sum[cell];
   }
 
   const PhotometryData& data_;
@@ -85,16 +118,17 @@ class CellLikelihood {
   const effects::Model& model_;
   effects::SensorChain chain_;
   double noise_;
-  bool share_, flickers_;
+  bool share_, flickers_, pixels_;
   size_t levels_;
   std::vector<Entry> entries_;
   std::vector<std::vector<double>> lamps_;  // By level and frame: brightness over the level's mean.
   std::vector<Inverse> inverse_;            // By cell.
-  // By cell * levels + k.
-  std::vector<double> weight_, offset_load_, gain_load_, hot_vector_, slope_vector_;
-  // By (cell * levels + k) * levels + l: s_k (Sigma^-1)_kl s_l; empty without pixels' patterns.
-  std::vector<double> slope_products_;
+  // By cell * levels + k; the loads are times the weights.
+  std::vector<double> weight_, offset_load_, gain_load_, slope_vector_;
+  std::array<std::vector<double>, 2> odd_vector_;
+  std::vector<char> is_odd_;  // By sample: 0, 1 hot, 2 weak; empty: none is.
   Quadratic total_;
+  PhotometryScore score_;
 };
 
 }  // namespace seam::measurement

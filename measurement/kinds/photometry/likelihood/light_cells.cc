@@ -10,17 +10,26 @@ namespace seam::measurement {
 namespace {
 
 constexpr size_t kKept = 24;
+constexpr double kMostBytes = 150e6;  // Of those that are kept.
+// With more levels than this products of all pairs are kept for uniform light alone, and cells are
+// wide: within a cell the mean is linear in the light.
+constexpr size_t kFewLevels = 24;
+constexpr double kCellsOfMany = 64;
 
 // Cells a sixteenth of a DN wide in an image of 256 DN: as fine as the tables of the sensor's
 // response.
-size_t cells_for(double least, double most) {
+size_t cells_for(double least, double most, size_t levels) {
   if (!(most > least)) return 1;
-  return static_cast<size_t>(std::clamp(4096 * (most - least) / most, 32.0, 1024.0));
+  const double finest = levels > kFewLevels ? kCellsOfMany : 1024;
+  return static_cast<size_t>(std::clamp(4096 * (most - least) / most, 32.0, finest));
 }
 
-// What the field of light depends on.
+// What the field of light and the wave depend on.
 std::string light_key(const PhotometrySums& sums, const effects::Model& model) {
   std::string key = std::to_string(sums.id);
+  const effects::PatternWave wave = effects::sensor_of(model).wave;
+  if (wave.amplitude_dn > 0)
+    key += fmt::format(";{:a},{:a},{:a};", wave.period_px, wave.angle_rad, wave.phase_rad);
   for (const effects::ModelEffect& effect : model.effects()) {
     if (!effect.definition->gain && !effect.definition->optics) continue;
     key += effect.definition->name;
@@ -44,7 +53,7 @@ LightSteps steps_of_light(const std::vector<double>& light, size_t channels, Lig
   }
   LightSteps steps{std::vector<size_t>(channels + 1, 0), std::vector<double>(channels, 1)};
   for (size_t c = 0; c < channels; ++c) {
-    const size_t count = cells_for(cells.least[c], cells.most[c]);
+    const size_t count = cells_for(cells.least[c], cells.most[c], cells.present.size());
     steps.first[c + 1] = steps.first[c] + count;
     steps.width[c] = count > 1 ? (cells.most[c] - cells.least[c]) / static_cast<double>(count) : 1;
   }
@@ -101,47 +110,123 @@ void compare_light(const PhotometryData& data, const std::vector<double>& light,
   }
 }
 
-// Sums over the samples of each cell, by level.
-void sum_samples(const PhotometrySums& sums, bool all_products, LightCells& cells) {
+// The wave of amplitude 1, and what cells need of it.
+void sort_wave(const PhotometryData& data, const effects::PatternWave& wave, LightCells& cells) {
+  for (auto* v : {&cells.wave_sum, &cells.wave2, &cells.wave_offset}) v->assign(cells.count(), 0);
+  if (!(wave.amplitude_dn > 0)) return;
+  cells.wave.reserve(data.samples());
+  for (int v = 0; v < data.height_px; ++v) {
+    for (int u = 0; u < data.width_px; ++u) {
+      const double here = wave.unit_at(data.column(u), data.row(v));
+      cells.wave.insert(cells.wave.end(), static_cast<size_t>(data.channels),
+                        static_cast<float>(here));
+    }
+  }
+  for (size_t i = 0; i < cells.wave.size(); ++i) {
+    const size_t cell = cells.of_sample[i];
+    const double w = cells.wave[i];
+    cells.wave_sum[cell] += w, cells.wave2[cell] += w * w;
+    cells.wave_offset[cell] += w * cells.offset[i];
+  }
+}
+
+// Sums over the samples of each cell, by level: level by level, since each has its own array.
+void sum_samples(const PhotometrySums& sums, LightCells& cells) {
   const size_t samples = cells.of_sample.size(), count = cells.count(),
                levels = cells.present.size();
-  for (auto* v : {&cells.mean, &cells.with_offset, &cells.scatter}) v->assign(count * levels, 0);
-  cells.products.assign(count * levels * levels, 0);
-  std::vector<const double*> means, scatters;
-  for (const size_t l : cells.present) {
-    double mean = 0;
-    for (const double m : sums.levels[l].mean) mean += m;
-    cells.reference.push_back(mean / static_cast<double>(samples));
-    means.push_back(sums.levels[l].mean.data()), scatters.push_back(sums.levels[l].scatter.data());
-  }
-  std::vector<double> m(levels);
-  for (size_t i = 0; i < samples; ++i) {
-    const size_t cell = cells.of_sample[i];
-    const double offset = cells.offset[i];
-    double* mean = &cells.mean[cell * levels];
-    double* with_offset = &cells.with_offset[cell * levels];
-    double* scatter = &cells.scatter[cell * levels];
-    double* product = &cells.products[cell * levels * levels];
-    for (size_t k = 0; k < levels; ++k) {
-      m[k] = means[k][i] - cells.reference[k];
-      mean[k] += m[k];
-      with_offset[k] += m[k] * offset;
-      scatter[k] += scatters[k][i];
-      for (size_t l = all_products ? 0 : k; l <= k; ++l) product[k * levels + l] += m[k] * m[l];
+  for (auto* v : {&cells.mean, &cells.with_offset, &cells.with_wave, &cells.scatter})
+    v->assign(count * levels, 0);
+  cells.products.assign(count * levels * (cells.all_products ? levels : 1), 0);
+  std::vector<std::vector<double>> m;
+  for (size_t k = 0; k < levels; ++k) {
+    const LevelSums& level = sums.levels[cells.present[k]];
+    double total = 0;
+    for (const double mean : level.mean) total += mean;
+    const double reference = total / static_cast<double>(samples);
+    cells.reference.push_back(reference);
+    m.push_back(level.mean);
+    for (size_t i = 0; i < samples; ++i) {
+      const size_t at = cells.of_sample[i] * levels + k;
+      const double r = m[k][i] -= reference;
+      cells.mean[at] += r;
+      cells.with_offset[at] += r * cells.offset[i];
+      cells.scatter[at] += level.scatter[i];
+      if (!cells.wave.empty()) cells.with_wave[at] += r * cells.wave[i];
+      if (!cells.all_products) cells.products[at] += r * r;
     }
+    for (size_t l = 0; cells.all_products && l <= k; ++l) {
+      for (size_t i = 0; i < samples; ++i)
+        cells.products[(cells.of_sample[i] * levels + k) * levels + l] += m[k][i] * m[l][i];
+    }
+    if (!cells.all_products) m[k] = {};
+  }
+}
+
+// Groups of samples by `place_of` (a row or a column) and cell.
+template <typename F>
+void group_samples(const LightCells& cells, size_t places, F&& place_of, SampleGroups& groups) {
+  constexpr uint32_t kNone = ~0u;
+  std::vector<uint32_t> number(places * cells.count(), kNone);
+  groups.of_sample.resize(cells.of_sample.size());
+  for (size_t i = 0; i < cells.of_sample.size(); ++i) {
+    uint32_t& own = number[place_of(i) * cells.count() + cells.of_sample[i]];
+    if (own == kNone) {
+      own = static_cast<uint32_t>(groups.count());
+      groups.place.push_back(static_cast<uint32_t>(place_of(i)));
+      groups.cell.push_back(cells.of_sample[i]);
+    }
+    groups.of_sample[i] = own;
+  }
+  for (auto* v : {&groups.samples, &groups.offset, &groups.wave}) v->assign(groups.count(), 0);
+  for (size_t i = 0; i < cells.of_sample.size(); ++i) {
+    const uint32_t own = groups.of_sample[i];
+    groups.samples[own] += 1, groups.offset[own] += cells.offset[i];
+    if (!cells.wave.empty()) groups.wave[own] += cells.wave[i];
+  }
+}
+
+void sum_groups(const PhotometrySums& sums, const LightCells& cells, SampleGroups& groups) {
+  const size_t levels = cells.present.size();
+  groups.mean.assign(groups.count() * levels, 0);
+  for (size_t k = 0; k < levels; ++k) {
+    const auto& mean = sums.levels[cells.present[k]].mean;
+    for (size_t i = 0; i < mean.size(); ++i)
+      groups.mean[groups.of_sample[i] * levels + k] += mean[i];
   }
 }
 
 LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
-                        const std::vector<double>& light, bool all_products) {
+                        const effects::Model& model, CellNeeds needs) {
   LightCells cells;
   for (size_t l = 0; l < sums.levels.size(); ++l) {
     if (!sums.levels[l].frames.empty()) cells.present.push_back(l);
   }
-  number_cells(light, static_cast<size_t>(data.channels), cells);
+  const std::vector<double> light = relative_light(data, model, 0);
+  const auto channels = static_cast<size_t>(data.channels);
+  number_cells(light, channels, cells);
   compare_light(data, light, cells);
-  sum_samples(sums, all_products, cells);
+  sort_wave(data, effects::sensor_of(model).wave, cells);
+  cells.all_products =
+      needs.products && (cells.present.size() <= kFewLevels || cells.count() == channels);
+  sum_samples(sums, cells);
+  const auto width = static_cast<size_t>(data.width_px);
+  group_samples(
+      cells, static_cast<size_t>(data.height_px), [&](size_t i) { return i / channels / width; },
+      cells.by_row);
+  if (needs.groups) {
+    group_samples(
+        cells, width, [&](size_t i) { return i / channels % width; }, cells.by_column);
+    sum_groups(sums, cells, cells.by_row);
+    sum_groups(sums, cells, cells.by_column);
+  }
   return cells;
+}
+
+double bytes_of(const LightCells& cells) {
+  return 8.0 * static_cast<double>(cells.products.size() + 4 * cells.mean.size() +
+                                   cells.of_sample.size() + cells.wave.size() / 2 +
+                                   cells.by_row.mean.size() + cells.by_column.mean.size() +
+                                   cells.by_row.of_sample.size());
 }
 
 }  // namespace
@@ -149,23 +234,30 @@ LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
 std::shared_ptr<const LightCells> CellStore::cells(const PhotometryData& data,
                                                    const PhotometrySums& sums,
                                                    const effects::Model& model,
-                                                   bool all_products) const {
+                                                   CellNeeds needs) const {
   const std::string key = light_key(sums, model);
   {
     const std::scoped_lock lock(mutex_);
     const auto known = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-      return entry.key == key && (entry.all_products || !all_products);
+      return entry.key == key && (entry.needs.products || !needs.products) &&
+             (entry.needs.groups || !needs.groups);
     });
     if (known != entries_.end()) {
       entries_.splice(entries_.begin(), entries_, known);
       return entries_.front().cells;
     }
   }
-  auto cells = std::make_shared<const LightCells>(
-      sort_samples(data, sums, relative_light(data, model, 0), all_products));
+  auto cells = std::make_shared<const LightCells>(sort_samples(data, sums, model, needs));
   const std::scoped_lock lock(mutex_);
-  entries_.push_front({key, all_products, cells});
-  if (entries_.size() > kKept) entries_.pop_back();
+  entries_.push_front({key, needs, cells});
+  double bytes = 0;
+  size_t kept = 0;
+  for (const Entry& entry : entries_) {
+    bytes += bytes_of(*entry.cells);
+    if (kept > 1 && (bytes > kMostBytes || kept >= kKept)) break;
+    ++kept;
+  }
+  entries_.resize(kept);
   return cells;
 }
 

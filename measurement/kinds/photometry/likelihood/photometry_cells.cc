@@ -12,18 +12,56 @@
 
 namespace seam::measurement {
 
-double CellLikelihood::run() {
+PhotometryScore CellLikelihood::run() {
   lamps_.resize(levels_);
+  score_.values = sums_.values;
+  score_.by_frame.assign(data_.frames.size(), 0);
   for (size_t k = 0; k < levels_; ++k) {
     predict_level(k);
     add_changes(k);
+    count_certain(k);
+    score_.nuisances += std::isnan(data_.levels[cells_.present[k]].illumination);
   }
   add_means();
   // Where variances differ wildly along rows, as at clipping, rows and columns are no longer told
   // apart exactly: what comes out beyond zero is no likelihood.
-  if (!(total_.chi2 >= 0)) return -std::numeric_limits<double>::infinity();
-  return -0.5 * (total_.chi2 + total_.log_det +
-                 static_cast<double>(sums_.values) * std::log(2 * maths::kPi));
+  if (!(total_.chi2 >= 0)) {
+    score_.chi2 = std::numeric_limits<double>::quiet_NaN();
+    score_.log_likelihood = -std::numeric_limits<double>::infinity();
+    return score_;
+  }
+  score_.chi2 = total_.chi2;
+  score_.log_likelihood = -0.5 * (total_.chi2 + total_.log_det +
+                                  static_cast<double>(sums_.values) * std::log(2 * maths::kPi));
+  share_among_frames();
+  return score_;
+}
+
+// What frames have in common is divided equally.
+void CellLikelihood::share_among_frames() {
+  double assigned = 0, count = 0;
+  for (const double own : score_.by_frame) assigned += own;
+  for (size_t k = 0; k < levels_; ++k) count += frames(k);
+  for (size_t k = 0; k < levels_; ++k) {
+    for (const int frame : sum(k).frames)
+      score_.by_frame[frame] += (score_.log_likelihood - assigned) / count;
+  }
+}
+
+// Values that are certain (a field clipped whole) say nothing of the error when they fit.
+void CellLikelihood::count_certain(size_t k) {
+  bool any = false;
+  for (size_t cell = 0; cell < cells_.count(); ++cell)
+    any = any || entry(cell, k).variance < kCertain;
+  if (!any) return;
+  const LevelSums& level = sum(k);
+  for (size_t i = 0; i < level.mean.size(); ++i) {
+    const Entry& here = entry(cells_.of_sample[i], k);
+    if (!(here.variance < kCertain)) continue;
+    const double r = level.mean[i] - here.mean - here.slope * cells_.offset[i];
+    if (frames(k) * r * r + level.scatter[i] < kCertain * frames(k))
+      score_.values -= static_cast<int64_t>(level.frames.size());
+  }
 }
 
 void CellLikelihood::predict_level(size_t k) {
@@ -61,22 +99,32 @@ void CellLikelihood::predict_level(size_t k) {
 void CellLikelihood::fill(size_t k, double illumination, double lamps,
                           const effects::SensorExposure& exposure) {
   const double scale = effects::signal_dn(chain_, illumination, exposure) * lamps;
-  std::vector<ResponseTable> tables;
-  for (int c = 0; c < data_.channels; ++c)
-    tables.emplace_back(chain_, exposure, data_.colour(c), noise_, scale * cells_.least[c],
-                        scale * cells_.most[c]);
-  for (size_t cell = 0; cell < cells_.count(); ++cell) {
-    const ResponseTable& table = tables[cells_.channel[cell]];
-    const Response here = table.at(scale * cells_.light[cell]);
-    Entry& out = entry(cell, k);
-    out = {.mean = here.mean,
-           .variance = here.variance,
-           .offset_slope = here.offset_slope,
-           .gain_slope = here.gain_slope,
-           .hot = here.hot_mean - here.mean};
-    const double low = cells_.low[cell], high = cells_.high[cell];
-    if (high > low)
-      out.slope = (table.at(scale * high).mean - table.at(scale * low).mean) / (high - low);
+  // Few cells are evaluated themselves; a table serves many.
+  constexpr size_t kFewCells = 64;
+  for (int c = 0; c < data_.channels; ++c) {
+    const size_t first = cells_.first[c], last = cells_.first[c + 1];
+    std::optional<ResponseTable> table;
+    if (scale == 0 || last - first > kFewCells) {
+      table.emplace(chain_, exposure, data_.colour(c), noise_, scale * cells_.least[c],
+                    scale * cells_.most[c]);
+    }
+    for (size_t cell = first; cell < last; ++cell) {
+      const double signal = scale * cells_.light[cell];
+      const Response here =
+          table ? table->at(signal) : respond(chain_, exposure, data_.colour(c), noise_, signal);
+      Entry& out = entry(cell, k);
+      out = {.mean = here.mean,
+             .variance = here.variance,
+             .offset_slope = here.offset_slope,
+             .gain_slope = here.gain_slope,
+             .wave = chain_.wave.amplitude_dn * here.offset_slope,
+             .odd = {here.hot_mean - here.mean, here.weak_mean - here.mean}};
+      const double low = cells_.low[cell], high = cells_.high[cell];
+      if (!(high > low)) continue;
+      out.slope = table
+                      ? (table->at(scale * high).mean - table->at(scale * low).mean) / (high - low)
+                      : here.gain_slope / std::max(cells_.light[cell], 1e-12);
+    }
   }
 }
 
@@ -87,8 +135,7 @@ double CellLikelihood::correction(size_t k) {
     const Entry& here = entry(cell, k);
     const double w = here.gain_slope / here.variance;
     slope2 += w * here.gain_slope * cells_.samples[cell];
-    slope_residual += w * (cells_.mean[cell * levels_ + k] -
-                           cells_.samples[cell] * (here.mean - cells_.reference[k]));
+    slope_residual += w * residual_sum(cell, k);
   }
   return slope2 > 0 ? std::clamp(slope_residual / slope2, -0.5, 1.0) : 0;
 }
@@ -115,9 +162,12 @@ std::vector<double> CellLikelihood::row_averages(size_t k, F&& value) {
   }
   if (linear) return out;
   out.assign(rows, 0);
-  const size_t row_samples = data_.width_px * channels;
-  for (size_t i = 0; i < cells_.of_sample.size(); ++i)
-    out[i / row_samples * channels + i % channels] += value(entry(cells_.of_sample[i], k));
+  const SampleGroups& groups = cells_.by_row;
+  for (size_t g = 0; g < groups.count(); ++g) {
+    const auto channel = static_cast<size_t>(cells_.channel[groups.cell[g]]);
+    out[groups.place[g] * channels + channel] +=
+        groups.samples[g] * value(entry(groups.cell[g], k));
+  }
   for (double& x : out) x /= data_.width_px;
   return out;
 }
@@ -125,27 +175,28 @@ std::vector<double> CellLikelihood::row_averages(size_t k, F&& value) {
 // Sum over samples of the squared difference of their gain from their row's, over their variance.
 double CellLikelihood::gain_scatter(size_t k, const std::vector<double>& row_gain) {
   if (cells_.count() == static_cast<size_t>(data_.channels)) return 0;
-  const size_t channels = data_.channels, row_samples = data_.width_px * channels;
+  const auto channels = static_cast<size_t>(data_.channels);
+  const SampleGroups& groups = cells_.by_row;
   double sum = 0;
-  for (size_t i = 0; i < cells_.of_sample.size(); ++i) {
-    const Entry& here = entry(cells_.of_sample[i], k);
-    const double d = here.gain_slope - row_gain[i / row_samples * channels + i % channels];
-    sum += d * d / here.variance;
+  for (size_t g = 0; g < groups.count(); ++g) {
+    const Entry& here = entry(groups.cell[g], k);
+    const auto channel = static_cast<size_t>(cells_.channel[groups.cell[g]]);
+    const double d = here.gain_slope - row_gain[groups.place[g] * channels + channel];
+    sum += groups.samples[g] * d * d / here.variance;
   }
   return sum;
 }
 
 // Changes in time within a level: of rows from frame to frame, and what is left within rows.
 void CellLikelihood::add_changes(size_t k) {
-  LogSum logs;
   double log_variance = 0, scatter = 0;
   for (size_t cell = 0; cell < cells_.count(); ++cell) {
     log_variance += cells_.samples[cell] * std::log(entry(cell, k).variance);
     scatter += cells_.scatter[cell * levels_ + k] / entry(cell, k).variance;
+    score_.square += cells_.scatter[cell * levels_ + k];
   }
   total_.log_det += log_variance;
-  const size_t count = sum(k).frames.size();
-  if (count < 2) return;
+  if (sum(k).frames.size() < 2) return;
   const auto width = static_cast<double>(data_.width_px);
   const double freedom = frames(k) - 1;
   total_.log_det += log_variance * freedom * (width - 1) / width;
@@ -164,44 +215,78 @@ void CellLikelihood::add_changes(size_t k) {
     for (const double own : lamps_[k]) moved += own * own;
     total_.chi2 -= moved * gain_scatter(k, gain);
   }
-  const int channels = data_.channels;
+  add_rows_of_frames(k, variance, slope2, gain);
+}
+
+// Means of rows from frame to frame, with the rows' noise and the frames' own light.
+void CellLikelihood::add_rows_of_frames(size_t k, const std::vector<double>& variance,
+                                        const std::vector<double>& slope2,
+                                        const std::vector<double>& gain) {
+  const LevelSums& level = sum(k);
+  const auto count = static_cast<double>(level.frames.size());
+  const auto width = static_cast<double>(data_.width_px);
+  const double spread = chain_.row_sigma_dn * chain_.row_sigma_dn;
+  const double lamp2 = chain_.lamp_sigma * chain_.lamp_sigma;
+  const auto channels = static_cast<size_t>(data_.channels);
+  LogSum logs;
+  double lamp_info = 0;
+  std::vector<double> lamp_score(level.frames.size(), 0), chi2(level.frames.size(), 0);
+  std::vector<double> load(channels), lamp_gain(data_.rows(), 0);
+  if (lamp2 > 0) lamp_gain = row_averages(k, [](const Entry& e) { return e.gain_slope; });
+  const auto residual = [&](size_t f, size_t row) {
+    const double shift = flickers_ ? gain[row] * lamps_[k][f] : 0;
+    return data_.row_mean[level.frames[f]][row] - level.row_mean[row] - shift;
+  };
   for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
-    double info = 0;
-    std::vector<double> load(channels);
-    for (int c = 0; c < channels; ++c) {
+    double info = 0, log_det = 0;
+    for (size_t c = 0; c < channels; ++c) {
       const size_t row = v * channels + c;
+      const double own = variance[row] / width, load2 = spread * slope2[row];
       logs.add(variance[row]);
-      const double load2 = spread * slope2[row];
-      load[c] = std::sqrt(load2) * width / variance[row];
-      info += load2 * width / variance[row];
+      load[c] = std::sqrt(load2) / own;
+      info += load2 / own;
+      for (size_t f = 0; f < level.frames.size(); ++f) {
+        const double r = residual(f, row);
+        chi2[f] += r * r / own;
+        lamp_score[f] += lamp_gain[row] * r / (own + load2);
+      }
+      lamp_info += lamp_gain[row] * lamp_gain[row] / (own + load2);
       if (load2 == 0 || (share_ && c + 1 < channels)) continue;
-      total_.log_det += freedom * std::log1p(info);
-      const int first = share_ ? 0 : c;
-      for (size_t f = 0; f < count; ++f) {
-        const auto& means = data_.row_mean[sum(k).frames[f]];
+      log_det += std::log1p(info);
+      for (size_t f = 0; f < level.frames.size(); ++f) {
         double score = 0;
-        for (int own = first; own <= c; ++own) {
-          const size_t at = v * channels + own;
-          const double shift = flickers_ ? gain[at] * lamps_[k][f] : 0;
-          score += load[own] * (means[at] - sum(k).row_mean[at] - shift);
-        }
-        total_.chi2 -= score * score / (1 + info);
+        for (size_t from = share_ ? 0 : c; from <= c; ++from)
+          score += load[from] * residual(f, v * channels + from);
+        chi2[f] -= score * score / (1 + info);
       }
       info = 0;
     }
+    total_.log_det += (count - 1) * log_det;
+    for (const int frame : level.frames)
+      score_.by_frame[frame] -= 0.5 * log_det * (count - 1) / count;
   }
-  total_.log_det += freedom * logs.total();
-  for (size_t f = 0; f < count; ++f) {
-    const auto& means = data_.row_mean[sum(k).frames[f]];
-    const double lamps = flickers_ ? lamps_[k][f] : 0;
-    for (size_t row = 0; row < rows; ++row) {
-      const double r = means[row] - sum(k).row_mean[row] - gain[row] * lamps;
-      total_.chi2 += r * r * width / variance[row];
+  double common = logs.total();
+  total_.log_det += (count - 1) * common;
+  if (lamp2 > 0) {
+    const double own = std::log1p(lamp2 * lamp_info);
+    total_.log_det += (count - 1) * own;
+    common += own;
+    for (size_t f = 0; f < level.frames.size(); ++f)
+      chi2[f] -= lamp2 * lamp_score[f] * lamp_score[f] / (1 + lamp2 * lamp_info);
+  }
+  for (size_t f = 0; f < level.frames.size(); ++f) {
+    total_.chi2 += chi2[f];
+    score_.by_frame[level.frames[f]] -= 0.5 * (chi2[f] + common * (count - 1) / count);
+  }
+  for (const int frame : level.frames) {
+    for (size_t row = 0; row < data_.rows(); ++row) {
+      const double d = data_.row_mean[frame][row] - level.row_mean[row];
+      score_.square += width * d * d;
     }
   }
 }
 
-std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
+std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
                                           double set_noise_dn, bool channels_share) {
   if (depends_on_time(model)) return std::nullopt;
@@ -209,9 +294,18 @@ std::optional<double> cell_log_likelihood(const PhotometryData& data, const Phot
     return std::nullopt;
   const bool share = channels_share || data.channels == 1;
   const effects::SensorChain chain = effects::sensor_of(model);
-  const bool pixels = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0;
-  const auto cells = store.cells(data, sums, model, pixels);
+  const CellNeeds needs{.products = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0,
+                        .groups = chain.row_sigma_dn > 0 || chain.column_sigma_dn > 0};
+  const auto cells = store.cells(data, sums, model, needs);
   return CellLikelihood(data, sums, *cells, model, set_noise_dn, share).run();
+}
+
+std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
+                                          const CellStore& store, const effects::Model& model,
+                                          double set_noise_dn, bool channels_share) {
+  const auto score = cell_score(data, sums, store, model, set_noise_dn, channels_share);
+  if (!score) return std::nullopt;
+  return score->log_likelihood;
 }
 
 }  // namespace seam::measurement

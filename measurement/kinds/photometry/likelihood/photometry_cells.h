@@ -12,9 +12,25 @@
 #include <string>
 #include <vector>
 
-#include "measurement/kinds/photometry/likelihood/photometry_model.h"
+#include "measurement/kinds/photometry/likelihood/photometry_likelihood.h"
 
 namespace seam::measurement {
+
+// Samples of a row or a column that are of one cell.
+struct SampleGroups {
+  std::vector<uint32_t> of_sample;  // The group of each sample.
+  // By group.
+  std::vector<uint32_t> place, cell;  // Row or column, and the cell.
+  std::vector<double> samples, offset, wave;
+  std::vector<double> mean;  // By group * levels + k: sum of the samples' means.
+  size_t count() const { return place.size(); }
+};
+
+// What is asked of cells beyond sums over them.
+struct CellNeeds {
+  bool products = false;  // Of means at different levels.
+  bool groups = false;
+};
 
 // Samples sorted by channel and light. Levels (k) are those that have frames.
 struct LightCells {
@@ -31,9 +47,17 @@ struct LightCells {
   // By cell * levels + k: sums of a sample's mean over frames, of its product with the offset, of
   // its scatter.
   std::vector<double> mean, with_offset, scatter;
-  // By (cell * levels + k) * levels + l, l <= k: sums of products of means; of l = k alone where no
-  // more was asked for.
+  // By (cell * levels + k) * levels + l, l <= k: sums of products of means; of l = k alone, by cell
+  // * levels + k, where there would be too many.
   std::vector<double> products;
+  bool all_products = false;
+  // The wave over the image, of amplitude 1: by sample (empty: there is none), sums over each cell
+  // of it, its square, its product with the offset, and by cell * levels + k with the sample's
+  // mean.
+  std::vector<float> wave;
+  std::vector<double> wave_sum, wave2, wave_offset, with_wave;
+  // Samples of one cell that stand in one row, in one column; means and columns where asked for.
+  SampleGroups by_row, by_column;
   // By channel, and one more: its first cell; cells of a channel stand by ascending light.
   std::vector<size_t> first;
   std::vector<double> row_light;  // By row * channels + channel: mean.
@@ -48,19 +72,23 @@ struct LightCells {
 class CellStore {
  public:
   std::shared_ptr<const LightCells> cells(const PhotometryData& data, const PhotometrySums& sums,
-                                          const effects::Model& model, bool all_products) const;
+                                          const effects::Model& model, CellNeeds needs) const;
 
  private:
   struct Entry {
     std::string key;
-    bool all_products;
+    CellNeeds needs;
     std::shared_ptr<const LightCells> cells;
   };
   mutable std::mutex mutex_;
   mutable std::list<Entry> entries_;  // Most recently used first.
 };
 
-// Log-likelihood as score_photometry gives it; nothing where cells cannot stand for the samples.
+// What score_photometry gives; nothing where cells cannot stand for the samples.
+std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
+                                          const CellStore& store, const effects::Model& model,
+                                          double set_noise_dn, bool channels_share);
+// Its log-likelihood.
 std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
                                           double set_noise_dn, bool channels_share);

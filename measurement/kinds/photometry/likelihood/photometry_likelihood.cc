@@ -4,114 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/kinds/photometry/likelihood/photometry_changes.h"
 #include "measurement/kinds/photometry/likelihood/photometry_rows.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
-
-// Variance below which a value is certain, DN^2.
-constexpr double kCertain = 2e-3;
-
-// Changes in time: rows' means from frame to frame, and what is left within rows.
-class TemporalPart {
- public:
-  TemporalPart(const PhotometryData& data, const PhotometryPrediction& prediction, bool share)
-      : data_(data), prediction_(prediction), share_(share) {}
-
-  Quadratic add(const LevelSums& sum, const LevelPrediction& level, std::vector<double>& by_frame) {
-    Quadratic total;
-    const size_t frames = sum.frames.size();
-    // Of the means over time, whose patterns PatternPart adds, and of the changes.
-    LogSum logs;
-    for (const double v : level.variance) logs.add(v);
-    const double log_variance = logs.total();
-    total.log_det = log_variance;
-    if (frames < 2) return total;
-    const size_t rows = data_.rows();
-    const auto width = static_cast<double>(data_.width_px);
-    std::vector<double> variance(rows, 0), slope2(rows, 0), gain(rows, 0);
-    const double part = 1 / width;
-    each_sample([&](size_t i, size_t row) {
-      variance[row] += level.variance[i] * part;
-      slope2[row] += level.offset_slope[i] * level.offset_slope[i] * part;
-      gain[row] += level.gain_slope[i] * part;
-    });
-    const double freedom = static_cast<double>(frames - 1);
-    // Within rows: (frames - 1) (width - 1) degrees of freedom a row. Flicker moves a row's parts
-    // in proportion to their light; what that adds to the scatter is subtracted.
-    const double share = freedom * (width - 1) / width;
-    std::vector<double> moved(rows, 0);
-    if (prediction_.moves) {
-      for (size_t row = 0; row < rows; ++row) {
-        for (const auto& shift : level.row_shift) moved[row] += shift[row] * shift[row];
-        moved[row] /= std::max(gain[row] * gain[row], 1e-9);
-      }
-    }
-    total.log_det += share * log_variance;
-    each_sample([&](size_t i, size_t row) {
-      const double d = level.gain_slope[i] - gain[row];
-      total.chi2 += (sum.scatter[i] - moved[row] * d * d) / level.variance[i];
-    });
-    const double spread = prediction_.chain.row_sigma_dn * prediction_.chain.row_sigma_dn;
-    for (size_t f = 0; f < frames; ++f) {
-      const Quadratic of_frame = frame_rows(sum, level, f, variance, slope2, spread);
-      total.chi2 += of_frame.chi2;
-      total.log_det += of_frame.log_det * freedom / static_cast<double>(frames);
-      by_frame[sum.frames[f]] -=
-          0.5 * (of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames));
-      own_ += of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames);
-    }
-    return total;
-  }
-
-  double assigned_to_frames() const { return own_; }
-
- private:
-  template <typename F>
-  void each_sample(F&& f) const {
-    size_t i = 0;
-    for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
-      for (int u = 0; u < data_.width_px; ++u) {
-        for (int c = 0; c < data_.channels; ++c, ++i) f(i, v * data_.channels + c);
-      }
-    }
-  }
-
-  Quadratic frame_rows(const LevelSums& sum, const LevelPrediction& level, size_t f,
-                       const std::vector<double>& variance, const std::vector<double>& slope2,
-                       double spread) const {
-    Quadratic total;
-    LogSum logs;
-    const auto& means = data_.row_mean[sum.frames[f]];
-    const int channels = data_.channels;
-    for (size_t v = 0; v < static_cast<size_t>(data_.height_px); ++v) {
-      double info = 0, score = 0;
-      for (int c = 0; c < channels; ++c) {
-        const size_t row = v * channels + c;
-        const double own = variance[row] / data_.width_px;
-        const double r = means[row] - sum.row_mean[row] - level.row_shift[f][row];
-        total.chi2 += r * r / own;
-        logs.add(variance[row]);
-        const double load2 = spread * slope2[row];
-        if (load2 == 0) continue;
-        info += load2 / own;
-        score += std::sqrt(load2) * r / own;
-        if (share_ && c + 1 < channels) continue;
-        total.chi2 -= score * score / (1 + info);
-        total.log_det += std::log1p(info);
-        info = score = 0;
-      }
-    }
-    total.log_det += logs.total();
-    return total;
-  }
-
-  const PhotometryData& data_;
-  const PhotometryPrediction& prediction_;
-  bool share_;
-  double own_ = 0;
-};
 
 // Means over time of every sample, with fixed patterns as random effects.
 class PatternPart {
@@ -124,6 +22,7 @@ class PatternPart {
         chain_(prediction.chain),
         share_(share),
         rows_(data, sums, share) {
+    lamps_ = prediction.chain.lamp_sigma > 0;
     for (size_t l = 0; l < sums.levels.size(); ++l) {
       if (!sums.levels[l].frames.empty()) present_.push_back(l);
     }
@@ -133,12 +32,17 @@ class PatternPart {
   }
 
   Quadratic run() {
-    if (!has_patterns()) return plain();
+    if (!has_patterns() && !lamps_) return plain();
     structured_ = chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
-    if (chain_.hot_fraction > 0) choose_hot();
+    if (chain_.hot_fraction > 0 || chain_.weak_fraction > 0) choose_odd();
+    if (lamps_) {
+      lamp_score_.assign(present_.size(), 0);
+      lamp_precision_.assign(present_.size() * present_.size(), 0);
+    }
     each_sample([&](size_t i, int v, int, int c) { add_sample(i, v, c); });
     if (chain_.column_sigma_dn > 0) add_columns();
     if (structured_) rows_.add(chain_, total_);
+    if (lamps_) add_lamps();
     return total_;
   }
 
@@ -155,7 +59,8 @@ class PatternPart {
 
   bool has_patterns() const {
     return chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0 ||
-           chain_.hot_fraction > 0 || chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
+           chain_.hot_fraction > 0 || chain_.weak_fraction > 0 || chain_.row_sigma_dn > 0 ||
+           chain_.column_sigma_dn > 0;
   }
 
   Quadratic plain() const {
@@ -214,6 +119,7 @@ class PatternPart {
     const PatternInverse two = effects_of_sample();
     total_.chi2 += solve(two, r_, solved_);
     total_.log_det += two.log_det;
+    if (lamps_) add_to_lamps(i, two);
     if (!structured_) return;
     double* score = rows_.score(rows_.unit(v, c));
     double* precision = rows_.precision(rows_.unit(v, c));
@@ -229,27 +135,65 @@ class PatternPart {
     }
   }
 
-  // A sample is hot where that is likelier; its residual is then taken from the hot mean.
-  void choose_hot() {
-    const double log_cold = std::log1p(-chain_.hot_fraction),
-                 log_hot = std::log(chain_.hot_fraction);
-    is_hot_.assign(data_.samples(), 0);
-    for (size_t i = 0; i < is_hot_.size(); ++i) {
-      load_sample(i);
-      const PatternInverse two = effects_of_sample();
-      const double cold = solve(two, r_, solved_);
-      is_hot_[i] = 1;
-      load_sample(i);
-      const double hot = solve(two, r_, solved_);
-      is_hot_[i] = -0.5 * hot + log_hot > -0.5 * cold + log_cold;
-      total_.log_det -= 2 * (is_hot_[i] ? log_hot : log_cold);
+  // A sample is hot or weak where that is likelier; its residual is then taken from that mean.
+  void choose_odd() {
+    const double share[3] = {1 - chain_.hot_fraction - chain_.weak_fraction, chain_.hot_fraction,
+                             chain_.weak_fraction};
+    is_odd_.assign(data_.samples(), 0);
+    for (size_t i = 0; i < is_odd_.size(); ++i) {
+      size_t best = 0;
+      double highest = -std::numeric_limits<double>::infinity();
+      for (size_t kind = 0; kind < 3; ++kind) {
+        if (kind > 0 && !(share[kind] > 0)) continue;
+        is_odd_[i] = static_cast<char>(kind);
+        load_sample(i);
+        const PatternInverse two = effects_of_sample();
+        const double here = -0.5 * solve(two, r_, solved_) + std::log(std::max(share[kind], 1e-6));
+        if (here > highest) highest = here, best = kind;
+      }
+      is_odd_[i] = static_cast<char>(best);
+      total_.log_det -= 2 * std::log(std::max(share[best], 1e-6));
     }
   }
 
   double residual(size_t k, size_t i) const {
     const LevelPrediction& level = prediction_.levels[present_[k]];
-    const bool hot = !is_hot_.empty() && is_hot_[i];
-    return sums_.levels[present_[k]].mean[i] - (hot ? level.hot_mean[i] : level.mean[i]);
+    const char kind = is_odd_.empty() ? 0 : is_odd_[i];
+    const double mean = kind == 1   ? level.hot_mean[i]
+                        : kind == 2 ? level.weak_mean[i]
+                                    : level.mean[i];
+    return sums_.levels[present_[k]].mean[i] - mean;
+  }
+
+  // Of sample i, which is loaded and solved.
+  void add_to_lamps(size_t i, const PatternInverse& two) {
+    const size_t count = present_.size();
+    for (size_t k = 0; k < count; ++k) {
+      const double g = prediction_.levels[present_[k]].gain_slope[i];
+      lamp_score_[k] += g * solved_[k];
+      lamp_precision_[k * count + k] += g * g * inverse_[k];
+      const double offset = g * load_offset_[k] * inverse_[k],
+                   gain = g * load_gain_[k] * inverse_[k];
+      const double e0 = two.i00 * offset + two.i01 * gain, e1 = two.i01 * offset + two.i11 * gain;
+      if (e0 == 0 && e1 == 0) continue;
+      for (size_t l = 0; l < count; ++l)
+        lamp_precision_[k * count + l] -= prediction_.levels[present_[l]].gain_slope[i] *
+                                          inverse_[l] * (load_offset_[l] * e0 + load_gain_[l] * e1);
+    }
+  }
+
+  void add_lamps() {
+    std::vector<double> rows(present_.size(), 0);
+    for (size_t k = 0; k < present_.size(); ++k) {
+      const LevelPrediction& level = prediction_.levels[present_[k]];
+      double gains = 0, slopes = 0;
+      for (size_t i = 0; i < level.mean.size(); ++i)
+        gains += level.gain_slope[i], slopes += level.offset_slope[i];
+      const double one = chain_.row_sigma_dn * slopes / std::max(gains, 1e-9);
+      const auto frames = static_cast<double>(sums_.levels[present_[k]].frames.size());
+      if (gains > 0) rows[k] = one * one / (frames * data_.height_px);
+    }
+    add_lamps_to_means(sums_, chain_.lamp_sigma, lamp_score_, lamp_precision_, rows, total_);
   }
 
   // Beside what their rows have in common.
@@ -291,7 +235,9 @@ class PatternPart {
   bool structured_ = false;
   std::vector<size_t> present_;  // Levels with frames.
   std::vector<double> r_, inverse_, load_offset_, load_gain_, solved_, slope_, column_;
-  std::vector<char> is_hot_;
+  std::vector<char> is_odd_;  // By sample: 0, 1 hot, 2 weak; empty: none is.
+  bool lamps_ = false;
+  std::vector<double> lamp_score_, lamp_precision_;
   RowOffsets rows_;
   Quadratic total_;
 };

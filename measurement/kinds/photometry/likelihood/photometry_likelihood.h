@@ -15,6 +15,9 @@
 
 namespace seam::measurement {
 
+// Variance below which a value is certain, DN^2.
+inline constexpr double kCertain = 2e-3;
+
 struct PhotometryScore {
   double chi2 = 0;
   double log_likelihood = 0;

@@ -77,6 +77,7 @@ class LevelPredictor {
     for (auto* v : {&out.mean, &out.variance, &out.offset_slope, &out.gain_slope})
       v->resize(samples);
     if (chain_.hot_fraction > 0) out.hot_mean.resize(samples);
+    if (chain_.weak_fraction > 0) out.weak_mean.resize(samples);
     std::vector<ResponseTable> tables;
     const size_t row_samples = static_cast<size_t>(data_.width_px) * data_.channels;
     for (int c = 0; c < data_.channels; ++c) {
@@ -95,6 +96,26 @@ class LevelPredictor {
       out.offset_slope[i] = response.offset_slope;
       out.gain_slope[i] = response.gain_slope;
       if (chain_.hot_fraction > 0) out.hot_mean[i] = response.hot_mean;
+      if (chain_.weak_fraction > 0) out.weak_mean[i] = response.weak_mean;
+    }
+    add_wave(out);
+  }
+
+  // The fixed wave, less where values are clipped.
+  void add_wave(LevelPrediction& out) const {
+    if (!(chain_.wave.amplitude_dn > 0)) return;
+    size_t i = 0;
+    for (int v = 0; v < data_.height_px; ++v) {
+      for (int u = 0; u < data_.width_px; ++u) {
+        const double wave =
+            chain_.wave.amplitude_dn * chain_.wave.unit_at(data_.column(u), data_.row(v));
+        for (int c = 0; c < data_.channels; ++c, ++i) {
+          const double here = wave * out.offset_slope[i];
+          out.mean[i] += here;
+          if (!out.hot_mean.empty()) out.hot_mean[i] += here;
+          if (!out.weak_mean.empty()) out.weak_mean[i] += here;
+        }
+      }
     }
   }
 
@@ -130,16 +151,18 @@ class LevelPredictor {
 
   // Users' formulas of time: the change of each row's mean from the level's mean time.
   void drift_rows(LevelPrediction& out) {
-    const effects::GainField lens(model_, effects::Stage::radiometry, data_.width_px,
-                                  data_.height_px);
-    const effects::GainField lamps(model_, effects::Stage::light, data_.width_px, data_.height_px);
+    const effects::GainField lens(model_, effects::Stage::radiometry, data_.sensor_width(),
+                                  data_.sensor_height());
+    const effects::GainField lamps(model_, effects::Stage::light, data_.sensor_width(),
+                                   data_.sensor_height());
     const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
     const auto row_value = [&](int v, int colour, double t) {
       double sum = 0;
       constexpr int kPlaces = 5;
       for (int k = 0; k < kPlaces; ++k) {
-        const double u = (k + 0.5) / kPlaces * data_.width_px - 0.5;
-        const double light = std::max(0.0, lens.at(u, v, t, colour) * lamps.at(u, v, t, colour));
+        const double u = (k + 0.5) / kPlaces * data_.sensor_width() - 0.5;
+        const double light = std::max(
+            0.0, lens.at(u, data_.row(v), t, colour) * lamps.at(u, data_.row(v), t, colour));
         sum += effects::response_moments(chain_, scale * light, colour, exposure(t)).mean_dn;
       }
       return sum / kPlaces;
@@ -185,16 +208,19 @@ bool depends_on_time(const effects::Model& model) {
 
 std::vector<double> relative_light(const PhotometryData& data, const effects::Model& model,
                                    double t_s) {
-  const effects::GainField lens(model, effects::Stage::radiometry, data.width_px, data.height_px);
-  const effects::GainField lamps(model, effects::Stage::light, data.width_px, data.height_px);
+  const effects::GainField lens(model, effects::Stage::radiometry, data.sensor_width(),
+                                data.sensor_height());
+  const effects::GainField lamps(model, effects::Stage::light, data.sensor_width(),
+                                 data.sensor_height());
   std::vector<double> light(data.samples(), 1);
   if (lens.uniform() && lamps.uniform()) return light;
   size_t i = 0;
   for (int v = 0; v < data.height_px; ++v) {
     for (int u = 0; u < data.width_px; ++u) {
       for (int c = 0; c < data.channels; ++c, ++i) {
+        const int column = data.column(u), row = data.row(v), colour = data.colour(c);
         light[i] =
-            std::max(0.0, lens.at(u, v, t_s, data.colour(c)) * lamps.at(u, v, t_s, data.colour(c)));
+            std::max(0.0, lens.at(column, row, t_s, colour) * lamps.at(column, row, t_s, colour));
       }
     }
   }
@@ -213,8 +239,8 @@ std::vector<double> relative_light(const PhotometryData& data, const effects::Mo
 double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s,
                 const effects::Model& model) {
   const double stamp = data.frames[frame].time_s;
-  const double after =
-      effects::timing_of(model).row_start_after_stamp_s(row, stamp - data.frames[0].time_s);
+  const double after = effects::timing_of(model).row_start_after_stamp_s(
+      data.row(row), stamp - data.frames[0].time_s);
   return effects::lamp_brightness(model, {.start_s = stamp + after, .exposure_s = exposure_s});
 }
 

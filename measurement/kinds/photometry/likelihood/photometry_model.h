@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "effects/stages/sensor/sensor.h"
-#include "measurement/kinds/photometry/likelihood/photometry_data.h"
+#include "measurement/kinds/photometry/stack/photometry_data.h"
 
 namespace seam::measurement {
 
@@ -16,6 +16,7 @@ struct LevelPrediction {
   std::vector<double> offset_slope;  // d mean / d offset: 1, less near clipping.
   std::vector<double> gain_slope;    // d mean / d log(signal), DN.
   std::vector<double> hot_mean;      // Mean of a hot sample; empty without hot pixels.
+  std::vector<double> weak_mean;     // Mean of a weak one; likewise.
   // By frame of the level (of the chosen ones), then row * channels + channel: how far the row's
   // mean is from that of the level's other frames, DN (flicker, drifts in time).
   std::vector<std::vector<double>> row_shift;

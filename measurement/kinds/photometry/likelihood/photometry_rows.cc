@@ -50,25 +50,88 @@ PatternInverse pattern_inverse(const double* offset, const double* gain, const d
   return {a11 / det, -a01 / det, a00 / det, std::log(det)};
 }
 
-RowOffsets::RowOffsets(const PhotometryData& data, const PhotometrySums& sums, bool share)
-    : width_(data.width_px), height_(data.height_px), channels_(data.channels), share_(share) {
+RowOffsets::RowOffsets(const PhotometryData& data, const PhotometrySums& sums, bool share,
+                       bool many)
+    : width_(data.width_px),
+      height_(data.height_px),
+      channels_(data.channels),
+      share_(share),
+      many_(many) {
   for (const LevelSums& level : sums.levels) {
     if (!level.frames.empty()) frames_.push_back(static_cast<double>(level.frames.size()));
   }
   levels_ = frames_.size();
   const size_t units = static_cast<size_t>(height_) * (share ? 1 : channels_);
   score_.assign(units * levels_, 0);
-  precision_.assign(units * levels_ * levels_, 0);
+  if (!many) {
+    precision_.assign(units * levels_ * levels_, 0);
+    return;
+  }
+  for (auto* v : {&diagonal_, &offset_, &gain_}) v->assign(units * levels_, 0);
+  columns_.resize(units);
+}
+
+void RowOffsets::add_precision(size_t unit, double n, const double* diagonal, const double* offset,
+                               const double* gain, const PatternInverse& two) {
+  const size_t at = unit * levels_;
+  for (size_t k = 0; k < levels_; ++k) {
+    diagonal_[at + k] += n * diagonal[k];
+    offset_[at + k] += n * offset[k];
+    gain_[at + k] += n * gain[k];
+  }
+  Columns& columns = columns_[unit];
+  columns.samples += n;
+  columns.i00 += n * two.i00, columns.i01 += n * two.i01, columns.i11 += n * two.i11;
+}
+
+double RowOffsets::solve(size_t unit, const std::vector<double>& a, const std::vector<double>& k,
+                         std::vector<double>& x) const {
+  if (!many_) {
+    std::vector<double> system(levels_ * levels_), unused(levels_, 0);
+    const double* matrix = &precision_[unit * levels_ * levels_];
+    for (size_t i = 0; i < levels_; ++i) {
+      for (size_t l = 0; l < levels_; ++l)
+        system[i * levels_ + l] = (i == l ? a[i] : 0) + matrix[i * levels_ + l] * k[l];
+    }
+    return eliminate(system, x, unused);
+  }
+  // P = D - U Q U' with two columns U: x = A^-1 (b + U t), A = a + D k, t = Q U' k x.
+  const Columns& columns = columns_[unit];
+  const double n = std::max(columns.samples, 1.0);
+  const double* d = &diagonal_[unit * levels_];
+  const double *u0 = &offset_[unit * levels_], *u1 = &gain_[unit * levels_];
+  double p0 = 0, p1 = 0, g00 = 0, g01 = 0, g11 = 0;
+  LogSum logs;
+  for (size_t i = 0; i < levels_; ++i) {
+    const double own = a[i] + d[i] * k[i];
+    logs.add(own);
+    x[i] /= own;
+    const double w = k[i] / own;
+    p0 += u0[i] * k[i] * x[i], p1 += u1[i] * k[i] * x[i];
+    g00 += u0[i] * u0[i] * w, g01 += u0[i] * u1[i] * w, g11 += u1[i] * u1[i] * w;
+  }
+  // Sums over the unit's samples: U counts n times, Q once.
+  const double q00 = columns.i00 / (n * n), q01 = columns.i01 / (n * n),
+               q11 = columns.i11 / (n * n);
+  const double m00 = 1 - q00 * g00 - q01 * g01, m01 = -q00 * g01 - q01 * g11,
+               m10 = -q01 * g00 - q11 * g01, m11 = 1 - q01 * g01 - q11 * g11;
+  const double det = m00 * m11 - m01 * m10;
+  const double r0 = q00 * p0 + q01 * p1, r1 = q01 * p0 + q11 * p1;
+  const double t0 = (m11 * r0 - m01 * r1) / det, t1 = (m00 * r1 - m10 * r0) / det;
+  for (size_t i = 0; i < levels_; ++i) x[i] += (u0[i] * t0 + u1[i] * t1) / (a[i] + d[i] * k[i]);
+  return logs.total() + std::log(std::abs(det));
 }
 
 std::vector<double> RowOffsets::estimate(size_t unit) const {
-  std::vector<double> system(&precision_[unit * levels_ * levels_],
-                             &precision_[(unit + 1) * levels_ * levels_]);
-  std::vector<double> x(&score_[unit * levels_], &score_[(unit + 1) * levels_]), unused(levels_, 0);
+  std::vector<double> x(&score_[unit * levels_], &score_[unit * levels_] + levels_);
+  std::vector<double> ridge(levels_);
   // A level that is clipped whole says nothing.
-  for (size_t k = 0; k < levels_; ++k)
-    system[k * levels_ + k] += 1e-9 * system[k * levels_ + k] + 1e-12;
-  eliminate(system, x, unused);
+  for (size_t k = 0; k < levels_; ++k) {
+    const double own =
+        many_ ? diagonal_[unit * levels_ + k] : precision_[(unit * levels_ + k) * levels_ + k];
+    ridge[k] = 1e-9 * own + 1e-12;
+  }
+  solve(unit, ridge, std::vector<double>(levels_, 1), x);
   return x;
 }
 
@@ -76,29 +139,67 @@ void RowOffsets::add(const effects::SensorChain& chain, Quadratic& total) const 
   const size_t groups = share_ ? 1 : channels_;
   const double mean_column2 = chain.column_sigma_dn * chain.column_sigma_dn / width_;
   const double row2 = chain.row_sigma_dn * chain.row_sigma_dn;
-  std::vector<double> info(groups, 0), score(groups, 0), system(levels_ * levels_), x(levels_),
-      y(levels_);
+  std::vector<double> info(groups, 0), score(groups, 0), x(levels_), y(levels_), k(levels_);
+  const std::vector<double> one(levels_, 1);
+  for (size_t l = 0; l < levels_; ++l) k[l] = row2 / frames_[l];
   for (size_t unit = 0; unit < score_.size() / levels_; ++unit) {
     const double* b = &score_[unit * levels_];
-    const double* matrix = &precision_[unit * levels_ * levels_];
-    // (I + K P) s = b, P the diagonal of the row noise in the means.
-    for (size_t i = 0; i < levels_; ++i) {
-      x[i] = b[i], y[i] = 0;
-      for (size_t k = 0; k < levels_; ++k) {
-        system[i * levels_ + k] = (i == k) + matrix[i * levels_ + k] * row2 / frames_[k];
-        y[i] += matrix[i * levels_ + k];
-      }
+    // (I + P K) x = b, K the diagonal of the row noise in the means; y likewise of P's row sums.
+    x.assign(b, b + levels_);
+    row_sums(unit, y);
+    if (row2 > 0) {
+      total.log_det += solve(unit, one, k, x);
+      if (mean_column2 > 0) solve(unit, one, k, y);
     }
-    if (row2 > 0) total.log_det += eliminate(system, x, y);
-    for (size_t k = 0; k < levels_; ++k) {
-      total.chi2 -= b[k] * row2 / frames_[k] * x[k];
-      score[unit % groups] += x[k];
-      info[unit % groups] += y[k];
+    for (size_t l = 0; l < levels_; ++l) {
+      total.chi2 -= b[l] * k[l] * x[l];
+      score[unit % groups] += x[l];
+      info[unit % groups] += y[l];
     }
   }
   for (size_t g = 0; g < groups; ++g) {
     total.chi2 -= mean_column2 * score[g] * score[g] / (1 + mean_column2 * info[g]);
     total.log_det += std::log1p(mean_column2 * info[g]);
+  }
+}
+
+void RowOffsets::row_sums(size_t unit, std::vector<double>& y) const {
+  const size_t at = unit * levels_;
+  if (!many_) {
+    for (size_t i = 0; i < levels_; ++i) {
+      y[i] = 0;
+      for (size_t l = 0; l < levels_; ++l) y[i] += precision_[(at + i) * levels_ + l];
+    }
+    return;
+  }
+  const Columns& columns = columns_[unit];
+  const double n2 = std::max(1.0, columns.samples * columns.samples);
+  double u0 = 0, u1 = 0;
+  for (size_t l = 0; l < levels_; ++l) u0 += offset_[at + l], u1 += gain_[at + l];
+  const double t0 = (columns.i00 * u0 + columns.i01 * u1) / n2,
+               t1 = (columns.i01 * u0 + columns.i11 * u1) / n2;
+  for (size_t l = 0; l < levels_; ++l)
+    y[l] = diagonal_[at + l] - offset_[at + l] * t0 - gain_[at + l] * t1;
+}
+
+void add_lamps_to_means(const PhotometrySums& sums, double lamp_sigma,
+                        const std::vector<double>& score, const std::vector<double>& precision,
+                        const std::vector<double>& row_variance, Quadratic& total) {
+  const size_t n = score.size();
+  std::vector<double> frames;
+  for (const LevelSums& level : sums.levels)
+    if (!level.frames.empty()) frames.push_back(static_cast<double>(level.frames.size()));
+  // A common factor of each level, of the rows' variance alone and with that of the lamps: what the
+  // second takes more than the first.
+  for (const bool with_lamps : {false, true}) {
+    std::vector<double> k = row_variance, x = score, unused(n, 0), system(n * n);
+    for (size_t i = 0; i < n && with_lamps; ++i) k[i] += lamp_sigma * lamp_sigma / frames[i];
+    for (size_t i = 0; i < n; ++i) {
+      for (size_t l = 0; l < n; ++l) system[i * n + l] = (i == l) + precision[i * n + l] * k[l];
+    }
+    const double sign = with_lamps ? 1 : -1;
+    total.log_det += sign * eliminate(system, x, unused);
+    for (size_t i = 0; i < n; ++i) total.chi2 -= sign * score[i] * k[i] * x[i];
   }
 }
 

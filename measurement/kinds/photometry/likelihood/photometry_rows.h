@@ -1,12 +1,12 @@
 // Parts that photometry's likelihoods share: the Woodbury identity of a sample's two fixed
-// patterns, and what the samples of a row have in common.
+// patterns, what the samples of a row have in common, and what those of a frame have.
 #pragma once
 
 #include <cmath>
 #include <vector>
 
 #include "effects/stages/sensor/sensor.h"
-#include "measurement/kinds/photometry/likelihood/photometry_data.h"
+#include "measurement/kinds/photometry/stack/photometry_data.h"
 
 namespace seam::measurement {
 
@@ -46,18 +46,26 @@ PatternInverse pattern_inverse(const double* offset, const double* gain, const d
 
 // What rows' samples say of an offset that they share, by row (and channel, where channels have
 // offsets of their own) and level. Sigma is a sample's own covariance between levels, s its slopes
-// by an offset.
+// by an offset. The information of a row is a matrix of levels x levels; with many levels it is
+// kept as what it is for samples alike, a diagonal less two columns, averaged over the row.
 class RowOffsets {
  public:
-  RowOffsets(const PhotometryData& data, const PhotometrySums& sums, bool share);
+  RowOffsets(const PhotometryData& data, const PhotometrySums& sums, bool share, bool many = false);
+
+  // Above so many levels.
+  static bool has_many(size_t levels) { return levels > 24; }
 
   size_t unit(int row, int channel) const {
     return share_ ? row : static_cast<size_t>(row) * channels_ + channel;
   }
   // Sums over the unit's samples: s_k (Sigma^-1 r)_k.
   double* score(size_t unit) { return &score_[unit * levels_]; }
-  // s_k (Sigma^-1)_kl s_l.
+  // s_k (Sigma^-1)_kl s_l; of few levels.
   double* precision(size_t unit) { return &precision_[unit * levels_ * levels_]; }
+  // The same of many: n samples of diagonal s_k^2 w_k less the columns `offset` and `gain` (loads
+  // times weights times slopes, by level) on both sides of `two`.
+  void add_precision(size_t unit, double n, const double* diagonal, const double* offset,
+                     const double* gain, const PatternInverse& two);
 
   // The unit's offsets by least squares, by level: what columns are compared beside.
   std::vector<double> estimate(size_t unit) const;
@@ -66,10 +74,30 @@ class RowOffsets {
   void add(const effects::SensorChain& chain, Quadratic& total) const;
 
  private:
+  struct Columns {  // Of many levels, by unit.
+    double samples = 0, i00 = 0, i01 = 0, i11 = 0;
+  };
+  // Solves (a + P diag(k)) x = right for x, a and k diagonal; returns log of the determinant.
+  double solve(size_t unit, const std::vector<double>& a, const std::vector<double>& k,
+               std::vector<double>& x) const;
+
+  // Of P, by level.
+  void row_sums(size_t unit, std::vector<double>& y) const;
+
   int width_, height_, channels_;
-  bool share_;
+  bool share_, many_;
   size_t levels_;
   std::vector<double> frames_, score_, precision_;
+  std::vector<double> diagonal_, offset_, gain_;  // By unit * levels + k.
+  std::vector<Columns> columns_;
 };
+
+// The light of each frame is off by its own factor: what the samples' means over time say of it, by
+// level. `score` is g' Sigma^-1 r, `precision` g' Sigma^-1 g (levels x levels) with g the slopes by
+// a factor of the light; `row_variance` the part of rows' noise in a level's mean, in the factor's
+// unit.
+void add_lamps_to_means(const PhotometrySums& sums, double lamp_sigma,
+                        const std::vector<double>& score, const std::vector<double>& precision,
+                        const std::vector<double>& row_variance, Quadratic& total);
 
 }  // namespace seam::measurement

@@ -1,0 +1,15 @@
+// The text of cameras in the files of other programs, one function a program.
+#pragma once
+
+#include <string>
+
+#include "app/exchange/exchange.h"
+
+namespace seam::app {
+
+std::string opencv_text(const PlainCamera& camera);  // YAML of cv::FileStorage.
+std::string ros_text(const PlainCamera& camera);     // sensor_msgs/CameraInfo as YAML.
+std::string mrcal_text(const PlainCamera& camera);   // A .cameramodel.
+std::string kalibr_text(const PlainCamera& camera);  // A camchain of one camera.
+
+}  // namespace seam::app

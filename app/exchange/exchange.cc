@@ -1,0 +1,223 @@
+#include "app/exchange/exchange.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/exchange/camera_files.h"
+#include "app/exchange/model_json.h"
+#include "effects/questions.h"
+#include "sim_core/base/error.h"
+
+namespace seam::app {
+namespace {
+
+using effects::Model;
+using effects::ModelEffect;
+using effects::Projection;
+
+// A model of this effect alone, on the base that projects.
+Model alone(const Model& model, const std::string& effect) {
+  Model one = model;
+  for (const ModelEffect& other : model.effects()) {
+    const bool base = other.definition->base != effects::Base::none;
+    if (!base && other.definition->name != effect) one.remove(other.definition->name);
+  }
+  return one;
+}
+
+// Whether the image of a ray depends on the ray alone, as in all these formats: not on its colour,
+// the time or the row.
+bool is_plain_lens(const Projection& projection) {
+  for (int i = 1; i < 16; ++i) {
+    const double u = (projection.width_px() - 1) * (i % 4) / 3.0;
+    const double v = (projection.height_px() - 1) * (i / 4) / 3.0;
+    const auto ray = projection.unproject(u, v);
+    if (!ray) continue;
+    const effects::ImagePoint plain = projection.project(*ray);
+    for (const auto& other :
+         {projection.project(*ray, 1.7, 0, 1), projection.project(*ray, 0, 33, 1),
+          projection.project(*ray, 0, 0, 0), projection.project(*ray, 0, 0, 2)}) {
+      if (other.u != plain.u || other.v != plain.v) return false;
+    }
+  }
+  return true;
+}
+
+class Exporter {
+ public:
+  Exporter(const Model& model, const ExchangeFormat& format, const ExportOptions& options)
+      : model_(model), format_(format), options_(options) {}
+
+  Exported run();
+
+ private:
+  void find_size();
+  bool holds(const ModelEffect& effect) const;
+  bool asked_to_drop(const std::string& name) const;
+  void check_drops() const;
+  std::string cost_of(const ModelEffect& effect) const;
+  Projection projection_of(const Model& model) const {
+    return Projection(model, camera_.width_px, camera_.height_px);
+  }
+
+  const Model& model_;
+  const ExchangeFormat& format_;
+  const ExportOptions& options_;
+  PlainCamera camera_;
+  Exported out_;
+};
+
+void Exporter::find_size() {
+  camera_.width_px = options_.width_px, camera_.height_px = options_.height_px;
+  if (camera_.width_px > 0) return;
+  const ModelEffect* base = effects::base_of(model_, effects::Base::projection);
+  camera_.width_px = static_cast<int>(std::lround(2 * base->value("cx_px") + 1));
+  camera_.height_px = static_cast<int>(std::lround(2 * base->value("cy_px") + 1));
+  if (camera_.width_px < 2 || camera_.height_px < 2)
+    throw InputError(
+        "the size of the image does not follow from the principal point: give it, "
+        "--size WIDTHxHEIGHT");
+  out_.notes.push_back(
+      fmt::format("the image is taken to be {} x {} px, twice the principal point: a model does "
+                  "not know its size (--size WIDTHxHEIGHT, or --data SET)",
+                  camera_.width_px, camera_.height_px));
+}
+
+bool Exporter::holds(const ModelEffect& effect) const {
+  const effects::EffectDefinition& definition = *effect.definition;
+  if (definition.base == effects::Base::projection || definition.parameters.empty()) return true;
+  if (definition.geometry || definition.image_map)
+    return is_plain_lens(projection_of(alone(model_, definition.name)));
+  if (definition.timing) {
+    effects::Timing timing;
+    definition.timing(effect.values(), timing);
+    if (!format_.holds_line_delay && timing.line_delay_s != 0) return false;
+    if (!format_.holds_time_shift && timing.latency_s != 0) return false;
+    return timing.exposure_s == 0 && timing.drift_ppm == 0 && timing.jitter_sigma_s == 0 &&
+           timing.sync_period_frames == 0;
+  }
+  return false;
+}
+
+bool Exporter::asked_to_drop(const std::string& name) const {
+  return std::find(options_.drop.begin(), options_.drop.end(), name) != options_.drop.end();
+}
+
+void Exporter::check_drops() const {
+  std::vector<std::string> names;
+  for (const ModelEffect& effect : model_.effects()) names.push_back(effect.definition->name);
+  for (const std::string& name : options_.drop) {
+    const ModelEffect* effect = model_.find(name);
+    if (effect != nullptr && effect->definition->base == effects::Base::projection)
+      throw InputError(fmt::format("--drop {}: a camera is nothing without it", name));
+    if (name == "all" || effect != nullptr) continue;
+    throw InputError(
+        fmt::format("--drop {}: the model has no such effect{}, expected one of its "
+                    "effects or 'all'",
+                    name, suggestion_for(name, names)));
+  }
+}
+
+// What the file is wrong by without the effect, over the image.
+std::string Exporter::cost_of(const ModelEffect& effect) const {
+  const effects::EffectDefinition& definition = *effect.definition;
+  if (definition.timing) {
+    effects::Timing timing;
+    definition.timing(effect.values(), timing);
+    const double late_s = std::abs(timing.row_middle_after_stamp_s(camera_.height_px - 1.0, 0));
+    if (late_s == 0) return "frames are no longer early or late by what it says";
+    return fmt::format("up to {:.3g} px while the camera turns by 1 rad/s",
+                       late_s * camera_.lens.fx_px);
+  }
+  if (!definition.geometry && !definition.image_map && !definition.mount)
+    return "0 px: it moves no image point";
+  if (definition.mount) return "0 px in the camera's own frame: it moves the camera";
+  Model without = model_;
+  without.remove(definition.name);
+  const Projection with = projection_of(model_), rest = projection_of(without);
+  double most = 0;
+  for (int channel = 0; channel < 3; ++channel) {
+    for (int i = 0; i < 81; ++i) {
+      const double u = (camera_.width_px - 1) * (i % 9) / 8.0;
+      const double v = (camera_.height_px - 1) * (i / 9) / 8.0;
+      const auto ray = with.unproject(u, v, 0, channel);
+      if (!ray) continue;
+      const effects::ImagePoint seen = rest.project(*ray, 0, v, channel);
+      most = std::max(most, seen.visible ? std::hypot(seen.u - u, seen.v - v) : HUGE_VAL);
+    }
+  }
+  return fmt::format("up to {:.3g} px over the image", most);
+}
+
+Exported Exporter::run() {
+  if (!effects::has_base(model_, effects::Base::projection))
+    throw InputError(fmt::format("{} holds a camera, expected a model with '{}'", format_.name,
+                                 effects::base_name(effects::Base::projection)));
+  check_drops();
+  find_size();
+  Model kept = model_;
+  std::vector<const ModelEffect*> lost;
+  for (const ModelEffect& effect : model_.effects()) {
+    const std::string& name = effect.definition->name;
+    if (holds(effect) && !asked_to_drop(name)) continue;
+    if (!asked_to_drop(name) && !asked_to_drop("all"))
+      throw InputError(
+          fmt::format("{} cannot hold effect '{}': export with --drop {} to leave it "
+                      "out and be told what that costs, or --drop all",
+                      format_.name, name, name));
+    lost.push_back(&effect);
+    kept.remove(name);
+  }
+  const LensFit fit = best_lens(projection_of(kept), format_.lenses);
+  if (!std::isfinite(fit.rms_px))
+    throw InputError(fmt::format("{} has no lens that sees as wide as this model's", format_.name));
+  if (!fit.exact())
+    out_.notes.push_back(
+        fmt::format("{} has no lens of this form: its nearest misses by {:.3g} px "
+                    "(root mean square), {:.3g} px at most over the image",
+                    format_.name, fit.rms_px, fit.most_px));
+  const effects::Timing timing = effects::timing_of(kept);
+  camera_.name = model_.name().empty() ? "camera" : model_.name();
+  camera_.lens = fit.lens;
+  camera_.line_delay_s = timing.line_delay_s;
+  camera_.time_shift_s = timing.row_middle_after_stamp_s(0, 0);
+  for (const ModelEffect* effect : lost)
+    out_.notes.push_back(fmt::format("without {}: {}", effect->definition->name, cost_of(*effect)));
+  out_.text = format_.text(camera_);
+  return out_;
+}
+
+}  // namespace
+
+const std::vector<ExchangeFormat>& exchange_formats() {
+  using enum LensFamily;
+  static const std::vector<ExchangeFormat> formats = {
+      {.name = "opencv",
+       .help = "YAML of cv::FileStorage: camera_matrix, distortion_coefficients",
+       .lenses = {pinhole, plumb_bob, rational, thin_prism, equidistant},
+       .text = opencv_text},
+      {.name = "ros",
+       .help = "camera_info YAML",
+       .lenses = {pinhole, plumb_bob, rational, equidistant},
+       .text = ros_text},
+      {.name = "mrcal",
+       .help = "a .cameramodel",
+       .lenses = {pinhole, radtan, plumb_bob, rational, thin_prism},
+       .text = mrcal_text},
+      {.name = "kalibr",
+       .help = "a camchain, with line_delay and timeshift_cam_imu",
+       .lenses = {radtan, equidistant},
+       .holds_line_delay = true,
+       .holds_time_shift = true,
+       .text = kalibr_text},
+      {.name = "json", .help = "all of the model, with its sigmas", .text_of_all = json_text}};
+  return formats;
+}
+
+Exported export_model(const Model& model, const ExchangeFormat& format,
+                      const ExportOptions& options) {
+  if (format.text_of_all != nullptr) return {.text = format.text_of_all(model), .notes = {}};
+  return Exporter(model, format, options).run();
+}
+
+}  // namespace seam::app

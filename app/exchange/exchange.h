@@ -1,0 +1,54 @@
+// Models in the files of other programs (`seam export`). A format holds some of what a model says:
+// a lens, the time of rows, a shift of the clock. What it cannot hold is refused with the effect's
+// name, or dropped where the user says so, and then what that costs is told.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/exchange/lens.h"
+#include "effects/model.h"
+#include "effects/stages/timing.h"
+
+namespace seam::app {
+
+// A camera as formats hold it.
+struct PlainCamera {
+  std::string name;
+  int width_px = 0, height_px = 0;
+  Lens lens;
+  double line_delay_s = 0;
+  // What is added to a frame's stamp for the middle of its first row's exposure, by the clock of
+  // the joints' log.
+  double time_shift_s = 0;
+};
+
+struct ExchangeFormat {
+  std::string name;  // Of `--to`.
+  std::string help;
+  std::vector<LensFamily> lenses;  // Simplest first.
+  bool holds_line_delay = false;
+  bool holds_time_shift = false;
+  std::string (*text)(const PlainCamera& camera) = nullptr;
+  // Of a format that holds whatever a model says; then it has no `text`.
+  std::string (*text_of_all)(const effects::Model& model) = nullptr;
+};
+
+const std::vector<ExchangeFormat>& exchange_formats();
+
+struct ExportOptions {
+  int width_px = 0, height_px = 0;  // Of the image; 0: twice the principal point.
+  std::vector<std::string> drop;    // Names of effects, or "all".
+};
+
+struct Exported {
+  std::string text;
+  std::vector<std::string> notes;  // Sentences: what was assumed, approximated, dropped at a cost.
+};
+
+// Throws InputError with the name of the first effect that the format does not hold and that is not
+// to be dropped.
+Exported export_model(const effects::Model& model, const ExchangeFormat& format,
+                      const ExportOptions& options);
+
+}  // namespace seam::app

@@ -1,0 +1,113 @@
+#include "app/exchange/exchange.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim_core/base/config.h"
+#include "sim_core/base/error.h"
+
+namespace seam::app {
+namespace {
+
+effects::Model model_of(const std::string& effects) {
+  return effects::Model::from_config(ConfigNode::from_text(
+      "format: seam-model/1\nname: seen\neffects: {" + effects + "}\n", "seen"));
+}
+
+const std::string kPinhole = "pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}";
+
+const ExchangeFormat& format(const std::string& name) {
+  for (const ExchangeFormat& one : exchange_formats()) {
+    if (one.name == name) return one;
+  }
+  throw std::logic_error(name);
+}
+
+TEST(Lens, HasTheFormulaOfOpencv) {
+  const Lens lens{.family = LensFamily::thin_prism,
+                  .fx_px = 161.9,
+                  .fy_px = 162.5,
+                  .cx_px = 88.5,
+                  .cy_px = 71.5,
+                  .coefficients = {-0.2, 0.05, 0.01, -0.02, 0.003, 0.1, -0.03, 0.02, 0.004, -0.002,
+                                   0.001, 0.003}};
+  // The formula of its documentation, term by term: x = 0.24, y = -0.16, r2 = 0.0832.
+  const double r2 = 0.0832, x = 0.24, y = -0.16;
+  const double radial = (1 - 0.2 * r2 + 0.05 * r2 * r2 + 0.003 * r2 * r2 * r2) /
+                        (1 + 0.1 * r2 - 0.03 * r2 * r2 + 0.02 * r2 * r2 * r2);
+  const double xd =
+      x * radial + 2 * 0.01 * x * y - 0.02 * (r2 + 2 * x * x) + 0.004 * r2 - 0.002 * r2 * r2;
+  const double yd =
+      y * radial + 0.01 * (r2 + 2 * y * y) - 2 * 0.02 * x * y + 0.001 * r2 + 0.003 * r2 * r2;
+  const auto [u, v] = lens.project({0.3, -0.2, 1.25});
+  EXPECT_NEAR(u, 161.9 * xd + 88.5, 1e-12);
+  EXPECT_NEAR(v, 162.5 * yd + 71.5, 1e-12);
+}
+
+TEST(Lens, OfTheSameFormIsExact) {
+  const effects::Model model = model_of(kPinhole +
+                                        ", radial_polynomial: {k1: -0.2, k2: 0.05, k3: 0.001}, "
+                                        "tangential_distortion: {p1: 0.003, p2: -0.002}");
+  const LensFit fit = fit_lens(effects::Projection(model, 178, 144), LensFamily::plumb_bob);
+  EXPECT_LT(fit.most_px, 1e-6);
+  EXPECT_NEAR(fit.lens.fx_px, 161.9, 1e-6);
+  EXPECT_NEAR(fit.lens.coefficients[0], -0.2, 1e-6);
+  EXPECT_NEAR(fit.lens.coefficients[2], 0.003, 1e-6);
+  EXPECT_NEAR(fit.lens.coefficients[3], -0.002, 1e-6);
+  EXPECT_FALSE(fit_lens(effects::Projection(model, 178, 144), LensFamily::pinhole).exact());
+}
+
+TEST(Export, TellsWhatALensOfAnotherFormMisses) {
+  const effects::Model model = model_of(kPinhole + ", radial_distortion: {kappa: -0.1}");
+  const Exported exported =
+      export_model(model, format("opencv"), {.width_px = 178, .height_px = 144});
+  ASSERT_EQ(exported.notes.size(), 1u);
+  EXPECT_THAT(exported.notes[0], testing::HasSubstr("nearest misses by"));
+}
+
+TEST(Export, NamesWhatAFormatCannotHold) {
+  const effects::Model model =
+      model_of(kPinhole + ", rolling_shutter: {line_delay_s: 0.0002}, read_noise: {sigma_dn: 1}");
+  const ExportOptions size{.width_px = 178, .height_px = 144};
+  try {
+    export_model(model, format("opencv"), size);
+    FAIL() << "rolling shutter was taken";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("'rolling_shutter'"));
+  }
+  ExportOptions dropping = size;
+  dropping.drop = {"rolling_shutter"};
+  EXPECT_THROW(export_model(model, format("opencv"), dropping), InputError);  // read_noise
+  dropping.drop = {"all"};
+  const Exported exported = export_model(model, format("opencv"), dropping);
+  ASSERT_EQ(exported.notes.size(), 2u);
+  // 0.0002 s x 143 rows x 1 rad/s x 161.9 px.
+  EXPECT_THAT(exported.notes[0], testing::HasSubstr("up to 4.63 px while"));
+  dropping.drop = {"rolling_shuter"};
+  EXPECT_THROW(export_model(model, format("opencv"), dropping), InputError);
+}
+
+TEST(Export, KalibrHoldsTheTimeOfRows) {
+  const effects::Model model = model_of(
+      kPinhole + ", rolling_shutter: {line_delay_s: 0.0002}, frame_latency: {latency_s: 0.03}");
+  const Exported exported =
+      export_model(model, format("kalibr"), {.width_px = 178, .height_px = 144});
+  const ConfigNode cam = ConfigNode::from_text(exported.text, "camchain").at("cam0");
+  EXPECT_DOUBLE_EQ(cam.at("line_delay").number(), 0.0002);
+  EXPECT_DOUBLE_EQ(cam.at("timeshift_cam_imu").number(), 0.03);
+}
+
+TEST(Export, AColouredLensIsNoPlainOne) {
+  const effects::Model model =
+      model_of(kPinhole + ", chromatic_aberration: {red_scale: 0.002, blue_scale: -0.001}");
+  EXPECT_THROW(export_model(model, format("ros"), {.width_px = 178, .height_px = 144}), InputError);
+}
+
+TEST(Export, TakesTheSizeFromThePrincipalPointAndSaysSo) {
+  const Exported exported = export_model(model_of(kPinhole), format("ros"), {});
+  ASSERT_EQ(exported.notes.size(), 1u);
+  EXPECT_THAT(exported.notes[0], testing::HasSubstr("178 x 144 px"));
+}
+
+}  // namespace
+}  // namespace seam::app

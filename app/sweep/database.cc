@@ -1,0 +1,130 @@
+#include "app/sweep/database.h"
+
+#include <sqlite3.h>
+
+#include <memory>
+
+#include "sim_core/base/error.h"
+
+namespace seam::app {
+namespace {
+
+constexpr int kBusy_ms = 10'000;  // Of waiting for another program that writes.
+
+struct Finalise {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using Statement = std::unique_ptr<sqlite3_stmt, Finalise>;
+
+int bind(sqlite3_stmt* statement, int place, const SqlValue& value) {
+  if (const auto* whole = std::get_if<int64_t>(&value))
+    return sqlite3_bind_int64(statement, place, *whole);
+  if (const auto* number = std::get_if<double>(&value))
+    return sqlite3_bind_double(statement, place, *number);
+  if (const auto* text = std::get_if<std::string>(&value))
+    return sqlite3_bind_text64(statement, place, text->data(), text->size(), SQLITE_TRANSIENT,
+                               SQLITE_UTF8);
+  return sqlite3_bind_null(statement, place);
+}
+
+SqlValue column_of(sqlite3_stmt* statement, int column) {
+  switch (sqlite3_column_type(statement, column)) {
+    case SQLITE_INTEGER:
+      return int64_t{sqlite3_column_int64(statement, column)};
+    case SQLITE_FLOAT:
+      return sqlite3_column_double(statement, column);
+    case SQLITE_NULL:
+      return std::monostate{};
+    default: {
+      const auto* text = static_cast<const char*>(sqlite3_column_blob(statement, column));
+      return std::string(text == nullptr ? "" : text,
+                         static_cast<size_t>(sqlite3_column_bytes(statement, column)));
+    }
+  }
+}
+
+}  // namespace
+
+Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
+  const int flags = mode == Mode::read    ? SQLITE_OPEN_READONLY
+                    : mode == Mode::write ? SQLITE_OPEN_READWRITE
+                                          : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const int code = sqlite3_open_v2(file.c_str(), &handle_, flags, nullptr);
+  if (code != SQLITE_OK) {
+    const std::string why = handle_ == nullptr ? "no memory" : sqlite3_errmsg(handle_);
+    sqlite3_close_v2(handle_);
+    throw InputError(fmt::format("{}: {}", file.string(), why));
+  }
+  sqlite3_busy_timeout(handle_, kBusy_ms);
+}
+
+Database::~Database() {
+  sqlite3_close_v2(handle_);
+}
+
+void Database::fail(int code) const {
+  std::string what = sqlite3_errmsg(handle_);
+  const int kind = code & 0xff;
+  if (kind == SQLITE_FULL || kind == SQLITE_IOERR) {
+    what +=
+        " (is the disk full?). What was finished before is kept: make room, and the same command "
+        "goes on";
+  } else if (kind == SQLITE_BUSY) {
+    what = "another program writes this file now";
+  } else if (kind == SQLITE_NOTADB) {
+    what = "is no SQLite file";
+  }
+  throw InputError(fmt::format("{}: {}", file_.string(), what));
+}
+
+void Database::execute(const std::string& sql, const std::vector<SqlValue>& values) {
+  query(sql, values, [](const SqlRow&) {});
+}
+
+void Database::query(const std::string& sql, const std::vector<SqlValue>& values,
+                     const std::function<void(const SqlRow&)>& take) const {
+  sqlite3_stmt* raw = nullptr;
+  int code = sqlite3_prepare_v2(handle_, sql.c_str(), static_cast<int>(sql.size()), &raw, nullptr);
+  const Statement statement(raw);
+  if (code != SQLITE_OK) fail(code);
+  for (size_t i = 0; i < values.size(); ++i) {
+    code = bind(raw, static_cast<int>(i) + 1, values[i]);
+    if (code != SQLITE_OK) fail(code);
+  }
+  SqlRow row(static_cast<size_t>(sqlite3_column_count(raw)));
+  while ((code = sqlite3_step(raw)) == SQLITE_ROW) {
+    for (size_t i = 0; i < row.size(); ++i) row[i] = column_of(raw, static_cast<int>(i));
+    take(row);
+  }
+  if (code != SQLITE_DONE) fail(code);
+}
+
+SqlValue Database::value(const std::string& sql, const std::vector<SqlValue>& values) const {
+  SqlValue first;
+  bool found = false;
+  query(sql, values, [&](const SqlRow& row) {
+    if (!found && !row.empty()) first = row.front();
+    found = true;
+  });
+  return first;
+}
+
+std::string sql_name(const std::string& name) {
+  std::string quoted = "\"";
+  for (const char c : name) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+Transaction::~Transaction() {
+  if (committed_) return;
+  try {
+    database_.execute("ROLLBACK");
+  } catch (const InputError&) {
+    // SQLite rolled back by itself, as it does when the disk is full.
+  }
+}
+
+}  // namespace seam::app

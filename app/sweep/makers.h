@@ -1,0 +1,27 @@
+// What made a run: this program, its plugins, and the programs of the behaviours.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "app/sweep/plan/plan.h"
+#include "app/sweep/results.h"
+
+namespace seam::app {
+
+// Fingerprints of the files that commands name, read once each.
+class ProgramPrints {
+ public:
+  // Of the program and of all arguments that are files (a script, a table).
+  std::string of(const std::vector<std::string>& command, const std::string& robot);
+
+ private:
+  const std::string& print_of(const std::string& file);
+  std::map<std::string, std::string> prints_;
+};
+
+// Throws InputError where a behaviour is not there.
+Makers makers_of(const SweepPlan& plan, ProgramPrints& prints);
+
+}  // namespace seam::app

@@ -1,0 +1,175 @@
+#include "app/sweep/one_run.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "app/session/run_session.h"
+#include "app/session/session_outputs.h"
+#include "app/simulator.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/hash.h"
+
+namespace seam::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* kEnds[] = {"finished", "stopped", "aborted"};
+constexpr size_t kMostErrorBytes = 4000;
+
+std::string key_of(const std::string& scenario_text, const Scenario& scenario, const Makers& makers,
+                   ProgramPrints& prints) {
+  Hasher hasher;
+  hasher.add(std::string_view(makers.program));
+  hasher.add(std::string_view(scenario_text));
+  for (const RobotSpec& robot : scenario.robots) {
+    const auto& command = robot.behaviour.command;
+    if (!command.empty()) hasher.add(std::string_view(prints.of(command, robot.id)));
+  }
+  return to_hex(hasher.digest());
+}
+
+std::optional<double> number_of(const WrittenValue& value) {
+  double number = 0;
+  const char* end = value.text.data() + value.text.size();
+  const auto [rest, error] = std::from_chars(value.text.data(), end, number);
+  if (!value.plain || error != std::errc() || rest != end) return std::nullopt;
+  return number;
+}
+
+// All that formulas may read, by name.
+std::map<std::string, std::optional<double>> known_numbers(const SweepPlan& plan,
+                                                           const RunRecord& record) {
+  std::map<std::string, std::optional<double>> known;
+  const RunSettings settings = plan.settings(record.run);
+  for (size_t i = 0; i < settings.values.size(); ++i)
+    known[plan.parameters()[i]] = number_of(settings.values[i]);
+  known["seed"] = static_cast<double>(record.seed);
+  known["sim_s"] = record.sim_s;
+  known["frames"] = static_cast<double>(record.frames);
+  known["decisions"] = static_cast<double>(record.decisions);
+  known["red_score"] = record.red_score;
+  known["blue_score"] = record.blue_score;
+  return known;
+}
+
+// Values that were logged, and formulas over them: one that reads what is missing, or that gives no
+// number, is missing too.
+void keep_values(const SweepPlan& plan, const LoggedSummaries& logged, RunRecord& record) {
+  auto known = known_numbers(plan, record);
+  const auto keep = [&](const std::string& column, std::optional<double> value) {
+    if (value && !std::isfinite(*value)) value.reset();
+    known[column] = value;
+    record.kept.push_back(value);
+  };
+  for (const KeptValue& value : plan.keep().values) {
+    const auto found = logged.find({value.robot, value.name});
+    const bool counts = value.statistic == Statistic::count;
+    keep(value.column, found != logged.end() ? std::optional(found->second.get(value.statistic))
+                                             : (counts ? std::optional(0.0) : std::nullopt));
+  }
+  for (const KeptFormula& formula : plan.keep().formulas) {
+    std::vector<double> values;
+    for (const std::string& name : formula.reads)
+      if (known[name]) values.push_back(*known[name]);
+    const bool whole = values.size() == formula.reads.size();
+    keep(formula.column, whole ? std::optional(formula.formula(values)) : std::nullopt);
+  }
+}
+
+void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, ProgramPrints& prints,
+            const OneRunOptions& options, RunRecord& record) {
+  Simulator simulator =
+      make_simulator(std::move(scenario), {.render_workers = options.render_workers});
+  record.key = key_of(simulator.header.scenario_text, simulator.scenario, makers, prints);
+  SessionOptions session{.force = true, .progress = false};
+  const std::string name = fmt::format("run_{:06}", record.run);
+  const fs::path log = options.files / (name + ".mcap"), partial = options.files / (name + ".part");
+  if (plan.keep().logs) session.log = partial.string();
+  if (plan.keep().frames) session.frames = (options.files / name).string();
+  SessionSummary summary;
+  {
+    SessionOutputs outputs(session);
+    summary = run_session(simulator, session, outputs);
+  }
+  record.end = kEnds[static_cast<size_t>(summary.end)];
+  if (summary.end == scheduler::EndReason::stopped) return;
+  if (summary.end == scheduler::EndReason::aborted) record.error = summary.abort_reason;
+  if (plan.keep().logs) fs::rename(partial, log);
+  record.sim_s = summary.sim_s;
+  record.wall_s = summary.wall_s;
+  record.frames = summary.frames;
+  record.decisions = summary.decisions;
+  record.fingerprint = to_hex(summary.fingerprint);
+  if (summary.has_score) {
+    record.red_score = summary.red_score;
+    record.blue_score = summary.blue_score;
+  }
+  keep_values(plan, summary.logged, record);
+}
+
+Json json_of(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
+}
+
+}  // namespace
+
+RunRecord make_run(const SweepPlan& plan, uint64_t run, const Makers& makers, ProgramPrints& prints,
+                   const OneRunOptions& options) {
+  RunRecord record{.run = run};
+  try {
+    Scenario scenario = plan.scenario(run);
+    record.seed = scenario.seed;
+    run_it(plan, std::move(scenario), makers, prints, options, record);
+  } catch (const std::exception& error) {
+    record.error = error.what();
+  }
+  record.error.resize(std::min(record.error.size(), kMostErrorBytes));
+  return record;
+}
+
+std::string to_text(const RunRecord& record) {
+  Json kept = Json::array();
+  for (const auto& value : record.kept) kept.push_back(json_of(value));
+  const Json json = {{"run", record.run},
+                     {"key", record.key},
+                     {"error", record.error},
+                     {"seed", record.seed},
+                     {"end", record.end},
+                     {"sim_s", record.sim_s},
+                     {"wall_s", record.wall_s},
+                     {"frames", record.frames},
+                     {"decisions", record.decisions},
+                     {"fingerprint", record.fingerprint},
+                     {"red_score", json_of(record.red_score)},
+                     {"blue_score", json_of(record.blue_score)},
+                     {"kept", kept}};
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+RunRecord record_from_text(const std::string& text) {
+  const Json json = Json::parse(text);
+  RunRecord record{.run = json.at("run"),
+                   .key = json.at("key"),
+                   .error = json.at("error"),
+                   .seed = json.at("seed"),
+                   .end = json.at("end"),
+                   .sim_s = json.at("sim_s"),
+                   .wall_s = json.at("wall_s"),
+                   .frames = json.at("frames"),
+                   .decisions = json.at("decisions"),
+                   .fingerprint = json.at("fingerprint")};
+  const auto score = [&](const char* key) {
+    return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<int>());
+  };
+  record.red_score = score("red_score");
+  record.blue_score = score("blue_score");
+  for (const Json& value : json.at("kept"))
+    record.kept.push_back(value.is_null() ? std::nullopt : std::optional(value.get<double>()));
+  return record;
+}
+
+}  // namespace seam::app

@@ -1,0 +1,27 @@
+// One run of a plan, from its number to its record.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/sweep/makers.h"
+#include "app/sweep/plan/plan.h"
+#include "app/sweep/results.h"
+
+namespace seam::app {
+
+struct OneRunOptions {
+  std::filesystem::path files;  // Where logs and frames go, if the plan keeps them.
+  int render_workers = 1;
+};
+
+// Never throws for what a run's own settings bring about: the record then says what went wrong.
+// `end` is `stopped` where a signal ended it, and then there is nothing to keep.
+RunRecord make_run(const SweepPlan& plan, uint64_t run, const Makers& makers, ProgramPrints& prints,
+                   const OneRunOptions& options);
+
+// A record as a text, to be sent from one process to another.
+std::string to_text(const RunRecord& record);
+RunRecord record_from_text(const std::string& text);
+
+}  // namespace seam::app

@@ -1,0 +1,85 @@
+// A plan of runs, format seam-sweep/1 (docs/sweeps.md): a scenario, what is changed in it, and what
+// is kept. Run number k is a pure function of the plan.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/scenario_tree.h"
+#include "app/sweep/plan/axis.h"
+#include "app/sweep/plan/keep.h"
+#include "sim_core/base/config.h"
+
+namespace seam::app {
+
+// All that a plan is made of, as results keep it: the runs can be made again from this alone.
+struct PlanTexts {
+  std::string name;           // The plan's file name, for messages.
+  std::string plan;           // Its YAML.
+  std::string scenario_name;  // As the plan names it.
+  std::string scenario;       // One document, with the files that it names and without tokens.
+  std::map<std::string, std::string> files;  // Tables and models that the plan names.
+};
+
+// The settings of one run, as they stand in tables.
+struct RunSettings {
+  std::vector<WrittenValue> values;  // Of the plan's parameters.
+  uint64_t repetition = 0;
+};
+
+class SweepPlan {
+ public:
+  // A plan of more runs is told and not begun.
+  static constexpr uint64_t kMostRuns = 10'000'000;
+
+  // Throws InputError naming file, line and key; a few runs at the ends of what varies are worked
+  // out, so that a slip in a path or a value is told at once.
+  static SweepPlan from_file(const std::filesystem::path& file);
+  static SweepPlan from_texts(const PlanTexts& texts);
+
+  const PlanTexts& texts() const { return texts_; }
+  // Of everything that the plan is made of; comments and layout do not count.
+  uint64_t fingerprint() const;
+
+  uint64_t runs() const { return runs_; }
+  // Names of what varies, in the order of the plan.
+  const std::vector<std::string>& parameters() const { return parameters_; }
+  uint64_t repetitions() const { return repetitions_; }
+  const Keep& keep() const { return keep_; }
+
+  // Settings vary like nested loops in the order of the plan, the last one fastest, repetitions
+  // faster still.
+  RunSettings settings(uint64_t run) const;
+  // Throws InputError naming the run.
+  Scenario scenario(uint64_t run) const;
+  // Programs that the behaviours of the runs that were worked out name, with a robot that does.
+  const std::map<std::vector<std::string>, std::string>& commands() const { return commands_; }
+
+ private:
+  SweepPlan(PlanTexts texts, PlanFiles files);
+  void read(const ConfigNode& root);
+  void read_changes(const ConfigNode& root);
+  void read_axes(const ConfigNode& root);
+  void count_runs(const ConfigNode& root);
+  void name_columns(const ConfigNode& root);
+  void try_some_runs();
+  // A plain value that names a file as the file's text.
+  WrittenValue content(const WrittenValue& value, bool takes_file) const;
+
+  PlanTexts texts_;
+  PlanFiles files_;
+  std::optional<ScenarioTree> base_;  // With the changes of `set`.
+  std::vector<Axis> axes_;
+  uint64_t repetitions_ = 1;
+  uint64_t runs_ = 1;
+  std::vector<std::string> parameters_;
+  Keep keep_;
+  std::map<std::vector<std::string>, std::string> commands_;
+};
+
+}  // namespace seam::app

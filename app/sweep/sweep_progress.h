@@ -1,0 +1,29 @@
+// One line on a terminal: runs done, failed, a second, and the time left. Silent elsewhere.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace seam::app {
+
+// "1 h 05 min", "3 min 20 s", "12 s".
+std::string duration_text(double seconds);
+
+class SweepProgress {
+ public:
+  explicit SweepProgress(uint64_t total);
+  ~SweepProgress();
+  SweepProgress(const SweepProgress&) = delete;
+  SweepProgress& operator=(const SweepProgress&) = delete;
+
+  void count(bool failed);
+  void show() const;
+
+ private:
+  uint64_t total_, done_ = 0, failed_ = 0;
+  bool terminal_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace seam::app

@@ -1,0 +1,41 @@
+#include "effects/stages/servo.h"
+
+namespace seam::effects {
+
+EffectDefinition load_friction() {
+  return {
+      .name = "load_friction",
+      .stage = Stage::joint,
+      .kinds = kJoints | kRanges,
+      .parameters =
+          {{.name = "fraction",
+            .min = 0,
+            .max = 0.95,
+            .scale = 0.1,
+            .help = "Share of what drive and load leave, |drive - load|, that friction takes."}},
+      .help = "Friction of gears that grows with the torque that they carry.",
+      .formula =
+          "friction = fraction * |drive - load| * sign(w), in dw/dt of motor_servo; holds at rest",
+      .signature = "slower to speed up and quicker to brake, the more the larger the load",
+      .example = "load_friction: {fraction: 0.2}",
+      .needs_base = Base::motor,
+      .starts = {{kJoints, StartSearch::motion, {{0.1}}}},
+      .advice =
+          {{kJoints,
+            {"viscous_friction", "stribeck_friction"},
+            "the same moves with another load or at other gains: friction by load grows with both"},
+           {kJoints, {}, "the same moves with another load or at other gains"}},
+      .servo = [](Values p, ServoModel& servo) { servo.torque.load_fraction = p[0]; },
+      .proof = {{.values = {0.3},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"at_s", 0.12}},
+                 .expected = {{"joint_rad", 0.358466698380807}},
+                 .source = "python: sprung(100 * (1 - p[0]), 10 * (1 - p[0]), 1, at_s)"},
+                {.values = {0.2},
+                 .given = {{"command_s", 0}, {"command_rad", 1}, {"at_s", 0.3}},
+                 .expected = {{"joint_rad", 1.06730310036058}},
+                 .source = "python: swung(at_s, load=p[0])",
+                 .tolerance = 1e-07}},
+  };
+}
+
+}  // namespace seam::effects

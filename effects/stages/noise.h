@@ -1,0 +1,68 @@
+// Errors of measurements beyond independent normal ones: those that wander in time, those that
+// last, those that are few and large, those that grow with the motion. Each kind of measurement
+// takes its own from what the effects of a model add up to.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "effects/model.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::effects {
+
+// An Ornstein-Uhlenbeck process: covariance sigma^2 exp(-lag / tau_s). With tau_s 0 it is white.
+struct Wander {
+  double sigma = 0;
+  double tau_s = 0;
+
+  double covariance(double lag_s) const {
+    if (lag_s == 0) return sigma * sigma;
+    return tau_s > 0 ? sigma * sigma * maths::exp(-lag_s / tau_s) : 0;
+  }
+};
+
+// A share of the errors has something more.
+struct Few {
+  double fraction = 0;
+  double size = 0;  // Scale of an exponential, or sigma.
+
+  bool none() const { return !(fraction > 0 && size > 0); }
+};
+
+// Grows with the body's motion: sigma * (1 + per_mps * speed + per_radps * turn).
+struct MovingNoise {
+  double xy_sigma_m = 0, theta_sigma_rad = 0;
+  double per_mps = 0, per_radps = 0;
+
+  double growth(double mps, double radps) const {
+    return 1 + per_mps * std::abs(mps) + per_radps * std::abs(radps);
+  }
+};
+
+struct Noise {
+  // Of one landmark in one run.
+  std::vector<Wander> range, bearing;
+  double range_bias_variance = 0, bearing_bias_variance = 0;
+  double place_variance = 0;    // Of each landmark's x and of its y in the map, in all runs.
+  std::vector<Wander> heading;  // Shared by all bearings of a run.
+  std::vector<Wander> joint;    // Of a logged joint.
+  Few range_tail;               // Ranges that are too long by an exponential.
+  Few point_scatter;            // Points with a further normal error.
+  std::vector<MovingNoise> pose;
+
+  bool hangs_together() const {
+    return !range.empty() || !bearing.empty() || !heading.empty() || !joint.empty() ||
+           range_bias_variance > 0 || bearing_bias_variance > 0 || place_variance > 0;
+  }
+};
+
+inline Noise noise_of(const Model& model) {
+  Noise noise;
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->noise) effect.definition->noise(effect.values(), noise);
+  }
+  return noise;
+}
+
+}  // namespace seam::effects

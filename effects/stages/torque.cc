@@ -1,0 +1,329 @@
+#include "effects/stages/torque.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim_core/base/maths.h"
+
+namespace seam::effects {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kOrder = 9;                 // Highest power of time in a piece's angle.
+constexpr double kTolerance_rad = 1e-12;  // Of the last two terms.
+// Slower Stribeck speeds than this are a step at rest.
+constexpr double kLeastStribeck_radps = 1e-6;
+// Pieces of one call: more stand for an equation that no servo has.
+constexpr int kMostPieces = 600;
+
+using Series = std::array<double, kOrder + 1>;  // Coefficients by power of time.
+
+double value_of(const Series& f, double t, int order) {
+  double sum = f[order];
+  for (int k = order - 1; k >= 0; --k) sum = sum * t + f[k];
+  return sum;
+}
+
+double slope_of(const Series& f, double t, int order) {
+  double sum = order * f[order];
+  for (int k = order - 1; k >= 1; --k) sum = sum * t + k * f[k];
+  return sum;
+}
+
+// Where between `low` and `high` f, not negative at `low`, becomes negative: Newton's steps inside
+// a bracket that halves where they leave it.
+double root_between(const Series& f, double low, double high, int order) {
+  double t = 0.5 * (low + high);
+  for (int step = 0; step < 60; ++step) {
+    const double value = value_of(f, t, order);
+    (value >= 0 ? low : high) = t;
+    const double wished = t - value / slope_of(f, t, order);
+    const double next = wished > low && wished < high ? wished : 0.5 * (low + high);
+    if (std::abs(next - t) <= 1e-15 * high || !(high > low)) return next;
+    t = next;
+  }
+  return t;
+}
+
+// Where between `low` and `high` f, which falls at `low`, rises.
+double lowest_between(const Series& f, double low, double high, int order) {
+  for (int halving = 0; halving < 40; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (slope_of(f, middle, order) < 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+// The first time up to `h` at which f, not negative at 0, becomes negative; infinite: it does not.
+// Between its samples f is looked at where it turns.
+double first_fall(const Series& f, double h, int order) {
+  double reach = 0;
+  for (int k = order; k >= 1; --k) reach = (reach + std::abs(f[k])) * h;
+  if (f[0] > reach) return kInfinity;
+  constexpr int kSamples = 4;
+  const auto positive = [&](double t) { return value_of(f, t, order) >= 0; };
+  // A clamp that was just left, or a start from rest, stands at 0 but for rounding.
+  if (f[0] <= 1e-12 * reach && slope_of(f, 0, order) < 0) return 0;
+  double from = 0;
+  for (int i = 1; i <= kSamples; ++i) {
+    const double to = i == kSamples ? h : h * i / kSamples;
+    if (!positive(to)) return root_between(f, from, to, order);
+    if (slope_of(f, from, order) < 0 && slope_of(f, to, order) > 0) {
+      const double lowest = lowest_between(f, from, to, order);
+      if (!positive(lowest)) return root_between(f, from, lowest, order);
+    }
+    from = to;
+  }
+  return kInfinity;
+}
+
+// Which side of each clamp and sign the motion is on: there the equation is analytic.
+struct Region {
+  int duty = 0;   // -1, +1: clamped.
+  int drive = 0;  // Likewise.
+  int net = 1;    // Sign.
+  int way = 1;    // Of the motion.
+};
+
+int side_of(double value, double most) {
+  return value > most ? 1 : value < -most ? -1 : 0;
+}
+
+double wanted_duty(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
+  return m.gain * in.kp * (in.command_rad - s.q_rad) - m.damping_s * s.w_radps;
+}
+
+double free_drive(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
+  if (!in.enabled) return 0;
+  const double duty = std::clamp(wanted_duty(m, in, s), -m.max_duty, m.max_duty);
+  return m.stall_rad_per_s2 * in.voltage * duty - m.back_emf_per_s * s.w_radps;
+}
+
+double load_of(const TorqueModel& m, double q_rad) {
+  if (m.gravity_rad_per_s2 == 0) return 0;
+  return m.gravity_rad_per_s2 * maths::cos(q_rad - m.level_rad);
+}
+
+double net_of(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
+  const double drive = std::clamp(free_drive(m, in, s), -m.limit_rad_per_s2, m.limit_rad_per_s2);
+  return drive - load_of(m, s.q_rad);
+}
+
+// The motion from one state while the region holds.
+class Stretch {
+ public:
+  Stretch(const TorqueModel& motor, const MotorInput& input, const MotorState& state,
+          const Region& region)
+      : m_(motor), in_(input), region_(region) {
+    q_[0] = state.q_rad, w_[0] = state.w_radps;
+    start();
+    for (int k = 0; k < kOrder; ++k) extend(k);
+    finish();
+  }
+
+  // At most `dt_s`, as long as the series is good.
+  double reach(double dt_s) const {
+    double h = dt_s;
+    for (int halving = 0; halving < 80; ++halving) {
+      const double last = last_terms(q_, h);
+      if (last < kTolerance_rad && friction_is_good(h)) return h;
+      h *= last > 1e4 * kTolerance_rad || !std::isfinite(last) ? 0.5 : 0.8;
+    }
+    return kInfinity;
+  }
+
+  // When within `h` the region ends, and the one that follows; infinite: it does not. Where the
+  // motion itself ends, `stops` is set.
+  double end(double h, Region& next, bool& stops) const {
+    double first = kInfinity;
+    const auto offer = [&](const Series& f, double sign, double offset, int order, auto&& change) {
+      Series g;
+      for (int k = 0; k <= order; ++k) g[k] = sign * f[k];
+      g[0] += offset;
+      const double t = first_fall(g, std::min(h, first), order);
+      if (!(t < first)) return;
+      first = t, next = region_, stops = false;
+      change();
+    };
+    offer(w_, region_.way, 0, kOrder - 1, [&] { stops = true; });
+    if (m_.load_fraction > 0)
+      offer(net_, region_.net, 0, kOrder - 2, [&] { next.net = -region_.net; });
+    const auto offer_clamp = [&](const Series& f, double most, int side, int Region::*which) {
+      if (side != 0) return offer(f, side, -most, kOrder - 2, [&] { next.*which = 0; });
+      offer(f, -1, most, kOrder - 2, [&] { next.*which = 1; });
+      offer(f, 1, most, kOrder - 2, [&] { next.*which = -1; });
+    };
+    if (in_.enabled) {
+      offer_clamp(duty_, m_.max_duty, region_.duty, &Region::duty);
+      if (std::isfinite(m_.limit_rad_per_s2))
+        offer_clamp(drive_, m_.limit_rad_per_s2, region_.drive, &Region::drive);
+    }
+    return first;
+  }
+
+  MotorState at(double t) const { return {value_of(q_, t, kOrder), value_of(w_, t, kOrder - 1)}; }
+
+ private:
+  void start() {
+    if (m_.gravity_rad_per_s2 != 0) {
+      sin_[0] = maths::sin(q_[0] - m_.level_rad);
+      cos_[0] = maths::cos(q_[0] - m_.level_rad);
+    }
+    has_stribeck_ = m_.stribeck_rad_per_s2 != 0 && m_.stribeck_rad_per_s >= kLeastStribeck_radps;
+    if (has_stribeck_) {
+      // Kept above 0, so that a share of it says something.
+      const double rates = std::min(std::abs(w_[0]) / m_.stribeck_rad_per_s, 600.0);
+      near_rest_[0] = maths::exp(-rates);
+    }
+  }
+
+  // Drive and net of power k from what is known of angle and rate.
+  void drive(int k) {
+    const double ahead = (k == 0 ? in_.command_rad : k == 1 ? in_.command_radps : 0) - q_[k];
+    duty_[k] = m_.gain * in_.kp * ahead - m_.damping_s * w_[k];
+    drive_[k] = 0;
+    if (in_.enabled) {
+      const double clamped = k == 0 ? region_.duty * m_.max_duty : 0;
+      const double duty = region_.duty == 0 ? duty_[k] : clamped;
+      drive_[k] = m_.stall_rad_per_s2 * in_.voltage * duty - m_.back_emf_per_s * w_[k];
+    }
+    const double limit = k == 0 && region_.drive != 0 ? region_.drive * m_.limit_rad_per_s2 : 0;
+    net_[k] = (region_.drive == 0 ? drive_[k] : limit) - m_.gravity_rad_per_s2 * cos_[k];
+  }
+
+  // From power k of everything to power k + 1 of angle and rate.
+  void extend(int k) {
+    drive(k);
+    double dry = m_.load_fraction * region_.net * net_[k];
+    if (k == 0) dry += m_.coulomb_rad_per_s2;
+    if (has_stribeck_) dry += m_.stribeck_rad_per_s2 * near_rest_[k];
+    const double over = 1.0 / (k + 1);
+    q_[k + 1] = w_[k] * over;
+    w_[k + 1] = (net_[k] - m_.viscous_per_s * w_[k] - region_.way * dry) * over;
+    if (m_.gravity_rad_per_s2 != 0) {
+      double sine = 0, cosine = 0;
+      for (int j = 0; j <= k; ++j) {
+        const double turn = w_[j];
+        sine += turn * cos_[k - j], cosine -= turn * sin_[k - j];
+      }
+      sin_[k + 1] = sine * over, cos_[k + 1] = cosine * over;
+    }
+    if (has_stribeck_) {
+      double sum = 0;
+      for (int j = 0; j <= k; ++j) sum += (j + 1) * w_[j + 1] * near_rest_[k - j];
+      near_rest_[k + 1] = -region_.way * sum * over / m_.stribeck_rad_per_s;
+    }
+  }
+
+  static double last_terms(const Series& f, double h) {
+    double power = 1;
+    for (int k = 0; k < kOrder - 1; ++k) power *= h;
+    return std::abs(f[kOrder - 1]) * power + std::abs(f[kOrder]) * power * h;
+  }
+
+  // A fast joint does not see yet what grows by powers of ten while it comes to rest: the series
+  // of this friction must converge by itself, unless the joint stays fast.
+  bool friction_is_good(double h) const {
+    if (!has_stribeck_) return true;
+    constexpr double kShare = 1e-3, kGone = 40;
+    double change = 0;
+    for (int k = kOrder - 1; k >= 1; --k) change = (change + std::abs(w_[k])) * h;
+    if (change < std::abs(w_[0]) - kGone * m_.stribeck_rad_per_s) return true;
+    return last_terms(near_rest_, h) < kShare * near_rest_[0];
+  }
+
+  // The rate's last power goes unused: its error is the angle's over time.
+  void finish() { w_[kOrder] = 0; }
+
+  const TorqueModel& m_;
+  const MotorInput& in_;
+  const Region region_;
+  bool has_stribeck_ = false;
+  Series q_, w_, duty_, drive_, net_;
+  Series sin_{}, cos_{}, near_rest_{};
+};
+
+// How long friction holds a joint at rest, at most `dt_s`; sets the way it breaks away.
+double rest_for(const TorqueModel& m, const MotorInput& in, const MotorState& state, double dt_s,
+                int& way) {
+  const double net = net_of(m, in, state);
+  way = net < 0 ? -1 : 1;
+  const double holds = m.coulomb_rad_per_s2 + m.stribeck_rad_per_s2;
+  if (std::abs(net) * (1 - m.load_fraction) > holds * (1 + 1e-12)) return 0;
+  if (in.command_radps == 0 || !in.enabled) return dt_s;
+  // The command moves on until the net acceleration is more than friction holds.
+  const double duty_per_rad = m.gain * in.kp;
+  const double drive_per_duty = m.stall_rad_per_s2 * in.voltage;
+  way = duty_per_rad * drive_per_duty * in.command_radps < 0 ? -1 : 1;
+  const double needed = load_of(m, state.q_rad) + way * holds / (1 - m.load_fraction);
+  const double duty = needed / drive_per_duty;
+  if (!(std::abs(needed) < m.limit_rad_per_s2) || !(std::abs(duty) < m.max_duty)) return dt_s;
+  const double command_rad = state.q_rad + duty / duty_per_rad;
+  const double t = (command_rad - in.command_rad) / in.command_radps;
+  return std::isfinite(t) ? std::clamp(t, 0.0, dt_s) : dt_s;
+}
+
+Region region_of(const TorqueModel& m, const MotorInput& in, const MotorState& state, int way) {
+  return {.duty = side_of(wanted_duty(m, in, state), m.max_duty),
+          .drive = side_of(free_drive(m, in, state), m.limit_rad_per_s2),
+          .net = net_of(m, in, state) < 0 ? -1 : 1,
+          .way = way};
+}
+
+}  // namespace
+
+double advance_motor(const TorqueModel& motor, const MotorInput& input, double dt_s,
+                     MotorState& state) {
+  MotorInput in = input;
+  double done_s = 0;
+  const auto pass = [&](double t) {
+    done_s += t;
+    in.command_rad = input.command_rad + input.command_radps * done_s;
+  };
+  int way = state.w_radps < 0 ? -1 : 1;
+  const bool rested = state.w_radps == 0;
+  if (rested) {
+    pass(rest_for(motor, in, state, dt_s, way));
+    if (done_s >= dt_s) return dt_s;
+  }
+  Region region = region_of(motor, in, state, way);
+  for (int pieces = 0; done_s < dt_s; ++pieces) {
+    const Stretch stretch(motor, in, state, region);
+    const double h = stretch.reach(dt_s - done_s);
+    if (pieces >= kMostPieces || !std::isfinite(h)) {
+      state = {NAN, NAN};
+      return dt_s;
+    }
+    bool stops = false;
+    Region next = region;
+    const double ends = stretch.end(h, next, stops);
+    const bool whole = !(ends < kInfinity) && h >= dt_s - done_s;
+    const double t = std::min(ends, h);
+    state = stretch.at(t);
+    if (whole)
+      done_s = dt_s;
+    else
+      pass(t);
+    if (stops) {
+      state.w_radps = 0;
+      // What breaks away by rounding alone stays.
+      return rested && t == 0 && pieces == 0 ? dt_s : done_s;
+    }
+    region = next;
+  }
+  return dt_s;
+}
+
+double motor_acceleration(const TorqueModel& motor, const MotorInput& input,
+                          const MotorState& state, double rest_radps) {
+  const double net = net_of(motor, input, state), rate = std::abs(state.w_radps);
+  double dry = motor.coulomb_rad_per_s2 + motor.load_fraction * std::abs(net);
+  if (motor.stribeck_rad_per_s >= kLeastStribeck_radps)
+    dry += motor.stribeck_rad_per_s2 * maths::exp(-rate / motor.stribeck_rad_per_s);
+  const double moving = net - motor.viscous_per_s * state.w_radps;
+  if (rate > rest_radps) return moving - std::copysign(dry, state.w_radps);
+  return std::copysign(std::max(0.0, std::abs(moving) - dry), moving);
+}
+
+}  // namespace seam::effects

@@ -1,0 +1,72 @@
+#include "measurement/fitting/spreads_together.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "measurement/numerics/maximise.h"
+
+namespace seam::measurement {
+
+void SpreadsTogether::state(Fit& fit) const {
+  for (size_t a = 0; a < which.size(); ++a) {
+    for (size_t b = 0; b < which.size(); ++b)
+      fit.covariance[which[a] * fit.value.size() + which[b]] = covariance[a * which.size() + b];
+    const double variance = covariance[a * which.size() + a];
+    fit.sigma[which[a]] =
+        variance > 0 ? std::sqrt(variance) : std::numeric_limits<double>::infinity();
+  }
+}
+
+SpreadsTogether fit_spreads_together(const Problem& problem, const ParameterSpace& space,
+                                     const Model& model, const Groups& groups,
+                                     const Evaluation* warm) {
+  constexpr double kNothing = 1e-3;  // Of its scale.
+  SpreadsTogether out{.place = space.place(model)};
+  std::map<std::string, std::vector<size_t>> by_effect;
+  for (size_t i = 0; i < space.size(); ++i) {
+    const double z = out.place[static_cast<Eigen::Index>(i)];
+    if (space[i].spread && z > kNothing * space[i].scale && !space[i].parameter->fit_reciprocal)
+      by_effect[space[i].unknown.effect].push_back(i);
+  }
+  for (const auto& [effect, places] : by_effect) {
+    if (places.size() > 1) out.which.insert(out.which.end(), places.begin(), places.end());
+  }
+  if (out.which.empty()) return out;
+  std::vector<SearchParameter> parameters;
+  for (const size_t i : out.which) {
+    parameters.push_back({.start = out.place[static_cast<Eigen::Index>(i)],
+                          .min = std::max(space[i].min, 1e-4 * space[i].scale),
+                          .max = space[i].max,
+                          .step = 0.1,
+                          .logarithmic = true});
+  }
+  const auto log_likelihood = [&](const std::vector<double>& values) {
+    Eigen::VectorXd place = out.place;
+    for (size_t k = 0; k < values.size(); ++k)
+      place[static_cast<Eigen::Index>(out.which[k])] = values[k];
+    const Evaluation there = problem.evaluate(space.at(model, place), groups, warm);
+    return there.valid ? score_of(problem, there).log_likelihood
+                       : -std::numeric_limits<double>::infinity();
+  };
+  // Far from the end of a valley its direction is told badly: it is looked at anew from where the
+  // last descent ended.
+  constexpr int kDescents = 6;
+  constexpr double kWorthAnother = 0.02;
+  Maximum found = maximise(log_likelihood, parameters);
+  for (int descent = 1; descent < kDescents; ++descent) {
+    const double before = found.log_likelihood;
+    for (size_t k = 0; k < parameters.size(); ++k) parameters[k].start = found.value[k];
+    found = maximise(log_likelihood, parameters);
+    if (!(found.log_likelihood > before + kWorthAnother)) break;
+  }
+  for (size_t k = 0; k < out.which.size(); ++k)
+    out.place[static_cast<Eigen::Index>(out.which[k])] = found.value[k];
+  out.covariance = found.covariance;
+  out.log_likelihood = found.log_likelihood;
+  return out;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,173 @@
+// Fits of servos with torque: whole runs are simulated, smooth in all parameters, from starts that
+// agree with the accelerations seen.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "effects/questions.h"
+#include "measurement/fitting/parameter_space.h"
+#include "measurement/kinds/joints/joints.h"
+#include "measurement/kinds/joints/motion_look.h"
+
+namespace seam::measurement {
+namespace {
+
+using Values = std::vector<double>;
+
+// Every choice of one value list of each effect, one after the other.
+std::vector<Values> combinations(const std::vector<std::vector<Values>>& lists) {
+  std::vector<Values> all = {{}};
+  for (const auto& list : lists) {
+    std::vector<Values> longer;
+    for (const Values& head : all) {
+      for (const Values& tail : list) {
+        longer.push_back(head);
+        longer.back().insert(longer.back().end(), tail.begin(), tail.end());
+      }
+    }
+    all = std::move(longer);
+  }
+  return all;
+}
+
+bool differs(const Values& a, const Values& b) {
+  constexpr double kOther = 0.2;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (std::abs(a[i] - b[i]) > kOther * std::max(std::abs(a[i]), std::abs(b[i]))) return true;
+  }
+  return false;
+}
+
+// Takes out of a list, over the rows where `part` says so, what a column makes of it.
+void take_out(const std::vector<double>& of, std::vector<double>& from,
+              const std::vector<size_t>& rows) {
+  double along = 0, norm = 0;
+  for (const size_t i : rows) along += of[i] * from[i], norm += of[i] * of[i];
+  if (!(norm > 0)) return;
+  for (const size_t i : rows) from[i] -= along / norm * of[i];
+}
+
+}  // namespace
+
+std::vector<Values> JointsProblem::starts_together(const Model& model,
+                                                   const EffectDefinition& effect,
+                                                   const EffectList& companions) const {
+  if (effects::start_rule(effect, facts_.set.kind).search != effects::StartSearch::motion)
+    return starts(model, effect);
+  EffectList moved = {std::make_shared<EffectDefinition>(effect)};
+  moved.insert(moved.end(), companions.begin(), companions.end());
+  std::vector<std::vector<Values>> lists;
+  Model base = model;
+  effects::remove_replaced(effect, base);
+  std::vector<Unknown> unknowns;
+  for (const auto& definition : moved) {
+    lists.push_back(effects::start_rule(*definition, facts_.set.kind).values);
+    base.add_neutral(definition);
+    for (size_t i = 0; i < definition->parameters.size(); ++i) {
+      if (!definition->parameters[i].stated) unknowns.push_back({definition->name, i});
+    }
+  }
+  const Groups training = folds().size() == 1 ? training_groups() : all_groups();
+  std::vector<char> chosen;
+  for (const JointLog& log : set_.logs)
+    chosen.push_back(training[facts_.group_of_row[log.rows[0]]]);
+  const MotionLook look(set_, chosen, facts_.channels[0].noise);
+  std::vector<std::pair<double, Values>> found;
+  for (const Values& values : combinations(lists)) {
+    Model trial = base;
+    size_t at = 0;
+    for (const auto& definition : moved) {
+      for (size_t i = 0; i < definition->parameters.size(); ++i)
+        trial.set_value(definition->name, i, values[at++]);
+    }
+    const double cost = look.descend(trial, unknowns);
+    Values reached;
+    for (const auto& definition : moved) {
+      const auto list = trial.find(definition->name)->values();
+      reached.insert(reached.end(), list.begin(), list.end());
+    }
+    found.emplace_back(cost, std::move(reached));
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  constexpr size_t kMostStarts = 2;
+  std::vector<Values> starts;
+  for (const auto& [cost, values] : found) {
+    if (starts.size() < kMostStarts &&
+        std::all_of(starts.begin(), starts.end(),
+                    [&, &v = values](const Values& other) { return differs(v, other); }))
+      starts.push_back(values);
+  }
+  return starts;
+}
+
+// Logs are independent of each other: all their starts are moved at once.
+void JointsProblem::take_out_starts(const Model& model, const Groups& groups,
+                                    const Evaluation& here, std::vector<Values>& columns) const {
+  const double by_rad = here.sigma.empty() ? 0 : facts_.channels[0].noise, by_radps = 0.01;
+  const auto slope = [&](double rad, double radps) {
+    Evaluation moved;
+    moved.nuisance_values = here.nuisance_values, moved.reusable = here.reusable;
+    size_t place = 0;
+    for (const JointLog& log : set_.logs) {
+      if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
+      moved.nuisance_values.at(place) += rad;
+      if (unknowns_of_start(model, log) > 1) moved.nuisance_values.at(place + 1) += radps;
+      place += 2;
+    }
+    const Evaluation there = evaluate(model, groups, &moved);
+    Values column(facts_.scalars(), 0);
+    for (size_t i = 0; i < column.size(); ++i) {
+      if (here.used[i] && there.valid) column[i] = there.whitened[i] - here.whitened[i];
+    }
+    return column;
+  };
+  const Values by_angle = slope(by_rad, 0);
+  const bool any_rate = std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) {
+    return unknowns_of_start(model, log) > 1;
+  });
+  Values by_rate = any_rate ? slope(0, by_radps) : Values();
+  size_t place = 0;
+  for (const JointLog& log : set_.logs) {
+    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
+    const double offset_rad = here.nuisance_values.at(place);
+    place += 2;
+    // A start that is held near where it was measured is not free.
+    if (std::abs(offset_rad) >= kFarthestStart * here.sigma[log.rows[0]]) continue;
+    if (any_rate) take_out(by_angle, by_rate, log.rows);
+    for (Values& column : columns) {
+      take_out(by_angle, column, log.rows);
+      if (any_rate) take_out(by_rate, column, log.rows);
+    }
+  }
+}
+
+// One-sided differences with the starts of the logs as they are; what these could do about a column
+// is taken out of it, so that errors know of them.
+std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
+                                                  const std::vector<Unknown>& unknowns,
+                                                  const Groups& groups,
+                                                  const Evaluation& here) const {
+  constexpr double kStep = 1e-3;  // Of the parameter's size.
+  const ParameterSpace space(model, unknowns);
+  std::vector<Values> columns;
+  for (const Coordinate& c : space) {
+    const double z = c.of(model);
+    double step = kStep * std::max(c.scale, std::abs(z));
+    if (z + step > c.max) step = -step;
+    Model moved = model;
+    c.set(moved, z + step);
+    const Evaluation there = evaluate(moved, groups, &here);
+    Values column(facts_.scalars(), 0);
+    const double slope = std::isfinite(c.slope(z)) ? c.slope(z) : 1;
+    for (size_t i = 0; i < column.size(); ++i) {
+      if (here.used[i] && there.valid)
+        column[i] = (there.whitened[i] - here.whitened[i]) / (step * slope);
+    }
+    columns.push_back(std::move(column));
+  }
+  take_out_starts(model, groups, here, columns);
+  return columns;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,165 @@
+#include "measurement/kinds/joints/motion_look.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "effects/stages/servo.h"
+#include "measurement/fitting/parameter_space.h"
+#include "measurement/numerics/damped_step.h"
+#include "measurement/numerics/robust.h"
+
+namespace seam::measurement {
+namespace {
+
+constexpr size_t kMostInstants = 1500;
+
+// Standard error of the second derivative of a parabola through 2 reach + 1 even samples.
+double acceleration_error(double noise_rad, size_t reach, double dt_s) {
+  const auto n = static_cast<double>(2 * reach + 1);
+  return noise_rad * std::sqrt(720 / (n * (n * n - 1) * (n * n - 4))) / (dt_s * dt_s);
+}
+
+// What acts on the motor at this time after the row.
+effects::MotorInput input_at(const JointLog& log, size_t row, double after_s, double latency_s) {
+  const double at_s = log.time_s[row] + after_s;
+  const auto last_before = [&](double t_s) {
+    const auto next = std::lower_bound(log.time_s.begin(), log.time_s.end(), t_s);
+    return next == log.time_s.begin() ? size_t{0}
+                                      : static_cast<size_t>(next - log.time_s.begin()) - 1;
+  };
+  const size_t given = last_before(at_s - latency_s);
+  return {.command_rad = log.command_rad[given],
+          .kp = log.kp[given],
+          .voltage = log.voltage[last_before(at_s)],
+          .enabled = log.enabled[given] != 0};
+}
+
+double cost_of(const std::vector<double>& misses, double size) {
+  double sum = 0;
+  for (const double miss : misses) sum += std::log1p(miss * miss / (size * size));
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+MotionLook::MotionLook(const JointLogs& set, const std::vector<char>& chosen, double noise_rad) {
+  size_t rows = 0;
+  for (size_t i = 0; i < set.logs.size(); ++i) rows += chosen[i] ? set.logs[i].rows.size() : 0;
+  const size_t stride = std::max<size_t>(1, rows / kMostInstants);
+  for (size_t i = 0; i < set.logs.size(); ++i) {
+    const JointLog& log = set.logs[i];
+    if (!chosen[i] || log.time_s.size() < 8) continue;
+    std::vector<double> steps, turns;
+    for (size_t k = 1; k < log.time_s.size(); ++k)
+      steps.push_back(log.time_s[k] - log.time_s[k - 1]);
+    const double dt_s = median_of(steps);
+    // As short as the noise allows: over more rows what happens between them is lost.
+    size_t reach = 2;
+    constexpr double kGoodEnough_radps2 = 2;
+    while (reach < 12 && acceleration_error(noise_rad, reach, dt_s) > kGoodEnough_radps2) ++reach;
+    add_instants(log, stride, reach, noise_rad);
+  }
+}
+
+void MotionLook::add_instants(const JointLog& log, size_t stride, size_t reach, double noise_rad) {
+  const size_t n = log.time_s.size(), width = 2 * reach + 1;
+  Eigen::MatrixXd powers(width, 3);
+  Eigen::VectorXd angles(width);
+  for (size_t k = reach; k + reach < n; k += stride) {
+    const double span_s = 0.5 * (log.time_s[k + reach] - log.time_s[k - reach]);
+    for (size_t j = 0; j < width; ++j) {
+      const double t = (log.time_s[k - reach + j] - log.time_s[k]) / span_s;
+      powers.row(static_cast<Eigen::Index>(j)) << 1, t, t * t;
+      angles[static_cast<Eigen::Index>(j)] = log.measured_rad[k - reach + j];
+    }
+    const Eigen::Vector3d c =
+        (powers.transpose() * powers).ldlt().solve(powers.transpose() * angles);
+    instants_.push_back({.log = &log,
+                         .row = k,
+                         .q_rad = c[0],
+                         .w_radps = c[1] / span_s,
+                         .a_radps2 = 2 * c[2] / (span_s * span_s),
+                         .reach_s = span_s,
+                         .rest_radps = 4 * noise_rad / span_s});
+  }
+}
+
+// The parabola's curvature is a mean of the acceleration over its rows, with the weights 1 - x^2
+// over their reach: three places stand for it.
+std::vector<double> MotionLook::misses(const Model& model) const {
+  const effects::ServoModel servo = effects::servo_of(model);
+  std::vector<double> misses;
+  misses.reserve(instants_.size());
+  for (const Instant& at : instants_) {
+    double sum = 0;
+    for (const double x : {-0.5, 0.0, 0.5}) {
+      const double dt_s = x * at.reach_s;
+      const effects::MotorState state{at.q_rad + dt_s * (at.w_radps + 0.5 * dt_s * at.a_radps2),
+                                      at.w_radps + dt_s * at.a_radps2};
+      const auto input = input_at(*at.log, at.row, dt_s, servo.latency_s);
+      sum += (1 - x * x) / 2.5 *
+             effects::motor_acceleration(servo.torque, input, state, at.rest_radps);
+    }
+    misses.push_back(at.a_radps2 - sum);
+  }
+  return misses;
+}
+
+double MotionLook::descend(Model& model, const std::vector<Unknown>& unknowns) const {
+  if (instants_.empty()) return std::numeric_limits<double>::infinity();
+  const ParameterSpace space(model, unknowns);
+  const auto rows = static_cast<Eigen::Index>(instants_.size());
+  Eigen::VectorXd place = space.place(model);
+  std::vector<double> here = misses(model);
+  // Rows beside a step of the command fit no smooth motion: they count less the more they miss.
+  const auto size_of = [](const std::vector<double>& list) {
+    return std::max(2 * robust_sigma(list), 1e-9);
+  };
+  double size = size_of(here), cost = cost_of(here, size);
+  const auto look = [&] {
+    size = size_of(here), cost = cost_of(here, size);
+    Eigen::MatrixXd jacobian(rows, place.size());
+    Eigen::VectorXd residual(rows);
+    Eigen::VectorXd weight(rows);
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const double share = here[static_cast<size_t>(k)] / size;
+      weight[k] = 1 / std::sqrt(1 + share * share) / size;
+      residual[k] = weight[k] * here[static_cast<size_t>(k)];
+    }
+    for (Eigen::Index i = 0; i < place.size(); ++i) {
+      const Coordinate& c = space[static_cast<size_t>(i)];
+      double step = 1e-4 * std::max(c.scale, std::abs(place[i]));
+      if (place[i] + step > c.max) step = -step;
+      const auto there = misses(space.with(model, static_cast<size_t>(i), place[i] + step));
+      for (Eigen::Index k = 0; k < rows; ++k)
+        jacobian(k, i) =
+            weight[k] * (there[static_cast<size_t>(k)] - here[static_cast<size_t>(k)]) / step;
+    }
+    Parabola parabola = parabola_of(jacobian, residual);
+    parabola.held = space.box().held(place, parabola.gradient);
+    return parabola;
+  };
+  const auto move = [&](const Eigen::VectorXd& by) {
+    const Eigen::VectorXd next = space.box().inside(place + by);
+    const auto there = misses(space.at(model, next));
+    const double lower = cost_of(there, size);
+    if (!(lower < cost)) return false;
+    place = next, here = there, cost = lower;
+    model = space.at(model, place);
+    return true;
+  };
+  measurement::descend({.look = look,
+                        .move = move,
+                        .height = [&] { return 0.5 * cost; },
+                        .worth = [&] { return Worth{.gain = 1e-4 * cost}; }},
+                       {.start = 1e-3, .attempts = 6}, 15);
+  // Comparable between descents: in the unit of the data.
+  double sum = 0;
+  constexpr double kUnit_radps2 = 5;
+  for (const double miss : here) sum += std::log1p(miss * miss / (kUnit_radps2 * kUnit_radps2));
+  return sum;
+}
+
+}  // namespace seam::measurement

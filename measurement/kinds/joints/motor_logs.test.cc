@@ -1,0 +1,208 @@
+// Logs of servos with torque: columns that act, starts, bad rows, and fits of whole runs.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "effects/registry.h"
+#include "measurement/kinds/joints/joints.h"
+#include "measurement/search/assess.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/output.h"
+#include "sim_core/base/random.h"
+
+namespace seam::measurement {
+namespace {
+
+Model model_of(const std::string& effects) {
+  return Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
+}
+
+std::string message_of(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+JointLogs logs_of(const std::string& columns, const std::string& rows) {
+  return read_joint_logs(
+      CsvTable::from_text("run,time_s,joint,command_rad,measured_rad" + columns + "\n" + rows,
+                          "joints.csv"),
+      "run", true);
+}
+
+const char* const kMotor =
+    "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.5}\n";
+
+TEST(MotorLogs, GainSupplyAndReleaseComeFromTheColumns) {
+  const JointLogs plain = logs_of("", "0,0,arm,1,0\n0,0.1,arm,1,0\n0,0.2,arm,1,0\n");
+  const auto angles_of = [](const JointLogs& set) {
+    return predict_joint_log(model_of(kMotor), set, set.logs[0], 0);
+  };
+  const auto angles = angles_of(plain);
+  const auto column = [&](const char* name, const char* rows) {
+    return angles_of(logs_of(name, rows));
+  };
+  EXPECT_EQ(column(",kp", "0,0,arm,1,0,1\n0,0.1,arm,1,0,1\n0,0.2,arm,1,0,1\n"), angles);
+  const auto stiff = column(",kp", "0,0,arm,1,0,4\n0,0.1,arm,1,0,4\n0,0.2,arm,1,0,4\n");
+  const auto twice = predict_joint_log(
+      model_of("  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 2}\n"), plain,
+      plain.logs[0], 0);
+  EXPECT_EQ(stiff, twice);
+  // Over the median, so that a steady supply of any size is 1.
+  EXPECT_EQ(column(",voltage_v", "0,0,arm,1,0,7.4\n0,0.1,arm,1,0,7.4\n0,0.2,arm,1,0,7.4\n"),
+            angles);
+  EXPECT_LT(column(",voltage_v", "0,0,arm,1,0,5\n0,0.1,arm,1,0,7.4\n0,0.2,arm,1,0,8\n")[1],
+            angles[1]);
+  // Without drive it coasts.
+  const auto free = column(",torque_enable", "0,0,arm,1,0,1\n0,0.1,arm,1,0,0\n0,0.2,arm,1,0,0\n");
+  EXPECT_EQ(free[1], angles[1]);
+  const double rate = [] {
+    // q = 1 - exp(-5 t) (cos + 5 / W sin), W = sqrt(75).
+    const double w = std::sqrt(75.0);
+    return std::exp(-0.5) * (w + 25 / w) * std::sin(w * 0.1);
+  }();
+  EXPECT_NEAR(free[2], free[1] + 0.1 * rate, 1e-9);
+}
+
+TEST(MotorLogs, BadRowsAreNamed) {
+  const std::pair<const char*, const char*> bad[] = {
+      {",voltage_v", "joints.csv:3: column voltage_v: found '7400', expected a supply in volts"},
+      {",kp", "joints.csv:3: column kp: found '-1', expected a gain, 0 or more"}};
+  for (const auto& [column, expected] : bad) {
+    const std::string value = std::string(column) == ",kp" ? "-1" : "7400";
+    const std::string what =
+        message_of([&] { logs_of(column, "0,0,arm,0,0,7\n0,0.1,arm,0,0," + value + "\n"); });
+    EXPECT_TRUE(what.starts_with(expected)) << what;
+  }
+}
+
+TEST(MotorLogs, KinematicEffectsAreRefusedBesideAMotor) {
+  EXPECT_NE(message_of([] {
+              model_of(std::string(kMotor) + "  servo_lag: {tau_s: 0.1}\n");
+            }).find("effect 'servo_lag' has no place beside 'motor_servo'"),
+            std::string::npos);
+  EXPECT_NE(message_of([] {
+              model_of("  ideal_servo: {}\n  load_friction: {fraction: 0.1}\n");
+            }).find("effect 'load_friction' acts in a model with 'motor_servo', expected one"),
+            std::string::npos);
+  model_of(std::string(kMotor) +
+           "  servo_latency: {latency_s: 0.01}\n  backlash: {width_rad: 0.01}");
+}
+
+// Steps and releases of a loaded joint at two gains, as `truth` has them, with noise.
+class MadeSet {
+ public:
+  explicit MadeSet(const std::string& name)
+      : folder_(std::filesystem::path(testing::TempDir()) / name) {
+    std::filesystem::create_directories(folder_);
+    const RandomStream random{5, 1};
+    std::string rows = "run,time_s,joint,command_rad,measured_rad,kp,torque_enable\n";
+    for (int run = 0; run < 6; ++run) {
+      for (int k = 0; k < 300; ++k) {
+        const int block = k / 50;
+        const double command = (uniform(random, 100 * run + block) - 0.5) * 2.4;
+        rows += fmt::format("{},{:.3f},arm,{:.4f},0,{},{}\n", run, 0.01 * k, command,
+                            run % 2 == 0 ? 3 : 8, block == 3 ? 0 : 1);
+      }
+    }
+    write_file_atomically(folder_ / "joints.csv", rows);
+    write_file_atomically(folder_ / "measurement.yaml",
+                          "format: seam-measurement/1\nkind: joints\ntitle: made\n"
+                          "noise: {measured_rad: 0.0005}\ngroup: run\n"
+                          "files: {joints: joints.csv}\n");
+  }
+  JointsProblem made_by(const Model& truth, uint64_t seed) const {
+    const auto out = folder_ / "made";
+    std::filesystem::remove_all(out);
+    measure_joints(truth, MeasurementSet::open(folder_), {.seed = seed, .out = out});
+    return JointsProblem(MeasurementSet::open(out));
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+// Effect names here, as elsewhere in tests, stand for what is hidden.
+TEST(MotorLogs, AFitOfWholeRunsFindsWhatMadeThemWithItsErrors) {
+  const std::string truth =
+      "  motor_servo: {stall_rad_per_s2: 320, back_emf_per_s: 18, gain: 0.6}\n"
+      "  gravity_torque: {rad_per_s2: 55, level_rad: 1.2}\n"
+      "  viscous_friction: {per_s: 0.8}\n  load_friction: {fraction: 0.15}\n";
+  const std::string start =
+      "  motor_servo: {stall_rad_per_s2: {value: 300, free: true}, back_emf_per_s: {value: 15, "
+      "free: "
+      "true}, gain: {value: 0.5, free: true}}\n"
+      "  gravity_torque: {rad_per_s2: {value: 50, free: true}, level_rad: {value: 1, free: true}}\n"
+      "  viscous_friction: {per_s: {value: 0.3, free: true}}\n"
+      "  load_friction: {fraction: {value: 0.05, free: true}}\n";
+  const double expected[] = {320, 18, 0.6, 55, 1.2, 0.8, 0.15};
+  const MadeSet set("motor-fit");
+  double sum2 = 0;
+  int count = 0;
+  for (const uint64_t seed : {1, 2, 3, 4}) {
+    JointsProblem problem = set.made_by(model_of(truth), seed);
+    const Model given = model_of(start);
+    problem.prepare(given);
+    const Assessment fitted = assess(problem, given, refitted_unknowns(given));
+    EXPECT_NEAR(fitted.error, 1, 0.1);
+    ASSERT_EQ(fitted.fit.value.size(), std::size(expected));
+    for (size_t k = 0; k < fitted.fit.value.size(); ++k) {
+      const double z = (fitted.fit.value[k] - expected[k]) / fitted.fit.sigma[k];
+      EXPECT_LT(std::abs(z), 4) << fitted.unknowns[k].effect << " " << fitted.unknowns[k].parameter;
+      EXPECT_LT(fitted.fit.sigma[k], 0.1 * expected[k]);
+      sum2 += z * z, ++count;
+    }
+  }
+  // Chi-square of 28, correlated among a fit's parameters.
+  EXPECT_GT(sum2 / count, 0.3);
+  EXPECT_LT(sum2 / count, 2.2);
+}
+
+TEST(MotorLogs, AMotorIsFoundFromTheAccelerationsThatALogShows) {
+  const Model truth = model_of(
+      "  motor_servo: {stall_rad_per_s2: 150, back_emf_per_s: 9, gain: 0.3}\n"
+      "  gravity_torque: {rad_per_s2: 40, level_rad: 0.3}\n");
+  JointsProblem problem = MadeSet("motor-starts").made_by(truth, 3);
+  const Model ideal = model_of("  ideal_servo: {}\n");
+  problem.prepare(ideal);
+  const auto motor = effects::find_effect("motor_servo");
+  const auto starts = problem.starts_together(ideal, *motor, effects::companions_of(*motor, ideal));
+  ASSERT_FALSE(starts.empty());
+  const std::vector<double>& best = starts.front();
+  ASSERT_EQ(best.size(), 7u);  // Its own five, gravity's two.
+  EXPECT_NEAR(best[0] * best[2], 45, 5);
+  EXPECT_NEAR(best[1], 9, 2);
+  EXPECT_NEAR(best[5], 40, 5);
+  EXPECT_NEAR(best[6], 0.3, 0.15);
+}
+
+TEST(MotorLogs, ALogThatBeginsInMotionStartsWithItsRate) {
+  // A pendulum that passes 0.1 rad at 2 rad/s, without drive.
+  const Model free = model_of(std::string(kMotor) + "  gravity_torque: {rad_per_s2: 60}\n");
+  std::string rows;
+  const JointLogs shape = [&] {
+    for (int k = 0; k < 60; ++k) rows += fmt::format("0,{:.3f},arm,0,0,0\n", 0.01 * k);
+    return logs_of(",torque_enable", rows);
+  }();
+  const auto angles = predict_joint_log(free, shape, shape.logs[0], 0.1, 2.0);
+  rows.clear();
+  const RandomStream random{8, 2};
+  for (int k = 0; k < 60; ++k)
+    rows += fmt::format("0,{:.3f},arm,0,{:.6f},0\n", 0.01 * k,
+                        angles[static_cast<size_t>(k)] + 0.0003 * normal(random, k));
+  EXPECT_NEAR(logs_of(",torque_enable", rows).logs[0].start_radps, 2.0, 0.15);
+  // At rest before it falls: no rate, however fast it falls.
+  const auto falls = predict_joint_log(free, shape, shape.logs[0], 0.1);
+  rows.clear();
+  for (int k = 0; k < 60; ++k)
+    rows += fmt::format("0,{:.3f},arm,0,{:.6f},0\n", 0.01 * k,
+                        falls[static_cast<size_t>(k)] + 0.0003 * normal(random, 100 + k));
+  EXPECT_EQ(logs_of(",torque_enable", rows).logs[0].start_radps, 0);
+}
+
+}  // namespace
+}  // namespace seam::measurement

@@ -1,0 +1,307 @@
+// Ranges or bearings may be blank, in single rows or all of them: what is not there takes no part.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include "effects/registry.h"
+#include "measurement/kinds/kinds.h"
+#include "measurement/search/candidates.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+Model model_of(const std::string& effects) {
+  return Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects: {" + effects + "}\n", "model"));
+}
+
+class Landmarks : public testing::Test {
+ protected:
+  Landmarks() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "protocol");
+    std::ofstream(folder_ / "protocol/measurement.yaml")
+        << "format: seam-measurement/1\nkind: landmarks\nnoise: {range_m: 0.02, bearing_rad: "
+           "0.004}\ngroup: run\nfiles: {observations: seen.csv, landmarks: map.csv, poses: "
+           "walk.csv}\n";
+    std::ofstream(folder_ / "protocol/map.csv") << "landmark,x_m,y_m\nA,4,0\nB,0,5\nC,-4,-1\n";
+    std::ofstream walk(folder_ / "protocol/walk.csv");
+    walk << "run,time_s,x_m,y_m,theta_rad\n";
+    std::ofstream seen(folder_ / "protocol/seen.csv");
+    seen << "run,time_s,landmark\n";
+    for (int run = 0; run < 6; ++run) {
+      for (int k = 0; k <= 60; ++k) {
+        const double t = 0.1 * k;
+        walk << fmt::format("{},{:.2f},{:.5f},{:.5f},{:.5f}\n", run, t, 0.3 * t,
+                            0.8 * std::sin(0.8 * t + run), 0.6 * std::sin(0.7 * t + 2 * run));
+        if (k % 2 == 0) seen << fmt::format("{},{:.2f},{}\n", run, t, "ABC"[k / 2 % 3]);
+      }
+    }
+  }
+  ~Landmarks() override { fs::remove_all(folder_); }
+
+  fs::path made(const std::string& effects, bool noise = true) const {
+    const fs::path out = folder_ / "set";
+    fs::remove_all(out);
+    measure_set(model_of(effects), MeasurementSet::open(folder_ / "protocol"),
+                {.seed = 5, .noise = noise, .out = out});
+    return out;
+  }
+
+  // The made set's observations with cells changed: `change` gets the row's number and its cells.
+  template <typename Change>
+  void rewrite(const fs::path& set, const Change& change) const {
+    const CsvTable table = CsvTable::read(set / "seen.csv");
+    CsvWriter out(table.columns());
+    for (size_t row = 0; row < table.rows(); ++row) {
+      std::vector<std::string> cells;
+      for (const std::string& column : table.columns()) cells.emplace_back(table.cell(row, column));
+      change(row, cells);
+      out.row(cells);
+    }
+    out.write(set / "seen.csv");
+  }
+
+  std::string error(const fs::path& set) const {
+    try {
+      open_problem(set);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  const fs::path folder_ = fs::path(testing::TempDir()) / "landmark_sets";
+};
+
+constexpr size_t kRange = 3, kBearing = 4;  // Columns of a made set.
+
+// Blank scalars weigh as if they had been left out, whatever the rows hold beside them.
+TEST_F(Landmarks, BlankCellsTakeNoPart) {
+  const Model model = model_of("range_scale: {scale: 0.03}, frame_jitter: {sigma_s: 0.01}");
+  const fs::path set = made("range_scale: {scale: 0.03}");
+  const auto whole = open_problem(set);
+  const auto is_blank = [](size_t row, int channel) {
+    return row % 7 == (channel == 0 ? 2 : 4) || row % 31 == 9;
+  };
+  std::vector<char> out(whole->facts().scalars(), 0);
+  for (size_t i = 0; i < out.size(); ++i)
+    out[i] = is_blank(whole->facts().row_of[i], whole->facts().channel_of[i]);
+  whole->leave_out(out);
+  rewrite(set, [&](size_t row, std::vector<std::string>& cells) {
+    if (is_blank(row, 0)) cells[kRange].clear();
+    if (is_blank(row, 1)) cells[kBearing].clear();
+  });
+  const auto blank = open_problem(set);
+  EXPECT_LT(blank->facts().scalars(), whole->facts().scalars());
+  const Score a = whole->score(model, whole->all_groups()),
+              b = blank->score(model, blank->all_groups());
+  EXPECT_EQ(a.n, b.n);
+  EXPECT_NEAR(a.log_likelihood, b.log_likelihood, 1e-9 * std::abs(a.log_likelihood));
+  EXPECT_EQ(a.native_count, b.native_count);
+  EXPECT_THAT(blank->facts().notes,
+              testing::ElementsAre("6 of 186 observations hold neither range nor bearing"));
+}
+
+TEST_F(Landmarks, WithoutBearingsThereIsOneChannel) {
+  const fs::path set = made("range_scale: {scale: 0.05}");
+  rewrite(set, [](size_t, std::vector<std::string>& cells) { cells[kBearing].clear(); });
+  const auto problem = open_problem(set);
+  ASSERT_EQ(problem->facts().channels.size(), 1u);
+  EXPECT_EQ(problem->facts().channels[0].name, "range_m");
+  const Model nominal = model_of("ideal_detector: {}");
+  problem->prepare(nominal);
+  for (const auto& [name, reason] : {std::pair{"bearing_scale", "no bearing was measured"},
+                                     {"bearing_offset_per_range", "no bearing was measured"},
+                                     {"bearing_noise", "no bearing was measured"},
+                                     {"range_scale", ""},
+                                     {"range_depth", ""}})
+    EXPECT_EQ(problem->not_testable(nominal, *effects::find_effect(name), 0), reason) << name;
+  const Grown base{.assessment = assess(*problem, nominal, {})};
+  std::vector<NotTestable> reasons;
+  const auto found = try_effect(*problem, base, effects::find_effect("range_scale"), reasons);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->grown.assessment.fit.value[0], 0.05, 4 * found->grown.assessment.fit.sigma[0]);
+  EXPECT_NEAR(found->grown.assessment.error, 1, 0.15);
+}
+
+TEST_F(Landmarks, WithoutRangesThereIsOneChannel) {
+  const fs::path set = made("bearing_scale: {scale: 0.1}");
+  rewrite(set, [](size_t, std::vector<std::string>& cells) { cells[kRange].clear(); });
+  const auto problem = open_problem(set);
+  ASSERT_EQ(problem->facts().channels.size(), 1u);
+  EXPECT_EQ(problem->facts().channels[0].name, "bearing_rad");
+  const Model nominal = model_of("ideal_detector: {}");
+  problem->prepare(nominal);
+  EXPECT_EQ(problem->not_testable(nominal, *effects::find_effect("range_depth"), 0),
+            "no range was measured");
+  const Model truth = model_of("bearing_scale: {scale: 0.1}");
+  EXPECT_LT(problem->score(truth, problem->all_groups()).error(), 1.2);
+}
+
+// A column that is not there at all is a blank one.
+TEST_F(Landmarks, AMissingColumnIsABlankOne) {
+  const fs::path set = made("ideal_detector: {}");
+  const CsvTable table = CsvTable::read(set / "seen.csv");
+  CsvWriter out({"run", "time_s", "landmark", "range_m"});
+  for (size_t row = 0; row < table.rows(); ++row) {
+    std::vector<std::string> cells;
+    for (const char* column : {"run", "time_s", "landmark", "range_m"})
+      cells.emplace_back(table.cell(row, column));
+    out.row(cells);
+  }
+  out.write(set / "seen.csv");
+  EXPECT_EQ(open_problem(set)->facts().channels.size(), 1u);
+}
+
+// The depth of a range whose bearing is blank is that of the predicted bearing.
+TEST_F(Landmarks, RangesAreDepthsByThePredictedBearing) {
+  const fs::path set = made("range_depth: {k: 1}", /*noise=*/false);
+  rewrite(set, [](size_t row, std::vector<std::string>& cells) {
+    if (row % 2 == 0) cells[kBearing].clear();
+  });
+  const auto problem = open_problem(set);
+  const Score score = problem->score(model_of("range_depth: {k: 1}"), problem->all_groups());
+  EXPECT_LT(score.native[0], 1e-6);
+  EXPECT_GT(problem->score(model_of("ideal_detector: {}"), problem->all_groups()).native[0], 0.3);
+}
+
+TEST_F(Landmarks, MakingASetKeepsItsBlanks) {
+  const fs::path first = made("ideal_detector: {}");
+  rewrite(first, [](size_t row, std::vector<std::string>& cells) {
+    cells[kBearing].clear();
+    if (row == 3) cells[kRange].clear();
+  });
+  const fs::path again = folder_ / "again";
+  measure_set(model_of("range_offset: {offset_m: 0.5}"), MeasurementSet::open(first),
+              {.seed = 1, .noise = false, .out = again});
+  const CsvTable table = CsvTable::read(again / "seen.csv");
+  for (size_t row = 0; row < table.rows(); ++row) {
+    EXPECT_TRUE(table.cell(row, "bearing_rad").empty());
+    EXPECT_EQ(table.cell(row, "range_m").empty(), row == 3) << row;
+  }
+  // Columns that are there and hold nothing at all are to be made.
+  rewrite(first, [](size_t, std::vector<std::string>& cells) {
+    cells[kRange].clear();
+    cells[kBearing].clear();
+  });
+  fs::remove_all(again);
+  measure_set(model_of("ideal_detector: {}"), MeasurementSet::open(first), {.out = again});
+  EXPECT_EQ(open_problem(again)->facts().channels.size(), 2u);
+}
+
+// A landmark off its place is told with its displacement, by ranges alone, too.
+TEST_F(Landmarks, PlacesThatAreWrongAreTold) {
+  for (const bool bearings : {true, false}) {
+    const fs::path set = made("range_offset: {offset_m: 0.1}");
+    std::ofstream(set / "map.csv") << "landmark,x_m,y_m\nA,4,0\nB,0.04,4.97\nC,-4,-1\n";
+    if (!bearings)
+      rewrite(set, [](size_t, std::vector<std::string>& cells) { cells[kBearing].clear(); });
+    const auto problem = open_problem(set);
+    const Model nominal = model_of("range_offset: {offset_m: {value: 0.1, free: true}}");
+    problem->prepare(nominal);
+    EXPECT_TRUE(problem->findings(nominal).empty());
+    const Grown base{.assessment = assess(*problem, nominal, refitted_unknowns(nominal))};
+    std::vector<NotTestable> reasons;
+    const auto found =
+        try_effect(*problem, base, effects::find_effect("landmark_scatter"), reasons);
+    ASSERT_TRUE(found);
+    const Assessment& after = found->grown.assessment;
+    EXPECT_GT(after.total_ll, base.assessment.total_ll + 10);
+    EXPECT_LT(after.error, 1.1);
+    const std::vector<Finding> told = problem->findings(after.model);
+    ASSERT_EQ(told.size(), 1u) << bearings;
+    EXPECT_EQ(told[0].name, "B");
+    EXPECT_THAT(told[0].text, HasSubstr("landmark B lies "));
+    std::map<std::string, double> values(told[0].values.begin(), told[0].values.end());
+    EXPECT_NEAR(values["dx_m"], -0.04, 4 * values["dx_sigma_m"]);
+    EXPECT_NEAR(values["dy_m"], 0.03, 4 * values["dy_sigma_m"]);
+    EXPECT_LT(values["sigma_m"], 0.02);
+  }
+}
+
+TEST_F(Landmarks, FromOneSidePlacesCannotBeTold) {
+  std::ofstream(folder_ / "protocol/map.csv") << "landmark,x_m,y_m\nA,40,0\nB,0,50\nC,-40,-9\n";
+  const auto problem = open_problem(made("ideal_detector: {}"));
+  const Model nominal = model_of("ideal_detector: {}");
+  EXPECT_THAT(problem->not_testable(nominal, *effects::find_effect("landmark_scatter"), 0),
+              HasSubstr("each landmark is seen from one side alone"));
+}
+
+// Drawn places are the same in all runs, and their likelihood is that of the dense covariance.
+TEST_F(Landmarks, DisplacedPlacesAreOneErrorOfAllRuns) {
+  const Model model = model_of("landmark_scatter: {sigma_m: 0.05}");
+  const auto problem = open_problem(made("landmark_scatter: {sigma_m: 0.05}"));
+  const Groups all = problem->all_groups();
+  const Evaluation one = problem->evaluate(model_of("ideal_detector: {}"), all);
+  const auto n = static_cast<Eigen::Index>(one.residual.size());
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd r(n);
+  const CsvTable walk = CsvTable::read(folder_ / "set/walk.csv");
+  const std::vector<double> wx = walk.numbers("x_m"), wy = walk.numbers("y_m");
+  const double places[3][2] = {{4, 0}, {0, 5}, {-4, -1}};
+  std::vector<std::array<double, 2>> slope(one.residual.size());
+  std::vector<size_t> landmark(one.residual.size());
+  for (size_t i = 0; i < one.residual.size(); ++i) {
+    const auto row = static_cast<size_t>(problem->facts().row_of[i]);
+    landmark[i] = row % 31 % 3;
+    const size_t pose = row / 31 * 61 + row % 31 * 2;
+    const double dx = places[landmark[i]][0] - wx[pose], dy = places[landmark[i]][1] - wy[pose];
+    const double d2 = dx * dx + dy * dy;
+    slope[i] = problem->facts().channel_of[i] == 0
+                   ? std::array<double, 2>{dx / std::sqrt(d2), dy / std::sqrt(d2)}
+                   : std::array<double, 2>{-dy / d2, dx / d2};
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    r[i] = one.residual[i];
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (landmark[i] == landmark[k])
+        S(i, k) = 0.0025 * (slope[i][0] * slope[k][0] + slope[i][1] * slope[k][1]);
+    }
+    S(i, i) += one.sigma[i] * one.sigma[i];
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(S);
+  const Eigen::VectorXd z = factor.matrixL().solve(r);
+  const Score score = problem->score(model, all);
+  EXPECT_NEAR(score.chi2, z.squaredNorm(), 1e-5 * z.squaredNorm());
+  const double log_det = 2 * factor.matrixLLT().diagonal().array().log().sum();
+  const double expected =
+      -0.5 * (z.squaredNorm() + log_det + static_cast<double>(n) * std::log(2 * maths::kPi));
+  EXPECT_NEAR(score.log_likelihood, expected, 1e-5 * std::abs(expected));
+}
+
+TEST_F(Landmarks, BadInputIsSaidWithItsPlace) {
+  const auto with = [&](size_t column, const std::string& text) {
+    const fs::path set = made("ideal_detector: {}");
+    rewrite(set, [&](size_t row, std::vector<std::string>& cells) {
+      if (row == 5) cells[column] = text;
+    });
+    return error(set);
+  };
+  EXPECT_THAT(with(kRange, "0"), HasSubstr("seen.csv:7: column range_m: found '0', expected a "
+                                           "distance above 0, or a blank cell"));
+  EXPECT_THAT(with(kRange, "-1.5"), HasSubstr("seen.csv:7: column range_m: found '-1.5'"));
+  EXPECT_THAT(with(2, "D"), HasSubstr("seen.csv:7: column landmark: found 'D', expected a "
+                                      "landmark with a place in map.csv"));
+  const fs::path set = made("ideal_detector: {}");
+  rewrite(set, [](size_t, std::vector<std::string>& cells) {
+    cells[kRange].clear();
+    cells[kBearing].clear();
+  });
+  EXPECT_THAT(error(set), HasSubstr("seen.csv: found no value in columns range_m and bearing_rad"));
+  std::ofstream(set / "map.csv") << "landmark,x_m,y_m\nA,4,0\nB,,5\nC,-4,-1\n";
+  EXPECT_THAT(error(set), HasSubstr("map.csv:3: column x_m: found '', expected a finite number"));
+}
+
+}  // namespace
+}  // namespace seam::measurement

@@ -1,0 +1,204 @@
+// From a predicted path to residuals: the true start of a run, fitted; a filter that whitens what
+// wanders; and predictions that nothing measured on their way corrects.
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/kinds/odometry/odometry.h"
+#include "measurement/numerics/linear_algebra.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+namespace {
+
+// A start from which the run's path leads through this pose.
+WalkPose start_through(const WalkPose& pose, const effects::WalkState& there) {
+  const double theta = pose[2] - there.theta_rad;
+  const WalkPose moved = placed({0, 0, theta}, there);
+  return {pose[0] - moved[0], pose[1] - moved[1], theta};
+}
+
+// Mean squares of a position's and a heading's errors.
+struct Errors {
+  double position2 = 0, heading2 = 0;
+  int64_t count = 0;
+
+  void add(const WalkPose& error) {
+    position2 += error[0] * error[0] + error[1] * error[1];
+    heading2 += error[2] * error[2];
+    ++count;
+  }
+  void append(const std::string& over, const Errors& last, std::vector<FreeError>& to) const {
+    if (count == 0) return;
+    const auto root = [](double sum, int64_t n) {
+      return n > 0 ? std::sqrt(sum / static_cast<double>(n)) : 0;
+    };
+    to.push_back(
+        {over, "position_m", root(position2, count), root(last.position2, last.count), count});
+    to.push_back(
+        {over, "theta_rad", root(heading2, count), root(last.heading2, last.count), count});
+  }
+};
+
+}  // namespace
+
+// Gauss-Newton for the run's true start, from its first whole pose, by its first `rows` rows.
+OdometryProblem::Start OdometryProblem::fit_start(const WalkRun& run, size_t rows,
+                                                  const std::vector<effects::WalkState>& path,
+                                                  const PoseSigmas& sigma) const {
+  Start start;
+  const auto whole = [&](size_t k) {
+    return takes_part(run.rows[k], 0) && takes_part(run.rows[k], 1) && takes_part(run.rows[k], 2);
+  };
+  for (size_t k = 0; k < rows; ++k) {
+    if (!whole(k)) continue;
+    start.pose = start_through(run.pose[k], path[k]);
+    break;
+  }
+  for (int step = 0; step < 12; ++step) {
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    int count = 0;
+    for (size_t k = 0; k < rows; ++k) {
+      const auto here = placed(start.pose, path[k]);
+      const auto r = missed(run.pose[k], here);
+      for (int channel = 0; channel < 3; ++channel) {
+        if (!takes_part(run.rows[k], channel)) continue;
+        Eigen::Vector3d slope(channel == 0, channel == 1, 1);
+        if (channel == 0) slope[2] = -(here[1] - start.pose[1]);
+        if (channel == 1) slope[2] = here[0] - start.pose[0];
+        const double weight = 1 / (sigma[k][channel] * sigma[k][channel]);
+        information += weight * slope * slope.transpose();
+        right += weight * slope * r[channel];
+        ++count;
+      }
+    }
+    start.unknowns = std::min(3, count);
+    // What no pose tells stays where it is.
+    for (int i = 0; i < 3; ++i) {
+      if (information(i, i) == 0) information(i, i) = 1;
+    }
+    const Eigen::Vector3d move = solve_symmetric(information, right);
+    if (!move.allFinite()) break;
+    for (int i = 0; i < 3; ++i) start.pose[i] += move[i];
+    if (move.squaredNorm() < 1e-20) break;
+  }
+  return start;
+}
+
+void OdometryProblem::take_start(const WalkRun& run, const WalkPose& start,
+                                 const std::vector<effects::WalkState>& path,
+                                 const PoseSigmas& sigma, Evaluation& evaluation) const {
+  for (size_t k = 0; k < run.rows.size(); ++k) {
+    const auto r = missed(run.pose[k], placed(start, path[k]));
+    for (int channel = 0; channel < 3; ++channel) {
+      const int here = scalar(run.rows[k], channel);
+      if (here < 0) continue;
+      // Outliers keep their residuals, so that the next look for outliers finds them again.
+      evaluation.residual[here] = r[channel];
+      evaluation.sigma[here] = sigma[k][channel];
+      if (left_out(here)) continue;
+      evaluation.used[here] = 1;
+      evaluation.whitened[here] = r[channel] / sigma[k][channel];
+    }
+  }
+}
+
+// An extended Kalman filter over the run, one scalar at a time: innovations are white where the
+// model is right. The first pose starts it (a flat prior), so that its own innovations are zero.
+// Without walk noise it is the same least squares as fit_start, and gives only log det S.
+void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
+                             const Start& start, const std::vector<effects::WalkState>& path,
+                             const PoseSigmas& sigma, Evaluation& evaluation) const {
+  const bool noisy = walk.xy_sigma > 0 || walk.theta_sigma > 0;
+  const double q_xy = walk.xy_sigma * walk.xy_sigma, q_theta = walk.theta_sigma * walk.theta_sigma;
+  WalkPose pose = placed(start.pose, path[0]);
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    // A first pose that is blank or gross tells nothing of the start.
+    const bool told = takes_part(run.rows[0], i);
+    P(i, i) = told ? sigma[0][i] * sigma[0][i] : 1e4;
+    if (told) pose[i] = run.pose[0][i];
+  }
+  double& log_det = evaluation.log_det[facts_.group_of_row[run.rows[0]]];
+  for (size_t k = 0; k < run.rows.size(); ++k) {
+    if (k > 0) {
+      const auto before = pose;
+      pose = placed(pose, between(path[k - 1], path[k]));
+      Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+      F(0, 2) = -(pose[1] - before[1]);
+      F(1, 2) = pose[0] - before[0];
+      const double metres = path[k].path_m - path[k - 1].path_m;
+      P = F * P * F.transpose();
+      P(0, 0) += q_xy * metres;
+      P(1, 1) += q_xy * metres;
+      P(2, 2) += q_theta * metres;
+    }
+    for (int channel = 0; channel < 3; ++channel) {
+      const int here = scalar(run.rows[k], channel);
+      if (here < 0) continue;
+      double innovation = run.pose[k][channel] - pose[channel];
+      if (channel == 2) innovation = maths::wrap_angle(innovation);
+      const double variance = P(channel, channel) + sigma[k][channel] * sigma[k][channel];
+      if (left_out(here)) {
+        if (noisy)
+          evaluation.residual[here] = innovation, evaluation.sigma[here] = std::sqrt(variance);
+        continue;
+      }
+      if (k > 0) log_det += std::log(variance);
+      if (noisy) {
+        evaluation.used[here] = 1;
+        evaluation.residual[here] = k == 0 ? 0 : innovation;
+        evaluation.sigma[here] = std::sqrt(variance);
+        evaluation.whitened[here] = k == 0 ? 0 : innovation / std::sqrt(variance);
+      }
+      if (k == 0) continue;
+      const Eigen::Vector3d gain = P.col(channel) / variance;
+      for (int i = 0; i < 3; ++i) pose[i] += gain[i] * innovation;
+      P -= gain * P.row(channel);
+      P = 0.5 * (P + P.transpose().eval());
+    }
+  }
+}
+
+std::vector<FreeError> OdometryProblem::free_prediction(const Model& model,
+                                                        const Groups& groups) const {
+  const effects::Locomotion walk = effects::locomotion_of(model);
+  const effects::Timing timing = effects::timing_of(model);
+  const std::vector<effects::MovingNoise> noise = effects::noise_of(model).pose;
+  constexpr double kShort_s = 1, kSlack_s = 0.5, kNanosecond = 1e-9;
+  Errors shortly, wholly, ends;
+  for (const WalkRun& run : runs_) {
+    if (!groups[facts_.group_of_row[run.rows[0]]]) continue;
+    const auto path = predict_walk(walk, run, timing);
+    std::vector<size_t> seen;
+    for (size_t k = 0; k < run.rows.size(); ++k) {
+      if (takes_part(run.rows[k], 0) && takes_part(run.rows[k], 1) && takes_part(run.rows[k], 2))
+        seen.push_back(k);
+    }
+    if (seen.empty()) continue;
+    for (size_t a = 0, b = 0; a < seen.size(); ++a) {
+      const double until = run.time_s[seen[a]] + kShort_s;
+      while (b < seen.size() && run.time_s[seen[b]] < until - kNanosecond) ++b;
+      if (b == seen.size()) break;
+      if (run.time_s[seen[b]] > until + kSlack_s) continue;
+      shortly.add(missed(run.pose[seen[b]],
+                         placed(run.pose[seen[a]], between(path[seen[a]], path[seen[b]]))));
+    }
+    // A run starts where the poses of its first second say.
+    const auto after = std::find_if(seen.begin(), seen.end(), [&](size_t k) {
+      return run.time_s[k] > run.time_s[seen.front()] + kShort_s;
+    });
+    if (after == seen.end()) continue;
+    const Start start = fit_start(run, *after, path, pose_sigmas(noise, noise_, run, path));
+    for (auto k = after; k != seen.end(); ++k)
+      wholly.add(missed(run.pose[*k], placed(start.pose, path[*k])));
+    ends.add(missed(run.pose[seen.back()], placed(start.pose, path[seen.back()])));
+  }
+  std::vector<FreeError> all;
+  shortly.append("1 s", shortly, all);
+  wholly.append("run", ends, all);
+  return all;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,199 @@
+// What rows, columns, frames and odd samples have of their own in the means over time.
+#include <cmath>
+#include <cstdint>
+
+#include "measurement/kinds/photometry/likelihood/cell_likelihood.h"
+#include "measurement/kinds/photometry/likelihood/cell_solve.h"
+
+namespace seam::measurement {
+
+void CellLikelihood::add_structure() {
+  for (size_t kind = 0; kind < 2; ++kind) {
+    if (!((kind == 0 ? chain_.hot_fraction : chain_.weak_fraction) > 0)) continue;
+    odd_vector_[kind].assign(entries_.size(), 0);
+    for (size_t cell = 0; cell < cells_.count(); ++cell)
+      inverse_[cell].odd_square[kind] = solve(
+          cell, [&](size_t k) { return entry(cell, k).odd[kind]; },
+          &odd_vector_[kind][cell * levels_]);
+  }
+  choose_odd();
+  if (!is_structured()) return;
+  for (size_t cell = 0; cell < cells_.count(); ++cell)
+    inverse_[cell].slope_square = solve(
+        cell, [&](size_t k) { return entry(cell, k).offset_slope; },
+        &slope_vector_[cell * levels_]);
+  std::vector<double> by_row, by_column;
+  sum_groups(cells_.by_row, by_row);
+  RowOffsets rows(data_, sums_, share_, RowOffsets::has_many(levels_));
+  add_row_groups(by_row, rows);
+  if (chain_.column_sigma_dn > 0) {
+    sum_groups(cells_.by_column, by_column);
+    add_columns(by_column, rows);
+  }
+  rows.add(chain_, total_);
+}
+
+// A sample is hot or weak where that is likelier; its residual is then taken from that mean.
+void CellLikelihood::choose_odd() {
+  const bool hot = !odd_vector_[0].empty(), weak = !odd_vector_[1].empty();
+  if (!hot && !weak) return;
+  const double log_share[2] = {hot ? std::log(chain_.hot_fraction) : 0,
+                               weak ? std::log(chain_.weak_fraction) : 0};
+  const double rest = 1 - (hot ? chain_.hot_fraction : 0) - (weak ? chain_.weak_fraction : 0);
+  const double log_plain = std::log(std::max(rest, 1e-6));
+  const size_t samples = cells_.of_sample.size();
+  is_odd_.assign(samples, 0);
+  std::vector<double> along[2];
+  for (int kind = 0; kind < 2; ++kind)
+    if (!odd_vector_[kind].empty()) along[kind].assign(samples, 0);
+  for (size_t k = 0; k < levels_; ++k) {
+    const double* seen = sum(k).mean.data();
+    for (size_t i = 0; i < samples; ++i) {
+      const size_t at = cells_.of_sample[i] * levels_ + k;
+      double r = seen[i] - entries_[at].mean - entries_[at].slope * cells_.offset[i];
+      if (!cells_.wave.empty()) r -= entries_[at].wave * cells_.wave[i];
+      if (hot) along[0][i] += odd_vector_[0][at] * r;
+      if (weak) along[1][i] += odd_vector_[1][at] * r;
+    }
+  }
+  double logs = 0;
+  for (size_t i = 0; i < samples; ++i) {
+    double best = log_plain;
+    for (int kind = 0; kind < 2; ++kind) {
+      if (along[kind].empty()) continue;
+      const double square = inverse_[cells_.of_sample[i]].odd_square[kind];
+      const double here = along[kind][i] - 0.5 * square + log_share[kind];
+      if (here > best) best = here, is_odd_[i] = static_cast<char>(kind + 1);
+    }
+    const int kind = is_odd_[i] - 1;
+    logs += kind < 0 ? log_plain : log_share[kind];
+    if (kind >= 0)
+      total_.chi2 += inverse_[cells_.of_sample[i]].odd_square[kind] - 2 * along[kind][i];
+  }
+  total_.log_det -= 2 * logs;
+}
+
+// Residuals summed over the samples of each group, by group * levels + k.
+void CellLikelihood::sum_groups(const SampleGroups& groups, std::vector<double>& residual) const {
+  residual = groups.mean;
+  for (size_t g = 0; g < groups.count(); ++g) {
+    const Entry* own = &entries_[groups.cell[g] * levels_];
+    for (size_t k = 0; k < levels_; ++k)
+      residual[g * levels_ + k] -= groups.samples[g] * own[k].mean +
+                                   own[k].slope * groups.offset[g] + own[k].wave * groups.wave[g];
+  }
+  for (size_t i = 0; i < is_odd_.size(); ++i) {
+    if (is_odd_[i] == 0) continue;
+    for (size_t k = 0; k < levels_; ++k) {
+      residual[groups.of_sample[i] * levels_ + k] -=
+          entries_[cells_.of_sample[i] * levels_ + k].odd[static_cast<size_t>(is_odd_[i] - 1)];
+    }
+  }
+}
+
+void CellLikelihood::add_row_groups(const std::vector<double>& residual, RowOffsets& rows) {
+  const SampleGroups& groups = cells_.by_row;
+  std::vector<double> solved(levels_), diagonal(levels_), offset(levels_), gain(levels_);
+  const bool many = RowOffsets::has_many(levels_);
+  for (size_t g = 0; g < groups.count(); ++g) {
+    const size_t cell = groups.cell[g], at = cell * levels_;
+    const size_t own = unit(groups.place[g], static_cast<size_t>(cells_.channel[cell]));
+    solve(
+        cell, [&](size_t k) { return residual[g * levels_ + k]; }, solved.data());
+    double* score = rows.score(own);
+    for (size_t k = 0; k < levels_; ++k) {
+      const double slope = entries_[at + k].offset_slope;
+      score[k] += slope * solved[k];
+      diagonal[k] = slope * slope * weight_[at + k];
+      offset[k] = slope * offset_load_[at + k], gain[k] = slope * gain_load_[at + k];
+    }
+    const PatternInverse& two = inverse_[cell].two;
+    const double n = groups.samples[g];
+    if (many) {
+      rows.add_precision(own, n, diagonal.data(), offset.data(), gain.data(), two);
+      continue;
+    }
+    double* precision = rows.precision(own);
+    for (size_t k = 0; k < levels_; ++k) {
+      precision[k * levels_ + k] += n * diagonal[k];
+      if (!pixels_) continue;
+      const double e0 = n * (two.i00 * offset[k] + two.i01 * gain[k]),
+                   e1 = n * (two.i01 * offset[k] + two.i11 * gain[k]);
+      for (size_t l = 0; l < levels_; ++l)
+        precision[k * levels_ + l] -= e0 * offset[l] + e1 * gain[l];
+    }
+  }
+}
+
+// Columns beside what the samples of each row have in common.
+void CellLikelihood::add_columns(const std::vector<double>& column_residual,
+                                 const RowOffsets& rows) {
+  const auto channels = static_cast<size_t>(data_.channels);
+  std::vector<Column> columns(static_cast<size_t>(data_.width_px) * (share_ ? 1 : channels));
+  const SampleGroups& groups = cells_.by_column;
+  const auto column_of = [&](size_t g) {
+    return unit(groups.place[g], static_cast<size_t>(cells_.channel[groups.cell[g]]));
+  };
+  for (size_t g = 0; g < groups.count(); ++g) {
+    const size_t cell = groups.cell[g];
+    Column& column = columns[column_of(g)];
+    column.info += groups.samples[g] * inverse_[cell].slope_square;
+    for (size_t k = 0; k < levels_; ++k)
+      column.score += slope_vector_[cell * levels_ + k] * column_residual[g * levels_ + k];
+  }
+  // What a sample of a row's group has in common with its row.
+  const SampleGroups& in_rows = cells_.by_row;
+  std::vector<double> common(in_rows.count(), 0), own;
+  size_t last = ~size_t{0};
+  for (size_t g = 0; g < in_rows.count(); ++g) {
+    const size_t cell = in_rows.cell[g];
+    const size_t row = unit(in_rows.place[g], static_cast<size_t>(cells_.channel[cell]));
+    if (row != last) own = rows.estimate(row), last = row;
+    for (size_t k = 0; k < levels_; ++k) {
+      const size_t at = cell * levels_ + k;
+      common[g] += slope_vector_[at] * entries_[at].offset_slope * own[k];
+    }
+  }
+  for (size_t i = 0; i < cells_.of_sample.size(); ++i)
+    columns[column_of(groups.of_sample[i])].score -= common[in_rows.of_sample[i]];
+  const double variance = chain_.column_sigma_dn * chain_.column_sigma_dn;
+  // Their mean over columns is taken with the rows.
+  const double part = (data_.width_px - 1.0) / data_.width_px;
+  for (const Column& column : columns) {
+    const double info = variance * column.info;
+    total_.chi2 -= variance * column.score * column.score / (1 + info);
+    total_.log_det += part * std::log1p(info);
+  }
+}
+
+// The frames' own factors of light that are left in the means.
+void CellLikelihood::add_lamps() {
+  std::vector<double> score(levels_, 0), precision(levels_ * levels_, 0), solved(levels_),
+      gains(levels_, 0), slopes(levels_, 0), rows(levels_, 0);
+  for (size_t cell = 0; cell < cells_.count(); ++cell) {
+    const size_t at = cell * levels_;
+    const double n = cells_.samples[cell];
+    solve(
+        cell, [&](size_t k) { return residual_sum(cell, k); }, solved.data());
+    const PatternInverse& two = inverse_[cell].two;
+    for (size_t k = 0; k < levels_; ++k) {
+      const double g = entries_[at + k].gain_slope;
+      gains[k] += n * g, slopes[k] += n * entries_[at + k].offset_slope;
+      score[k] += g * solved[k];
+      precision[k * levels_ + k] += n * g * g * weight_[at + k];
+      if (!pixels_) continue;
+      const double offset = n * g * offset_load_[at + k], gain = n * g * gain_load_[at + k];
+      const double e0 = two.i00 * offset + two.i01 * gain, e1 = two.i01 * offset + two.i11 * gain;
+      for (size_t l = 0; l < levels_; ++l)
+        precision[k * levels_ + l] -=
+            entries_[at + l].gain_slope * (offset_load_[at + l] * e0 + gain_load_[at + l] * e1);
+    }
+  }
+  for (size_t k = 0; k < levels_; ++k) {
+    const double one = chain_.row_sigma_dn * slopes[k] / std::max(gains[k], 1e-9);
+    if (gains[k] > 0) rows[k] = one * one / (frames(k) * data_.height_px);
+  }
+  add_lamps_to_means(sums_, chain_.lamp_sigma, score, precision, rows, total_);
+}
+
+}  // namespace seam::measurement

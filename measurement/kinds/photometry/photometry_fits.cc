@@ -1,0 +1,234 @@
+// Fits of flat fields: where they start, and how noise is kept from hiding what the mean lacks.
+#include <algorithm>
+#include <cmath>
+
+#include "effects/questions.h"
+#include "measurement/kinds/photometry/photometry_problem.h"
+#include "measurement/kinds/photometry/photometry_smooth.h"
+#include "measurement/numerics/maximise.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/hash.h"
+
+namespace seam::measurement {
+namespace {
+
+bool is_logarithmic(const EffectDefinition& effect, const effects::Parameter& parameter) {
+  if (parameter.min < 0) return false;
+  // The gain has the unit of the light, which may be any.
+  if (effect.base == effects::Base::response && parameter.required) return true;
+  return effect.spread_only || parameter.name == "gamma" || parameter.name == "depth";
+}
+
+}  // namespace
+
+// What a fit on these groups left at its optimum: the model's values and which of them were sought.
+std::string PhotometryProblem::optimum_key(const Model& model, const std::vector<Unknown>& unknowns,
+                                           const Groups& groups) const {
+  std::string key(groups.begin(), groups.end());
+  for (const effects::ModelEffect& effect : model.effects()) {
+    key += effect.definition->name;
+    for (const double value : effect.values()) key += fmt::format(",{:a}", value);
+  }
+  for (const Unknown& unknown : unknowns)
+    key += fmt::format(";{}.{}", unknown.effect, unknown.parameter);
+  return key;
+}
+
+Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
+                           const Groups& groups) const {
+  // A candidate beside parameters that are at their optimum already: if it gains nothing alone, the
+  // others need not move.
+  const std::string candidate = unknowns.empty() ? "" : unknowns.back().effect;
+  std::vector<Unknown> others, own;
+  for (const Unknown& unknown : unknowns)
+    (unknown.effect == candidate ? own : others).push_back(unknown);
+  Model without = start;
+  without.remove(candidate);
+  bool beside = false;
+  if (!others.empty()) {
+    const std::scoped_lock lock(mutex_);
+    const std::string key = optimum_key(without, others, groups);
+    beside = std::find(optima_.begin(), optima_.end(), key) != optima_.end();
+  }
+  Fit fit;
+  bool enough = false;
+  if (beside) {
+    const auto sum = sums(groups);
+    const double base = log_likelihood(view_of(*sum), without);
+    const Fit alone = fit_all(start, own, groups);
+    enough = alone.log_likelihood - base < 2;
+    fit = enough ? widened(alone, start, unknowns, others.size())
+                 : fit_all(alone.model, unknowns, groups);
+  } else {
+    fit = fit_all(start, unknowns, groups);
+  }
+  if (!own.empty() && !enough && start.find(candidate)->definition->spread_only)
+    fit = without_misfit(fit, start, unknowns, groups);
+  if (!enough) {
+    const std::scoped_lock lock(mutex_);
+    if (optima_.size() > 200) optima_.clear();
+    optima_.push_back(optimum_key(fit.model, unknowns, groups));
+  }
+  return fit;
+}
+
+// The sums with the misfit of each level's mean and of its smooth field taken out: what noise and
+// fixed patterns show, whatever the mean lacks.
+std::shared_ptr<const PhotometrySums> PhotometryProblem::rough_sums(const Model& model,
+                                                                    const Groups& groups) const {
+  const std::string key = optimum_key(model, {}, groups);
+  const std::scoped_lock lock(rough_mutex_);
+  if (rough_ && rough_key_ == key) return rough_;
+  const bool small = small_ != nullptr;
+  const PhotometryData& data = small ? *small_ : data_;
+  PhotometrySums rough = *sums(groups, small);
+  const PhotometryPrediction prediction = predict(data, rough, model, set_noise_dn_);
+  const SmoothField field(data);
+  for (size_t l = 0; l < rough.levels.size(); ++l) {
+    std::vector<double>& mean = rough.levels[l].mean;
+    if (mean.empty()) continue;
+    std::vector<double> residual = mean;
+    for (size_t i = 0; i < mean.size(); ++i) residual[i] -= prediction.levels[l].mean[i];
+    const std::vector<double> smooth = field.of(residual);
+    for (size_t i = 0; i < mean.size(); ++i) mean[i] -= smooth[i];
+  }
+  Hasher id;
+  id.add(key);
+  rough.id = id.digest();
+  rough_ = std::make_shared<const PhotometrySums>(std::move(rough));
+  rough_key_ = key;
+  return rough_;
+}
+
+// A spread wide enough hides any misfit of the mean. Where the last unknowns' effect does, it is
+// given what the data say of it beside the misfit, and the others are fitted to that.
+Fit PhotometryProblem::without_misfit(const Fit& fit, const Model& start,
+                                      const std::vector<Unknown>& unknowns,
+                                      const Groups& groups) const {
+  const std::string candidate = unknowns.back().effect;
+  Model base = start;
+  base.remove(candidate);
+  std::vector<Unknown> others, spreads;
+  for (const Unknown& unknown : unknowns) {
+    if (unknown.effect != candidate) others.push_back(unknown);
+    if (start.find(unknown.effect)->definition->spread_only) spreads.push_back(unknown);
+  }
+  const size_t own = unknowns.size() - others.size();
+  const auto rough = rough_sums(base, groups);
+  const Fit plain = fit_to(small_view_of(*rough), start, spreads);
+  bool same = true;
+  Model model = fit.model;
+  for (size_t k = 0; k < own; ++k) {
+    const double honest = plain.value[spreads.size() - own + k];
+    const double sigma = plain.sigma[spreads.size() - own + k];
+    const double joint = fit.value[others.size() + k];
+    const double apart = std::abs(joint - honest);
+    same = same && !(apart > 0.25 * std::abs(honest) && apart > 5 * sigma);
+    model.set_value(candidate, unknowns[others.size() + k].parameter, honest);
+  }
+  if (same) return fit;
+  Fit beside = fit_all(model, others, groups);
+  Fit out = beside;
+  const size_t n = unknowns.size();
+  out.covariance.assign(n * n, 0);
+  for (size_t i = 0; i < others.size(); ++i) {
+    for (size_t k = 0; k < others.size(); ++k)
+      out.covariance[i * n + k] = beside.covariance[i * others.size() + k];
+  }
+  for (size_t k = 0; k < own; ++k) {
+    const size_t from = spreads.size() - own + k, at = others.size() + k;
+    out.value.push_back(plain.value[from]), out.sigma.push_back(plain.sigma[from]);
+    out.at_bound.push_back(plain.at_bound[from]);
+    out.covariance[at * n + at] = plain.sigma[from] * plain.sigma[from];
+  }
+  return out;
+}
+
+// A fit of the last unknowns alone, with the others as they stand.
+Fit PhotometryProblem::widened(const Fit& alone, const Model& start,
+                               const std::vector<Unknown>& unknowns, size_t fixed) const {
+  Fit fit = alone;
+  fit.value.clear(), fit.sigma.clear(), fit.at_bound.clear();
+  const size_t n = unknowns.size();
+  fit.covariance.assign(n * n, 0);
+  for (size_t i = 0; i < n; ++i) {
+    const auto& value = start.find(unknowns[i].effect)->parameters[unknowns[i].parameter];
+    const bool is_fixed = i < fixed;
+    fit.value.push_back(is_fixed ? value.value : alone.value[i - fixed]);
+    fit.sigma.push_back(is_fixed ? value.sigma.value_or(0) : alone.sigma[i - fixed]);
+    fit.at_bound.push_back(is_fixed ? 0 : alone.at_bound[i - fixed]);
+    fit.covariance[i * n + i] = fit.sigma[i] * fit.sigma[i];
+  }
+  return fit;
+}
+
+Fit PhotometryProblem::fit_all(const Model& start, const std::vector<Unknown>& unknowns,
+                               const Groups& groups) const {
+  const auto sum = sums(groups);
+  const PhotometryView view = view_of(*sum);
+  return fit_to(view, with_straight_response(view, start, unknowns), unknowns);
+}
+
+// A response whose gain is sought begins at the straight line through the levels' means where that
+// is likelier.
+Model PhotometryProblem::with_straight_response(const PhotometryView& view, const Model& start,
+                                                const std::vector<Unknown>& unknowns) const {
+  const effects::ModelEffect* response = effects::base_of(start, effects::Base::response);
+  if (response == nullptr) return start;
+  const auto line = straight_response(view);
+  if (!line) return start;
+  const std::string& name = response->definition->name;
+  Model model = start;
+  bool moved = false;
+  for (const Unknown& unknown : unknowns) {
+    if (unknown.effect != name) continue;
+    const bool is_gain = response->definition->parameters[unknown.parameter].required;
+    model.set_value(name, unknown.parameter, is_gain ? line->first : line->second);
+    moved = moved || is_gain;
+  }
+  if (!moved) return start;
+  return log_likelihood(view, model) > log_likelihood(view, start) ? model : start;
+}
+
+Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
+                              const std::vector<Unknown>& unknowns) const {
+  std::vector<SearchParameter> parameters;
+  const double span =
+      std::max(1e-3, std::abs(data_.frames.back().time_s - data_.frames.front().time_s));
+  for (const Unknown& unknown : unknowns) {
+    const effects::ModelEffect& effect = *start.find(unknown.effect);
+    const effects::Parameter& parameter = effect.definition->parameters[unknown.parameter];
+    SearchParameter search{.start = effect.parameters[unknown.parameter].value,
+                           .min = parameter.min,
+                           .max = parameter.max};
+    search.logarithmic = is_logarithmic(*effect.definition, parameter) && search.start > 0;
+    search.step = search.logarithmic ? 0.02 : 2e-3 * parameter.scale;
+    // A lobe of the frequency is as narrow as the set is long.
+    if (parameter.name == "frequency_hz") search.step = 0.01 / span;
+    const bool has_unit_of_light = effect.definition->base == effects::Base::response;
+    if (search.logarithmic && !has_unit_of_light)
+      search.min = std::max(search.min, 1e-6 * parameter.scale);
+    parameters.push_back(search);
+  }
+  Model model = start;
+  const auto set_all = [&](const std::vector<double>& values) {
+    for (size_t i = 0; i < unknowns.size(); ++i)
+      model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
+  };
+  const Maximum maximum = maximise(
+      [&](const std::vector<double>& values) {
+        set_all(values);
+        return log_likelihood(view, model);
+      },
+      parameters);
+  set_all(maximum.value);
+  return {.model = model,
+          .value = maximum.value,
+          .sigma = maximum.sigma,
+          .at_bound = maximum.at_bound,
+          .covariance = maximum.covariance,
+          .log_likelihood = maximum.log_likelihood,
+          .converged = maximum.converged};
+}
+
+}  // namespace seam::measurement

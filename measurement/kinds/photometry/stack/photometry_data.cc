@@ -1,0 +1,131 @@
+#include "measurement/kinds/photometry/stack/photometry_data.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_core/base/hash.h"
+
+namespace seam::measurement {
+namespace {
+
+// One place out of each of `count` equal parts of a line of `size` places, all of them where there
+// are no more.
+std::vector<int> spread_places(int size, int count, uint64_t salt) {
+  std::vector<int> places;
+  if (count >= size) count = size;
+  for (int i = 0; i < count; ++i) {
+    const auto first = static_cast<int>(static_cast<int64_t>(size) * i / count);
+    const auto next = static_cast<int>(static_cast<int64_t>(size) * (i + 1) / count);
+    Hasher hasher;
+    hasher.add(salt);
+    hasher.add(static_cast<uint64_t>(i));
+    places.push_back(first +
+                     static_cast<int>(hasher.digest() % static_cast<uint64_t>(next - first)));
+  }
+  return places;
+}
+
+void sum_level(const PhotometryData& data, LevelSums& sum) {
+  const size_t samples = data.samples();
+  sum.mean.assign(samples, 0);
+  sum.row_mean.assign(data.rows(), 0);
+  sum.scatter.assign(samples, 0);
+  for (const int frame : sum.frames) {
+    for (size_t i = 0; i < samples; ++i) sum.mean[i] += data.images[frame][i];
+    for (size_t row = 0; row < data.rows(); ++row) sum.row_mean[row] += data.row_mean[frame][row];
+  }
+  const double scale = 1.0 / static_cast<double>(sum.frames.size());
+  for (double& mean : sum.mean) mean *= scale;
+  for (double& mean : sum.row_mean) mean *= scale;
+  const int channels = data.channels;
+  for (const int frame : sum.frames) {
+    const auto& image = data.images[frame];
+    size_t i = 0;
+    for (int v = 0; v < data.height_px; ++v) {
+      double shift[3];
+      for (int c = 0; c < channels; ++c) {
+        const size_t row = static_cast<size_t>(v) * channels + c;
+        shift[c] = data.row_mean[frame][row] - sum.row_mean[row];
+      }
+      for (int u = 0; u < data.width_px; ++u) {
+        for (int c = 0; c < channels; ++c, ++i) {
+          const double rest = image[i] - sum.mean[i] - shift[c];
+          sum.scatter[i] += rest * rest;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void sum_rows(PhotometryData& data) {
+  const int width = data.width_px, channels = data.channels;
+  data.row_mean.clear();
+  for (const auto& image : data.images) {
+    std::vector<double> means(data.rows(), 0);
+    size_t i = 0;
+    for (int v = 0; v < data.height_px; ++v) {
+      for (int u = 0; u < width; ++u) {
+        for (int c = 0; c < channels; ++c)
+          means[static_cast<size_t>(v) * channels + c] += image[i++];
+      }
+    }
+    for (double& mean : means) mean /= width;
+    data.row_mean.push_back(std::move(means));
+  }
+}
+
+Thinning thinning_of(int width_px, int height_px, int channels, double most_samples) {
+  const double whole = static_cast<double>(width_px) * height_px * channels;
+  const double share = std::sqrt(std::min(1.0, most_samples / whole));
+  const auto count = [&](int size) {
+    return std::clamp(static_cast<int>(std::lround(share * size)), std::min(size, 16), size);
+  };
+  return {spread_places(width_px, count(width_px), 1),
+          spread_places(height_px, count(height_px), 2)};
+}
+
+PhotometryData thinned(const PhotometryData& data, const Thinning& kept) {
+  PhotometryData out = data;
+  out.images.clear();
+  out.column_px.clear(), out.row_px.clear();
+  out.sensor_width_px = data.sensor_width(), out.sensor_height_px = data.sensor_height();
+  out.width_px = static_cast<int>(kept.column_px.size());
+  out.height_px = static_cast<int>(kept.row_px.size());
+  for (const int u : kept.column_px) out.column_px.push_back(data.column(u));
+  for (const int v : kept.row_px) out.row_px.push_back(data.row(v));
+  const auto channels = static_cast<size_t>(data.channels);
+  for (const auto& image : data.images) {
+    std::vector<uint16_t> part;
+    part.reserve(out.samples());
+    for (const int v : kept.row_px) {
+      for (const int u : kept.column_px) {
+        const size_t at = (static_cast<size_t>(v) * data.width_px + u) * channels;
+        part.insert(part.end(), &image[at], &image[at] + channels);
+      }
+    }
+    out.images.push_back(std::move(part));
+  }
+  sum_rows(out);
+  return out;
+}
+
+PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
+                          const std::vector<int>& group_of_frame) {
+  Hasher chosen;
+  chosen.add(std::string_view(groups.data(), groups.size()));
+  PhotometrySums sums{.id = chosen.digest()};
+  for (const PhotometryLevel& level : data.levels) {
+    LevelSums sum;
+    for (const int frame : level.frames) {
+      if (groups[group_of_frame[frame]]) sum.frames.push_back(frame);
+    }
+    if (!sum.frames.empty()) sum_level(data, sum);
+    sums.values += static_cast<int64_t>(sum.frames.size() * data.samples());
+    sums.levels.push_back(std::move(sum));
+  }
+  return sums;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,21 @@
+// Levels whose stated light cannot be right: their means stand off the curve that all others share.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "measurement/kinds/photometry/stack/photometry_data.h"
+
+namespace seam::measurement {
+
+struct WrongLight {
+  size_t level = 0;
+  double ratio = 1;  // The light that the level had over what is stated.
+  double sigma = 0;
+};
+
+// By the statistics of whole frames. The curve may be any smooth one (a power, a cubic), so that
+// nothing is said of few levels or where the others, too, scatter.
+std::vector<WrongLight> wrong_lights(const PhotometryData& data);
+
+}  // namespace seam::measurement

@@ -1,0 +1,154 @@
+// Evaluations in which draws of the target (displaced points, bendings of views) are estimated with
+// the model. Of groups that are held out the draws are known from all others.
+#include <algorithm>
+
+#include "measurement/kinds/points/points_predictor.h"
+#include "measurement/kinds/points/points_problem.h"
+#include "measurement/numerics/linear_algebra.h"
+
+namespace seam::measurement {
+
+std::vector<Eigen::MatrixXd> PointsProblem::causes_by_frame(const Model& model,
+                                                            const Groups& groups) const {
+  const PointsPredictor predictor(data_, model);
+  if (!has_shared_causes(predictor)) return {};
+  const Slopes slopes = slopes_of(predictor, groups);
+  std::vector<Eigen::MatrixXd> causes;
+  for (const std::vector<int>& rows : data_.rows_of_frame) {
+    std::vector<size_t> scalars;
+    for (const int row : rows) {
+      if (!groups[facts_.group_of_row[row]] || !takes_part(row)) continue;
+      scalars.insert(scalars.end(),
+                     {2 * static_cast<size_t>(row), 2 * static_cast<size_t>(row) + 1});
+    }
+    causes.push_back(shared_causes(predictor, slopes, scalars));
+  }
+  return causes;
+}
+
+std::unique_ptr<TargetAdjustment> PointsProblem::adjustment_at(
+    const Model& model, const Groups& groups, const DrawsKnown* known,
+    const std::vector<double>& values) const {
+  TargetAdjustment::Given given{.data = data_, .model = model, .known = known};
+  for (const std::vector<int>& rows : data_.rows_of_frame) {
+    const bool any =
+        std::any_of(rows.begin(), rows.end(), [&](int row) { return takes_part(row); });
+    given.frames.push_back(any && groups[facts_.group_of_row[rows.front()]]);
+  }
+  for (size_t row = 0; row < data_.p_W.size(); ++row) given.rows.push_back(takes_part(row));
+  given.sigma = blank().sigma;
+  if (data_.rig.type() != Rig::Type::unknown) given.causes = causes_by_frame(model, groups);
+  auto adjustment = std::make_unique<TargetAdjustment>(std::move(given));
+  adjustment->start(values);
+  return adjustment;
+}
+
+std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, const Groups& groups,
+                                                          const Evaluation* warm,
+                                                          const DrawsKnown* known,
+                                                          Evaluation& evaluation) const {
+  const bool unknown = data_.rig.type() == Rig::Type::unknown;
+  const bool warm_draws =
+      warm && warm->valid && warm->nuisance_values.size() > 12 * data_.rows_of_frame.size();
+  std::unique_ptr<TargetAdjustment> adjustment;
+  bool found = false;
+  if (warm_draws) {
+    adjustment = adjustment_at(model, groups, known, warm->nuisance_values);
+    found = adjustment->fit();
+  }
+  // Else from poses of their own: linear ones, or refined where these are too far off.
+  for (const bool refined : {false, true}) {
+    if (found || (refined && !unknown)) break;
+    const Evaluation poses = unknown ? evaluate_unknown(model, groups, warm, refined)
+                                     : evaluate_rig(model, groups, warm);
+    if (!poses.valid) continue;
+    adjustment = adjustment_at(model, groups, known, poses.nuisance_values);
+    found = adjustment->fit();
+  }
+  evaluation = blank();
+  evaluation.valid = found;
+  if (found) {
+    evaluation.nuisance_values = adjustment->values();
+    adjustment->tell_residuals(evaluation);
+  }
+  for (size_t frame = 0; frame < data_.rows_of_frame.size() && unknown && found; ++frame) {
+    const auto& rows = data_.rows_of_frame[frame];
+    if (!groups[facts_.group_of_row[rows.front()]]) continue;
+    Pose X_CW;
+    evaluation.nuisances += 6;
+    if (!stored_pose(evaluation.nuisance_values, frame, X_CW))
+      count_as_missed(static_cast<int>(frame), evaluation);
+  }
+  whiten_diagonal(*this, groups, evaluation);
+  if (!found) return nullptr;
+  adjustment->whiten(evaluation);
+  return adjustment;
+}
+
+DrawsKnown PointsProblem::known_from(const Model& model, const Groups& groups) const {
+  DrawsKnown known;
+  Evaluation evaluation;
+  const auto adjustment = adjusted(model, groups, nullptr, nullptr, evaluation);
+  if (!adjustment) return known;
+  for (const Vec3& d : adjustment->displaced_m()) known.mean_m.emplace_back(d.x, d.y, d.z);
+  for (const Eigen::Matrix3d& covariance : adjustment->covariances())
+    known.precision.emplace_back(floored_inverse(covariance, 0));
+  return known;
+}
+
+Evaluation PointsProblem::evaluate_held_out(const Model& model, const Groups& groups) const {
+  if (groups_are_independent(model)) return evaluate(model, groups, nullptr);
+  // Asked for several times of each model that is compared, and dear.
+  std::vector<double> key;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    key.push_back(static_cast<double>(std::hash<std::string>{}(effect.definition->name) >> 12));
+    key.insert(key.end(), effect.values().begin(), effect.values().end());
+  }
+  key.insert(key.end(), groups.begin(), groups.end());
+  for (size_t i = 0; i < facts_.scalars(); ++i) key.push_back(left_out(i));
+  {
+    const std::lock_guard lock(recent_mutex_);
+    for (const auto& [known, evaluation] : recent_) {
+      if (known == key) return evaluation;
+    }
+  }
+  Evaluation evaluation = predict_held_out(model, groups);
+  constexpr size_t kKept = 24;
+  const std::lock_guard lock(recent_mutex_);
+  if (recent_.size() == kKept) recent_.pop_front();
+  recent_.emplace_back(std::move(key), evaluation);
+  return evaluation;
+}
+
+Evaluation PointsProblem::predict_held_out(const Model& model, const Groups& groups) const {
+  const Groups others = complement(groups);
+  const bool any = std::any_of(others.begin(), others.end(), [](char used) { return used != 0; });
+  if (!any) return evaluate(model, groups, nullptr);
+  const DrawsKnown known = known_from(model, others);
+  Evaluation evaluation = blank();
+  if (known.precision.size() != data_.target.names.size()) {
+    evaluation.valid = false;
+    whiten_diagonal(*this, groups, evaluation);
+    return evaluation;
+  }
+  adjusted(model, groups, nullptr, &known, evaluation);
+  return evaluation;
+}
+
+Score PointsProblem::score_held_out(const Model& model, const Groups& groups) const {
+  return score_of(*this, evaluate_held_out(model, groups));
+}
+
+std::vector<std::vector<double>> PointsProblem::jacobian_draws(const Model& model,
+                                                               const std::vector<Unknown>& unknowns,
+                                                               const Groups& groups,
+                                                               const Evaluation& here) const {
+  const MovedModels moved(model, unknowns);
+  auto columns = adjustment_at(model, groups, nullptr, here.nuisance_values)
+                     ->columns(moved.models, moved.steps);
+  columns.resize(unknowns.size());
+  for (auto& column : columns) column.resize(here.whitened.size(), 0);
+  return columns;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,119 @@
+// The problem of a set of points. Its evaluation stands in a file for each sort of rig: known
+// motion (points_rig.cc), estimated poses (points_unknown.cc), and either beside draws of the
+// target that are estimated, too (target_adjustment.cc).
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <mutex>
+
+#include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/points_scatter.h"
+#include "measurement/kinds/points/target/pose_solver.h"
+#include "measurement/kinds/points/target_adjustment.h"
+
+namespace seam::measurement {
+
+class PointsPredictor;
+
+class PointsProblem : public Problem {
+ public:
+  explicit PointsProblem(const MeasurementSet& set);
+
+  void place(const Model& model) override;
+  void check_model(const Model& model) const override;
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* warm) const override;
+  Evaluation evaluate_held_out(const Model& model, const Groups& groups) const override;
+  Score score_held_out(const Model& model, const Groups& groups) const override;
+  std::vector<std::vector<double>> jacobian(const Model& model,
+                                            const std::vector<Unknown>& unknowns,
+                                            const Groups& groups,
+                                            const Evaluation& here) const override;
+  bool is_smooth() const override { return true; }
+  bool groups_are_independent(const Model& model) const override;
+  std::vector<std::string> remarks(const Model& model) const override;
+  std::vector<PlacedPoint> placed_points(const Model& model) const override;
+  std::vector<char> find_outliers(const Model& model) const override;
+
+ private:
+  void state_noise(const MeasurementSet& set);
+  std::vector<int> neighbours(size_t row) const override;
+  Evaluation blank() const;
+  double sigma_of(size_t row, int channel) const {
+    const double spread = data_.spread.empty() ? 1 : data_.spread[row];
+    return facts_.channels[channel].noise * (spread > 0 ? spread : 1);
+  }
+  bool takes_part(size_t row) const { return !left_out(2 * row) && !left_out(2 * row + 1); }
+
+  // Without draws of the target.
+  Evaluation evaluate_plain(const Model& model, const Groups& groups, const Evaluation* warm) const;
+
+  // points_rig.cc
+  Evaluation evaluate_rig(const Model& model, const Groups& groups, const Evaluation* warm) const;
+  // Derivatives of each row's image by latency and by each joint's angle: (u, v) pairs.
+  struct Slopes {
+    size_t width = 2;
+    std::vector<double> by_row;
+    std::vector<double> instant_s;
+  };
+  bool has_shared_causes(const PointsPredictor& predictor) const;
+  Slopes slopes_of(const PointsPredictor& predictor, const Groups& groups) const;
+  // What moves several points of a frame together: a column a cause, each of unit spread.
+  Eigen::MatrixXd shared_causes(const PointsPredictor& predictor, const Slopes& slopes,
+                                const std::vector<size_t>& scalars) const;
+  void whiten_frames(const PointsPredictor& predictor, const Groups& groups, const Slopes& slopes,
+                     const std::optional<FewErrors>& scatter, Evaluation& evaluation) const;
+  // Where points share no causes.
+  void whiten_all_scattered(const FewErrors& scatter, const Groups& groups,
+                            Evaluation& evaluation) const;
+
+  // points_unknown.cc
+  // Not `refined`: poses good enough to start an adjustment from.
+  Evaluation evaluate_unknown(const Model& model, const Groups& groups, const Evaluation* warm,
+                              bool refined = true) const;
+  std::vector<std::vector<double>> jacobian_unknown(const Model& model,
+                                                    const std::vector<Unknown>& unknowns,
+                                                    const Groups& groups,
+                                                    const Evaluation& here) const;
+  std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,
+                                  std::vector<int>& rows) const;
+  void count_as_missed(int frame, Evaluation& evaluation) const;
+
+  // points_draws.cc
+  // An adjustment that stands at these numbers (Evaluation::nuisance_values).
+  std::unique_ptr<TargetAdjustment> adjustment_at(const Model& model, const Groups& groups,
+                                                  const DrawsKnown* known,
+                                                  const std::vector<double>& values) const;
+  // An adjustment of these groups' draws and poses, and what it evaluates to; nothing where none
+  // could be found.
+  std::unique_ptr<TargetAdjustment> adjusted(const Model& model, const Groups& groups,
+                                             const Evaluation* warm, const DrawsKnown* known,
+                                             Evaluation& evaluation) const;
+  std::vector<Eigen::MatrixXd> causes_by_frame(const Model& model, const Groups& groups) const;
+  Evaluation predict_held_out(const Model& model, const Groups& groups) const;
+  DrawsKnown known_from(const Model& model, const Groups& groups) const;
+  std::vector<std::vector<double>> jacobian_draws(const Model& model,
+                                                  const std::vector<Unknown>& unknowns,
+                                                  const Groups& groups,
+                                                  const Evaluation& here) const;
+
+  // points_remarks.cc
+  void remark_on_views(const Evaluation& evaluation, std::vector<std::string>& remarks) const;
+  void remark_on_reach(const Model& model, std::vector<std::string>& remarks) const;
+
+  PointsData data_;
+  // Held-out evaluations asked for last: a function of their keys, so that it does not matter which
+  // thread asked first.
+  mutable std::mutex recent_mutex_;
+  mutable std::deque<std::pair<std::vector<double>, Evaluation>> recent_;
+};
+
+// The model with each unknown moved by a small step, for differences at fixed nuisances.
+struct MovedModels {
+  MovedModels(const Model& model, const std::vector<Unknown>& unknowns);
+  std::vector<Model> models;
+  std::vector<double> steps;
+};
+
+}  // namespace seam::measurement

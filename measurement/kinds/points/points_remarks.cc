@@ -1,0 +1,115 @@
+// What can be said of a target's views beside numbers: those that no pose explains, how far the
+// data reach, and what too few or too similar views cannot tell.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "measurement/kinds/points/points_predictor.h"
+#include "measurement/kinds/points/points_problem.h"
+#include "measurement/numerics/linear_algebra.h"
+
+namespace seam::measurement {
+namespace {
+
+// Boards tilted less than this in every view hardly show perspective.
+constexpr double kFacing_rad = 5 * std::numbers::pi / 180;
+// Views below this number cannot be told from a target of their own.
+constexpr size_t kFewViews = 3;
+// The image in so many cells, of which the points reach some.
+constexpr int kColumns = 8, kRows = 6;
+
+}  // namespace
+
+void PointsProblem::remark_on_views(const Evaluation& evaluation,
+                                    std::vector<std::string>& remarks) const {
+  std::vector<std::string> missed;
+  double most_tilted = 0;
+  size_t views = 0;
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
+    const auto& rows = data_.rows_of_frame[frame];
+    Pose X_CW;
+    if (std::none_of(rows.begin(), rows.end(), [&](int row) { return takes_part(row); })) continue;
+    ++views;
+    if (!stored_pose(evaluation.nuisance_values, frame, X_CW)) {
+      missed.push_back(data_.frames[frame]);
+      continue;
+    }
+    const Vec3 normal_C = X_CW.R * data_.target.axes_W[2];
+    most_tilted = std::max(most_tilted, std::acos(std::min(1.0, std::abs(normal_C.z))));
+  }
+  if (!missed.empty())
+    remarks.push_back(fmt::format(
+        "no pose explains frame {} with this model: {} of {} views count as missed by their whole "
+        "extent",
+        fmt::join(missed, ", "), missed.size(), views));
+  if (data_.target.flat && missed.size() < views && most_tilted < kFacing_rad)
+    remarks.push_back(
+        fmt::format("the board faces the camera in every view (tilted by {:.1f} degrees at most): "
+                    "focal length and distance are not separable; tilt it by 30 degrees both ways",
+                    most_tilted * 180 / std::numbers::pi));
+  if (views < kFewViews)
+    remarks.push_back(fmt::format(
+        "{} of the target: a bent, stretched or displaced target cannot be told from the lens, nor "
+        "displaced points from noise; ten views of different tilt can",
+        views == 1 ? "one view" : "two views"));
+}
+
+void PointsProblem::remark_on_reach(const Model& model, std::vector<std::string>& remarks) const {
+  const effects::Projection projection(model, data_.camera.width_px, data_.camera.height_px);
+  double farthest = 0;
+  std::vector<char> reached(kColumns * kRows, 0);
+  for (size_t row = 0; row < data_.p_W.size(); ++row) {
+    if (!takes_part(row)) continue;
+    const auto ray = projection.unproject(data_.u_px[row], data_.v_px[row], data_.stamp_s[row]);
+    if (ray) farthest = std::max(farthest, std::atan2(std::hypot(ray->x, ray->y), ray->z));
+    const int c = static_cast<int>((data_.u_px[row] + 0.5) / data_.camera.width_px * kColumns);
+    const int r = static_cast<int>((data_.v_px[row] + 0.5) / data_.camera.height_px * kRows);
+    if (c >= 0 && c < kColumns && r >= 0 && r < kRows)
+      reached[static_cast<size_t>(r * kColumns + c)] = 1;
+  }
+  const auto cells = std::count(reached.begin(), reached.end(), 1);
+  remarks.push_back(fmt::format(
+      "the points reach {:.1f} degrees from the optical axis and {:.0f} % of the image; beyond "
+      "them the lens is extrapolated",
+      farthest * 180 / std::numbers::pi, 100.0 * static_cast<double>(cells) / (kColumns * kRows)));
+}
+
+std::vector<std::string> PointsProblem::remarks(const Model& model) const {
+  std::vector<std::string> remarks;
+  if (data_.rig.type() != Rig::Type::unknown) return remarks;
+  const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
+  remark_on_views(evaluation, remarks);
+  remark_on_reach(model, remarks);
+  return remarks;
+}
+
+std::vector<PlacedPoint> PointsProblem::placed_points(const Model& model) const {
+  const effects::TargetShape shape = effects::target_of(model);
+  std::vector<PlacedPoint> points;
+  if (shape.is_plan() && !(shape.scatter_sigma_m > 0)) return points;
+  std::vector<Vec3> displaced_m;
+  std::vector<Eigen::Matrix3d> covariances;
+  if (shape.scatter_sigma_m > 0) {
+    Evaluation evaluation;
+    const auto adjustment = adjusted(model, all_groups(), nullptr, nullptr, evaluation);
+    if (adjustment)
+      displaced_m = adjustment->displaced_m(), covariances = adjustment->covariances();
+  }
+  const Target& target = data_.target;
+  for (size_t i = 0; i < target.names.size(); ++i) {
+    PlacedPoint point{.name = target.names[i], .plan_m = target.plan_W[i]};
+    point.place_m = target.placed_W(i, shape);
+    if (!displaced_m.empty()) point.place_m += target.axes_W * displaced_m[i];
+    point.shift_m = (point.place_m - point.plan_m) * target.axes_W;
+    if (i < covariances.size()) {
+      for (int axis = 0; axis < 3; ++axis)
+        point.sigma_m[axis] = std::sqrt(std::max(0.0, covariances[i](axis, axis)));
+    }
+    points.push_back(point);
+  }
+  return points;
+}
+
+}  // namespace seam::measurement

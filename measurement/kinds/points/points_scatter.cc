@@ -1,0 +1,58 @@
+#include "measurement/kinds/points/points_scatter.h"
+
+#include <cmath>
+
+#include "effects/stages/noise.h"
+#include "measurement/noise/hidden_errors.h"
+
+namespace seam::measurement {
+
+std::optional<FewErrors> scatter_of(const Model& model) {
+  const effects::Few few = effects::noise_of(model).point_scatter;
+  if (few.none()) return std::nullopt;
+  return FewErrors(FewErrors::Sort::normal, few.fraction, few.size);
+}
+
+void whiten_scattered(const FewErrors& scatter, const std::vector<size_t>& scalars,
+                      const Eigen::MatrixXd& causes, const Facts& facts, Evaluation& evaluation) {
+  HiddenErrors errors;
+  for (Eigen::Index cause = 0; cause < causes.cols(); ++cause) errors.add(1, kLasting);
+  std::vector<HiddenErrors::Share> shares;
+  for (size_t k = 0; k < scalars.size(); ++k) {
+    shares.clear();
+    for (Eigen::Index cause = 0; cause < causes.cols(); ++cause) {
+      const double slope = causes(static_cast<Eigen::Index>(k), cause);
+      if (slope != 0) shares.push_back({static_cast<int>(cause), slope});
+    }
+    const bool same_point = k > 0 && facts.row_of[scalars[k]] == facts.row_of[scalars[k - 1]];
+    errors.observe(scalars[k], 0, shares, &scatter, same_point);
+  }
+  errors.whiten(facts, evaluation);
+}
+
+bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& projection,
+                           std::vector<Sighting> seen, Pose& X_CW) {
+  constexpr int kRounds = 8;
+  const std::vector<Sighting> stated = seen;
+  for (int round = 0; round < kRounds; ++round) {
+    for (size_t i = 0; i < seen.size(); ++i) {
+      const Sighting& s = stated[i];
+      const effects::ImagePoint point = projection.project(X_CW * s.p_W, s.t_s, s.v_px);
+      if (!point.visible) return false;
+      const double u = s.u_px - point.u, v = s.v_px - point.v;
+      const double first = scatter.share_of_more(u, s.sigma_u, scatter.fraction());
+      const double failed = scatter.share_of_more(v, s.sigma_v, first);
+      // Of the precision that the point would have, what is left on average.
+      const auto left = [&](double sigma) {
+        const double failing = sigma * sigma + scatter.size() * scatter.size();
+        return 1 - failed + failed * sigma * sigma / failing;
+      };
+      seen[i].sigma_u = s.sigma_u / std::sqrt(left(s.sigma_u));
+      seen[i].sigma_v = s.sigma_v / std::sqrt(left(s.sigma_v));
+    }
+    if (!refine_pose(projection, seen, X_CW)) return false;
+  }
+  return true;
+}
+
+}  // namespace seam::measurement

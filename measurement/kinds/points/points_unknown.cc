@@ -1,0 +1,134 @@
+// Points seen by a camera whose pose in each frame is estimated with the model.
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "measurement/kinds/points/points_predictor.h"
+#include "measurement/kinds/points/points_problem.h"
+#include "measurement/numerics/linear_algebra.h"
+
+namespace seam::measurement {
+
+MovedModels::MovedModels(const Model& model, const std::vector<Unknown>& unknowns) {
+  for (const Unknown& unknown : unknowns) {
+    const effects::ModelEffect& effect = *model.find(unknown.effect);
+    const effects::Parameter& parameter = effect.definition->parameters[unknown.parameter];
+    const double value = effect.parameters[unknown.parameter].value;
+    double step = 1e-5 * std::max(parameter.scale, std::abs(value));
+    if (value + step > parameter.max) step = -step;
+    models.push_back(model);
+    models.back().set_value(unknown.effect, unknown.parameter, value + step);
+    steps.push_back(step);
+  }
+}
+
+std::vector<Sighting> PointsProblem::sightings(int frame, const std::vector<Vec3>& places_W,
+                                               std::vector<int>& rows) const {
+  std::vector<Sighting> seen;
+  for (const int row : data_.rows_of_frame[frame]) {
+    if (!takes_part(row)) continue;
+    rows.push_back(row);
+    seen.push_back({.p_W = places_W[row],
+                    .u_px = data_.u_px[row],
+                    .v_px = data_.v_px[row],
+                    .sigma_u = sigma_of(row, 0),
+                    .sigma_v = sigma_of(row, 1),
+                    .t_s = data_.stamp_s[row]});
+  }
+  return seen;
+}
+
+// A view that the model finds no pose for counts as if all of its points were predicted in their
+// middle: finite, and far off.
+void PointsProblem::count_as_missed(int frame, Evaluation& evaluation) const {
+  double u = 0, v = 0, count = 0;
+  for (const int row : data_.rows_of_frame[frame]) {
+    if (takes_part(row)) u += data_.u_px[row], v += data_.v_px[row], ++count;
+  }
+  for (const int row : data_.rows_of_frame[frame]) {
+    evaluation.residual[2 * row] = count > 0 ? data_.u_px[row] - u / count : 0;
+    evaluation.residual[2 * row + 1] = count > 0 ? data_.v_px[row] - v / count : 0;
+  }
+}
+
+Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& groups,
+                                           const Evaluation* warm, bool refined) const {
+  const effects::Projection projection(model, data_.camera.width_px, data_.camera.height_px);
+  const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
+  const std::optional<FewErrors> scatter = scatter_of(model);
+  Evaluation evaluation = blank();
+  evaluation.nuisance_values.assign(12 * data_.rows_of_frame.size(), 0);
+  bool any = false;
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
+    if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) continue;
+    std::vector<int> rows;
+    const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
+    if (seen.empty()) continue;
+    Pose X_CW;
+    bool have =
+        (warm && warm->valid && stored_pose(warm->nuisance_values, frame, X_CW) &&
+         refine_pose(projection, seen, X_CW)) ||
+        (initial_pose(projection, seen, X_CW) && (!refined || refine_pose(projection, seen, X_CW)));
+    if (have && scatter) have = refine_scattered_pose(*scatter, projection, seen, X_CW);
+    std::vector<double> whitened;
+    evaluation.nuisances += 6;
+    if (!have || !pose_residuals(projection, seen, X_CW, whitened, nullptr)) {
+      count_as_missed(static_cast<int>(frame), evaluation);
+      continue;
+    }
+    any = true;
+    store_pose(X_CW, frame, evaluation.nuisance_values);
+    for (const int row : data_.rows_of_frame[frame]) {  // Outliers too: they may come back.
+      const effects::ImagePoint point =
+          projection.project(X_CW * places_W[row], data_.stamp_s[row], data_.v_px[row]);
+      evaluation.residual[2 * row] = point.visible ? data_.u_px[row] - point.u : 0;
+      evaluation.residual[2 * row + 1] = point.visible ? data_.v_px[row] - point.v : 0;
+    }
+  }
+  evaluation.valid = any;
+  whiten_diagonal(*this, groups, evaluation);
+  if (scatter) whiten_all_scattered(*scatter, groups, evaluation);
+  return evaluation;
+}
+
+// Differences at fixed poses, less what the frame's own pose can follow (Kaufman 1975).
+std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
+    const Model& model, const std::vector<Unknown>& unknowns, const Groups& groups,
+    const Evaluation& here) const {
+  std::vector<std::vector<double>> columns(unknowns.size(),
+                                           std::vector<double>(facts_.scalars(), 0));
+  const effects::Projection projection(model, data_.camera.width_px, data_.camera.height_px);
+  const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
+  const MovedModels moved(model, unknowns);
+  std::vector<effects::Projection> projections;
+  std::vector<std::vector<Vec3>> moved_places_W;
+  for (const Model& there : moved.models) {
+    projections.emplace_back(there, data_.camera.width_px, data_.camera.height_px);
+    moved_places_W.push_back(places_of_rows(data_, effects::target_of(there)));
+  }
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
+    if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) continue;
+    std::vector<int> rows;
+    std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
+    Pose X_CW;
+    if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW)) continue;
+    std::vector<double> base, derivatives, there;
+    if (!pose_residuals(projection, seen, X_CW, base, &derivatives)) continue;
+    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>> pose(
+        derivatives.data(), base.size(), 6);
+    const Eigen::MatrixXd basis = column_basis(pose);
+    for (size_t p = 0; p < unknowns.size(); ++p) {
+      for (size_t k = 0; k < rows.size(); ++k) seen[k].p_W = moved_places_W[p][rows[k]];
+      if (!pose_residuals(projections[p], seen, X_CW, there, nullptr)) continue;
+      Eigen::VectorXd column(base.size());
+      for (size_t k = 0; k < base.size(); ++k) column[k] = (there[k] - base[k]) / moved.steps[p];
+      column -= basis * (basis.transpose() * column);
+      for (size_t k = 0; k < rows.size(); ++k) {
+        for (size_t c = 0; c < 2; ++c) columns[p][2 * rows[k] + c] = column[2 * k + c];
+      }
+    }
+  }
+  return columns;
+}
+
+}  // namespace seam::measurement

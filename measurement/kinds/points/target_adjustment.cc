@@ -1,0 +1,318 @@
+#include "measurement/kinds/points/target_adjustment.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "measurement/kinds/points/points_predictor.h"
+#include "measurement/kinds/points/target/pose_solver.h"
+
+namespace seam::measurement {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace {
+
+using Slopes3 = Eigen::Matrix<double, 2, 3>;
+
+Eigen::Matrix3d as_eigen(const Mat3& m) {
+  Eigen::Matrix3d out;
+  for (int c = 0; c < 3; ++c) {
+    for (int r = 0; r < 3; ++r) out(r, c) = m[c][r];
+  }
+  return out;
+}
+
+}  // namespace
+
+TargetAdjustment::Compiled::Compiled(const PointsData& data, const Model& model)
+    : shape(effects::target_of(model)),
+      projection(model, data.camera.width_px, data.camera.height_px),
+      places_W(places_of_rows(data, shape)) {
+  if (data.rig.type() != Rig::Type::unknown)
+    predictor = std::make_shared<const PointsPredictor>(data, model);
+}
+
+TargetAdjustment::TargetAdjustment(Given given)
+    : given_(std::move(given)),
+      compiled_(given_.data, given_.model),
+      unknown_poses_(given_.data.rig.type() == Rig::Type::unknown) {
+  const size_t frames = given_.data.rows_of_frame.size();
+  state_.X_CW.resize(frames);
+  state_.extra.resize(frames);
+  state_.displaced_m.assign(given_.data.target.names.size(), Vec3(0.0));
+}
+
+Index TargetAdjustment::unknowns(size_t frame) const {
+  if (!given_.frames[frame]) return 0;
+  return pose_unknowns() + state_.extra[frame].size();
+}
+
+void TargetAdjustment::start(const std::vector<double>& values) {
+  const size_t frames = state_.X_CW.size(), points = state_.displaced_m.size();
+  const bool whole = values.size() == 13 * frames + 3 * points;
+  for (size_t frame = 0; frame < frames; ++frame) {
+    if (unknown_poses_ && given_.frames[frame] && !stored_pose(values, frame, state_.X_CW[frame]))
+      given_.frames[frame] = 0;
+    const Index causes = given_.causes.empty() ? 0 : given_.causes[frame].cols();
+    state_.extra[frame] = Eigen::VectorXd::Zero((has_flex() ? 1 : 0) + causes);
+    if (whole && has_flex())
+      state_.extra[frame][0] = values[12 * frames + frame] / compiled_.shape.flex_sigma_m;
+  }
+  for (size_t point = 0; point < points && has_points(); ++point) {
+    const Vector3d first = mean(point);
+    state_.displaced_m[point] = Vec3(first[0], first[1], first[2]);
+    if (!whole) continue;
+    const double* stored = &values[13 * frames + 3 * point];
+    state_.displaced_m[point] = Vec3(stored[0], stored[1], stored[2]);
+  }
+}
+
+std::vector<double> TargetAdjustment::values() const {
+  const size_t frames = state_.X_CW.size();
+  std::vector<double> values(12 * frames, 0);
+  for (size_t frame = 0; frame < frames; ++frame) {
+    if (unknown_poses_ && given_.frames[frame]) store_pose(state_.X_CW[frame], frame, values);
+  }
+  for (size_t frame = 0; frame < frames; ++frame)
+    values.push_back(has_flex() && state_.extra[frame].size() > 0
+                         ? state_.extra[frame][0] * compiled_.shape.flex_sigma_m
+                         : 0);
+  for (const Vec3& d : state_.displaced_m) values.insert(values.end(), {d.x, d.y, d.z});
+  return values;
+}
+
+Matrix3d TargetAdjustment::precision(size_t point) const {
+  if (given_.known) return given_.known->precision[point];
+  const double sigma_m = compiled_.shape.scatter_sigma_m;
+  return Matrix3d::Identity() / (sigma_m * sigma_m);
+}
+
+Vector3d TargetAdjustment::mean(size_t point) const {
+  return given_.known ? given_.known->mean_m[point] : Vector3d::Zero();
+}
+
+Vec3 TargetAdjustment::place_W(const Compiled& model, const State& state, size_t row) const {
+  const auto point = static_cast<size_t>(given_.data.point_of_row[row]);
+  Vec3 shift = state.displaced_m[point];
+  if (has_flex()) {
+    const auto frame = static_cast<size_t>(given_.data.frame_of_row[row]);
+    shift.z += state.extra[frame][0] * compiled_.shape.flex_sigma_m *
+               given_.data.target.bending(point, model.shape);
+  }
+  return model.places_W[row] + given_.data.target.axes_W * shift;
+}
+
+bool TargetAdjustment::see(const Compiled& model, const State& state, size_t row,
+                           Vector2d& uv) const {
+  const PointsData& data = given_.data;
+  const Vec3 p_W = place_W(model, state, row);
+  const effects::ImagePoint image =
+      unknown_poses_
+          ? model.projection.project(state.X_CW[static_cast<size_t>(data.frame_of_row[row])] * p_W,
+                                     data.stamp_s[row], data.v_px[row])
+          : model.predictor->image_at(row, p_W);
+  uv = {image.u, image.v};
+  return image.visible;
+}
+
+// The cause's size in a scalar of the k-th used row of its frame.
+double TargetAdjustment::cause(size_t frame, size_t k, int channel, Index which) const {
+  return given_.causes[frame](2 * static_cast<Index>(k) + channel, which);
+}
+
+void TargetAdjustment::slopes_of_pose(const State& state, size_t row, const Slopes3& by_C,
+                                      Cell& cell) const {
+  const Vec3 p_C = state.X_CW[static_cast<size_t>(given_.data.frame_of_row[row])] *
+                   place_W(compiled_, state, row);
+  // d p_C = turn x p_C + shift.
+  Matrix3d turned;
+  turned << 0, p_C.z, -p_C.y, -p_C.z, 0, p_C.x, p_C.y, -p_C.x, 0;
+  cell.by_view.leftCols<3>() = by_C * turned;
+  cell.by_view.middleCols<3>(3) = by_C;
+}
+
+bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell) const {
+  const PointsData& data = given_.data;
+  const auto frame = static_cast<size_t>(data.frame_of_row[row]);
+  const Vec3 p_W = place_W(compiled_, state, row);
+  const Pose& X_CW = state.X_CW[frame];
+  const Vec3 p = unknown_poses_ ? X_CW * p_W : p_W;
+  const auto image_of = [&](const Vec3& at) {
+    return unknown_poses_ ? compiled_.projection.project(at, data.stamp_s[row], data.v_px[row])
+                          : compiled_.predictor->image_at(row, at);
+  };
+  const effects::ImagePoint here = image_of(p);
+  if (!here.visible) return false;
+  // Of the image by the place, in the camera's axes or, where the motion is known, the world's.
+  Slopes3 by_place;
+  const double h = 1e-6 * std::max(glm::length(p), 1e-3);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 there = p;
+    there[axis] += h;
+    const effects::ImagePoint image = image_of(there);
+    if (!image.visible) return false;
+    by_place(0, axis) = (image.u - here.u) / h;
+    by_place(1, axis) = (image.v - here.v) / h;
+  }
+  const Vector2d weight(1 / given_.sigma[2 * row], 1 / given_.sigma[2 * row + 1]);
+  cell.by_view.resize(2, unknowns(frame));
+  cell.z = Vector2d(data.u_px[row] - here.u, data.v_px[row] - here.v);
+  if (unknown_poses_) slopes_of_pose(state, row, by_place, cell);
+  cell.by_point =
+      by_place * as_eigen(unknown_poses_ ? X_CW.R * data.target.axes_W : data.target.axes_W);
+  Index at = pose_unknowns();
+  if (has_flex())
+    cell.by_view.col(at++) =
+        cell.by_point.col(2) * compiled_.shape.flex_sigma_m *
+        data.target.bending(static_cast<size_t>(data.point_of_row[row]), compiled_.shape);
+  for (Index which = 0; at < cell.by_view.cols(); ++at, ++which) {
+    for (int c = 0; c < 2; ++c) {
+      cell.by_view(c, at) = cause(frame, k, c, which);
+      cell.z[c] -= cell.by_view(c, at) * state.extra[frame][at - pose_unknowns()];
+    }
+  }
+  cell.z = weight.cwiseProduct(cell.z);
+  cell.by_view = -(weight.asDiagonal() * cell.by_view).eval();
+  cell.by_point = -(weight.asDiagonal() * cell.by_point).eval();
+  return true;
+}
+
+double TargetAdjustment::prior_cost(const State& state) const {
+  double sum = 0;
+  for (size_t frame = 0; frame < state.extra.size(); ++frame) {
+    if (given_.frames[frame]) sum += state.extra[frame].squaredNorm();
+  }
+  for (size_t point = 0; point < state.displaced_m.size() && has_points(); ++point) {
+    const Vec3& d = state.displaced_m[point];
+    const Vector3d away = Vector3d(d.x, d.y, d.z) - mean(point);
+    sum += away.dot(precision(point) * away);
+  }
+  return 0.5 * sum;
+}
+
+double TargetAdjustment::cost(const State& state) const {
+  double sum = 0;
+  for (size_t frame = 0; frame < state.X_CW.size(); ++frame) {
+    if (!given_.frames[frame]) continue;
+    size_t k = 0;
+    for (const int r : given_.data.rows_of_frame[frame]) {
+      const auto row = static_cast<size_t>(r);
+      if (!given_.rows[row]) continue;
+      Vector2d uv;
+      if (!see(compiled_, state, row, uv)) return std::numeric_limits<double>::infinity();
+      Vector2d left(given_.data.u_px[row] - uv[0], given_.data.v_px[row] - uv[1]);
+      const Index first = has_flex() ? 1 : 0;
+      for (Index which = first; which < state.extra[frame].size(); ++which) {
+        for (int c = 0; c < 2; ++c)
+          left[c] -= cause(frame, k, c, which - first) * state.extra[frame][which];
+      }
+      for (int c = 0; c < 2; ++c) {
+        const double z = left[c] / given_.sigma[2 * row + static_cast<size_t>(c)];
+        sum += z * z;
+      }
+      ++k;
+    }
+  }
+  return 0.5 * sum + prior_cost(state);
+}
+
+// The normal equations where it stands, and their right sides (minus the gradient).
+bool TargetAdjustment::build(MatrixXd& by_views, MatrixXd& by_points) {
+  std::vector<Index> sizes;
+  for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) sizes.push_back(unknowns(frame));
+  const size_t points = has_points() ? state_.displaced_m.size() : 0;
+  blocks_ = std::make_unique<PairedBlocks>(sizes, points);
+  by_views = MatrixXd::Zero(blocks_->view_unknowns(), 1);
+  by_points = MatrixXd::Zero(blocks_->point_unknowns(), 1);
+  cells_.clear();
+  for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) {
+    if (!given_.frames[frame]) continue;
+    size_t k = 0;
+    for (const int r : given_.data.rows_of_frame[frame]) {
+      const auto row = static_cast<size_t>(r);
+      if (!given_.rows[row]) continue;
+      Cell& cell = cells_.emplace_back();
+      if (!look(state_, row, k++, cell)) return false;
+      const auto point = static_cast<size_t>(given_.data.point_of_row[row]);
+      blocks_->add(frame, point, cell.by_view, cell.by_point);
+      by_views.middleRows(blocks_->view_at(frame), sizes[frame]) -=
+          cell.by_view.transpose() * cell.z;
+      if (points > 0)
+        by_points.middleRows<3>(3 * static_cast<Index>(point)) -=
+            cell.by_point.transpose() * cell.z;
+    }
+    for (Index i = pose_unknowns(); i < sizes[frame]; ++i) {
+      blocks_->add_prior(frame, i, 1);
+      by_views(blocks_->view_at(frame) + i, 0) -= state_.extra[frame][i - pose_unknowns()];
+    }
+  }
+  for (size_t point = 0; point < points; ++point) {
+    blocks_->add_prior(point, precision(point));
+    const Vec3& d = state_.displaced_m[point];
+    by_points.middleRows<3>(3 * static_cast<Index>(point)) -=
+        precision(point) * (Vector3d(d.x, d.y, d.z) - mean(point));
+  }
+  return true;
+}
+
+TargetAdjustment::State TargetAdjustment::moved(const MatrixXd& views, const MatrixXd& points,
+                                                double by) const {
+  State there = state_;
+  for (size_t frame = 0; frame < there.X_CW.size(); ++frame) {
+    const Index at = blocks_->view_at(frame), size = unknowns(frame);
+    if (size == 0) continue;
+    if (unknown_poses_)
+      there.X_CW[frame] = moved_pose(state_.X_CW[frame], by * views.block<6, 1>(at, 0));
+    there.extra[frame] += by * views.block(at + pose_unknowns(), 0, size - pose_unknowns(), 1);
+  }
+  for (Index point = 0; 3 * point < points.rows(); ++point) {
+    Vec3& d = there.displaced_m[static_cast<size_t>(point)];
+    for (int axis = 0; axis < 3; ++axis) d[axis] += by * points(3 * point + axis, 0);
+  }
+  return there;
+}
+
+bool TargetAdjustment::fit() {
+  constexpr int kSteps = 30, kAttempts = 10;
+  // Of log-likelihood: less is not worth a step, and after a step that promised less than the
+  // second, derivatives need no renewal.
+  constexpr double kEnough = 1e-7, kSettled = 1e-4;
+  double here = cost(state_), damping = 0;
+  if (!std::isfinite(here)) return false;
+  for (int step = 0; step < kSteps; ++step) {
+    MatrixXd right_views, right_points;
+    if (!build(right_views, right_points)) return false;
+    bool taken = false;
+    for (int attempt = 0; attempt < kAttempts && !taken; ++attempt) {
+      MatrixXd views = right_views, points = right_points;
+      if (blocks_->factor(damping)) {
+        blocks_->solve(views, points);
+        const double promised =
+            0.5 * (views.col(0).dot(right_views.col(0)) + points.col(0).dot(right_points.col(0)));
+        if (promised < kEnough * (1 + 1e-6 * here)) return true;
+        State there = moved(views, points, 1);
+        const double lower = cost(there);
+        if (lower < here) {
+          here = lower, state_ = std::move(there), taken = true;
+          if (damping == 0 && promised < kSettled) return true;
+          damping = damping < 1e-6 ? 0 : 0.1 * damping;
+        }
+      }
+      if (!taken) damping = std::max(10 * damping, 1e-6);
+    }
+    if (!taken) return true;  // As low as rounding lets it go.
+  }
+  return true;
+}
+
+std::vector<Matrix3d> TargetAdjustment::covariances() {
+  MatrixXd views, points;
+  if (!build(views, points) || !blocks_->factor(0)) return {};
+  return blocks_->point_covariances();
+}
+
+}  // namespace seam::measurement

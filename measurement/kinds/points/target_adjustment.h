@@ -1,0 +1,108 @@
+// Displaced points of a target and bendings of its views, fitted together with the views' poses
+// where these are unknown: what `target_scatter` and `board_flex` draw once is estimated from all
+// views, held near zero by its spread. Docs: docs/fitting.md, "Draws that are estimated".
+#pragma once
+
+#include <functional>
+
+#include "effects/stages/geometry.h"
+#include "measurement/kinds/points/points_data.h"
+#include "measurement/numerics/paired_blocks.h"
+
+namespace seam::measurement {
+
+class PointsPredictor;
+
+// What is known of the points' displacements (along the target's axes) before views are seen.
+struct DrawsKnown {
+  std::vector<Eigen::Vector3d> mean_m;     // By point.
+  std::vector<Eigen::Matrix3d> precision;  // 1 / m^2.
+};
+
+class TargetAdjustment {
+ public:
+  struct Given {
+    const PointsData& data;
+    const Model& model;
+    std::vector<char> frames;   // Those that take part.
+    std::vector<char> rows;     // Those that take part; rows of other frames are not looked at.
+    std::vector<double> sigma;  // By scalar.
+    // By frame, for rigs whose motion is known: causes that move several of its scalars together,
+    // a column each of unit spread (rows: its used scalars in order). Empty: none.
+    std::vector<Eigen::MatrixXd> causes = {};
+    const DrawsKnown* known = nullptr;  // Null: nothing but the model's spread.
+  };
+  explicit TargetAdjustment(Given given);
+
+  // Poses to start from (12 numbers a frame, as Evaluation::nuisance_values has them), then those
+  // numbers that an earlier adjustment stored behind them. Frames whose numbers are all zero take
+  // no part from here on.
+  void start(const std::vector<double>& values);
+  // Goes down to the best nuisances; false where that failed.
+  bool fit();
+
+  // The adjusted numbers, to start another from.
+  std::vector<double> values() const;
+  // Fills the residuals of all rows of its frames,
+  void tell_residuals(Evaluation& evaluation) const;
+  // and, after whiten_diagonal, what follows from the draws: whitened residuals and, behind them,
+  // the draws; determinants; the freedom that they take.
+  void whiten(Evaluation& evaluation) const;
+  // By unknown: the column of its derivatives with all nuisances following. `moved[k]` is the model
+  // with the k-th unknown moved by step[k].
+  std::vector<std::vector<double>> columns(const std::vector<Model>& moved,
+                                           const std::vector<double>& steps);
+  // Displacements and their covariances, poses being estimated, too.
+  const std::vector<Vec3>& displaced_m() const { return state_.displaced_m; }
+  std::vector<Eigen::Matrix3d> covariances();
+
+ private:
+  struct State {
+    std::vector<Pose> X_CW;              // By frame.
+    std::vector<Eigen::VectorXd> extra;  // By frame: bending / its spread, then causes.
+    std::vector<Vec3> displaced_m;       // By point.
+  };
+  // A compiled model: one for the fit, one for each moved unknown.
+  struct Compiled {
+    Compiled(const PointsData& data, const Model& model);
+    effects::TargetShape shape;
+    effects::Projection projection;
+    std::shared_ptr<const PointsPredictor> predictor;  // Of known motion.
+    std::vector<Vec3> places_W;                        // By row, without displacements.
+  };
+  // One observation: residuals over their sigmas, and derivatives of these.
+  struct Cell {
+    Eigen::Vector2d z;
+    PairedBlocks::Slopes by_view;
+    Eigen::Matrix<double, 2, 3> by_point;
+  };
+
+  bool has_points() const { return compiled_.shape.scatter_sigma_m > 0; }
+  bool has_flex() const { return compiled_.shape.flex_sigma_m > 0; }
+  Eigen::Index pose_unknowns() const { return unknown_poses_ ? 6 : 0; }
+  Eigen::Index unknowns(size_t frame) const;
+  Vec3 place_W(const Compiled& model, const State& state, size_t row) const;
+  // The image of a row's point; null slopes: not wanted.
+  bool see(const Compiled& model, const State& state, size_t row, Eigen::Vector2d& uv) const;
+  bool look(const State& state, size_t row, size_t k, Cell& cell) const;
+  void slopes_of_pose(const State& state, size_t row, const Eigen::Matrix<double, 2, 3>& by_C,
+                      Cell& cell) const;
+  double cause(size_t frame, size_t k, int channel, Eigen::Index which) const;
+  std::vector<size_t> used_rows() const;
+  Eigen::Vector2d left_over(size_t row, const Cell& cell, const Evaluation& evaluation) const;
+  double cost(const State& state) const;
+  double prior_cost(const State& state) const;
+  bool build(Eigen::MatrixXd& by_views, Eigen::MatrixXd& by_points);
+  State moved(const Eigen::MatrixXd& views, const Eigen::MatrixXd& points, double by) const;
+  Eigen::Matrix3d precision(size_t point) const;
+  Eigen::Vector3d mean(size_t point) const;
+
+  Given given_;
+  Compiled compiled_;
+  bool unknown_poses_;
+  State state_;
+  std::unique_ptr<PairedBlocks> blocks_;
+  std::vector<Cell> cells_;  // Of the used rows, in order of frames_.
+};
+
+}  // namespace seam::measurement

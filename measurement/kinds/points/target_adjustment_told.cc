@@ -1,0 +1,160 @@
+// What an adjustment of a target's draws tells the engine: residuals, determinants, derivatives.
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "measurement/kinds/points/points_predictor.h"
+#include "measurement/kinds/points/target_adjustment.h"
+
+namespace seam::measurement {
+
+using Eigen::Index;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+namespace {
+
+// Lower triangle L of L L' = m.
+Matrix3d triangle(const Matrix3d& m) {
+  return m.llt().matrixL();
+}
+
+}  // namespace
+
+void TargetAdjustment::tell_residuals(Evaluation& evaluation) const {
+  for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) {
+    if (!given_.frames[frame]) continue;
+    for (const int r : given_.data.rows_of_frame[frame]) {  // Outliers too: they may come back.
+      const auto row = static_cast<size_t>(r);
+      Vector2d uv;
+      const bool seen = see(compiled_, state_, row, uv);
+      evaluation.residual[2 * row] = seen ? given_.data.u_px[row] - uv[0] : 0;
+      evaluation.residual[2 * row + 1] = seen ? given_.data.v_px[row] - uv[1] : 0;
+    }
+  }
+}
+
+// What is left of the k-th used row where the adjustment stands: its residual less the causes.
+Vector2d TargetAdjustment::left_over(size_t row, const Cell& cell,
+                                     const Evaluation& evaluation) const {
+  const auto frame = static_cast<size_t>(given_.data.frame_of_row[row]);
+  Vector2d z(evaluation.residual[2 * row] / given_.sigma[2 * row],
+             evaluation.residual[2 * row + 1] / given_.sigma[2 * row + 1]);
+  const Index causes = given_.causes.empty() ? 0 : given_.causes[frame].cols();
+  return z + cell.by_view.rightCols(causes) * state_.extra[frame].tail(causes);
+}
+
+std::vector<size_t> TargetAdjustment::used_rows() const {
+  std::vector<size_t> used;
+  for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) {
+    if (!given_.frames[frame]) continue;
+    for (const int row : given_.data.rows_of_frame[frame]) {
+      if (given_.rows[static_cast<size_t>(row)]) used.push_back(static_cast<size_t>(row));
+    }
+  }
+  return used;
+}
+
+void TargetAdjustment::whiten(Evaluation& evaluation) const {
+  const std::vector<size_t> used = used_rows();
+  std::vector<Index> sizes;
+  for (size_t frame = 0; frame < state_.extra.size(); ++frame)
+    sizes.push_back(given_.frames[frame] ? state_.extra[frame].size() : 0);
+  PairedBlocks draws(sizes, has_points() ? state_.displaced_m.size() : 0);
+  for (size_t k = 0; k < used.size(); ++k) {
+    const auto frame = static_cast<size_t>(given_.data.frame_of_row[used[k]]);
+    const Cell& cell = cells_[k];
+    for (int c = 0; c < 2; ++c) {
+      const size_t scalar = 2 * used[k] + static_cast<size_t>(c);
+      evaluation.whitened[scalar] = left_over(used[k], cell, evaluation)[c];
+      evaluation.sigma[scalar] *= std::sqrt(
+          1 + cell.by_view.row(c).tail(sizes[frame] - (has_flex() ? 1 : 0)).squaredNorm());
+    }
+    draws.add(frame, static_cast<size_t>(given_.data.point_of_row[used[k]]),
+              cell.by_view.rightCols(sizes[frame]), cell.by_point);
+  }
+  for (size_t frame = 0; frame < sizes.size(); ++frame) {
+    for (Index i = 0; i < sizes[frame]; ++i) {
+      draws.add_prior(frame, i, 1);
+      evaluation.whitened.push_back(state_.extra[frame][i]);
+      evaluation.absorbed += 1 - 1 / draws.of_view(frame)(i, i);
+    }
+  }
+  for (size_t point = 0; point < state_.displaced_m.size() && has_points(); ++point) {
+    const Matrix3d before = precision(point);
+    draws.add_prior(point, before);
+    evaluation.shared_log_det -= std::log(before.determinant());
+    evaluation.absorbed += 3 - (before * draws.of_point(point).inverse()).trace();
+    const Vec3& d = state_.displaced_m[point];
+    const Vector3d away = triangle(before).transpose() * (Vector3d(d.x, d.y, d.z) - mean(point));
+    evaluation.whitened.insert(evaluation.whitened.end(), {away[0], away[1], away[2]});
+  }
+  if (draws.factor(0)) evaluation.shared_log_det += draws.log_det();
+}
+
+std::vector<std::vector<double>> TargetAdjustment::columns(const std::vector<Model>& moved,
+                                                           const std::vector<double>& steps) {
+  const std::vector<size_t> used = used_rows();
+  MatrixXd views, points;
+  if (!build(views, points) || !blocks_->factor(0)) return {};
+  const auto count = static_cast<Index>(moved.size());
+  MatrixXd slopes = MatrixXd::Zero(2 * static_cast<Index>(used.size()), count);
+  views = MatrixXd::Zero(blocks_->view_unknowns(), count);
+  points = MatrixXd::Zero(blocks_->point_unknowns(), count);
+  const auto frame_of = [&](size_t k) {
+    return static_cast<size_t>(given_.data.frame_of_row[used[k]]);
+  };
+  const auto point_at = [&](size_t k) {
+    return 3 * static_cast<Index>(given_.data.point_of_row[used[k]]);
+  };
+  std::vector<Vector2d> base(used.size());
+  for (size_t k = 0; k < used.size(); ++k) see(compiled_, state_, used[k], base[k]);
+  for (Index p = 0; p < count; ++p) {
+    const Compiled there(given_.data, moved[static_cast<size_t>(p)]);
+    for (size_t k = 0; k < used.size(); ++k) {
+      Vector2d uv;
+      if (!see(there, state_, used[k], uv)) continue;
+      for (int c = 0; c < 2; ++c)
+        slopes(2 * static_cast<Index>(k) + c, p) =
+            -(uv[c] - base[k][c]) /
+            (steps[static_cast<size_t>(p)] * given_.sigma[2 * used[k] + static_cast<size_t>(c)]);
+    }
+  }
+  for (size_t k = 0; k < used.size(); ++k) {
+    const auto rows = slopes.middleRows<2>(2 * static_cast<Index>(k));
+    views.middleRows(blocks_->view_at(frame_of(k)), cells_[k].by_view.cols()) +=
+        cells_[k].by_view.transpose() * rows;
+    if (has_points()) points.middleRows<3>(point_at(k)) += cells_[k].by_point.transpose() * rows;
+  }
+  blocks_->solve(views, points);
+  const size_t scalars = 2 * given_.data.p_W.size();
+  std::vector<std::vector<double>> columns(moved.size(), std::vector<double>(scalars, 0));
+  for (size_t k = 0; k < used.size(); ++k) {
+    MatrixXd rows = slopes.middleRows<2>(2 * static_cast<Index>(k));
+    rows -= cells_[k].by_view *
+            views.middleRows(blocks_->view_at(frame_of(k)), cells_[k].by_view.cols());
+    if (has_points()) rows -= cells_[k].by_point * points.middleRows<3>(point_at(k));
+    for (size_t p = 0; p < moved.size(); ++p) {
+      for (int c = 0; c < 2; ++c)
+        columns[p][2 * used[k] + static_cast<size_t>(c)] = rows(c, static_cast<Index>(p));
+    }
+  }
+  // The draws follow, too: their part of the columns, in the order of `whiten`.
+  for (size_t p = 0; p < moved.size(); ++p) {
+    const auto column = static_cast<Index>(p);
+    for (size_t frame = 0; frame < state_.extra.size(); ++frame) {
+      const Index at = blocks_->view_at(frame) + pose_unknowns();
+      for (Index i = at; i < blocks_->view_at(frame + 1); ++i)
+        columns[p].push_back(-views(i, column));
+    }
+    for (size_t point = 0; point < state_.displaced_m.size() && has_points(); ++point) {
+      const Vector3d part = -(triangle(precision(point)).transpose() *
+                              points.block<3, 1>(3 * static_cast<Index>(point), column));
+      columns[p].insert(columns[p].end(), {part[0], part[1], part[2]});
+    }
+  }
+  return columns;
+}
+
+}  // namespace seam::measurement

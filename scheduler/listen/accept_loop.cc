@@ -1,0 +1,176 @@
+#include "scheduler/listen/accept_loop.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "scheduler/listen/listen_address.h"
+#include "scheduler/listen/refusal.h"
+#include "sim_core/base/error.h"
+#include "sim_core/system/thread.h"
+
+namespace seam::scheduler {
+namespace {
+
+// So often listeners are looked at, refusals told, and those who were refused hung up on.
+constexpr std::chrono::milliseconds kWatch{500};
+// Of one listener at a time, so that others have their turn.
+constexpr int kAcceptedAtOnce = 64;
+constexpr size_t kMostParting = 256;
+
+int spare_descriptor() {
+  return open("/dev/null", O_RDONLY | O_CLOEXEC);
+}
+
+std::string with_port(const std::string& address, int port) {
+  if (port < 0) return address;
+  return address.substr(0, address.rfind(':') + 1) + std::to_string(port);
+}
+
+bool lacks_resources(int error) {
+  return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
+}
+
+}  // namespace
+
+AcceptLoop::AcceptLoop(std::vector<Endpoint> endpoints, ConnectionLimits limits, Tell tell)
+    : count_(limits), tell_(std::move(tell)), wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (wake_ < 0) throw InputError(fmt::format("no event descriptor: {}", std::strerror(errno)));
+  for (Endpoint& endpoint : endpoints) {
+    int port = -1;
+    std::vector<ListeningSocket> sockets = listen_on(endpoint.address, port);
+    const std::string address = with_port(endpoint.address, port);
+    places_.push_back({std::move(endpoint), address, std::move(sockets)});
+  }
+  spare_ = spare_descriptor();
+}
+
+AcceptLoop::~AcceptLoop() {
+  ending_ = true;
+  eventfd_write(wake_, 1);
+  if (thread_.joinable()) thread_.join();
+  for (const int connection : parting_) close(connection);
+  if (spare_ >= 0) close(spare_);
+  close(wake_);
+}
+
+std::vector<std::string> AcceptLoop::addresses() const {
+  std::vector<std::string> all;
+  for (const Place& place : places_) all.push_back(place.address);
+  return all;
+}
+
+void AcceptLoop::start() {
+  thread_ = start_thread([this] { run(); });
+}
+
+void AcceptLoop::run() {
+  Clock::time_point watched = Clock::now();
+  while (!ending_) {
+    // Whatever fails for want of memory is tried again; a listener does not end by it.
+    try {
+      wait();
+      for (const Place& place : places_)
+        for (const ListeningSocket& listener : place.sockets) accept_all(place, listener);
+      if (Clock::now() - watched < kWatch) continue;
+      watched = Clock::now();
+      for (Place& place : places_) watch(place);
+      tell_refusals();
+      for (const int connection : std::exchange(parting_, {})) close(connection);
+    } catch (const std::exception&) {
+      std::this_thread::sleep_for(kWatch);
+    }
+  }
+}
+
+void AcceptLoop::wait() const {
+  std::vector<pollfd> all{{.fd = wake_, .events = POLLIN, .revents = 0}};
+  for (const Place& place : places_)
+    for (const ListeningSocket& listener : place.sockets)
+      if (listener.lives()) all.push_back({listener.descriptor(), POLLIN, 0});
+  poll(all.data(), all.size(), static_cast<int>(kWatch.count()));
+}
+
+void AcceptLoop::accept_all(const Place& place, const ListeningSocket& listener) {
+  for (int i = 0; i < kAcceptedAtOnce; ++i) {
+    const int connection =
+        accept4(listener.descriptor(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (connection >= 0) {
+      take(place, listener, connection);
+    } else if (lacks_resources(errno)) {
+      if (!refuse_with_the_spare(place, listener)) return;
+    } else if (errno != ECONNABORTED && errno != EINTR) {
+      return;  // None waits, or the listener is dead: `watch` sees to it.
+    }
+  }
+}
+
+void AcceptLoop::take(const Place& place, const ListeningSocket& listener, int connection) {
+  const std::string why = count_.refusal(peer_of_socket(connection), connection);
+  if (!why.empty()) return refuse(place, connection, why);
+  const int yes = 1;  // Small messages in lockstep; does nothing on Unix sockets.
+  setsockopt(connection, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+  place.endpoint.take(listener.descriptor(), connection);
+}
+
+void AcceptLoop::refuse(const Place& place, int connection, const std::string& why) {
+  ++refused_;
+  refused_why_ = why;
+  const std::string words =
+      place.endpoint.spoken == Spoken::tls ? tls_refusal() : http2_refusal(why);
+  [[maybe_unused]] const ssize_t sent =
+      send(connection, words.data(), words.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  // Hanging up at once would take the words back where the client has sent something meanwhile.
+  if (parting_.size() < kMostParting && spare_ >= 0) {
+    shutdown(connection, SHUT_WR);
+    parting_.push_back(connection);
+  } else {
+    close(connection);
+  }
+}
+
+bool AcceptLoop::refuse_with_the_spare(const Place& place, const ListeningSocket& listener) {
+  for (const int connection : std::exchange(parting_, {})) close(connection);
+  if (spare_ >= 0) close(std::exchange(spare_, -1));
+  const int connection = accept4(listener.descriptor(), nullptr, nullptr, SOCK_CLOEXEC);
+  if (connection >= 0) refuse(place, connection, "the server has no descriptors left");
+  spare_ = spare_descriptor();
+  // What waits makes poll return at once; it is not asked for all the time.
+  if (connection < 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  return connection >= 0;
+}
+
+void AcceptLoop::watch(Place& place) {
+  if (spare_ < 0) spare_ = spare_descriptor();
+  const bool live = !place.sockets.empty() &&
+                    std::all_of(place.sockets.begin(), place.sockets.end(),
+                                [](const ListeningSocket& socket) { return socket.lives(); });
+  if (live) return;
+  place.sockets.clear();
+  int port = -1;
+  try {
+    place.sockets = listen_on(place.address, port);
+    tell_(fmt::format("{}: the listener was dead, another was opened", place.address));
+  } catch (const InputError&) {
+    // Tried again with the next look.
+  }
+}
+
+void AcceptLoop::tell_refusals() {
+  if (refused_ == 0) return;
+  tell_(
+      fmt::format("refused {} connection{}: {}", refused_, refused_ == 1 ? "" : "s", refused_why_));
+  refused_ = 0;
+}
+
+}  // namespace seam::scheduler

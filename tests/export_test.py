@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""What `seam export` writes is read by the programs that it is written for, where they are installed
+(python3-opencv, mrcal), and projects a grid as the model does.
+
+The model's projection is written out here again, from docs/effects.md, in numpy.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import yaml
+
+SEAM = sys.argv[1]
+MODEL = """format: seam-model/1
+name: seen
+effects:
+  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}
+  radial_polynomial: {k1: -0.21, k2: 0.06, k3: 0.002}
+  tangential_distortion: {p1: 0.003, p2: -0.002}
+  rolling_shutter: {line_delay_s: {value: 0.0002, sigma: 1.0e-6}}
+"""
+SIZE = ["--size", "178x144"]
+
+
+def grid():
+    x, y = np.meshgrid(np.linspace(-0.5, 0.5, 21), np.linspace(-0.4, 0.4, 17))
+    return np.stack([x.ravel(), y.ravel(), np.ones(x.size)], axis=1)
+
+
+def expected(points):
+    x, y = points[:, 0], points[:, 1]
+    r2 = x * x + y * y
+    radial = 1 - 0.21 * r2 + 0.06 * r2**2 + 0.002 * r2**3
+    xd = x * radial + 2 * 0.003 * x * y - 0.002 * (r2 + 2 * x * x)
+    yd = y * radial + 0.003 * (r2 + 2 * y * y) - 2 * 0.002 * x * y
+    return np.stack([161.9 * xd + 88.5, 162.5 * yd + 71.5], axis=1)
+
+
+def export(folder, form, name, *more, code=0):
+    model = folder / "model.yaml"
+    model.write_text(MODEL)
+    out = folder / name
+    run = subprocess.run([SEAM, "export", str(model), "--to", form, "--out", str(out), *more],
+                         capture_output=True, text=True)
+    assert run.returncode == code, (run.returncode, run.stdout, run.stderr)
+    return out, run.stdout + run.stderr
+
+
+def agrees(what, seen, limit_px=1e-6):
+    worst = np.abs(seen - expected(grid())).max()
+    assert worst < limit_px, f"{what}: {worst} px"
+    print(f"{what}: projects as the model does, to {worst:.1e} px")
+
+
+def main():
+    skipped = []
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        # What cannot be held is refused by name, and leaves no file.
+        out, said = export(folder, "opencv", "refused.yaml", *SIZE, code=1)
+        assert "'rolling_shutter'" in said and not out.exists(), said
+        _, said = export(folder, "opencv", "unknown.yaml", "--drop", "lens_blur", *SIZE, code=1)
+        assert "lens_blur" in said
+        _, said = export(folder, "opencw", "x.yaml", code=2)
+        assert "opencv" in said
+
+        out, said = export(folder, "ros", "ros.yaml", "--drop", "rolling_shutter", *SIZE)
+        assert "4.63 px while the camera turns by 1 rad/s" in said, said
+        info = yaml.safe_load(out.read_text())
+        assert info["distortion_model"] == "plumb_bob" and info["image_width"] == 178
+        assert np.allclose(info["distortion_coefficients"]["data"],
+                           [-0.21, 0.06, 0.003, -0.002, 0.002], atol=1e-6)
+
+        _, said = export(folder, "kalibr", "camchain.yaml", *SIZE)
+        chain = yaml.safe_load((folder / "camchain.yaml").read_text())["cam0"]
+        assert chain["line_delay"] == 0.0002 and chain["distortion_model"] == "radtan", chain
+        assert "misses by" in said  # k3 is not radtan's.
+
+        out, _ = export(folder, "json", "model.json")
+        effects = json.loads(out.read_text())["effects"]
+        assert effects["rolling_shutter"]["line_delay_s"] == {"value": 0.0002, "sigma": 1e-6}
+
+        opencv, _ = export(folder, "opencv", "opencv.yaml", "--drop", "all", *SIZE)
+        mrcal_file, _ = export(folder, "mrcal", "mrcal.cameramodel", "--drop", "all", *SIZE)
+        try:
+            import cv2
+            store = cv2.FileStorage(str(opencv), cv2.FILE_STORAGE_READ)
+            seen, _ = cv2.projectPoints(grid(), np.zeros(3), np.zeros(3),
+                                        store.getNode("camera_matrix").mat(),
+                                        store.getNode("distortion_coefficients").mat())
+            agrees("opencv", seen[:, 0])
+        except ImportError:
+            skipped.append("python3-opencv")
+        try:
+            import mrcal
+            agrees("mrcal", mrcal.project(grid(), *mrcal.cameramodel(str(mrcal_file)).intrinsics()))
+        except ImportError:
+            skipped.append("mrcal")
+    if skipped:
+        print("not installed, not tried:", ", ".join(skipped))
+
+
+main()

@@ -1,0 +1,88 @@
+// `seam export`: a model as a file of another program.
+#include <cstdio>
+
+#include "app/exchange/exchange.h"
+#include "measurement/sets/set.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/output.h"
+#include "tools/command.h"
+#include "tools/commands/analysis.h"
+
+namespace seam::tools {
+namespace {
+
+struct ExportFlags {
+  std::string model, to, out, size, data;
+  std::vector<std::string> drop;
+};
+
+const app::ExchangeFormat& format_named(const std::string& name) {
+  std::vector<std::string> names;
+  for (const app::ExchangeFormat& format : app::exchange_formats()) {
+    if (format.name == name) return format;
+    names.push_back(format.name);
+  }
+  throw UsageError(fmt::format("--to {}: no such format{}, expected {}", name,
+                               suggestion_for(name, names), fmt::join(names, ", ")));
+}
+
+app::ExportOptions options_of(const ExportFlags& flags) {
+  app::ExportOptions options{.drop = flags.drop};
+  if (!flags.size.empty()) {
+    char end = 0;
+    if (std::sscanf(flags.size.c_str(), "%5dx%5d%c", &options.width_px, &options.height_px, &end) !=
+            2 ||
+        options.width_px < 2 || options.height_px < 2)
+      throw UsageError(
+          fmt::format("--size {}: expected WIDTHxHEIGHT in pixels, like 640x480", flags.size));
+  } else if (!flags.data.empty()) {
+    const auto set = measurement::MeasurementSet::open(flags.data);
+    options.width_px = set.camera.width_px, options.height_px = set.camera.height_px;
+    if (options.width_px == 0)
+      throw InputError(
+          fmt::format("{}: names no camera, expected `camera:` with its size: give "
+                      "--size WIDTHxHEIGHT",
+                      flags.data));
+  }
+  return options;
+}
+
+std::string formats_help() {
+  std::string help = "Formats:\n";
+  for (const app::ExchangeFormat& format : app::exchange_formats())
+    help += fmt::format("  {:8} {}\n", format.name, format.help);
+  return help;
+}
+
+}  // namespace
+
+void add_export(app::Command app) {
+  app::Command command =
+      app.add_subcommand("export", "Writes a model as a file that another program reads");
+  auto flags = std::make_shared<ExportFlags>();
+  command.add_option("MODEL", flags->model, "The model").required();
+  command.add_option("--to", flags->to, "The format").required();
+  command.add_option("--out", flags->out, "The file to write").required();
+  command.add_option("--drop", flags->drop,
+                     "An effect that the format cannot hold, to be left out at a cost that is "
+                     "told; 'all': all of them; may be given several times");
+  command.add_option("--size", flags->size, "Of the image, WIDTHxHEIGHT in pixels");
+  command.add_option("--data", flags->data, "A measurement set whose camera has the size");
+  command.footer(
+      formats_help() +
+      "What a format cannot hold is an error that names the effect, or with --drop a warning with\n"
+      "the error in pixels that this costs. A lens of another form is fitted over the image, and\n"
+      "what the fit misses is told.\n"
+      "Example: seam export models/ideal_camera.yaml --to kalibr --out camchain.yaml");
+  command.callback([flags] {
+    const app::ExchangeFormat& format = format_named(flags->to);
+    OutputFile out(flags->out, {.inputs = {flags->model}});
+    const effects::Model model = read_model(flags->model);
+    const app::Exported exported = app::export_model(model, format, options_of(*flags));
+    out.fill(exported.text);
+    std::printf("%s: %s\n", flags->out.c_str(), format.help.c_str());
+    for (const std::string& note : exported.notes) std::printf("  note: %s\n", note.c_str());
+  });
+}
+
+}  // namespace seam::tools

@@ -1,0 +1,163 @@
+// `seam sweep plot`: a statistic against one or two parameters, drawn by gnuplot.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "app/scratch_folder.h"
+#include "app/sweep/curve.h"
+#include "app/sweep/table.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
+#include "tools/command.h"
+#include "tools/experiments/plot.h"
+#include "tools/sweep/sweep.h"
+
+namespace seam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string file, value, over, by, statistic = "mean", out, csv;
+};
+
+app::CurveStatistic statistic_named(const std::string& name) {
+  const auto* found =
+      std::find(std::begin(app::kCurveStatistics), std::end(app::kCurveStatistics), name);
+  return static_cast<app::CurveStatistic>(found - std::begin(app::kCurveStatistics));
+}
+
+bool is_number(const std::string& text) {
+  double number = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && rest == text.data() + text.size();
+}
+
+std::string cell_of(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? fmt::format("{}", *value) : "";
+}
+
+std::string curve_csv(const Options& options, const std::vector<app::CurvePoint>& points) {
+  std::vector<std::string> header = {options.over};
+  if (!options.by.empty()) header.push_back(options.by);
+  header.insert(header.end(), {"n", options.statistic, "low", "high"});
+  std::string csv = app::csv_line(header);
+  for (const app::CurvePoint& point : points) {
+    std::vector<std::string> cells = {point.x};
+    if (!options.by.empty()) cells.push_back(point.by);
+    cells.insert(cells.end(), {fmt::format("{}", point.count), cell_of(point.estimate.value),
+                               cell_of(point.estimate.low), cell_of(point.estimate.high)});
+    csv += app::csv_line(cells);
+  }
+  return csv;
+}
+
+// Text between gnuplot's double quotes.
+std::string gnuplot_text(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c == '\n' ? ' ' : c;
+  }
+  return quoted + '"';
+}
+
+std::string label(const std::string& text) {
+  return gnuplot_text(text) + " noenhanced";
+}
+
+// Words in the place of numbers stand side by side, in the order of the plan.
+std::string data_of(const std::vector<app::CurvePoint>& points, const std::string& series,
+                    const std::vector<std::string>& words) {
+  std::string data;
+  for (const app::CurvePoint& point : points) {
+    if (point.by != series || !std::isfinite(point.estimate.value)) continue;
+    const auto place = std::find(words.begin(), words.end(), point.x) - words.begin();
+    data += fmt::format("{},{},{},{}\n", words.empty() ? point.x : fmt::format("{}", place),
+                        point.estimate.value, point.estimate.low.value_or(point.estimate.value),
+                        point.estimate.high.value_or(point.estimate.value));
+  }
+  return data;
+}
+
+std::vector<std::string> in_order(const std::vector<app::CurvePoint>& points,
+                                  std::string app::CurvePoint::*member) {
+  std::vector<std::string> words;
+  for (const app::CurvePoint& point : points) {
+    if (std::find(words.begin(), words.end(), point.*member) == words.end())
+      words.push_back(point.*member);
+  }
+  return words;
+}
+
+// Draws in a folder of its own; returns whether there is a picture.
+bool draw(const Options& options, const std::vector<app::CurvePoint>& points,
+          const fs::path& folder) {
+  const bool numeric = std::all_of(points.begin(), points.end(),
+                                   [](const auto& point) { return is_number(point.x); });
+  const std::vector<std::string> words =
+      numeric ? std::vector<std::string>() : in_order(points, &app::CurvePoint::x);
+  std::string script = fmt::format("set xlabel {}\nset ylabel {}\n", label(options.over),
+                                   label(options.statistic + " of " + options.value));
+  for (size_t i = 0; i < words.size(); ++i)
+    script += fmt::format("{} ({} {})\n", i == 0 ? "set xtics" : "set xtics add",
+                          gnuplot_text(words[i]), i);
+  script += "set offsets graph 0.05, graph 0.05, 0, 0\nplot ";
+  const std::vector<std::string> series = in_order(points, &app::CurvePoint::by);
+  for (size_t i = 0; i < series.size(); ++i) {
+    const std::string file = fmt::format("data{}.csv", i);
+    write_file_atomically(folder / file, data_of(points, series[i], words));
+    const std::string title =
+        options.by.empty() ? "notitle" : "title " + label(options.by + " = " + series[i]);
+    script += fmt::format("{0}'{1}' using 1:2:3:4 with yerrorlines lt {2} pt 7 {3}",
+                          i == 0 ? "" : ", ", file, i + 1, title);
+  }
+  return plot(folder, "plot", script + "\n");
+}
+
+void plot_results(const Options& options) {
+  OutputFile picture(options.out, {.inputs = {options.file}});
+  OutputFile csv(options.csv, {.inputs = {options.file, options.out}});
+  const auto results = app::ResultsFile::for_reading(options.file);
+  const auto points = app::curve_of(results, statistic_named(options.statistic), options.value,
+                                    options.over, options.by);
+  if (points.empty())
+    throw InputError(
+        fmt::format("{}: no finished run has a value '{}'", options.file, options.value));
+  const std::string table = curve_csv(options, points);
+  std::fputs(table.c_str(), stdout);
+  if (csv) csv.fill(table);
+  if (!picture) return;
+  const app::ScratchFolder scratch("plot");
+  if (!draw(options, points, scratch.path())) throw ExitCode{1};
+  picture.fill(read_file(scratch.path() / "plot.png"));
+}
+
+}  // namespace
+
+void add_sweep_plot(app::Command sweep) {
+  app::Command command = sweep.add_subcommand(
+      "plot", "A statistic with its 95 % interval against one or two parameters");
+  auto options = std::make_shared<Options>();
+  command.add_option("RESULTS", options->file, "A file that `seam sweep` made").required();
+  command.add_option("--value", options->value, "The column whose statistic it is").required();
+  command.add_option("--over", options->over, "The parameter along the page").required();
+  command.add_option("--by", options->by, "A second parameter: a line for each of its values");
+  command
+      .add_option("--statistic", options->statistic,
+                  "mean (interval by Student's t), deviation (chi-squared), median (order\n"
+                  "statistics) or rate of values other than 0 (Wilson)")
+      .one_of({"mean", "deviation", "median", "rate"})
+      .show_default();
+  command.add_option("--out", options->out, "The picture, PNG, drawn by gnuplot");
+  command.add_option("--csv", options->csv, "What is drawn; it goes to standard output, too");
+  command.footer(
+      "Example: seam sweep plot results.sqlite --value error_m --over x_m --by camera --out "
+      "error.png");
+  command.callback([options] { plot_results(*options); });
+}
+
+}  // namespace seam::tools
