@@ -32,11 +32,17 @@
   X(backlash)                 \
   X(mount_misalignment)       \
   X(mount_offset)             \
+  X(board_scale)              \
+  X(board_warp)               \
+  X(target_scatter)           \
+  X(board_flex)               \
   X(pinhole)                  \
   X(fisheye)                  \
   X(radial_distortion)        \
   X(radial_polynomial)        \
+  X(rational_lens)            \
   X(tangential_distortion)    \
+  X(thin_prism)               \
   X(focal_length_error)       \
   X(principal_point_offset)   \
   X(chromatic_aberration)     \
@@ -87,70 +93,6 @@
   X(heading_drift)            \
   X(walk_noise)               \
   X(pose_noise)
-#define SEAM_EFFECTS(X)     \
-  X(rolling_shutter)        \
-  X(exposure)               \
-  X(frame_latency)          \
-  X(clock_drift)            \
-  X(frame_jitter)           \
-  X(frame_sync)             \
-  X(ideal_servo)            \
-  X(servo_latency)          \
-  X(servo_lag)              \
-  X(speed_limit)            \
-  X(acceleration_limit)     \
-  X(stiction)               \
-  X(gravity_sag)            \
-  X(encoder_eccentricity)   \
-  X(encoder_scale)          \
-  X(encoder_offset)         \
-  X(encoder_quantisation)   \
-  X(backlash)               \
-  X(mount_misalignment)     \
-  X(mount_offset)           \
-  X(board_scale)            \
-  X(board_warp)             \
-  X(target_scatter)         \
-  X(board_flex)             \
-  X(pinhole)                \
-  X(fisheye)                \
-  X(radial_distortion)      \
-  X(radial_polynomial)      \
-  X(rational_lens)          \
-  X(tangential_distortion)  \
-  X(thin_prism)             \
-  X(focal_length_error)     \
-  X(principal_point_offset) \
-  X(chromatic_aberration)   \
-  X(lens_blur)              \
-  X(vignetting)             \
-  X(veiling_glare)          \
-  X(uneven_lighting)        \
-  X(lamp_flicker)           \
-  X(linear_response)        \
-  X(pixel_gain_spread)      \
-  X(shot_noise)             \
-  X(dark_current)           \
-  X(response_gamma)         \
-  X(white_balance)          \
-  X(pixel_offset_spread)    \
-  X(column_offsets)         \
-  X(row_noise)              \
-  X(hot_pixels)             \
-  X(read_noise)             \
-  X(saturation)             \
-  X(quantisation)           \
-  X(ideal_detector)         \
-  X(range_scale)            \
-  X(range_offset)           \
-  X(bearing_scale)          \
-  X(range_noise)            \
-  X(bearing_noise)          \
-  X(ideal_odometry)         \
-  X(odometry_scale)         \
-  X(walk_lag)               \
-  X(heading_drift)          \
-  X(walk_noise)
 
 namespace seam::effects {
 

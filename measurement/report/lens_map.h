@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "measurement/search/assess.h"
+#include "measurement/fitting/assess.h"
 
 namespace seam::measurement {
 

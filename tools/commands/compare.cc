@@ -1,6 +1,8 @@
 // `seam compare`: residuals of a model on held-out groups, and where they fail; or two models
 // beside each other over the image.
+#include "measurement/report/lens_map.h"
 #include "measurement/report/report.h"
+#include "measurement/sets/set.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"

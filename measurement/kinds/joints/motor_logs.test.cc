@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "effects/registry.h"
+#include "measurement/fitting/assess.h"
 #include "measurement/kinds/joints/joints.h"
-#include "measurement/search/assess.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"

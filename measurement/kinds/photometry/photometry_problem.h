@@ -36,23 +36,39 @@ class PhotometryProblem : public Problem {
   const PhotometryData& data() const { return data_; }
 
  private:
-  std::shared_ptr<const PhotometrySums> sums(const Groups& groups) const;
+  // `small`: of the thinned images, where there are any.
+  std::shared_ptr<const PhotometrySums> sums(const Groups& groups, bool small = false) const;
+  std::shared_ptr<const PhotometrySums> rough_sums(const Model& model, const Groups& groups) const;
   PhotometryView view_of(const PhotometrySums& sums) const {
     return {data_, sums, set_noise_dn_, channels_share_, &cells_};
   }
+  PhotometryView small_view_of(const PhotometrySums& sums) const {
+    return {small_ ? *small_ : data_, sums, set_noise_dn_, channels_share_, &small_cells_};
+  }
   Fit fit_all(const Model& start, const std::vector<Unknown>& unknowns, const Groups& groups) const;
+  Fit fit_to(const PhotometryView& view, const Model& start,
+             const std::vector<Unknown>& unknowns) const;
+  Fit without_misfit(const Fit& fit, const Model& start, const std::vector<Unknown>& unknowns,
+                     const Groups& groups) const;
+  Model with_straight_response(const PhotometryView& view, const Model& start,
+                               const std::vector<Unknown>& unknowns) const;
   Fit widened(const Fit& alone, const Model& start, const std::vector<Unknown>& unknowns,
               size_t fixed) const;
   std::string optimum_key(const Model& model, const std::vector<Unknown>& unknowns,
                           const Groups& groups) const;
 
   PhotometryData data_;
-  CellStore cells_;
+  std::unique_ptr<const PhotometryData> small_;  // Of large images: a smaller sensor of them.
+  CellStore cells_, small_cells_;
   double set_noise_dn_ = 0;
   bool channels_share_ = true;
   mutable std::mutex mutex_;
   mutable std::vector<std::string> optima_;  // Keys of fits that were done.
-  mutable std::vector<std::pair<Groups, std::shared_ptr<const PhotometrySums>>> cache_;
+  mutable std::vector<std::pair<std::pair<Groups, bool>, std::shared_ptr<const PhotometrySums>>>
+      cache_;
+  mutable std::mutex rough_mutex_;
+  mutable std::string rough_key_;
+  mutable std::shared_ptr<const PhotometrySums> rough_;
 };
 
 // `seam measure` for this kind (photometry_measure.cc).

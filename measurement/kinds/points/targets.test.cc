@@ -23,7 +23,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kNoise_px = 0.15;
+constexpr double kCornerNoise_px = 0.15;
 
 struct Made {
   std::string name;
@@ -68,9 +68,9 @@ std::filesystem::path made(const Made& what) {
       const double x3 = std::cos(yaw) * x1 + std::sin(yaw) * z2,
                    z3 = -std::sin(yaw) * x1 + std::cos(yaw) * z2 + 0.55 + 0.02 * (frame % 4);
       double u = 600 * (x3 + 0.03 * (frame % 3 - 1)) / z3 + 319.5 +
-                 kNoise_px * draw(5, 2 * (frame * kPoints + point));
+                 kCornerNoise_px * draw(5, 2 * (frame * kPoints + point));
       double v = 600 * (y2 + 0.03 * (frame % 2)) / z3 + 239.5 +
-                 kNoise_px * draw(5, 2 * (frame * kPoints + point) + 1);
+                 kCornerNoise_px * draw(5, 2 * (frame * kPoints + point) + 1);
       int named = point;
       what.spoil(frame, named, u, v);
       if (u < 0 || v < 0 || u > 639 || v > 479) continue;
@@ -109,7 +109,7 @@ TEST(Targets, HeightsOfAPlanChangeNothing) {
   for (const double height_m : {0.0, 0.0005, 0.002}) {
     const auto problem =
         open_problem(made({.name = fmt::format("heights-{}", height_m), .height_m = height_m}));
-    EXPECT_NEAR(problem->facts().channels[0].noise, kNoise_px, 0.02) << height_m;
+    EXPECT_NEAR(problem->facts().channels[0].noise, kCornerNoise_px, 0.02) << height_m;
     const CompareResult result = compare(*problem, pinhole_model());
     EXPECT_NEAR(result.base.assessment.error, 1, 0.1) << height_m;
   }
@@ -241,9 +241,9 @@ TEST(Targets, RowsStateTheirOwnNoise) {
   // Every third corner is four times as noisy, and says so.
   const auto noisy = [](int frame, int& point, double& u, double& v) {
     if (point % 3 != 0) return;
-    u += kNoise_px * std::sqrt(15.0) *
+    u += kCornerNoise_px * std::sqrt(15.0) *
          normal({6, 1}, static_cast<uint64_t>(2 * (frame * 99 + point)));
-    v += kNoise_px * std::sqrt(15.0) *
+    v += kCornerNoise_px * std::sqrt(15.0) *
          normal({6, 1}, static_cast<uint64_t>(2 * (frame * 99 + point) + 1));
   };
   const auto stated = open_problem(
@@ -256,7 +256,7 @@ TEST(Targets, RowsStateTheirOwnNoise) {
       made({.name = "weight", .spoil = noisy, .columns = ",weight", .cells = [](int point) {
               return point % 3 == 0 ? ",0.0625" : ",1";
             }}));
-  EXPECT_NEAR(weighted->facts().channels[0].noise, kNoise_px, 0.03);
+  EXPECT_NEAR(weighted->facts().channels[0].noise, kCornerNoise_px, 0.03);
   EXPECT_NEAR(compare(*weighted, pinhole_model()).base.assessment.error, 1, 0.1);
   const auto both = made({.name = "both", .columns = ",weight,sigma_px", .cells = [](int) {
                             return std::string(",1,0.1");

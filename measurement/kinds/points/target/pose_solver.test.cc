@@ -12,6 +12,8 @@
 namespace seam::measurement {
 namespace {
 
+using effects::Model;
+
 Model lens(double distortion) {
   Model model;
   model.set(effects::find_effect("pinhole"),
