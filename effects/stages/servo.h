@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "effects/model.h"
-#include "effects/stages/torque.h"
+#include "effects/stages/torque/torque.h"
 
 namespace seam::effects {
 

@@ -59,7 +59,8 @@ std::string row_of(uint32_t u, uint32_t v, uint32_t count, const Written& how) {
 }
 
 std::string written(const Written& how) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "seam_image_file.tif";
+  const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+  const auto path = std::filesystem::path(testing::TempDir()) / ("seam_" + test + ".tif");
   TIFF* tiff = TIFFOpen(path.c_str(), how.mode);
   for (int page = 0; page < how.pages; ++page) {
     describe(tiff, how);

@@ -127,6 +127,11 @@ std::vector<FreeError> free_errors(const Problem& problem, const Assessment& ass
 std::string compare_text(const Problem& problem, const CompareResult& result) {
   const Assessment& base = result.base.assessment;
   std::string text = headline(problem, result);
+  if (!base.held.valid)
+    text +=
+        "Some observations have no prediction with this model (points behind the camera, or beyond "
+        "the angle at which the lens folds back): the error below leaves them out; seam check "
+        "--model MODEL names them.\n";
   text += fmt::format(
       "{}: {} residuals in {} groups\nerror on held-out groups {:.4f} (1.0 is the noise)\n",
       problem.facts().title, count_used(problem), problem.facts().groups.size(), base.error);

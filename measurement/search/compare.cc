@@ -34,13 +34,6 @@ CompareResult compare(Problem& problem, const Model& model, double material) {
   SearchResult marks;
   problem.leave_out({});
   Assessment assessment = assess(problem, model, refitted_unknowns(model));
-  // Rows without a prediction have no residual: an error without them would be too good.
-  if (!assessment.held.valid)
-    throw InputError(
-        fmt::format("{}: with this model some observations have no prediction (points behind the "
-                    "camera, or beyond the angle at which the lens folds back), so that no error "
-                    "can be stated; seam check --model MODEL names them",
-                    problem.facts().file));
   check_enough(problem, assessment);
   for (int round = 0; round < kOutlierRounds && mark_outliers(problem, assessment.model, marks);
        ++round) {

@@ -80,7 +80,8 @@ TEST(Scenario, ObjectsAreThoseOfSceneFiles) {
 
 TEST(Scenario, ShippedScenariosAreValid) {
   for (const auto& entry : std::filesystem::directory_iterator(kSource + "/scenarios")) {
-    if (entry.path().extension() != ".yaml") continue;
+    // Plans of sweeps stand beside the scenarios that they name.
+    if (entry.path().extension() != ".yaml" || entry.path().filename() == "sweep.yaml") continue;
     EXPECT_NO_THROW(Scenario::from_file(entry.path())) << entry.path();
   }
 }

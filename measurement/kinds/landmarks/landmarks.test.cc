@@ -25,9 +25,9 @@ Model model_of(const std::string& effects) {
       ConfigNode::from_text("format: seam-model/1\neffects: {" + effects + "}\n", "model"));
 }
 
-class Landmarks : public testing::Test {
+class LandmarkSets : public testing::Test {
  protected:
-  Landmarks() {
+  LandmarkSets() {
     fs::remove_all(folder_);
     fs::create_directories(folder_ / "protocol");
     std::ofstream(folder_ / "protocol/measurement.yaml")
@@ -48,7 +48,7 @@ class Landmarks : public testing::Test {
       }
     }
   }
-  ~Landmarks() override { fs::remove_all(folder_); }
+  ~LandmarkSets() override { fs::remove_all(folder_); }
 
   fs::path made(const std::string& effects, bool noise = true) const {
     const fs::path out = folder_ / "set";
@@ -81,13 +81,16 @@ class Landmarks : public testing::Test {
     return "no error";
   }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / "landmark_sets";
+  const fs::path folder_ =
+      fs::path(testing::TempDir()) /
+      ("landmark_sets_" +
+       std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
 };
 
 constexpr size_t kRange = 3, kBearing = 4;  // Columns of a made set.
 
 // Blank scalars weigh as if they had been left out, whatever the rows hold beside them.
-TEST_F(Landmarks, BlankCellsTakeNoPart) {
+TEST_F(LandmarkSets, BlankCellsTakeNoPart) {
   const Model model = model_of("range_scale: {scale: 0.03}, frame_jitter: {sigma_s: 0.01}");
   const fs::path set = made("range_scale: {scale: 0.03}");
   const auto whole = open_problem(set);
@@ -113,7 +116,7 @@ TEST_F(Landmarks, BlankCellsTakeNoPart) {
               testing::ElementsAre("6 of 186 observations hold neither range nor bearing"));
 }
 
-TEST_F(Landmarks, WithoutBearingsThereIsOneChannel) {
+TEST_F(LandmarkSets, WithoutBearingsThereIsOneChannel) {
   const fs::path set = made("range_scale: {scale: 0.05}");
   rewrite(set, [](size_t, std::vector<std::string>& cells) { cells[kBearing].clear(); });
   const auto problem = open_problem(set);
@@ -135,7 +138,7 @@ TEST_F(Landmarks, WithoutBearingsThereIsOneChannel) {
   EXPECT_NEAR(found->grown.assessment.error, 1, 0.15);
 }
 
-TEST_F(Landmarks, WithoutRangesThereIsOneChannel) {
+TEST_F(LandmarkSets, WithoutRangesThereIsOneChannel) {
   const fs::path set = made("bearing_scale: {scale: 0.1}");
   rewrite(set, [](size_t, std::vector<std::string>& cells) { cells[kRange].clear(); });
   const auto problem = open_problem(set);
@@ -150,7 +153,7 @@ TEST_F(Landmarks, WithoutRangesThereIsOneChannel) {
 }
 
 // A column that is not there at all is a blank one.
-TEST_F(Landmarks, AMissingColumnIsABlankOne) {
+TEST_F(LandmarkSets, AMissingColumnIsABlankOne) {
   const fs::path set = made("ideal_detector: {}");
   const CsvTable table = CsvTable::read(set / "seen.csv");
   CsvWriter out({"run", "time_s", "landmark", "range_m"});
@@ -165,7 +168,7 @@ TEST_F(Landmarks, AMissingColumnIsABlankOne) {
 }
 
 // The depth of a range whose bearing is blank is that of the predicted bearing.
-TEST_F(Landmarks, RangesAreDepthsByThePredictedBearing) {
+TEST_F(LandmarkSets, RangesAreDepthsByThePredictedBearing) {
   const fs::path set = made("range_depth: {k: 1}", /*noise=*/false);
   rewrite(set, [](size_t row, std::vector<std::string>& cells) {
     if (row % 2 == 0) cells[kBearing].clear();
@@ -176,7 +179,7 @@ TEST_F(Landmarks, RangesAreDepthsByThePredictedBearing) {
   EXPECT_GT(problem->score(model_of("ideal_detector: {}"), problem->all_groups()).native[0], 0.3);
 }
 
-TEST_F(Landmarks, MakingASetKeepsItsBlanks) {
+TEST_F(LandmarkSets, MakingASetKeepsItsBlanks) {
   const fs::path first = made("ideal_detector: {}");
   rewrite(first, [](size_t row, std::vector<std::string>& cells) {
     cells[kBearing].clear();
@@ -201,7 +204,7 @@ TEST_F(Landmarks, MakingASetKeepsItsBlanks) {
 }
 
 // A landmark off its place is told with its displacement, by ranges alone, too.
-TEST_F(Landmarks, PlacesThatAreWrongAreTold) {
+TEST_F(LandmarkSets, PlacesThatAreWrongAreTold) {
   for (const bool bearings : {true, false}) {
     const fs::path set = made("range_offset: {offset_m: 0.1}");
     std::ofstream(set / "map.csv") << "landmark,x_m,y_m\nA,4,0\nB,0.04,4.97\nC,-4,-1\n";
@@ -230,7 +233,7 @@ TEST_F(Landmarks, PlacesThatAreWrongAreTold) {
   }
 }
 
-TEST_F(Landmarks, FromOneSidePlacesCannotBeTold) {
+TEST_F(LandmarkSets, FromOneSidePlacesCannotBeTold) {
   std::ofstream(folder_ / "protocol/map.csv") << "landmark,x_m,y_m\nA,40,0\nB,0,50\nC,-40,-9\n";
   const auto problem = open_problem(made("ideal_detector: {}"));
   const Model nominal = model_of("ideal_detector: {}");
@@ -239,7 +242,7 @@ TEST_F(Landmarks, FromOneSidePlacesCannotBeTold) {
 }
 
 // Drawn places are the same in all runs, and their likelihood is that of the dense covariance.
-TEST_F(Landmarks, DisplacedPlacesAreOneErrorOfAllRuns) {
+TEST_F(LandmarkSets, DisplacedPlacesAreOneErrorOfAllRuns) {
   const Model model = model_of("landmark_scatter: {sigma_m: 0.05}");
   const auto problem = open_problem(made("landmark_scatter: {sigma_m: 0.05}"));
   const Groups all = problem->all_groups();
@@ -280,7 +283,7 @@ TEST_F(Landmarks, DisplacedPlacesAreOneErrorOfAllRuns) {
   EXPECT_NEAR(score.log_likelihood, expected, 1e-5 * std::abs(expected));
 }
 
-TEST_F(Landmarks, BadInputIsSaidWithItsPlace) {
+TEST_F(LandmarkSets, BadInputIsSaidWithItsPlace) {
   const auto with = [&](size_t column, const std::string& text) {
     const fs::path set = made("ideal_detector: {}");
     rewrite(set, [&](size_t row, std::vector<std::string>& cells) {

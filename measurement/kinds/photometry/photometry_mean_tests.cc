@@ -50,6 +50,8 @@ StructureTest MeanTests::run(const std::string& covariate, int count,
   std::vector<VectorXd> columns(chain.column_sigma_dn > 0 ? data_.width_px : 0, VectorXd::Zero(n));
   const double row2 = chain.row_sigma_dn * chain.row_sigma_dn;
   std::vector<VectorXd> rows(row2 > 0 ? view_.sums.levels.size() : 0, VectorXd::Zero(n));
+  const double lamp2 = chain.lamp_sigma * chain.lamp_sigma;
+  std::vector<VectorXd> lamps(lamp2 > 0 ? view_.sums.levels.size() : 0, VectorXd::Zero(n));
   double weights = 0;
   size_t i = 0;
   for (int v = 0; v < data_.height_px; ++v) {
@@ -78,6 +80,7 @@ StructureTest MeanTests::run(const std::string& covariate, int count,
             offset += w * level.offset_slope[i] * features;
           if (chain.pixel_gain_sigma > 0) gain += w * level.gain_slope[i] * features;
           if (!rows.empty()) rows[l] += w * level.offset_slope[i] * features;
+          if (!lamps.empty()) lamps[l] += w * level.gain_slope[i] * features;
         }
         const double o2 = chain.pixel_offset_sigma_dn * chain.pixel_offset_sigma_dn;
         if (o2 > 0) covariance.selfadjointView<Eigen::Lower>().rankUpdate(offset, o2);
@@ -91,6 +94,11 @@ StructureTest MeanTests::run(const std::string& covariate, int count,
       covariance.selfadjointView<Eigen::Lower>().rankUpdate(
           rows[l], row2 / static_cast<double>(view_.sums.levels[l].frames.size()));
     }
+  }
+  for (size_t l = 0; l < lamps.size(); ++l) {
+    if (view_.sums.levels[l].frames.empty()) continue;
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(
+        lamps[l], lamp2 / static_cast<double>(view_.sums.levels[l].frames.size()));
   }
   for (const VectorXd& column : columns) {
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(

@@ -30,6 +30,7 @@ class TimeTests {
         variance += level.variance[i], gain += level.gain_slope[i];
       variance /= static_cast<double>(level.mean.size());
       gain /= static_cast<double>(level.mean.size());
+      const double lamp = prediction.chain.lamp_sigma * gain;
       const double row2 = prediction.chain.row_sigma_dn * prediction.chain.row_sigma_dn;
       for (size_t f = 0; f < sum.frames.size(); ++f) {
         Frame frame;
@@ -52,7 +53,7 @@ class TimeTests {
           frame.rows.push_back(d);
           frame.mean += d / n;
         }
-        frame.variance = (variance / data_.width_px + row2 * shared) / n;
+        frame.variance = (variance / data_.width_px + row2 * shared) / n + lamp * lamp;
         frame.row_variance = variance / data_.width_px + row2;
         frames_.push_back(std::move(frame));
       }

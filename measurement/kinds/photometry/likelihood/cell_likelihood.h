@@ -4,6 +4,7 @@
 // samples have of their own (cell_structure.cc).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -82,6 +83,12 @@ class CellLikelihood {
 
   void add_structure();
   void choose_odd();
+  // How far an odd sample is off, over what its cell says: a weak one is so in proportion to the
+  // light, which is linear within the cell.
+  double odd_part(size_t i, int kind) const {
+    if (kind == 0) return 1;
+    return 1 + cells_.offset[i] / std::max(cells_.light[cells_.of_sample[i]], 1e-12);
+  }
   void sum_groups(const SampleGroups& groups, std::vector<double>& residual) const;
   void add_row_groups(const std::vector<double>& residual, RowOffsets& rows);
   void add_columns(const std::vector<double>& column_residual, const RowOffsets& rows);

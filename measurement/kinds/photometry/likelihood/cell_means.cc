@@ -25,7 +25,7 @@ void CellLikelihood::add_means() {
   }
   if (pixels_ && !cells_.all_products) add_patterns_by_sample();
   if (chain_.hot_fraction > 0 || chain_.weak_fraction > 0 || is_structured()) add_structure();
-  if (chain_.lamp_sigma > 0) add_lamps();
+  if (chain_.lamp_sigma > 0 && !is_structured()) add_lamps();
 }
 
 // Leaves loads times weights.

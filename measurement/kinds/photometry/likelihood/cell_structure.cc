@@ -58,17 +58,17 @@ void CellLikelihood::choose_odd() {
   }
   double logs = 0;
   for (size_t i = 0; i < samples; ++i) {
-    double best = log_plain;
+    double best = 0, own = log_plain;
     for (int kind = 0; kind < 2; ++kind) {
       if (along[kind].empty()) continue;
-      const double square = inverse_[cells_.of_sample[i]].odd_square[kind];
-      const double here = along[kind][i] - 0.5 * square + log_share[kind];
-      if (here > best) best = here, is_odd_[i] = static_cast<char>(kind + 1);
+      const double part = odd_part(i, kind);
+      const double gain = part * along[kind][i] -
+                          0.5 * part * part * inverse_[cells_.of_sample[i]].odd_square[kind];
+      if (!(gain + log_share[kind] > best + own)) continue;
+      best = gain, own = log_share[kind], is_odd_[i] = static_cast<char>(kind + 1);
     }
-    const int kind = is_odd_[i] - 1;
-    logs += kind < 0 ? log_plain : log_share[kind];
-    if (kind >= 0)
-      total_.chi2 += inverse_[cells_.of_sample[i]].odd_square[kind] - 2 * along[kind][i];
+    logs += own;
+    total_.chi2 -= 2 * best;
   }
   total_.log_det -= 2 * logs;
 }
@@ -84,9 +84,11 @@ void CellLikelihood::sum_groups(const SampleGroups& groups, std::vector<double>&
   }
   for (size_t i = 0; i < is_odd_.size(); ++i) {
     if (is_odd_[i] == 0) continue;
+    const int kind = is_odd_[i] - 1;
     for (size_t k = 0; k < levels_; ++k) {
       residual[groups.of_sample[i] * levels_ + k] -=
-          entries_[cells_.of_sample[i] * levels_ + k].odd[static_cast<size_t>(is_odd_[i] - 1)];
+          odd_part(i, kind) *
+          entries_[cells_.of_sample[i] * levels_ + k].odd[static_cast<size_t>(kind)];
     }
   }
 }
@@ -104,13 +106,14 @@ void CellLikelihood::add_row_groups(const std::vector<double>& residual, RowOffs
     for (size_t k = 0; k < levels_; ++k) {
       const double slope = entries_[at + k].offset_slope;
       score[k] += slope * solved[k];
+      rows.add_slopes(own, k, groups.samples[g], entries_[at + k].gain_slope, slope);
       diagonal[k] = slope * slope * weight_[at + k];
       offset[k] = slope * offset_load_[at + k], gain[k] = slope * gain_load_[at + k];
     }
     const PatternInverse& two = inverse_[cell].two;
     const double n = groups.samples[g];
     if (many) {
-      rows.add_precision(own, n, diagonal.data(), offset.data(), gain.data(), two);
+      rows.add_precision(own, n, diagonal.data(), offset.data(), gain.data());
       continue;
     }
     double* precision = rows.precision(own);
@@ -166,10 +169,10 @@ void CellLikelihood::add_columns(const std::vector<double>& column_residual,
   }
 }
 
-// The frames' own factors of light that are left in the means.
+// The frames' own factors of light that are left in the means, where rows and columns have nothing
+// of their own.
 void CellLikelihood::add_lamps() {
-  std::vector<double> score(levels_, 0), precision(levels_ * levels_, 0), solved(levels_),
-      gains(levels_, 0), slopes(levels_, 0), rows(levels_, 0);
+  std::vector<double> score(levels_, 0), precision(levels_ * levels_, 0), solved(levels_);
   for (size_t cell = 0; cell < cells_.count(); ++cell) {
     const size_t at = cell * levels_;
     const double n = cells_.samples[cell];
@@ -178,7 +181,6 @@ void CellLikelihood::add_lamps() {
     const PatternInverse& two = inverse_[cell].two;
     for (size_t k = 0; k < levels_; ++k) {
       const double g = entries_[at + k].gain_slope;
-      gains[k] += n * g, slopes[k] += n * entries_[at + k].offset_slope;
       score[k] += g * solved[k];
       precision[k * levels_ + k] += n * g * g * weight_[at + k];
       if (!pixels_) continue;
@@ -189,11 +191,7 @@ void CellLikelihood::add_lamps() {
             entries_[at + l].gain_slope * (offset_load_[at + l] * e0 + gain_load_[at + l] * e1);
     }
   }
-  for (size_t k = 0; k < levels_; ++k) {
-    const double one = chain_.row_sigma_dn * slopes[k] / std::max(gains[k], 1e-9);
-    if (gains[k] > 0) rows[k] = one * one / (frames(k) * data_.height_px);
-  }
-  add_lamps_to_means(sums_, chain_.lamp_sigma, score, precision, rows, total_);
+  add_lamps_to_means(sums_, chain_.lamp_sigma, score, precision, total_);
 }
 
 }  // namespace seam::measurement

@@ -35,14 +35,17 @@ class PatternPart {
     if (!has_patterns() && !lamps_) return plain();
     structured_ = chain_.row_sigma_dn > 0 || chain_.column_sigma_dn > 0;
     if (chain_.hot_fraction > 0 || chain_.weak_fraction > 0) choose_odd();
-    if (lamps_) {
+    if (lamps_ && !structured_) {
       lamp_score_.assign(present_.size(), 0);
       lamp_precision_.assign(present_.size() * present_.size(), 0);
     }
     each_sample([&](size_t i, int v, int, int c) { add_sample(i, v, c); });
     if (chain_.column_sigma_dn > 0) add_columns();
-    if (structured_) rows_.add(chain_, total_);
-    if (lamps_) add_lamps();
+    if (structured_) {
+      rows_.add(chain_, total_);
+    } else if (lamps_) {
+      add_lamps_to_means(sums_, chain_.lamp_sigma, lamp_score_, lamp_precision_, total_);
+    }
     return total_;
   }
 
@@ -119,11 +122,15 @@ class PatternPart {
     const PatternInverse two = effects_of_sample();
     total_.chi2 += solve(two, r_, solved_);
     total_.log_det += two.log_det;
-    if (lamps_) add_to_lamps(i, two);
-    if (!structured_) return;
-    double* score = rows_.score(rows_.unit(v, c));
-    double* precision = rows_.precision(rows_.unit(v, c));
+    if (!structured_) {
+      if (lamps_) add_to_lamps(i, two);
+      return;
+    }
+    const size_t unit = rows_.unit(v, c);
+    double* score = rows_.score(unit);
+    double* precision = rows_.precision(unit);
     for (size_t k = 0; k < count; ++k) {
+      rows_.add_slopes(unit, k, 1, prediction_.levels[present_[k]].gain_slope[i], slope_[k]);
       score[k] += slope_[k] * solved_[k];
       precision[k * count + k] += slope_[k] * slope_[k] * inverse_[k];
       const double offset = load_offset_[k] * inverse_[k], gain = load_gain_[k] * inverse_[k];
@@ -180,20 +187,6 @@ class PatternPart {
         lamp_precision_[k * count + l] -= prediction_.levels[present_[l]].gain_slope[i] *
                                           inverse_[l] * (load_offset_[l] * e0 + load_gain_[l] * e1);
     }
-  }
-
-  void add_lamps() {
-    std::vector<double> rows(present_.size(), 0);
-    for (size_t k = 0; k < present_.size(); ++k) {
-      const LevelPrediction& level = prediction_.levels[present_[k]];
-      double gains = 0, slopes = 0;
-      for (size_t i = 0; i < level.mean.size(); ++i)
-        gains += level.gain_slope[i], slopes += level.offset_slope[i];
-      const double one = chain_.row_sigma_dn * slopes / std::max(gains, 1e-9);
-      const auto frames = static_cast<double>(sums_.levels[present_[k]].frames.size());
-      if (gains > 0) rows[k] = one * one / (frames * data_.height_px);
-    }
-    add_lamps_to_means(sums_, chain_.lamp_sigma, lamp_score_, lamp_precision_, rows, total_);
   }
 
   // Beside what their rows have in common.

@@ -1,39 +1,23 @@
 #include "measurement/kinds/photometry/likelihood/photometry_rows.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 
 namespace seam::measurement {
 namespace {
 
-// Solves system x = x and system y = y in place; returns log of the determinant.
-double eliminate(std::vector<double>& a, std::vector<double>& x, std::vector<double>& y) {
-  const size_t n = x.size();
-  double log_det = 0;
-  for (size_t i = 0; i < n; ++i) {
-    size_t pivot = i;
-    for (size_t k = i + 1; k < n; ++k) {
-      if (std::abs(a[k * n + i]) > std::abs(a[pivot * n + i])) pivot = k;
-    }
-    if (pivot != i) {
-      for (size_t k = 0; k < n; ++k) std::swap(a[i * n + k], a[pivot * n + k]);
-      std::swap(x[i], x[pivot]);
-      std::swap(y[i], y[pivot]);
-    }
-    log_det += std::log(std::abs(a[i * n + i]));
-    for (size_t row = i + 1; row < n; ++row) {
-      const double factor = a[row * n + i] / a[i * n + i];
-      if (factor == 0) continue;
-      for (size_t k = i; k < n; ++k) a[row * n + k] -= factor * a[i * n + k];
-      x[row] -= factor * x[i];
-      y[row] -= factor * y[i];
-    }
-  }
-  for (size_t i = n; i-- > 0;) {
-    for (size_t k = i + 1; k < n; ++k) x[i] -= a[i * n + k] * x[k], y[i] -= a[i * n + k] * y[k];
-    x[i] /= a[i * n + i];
-    y[i] /= a[i * n + i];
-  }
-  return log_det;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Independent effects of these variances, of which data say `score` with `precision`.
+void add_effects(const VectorXd& variance, const VectorXd& score, const MatrixXd& precision,
+                 Quadratic& total) {
+  const Index n = variance.size();
+  const MatrixXd system = MatrixXd::Identity(n, n) + precision * variance.asDiagonal();
+  const Eigen::PartialPivLU<MatrixXd> factor(system);
+  total.chi2 -= score.dot(variance.asDiagonal() * factor.solve(score));
+  total.log_det += factor.matrixLU().diagonal().array().abs().log().sum();
 }
 
 }  // namespace
@@ -62,145 +46,139 @@ RowOffsets::RowOffsets(const PhotometryData& data, const PhotometrySums& sums, b
   }
   levels_ = frames_.size();
   const size_t units = static_cast<size_t>(height_) * (share ? 1 : channels_);
-  score_.assign(units * levels_, 0);
+  for (auto* v : {&score_, &by_light_, &by_offset_}) v->assign(units * levels_, 0);
   if (!many) {
     precision_.assign(units * levels_ * levels_, 0);
     return;
   }
   for (auto* v : {&diagonal_, &offset_, &gain_}) v->assign(units * levels_, 0);
-  columns_.resize(units);
+  samples_.assign(units, 0);
 }
 
 void RowOffsets::add_precision(size_t unit, double n, const double* diagonal, const double* offset,
-                               const double* gain, const PatternInverse& two) {
+                               const double* gain) {
   const size_t at = unit * levels_;
   for (size_t k = 0; k < levels_; ++k) {
     diagonal_[at + k] += n * diagonal[k];
     offset_[at + k] += n * offset[k];
     gain_[at + k] += n * gain[k];
   }
-  Columns& columns = columns_[unit];
-  columns.samples += n;
-  columns.i00 += n * two.i00, columns.i01 += n * two.i01, columns.i11 += n * two.i11;
+  samples_[unit] += n;
 }
 
-double RowOffsets::solve(size_t unit, const std::vector<double>& a, const std::vector<double>& k,
-                         std::vector<double>& x) const {
+MatrixXd RowOffsets::whole(size_t unit) const {
+  const auto n = static_cast<Index>(levels_);
+  if (many_) {
+    double unused = 0;
+    return beside(unit, VectorXd::Zero(n), unused);
+  }
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const Rows>(&precision_[unit * levels_ * levels_], n, n);
+}
+
+MatrixXd RowOffsets::beside(size_t unit, const VectorXd& k, double& log_det) const {
+  const auto n = static_cast<Index>(levels_);
   if (!many_) {
-    std::vector<double> system(levels_ * levels_), unused(levels_, 0);
-    const double* matrix = &precision_[unit * levels_ * levels_];
-    for (size_t i = 0; i < levels_; ++i) {
-      for (size_t l = 0; l < levels_; ++l)
-        system[i * levels_ + l] = (i == l ? a[i] : 0) + matrix[i * levels_ + l] * k[l];
-    }
-    return eliminate(system, x, unused);
+    const MatrixXd P = whole(unit);
+    if (k.isZero(0)) return P;
+    const Eigen::PartialPivLU<MatrixXd> factor(MatrixXd::Identity(n, n) + P * k.asDiagonal());
+    log_det += factor.matrixLU().diagonal().array().abs().log().sum();
+    return factor.solve(P);
   }
-  // P = D - U Q U' with two columns U: x = A^-1 (b + U t), A = a + D k, t = Q U' k x.
-  const Columns& columns = columns_[unit];
-  const double n = std::max(columns.samples, 1.0);
-  const double* d = &diagonal_[unit * levels_];
-  const double *u0 = &offset_[unit * levels_], *u1 = &gain_[unit * levels_];
-  double p0 = 0, p1 = 0, g00 = 0, g01 = 0, g11 = 0;
-  LogSum logs;
-  for (size_t i = 0; i < levels_; ++i) {
-    const double own = a[i] + d[i] * k[i];
-    logs.add(own);
-    x[i] /= own;
-    const double w = k[i] / own;
-    p0 += u0[i] * k[i] * x[i], p1 += u1[i] * k[i] * x[i];
-    g00 += u0[i] * u0[i] * w, g01 += u0[i] * u1[i] * w, g11 += u1[i] * u1[i] * w;
+  // P = D - U Q U' with two columns U of loads times D, Q of the average sample. Beside k it has
+  // the same form: D / (1 + D k), U / (1 + D k), (Q^-1 - U' k / (1 + D k) U)^-1.
+  const double samples = std::max(samples_[unit], 1.0);
+  const Eigen::Map<const VectorXd> D(&diagonal_[unit * levels_], n);
+  Eigen::MatrixX2d U(n, 2);
+  U.col(0) = Eigen::Map<const VectorXd>(&offset_[unit * levels_], n);
+  U.col(1) = Eigen::Map<const VectorXd>(&gain_[unit * levels_], n);
+  VectorXd weight = D / samples;
+  Eigen::MatrixX2d load = Eigen::MatrixX2d::Zero(n, 2);
+  for (Index l = 0; l < n; ++l) {
+    if (D[l] > 0) load.row(l) = U.row(l) / D[l];
   }
-  // Sums over the unit's samples: U counts n times, Q once.
-  const double q00 = columns.i00 / (n * n), q01 = columns.i01 / (n * n),
-               q11 = columns.i11 / (n * n);
-  const double m00 = 1 - q00 * g00 - q01 * g01, m01 = -q00 * g01 - q01 * g11,
-               m10 = -q01 * g00 - q11 * g01, m11 = 1 - q01 * g01 - q11 * g11;
-  const double det = m00 * m11 - m01 * m10;
-  const double r0 = q00 * p0 + q01 * p1, r1 = q01 * p0 + q11 * p1;
-  const double t0 = (m11 * r0 - m01 * r1) / det, t1 = (m00 * r1 - m10 * r0) / det;
-  for (size_t i = 0; i < levels_; ++i) x[i] += (u0[i] * t0 + u1[i] * t1) / (a[i] + d[i] * k[i]);
-  return logs.total() + std::log(std::abs(det));
+  const PatternInverse two =
+      pattern_inverse(load.col(0).data(), load.col(1).data(), weight.data(), levels_);
+  Eigen::Matrix2d Q;
+  Q << two.i00, two.i01, two.i01, two.i11;
+  Q /= samples;
+  const VectorXd less = (1 + D.array() * k.array()).inverse();
+  const Eigen::Matrix2d G = U.transpose() * (k.array() * less.array()).matrix().asDiagonal() * U;
+  const Eigen::Matrix2d inner = Eigen::Matrix2d::Identity() - G * Q;
+  log_det += std::log(inner.determinant()) - less.array().log().sum();
+  U = less.asDiagonal() * U;
+  MatrixXd S = -U * (Q * inner.inverse()) * U.transpose();
+  S.diagonal() += (D.array() * less.array()).matrix();
+  return S;
 }
 
 std::vector<double> RowOffsets::estimate(size_t unit) const {
-  std::vector<double> x(&score_[unit * levels_], &score_[unit * levels_] + levels_);
-  std::vector<double> ridge(levels_);
+  const auto n = static_cast<Index>(levels_);
+  MatrixXd P = whole(unit);
   // A level that is clipped whole says nothing.
-  for (size_t k = 0; k < levels_; ++k) {
-    const double own =
-        many_ ? diagonal_[unit * levels_ + k] : precision_[(unit * levels_ + k) * levels_ + k];
-    ridge[k] = 1e-9 * own + 1e-12;
+  for (Index k = 0; k < n; ++k) {
+    const double own = many_ ? diagonal_[unit * levels_ + static_cast<size_t>(k)] : P(k, k);
+    P(k, k) += 1e-9 * own + 1e-12;
   }
-  solve(unit, ridge, std::vector<double>(levels_, 1), x);
-  return x;
+  const VectorXd x = P.partialPivLu().solve(Eigen::Map<const VectorXd>(&score_[unit * levels_], n));
+  return {x.begin(), x.end()};
+}
+
+double RowOffsets::share_of_light(size_t unit, size_t level) const {
+  const size_t at = unit * levels_ + level;
+  return by_offset_[at] > 0 ? by_light_[at] / by_offset_[at] : 0;
 }
 
 void RowOffsets::add(const effects::SensorChain& chain, Quadratic& total) const {
-  const size_t groups = share_ ? 1 : channels_;
-  const double mean_column2 = chain.column_sigma_dn * chain.column_sigma_dn / width_;
-  const double row2 = chain.row_sigma_dn * chain.row_sigma_dn;
-  std::vector<double> info(groups, 0), score(groups, 0), x(levels_), y(levels_), k(levels_);
-  const std::vector<double> one(levels_, 1);
-  for (size_t l = 0; l < levels_; ++l) k[l] = row2 / frames_[l];
+  const auto n = static_cast<Index>(levels_);
+  const bool lamps = chain.lamp_sigma > 0;
+  const auto groups = static_cast<Index>(share_ ? 1 : channels_);
+  // What units have in common: the mean of each group's columns, the light of each level.
+  const Index common = groups + (lamps ? n : 0);
+  VectorXd variance(common), score = VectorXd::Zero(common);
+  variance.head(groups).setConstant(chain.column_sigma_dn * chain.column_sigma_dn / width_);
+  MatrixXd precision = MatrixXd::Zero(common, common);
+  VectorXd k(n);
+  for (Index l = 0; l < n; ++l) {
+    const double frames = frames_[static_cast<size_t>(l)];
+    k[l] = chain.row_sigma_dn * chain.row_sigma_dn / frames;
+    if (lamps) variance[groups + l] = chain.lamp_sigma * chain.lamp_sigma / frames;
+  }
   for (size_t unit = 0; unit < score_.size() / levels_; ++unit) {
-    const double* b = &score_[unit * levels_];
-    // (I + P K) x = b, K the diagonal of the row noise in the means; y likewise of P's row sums.
-    x.assign(b, b + levels_);
-    row_sums(unit, y);
-    if (row2 > 0) {
-      total.log_det += solve(unit, one, k, x);
-      if (mean_column2 > 0) solve(unit, one, k, y);
-    }
-    for (size_t l = 0; l < levels_; ++l) {
-      total.chi2 -= b[l] * k[l] * x[l];
-      score[unit % groups] += x[l];
-      info[unit % groups] += y[l];
-    }
+    const Eigen::Map<const VectorXd> b(&score_[unit * levels_], n);
+    const MatrixXd S = beside(unit, k, total.log_det);
+    // (1 + P k)^-1 b = b - S k b.
+    const VectorXd x = b - S * k.asDiagonal() * b;
+    total.chi2 -= b.dot(k.asDiagonal() * x);
+    const Index group = static_cast<Index>(unit) % groups;
+    score[group] += x.sum();
+    precision(group, group) += S.sum();
+    if (!lamps) continue;
+    VectorXd light(n);
+    for (Index l = 0; l < n; ++l) light[l] = share_of_light(unit, static_cast<size_t>(l));
+    const MatrixXd by_light = S * light.asDiagonal();
+    score.tail(n) += light.asDiagonal() * x;
+    precision.bottomRightCorner(n, n) += light.asDiagonal() * by_light;
+    const VectorXd both = by_light.colwise().sum();
+    precision.row(group).tail(n) += both.transpose();
+    precision.col(group).tail(n) += both;
   }
-  for (size_t g = 0; g < groups; ++g) {
-    total.chi2 -= mean_column2 * score[g] * score[g] / (1 + mean_column2 * info[g]);
-    total.log_det += std::log1p(mean_column2 * info[g]);
-  }
-}
-
-void RowOffsets::row_sums(size_t unit, std::vector<double>& y) const {
-  const size_t at = unit * levels_;
-  if (!many_) {
-    for (size_t i = 0; i < levels_; ++i) {
-      y[i] = 0;
-      for (size_t l = 0; l < levels_; ++l) y[i] += precision_[(at + i) * levels_ + l];
-    }
-    return;
-  }
-  const Columns& columns = columns_[unit];
-  const double n2 = std::max(1.0, columns.samples * columns.samples);
-  double u0 = 0, u1 = 0;
-  for (size_t l = 0; l < levels_; ++l) u0 += offset_[at + l], u1 += gain_[at + l];
-  const double t0 = (columns.i00 * u0 + columns.i01 * u1) / n2,
-               t1 = (columns.i01 * u0 + columns.i11 * u1) / n2;
-  for (size_t l = 0; l < levels_; ++l)
-    y[l] = diagonal_[at + l] - offset_[at + l] * t0 - gain_[at + l] * t1;
+  add_effects(variance, score, precision, total);
 }
 
 void add_lamps_to_means(const PhotometrySums& sums, double lamp_sigma,
                         const std::vector<double>& score, const std::vector<double>& precision,
-                        const std::vector<double>& row_variance, Quadratic& total) {
-  const size_t n = score.size();
-  std::vector<double> frames;
-  for (const LevelSums& level : sums.levels)
-    if (!level.frames.empty()) frames.push_back(static_cast<double>(level.frames.size()));
-  // A common factor of each level, of the rows' variance alone and with that of the lamps: what the
-  // second takes more than the first.
-  for (const bool with_lamps : {false, true}) {
-    std::vector<double> k = row_variance, x = score, unused(n, 0), system(n * n);
-    for (size_t i = 0; i < n && with_lamps; ++i) k[i] += lamp_sigma * lamp_sigma / frames[i];
-    for (size_t i = 0; i < n; ++i) {
-      for (size_t l = 0; l < n; ++l) system[i * n + l] = (i == l) + precision[i * n + l] * k[l];
-    }
-    const double sign = with_lamps ? 1 : -1;
-    total.log_det += sign * eliminate(system, x, unused);
-    for (size_t i = 0; i < n; ++i) total.chi2 -= sign * score[i] * k[i] * x[i];
+                        Quadratic& total) {
+  const auto n = static_cast<Index>(score.size());
+  VectorXd variance(n);
+  Index l = 0;
+  for (const LevelSums& level : sums.levels) {
+    if (level.frames.empty()) continue;
+    variance[l++] = lamp_sigma * lamp_sigma / static_cast<double>(level.frames.size());
   }
+  // Symmetric but for rounding, so that its order does not matter.
+  add_effects(variance, Eigen::Map<const VectorXd>(score.data(), n),
+              Eigen::Map<const MatrixXd>(precision.data(), n, n), total);
 }
 
 }  // namespace seam::measurement

@@ -2,6 +2,7 @@
 // patterns, what the samples of a row have in common, and what those of a frame have.
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <vector>
 
@@ -46,8 +47,8 @@ PatternInverse pattern_inverse(const double* offset, const double* gain, const d
 
 // What rows' samples say of an offset that they share, by row (and channel, where channels have
 // offsets of their own) and level. Sigma is a sample's own covariance between levels, s its slopes
-// by an offset. The information of a row is a matrix of levels x levels; with many levels it is
-// kept as what it is for samples alike, a diagonal less two columns, averaged over the row.
+// by an offset. The information P of a row is a matrix of levels x levels; with many levels it is
+// kept as that of samples alike, whose loads and weights are the row's averages.
 class RowOffsets {
  public:
   RowOffsets(const PhotometryData& data, const PhotometrySums& sums, bool share, bool many = false);
@@ -62,42 +63,42 @@ class RowOffsets {
   double* score(size_t unit) { return &score_[unit * levels_]; }
   // s_k (Sigma^-1)_kl s_l; of few levels.
   double* precision(size_t unit) { return &precision_[unit * levels_ * levels_]; }
-  // The same of many: n samples of diagonal s_k^2 w_k less the columns `offset` and `gain` (loads
-  // times weights times slopes, by level) on both sides of `two`.
+  // The same of many: n samples of diagonal s_k^2 w_k whose loads times weights times slopes are
+  // `offset` and `gain`, by level.
   void add_precision(size_t unit, double n, const double* diagonal, const double* offset,
-                     const double* gain, const PatternInverse& two);
+                     const double* gain);
+  // n samples' slopes by a factor of the light and by an offset: how a frame's light moves a row.
+  void add_slopes(size_t unit, size_t level, double n, double by_light, double by_offset) {
+    by_light_[unit * levels_ + level] += n * by_light;
+    by_offset_[unit * levels_ + level] += n * by_offset;
+  }
 
   // The unit's offsets by least squares, by level: what columns are compared beside.
   std::vector<double> estimate(size_t unit) const;
-  // Takes row noise that is left in the means over frames, and the mean of the columns' offsets,
-  // out of chi2.
+  // Takes out of chi2 what is left in the means over frames of the rows' noise, of the frames' own
+  // light, and of the mean of the columns' offsets.
   void add(const effects::SensorChain& chain, Quadratic& total) const;
 
  private:
-  struct Columns {  // Of many levels, by unit.
-    double samples = 0, i00 = 0, i01 = 0, i11 = 0;
-  };
-  // Solves (a + P diag(k)) x = right for x, a and k diagonal; returns log of the determinant.
-  double solve(size_t unit, const std::vector<double>& a, const std::vector<double>& k,
-               std::vector<double>& x) const;
-
-  // Of P, by level.
-  void row_sums(size_t unit, std::vector<double>& y) const;
+  // (P^-1 + k)^-1 of a unit, k diagonal, and log det(1 + P k).
+  Eigen::MatrixXd beside(size_t unit, const Eigen::VectorXd& k, double& log_det) const;
+  Eigen::MatrixXd whole(size_t unit) const;
+  double share_of_light(size_t unit, size_t level) const;
 
   int width_, height_, channels_;
   bool share_, many_;
   size_t levels_;
   std::vector<double> frames_, score_, precision_;
-  std::vector<double> diagonal_, offset_, gain_;  // By unit * levels + k.
-  std::vector<Columns> columns_;
+  // By unit * levels + k.
+  std::vector<double> diagonal_, offset_, gain_, by_light_, by_offset_;
+  std::vector<double> samples_;  // By unit.
 };
 
 // The light of each frame is off by its own factor: what the samples' means over time say of it, by
 // level. `score` is g' Sigma^-1 r, `precision` g' Sigma^-1 g (levels x levels) with g the slopes by
-// a factor of the light; `row_variance` the part of rows' noise in a level's mean, in the factor's
-// unit.
+// a factor of the light. Where rows or columns have offsets, RowOffsets does it.
 void add_lamps_to_means(const PhotometrySums& sums, double lamp_sigma,
                         const std::vector<double>& score, const std::vector<double>& precision,
-                        const std::vector<double>& row_variance, Quadratic& total);
+                        Quadratic& total);
 
 }  // namespace seam::measurement

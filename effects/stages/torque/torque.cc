@@ -1,4 +1,4 @@
-#include "effects/stages/torque.h"
+#include "effects/stages/torque/torque.h"
 
 #include <algorithm>
 #include <array>

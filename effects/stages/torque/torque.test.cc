@@ -1,5 +1,5 @@
 // Motors against closed forms, energies, and a brute-force integration written apart.
-#include "effects/stages/torque.h"
+#include "effects/stages/torque/torque.h"
 
 #include <gtest/gtest.h>
 
