@@ -41,10 +41,11 @@ ROOMS = {
     "effects": {
         ".": [],
         "stages/sensor": ["."],
-        "stages": [".", "stages/sensor"],
+        "stages/torque": ["."],
+        "stages": [".", "stages/sensor", "stages/torque"],
         "formulas": [".", "stages", "stages/sensor"],
-        "catalogue/*": [".", "stages", "stages/sensor"],
-        "proof": [".", "stages", "stages/sensor"],
+        "catalogue/*": [".", "stages", "stages/sensor", "stages/torque"],
+        "proof": [".", "stages", "stages/sensor", "stages/torque"],
     },
     "proto": {".": []},
     "mcap": {".": []},
@@ -82,7 +83,7 @@ ROOMS = {
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "check": ["imaging", "kinds", "sets", "problem", "fitting", "search"],
         "search": ["numerics", "problem", "fitting"],
-        "report": ["problem", "search"],
+        "report": ["problem", "fitting", "search"],
         "study": ["imaging", "kinds", "search"],
     },
     "robot_sdk": {

@@ -60,7 +60,7 @@ TEST(Lens, OfTheSameFormIsExact) {
 TEST(Export, TellsWhatALensOfAnotherFormMisses) {
   const effects::Model model = model_of(kPinhole + ", radial_distortion: {kappa: -0.1}");
   const Exported exported =
-      export_model(model, format("opencv"), {.width_px = 178, .height_px = 144});
+      export_model(model, format("kalibr"), {.width_px = 178, .height_px = 144});
   ASSERT_EQ(exported.notes.size(), 1u);
   EXPECT_THAT(exported.notes[0], testing::HasSubstr("nearest misses by"));
 }

@@ -53,14 +53,12 @@ size_t found_first(SearchResult& result) {
 void rank_by_search(const Problem& problem, SearchResult& result) {
   const size_t found = found_first(result);
   if (found == 0) return;
-  constexpr size_t kMostCompared = 8;  // Each costs a prediction; a list shows five.
-  constexpr double kAlike = 0.5;       // The cosine of 60 degrees.
+  constexpr double kAlike = 0.5;  // The cosine of 60 degrees.
   auto& candidates = result.first.candidates;
   const Evaluation here = problem.evaluate(result.base.assessment.model, problem.scored_groups());
   std::vector<std::vector<double>> changes;
   for (size_t k = 0; k < found; ++k) changes.push_back(change_of(problem, here, candidates[k]));
-  const size_t end = std::min(candidates.size(), found + kMostCompared);
-  for (size_t i = found; i < end; ++i) {
+  for (size_t i = found; i < candidates.size(); ++i) {
     Candidate& candidate = candidates[i];
     if (!candidate.significant) continue;
     const std::vector<double> change = change_of(problem, here, candidate);
