@@ -122,7 +122,6 @@ Assessment assess(const Problem& problem, const Model& model,
 
 void check_enough(const Problem& problem, const Assessment& assessment) {
   const Score& held = assessment.held;
-  if (!held.valid) return;
   const auto fail = [&](const std::string& what, int64_t residuals, int64_t unknowns) {
     throw InputError(
         fmt::format("{}: {} have {} residuals for {} unknowns (poses or starts of their own{}): "

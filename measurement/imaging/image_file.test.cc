@@ -24,7 +24,7 @@ struct Written {
 constexpr uint32_t kWidth = 37, kHeight = 21;
 
 uint16_t sample(size_t i, int bits) {
-  return static_cast<uint16_t>(i * 2654435761u >> (bits == 16 ? 16 : 24));
+  return static_cast<uint16_t>(static_cast<uint32_t>(i) * 2654435761u >> (bits == 16 ? 16 : 24));
 }
 
 void describe(TIFF* tiff, const Written& how) {
@@ -134,14 +134,14 @@ TEST(ImageFile, DamagedFilesAreRefusedOrRead) {
 
 // A header that promises 65535 x 65535 pixels over no data asks for no memory.
 TEST(ImageFile, HugeHeadersAreRefused) {
-  std::string bytes("II*\0\x08\0\0\0\x03\0", 10);
+  std::string bytes("II*\0\x08\0\0\0\x04\0", 10);
   const auto entry = [&](uint16_t tag, uint32_t value) {
     for (const uint32_t part : {uint32_t{tag} | 4u << 16, 1u, value})
       for (int shift = 0; shift < 32; shift += 8)
         bytes.push_back(static_cast<char>(part >> shift & 0xff));
   };
   entry(TIFFTAG_IMAGEWIDTH, 65535), entry(TIFFTAG_IMAGELENGTH, 65535);
-  entry(TIFFTAG_BITSPERSAMPLE, 16);
+  entry(TIFFTAG_BITSPERSAMPLE, 16), entry(TIFFTAG_STRIPOFFSETS, 8);
   bytes.append(4, '\0');
   EXPECT_NE(refusal(bytes).find("64 million"), std::string::npos) << refusal(bytes);
 }

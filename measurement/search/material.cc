@@ -35,7 +35,8 @@ Change change_by(const Problem& problem, const Evaluation& here, const Assessmen
   // A model that predicts nothing for some observation differs by anything.
   if (!here.valid || !there.valid) return {.moved = kInfinity};
   const Facts& facts = problem.facts();
-  std::vector<double> mean2(facts.channels.size(), 0), spread2 = mean2, count = mean2, chi2 = mean2;
+  std::vector<double> mean2(facts.channels.size(), 0), spread2 = mean2, count = mean2, chi2 = mean2,
+                                                       expected = mean2;
   for (size_t i = 0; i < facts.scalars(); ++i) {
     if (!here.used[i] || !there.used[i] || !(here.sigma[i] > 0)) continue;
     const double mean = (here.residual[i] - there.residual[i]) / here.sigma[i];
@@ -43,6 +44,7 @@ Change change_by(const Problem& problem, const Evaluation& here, const Assessmen
     const int channel = facts.channel_of[i];
     mean2[channel] += mean * mean, spread2[channel] += spread * spread, ++count[channel];
     chi2[channel] += there.whitened[i] * there.whitened[i];
+    expected[channel] += there.mean_square.empty() ? 1 : there.mean_square[i];
   }
   constexpr double kWidens = 0.01;  // Standard deviations that change by less stay as they are.
   Change change;
@@ -51,7 +53,7 @@ Change change_by(const Problem& problem, const Evaluation& here, const Assessmen
     const double of_mean = spread_only ? 0 : mean2[c];
     change.moved = std::max(change.moved, std::sqrt(std::max(of_mean, spread2[c]) / count[c]));
     if (spread2[c] > kWidens * kWidens * count[c] &&
-        chi2[c] > std::pow(limit_at_noise(count[c]), 2) * count[c])
+        chi2[c] > std::pow(limit_at_noise(count[c]), 2) * expected[c])
       change.at_noise = false;
   }
   return change;

@@ -357,7 +357,7 @@ SearchResult Searcher::run() {
   for (int round = 0; round < kOutlierRounds && marks_changed; ++round) {
     promising_.clear();
     base_ = base();
-    if (round == 0) check_enough(problem_, base_.assessment);
+    if (round == 0 && base_.assessment.held.valid) check_enough(problem_, base_.assessment);
     forward(result);
     // Outliers are those of the best model; with others the search is run again. A model that
     // explains nothing has none to tell.

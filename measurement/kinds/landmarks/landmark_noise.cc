@@ -68,8 +68,9 @@ std::vector<std::vector<int>> rows_of_errors(const LandmarkData& data, const Fac
 std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts& facts,
                                            const std::vector<std::vector<int>>& rows_of_errors,
                                            const effects::Noise& noise, const JitterSlopes& jitter,
-                                           const PlaceSlopes& places, const Groups& groups,
-                                           Evaluation& evaluation) {
+                                           const PlaceSlopes& places,
+                                           const std::vector<CommonSlopes>& common,
+                                           const Groups& groups, Evaluation& evaluation) {
   std::optional<FewErrors> tail;
   if (!noise.range_tail.none())
     tail.emplace(FewErrors::Sort::exponential, noise.range_tail.fraction, noise.range_tail.size);
@@ -81,6 +82,8 @@ std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts
     place_of_landmark.push_back(errors.add(noise.place_variance, kLasting));
     errors.add(noise.place_variance, kLasting);
   }
+  std::vector<int> unknown;
+  for (size_t k = 0; k < common.size(); ++k) unknown.push_back(errors.add(1, kLasting));
   std::vector<ErrorsOfRun> runs;
   std::vector<int> own_latency;
   std::vector<std::pair<int, size_t>> order;  // Rows with the run that they are of.
@@ -106,6 +109,8 @@ std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts
       if (jitter) shares.push_back({own_latency[run], late[c]});
       for (int axis = 0; displaced && axis < 2; ++axis)
         shares.push_back({place_of_landmark[landmark] + axis, moved[c][axis]});
+      for (size_t k = 0; k < common.size(); ++k)
+        shares.push_back({unknown[k], common[k][static_cast<size_t>(data.scalars[row][c])]});
       errors.observe(static_cast<size_t>(data.scalars[row][c]), data.stamp_s[row], shares,
                      c == 0 && tail ? &*tail : nullptr);
     }

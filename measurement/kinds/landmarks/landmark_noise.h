@@ -22,6 +22,9 @@ using JitterSlopes = std::function<std::array<double, 2>(int row)>;
 // landmark.
 using PlaceSlopes = std::function<std::array<std::array<double, 2>, 2>(int row)>;
 
+// By scalar: by how much a residual grows with something unknown that all have in common.
+using CommonSlopes = std::vector<double>;
+
 // What all residuals say of a landmark's error of place.
 struct Displacement {
   std::array<double, 2> mean_m = {0, 0};
@@ -30,12 +33,13 @@ struct Displacement {
 };
 
 // Whitens an evaluation that whiten_diagonal has filled. Returns, where places are uncertain, the
-// displacement of each landmark.
+// displacement of each landmark. Unknowns in `common` have sigma 1.
 std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts& facts,
                                            const std::vector<std::vector<int>>& rows_of_errors,
                                            const effects::Noise& noise, const JitterSlopes& jitter,
-                                           const PlaceSlopes& places, const Groups& groups,
-                                           Evaluation& evaluation);
+                                           const PlaceSlopes& places,
+                                           const std::vector<CommonSlopes>& common,
+                                           const Groups& groups, Evaluation& evaluation);
 
 // Draws such errors of range and bearing, by row.
 struct LandmarkErrors {

@@ -80,7 +80,9 @@ class LandmarksProblem : public Problem {
   Evaluation each_by_itself(const Model& model, const LandmarkPredictor& predictor,
                             const Groups& groups, const Evaluation* warm) const;
   std::vector<Displacement> whiten_together(const Model& model, const LandmarkPredictor& predictor,
-                                            const Groups& groups, Evaluation& evaluation) const;
+                                            const Groups& groups, Evaluation& evaluation,
+                                            const std::vector<CommonSlopes>& common) const;
+  std::vector<CommonSlopes> slopes_by_parameters(const Model& model, const Evaluation& here) const;
   bool sees_from_sides(const LandmarkPredictor& ideal) const;
   void whiten_frames(const LandmarkPredictor& predictor, const Groups& groups,
                      Evaluation& evaluation) const;
@@ -129,7 +131,7 @@ Evaluation LandmarksProblem::evaluate(const Model& model, const Groups& groups,
                                       const Evaluation* warm) const {
   const LandmarkPredictor predictor(data_, model);
   Evaluation evaluation = each_by_itself(model, predictor, groups, warm);
-  whiten_together(model, predictor, groups, evaluation);
+  whiten_together(model, predictor, groups, evaluation, {});
   return evaluation;
 }
 
@@ -160,11 +162,11 @@ Evaluation LandmarksProblem::each_by_itself(const Model& model, const LandmarkPr
   return evaluation;
 }
 
-// Errors that residuals share. Returns the displacements of landmarks whose places are uncertain.
-std::vector<Displacement> LandmarksProblem::whiten_together(const Model& model,
-                                                            const LandmarkPredictor& predictor,
-                                                            const Groups& groups,
-                                                            Evaluation& evaluation) const {
+// Errors that residuals share, and unknowns that they have in `common`. Returns the displacements
+// of landmarks whose places are uncertain.
+std::vector<Displacement> LandmarksProblem::whiten_together(
+    const Model& model, const LandmarkPredictor& predictor, const Groups& groups,
+    Evaluation& evaluation, const std::vector<CommonSlopes>& common) const {
   const double jitter = predictor.timing().jitter_sigma_s;
   const effects::Noise noise = effects::noise_of(model);
   if (!noise.hangs_together() && noise.range_tail.none()) {
@@ -180,8 +182,39 @@ std::vector<Displacement> LandmarksProblem::whiten_together(const Model& model,
   }
   return whiten_landmarks(
       data_, facts_, rows_of_errors_, noise, of_jitter,
-      [&](int row) { return predictor.slopes_by_place(static_cast<size_t>(row)); }, groups,
+      [&](int row) { return predictor.slopes_by_place(static_cast<size_t>(row)); }, common, groups,
       evaluation);
+}
+
+// What a model's fitted parameters could change, each by far more than the data leave open.
+std::vector<CommonSlopes> LandmarksProblem::slopes_by_parameters(const Model& model,
+                                                                 const Evaluation& here) const {
+  constexpr double kFarMore = 1e3;  // Standard errors.
+  std::vector<CommonSlopes> all;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      const effects::Parameter& parameter = effect.definition->parameters[i];
+      if (!effect.parameters[i].refitted() || parameter.integer) continue;
+      const double value = effect.parameters[i].value;
+      double step = 1e-3 * std::max(parameter.scale, std::abs(value));
+      if (value + step > parameter.max) step = -step;
+      Model moved = model;
+      moved.set_value(effect.definition->name, i, value + step);
+      const Evaluation there =
+          each_by_itself(moved, LandmarkPredictor(data_, moved), all_groups(), nullptr);
+      CommonSlopes slopes(here.residual.size(), 0);
+      double square = 0;
+      for (size_t k = 0; k < slopes.size(); ++k) {
+        if (!here.used[k]) continue;
+        slopes[k] = there.residual[k] - here.residual[k];
+        square += slopes[k] * slopes[k] / (here.sigma[k] * here.sigma[k]);
+      }
+      if (!(square > 0)) continue;
+      for (double& slope : slopes) slope *= kFarMore / std::sqrt(square);
+      all.push_back(std::move(slopes));
+    }
+  }
+  return all;
 }
 
 // Landmarks that lie clearly off their places in the map.
@@ -191,7 +224,8 @@ std::vector<Finding> LandmarksProblem::findings(const Model& model) const {
   const Groups all = all_groups();
   const LandmarkPredictor predictor(data_, model);
   Evaluation evaluation = each_by_itself(model, predictor, all, nullptr);
-  const auto displacements = whiten_together(model, predictor, all, evaluation);
+  const auto displacements =
+      whiten_together(model, predictor, all, evaluation, slopes_by_parameters(model, evaluation));
   std::vector<Finding> findings;
   for (size_t k = 0; k < displacements.size(); ++k) {
     const auto& [mean, covariance] = displacements[k];
