@@ -126,7 +126,8 @@ class Sweep(unittest.TestCase):
         self.assertEqual([row["run"] for row in rows], [str(run) for run in range(RUNS)])
         self.assertEqual({row["end"] for row in rows}, {"finished"})
         self.assertEqual([row["seed"] for row in rows], ["1", "2"] * (RUNS // 2))
-        self.assertEqual(len({row["fingerprint"] for row in rows}), RUNS)
+        # Nothing in this scenario is drawn: each pose has one history, whatever the seed.
+        self.assertEqual(len({row["fingerprint"] for row in rows}), RUNS // 2)
         self.assertEqual([row["y_m"] for row in rows[::6]], ["-0.5", "-0.25", "0", "0.25", "0.5"])
 
         dice = random.Random(1)
