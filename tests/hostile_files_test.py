@@ -8,12 +8,14 @@ of the source tree; and what the files name in /tmp and /.
 
 Usage: hostile_files_test.py BUILD_DIR SOURCE_DIR [unittest arguments]
 """
+import contextlib
 import hashlib
 import os
 import pathlib
 import re
 import shutil
 import signal
+import sqlite3
 import stat
 import subprocess
 import sys
@@ -229,7 +231,7 @@ class Hostile(unittest.TestCase):
         asked = subprocess.run([SEAM, "help", "--markdown"], capture_output=True, text=True, check=True).stdout
         commands = set(re.findall(r"^## `seam (.*?)`$", asked, re.M)) - {"replay", "experiment"}
         for part in (self.logs_are_read, self.logs_are_run, self.scenarios_are_read, self.sets_are_read, self.sets_are_made,
-                     self.all_else):
+                     self.sweeps, self.all_else):
             part()
         self.assertEqual(commands - self.results.keys(), set(), "commands that no hostile file was given to")
 
@@ -305,12 +307,52 @@ class Hostile(unittest.TestCase):
         for folder in self.sets:
             self.walk("measure", "--model", self.model, "--protocol", folder, "--out", "{out}/set")
 
+    def sweeps(self):
+        """Plans, and results whose plan somebody changed after they were made."""
+        def plan(name, text):
+            path = self.inputs / name
+            path.write_text("format: seam-sweep/1\n" + text)
+            return path
+
+        well = plan("plan.yaml", "scenario: well.yaml\nset: {duration_s: 0.1}\nseeds: [1, 2]\n")
+        plans = [plan("up.yaml", "scenario: ../../decoys/secret.txt\nseeds: [1]\n"),
+                 plan("absolute_plan.yaml", f"scenario: /tmp/{MARK}\nseeds: [1]\n"),
+                 plan("names.yaml", "scenario: well.yaml\nvary:\n  - {path: \"robots[0].pose.x_m\", name: "
+                      f"{in_yaml('../x' + ESCAPE)}, values: [0]}}\n")]
+        results = self.inputs / "well.sqlite"
+        subprocess.run([SEAM, "sweep", well, "--out", results], check=True, capture_output=True, env=self.environment,
+                       cwd=self.root / "work")
+        shutil.rmtree(self.root / "home" / ".local")  # As if it were made elsewhere.
+        foreign = self.inputs / "foreign.sqlite"
+        shutil.copy(results, foreign)
+        with contextlib.closing(sqlite3.connect(foreign)) as file, file:
+            (scenario,) = file.execute("select value from meta where key = 'scenario'").fetchone()
+            harmful = re.sub(r'command: \[.*?\]|command:(\n\s+- .*)+', "command: " + self.harm, scenario)
+            assert harmful != scenario, scenario
+            file.execute("update meta set value = ? where key = 'scenario'", (harmful,))
+            file.execute("update meta set value = ? where key = 'plan_name'", (f"../../decoys/x{ESCAPE}",))
+            file.execute("update runs set end = ?, error = ?", (ESCAPE, ESCAPE))
+        broken = self.inputs / "broken.sqlite"
+        broken.write_bytes(results.read_bytes()[:5000])
+        for path in plans:
+            self.environment["XDG_STATE_HOME"] = str(self.root / "out" / "state")
+            self.walk("sweep", path, "--out", "{out}/r.sqlite")
+            del self.environment["XDG_STATE_HOME"]
+            self.walk("sweep submit", path, "--slurm", "--only-write", "--shards", "2", "--out", "{out}/r.sqlite")
+        for file in (results, foreign, broken, self.result):
+            for command in ("sweep status", "sweep table", "sweep rerun"):
+                self.walk(command, file)
+            self.walk("sweep plot", file, "--value", "sim_s", "--over", "seed", "--out", "{out}/p.png")
+            self.walk("sweep merge", file, "--out", "{out}/m.sqlite")
+
     def all_else(self):
         decoy = "../decoys/secret.txt"
         self.walk("history", self.model, "--json", "{out}/h.json", "--report", "{out}/h.html")
         self.walk("report", self.result, "--out", "{out}/r.html")
         self.walk("contact-sheet", self.inputs / "set-link", "--out", "{out}/sheet.png")
         self.walk("camera-calibrate", "--model", self.model, "--out", "{out}/calibration")
+        for form in ("opencv", "ros", "mrcal", "kalibr", "json"):
+            self.walk("export", self.model, "--to", form, "--size", "178x144", "--out", "{out}/e")
         self.walk("effects", decoy)
         self.walk("help", decoy)
         for name in (decoy, f"/tmp/{MARK}", "../../x", "a/b", ESCAPE):

@@ -34,30 +34,35 @@ fs::path usual_file() {
   return home.empty() ? home : home / ".local" / "state" / "seam" / "runs";
 }
 
-// The line of a run; empty for one without programs, or one whose programs are not there.
-std::string line_of(const Simulator& simulator) {
-  std::string text;
-  const auto add = [&text](std::string_view part) {
-    text += fmt::format("{}:{}\n", part.size(), part);  // No two lists of parts look the same.
-  };
-  std::error_code error;
-  add(fs::current_path(error).string());
-  if (error) return "";
-  add(simulator.header.scenario_text);
+// No two lists of parts look the same.
+std::string part_of(std::string_view text) {
+  return fmt::format("{}:{}\n", text.size(), text);
+}
+
+// What a run is known by; empty for one without programs, or one whose programs are not there.
+std::string text_of(const Simulator& simulator) {
+  std::string text = part_of(simulator.header.scenario_text);
   bool any = false;
   for (const RobotSpec& robot : simulator.scenario.robots) {
     const std::vector<std::string>& command = robot.behaviour.command;
     if (command.empty()) continue;
     any = true;
     try {
-      add(find_behaviour(command[0], robot.id));
+      text += part_of(find_behaviour(command[0], robot.id));
     } catch (const InputError&) {
       return "";
     }
   }
-  if (!any) return "";
+  return any ? text : "";
+}
+
+// Empty for an empty text.
+std::string line_of(const std::string& text) {
+  std::error_code error;
+  const std::string whole = part_of(fs::current_path(error).string()) + text;
+  if (error || text.empty()) return "";
   unsigned char digest[SHA256_DIGEST_LENGTH];
-  SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest);
+  SHA256(reinterpret_cast<const unsigned char*>(whole.data()), whole.size(), digest);
   std::string line;
   for (const unsigned char byte : digest) line += fmt::format("{:02x}", byte);
   return line + "\n";
@@ -116,16 +121,24 @@ bool holds_line(const std::string& text, const std::string& line) {
 RunsMadeHere::RunsMadeHere() : file_(usual_file()) {}
 
 bool RunsMadeHere::holds(const Simulator& simulator) const {
+  return holds(text_of(simulator));
+}
+
+void RunsMadeHere::note(const Simulator& simulator) const {
+  note(text_of(simulator));
+}
+
+bool RunsMadeHere::holds(const std::string& made) const {
   if (file_.empty()) return false;
-  const std::string line = line_of(simulator);
+  const std::string line = line_of(made);
   if (line.empty()) return false;
   const StateFile file(file_, O_RDONLY, LOCK_SH);
   return file.is_open() && holds_line(file.text(), line);
 }
 
-void RunsMadeHere::note(const Simulator& simulator) const {
+void RunsMadeHere::note(const std::string& made) const {
   if (file_.empty()) return;
-  const std::string line = line_of(simulator);
+  const std::string line = line_of(made);
   if (line.empty()) return;
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);

@@ -1,7 +1,8 @@
 // Which runs this user made on this machine: `seam replay resume` starts the programs of such a
 // run's log without asking. A digest of each run that started programs stands in a file of the
-// user's own (docs/replay.md); logs hold nothing of it, so that they stay the same bytes everywhere
-// and nobody can claim in a log where it was made.
+// user's own (docs/replay.md), and of each sweep, whose results `seam sweep rerun` takes; logs hold
+// nothing of it, so that they stay the same bytes everywhere and nobody can claim in a log where it
+// was made.
 #pragma once
 
 #include <filesystem>
@@ -24,6 +25,10 @@ class RunsMadeHere {
   // Does nothing for a run without programs, or where it cannot be noted: its log will be asked
   // about.
   void note(const Simulator& simulator) const;
+
+  // The same of anything that is known by this text, in the present working folder.
+  bool holds(const std::string& text) const;
+  void note(const std::string& text) const;
 
  private:
   std::filesystem::path file_;  // Empty: none.

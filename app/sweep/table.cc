@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "sim_core/input/shown_text.h"
+
 namespace seam::app {
 namespace {
 
@@ -61,12 +63,14 @@ std::string csv_line(const std::vector<std::string>& cells) {
   std::string line;
   for (size_t i = 0; i < cells.size(); ++i) {
     if (i > 0) line += ',';
-    if (cells[i].find_first_of(",\"\r\n") == std::string::npos) {
-      line += cells[i];
+    // Results may be of others' making.
+    const std::string cell = shown_lines(cells[i]);
+    if (cell.find_first_of(",\"\r\n") == std::string::npos) {
+      line += cell;
       continue;
     }
     line += '"';
-    for (const char c : cells[i]) {
+    for (const char c : cell) {
       if (c == '"') line += '"';
       line += c;
     }

@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include "app/session/runs_made_here.h"
+#include "app/sweep/makers.h"
 #include "app/sweep/sweep.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -25,6 +27,7 @@ void sweep(const Options& options) {
   const auto plan = app::SweepPlan::from_file(options.plan);
   app::ProgramPrints prints;
   const app::Makers makers = app::makers_of(plan, prints);
+  app::RunsMadeHere().note(app::made_by(plan, makers));
   auto results = app::ResultsFile::for_writing(options.out, plan, makers, shard);
   const app::SweepOutcome outcome = app::make_missing_runs(results, options.jobs);
   const app::SweepCounts counts = results.counts();

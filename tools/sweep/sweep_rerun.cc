@@ -5,10 +5,13 @@
 #include <cstdio>
 
 #include "app/scratch_folder.h"
+#include "app/session/behaviours.h"
+#include "app/session/runs_made_here.h"
 #include "app/sweep/makers.h"
 #include "app/sweep/results.h"
 #include "app/sweep/sweep.h"
 #include "app/sweep/table.h"
+#include "app/trust/program_consent.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/random.h"
 #include "sim_core/input/shown_text.h"
@@ -24,6 +27,7 @@ struct Options {
   std::vector<std::string> runs;
   uint64_t seed = 1;
   int jobs = 0;
+  bool run_programs = false;
 };
 
 double number_from(const std::string& text, const char* option, const char* expected) {
@@ -82,6 +86,19 @@ std::string differences(const app::SweepPlan& plan, const app::RunRecord& before
   return text.empty() ? "what the table does not show differs" : text;
 }
 
+// The commands that these runs start, each once.
+std::vector<std::string> programs_of(const app::SweepPlan& plan,
+                                     const std::vector<uint64_t>& runs) {
+  std::vector<std::string> all;
+  for (const uint64_t run : runs) {
+    const std::vector<std::string> of_run = app::programs_of(plan.scenario(run));
+    all.insert(all.end(), of_run.begin(), of_run.end());
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
 void rerun(const Options& options) {
   if (!options.sample.empty() && !options.runs.empty())
     throw UsageError("rerun: give --sample or --run, not both");
@@ -94,6 +111,9 @@ void rerun(const Options& options) {
     std::printf("other programs made these results: SEAM %s (%s), behaviours %s\n",
                 results.makers().version.c_str(), results.makers().program.c_str(),
                 results.makers().behaviours.c_str());
+  app::require_consent(
+      programs_of(plan, runs),
+      options.run_programs || app::RunsMadeHere().holds(app::made_by(plan, makers)));
   const app::ScratchFolder scratch("rerun");
   uint64_t different = 0;
   const app::SweepOutcome outcome = app::make_runs(
@@ -125,6 +145,8 @@ void add_sweep_rerun(app::Command sweep) {
   command.add_option("--seed", options->seed, "Of the choice of a sample").show_default();
   command.add_option("--jobs", options->jobs, "Runs at once; 0 is one for each core")
       .range(0, 1024);
+  command.add_flag("--run-programs", options->run_programs,
+                   "Start the programs that results of others name, without asking");
   command.footer(
       "Exit code 0 when all of them agree, 1 when one does not; each that differs is told.\n"
       "Example: seam sweep rerun results.sqlite --sample 1%");
