@@ -76,6 +76,7 @@ void PointsProblem::state_noise(const MeasurementSet& set) {
 }
 
 void PointsProblem::place(const Model& model) {
+  if (on_path() && data_.rig.knot_s() == 0) choose_knots(model);
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   if (evaluation.valid) place_covariates(data_, evaluation.residual, facts_);
 }

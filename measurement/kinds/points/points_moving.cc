@@ -1,6 +1,9 @@
 // Points seen in a video by a camera whose path is estimated with the model.
+#include <fmt/core.h>
+
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "effects/stages/timing.h"
@@ -9,6 +12,12 @@
 #include "measurement/numerics/robust.h"
 
 namespace seam::measurement {
+namespace {
+
+// Frame periods from knot to knot, the smoothest path first.
+constexpr double kPeriods[] = {2.5, 1.75, 1.25, 1};
+
+}  // namespace
 
 // Times of the frames, the distance of knots, and which frames are held out together.
 void PointsProblem::state_motion() {
@@ -19,15 +28,14 @@ void PointsProblem::state_motion() {
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return frame_stamp_s_[a] < frame_stamp_s_[b]; });
-  double period_s = data_.camera.frame_period_s;
+  period_s_ = data_.camera.frame_period_s;
   std::vector<double> apart_s;
   for (size_t i = 1; i < order.size(); ++i) {
     const double step = frame_stamp_s_[order[i]] - frame_stamp_s_[order[i - 1]];
     if (step > 0) apart_s.push_back(step);
   }
-  if (!(period_s > 0)) period_s = apart_s.empty() ? 1 : median_of(apart_s);
-  constexpr double kPeriods = 2.5;
-  knot_s_ = data_.rig.knot_s() > 0 ? data_.rig.knot_s() : kPeriods * period_s;
+  if (!(period_s_ > 0)) period_s_ = apart_s.empty() ? 1 : median_of(apart_s);
+  knot_s_ = data_.rig.knot_s() > 0 ? data_.rig.knot_s() : kPeriods[0] * period_s_;
   if (!on_path()) return;
   // Stretches long enough for a path of their own, cut where no group is cut.
   constexpr size_t kFramesOfABlock = 6;
@@ -53,6 +61,56 @@ void PointsProblem::state_motion() {
     for (size_t g = 0; g < fold.size() && held[b]; ++g) fold[g] |= blocks[b][g];
   }
   video_folds_ = {std::move(fold)};
+}
+
+// The smoothest path that passes where each frame's own pose says. A pose of its own is the best
+// that its points allow, whatever else the model lacks, so that what a path costs beyond them tells
+// of the path alone.
+void PointsProblem::choose_knots(const Model& model) {
+  constexpr double kSigmas = 3;
+  const Groups all = all_groups();
+  const Evaluation still = evaluate_unknown(model, all, nullptr);
+  double chi2 = 0;
+  for (size_t i = 0; i < facts_.scalars(); ++i)
+    chi2 += still.used[i] ? still.whitened[i] * still.whitened[i] : 0;
+  RowCamera camera = row_camera(model);
+  camera.line_delay_s = 0;
+  for (const double periods : kPeriods) {
+    knot_s_ = periods * period_s_;
+    const PathLayout layout = layout_of(all);
+    const PathAdjustment adjustment = path_adjustment(model, all, layout);
+    std::vector<Control> controls;
+    if (!start_path(still, layout, controls) || !adjustment.fit(camera, controls)) continue;
+    const double more = 2 * adjustment.cost(camera, controls) - chi2;
+    const double freedom =
+        static_cast<double>(still.nuisances) - 6 * static_cast<double>(layout.controls());
+    if (more < freedom + kSigmas * std::sqrt(2 * std::max(freedom, 1.0))) return;
+  }
+}
+
+void PointsProblem::remark_on_path(std::vector<std::string>& remarks) const {
+  const PathLayout layout = layout_of(all_groups());
+  const auto& stretches = layout.stretches();
+  const auto alone = std::count_if(stretches.begin(), stretches.end(),
+                                   [](const Stretch& stretch) { return stretch.degree == 0; });
+  if (!on_path()) {
+    remarks.push_back(
+        "each view moves by a velocity of its own, of which only the product with a read-out time "
+        "shows: state line_delay_s, or say motion: spline of a video");
+    return;
+  }
+  remarks.push_back(fmt::format(
+      "the camera's path is estimated: {} {} of cubic splines over {} frames, knots {:.3g} s apart",
+      stretches.size(), stretches.size() == 1 ? "stretch" : "stretches", frame_stamp_s_.size(),
+      knot_s_));
+  if (alone > 0)
+    remarks.push_back(fmt::format(
+        "{} of {} stretches {} a single frame, more than {:.3g} s from the next: nothing is known "
+        "of the motion there{}",
+        alone, stretches.size(), alone == 1 ? "is" : "are", 1.6 * knot_s_,
+        2 * static_cast<size_t>(alone) > stretches.size()
+            ? "; effects of time are hardly testable with this set: take all frames of a video"
+            : ""));
 }
 
 const std::vector<Groups>& PointsProblem::folds() const {
@@ -95,9 +153,8 @@ PathAdjustment PointsProblem::path_adjustment(const Model& model, const Groups& 
 }
 
 // From poses as if each view stood still.
-bool PointsProblem::start_path(const Model& model, const Groups& groups, const PathLayout& layout,
+bool PointsProblem::start_path(const Evaluation& still, const PathLayout& layout,
                                std::vector<Control>& controls) const {
-  const Evaluation still = evaluate_unknown(model, groups, nullptr);
   std::vector<Pose> X_CW(data_.rows_of_frame.size());
   std::vector<char> known;
   for (size_t frame = 0; frame < X_CW.size(); ++frame)
@@ -142,7 +199,8 @@ Evaluation PointsProblem::evaluate_moving(const Model& model, const Groups& grou
                stored_controls(warm->nuisance_values, 12 * frames, controls) &&
                adjustment.fit(camera, controls);
   if (!found)
-    found = start_path(model, groups, layout, controls) && adjustment.fit(camera, controls);
+    found = start_path(evaluate_unknown(model, groups, nullptr), layout, controls) &&
+            adjustment.fit(camera, controls);
   evaluation.nuisance_values.assign(12 * frames, 0);
   evaluation.valid = found;
   // Of a view that is read out at once no velocity shows.

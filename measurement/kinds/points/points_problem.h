@@ -88,11 +88,13 @@ class PointsProblem : public Problem {
   }
   bool on_path() const { return moves() && data_.rig.path() == Rig::Path::spline; }
   void state_motion();
+  void choose_knots(const Model& model);
+  void remark_on_path(std::vector<std::string>& remarks) const;
   PathLayout layout_of(const Groups& groups) const;
   PathAdjustment path_adjustment(const Model& model, const Groups& groups, const PathLayout& layout,
                                  bool all = false) const;
   RowCamera row_camera(const Model& model) const;
-  bool start_path(const Model& model, const Groups& groups, const PathLayout& layout,
+  bool start_path(const Evaluation& still, const PathLayout& layout,
                   std::vector<Control>& controls) const;
   Evaluation evaluate_moving(const Model& model, const Groups& groups,
                              const Evaluation* warm) const;
@@ -125,7 +127,7 @@ class PointsProblem : public Problem {
 
   PointsData data_;
   std::vector<double> frame_stamp_s_;
-  double knot_s_ = 0;
+  double period_s_ = 0, knot_s_ = 0;
   // Frames of a video are held out in stretches: a path through single ones says nothing of them.
   std::vector<Groups> video_folds_;
   // Held-out evaluations asked for last: a function of their keys, so that it does not matter which

@@ -89,6 +89,15 @@ ControlWeights weights_at(const Stretch& stretch, double t_s) {
   const int piece = std::clamp(static_cast<int>(std::floor(x)), 0, pieces - 1);
   const double u = x - piece;
   at.first += static_cast<size_t>(piece);
+  if (stretch.degree == kCubic) {
+    const double w = 1 - u, u2 = u * u, w2 = w * w, sixth = 1.0 / 6, per = 0.5 / stretch.step_s;
+    const double weight[4] = {sixth * w2 * w, sixth * (4 - 6 * u2 + 3 * u2 * u),
+                              sixth * (4 - 6 * w2 + 3 * w2 * w), sixth * u2 * u};
+    const double rate[4] = {-per * w2, per * (3 * u2 - 4 * u), per * (4 * w - 3 * w2), per * u2};
+    std::copy(weight, weight + 4, at.weight);
+    std::copy(rate, rate + 4, at.rate);
+    return at;
+  }
   double lower[4] = {1, 0, 0, 0};
   for (int k = 1; k <= stretch.degree; ++k) {
     double next[4] = {0, 0, 0, 0};

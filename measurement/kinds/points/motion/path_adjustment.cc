@@ -24,7 +24,7 @@ class Band {
 
   template <class Slopes>
   void add(Index first, const Slopes& slopes) {
-    const MatrixXd square = slopes.transpose() * slopes;
+    const MatrixXd square = slopes.transpose().lazyProduct(slopes);
     for (Index j = 0; j < square.cols(); ++j) {
       for (Index i = j; i < square.rows(); ++i) entries_(i - j, first + j) += square(i, j);
     }
@@ -62,7 +62,7 @@ effects::ImagePoint seen_at(const RowCamera& camera, const Stretch& stretch,
                             const std::vector<Control>& controls, const PathSighting& point,
                             bool with_slopes, PathPoint& path) {
   constexpr int kSteps = 30;
-  constexpr double kExact_px = 1e-8;
+  constexpr double kExact_px = 1e-6;
   effects::ImagePoint image;
   double v = point.v_px, previous_v = v, previous_f = 0;
   for (int step = 0; step < kSteps; ++step) {
@@ -133,6 +133,12 @@ bool PathAdjustment::looks(const RowCamera& camera, const std::vector<Control>& 
   return true;
 }
 
+double PathAdjustment::cost_of(const std::vector<Look>& all) {
+  double sum = 0;
+  for (const Look& look : all) sum += look.z.squaredNorm();
+  return 0.5 * sum;
+}
+
 double PathAdjustment::cost(const RowCamera& camera, const std::vector<Control>& controls) const {
   double sum = 0;
   for (const PathSighting& point : seen_) {
@@ -148,11 +154,11 @@ bool PathAdjustment::fit(const RowCamera& camera, std::vector<Control>& controls
   constexpr int kSteps = 30, kAttempts = 10;
   // Of log-likelihood: less is not worth a step, and a step that promised less was the last.
   constexpr double kEnough = 1e-7, kSettled = 1e-4;
-  double here = cost(camera, controls), damping = 0;
-  if (!std::isfinite(here)) return false;
+  double here = std::numeric_limits<double>::infinity(), damping = 0;
   std::vector<Look> all;
   for (int step = 0; step < kSteps; ++step) {
     if (!looks(camera, controls, all)) return false;
+    if (step == 0) here = cost_of(all);
     Band band(controls.size());
     MatrixXd right = MatrixXd::Zero(kEach * static_cast<Index>(controls.size()), 1);
     for (const Look& look : all) {

@@ -40,6 +40,8 @@ class PathAdjustment {
   bool take_out_path(const RowCamera& camera, const std::vector<Control>& controls,
                      Eigen::MatrixXd& columns) const;
 
+  // Half the sum of squares of residuals over their sigmas.
+  double cost(const RowCamera& camera, const std::vector<Control>& controls) const;
   const std::vector<PathSighting>& seen() const { return seen_; }
 
  private:
@@ -53,7 +55,7 @@ class PathAdjustment {
             const PathSighting& point, Look& look) const;
   bool looks(const RowCamera& camera, const std::vector<Control>& controls,
              std::vector<Look>& all) const;
-  double cost(const RowCamera& camera, const std::vector<Control>& controls) const;
+  static double cost_of(const std::vector<Look>& all);
 
   const PathLayout& layout_;
   std::vector<PathSighting> seen_;
