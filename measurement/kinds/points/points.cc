@@ -113,8 +113,8 @@ std::vector<std::vector<double>> PointsProblem::jacobian(const Model& model,
                                                          const Groups& groups,
                                                          const Evaluation& here) const {
   if (effects::target_of(model).has_draws()) return jacobian_draws(model, unknowns, groups, here);
-  if (moves() && !scatter_of(model)) return jacobian_moving(model, unknowns, groups, here);
-  if (data_.rig.type() == Rig::Type::unknown && !scatter_of(model))
+  if (moves()) return jacobian_moving(model, unknowns, groups, here);
+  if (data_.rig.type() == Rig::Type::unknown)
     return jacobian_unknown(model, unknowns, groups, here);
   return Problem::jacobian(model, unknowns, groups, here);
 }

@@ -261,7 +261,14 @@ std::vector<std::vector<double>> PointsProblem::jacobian_moving(
           by[1] / seen[i].sigma_v;
     }
   }
-  if (!adjustment.take_out_path(camera, controls, all)) return columns;
+  std::vector<Eigen::Matrix2d> counted;
+  if (const std::optional<FewErrors> scatter = scatter_of(model)) {
+    const std::vector<Eigen::Matrix2d> by_row = slopes_of_scattered(*scatter, groups, here);
+    for (const PathSighting& point : seen)
+      counted.push_back(by_row[point.row] *
+                        Eigen::Vector2d(point.sigma_u, point.sigma_v).asDiagonal());
+  }
+  if (!adjustment.take_out_path(camera, controls, counted, all)) return columns;
   for (size_t p = 0; p < unknowns.size(); ++p) {
     for (size_t i = 0; i < seen.size(); ++i) {
       for (size_t c = 0; c < 2; ++c)

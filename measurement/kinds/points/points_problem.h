@@ -78,6 +78,8 @@ class PointsProblem : public Problem {
                                                     const std::vector<Unknown>& unknowns,
                                                     const Groups& groups,
                                                     const Evaluation& here) const;
+  std::vector<Eigen::Matrix2d> slopes_of_scattered(const FewErrors& scatter, const Groups& groups,
+                                                   const Evaluation& here) const;
   std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,
                                   std::vector<int>& rows) const;
   void count_as_missed(int frame, Evaluation& evaluation) const;

@@ -192,9 +192,15 @@ bool PathAdjustment::fit(const RowCamera& camera, std::vector<Control>& controls
 }
 
 bool PathAdjustment::take_out_path(const RowCamera& camera, const std::vector<Control>& controls,
+                                   const std::vector<Eigen::Matrix2d>& counted,
                                    MatrixXd& columns) const {
   std::vector<Look> all;
   if (!looks(camera, controls, all)) return false;
+  for (size_t i = 0; i < counted.size(); ++i) {
+    const auto at = 2 * static_cast<Index>(i);
+    all[i].slopes = (counted[i] * all[i].slopes).eval();
+    columns.middleRows<2>(at) = (counted[i] * columns.middleRows<2>(at)).eval();
+  }
   Band band(controls.size());
   MatrixXd right = MatrixXd::Zero(kEach * static_cast<Index>(controls.size()), columns.cols());
   for (size_t i = 0; i < all.size(); ++i) {

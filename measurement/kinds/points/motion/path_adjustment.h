@@ -36,9 +36,10 @@ class PathAdjustment {
   bool image(const RowCamera& camera, const std::vector<Control>& controls,
              const PathSighting& point, Eigen::Vector2d& uv) const;
   // Takes from columns over the residuals (u, v of each sighting in turn, over their sigmas) what
-  // the path can follow.
+  // the path can follow. `counted` (empty: as they are) holds for each sighting what its residuals
+  // count by, of which both columns and path are made first.
   bool take_out_path(const RowCamera& camera, const std::vector<Control>& controls,
-                     Eigen::MatrixXd& columns) const;
+                     const std::vector<Eigen::Matrix2d>& counted, Eigen::MatrixXd& columns) const;
 
   // Half the sum of squares of residuals over their sigmas.
   double cost(const RowCamera& camera, const std::vector<Control>& controls) const;
