@@ -57,6 +57,8 @@ Rig Rig::from_set(const MeasurementSet& set) {
   const ConfigNode node = set.root.at("rig");
   RigKeys keys;
   read_config(node, [&](ConfigTable& table) { describe_rig(table, keys); });
+  rig.path_ = static_cast<Path>(keys.motion);
+  rig.knot_s_ = keys.knot_s;
   if (keys.has_chain) {
     rig.read_chain(keys, set);
   } else if (!keys.poses.empty()) {

@@ -31,6 +31,8 @@ class PoseTrack {
 class Rig {
  public:
   enum class Type { chain, poses, unknown };
+  // How unknown poses follow each other.
+  enum class Path { still, constant_velocity, spline };
 
   // Reads `rig:` and the logs it needs. Throws InputError.
   static Rig from_set(const MeasurementSet& set);
@@ -39,6 +41,8 @@ class Rig {
   static Rig from_poses(const std::filesystem::path& table);
 
   Type type() const { return type_; }
+  Path path() const { return path_; }
+  double knot_s() const { return knot_s_; }  // Of a spline; 0: not stated.
   // First time of the reference log; all times below are seconds since it. Unknown poses have no
   // log: the caller sets the first stamp.
   int64_t reference_ns() const { return reference_ns_; }
@@ -84,6 +88,8 @@ class Rig {
   effects::JointTrack finer_track() const;
 
   Type type_ = Type::unknown;
+  Path path_ = Path::still;
+  double knot_s_ = 0;
   int64_t reference_ns_ = 0;
   double first_s_ = 0, last_s_ = 0;
   std::vector<Link> links_;

@@ -39,6 +39,15 @@ void describe_rig(ConfigTable& table, RigKeys& rig) {
   table.choice({"pose", "Each frame's pose is estimated."}, pose, {"unknown"});
   table.require(rig.has_chain + !rig.poses.empty() + (pose == 0) == 1, "pose",
                 "expected one of chain, poses, pose: unknown");
+  table.choice({"motion",
+                "Of unknown poses: each view stands still, has a velocity of its own, or "
+                "all lie on one smooth path."},
+               rig.motion, kMotions);
+  table.number({"knot_s", "Of motion: spline: seconds from knot to knot; 0: 2.5 frame periods."},
+               rig.knot_s, {.min = 0, .max = 3600});
+  table.require(rig.motion == 0 || pose == 0, "motion", "expected only beside pose: unknown");
+  table.require(rig.knot_s == 0 || rig.motion == 2, "knot_s",
+                "expected only beside motion: spline");
 }
 
 void describe_rig_keys(ConfigTable& table) {

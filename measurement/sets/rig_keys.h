@@ -19,10 +19,15 @@ struct RigLink {
   Vec3 axis = kNotGiven;
 };
 
+// How unknown poses follow each other.
+inline const std::vector<std::string> kMotions = {"still", "constant_velocity", "spline"};
+
 struct RigKeys {
   std::vector<RigLink> chain;
   std::string poses;
   bool has_chain = false;
+  size_t motion = 0;  // In order of kMotions.
+  double knot_s = 0;  // 0: not given.
 };
 
 void describe_rig(ConfigTable& table, RigKeys& rig);

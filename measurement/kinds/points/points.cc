@@ -23,14 +23,20 @@ std::vector<effects::Lack> lacks_of(const PointsData& data) {
   using effects::Need;
   const Rig& rig = data.rig;
   std::vector<effects::Lack> lacks = {{Need::colour, "points have no colour"}};
-  if (rig.type() == Rig::Type::unknown)
+  if (rig.type() == Rig::Type::unknown && rig.path() == Rig::Path::still)
     lacks.push_back({Need::known_pose, "the pose of each frame is estimated, which absorbs it"});
+  if (rig.type() == Rig::Type::unknown && rig.path() == Rig::Path::constant_velocity)
+    lacks.push_back({Need::known_pose,
+                     "each frame has a velocity of its own, of which only the product with a "
+                     "read-out time shows; motion: spline tells them apart"});
   if (rig.type() != Rig::Type::chain)
     lacks.push_back({Need::joints, "the camera hangs on no joint"});
   if (rig.cycle_s() == 0)
     lacks.push_back({Need::repeating_motion, "the head's motion does not repeat"});
   if (!data.target.flat) lacks.push_back({Need::flat_target, "the points lie in no plane"});
   constexpr size_t kSeveral = 3;
+  if (rig.type() == Rig::Type::unknown && rig.path() != Rig::Path::still)
+    lacks.push_back({Need::several_views, "draws of a target are estimated of still views only"});
   if (median_views(data.target) < kSeveral)
     lacks.push_back({Need::several_views, "most points are seen in fewer than three views"});
   const auto without = [&](const std::string& joint, std::initializer_list<Need> needs) {
@@ -51,6 +57,7 @@ PointsProblem::PointsProblem(const MeasurementSet& set) : data_(read_points(set,
   facts_.set.lacks = lacks_of(data_);
   gross_ = gross_errors(data_, facts_);
   state_noise(set);
+  state_motion();
 }
 
 void PointsProblem::state_noise(const MeasurementSet& set) {
@@ -69,20 +76,26 @@ void PointsProblem::state_noise(const MeasurementSet& set) {
 }
 
 void PointsProblem::place(const Model& model) {
+  if (on_path() && data_.rig.knot_s() == 0) choose_knots(model);
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   if (evaluation.valid) place_covariates(data_, evaluation.residual, facts_);
 }
 
 void PointsProblem::check_model(const Model& model) const {
   effects::Projection(model, data_.camera.width_px, data_.camera.height_px);
+  if (moves() && effects::target_of(model).has_draws())
+    throw InputError(
+        "the model draws points of the target or its bending, which are estimated of still views "
+        "only: expected rig: {pose: unknown} without motion, or a model without them");
 }
 
 bool PointsProblem::groups_are_independent(const Model& model) const {
-  return !(effects::target_of(model).scatter_sigma_m > 0);
+  return !(effects::target_of(model).scatter_sigma_m > 0) && !on_path();
 }
 
 Evaluation PointsProblem::evaluate_plain(const Model& model, const Groups& groups,
                                          const Evaluation* warm) const {
+  if (moves()) return evaluate_moving(model, groups, warm);
   return data_.rig.type() == Rig::Type::unknown ? evaluate_unknown(model, groups, warm)
                                                 : evaluate_rig(model, groups, warm);
 }
@@ -100,7 +113,8 @@ std::vector<std::vector<double>> PointsProblem::jacobian(const Model& model,
                                                          const Groups& groups,
                                                          const Evaluation& here) const {
   if (effects::target_of(model).has_draws()) return jacobian_draws(model, unknowns, groups, here);
-  if (data_.rig.type() == Rig::Type::unknown && !scatter_of(model))
+  if (moves()) return jacobian_moving(model, unknowns, groups, here);
+  if (data_.rig.type() == Rig::Type::unknown)
     return jacobian_unknown(model, unknowns, groups, here);
   return Problem::jacobian(model, unknowns, groups, here);
 }

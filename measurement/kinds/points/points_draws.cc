@@ -97,7 +97,7 @@ DrawsKnown PointsProblem::known_from(const Model& model, const Groups& groups) c
 }
 
 Evaluation PointsProblem::evaluate_held_out(const Model& model, const Groups& groups) const {
-  if (groups_are_independent(model)) return evaluate(model, groups, nullptr);
+  if (!(effects::target_of(model).scatter_sigma_m > 0)) return evaluate(model, groups, nullptr);
   // Asked for several times of each model that is compared, and dear.
   std::vector<double> key;
   for (const effects::ModelEffect& effect : model.effects()) {

@@ -1,13 +1,15 @@
 #include "measurement/kinds/points/points_noise.h"
 
-#include <Eigen/Core>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "measurement/kinds/points/board_field.h"
+#include "measurement/kinds/points/target/rough_camera.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {
@@ -22,34 +24,193 @@ Eigen::VectorXd studentised(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) 
   return r;
 }
 
-std::array<double, 2> noise_by_frames(const PointsData& data, const std::vector<char>& gross) {
-  std::array<std::vector<double>, 2> left;
+// One view's rows beside what a smooth image of the target explains of them.
+struct View {
+  std::vector<int> rows;
+  Eigen::MatrixXd field;        // Orthonormal columns, over the rows' own noise.
+  Eigen::VectorXd weight;       // 1 / its spread.
+  Eigen::MatrixX3d along[2];    // By channel: of the image by the point's shift, weighted.
+  Eigen::VectorXd leverage[2];  // What field and shifts take of each row.
+};
+
+// What is seen twice: a smooth image of the target in each view, and a displacement of each point,
+// the same in all views, which a rough camera maps into each. What neither explains is noise.
+class ViewsNoise {
+ public:
+  ViewsNoise(const PointsData& data, const std::vector<char>& gross);
+  std::array<double, 2> sigma() const;
+
+ private:
+  using Observed = std::array<Eigen::VectorXd, 2>;  // Of one view, over the rows' spreads.
+  void displace();
+  std::array<std::vector<double>, 2> left(std::vector<Observed> all) const;
+  std::vector<Observed> measured() const;
+  std::vector<Observed> drawn(uint64_t probe) const;
+  size_t point_of(const View& view, Eigen::Index i) const {
+    return static_cast<size_t>(data_.point_of_row[view.rows[static_cast<size_t>(i)]]);
+  }
+
+  const PointsData& data_;
+  std::vector<View> views_;
+  std::vector<Eigen::Matrix3d> inverse_;  // By point; 0 where too few views show it.
+  bool displaced_ = false;
+};
+
+ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross) : data_(data) {
   for (const std::vector<int>& all : data.rows_of_frame) {
-    std::vector<int> rows;
-    std::copy_if(all.begin(), all.end(), std::back_inserter(rows),
+    View view;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(view.rows),
                  [&](int row) { return gross.empty() || !gross[2 * row]; });
-    if (rows.empty()) continue;
-    const BoardField field(data, rows);
+    if (view.rows.empty()) continue;
+    const BoardField field(data, view.rows);
     if (field.along().empty()) continue;
     // As flexible as half of the frame's points allow, at most of degree 8.
     int degree = 8;
-    while (degree > 1 && static_cast<size_t>(field.columns(degree).cols()) * 2 > rows.size())
+    while (degree > 1 && static_cast<size_t>(field.columns(degree).cols()) * 2 > view.rows.size())
       --degree;
     const Eigen::MatrixXd A = field.columns(degree);
-    if (static_cast<size_t>(A.cols()) + 4 > rows.size()) continue;
+    const auto n = static_cast<Eigen::Index>(view.rows.size());
+    if (A.cols() + 4 > n) continue;
+    view.weight = Eigen::VectorXd::Ones(n);
+    for (Eigen::Index i = 0; i < n && !data.spread.empty(); ++i)
+      view.weight[i] = 1 / data.spread[view.rows[static_cast<size_t>(i)]];
+    view.field = column_basis(view.weight.asDiagonal() * A);
     for (int c = 0; c < 2; ++c) {
-      Eigen::VectorXd y(rows.size());
-      for (size_t i = 0; i < rows.size(); ++i) y[i] = (c ? data.v_px : data.u_px)[rows[i]];
-      const Eigen::VectorXd r = studentised(A, y);
-      for (size_t i = 0; i < rows.size(); ++i)
-        left[c].push_back(r[i] / (data.spread.empty() ? 1 : data.spread[rows[i]]));
+      view.along[c] = Eigen::MatrixX3d::Zero(n, 3);
+      view.leverage[c] = view.field.rowwise().squaredNorm();
     }
+    views_.push_back(std::move(view));
   }
-  if (left[0].empty())
+  if (views_.empty())
     throw InputError(
         "measurement.yaml: noise: found none, and no view has points enough to estimate it from "
         "(7 or more), expected for example {u_px: 0.2, v_px: 0.2}");
-  return {robust_sigma(left[0]), robust_sigma(left[1])};
+  displace();
+}
+
+// Displacements are told from noise where most points are seen in several views.
+void ViewsNoise::displace() {
+  constexpr size_t kSeveral = 4;
+  std::vector<std::vector<Sighting>> seen;
+  for (const View& view : views_) {
+    seen.emplace_back();
+    for (const int row : view.rows)
+      seen.back().push_back(
+          {.p_W = data_.p_W[row], .u_px = data_.u_px[row], .v_px = data_.v_px[row]});
+  }
+  if (views_.size() < kSeveral) return;
+  const auto camera = rough_camera(seen, data_.camera.width_px, data_.camera.height_px);
+  if (!camera) return;
+  std::vector<size_t> counts(data_.target.names.size(), 0);
+  std::vector<Eigen::Matrix3d> normal(counts.size(), Eigen::Matrix3d::Zero());
+  for (size_t v = 0; v < views_.size(); ++v) {
+    View& view = views_[v];
+    for (Eigen::Index i = 0; i < view.weight.size(); ++i) {
+      const auto slopes =
+          camera->slopes(v, seen[v][static_cast<size_t>(i)].p_W, data_.target.axes_W);
+      if (!slopes) continue;
+      ++counts[point_of(view, i)];
+      for (int c = 0; c < 2; ++c) {
+        view.along[c].row(i) = view.weight[i] * slopes->row(c);
+        normal[point_of(view, i)] += view.along[c].row(i).transpose() * view.along[c].row(i);
+      }
+    }
+  }
+  for (size_t point = 0; point < counts.size(); ++point) {
+    const bool told = counts[point] >= kSeveral;
+    displaced_ = displaced_ || told;
+    // Views that are all alike leave a direction open: it takes nothing then.
+    const Eigen::Matrix3d ridge = 1e-6 * normal[point].trace() * Eigen::Matrix3d::Identity();
+    inverse_.push_back(told ? Eigen::Matrix3d((normal[point] + ridge).inverse())
+                            : Eigen::Matrix3d::Zero());
+  }
+  for (View& view : views_) {
+    for (Eigen::Index i = 0; i < view.weight.size(); ++i) {
+      for (int c = 0; c < 2; ++c) {
+        const Eigen::RowVector3d along = view.along[c].row(i);
+        view.leverage[c][i] += along * inverse_[point_of(view, i)] * along.transpose();
+      }
+    }
+  }
+}
+
+std::vector<ViewsNoise::Observed> ViewsNoise::measured() const {
+  std::vector<Observed> all;
+  for (const View& view : views_) {
+    Observed& y = all.emplace_back();
+    for (int c = 0; c < 2; ++c) {
+      y[c].resize(view.weight.size());
+      for (Eigen::Index i = 0; i < y[c].size(); ++i)
+        y[c][i] = view.weight[i] * (c ? data_.v_px : data_.u_px)[view.rows[static_cast<size_t>(i)]];
+    }
+  }
+  return all;
+}
+
+std::vector<ViewsNoise::Observed> ViewsNoise::drawn(uint64_t probe) const {
+  const RandomStream stream = RandomStream{.seed = 1}.child("points noise").child(probe);
+  std::vector<Observed> all;
+  uint64_t count = 0;
+  for (const View& view : views_) {
+    Observed& y = all.emplace_back();
+    for (int c = 0; c < 2; ++c) {
+      y[c].resize(view.weight.size());
+      for (double& value : y[c]) value = normal(stream, count++);
+    }
+  }
+  return all;
+}
+
+// What is left of each channel, each over the square root of its own share that is left.
+std::array<std::vector<double>, 2> ViewsNoise::left(std::vector<Observed> all) const {
+  // Fields and displacements in turn: what is rough in the displacements hardly changes the fields.
+  constexpr int kRounds = 4;
+  std::vector<Eigen::Vector3d> shift(displaced_ ? inverse_.size() : 0);
+  for (int round = 0; round <= (displaced_ ? kRounds : 0); ++round) {
+    std::fill(shift.begin(), shift.end(), Eigen::Vector3d::Zero());
+    for (size_t v = 0; v < views_.size(); ++v) {
+      const View& view = views_[v];
+      for (int c = 0; c < 2; ++c) {
+        Eigen::VectorXd& y = all[v][c];
+        y -= view.field * (view.field.transpose() * y);
+        for (Eigen::Index i = 0; i < y.size() && displaced_; ++i)
+          shift[point_of(view, i)] += view.along[c].row(i).transpose() * y[i];
+      }
+    }
+    if (round == kRounds || !displaced_) break;
+    for (size_t v = 0; v < views_.size(); ++v) {
+      const View& view = views_[v];
+      for (int c = 0; c < 2; ++c) {
+        for (Eigen::Index i = 0; i < view.weight.size(); ++i)
+          all[v][c][i] -=
+              view.along[c].row(i) * (inverse_[point_of(view, i)] * shift[point_of(view, i)]);
+      }
+    }
+  }
+  std::array<std::vector<double>, 2> left;
+  for (size_t v = 0; v < views_.size(); ++v) {
+    for (size_t c = 0; c < 2; ++c) {
+      for (Eigen::Index i = 0; i < views_[v].weight.size(); ++i)
+        left[c].push_back(all[v][c][i] / std::sqrt(std::max(0.05, 1 - views_[v].leverage[c][i])));
+    }
+  }
+  return left;
+}
+
+std::array<double, 2> ViewsNoise::sigma() const {
+  const auto here = left(measured());
+  std::array<double, 2> sigma{clipped_sigma(here[0]), clipped_sigma(here[1])};
+  if (!displaced_) return sigma;
+  // Fields and displacements share some of what they take; noise of unit size says how much.
+  constexpr double kEnough = 3e4;
+  double count = 0, sum2 = 0;
+  for (uint64_t probe = 0; count < kEnough; ++probe) {
+    for (const std::vector<double>& channel : left(drawn(probe))) {
+      for (const double x : channel) ++count, sum2 += x * x;
+    }
+  }
+  for (double& value : sigma) value /= std::sqrt(sum2 / count);
+  return sigma;
 }
 
 // Degrees of the polynomials: of the direction alone, of the state alone, and of both in their
@@ -126,7 +287,7 @@ std::array<double, 2> noise_by_directions(const PointsData& data) {
 
 std::array<double, 2> estimate_points_noise(const PointsData& data,
                                             const std::vector<char>& gross) {
-  return data.rig.type() == Rig::Type::unknown ? noise_by_frames(data, gross)
+  return data.rig.type() == Rig::Type::unknown ? ViewsNoise(data, gross).sigma()
                                                : noise_by_directions(data);
 }
 

@@ -1,12 +1,13 @@
 // The problem of a set of points. Its evaluation stands in a file for each sort of rig: known
-// motion (points_rig.cc), estimated poses (points_unknown.cc), and either beside draws of the
-// target that are estimated, too (target_adjustment.cc).
+// motion (points_rig.cc), estimated poses (points_unknown.cc) or paths (points_moving.cc), and
+// poses beside draws of the target that are estimated, too (target_adjustment.cc).
 #pragma once
 
 #include <deque>
 #include <memory>
 #include <mutex>
 
+#include "measurement/kinds/points/motion/path_adjustment.h"
 #include "measurement/kinds/points/points_data.h"
 #include "measurement/kinds/points/points_scatter.h"
 #include "measurement/kinds/points/target/pose_solver.h"
@@ -35,6 +36,7 @@ class PointsProblem : public Problem {
   std::vector<std::string> remarks(const Model& model) const override;
   std::vector<PlacedPoint> placed_points(const Model& model) const override;
   std::vector<char> find_outliers(const Model& model) const override;
+  const std::vector<Groups>& folds() const override;
 
  private:
   void state_noise(const MeasurementSet& set);
@@ -76,9 +78,32 @@ class PointsProblem : public Problem {
                                                     const std::vector<Unknown>& unknowns,
                                                     const Groups& groups,
                                                     const Evaluation& here) const;
+  std::vector<Eigen::Matrix2d> slopes_of_scattered(const FewErrors& scatter, const Groups& groups,
+                                                   const Evaluation& here) const;
   std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,
                                   std::vector<int>& rows) const;
   void count_as_missed(int frame, Evaluation& evaluation) const;
+
+  // points_moving.cc
+  bool moves() const {
+    return data_.rig.type() == Rig::Type::unknown && data_.rig.path() != Rig::Path::still;
+  }
+  bool on_path() const { return moves() && data_.rig.path() == Rig::Path::spline; }
+  void state_motion();
+  void choose_knots(const Model& model);
+  void remark_on_path(std::vector<std::string>& remarks) const;
+  PathLayout layout_of(const Groups& groups) const;
+  PathAdjustment path_adjustment(const Model& model, const Groups& groups, const PathLayout& layout,
+                                 bool all = false) const;
+  RowCamera row_camera(const Model& model) const;
+  bool start_path(const Evaluation& still, const PathLayout& layout,
+                  std::vector<Control>& controls) const;
+  Evaluation evaluate_moving(const Model& model, const Groups& groups,
+                             const Evaluation* warm) const;
+  std::vector<std::vector<double>> jacobian_moving(const Model& model,
+                                                   const std::vector<Unknown>& unknowns,
+                                                   const Groups& groups,
+                                                   const Evaluation& here) const;
 
   // points_draws.cc
   // An adjustment that stands at these numbers (Evaluation::nuisance_values).
@@ -103,6 +128,10 @@ class PointsProblem : public Problem {
   void remark_on_reach(const Model& model, std::vector<std::string>& remarks) const;
 
   PointsData data_;
+  std::vector<double> frame_stamp_s_;
+  double period_s_ = 0, knot_s_ = 0;
+  // Frames of a video are held out in stretches: a path through single ones says nothing of them.
+  std::vector<Groups> video_folds_;
   // Held-out evaluations asked for last: a function of their keys, so that it does not matter which
   // thread asked first.
   mutable std::mutex recent_mutex_;

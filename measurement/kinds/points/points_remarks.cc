@@ -79,6 +79,13 @@ void PointsProblem::remark_on_reach(const Model& model, std::vector<std::string>
 std::vector<std::string> PointsProblem::remarks(const Model& model) const {
   std::vector<std::string> remarks;
   if (data_.rig.type() != Rig::Type::unknown) return remarks;
+  if (!moves())
+    remarks.push_back(
+        "effects of time (rows read out one after the other, exposure, clocks) are not testable "
+        "with this set: its views stand still, each with a pose of its own; take a video of the "
+        "target with the camera moved by hand, all frames with their times, and say rig: {pose: "
+        "unknown, motion: spline}");
+  if (moves()) remark_on_path(remarks);
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   remark_on_views(evaluation, remarks);
   remark_on_reach(model, remarks);

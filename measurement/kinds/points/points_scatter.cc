@@ -33,8 +33,15 @@ void whiten_scattered(const FewErrors& scatter, const std::vector<size_t>& scala
 bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& projection,
                            std::vector<Sighting> seen, Pose& X_CW) {
   constexpr int kRounds = 8;
+  // Weights that change by less move a pose by less than matters.
+  constexpr double kSame = 1e-3;
   const std::vector<Sighting> stated = seen;
   for (int round = 0; round < kRounds; ++round) {
+    double changed = 0;
+    const auto weigh = [&](double& sigma, double by) {
+      changed = std::max(changed, std::abs(by / sigma - 1));
+      sigma = by;
+    };
     for (size_t i = 0; i < seen.size(); ++i) {
       const Sighting& s = stated[i];
       const effects::ImagePoint point = projection.project(X_CW * s.p_W, s.t_s, s.v_px);
@@ -47,9 +54,10 @@ bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& 
         const double failing = sigma * sigma + scatter.size() * scatter.size();
         return 1 - failed + failed * sigma * sigma / failing;
       };
-      seen[i].sigma_u = s.sigma_u / std::sqrt(left(s.sigma_u));
-      seen[i].sigma_v = s.sigma_v / std::sqrt(left(s.sigma_v));
+      weigh(seen[i].sigma_u, s.sigma_u / std::sqrt(left(s.sigma_u)));
+      weigh(seen[i].sigma_v, s.sigma_v / std::sqrt(left(s.sigma_v)));
     }
+    if (changed < kSame && round > 0) break;
     if (!refine_pose(projection, seen, X_CW)) return false;
   }
   return true;

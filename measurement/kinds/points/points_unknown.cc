@@ -65,9 +65,10 @@ Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& gro
     const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
     if (seen.empty()) continue;
     Pose X_CW;
+    // With scattered points the one below begins where the last one ended.
     bool have =
         (warm && warm->valid && stored_pose(warm->nuisance_values, frame, X_CW) &&
-         refine_pose(projection, seen, X_CW)) ||
+         (scatter || refine_pose(projection, seen, X_CW))) ||
         (initial_pose(projection, seen, X_CW) && (!refined || refine_pose(projection, seen, X_CW)));
     if (have && scatter) have = refine_scattered_pose(*scatter, projection, seen, X_CW);
     std::vector<double> whitened;
@@ -91,6 +92,27 @@ Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& gro
   return evaluation;
 }
 
+// By row: of what takes the place of its whitened residuals by the residuals themselves.
+std::vector<Eigen::Matrix2d> PointsProblem::slopes_of_scattered(const FewErrors& scatter,
+                                                                const Groups& groups,
+                                                                const Evaluation& here) const {
+  constexpr double kStep = 1e-4;  // Of a row's noise.
+  std::vector<Eigen::Matrix2d> slopes(data_.p_W.size(), Eigen::Matrix2d::Zero());
+  for (size_t channel = 0; channel < 2; ++channel) {
+    Evaluation there = blank();
+    there.residual = here.residual;
+    for (size_t i = channel; i < facts_.scalars(); i += 2)
+      there.residual[i] += kStep * there.sigma[i];
+    whiten_diagonal(*this, groups, there);
+    whiten_all_scattered(scatter, groups, there);
+    for (size_t i = 0; i < facts_.scalars(); ++i)
+      slopes[i / 2](static_cast<Eigen::Index>(i % 2), static_cast<Eigen::Index>(channel)) =
+          (there.whitened[i] - here.whitened[i]) /
+          (kStep * sigma_of(i / 2, static_cast<int>(channel)));
+  }
+  return slopes;
+}
+
 // Differences at fixed poses, less what the frame's own pose can follow (Kaufman 1975).
 std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     const Model& model, const std::vector<Unknown>& unknowns, const Groups& groups,
@@ -106,6 +128,9 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     projections.emplace_back(there, data_.camera.width_px, data_.camera.height_px);
     moved_places_W.push_back(places_of_rows(data_, effects::target_of(there)));
   }
+  const std::optional<FewErrors> scatter = scatter_of(model);
+  std::vector<Eigen::Matrix2d> by_row;
+  if (scatter) by_row = slopes_of_scattered(*scatter, groups, here);
   for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
     if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) continue;
     std::vector<int> rows;
@@ -114,14 +139,25 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW)) continue;
     std::vector<double> base, derivatives, there;
     if (!pose_residuals(projection, seen, X_CW, base, &derivatives)) continue;
-    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>> pose(
-        derivatives.data(), base.size(), 6);
+    // Residuals over their sigmas count as they do, or as scattered ones.
+    const auto as_counted = [&](auto&& slopes) {
+      for (size_t k = 0; k < rows.size() && scatter; ++k) {
+        const Eigen::Vector2d sigma(seen[k].sigma_u, seen[k].sigma_v);
+        const auto at = 2 * static_cast<Eigen::Index>(k);
+        slopes.template middleRows<2>(at) =
+            (by_row[rows[k]] * sigma.asDiagonal() * slopes.template middleRows<2>(at)).eval();
+      }
+    };
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>> pose(derivatives.data(),
+                                                                               base.size(), 6);
+    as_counted(pose);
     const Eigen::MatrixXd basis = column_basis(pose);
     for (size_t p = 0; p < unknowns.size(); ++p) {
       for (size_t k = 0; k < rows.size(); ++k) seen[k].p_W = moved_places_W[p][rows[k]];
       if (!pose_residuals(projections[p], seen, X_CW, there, nullptr)) continue;
       Eigen::VectorXd column(base.size());
       for (size_t k = 0; k < base.size(); ++k) column[k] = (there[k] - base[k]) / moved.steps[p];
+      as_counted(column);
       column -= basis * (basis.transpose() * column);
       for (size_t k = 0; k < rows.size(); ++k) {
         for (size_t c = 0; c < 2; ++c) columns[p][2 * rows[k] + c] = column[2 * k + c];

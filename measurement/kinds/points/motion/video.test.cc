@@ -1,0 +1,234 @@
+// Videos of a board by a camera that is moved by hand: their sets are made here by formulas of
+// their own, the row of each corner by iteration of its own instant.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+
+#include "effects/registry.h"
+#include "measurement/kinds/kinds.h"
+#include "measurement/search/add_effects.h"
+#include "measurement/search/compare.h"
+#include "measurement/search/search.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/output.h"
+#include "sim_core/base/random.h"
+
+namespace seam::measurement {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kPeriod_s = 0.04, kFocal_px = 520, kNoise_px = 0.2;
+constexpr double kLineDelay_s = 5e-5;  // 24 ms over 480 rows.
+
+struct Video {
+  std::string name;
+  double line_delay_s = 0;
+  int frames = 24;
+  int along = 8, across = 6;
+  double turning_rad_per_s = 1;  // Root mean square.
+  uint64_t seed = 1;
+  std::string rig = "{pose: unknown, motion: spline}";
+  std::function<bool(int)> is_kept = [](int) { return true; };  // By frame.
+};
+
+using Triple = std::array<double, 3>;
+
+// A hand: three waves of up to 1.6 Hz in each of six coordinates, scaled to a speed.
+class Hand {
+ public:
+  explicit Hand(const Video& video) {
+    for (int i = 0; i < 6; ++i) {
+      double speed2 = 0;
+      for (int k = 0; k < 3; ++k) {
+        const auto at = static_cast<uint64_t>(3 * i + k);
+        waves_[i][k] = {.size = normal({video.seed, 1}, at),
+                        .rate = 2 * M_PI * (0.4 + 1.2 * uniform({video.seed, 2}, at)),
+                        .phase = 2 * M_PI * uniform({video.seed, 3}, at)};
+        speed2 += 0.5 * std::pow(waves_[i][k].size * waves_[i][k].rate, 2);
+      }
+      const double wanted = i < 3 ? video.turning_rad_per_s / std::sqrt(3.0) : 0.05;
+      for (Wave& wave : waves_[i]) wave.size *= wanted / std::sqrt(speed2);
+    }
+  }
+
+  // A point of the board, which leans by 0.35 rad half a metre before the camera, in its frame.
+  Triple seen(double t_s, const Triple& p_m) const {
+    const Triple leaning = {std::cos(0.35) * p_m[0] + std::sin(0.35) * p_m[2], p_m[1],
+                            -std::sin(0.35) * p_m[0] + std::cos(0.35) * p_m[2] + 0.5};
+    const Triple w = {at(0, t_s), at(1, t_s), at(2, t_s)};
+    const double angle = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+    const double s = angle > 0 ? std::sin(angle) / angle : 1,
+                 c = angle > 0 ? (1 - std::cos(angle)) / (angle * angle) : 0.5;
+    const auto cross = [](const Triple& a, const Triple& b) {
+      return Triple{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                    a[0] * b[1] - a[1] * b[0]};
+    };
+    const Triple once = cross(w, leaning), twice = cross(w, once);
+    Triple out;
+    for (int i = 0; i < 3; ++i)
+      out[static_cast<size_t>(i)] = leaning[static_cast<size_t>(i)] +
+                                    s * once[static_cast<size_t>(i)] +
+                                    c * twice[static_cast<size_t>(i)] + at(3 + i, t_s);
+    return out;
+  }
+
+ private:
+  struct Wave {
+    double size = 0, rate = 0, phase = 0;
+  };
+  double at(int coordinate, double t_s) const {
+    double sum = 0;
+    for (const Wave& wave : waves_[coordinate])
+      sum += wave.size * std::sin(wave.rate * t_s + wave.phase);
+    return sum;
+  }
+  Wave waves_[6][3];
+};
+
+std::filesystem::path made(const Video& video) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("video-" + video.name);
+  std::filesystem::create_directories(folder);
+  const Hand hand(video);
+  std::string rows = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+  for (int frame = 0; frame < video.frames; ++frame) {
+    if (!video.is_kept(frame)) continue;
+    for (int point = 0; point < video.along * video.across; ++point) {
+      const Triple p = {0.04 * (point % video.along - 0.5 * (video.along - 1)),
+                        0.04 * (point / video.along - 0.5 * (video.across - 1)), 0};
+      double u = 0, v = 240;
+      for (int round = 0; round < 40; ++round) {
+        const Triple q = hand.seen(kPeriod_s * frame + video.line_delay_s * v, p);
+        u = kFocal_px * q[0] / q[2] + 319.5, v = kFocal_px * q[1] / q[2] + 239.5;
+      }
+      const auto draw = static_cast<uint64_t>(2 * (frame * 1000 + point));
+      u += kNoise_px * normal({video.seed, 4}, draw);
+      v += kNoise_px * normal({video.seed, 4}, draw + 1);
+      if (u < 0 || v < 0 || u > 639 || v > 479) continue;
+      rows += fmt::format("{},{:.3f},{},{:.6f},{:.6f},0,{:.5f},{:.5f}\n", frame, kPeriod_s * frame,
+                          point, p[0], p[1], u, v);
+    }
+  }
+  write_file_atomically(folder / "points.csv", rows);
+  write_file_atomically(
+      folder / "measurement.yaml",
+      fmt::format("format: seam-measurement/1\nkind: points\n"
+                  "camera: {{width_px: 640, height_px: 480, frame_period_s: {}}}\n"
+                  "noise: {{u_px: {}, v_px: {}}}\ngroup: frame\nfiles: {{points: points.csv}}\n"
+                  "rig: {}\n",
+                  kPeriod_s, kNoise_px, kNoise_px, video.rig));
+  return folder;
+}
+
+Model nominal(const std::string& more = "") {
+  return Model::from_config(ConfigNode::from_text(
+      "format: seam-model/1\neffects: {pinhole: {fx_px: {value: 500, free: true}, fy_px: {value: "
+      "500, free: true}, cx_px: {value: 319.5, free: true}, cy_px: {value: 239.5, free: true}}" +
+          more + "}\n",
+      "test.yaml"));
+}
+
+struct Found {
+  double line_delay_s = 0, sigma_s = 0, error = 0;
+};
+
+Found read_out(const Video& video) {
+  const auto problem = open_problem(made(video));
+  const auto added = add_effects(*problem, nominal(), {effects::find_effect("rolling_shutter")});
+  const effects::ModelEffect* effect = added.model.find("rolling_shutter");
+  if (effect == nullptr) return {};
+  const effects::ParameterValue& delay = effect->parameters[0];
+  return {delay.value, delay.sigma.value_or(0), added.error_after};
+}
+
+// Forty frames of 88 corners by a hand that turns by 1 rad/s.
+TEST(Video, TheReadOutTimeIsFoundToTwoPerCent) {
+  const Found found = read_out(
+      {.name = "delayed", .line_delay_s = kLineDelay_s, .frames = 40, .along = 11, .across = 8});
+  EXPECT_NEAR(found.line_delay_s, kLineDelay_s, 0.02 * kLineDelay_s);
+  EXPECT_NEAR(found.error, 1, 0.05);
+}
+
+TEST(Video, TheReadOutTimeLiesWithinItsError) {
+  double sum2 = 0;
+  constexpr int kSets = 6;
+  for (uint64_t seed = 1; seed <= kSets; ++seed) {
+    const Found found = read_out({.name = "few", .line_delay_s = kLineDelay_s, .seed = seed});
+    EXPECT_NEAR(found.line_delay_s, kLineDelay_s, 3.5 * found.sigma_s) << seed;
+    EXPECT_LT(found.sigma_s, 0.02 * kLineDelay_s) << seed;
+    sum2 += std::pow((found.line_delay_s - kLineDelay_s) / found.sigma_s, 2);
+  }
+  // Chi-square of six: between these in 99 %.
+  EXPECT_GT(sum2, 0.67);
+  EXPECT_LT(sum2, 18.6);
+}
+
+TEST(Video, RowsReadOutFromBelowHaveANegativeDelay) {
+  const Found found = read_out({.name = "upwards", .line_delay_s = -kLineDelay_s, .seed = 3});
+  EXPECT_NEAR(found.line_delay_s, -kLineDelay_s, 0.02 * kLineDelay_s);
+}
+
+TEST(Video, AGapBeginsANewStretch) {
+  const auto outside = [](int frame) { return frame < 14 || frame > 24; };
+  const Video video{.name = "gap", .line_delay_s = kLineDelay_s, .frames = 38, .is_kept = outside};
+  const Found found = read_out(video);
+  EXPECT_NEAR(found.line_delay_s, kLineDelay_s, 3 * found.sigma_s);
+  EXPECT_LT(found.sigma_s, 0.02 * kLineDelay_s);
+  const auto problem = open_problem(made(video));
+  EXPECT_THAT(problem->remarks(nominal()), testing::Contains(HasSubstr("2 stretches")));
+}
+
+TEST(Video, ADiscoveryNamesTheRollingShutterAndNothingElse) {
+  const auto problem =
+      open_problem(made({.name = "whole", .line_delay_s = kLineDelay_s, .along = 7, .across = 5}));
+  const SearchResult result = search(*problem, nominal(), {}, [](const std::string&) {});
+  ASSERT_EQ(result.steps.size(), 1u);
+  EXPECT_EQ(result.steps[0].effect, "rolling_shutter");
+  EXPECT_NEAR(result.best.assessment.error, 1, 0.06);
+}
+
+TEST(Video, AGlobalShutterGetsNoRollingShutter) {
+  const auto problem = open_problem(made({.name = "global", .along = 7, .across = 5, .seed = 2}));
+  const SearchResult result = search(*problem, nominal(), {}, [](const std::string&) {});
+  EXPECT_TRUE(result.steps.empty());
+  EXPECT_NEAR(result.best.assessment.error, 1, 0.06);
+}
+
+TEST(Video, StillViewsSayWhatTheyCannotTell) {
+  const auto problem =
+      open_problem(made({.name = "still", .line_delay_s = kLineDelay_s, .rig = "{pose: unknown}"}));
+  EXPECT_THAT(problem->remarks(nominal()),
+              testing::Contains(HasSubstr("effects of time")).Times(1));
+  EXPECT_GT(compare(*problem, nominal()).base.assessment.error, 1.5);
+}
+
+// A velocity of each view does about a stated delay what a path does.
+TEST(Video, EachViewHasAVelocityBesideAStatedDelay) {
+  const auto problem = open_problem(made({.name = "velocities",
+                                          .line_delay_s = kLineDelay_s,
+                                          .rig = "{pose: unknown, motion: constant_velocity}"}));
+  const Model stated = nominal(", rolling_shutter: {line_delay_s: 5e-5}");
+  EXPECT_NEAR(compare(*problem, stated).base.assessment.error, 1, 0.08);
+  EXPECT_GT(compare(*problem, nominal()).base.assessment.error, 1.5);
+  EXPECT_THAT(problem->remarks(stated), testing::Contains(HasSubstr("velocity of its own")));
+}
+
+TEST(Video, MotionBelongsToUnknownPoses) {
+  const auto open = [](const std::string& rig) {
+    return [rig] { open_problem(made({.name = "refused", .rig = rig})); };
+  };
+  EXPECT_THAT(open("{poses: p.csv, motion: spline}"),
+              testing::ThrowsMessage<InputError>(HasSubstr("motion")));
+  EXPECT_THAT(open("{pose: unknown, knot_s: 0.1}"),
+              testing::ThrowsMessage<InputError>(HasSubstr("knot_s")));
+  EXPECT_THAT(open("{pose: unknown, motion: splines}"),
+              testing::ThrowsMessage<InputError>(HasSubstr("motion")));
+}
+
+}  // namespace
+}  // namespace seam::measurement
