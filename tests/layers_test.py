@@ -93,6 +93,8 @@ ROOMS = {
         "examples": [".", "vision", "localization", "team"],
     },
     "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."], "exchange": [],
+            "import/draft": [], "import/files": [],
+            "import/kinds": ["import/draft", "import/files", "exchange"], "import": ["import/draft", "import/kinds"],
             "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
     "tools": {
         ".": [],

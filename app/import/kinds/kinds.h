@@ -1,0 +1,12 @@
+// What is imported, a function a kind: each fills the draft from the files of the request. The
+// table of kinds with their help is import.cc's.
+#pragma once
+
+#include "app/import/draft/request.h"
+#include "app/import/draft/set_draft.h"
+
+namespace seam::app {
+
+void import_servo(const ImportRequest& request, SetDraft& draft);
+
+}  // namespace seam::app
