@@ -8,5 +8,10 @@
 namespace seam::app {
 
 void import_servo(const ImportRequest& request, SetDraft& draft);
+void import_ranges(const ImportRequest& request, SetDraft& draft);
+void import_opencv(const ImportRequest& request, SetDraft& draft);
+void import_kalibr(const ImportRequest& request, SetDraft& draft);
+void import_mrcal(const ImportRequest& request, SetDraft& draft);
+void import_bouguet(const ImportRequest& request, SetDraft& draft);
 
 }  // namespace seam::app
