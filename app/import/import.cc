@@ -33,6 +33,24 @@ const std::vector<ImportKind>& import_kinds() {
        .help = "Calib_Results.mat of the toolbox for MATLAB (save it with -v7)",
        .options = {"length-unit"},
        .fill = import_bouguet},
+      {.name = "euroc",
+       .help = "an ASL folder or its ground truth, as poses; with a second trajectory as a walk",
+       .options = {"size", "length-unit", "time-unit", "camera"},
+       .fill = import_euroc},
+      {.name = "tum",
+       .help = "a trajectory 'time x y z qx qy qz qw' as poses; with a second one as a walk",
+       .options = {"size", "length-unit", "time-unit"},
+       .fill = import_tum},
+      {.name = "emva1288",
+       .help = "a series by its descriptor text, with PNG or TIFF images of 8 to 16 bits",
+       .options = {},
+       .fill = import_emva1288},
+      {.name = "flats",
+       .help =
+           "a folder of flat fields and darks: PNG, TIFF, FITS; exposures from CSV, FITS, EXIF, "
+           "names",
+       .options = {"map", "time-unit"},
+       .fill = import_flats},
   };
   return kinds;
 }

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -108,7 +109,7 @@ std::string SetDraft::set_yaml(const std::string& came_from) const {
   return yaml;
 }
 
-void SetDraft::check() const {
+void SetDraft::check() {
   const auto set = measurement::MeasurementSet::open(folder_);
   const auto model = effects::Model::from_file(folder_ / "nominal.yaml");
   const measurement::SetDescription found = measurement::describe_set(set, std::nullopt);
@@ -116,11 +117,10 @@ void SetDraft::check() const {
   const measurement::Kind& kind_of_set = measurement::find_kind(kind);
   const auto& measured = kind_of_set.observations.measured;
   const auto table = set.table(kind_of_set.observations.file);
-  for (const std::string& column : measured) {
-    if (!table.has(column)) continue;
-    kind_of_set.open(set, {})->check_model(model);
-    break;
-  }
+  is_protocol_ = !measured.empty() &&
+                 std::none_of(measured.begin(), measured.end(),
+                              [&](const std::string& column) { return table.has(column); });
+  if (!is_protocol_) kind_of_set.open(set, {})->check_model(model);
 }
 
 void SetDraft::finish(const std::string& came_from) {
@@ -151,9 +151,15 @@ std::string SetDraft::text() const {
     text += fmt::format("  warning: {}\n", shown(sentence));
   for (const std::string& sentence : unknown_)
     text += fmt::format("  not known: {}\n", shown(sentence));
+  const std::string out = out_.string();
+  if (is_protocol_)
+    return text + fmt::format(
+                      "  next: seam measure --model {0}/nominal.yaml --protocol {0} --seed 1 "
+                      "--out made\n",
+                      out);
   return text +
          fmt::format("  next: seam discover --model {0}/nominal.yaml --data {0} --out found.yaml\n",
-                     out_.string());
+                     out);
 }
 
 }  // namespace seam::app

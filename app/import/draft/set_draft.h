@@ -49,9 +49,10 @@ class SetDraft {
 
  private:
   std::string set_yaml(const std::string& came_from) const;
-  void check() const;
+  void check();
 
   std::filesystem::path out_, folder_;
+  bool is_protocol_ = false;  // Nothing is measured in it yet.
   std::map<std::string, std::string> files_;
   std::vector<std::string> did_, unknown_, warnings_;
 };

@@ -13,5 +13,9 @@ void import_opencv(const ImportRequest& request, SetDraft& draft);
 void import_kalibr(const ImportRequest& request, SetDraft& draft);
 void import_mrcal(const ImportRequest& request, SetDraft& draft);
 void import_bouguet(const ImportRequest& request, SetDraft& draft);
+void import_euroc(const ImportRequest& request, SetDraft& draft);
+void import_tum(const ImportRequest& request, SetDraft& draft);
+void import_emva1288(const ImportRequest& request, SetDraft& draft);
+void import_flats(const ImportRequest& request, SetDraft& draft);
 
 }  // namespace seam::app

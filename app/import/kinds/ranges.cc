@@ -167,7 +167,6 @@ void RangesImport::read_path(const TextTable& table, int time, int x, int y) {
   const int64_t unit = time_unit_ns(request_, table.column_name(t));
   const int theta = column(table, "theta", {"theta_rad", "theta", "yaw", "heading", "yaw_rad"});
   std::vector<double> angles;
-  std::vector<std::string> places;
   for (size_t row = 0; row < table.rows(); ++row) {
     path_.push_back({table.time_ns(row, t, unit),
                      metres_ * table.number(row, static_cast<size_t>(x)),
@@ -175,11 +174,10 @@ void RangesImport::read_path(const TextTable& table, int time, int x, int y) {
     path_places_.push_back(fmt::format("{}:{}", table.file(), table.line(row)));
     if (theta >= 0) angles.push_back(table.number(row, static_cast<size_t>(theta)));
   }
-  if (theta < 0) return;
-  to_radians(
-      angles, "theta", [&](size_t i) { return path_places_[i]; }, request_, draft_);
+  // A heading that was never wrapped grows beyond any bound: the user alone knows its unit.
+  const double radians = request_.unit.empty() ? 1 : radians_in(request_.unit);
   for (size_t i = 0; i < angles.size(); ++i)
-    path_[path_.size() - angles.size() + i].theta_rad = angles[i];
+    path_[path_.size() - angles.size() + i].theta_rad = radians * angles[i];
 }
 
 PathPoint RangesImport::at(int64_t ns) const {
@@ -192,21 +190,30 @@ PathPoint RangesImport::at(int64_t ns) const {
   return {ns, a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m)};
 }
 
-// The median of |range * scale - distance| with the beacons as they stand or x and y exchanged.
+double middle_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The median of |range * scale - distance| with the beacons as they stand or x and y exchanged,
+// once ranges that are all a little too long or short are put right.
 double RangesImport::misses(bool exchanged, double scale) const {
   std::map<std::string, const Beacon*> place;
   for (const Beacon& beacon : beacons_) place[beacon.name] = &beacon;
-  std::vector<double> found;
+  std::vector<double> ratios, distances;
   for (const Range& range : ranges_) {
     const Beacon& b = *place.at(range.beacon);
     const PathPoint p = at(range.ns);
-    const double distance =
-        std::hypot(p.x_m - (exchanged ? b.y_m : b.x_m), p.y_m - (exchanged ? b.x_m : b.y_m));
-    found.push_back(std::abs(range.range_m * scale - distance));
+    distances.push_back(
+        std::hypot(p.x_m - (exchanged ? b.y_m : b.x_m), p.y_m - (exchanged ? b.x_m : b.y_m)));
+    ratios.push_back(range.range_m * scale / std::max(distances.back(), 1e-9));
   }
-  std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2),
-                   found.end());
-  return found[found.size() / 2];
+  const double ratio = std::clamp(middle_of(ratios), 0.8, 1.25);
+  std::vector<double> found;
+  for (size_t i = 0; i < ranges_.size(); ++i)
+    found.push_back(std::abs(ranges_[i].range_m * scale / ratio - distances[i]));
+  return middle_of(found);
 }
 
 void RangesImport::check() {
@@ -258,7 +265,8 @@ void RangesImport::check() {
         fmt::format("with x and y of the beacons exchanged the ranges fit {:.1f} times "
                     "better: are the columns exchanged?",
                     miss / misses(true, 1)));
-  draft_.did(fmt::format("the ranges are off the known places by {:.3g} m (median)", miss));
+  draft_.did(fmt::format(
+      "the ranges are off the known places by {:.3g} m (median, beside a common scale)", miss));
 }
 
 void RangesImport::write() {
