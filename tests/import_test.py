@@ -508,10 +508,9 @@ def test_photometry(folder):
     out = folder / "emva"
     imported("emva1288", series / "data.txt", out=out)
     assert "bits: 12" in (out / "measurement.yaml").read_text()
-    run("add", "shot_noise", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "s.yaml", "--json",
-        folder / "s.json")
-    found = json.loads((folder / "s.json").read_text())["parameters"]["electrons_per_dn"]
-    assert abs(found["value"] - 2.5) < 0.1, found
+    run("discover", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "s.yaml", "--json", folder / "s.json")
+    figures = {f["name"]: f["value"] for f in json.loads((folder / "s.json").read_text())["figures"]["figures"]}
+    assert abs(figures["system gain K"] - 0.4) < 0.04 and abs(figures["quantum efficiency"] - 50) < 5, figures
     (series / "data.txt").write_text("\n".join(lines).replace("d_2_1", "d_2_9") + "\n")
     refused("emva1288", series / "data.txt", out=folder / "lost", words=["data.txt:", "d_2_9.png is missing"])
     (series / "data.txt").write_text("\n".join(lines).replace("images\\d_2_1", "..\\..\\d_2_1") + "\n")
