@@ -554,6 +554,142 @@ def test_photometry(folder):
     refused("flats", listed, out=folder / "bomb", words=["3.png"])
 
 
+# ---- bags
+
+
+class Cdr:
+    """A message as bytes: little-endian CDR (ROS 2), or the plain form of ROS 1."""
+
+    def __init__(self, ros1):
+        self.ros1, self.data = ros1, b"" if ros1 else b"\0\1\0\0"
+
+    def put(self, form, *values):
+        for value in values:
+            size = struct.calcsize("<" + form)
+            if not self.ros1:
+                self.data += b"\0" * (-(len(self.data) - 4) % size)
+            self.data += struct.pack("<" + form, value)
+        return self
+
+    def text(self, text):
+        raw = text.encode() + (b"" if self.ros1 else b"\0")
+        self.put("I", len(raw))
+        self.data += raw
+        return self
+
+    def header(self, t):
+        if self.ros1:
+            self.put("I", 7)
+        return self.put("I", int(t), int(round(t % 1 * 1e9))).text("map")
+
+    def reals(self, values):
+        return self.put("I", len(values)).put("d", *values)
+
+    def texts(self, values):
+        self.put("I", len(values))
+        for value in values:
+            self.text(value)
+        return self
+
+
+def ros1_bag(messages, compression="none"):
+    """messages: (topic, type, seconds, bytes)."""
+    import bz2
+
+    def record(head, data):
+        fields = b"".join(struct.pack("<I", len(k) + 1 + len(v)) + k.encode() + b"=" + v for k, v in head.items())
+        return struct.pack("<I", len(fields)) + fields + struct.pack("<I", len(data)) + data
+
+    def connection(i, topic, kind):
+        inside = b"".join(struct.pack("<I", len(f)) + f for f in (b"topic=" + topic.encode(), b"type=" + kind.encode()))
+        return record({"op": b"\x07", "conn": struct.pack("<I", i), "topic": topic.encode()}, inside)
+
+    topics = list(dict.fromkeys((m[0], m[1]) for m in messages))
+    chunk = b"".join(connection(i, *topic) for i, topic in enumerate(topics))
+    for topic, kind, t, data in messages:
+        stamp = struct.pack("<II", int(t), int(round(t % 1 * 1e9)))
+        chunk += record({"op": b"\x02", "conn": struct.pack("<I", topics.index((topic, kind))), "time": stamp}, data)
+    packed = bz2.compress(chunk) if compression == "bz2" else chunk
+    return (b"#ROSBAG V2.0\n" + record({"op": b"\x03", "index_pos": bytes(8)}, b" " * 100) +
+            record({"op": b"\x05", "compression": compression.encode(), "size": struct.pack("<I", len(chunk))}, packed))
+
+
+def mcap_file(messages):
+    def record(op, data):
+        return bytes([op]) + struct.pack("<Q", len(data)) + data
+
+    def text(value):
+        return struct.pack("<I", len(value)) + value.encode()
+
+    topics = list(dict.fromkeys((m[0], m[1]) for m in messages))
+    out = b"\x89MCAP0\r\n" + record(1, text("ros2") + text("test"))
+    inside = b""
+    for i, (topic, kind) in enumerate(topics):
+        package, name = kind.split("/")
+        inside += record(3, struct.pack("<H", i + 1) + text(f"{package}/msg/{name}") + text("ros2msg") + text(""))
+        inside += record(4, struct.pack("<HH", i, i + 1) + text(topic) + text("cdr") + struct.pack("<I", 0))
+    for number, (topic, kind, t, data) in enumerate(messages):
+        ns = int(round(t * 1e9))
+        inside += record(5, struct.pack("<HIQQ", topics.index((topic, kind)), number, ns, ns) + data)
+    times = [int(round(m[2] * 1e9)) for m in messages]
+    chunk = struct.pack("<QQQI", min(times), max(times), len(inside), zlib.crc32(inside)) + text("") + struct.pack("<Q", len(inside))
+    out += record(6, chunk + inside) + record(15, struct.pack("<I", 0))
+    return out + record(2, struct.pack("<QQI", 0, 0, 0)) + b"\x89MCAP0\r\n"
+
+
+def bag_messages(ros1):
+    t, command, measured = servo_log(300)
+    joints = []
+    for a, b, c in zip(t + 50, command, measured):
+        joints.append(("/joint_states", "sensor_msgs/JointState", a,
+                       Cdr(ros1).header(a).texts(["arm", "wrist"]).reals([c, 0.5 * c]).reals([]).reals([]).data))
+        joints.append(("/commands", "std_msgs/Float64MultiArray", a + 0.001,
+                       Cdr(ros1).put("I", 0, 0).reals([b, 0.5 * b]).data))
+    walk, x, y, theta = [], 0.0, 0.0, 0.0
+    for k in range(400):
+        a = 100 + 0.05 * k
+        vx, omega = 0.4 + 0.1 * np.sin(k / 40), 0.5 * np.sin(k / 25)
+        walk.append(("/odom", "nav_msgs/Odometry", a, Cdr(ros1).header(a).text("base_link").put(
+            "d", x, y, 0, 0, 0, np.sin(theta / 2), np.cos(theta / 2), *[0] * 36, vx, 0, 0, 0, 0, omega, *[0] * 36).data))
+        walk.append(("/cmd_vel", "geometry_msgs/Twist", a, Cdr(ros1).put("d", vx, 0, 0, 0, 0, omega).data))
+        middle = theta + 0.025 * omega
+        x, y, theta = x + 0.95 * vx * 0.05 * np.cos(middle), y + 0.95 * vx * 0.05 * np.sin(middle), theta + 0.05 * omega
+    info = [("/camera/camera_info", "sensor_msgs/CameraInfo", 5.0, Cdr(ros1).header(5).put("I", 480, 640).text("plumb_bob")
+             .reals(list(D)).put("d", K[0], 0, K[2], 0, K[1], K[3], 0, 0, 1).data)]
+    return joints, walk, info
+
+
+def test_ros(folder):
+    for ros1, name in ((False, "two.mcap"), (True, "one.bag"), (True, "bz2.bag")):
+        joints, walk, info = bag_messages(ros1)
+
+        def write(messages):
+            data = ros1_bag(messages, "bz2" if "bz2" in name else "none") if ros1 else mcap_file(messages)
+            (folder / name).write_bytes(data)
+            return data
+
+        data = write(joints)
+        out = folder / f"joints-{name[:-5]}-{ros1}"
+        imported("ros", folder / name, out=out)
+        rows = rows_of(out / "joints.csv")
+        assert len(rows) == 2 * 299 and {r["joint"] for r in rows} == {"arm", "wrist"}, len(rows)
+        (folder / name).write_bytes(data[:len(data) // 2])
+        run("import", "ros", folder / name, "--out", folder / "cut", code=1)
+        write(walk)
+        out = folder / f"walk-{name[:-5]}-{ros1}"
+        imported("ros", folder / name, out=out)
+        run("add", "odometry_scale", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "o.yaml", "--json",
+            folder / "o.json")
+        found = json.loads((folder / "o.json").read_text())["parameters"]["vx_scale"]
+        assert abs(found["value"] + 0.05) < 2e-3, found
+        write(info)
+        out = folder / f"info-{name[:-5]}-{ros1}"
+        imported("ros", folder / name, out=out)
+        assert "fx_px: 400, fy_px: 405" in (out / "nominal.yaml").read_text()
+        write([m for m in walk if m[0] == "/cmd_vel"])
+        refused("ros", folder / name, out=folder / "alone", words=["/cmd_vel (geometry_msgs/Twist, 400 messages)", "--map"])
+
+
 # ---- real files
 
 
@@ -571,6 +707,7 @@ def test_samples(folder):
     imported("opencv", SAMPLES / "ros" / "camera_info.yaml", out=folder / "info")
     imported("euroc", SAMPLES / "euroc" / "V102_groundtruth_part.csv", out=folder / "euroc")
     imported("tum", SAMPLES / "euroc" / "tum_freiburg1_xyz_part.txt", out=folder / "tum")
+    imported("ros", SAMPLES / "ros" / "nav2_turtlebot.mcap", out=folder / "ros")
     imported("emva1288", SAMPLES / "emva1288" / "ccd_12bit" / "EMVA1288_Data.txt", out=folder / "emva")
 
 

@@ -33,6 +33,11 @@ const std::vector<ImportKind>& import_kinds() {
        .help = "Calib_Results.mat of the toolbox for MATLAB (save it with -v7)",
        .options = {"length-unit"},
        .fill = import_bouguet},
+      {.name = "ros",
+       .help = "a bag of ROS 2 (MCAP) or ROS 1: joints or a walk with commands, CameraInfo; "
+               "camera_info YAML",
+       .options = {"map", "unit", "time-unit", "board", "spacing", "length-unit", "size", "camera"},
+       .fill = import_ros},
       {.name = "euroc",
        .help = "an ASL folder or its ground truth, as poses; with a second trajectory as a walk",
        .options = {"size", "length-unit", "time-unit", "camera"},

@@ -183,7 +183,7 @@ void draft_walk(const std::vector<VelocityCommand>& commands, const std::vector<
         "found {} measured poses while commands were given, expected 4 or more: other clocks?",
         seen.size()));
   // A long walk in parts, so that some can be held out; each begins where it was measured.
-  const size_t runs = std::clamp<size_t>(seen.size() / 50, 1, 20);
+  const size_t runs = std::clamp<size_t>(seen.size() / 16, 1, 20);
   measurement::CsvWriter table(
       {"run", "time_s", "vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps", "x_m", "y_m", "theta_rad"});
   size_t next = 0, run = 0, in_run = 0, rows = 0;

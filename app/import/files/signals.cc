@@ -144,11 +144,11 @@ class JsonSignals {
       const json& columns = entry.is_array() && !entry.empty() ? entry.back() : entry;
       if (!is_list_of_numbers(columns)) continue;
       for (size_t c = 0; c < columns.size(); ++c) {
-        const auto at = columns[c].get<int64_t>();
+        const double at = columns[c].is_number() ? columns[c].get<double>() : -1;
         const std::string full = columns.size() == 1 ? name : fmt::format("{}[{}]", name, c);
         json list = json::array();
         for (const json& row : table) {
-          if (at < 0 || static_cast<size_t>(at) >= row.size())
+          if (!(at >= 0 && at < static_cast<double>(row.size())))
             throw InputError(
                 fmt::format("{}: signal_mapping: {}: found column {}, expected one of "
                             "{}",
