@@ -18,6 +18,10 @@ STREAM_FOLDER = "effects/stages/"
 # Words that are more than an effect's name.
 MEANT_OTHERWISE = {
     ("render/renderer.cc", "vignetting"): "the picture of the gain field, in `seam frame --stages`",
+    ("app/import/kinds/flats.cc", "exposure"): "a column's name in other people's tables",
+    ("app/import/kinds/kalibr.cc", "pinhole"): "Kalibr's own word for a camera model",
+    ("app/import/kinds/opencv.cc", "fisheye"): "OpenCV's and ROS's own word for a lens",
+    ("app/import/kinds/ros.cc", "fisheye"): "ROS's own word for a lens",
 }
 
 

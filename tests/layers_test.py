@@ -95,6 +95,8 @@ ROOMS = {
         "examples": [".", "vision", "localization", "team"],
     },
     "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."], "exchange": [],
+            "import/draft": ["exchange"], "import/files": [], "import/bags": [],
+            "import/kinds": ["import/draft", "import/files", "import/bags", "exchange"], "import": ["import/draft", "import/kinds"],
             "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
     "tools": {
         ".": [],
@@ -117,6 +119,8 @@ PRIVATE_HEADERS = {
     r"CLI/": {"app"},
     r"httplib": {"tools/viewer"},
     r"sqlite3": {"app/sweep"},
+    r"tinyxml2": {"app/import/files"},
+    r"(?:bzlib|lz4frame)": {"app/import/bags"},
 }
 BANNED = {
     r"\b(?:std::)?(?:rand|srand|drand48)\s*\(": "use sim_core/base/random.h: numbers keyed by (seed, stream, index)",

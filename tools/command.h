@@ -25,6 +25,7 @@ namespace seam::tools {
   X(fit)                 \
   X(frame)               \
   X(history)             \
+  X(import)              \
   X(measure)             \
   X(new_effect)          \
   X(replay)              \

@@ -25,6 +25,9 @@ nlohmann::json json_from_text(const std::string& text, const std::string& name,
   } catch (const nlohmann::json::parse_error& error) {
     throw InputError(
         fmt::format("{}: byte {}: found no JSON, expected {}", name, error.byte, expected));
+  } catch (const nlohmann::json::out_of_range&) {
+    throw InputError(
+        fmt::format("{}: holds a number that no double can, expected {}", name, expected));
   }
 }
 

@@ -30,5 +30,9 @@ TEST(JsonInput, DepthIsBounded) {
   EXPECT_EQ(message_of("[1,"), "r.json: byte 4: found no JSON, expected a result");
 }
 
+TEST(JsonInput, NumbersBeyondAllBoundsAreTheFilesFault) {
+  EXPECT_EQ(message_of("[1e309]"), "r.json: holds a number that no double can, expected a result");
+}
+
 }  // namespace
 }  // namespace seam

@@ -1,0 +1,265 @@
+#include "app/import/draft/points_draft.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "sim_core/base/error.h"
+
+namespace seam::app {
+namespace {
+
+// The image of a flat target as an affine map: its handedness tells which side is seen.
+double handedness(const SeenView& view) {
+  Eigen::MatrixXd a(view.corners.size(), 3);
+  Eigen::MatrixXd b(view.corners.size(), 2);
+  for (size_t i = 0; i < view.corners.size(); ++i) {
+    const SeenCorner& c = view.corners[i];
+    const auto row = static_cast<Eigen::Index>(i);
+    a.row(row) << c.p_W.x, c.p_W.y, 1;
+    b.row(row) << c.u_px, c.v_px;
+  }
+  const Eigen::MatrixXd x = a.colPivHouseholderQr().solve(b);
+  return x(0, 0) * x(1, 1) - x(0, 1) * x(1, 0);
+}
+
+bool is_flat(const SeenView& view) {
+  return std::all_of(view.corners.begin(), view.corners.end(),
+                     [](const SeenCorner& c) { return c.p_W.z == 0; });
+}
+
+// Of a flat target: the map from its plane to the image, from which the camera's centre is taken.
+Eigen::Matrix3d homography(const SeenView& view, double cx, double cy, double scale) {
+  double x0 = 0, y0 = 0, size = 0;
+  for (const SeenCorner& c : view.corners) x0 += c.p_W.x, y0 += c.p_W.y;
+  x0 /= static_cast<double>(view.corners.size()), y0 /= static_cast<double>(view.corners.size());
+  for (const SeenCorner& c : view.corners)
+    size = std::max({size, std::abs(c.p_W.x - x0), std::abs(c.p_W.y - y0)});
+  Eigen::MatrixXd a(2 * view.corners.size(), 9);
+  for (size_t i = 0; i < view.corners.size(); ++i) {
+    const SeenCorner& c = view.corners[i];
+    const double x = (c.p_W.x - x0) / size, y = (c.p_W.y - y0) / size;
+    const double u = (c.u_px - cx) / scale, v = (c.v_px - cy) / scale;
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    a.row(row) << x, y, 1, 0, 0, 0, -u * x, -u * y, -u;
+    a.row(row + 1) << 0, 0, 0, x, y, 1, -v * x, -v * y, -v;
+  }
+  const Eigen::MatrixXd squares = a.transpose() * a;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(squares);
+  const Eigen::VectorXd h = solver.eigenvectors().col(0);
+  Eigen::Matrix3d map;
+  map << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
+  return map;
+}
+
+void check_places(const std::vector<SeenView>& views, const std::string& file, SetDraft& draft) {
+  const double width = draft.camera.width_px, height = draft.camera.height_px;
+  double most_u = 0, most_v = 0;
+  size_t outside = 0, all = 0;
+  for (const SeenView& view : views) {
+    for (const SeenCorner& c : view.corners) {
+      most_u = std::max(most_u, c.u_px), most_v = std::max(most_v, c.v_px);
+      const bool inside = c.u_px > -1 && c.v_px > -1 && c.u_px < width && c.v_px < height;
+      outside += inside ? 0 : 1, ++all;
+    }
+  }
+  if (outside == 0) return;
+  if (most_u < height && most_v < width && most_v > height)
+    throw InputError(
+        fmt::format("{}: corners reach row {:.0f} of an image of {:.0f} x {:.0f} px and column "
+                    "{:.0f} only: u and v are exchanged, or the size is that of the image turned",
+                    file, most_v, width, height, most_u));
+  if (outside * 10 > all)
+    throw InputError(fmt::format("{}: {} of {} corners lie outside the image of {:.0f} x {:.0f} px",
+                                 file, outside, all, width, height));
+  draft.warn(fmt::format("{} of {} corners lie outside the image of {:.0f} x {:.0f} px", outside,
+                         all, width, height));
+}
+
+void check_views(const std::vector<SeenView>& views, SetDraft& draft) {
+  size_t mirrored = 0, flat = 0, repeated = 0;
+  std::string first_mirrored, first_repeated;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const SeenView& view = views[i];
+    if (view.corners.size() >= 4 && is_flat(view)) {
+      ++flat;
+      if (handedness(view) < 0) {
+        ++mirrored;
+        if (first_mirrored.empty()) first_mirrored = view.name;
+      }
+    }
+    const auto same = [](const SeenCorner& a, const SeenCorner& b) {
+      return a.point == b.point && a.u_px == b.u_px && a.v_px == b.v_px;
+    };
+    if (i > 0 && !view.corners.empty() &&
+        std::equal(view.corners.begin(), view.corners.end(), views[i - 1].corners.begin(),
+                   views[i - 1].corners.end(), same)) {
+      ++repeated;
+      if (first_repeated.empty()) first_repeated = view.name;
+    }
+  }
+  if (repeated > 0)
+    draft.warn(
+        fmt::format("{} views repeat the one before to the last digit, the first is {}: a "
+                    "frame that was stored twice",
+                    repeated, first_repeated));
+  if (mirrored > 0 && mirrored < flat)
+    draft.warn(fmt::format(
+        "{} of {} views show the target mirrored against the others, the first is {}: its corners "
+        "are numbered from another end there",
+        mirrored, flat, first_mirrored));
+}
+
+}  // namespace
+
+std::vector<Vec3> board_points(int columns, int rows, double spacing_x_m, double spacing_y_m) {
+  std::vector<Vec3> points;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column)
+      points.emplace_back(column * spacing_x_m, row * spacing_y_m, 0.0);
+  }
+  return points;
+}
+
+std::vector<Vec3> board_of(const ImportRequest& request, const std::string& why) {
+  if (request.board_columns == 0 || request.spacing_m == 0)
+    throw UsageError(
+        fmt::format("{}: give --board COLUMNSxROWS (its corners) and --spacing METRES", why));
+  check_spacing(request.spacing_m, "--spacing", request);
+  return board_points(request.board_columns, request.board_rows, request.spacing_m,
+                      request.spacing_m);
+}
+
+void check_spacing(double spacing_m, const std::string& where, const ImportRequest& request) {
+  constexpr double kMost_m = 1.5;
+  if (!(spacing_m > 0) || !std::isfinite(spacing_m))
+    throw InputError(fmt::format("{}: found {}, expected a distance above 0", where, spacing_m));
+  if (spacing_m > kMost_m && request.length_unit.empty())
+    throw InputError(
+        fmt::format("{}: found {} m between the target's corners, which looks like millimetres; "
+                    "say it, --length-unit mm, or --length-unit m where it is right",
+                    where, spacing_m));
+}
+
+double focal_length_from(const std::vector<SeenView>& views, int width_px, int height_px) {
+  // Zhang: the columns of each view's map are orthogonal and equally long on the image of the
+  // absolute conic, diag(1 / f^2, 1 / f^2, 1) with the principal point at 0.
+  std::vector<double> found;
+  const double scale = 0.5 * width_px;
+  for (const SeenView& view : views) {
+    if (view.corners.size() < 6 || !is_flat(view)) continue;
+    const Eigen::Matrix3d h = homography(view, 0.5 * (width_px - 1), 0.5 * (height_px - 1), scale);
+    const double a1 = h(0, 0) * h(0, 1) + h(1, 0) * h(1, 1), b1 = -h(2, 0) * h(2, 1);
+    const double a2 = h(0, 0) * h(0, 0) + h(1, 0) * h(1, 0) - h(0, 1) * h(0, 1) - h(1, 1) * h(1, 1);
+    const double b2 = h(2, 1) * h(2, 1) - h(2, 0) * h(2, 0);
+    const double inverse = (a1 * b1 + a2 * b2) / (a1 * a1 + a2 * a2);  // 1 / f^2.
+    if (inverse > 0.01 && inverse < 100) found.push_back(scale / std::sqrt(inverse));
+  }
+  if (found.empty()) return 0;
+  std::sort(found.begin(), found.end());
+  return found[found.size() / 2];
+}
+
+void draft_views(const std::vector<SeenView>& views, bool times_known, const PlainCamera* camera,
+                 const std::string& file, SetDraft& draft) {
+  draft.kind = "points";
+  draft.group = "frame";
+  draft.rig = "{pose: unknown}";
+  check_places(views, file, draft);
+  check_views(views, draft);
+  bool weighted = false;
+  size_t count = 0;
+  std::set<size_t> points;
+  for (const SeenView& view : views) {
+    for (const SeenCorner& c : view.corners) {
+      weighted = weighted || c.weight != 1;
+      points.insert(c.point);
+    }
+    count += view.corners.size();
+  }
+  std::vector<std::string> columns = {"frame", "time_s", "point", "x_m",
+                                      "y_m",   "z_m",    "u_px",  "v_px"};
+  if (weighted) columns.emplace_back("weight");
+  measurement::CsvWriter table(columns);
+  for (size_t i = 0; i < views.size(); ++i) {
+    const std::string time = times_known ? seconds_text(views[i].time_ns) : fmt::format("{}", i);
+    for (const SeenCorner& c : views[i].corners) {
+      std::vector<std::string> cells = {views[i].name,  time,           fmt::format("{}", c.point),
+                                        exact(c.p_W.x), exact(c.p_W.y), exact(c.p_W.z),
+                                        exact(c.u_px),  exact(c.v_px)};
+      if (weighted) cells.push_back(exact(c.weight));
+      table.row(cells);
+    }
+  }
+  draft.add_table("points", table);
+  draft.did(fmt::format("{} corners in {} views of a target of {} points", count, views.size(),
+                        points.size()));
+  if (!times_known)
+    draft.could_not_know(
+        "when the views were taken: numbered by seconds, which says nothing of time");
+  draft.could_not_know("the noise of the corners: it is estimated");
+  draft.could_not_know("where the camera was: each view's pose is estimated with the model");
+  if (camera != nullptr) {
+    draft.effects = effects_of(*camera);
+    draft.did("the nominal model is the calibration as it stands, its numbers fixed");
+    return;
+  }
+  double f = focal_length_from(views, draft.camera.width_px, draft.camera.height_px);
+  if (f == 0) f = draft.camera.width_px;
+  draft.effects = fmt::format(
+      "  pinhole: {{fx_px: {{value: {0:.1f}, free: true}}, fy_px: {{value: {0:.1f}, free: true}}, "
+      "cx_px: {{value: {1}, free: true}}, cy_px: {{value: {2}, free: true}}}}\n",
+      f, exact(0.5 * (draft.camera.width_px - 1)), exact(0.5 * (draft.camera.height_px - 1)));
+  draft.did(fmt::format(
+      "the nominal model is a perspective camera of {:.0f} px focal length, told from the views; "
+      "its four numbers are free",
+      f));
+}
+
+void draft_protocol(const PlainCamera& camera, const ImportRequest& request, SetDraft& draft) {
+  constexpr int kViews = 24;
+  const bool given = request.board_columns > 0;
+  const int columns = given ? request.board_columns : 9, rows = given ? request.board_rows : 6;
+  const double spacing_m = request.spacing_m > 0 ? request.spacing_m : 0.03;
+  check_spacing(spacing_m, "--spacing", request);
+  const auto points = board_points(columns, rows, spacing_m, spacing_m);
+  const Vec3 middle(0.5 * (columns - 1) * spacing_m, 0.5 * (rows - 1) * spacing_m, 0.0);
+  draft.kind = "points";
+  draft.group = "frame";
+  draft.rig = "{pose: unknown}";
+  measurement::CsvWriter table({"frame", "time_s", "point", "x_m", "y_m", "z_m"});
+  measurement::CsvWriter poses({"time_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"});
+  // The board fills about half of the image, turned to all sides by up to 35 degrees.
+  const double far_m = 2 * (columns - 1) * spacing_m * camera.lens.fx_px / camera.width_px;
+  for (int view = 0; view < kViews; ++view) {
+    const double turn = 2.399963229728653 * view;  // The golden angle.
+    const double tilt = 0.6 * std::sqrt((view + 0.5) / kViews);
+    const Vec3 axis(std::cos(turn), std::sin(turn), 0.0);
+    // The camera looks along its z: from behind the plane, so that x is right and y is down.
+    const double w = std::cos(0.5 * tilt), s = std::sin(0.5 * tilt);
+    const Vec3 forward(axis.y * std::sin(tilt), -axis.x * std::sin(tilt), std::cos(tilt));
+    const Vec3 shift(0.15 * far_m * std::cos(2.1 * view) * camera.width_px / camera.lens.fx_px,
+                     0.15 * far_m * std::sin(2.1 * view) * camera.height_px / camera.lens.fy_px,
+                     0.0);
+    const Vec3 p = middle - (far_m * (1 + 0.25 * std::sin(1.3 * view))) * forward + shift;
+    poses.row({fmt::format("{}", view), fmt::format("{:.6f}", p.x), fmt::format("{:.6f}", p.y),
+               fmt::format("{:.6f}", p.z), fmt::format("{:.9f}", w),
+               fmt::format("{:.9f}", s * axis.x), fmt::format("{:.9f}", s * axis.y), "0"});
+    for (size_t i = 0; i < points.size(); ++i)
+      table.row({fmt::format("{}", view), fmt::format("{}", view), fmt::format("{}", i),
+                 exact(points[i].x), exact(points[i].y), exact(points[i].z)});
+  }
+  draft.add_table("points", table);
+  draft.add_table("poses", poses);
+  draft.effects = effects_of(camera);
+  draft.did(fmt::format(
+      "the files hold a calibration and no corners: a protocol of {} views of a board of {} x {} "
+      "corners, {} m apart{}, for `seam measure`",
+      kViews, columns, rows, exact(spacing_m), given ? "" : " (taken for granted)"));
+  draft.did("the nominal model is the calibration as it stands, its numbers fixed");
+  draft.could_not_know("the corners that the calibration was made from");
+}
+
+}  // namespace seam::app

@@ -1,0 +1,37 @@
+// What a user asks of an import, whatever the kind: files, and what the files do not say of
+// themselves.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace seam::app {
+
+struct ImportRequest {
+  std::vector<std::filesystem::path> sources;
+  // What a quantity is called in the files, by our name for it.
+  std::map<std::string, std::string> names;
+  std::string unit;                       // Of angles; empty: not given.
+  std::string time_unit;                  // Likewise.
+  std::string length_unit;                // Likewise.
+  int board_columns = 0, board_rows = 0;  // Corners of a target; 0: not given.
+  double spacing_m = 0;                   // Between them; 0: not given.
+  int width_px = 0, height_px = 0;        // Of the images; 0: not given.
+  std::string camera;                     // Which one, or which robot's.
+  std::string pattern;                    // Of a target.
+
+  // The file's name of a quantity: the user's, else empty.
+  std::string name_of(const std::string& quantity) const {
+    const auto found = names.find(quantity);
+    return found == names.end() ? "" : found->second;
+  }
+};
+
+// Factors to radians, to metres and to nanoseconds. Throw UsageError for an unknown unit.
+double radians_in(const std::string& unit);       // rad, mrad, deg, turns, ticks:N (N a turn).
+double metres_in(const std::string& unit);        // m, cm, mm, um, in.
+int64_t nanoseconds_in(const std::string& unit);  // s, ms, us, ns.
+
+}  // namespace seam::app

@@ -1,0 +1,24 @@
+// numpy's archives (.npz: a zip of .npy), in memory and bounded.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace seam::app {
+
+struct NpyArray {
+  std::vector<size_t> shape;   // Empty: a number alone.
+  std::vector<double> values;  // Row by row; empty where it holds text.
+  std::string text;            // Of an array of text, its first.
+
+  size_t size(size_t dimension) const { return dimension < shape.size() ? shape[dimension] : 1; }
+};
+
+// Arrays of numbers and of text by name; others (of objects) are left out. Throws InputError.
+std::map<std::string, NpyArray> read_npz(const std::string& bytes, const std::string& name);
+
+// RFC 1924's alphabet, as Python's base64.b85encode. Throws InputError for other characters.
+std::string base85_decoded(const std::string& text, const std::string& name);
+
+}  // namespace seam::app

@@ -1,0 +1,229 @@
+#include "app/import/files/signals.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "app/import/files/source_file.h"
+#include "app/import/files/text_table.h"
+#include "sim_core/base/error.h"
+#include "sim_core/input/json_input.h"
+
+namespace seam::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr size_t kMaxSignals = 1000;
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_list_of(const json& value, bool (json::*is)() const noexcept) {
+  return value.is_array() && !value.empty() &&
+         std::all_of(value.begin(), value.end(), [&](const json& item) { return (item.*is)(); });
+}
+bool is_list_of_objects(const json& value) {
+  return is_list_of(value, &json::is_object);
+}
+bool is_list_of_numbers(const json& value) {
+  return value.is_array() && !value.empty() &&
+         std::all_of(value.begin(), value.end(),
+                     [](const json& item) { return item.is_number() || item.is_boolean(); });
+}
+bool is_table_of_numbers(const json& value) {
+  return value.is_array() && !value.empty() &&
+         std::all_of(value.begin(), value.end(), is_list_of_numbers);
+}
+
+// Reads one JSON value into a log.
+class JsonSignals {
+ public:
+  JsonSignals(SignalLog& log, const json& root) : log_(log) {
+    const json* rows = rows_in(root, "");
+    if (rows != nullptr) {
+      for (size_t i = 0; i < rows->size(); ++i) add_row((*rows)[i], i);
+      log_.constants.erase("");
+    } else {
+      add_columns(root, "");
+    }
+    for (auto& column : log_.values) column.resize(log_.rows(), kNone);
+  }
+
+ private:
+  // The first list of objects, from the outside inwards; numbers beside it are constants.
+  const json* rows_in(const json& value, const std::string& name) {
+    if (is_list_of_objects(value)) {
+      list_ = name;
+      return &value;
+    }
+    if (!value.is_object()) return nullptr;
+    for (const auto& [key, child] : value.items()) {
+      if (child.is_number()) log_.constants[key] = child.get<double>();
+      if (child.is_boolean()) log_.constants[key] = child.get<bool>() ? 1 : 0;
+    }
+    for (const auto& [key, child] : value.items()) {
+      if (const json* rows = rows_in(child, name.empty() ? key : name + "." + key)) return rows;
+    }
+    return nullptr;
+  }
+
+  std::vector<double>& column(const std::string& name) {
+    const auto [found, is_new] = place_.try_emplace(name, log_.names.size());
+    if (is_new) {
+      if (log_.names.size() >= kMaxSignals)
+        throw InputError(fmt::format("{}: more than {} signals", log_.file, kMaxSignals));
+      log_.names.push_back(name);
+      log_.values.emplace_back();
+    }
+    return log_.values[found->second];
+  }
+
+  void set(const std::string& name, size_t row, const json& value) {
+    if (value.is_object()) {
+      for (const auto& [key, child] : value.items()) set(name + "." + key, row, child);
+    } else if (value.is_array()) {
+      for (size_t i = 0; i < value.size(); ++i) set(fmt::format("{}[{}]", name, i), row, value[i]);
+    } else if (value.is_string()) {
+      auto& words = log_.texts[name];
+      words.resize(row + 1);
+      words[row] = value.get<std::string>();
+    } else {
+      std::vector<double>& values = column(name);
+      values.resize(row, kNone);
+      values.push_back(value.is_number()    ? value.get<double>()
+                       : value.is_boolean() ? (value.get<bool>() ? 1.0 : 0.0)
+                                            : kNone);
+    }
+  }
+
+  void add_row(const json& row, size_t number) {
+    log_.places.push_back(fmt::format("{}: {}[{}]", log_.file, list_, number));
+    for (const auto& [key, value] : row.items()) set(key, number, value);
+  }
+
+  void add_list(const std::string& name, const json& list, const std::string& within) {
+    if (log_.places.empty()) {
+      for (size_t i = 0; i < list.size(); ++i)
+        log_.places.push_back(fmt::format("{}: row {}", log_.file, i));
+    }
+    if (list.size() != log_.places.size())
+      throw InputError(fmt::format("{}: {}{}: found {} values, expected {} as in the lists before",
+                                   log_.file, within, name, list.size(), log_.places.size()));
+    for (size_t i = 0; i < list.size(); ++i) set(name, i, list[i]);
+  }
+
+  void add_columns(const json& value, const std::string& within) {
+    if (!value.is_object()) return;
+    const json* mapping = value.contains("signal_mapping") ? &value["signal_mapping"] : nullptr;
+    for (const auto& [key, child] : value.items()) {
+      if (&child == mapping) continue;
+      if (mapping != nullptr && is_table_of_numbers(child)) {
+        add_mapped(*mapping, child);
+      } else if (is_list_of_numbers(child) || is_table_of_numbers(child)) {
+        add_list(key, child, within);
+      } else if (is_list_of(child, &json::is_string)) {
+        log_.texts[key] = child.get<std::vector<std::string>>();
+      } else if (child.is_object()) {
+        add_columns(child, within + key + ".");
+      } else if (child.is_number()) {
+        log_.constants[key] = child.get<double>();
+      }
+    }
+  }
+
+  // A matrix with the names of its columns beside it: {NAME: [TYPE, [COLUMN, ...]]}.
+  void add_mapped(const json& mapping, const json& table) {
+    if (!mapping.is_object()) return add_list("data", table, "");
+    for (const auto& [name, entry] : mapping.items()) {
+      const json& columns = entry.is_array() && !entry.empty() ? entry.back() : entry;
+      if (!is_list_of_numbers(columns)) continue;
+      for (size_t c = 0; c < columns.size(); ++c) {
+        const double at = columns[c].is_number() ? columns[c].get<double>() : -1;
+        const std::string full = columns.size() == 1 ? name : fmt::format("{}[{}]", name, c);
+        json list = json::array();
+        for (const json& row : table) {
+          if (!(at >= 0 && at < static_cast<double>(row.size())))
+            throw InputError(
+                fmt::format("{}: signal_mapping: {}: found column {}, expected one of "
+                            "{}",
+                            log_.file, name, at, row.size()));
+          list.push_back(row[static_cast<size_t>(at)]);
+        }
+        add_list(full, list, "");
+      }
+    }
+  }
+
+  SignalLog& log_;
+  std::string list_;
+  std::map<std::string, size_t> place_;
+};
+
+void read_table(SignalLog& log, std::string text) {
+  const TextTable table = TextTable::from_text(std::move(text), log.file);
+  if (table.columns().empty())
+    throw InputError(fmt::format("{}:{}: found no names of columns, expected a header", log.file,
+                                 table.line(0)));
+  for (size_t row = 0; row < table.rows(); ++row)
+    log.places.push_back(fmt::format("{}:{}", log.file, table.line(row)));
+  for (size_t c = 0; c < table.width(); ++c) {
+    std::vector<double> values;
+    std::vector<int64_t> ns;
+    std::vector<std::string> words;
+    size_t numbers = 0;
+    for (size_t row = 0; row < table.rows(); ++row) {
+      double value = kNone;
+      int64_t exact = 0;
+      const std::string text_of_cell = lower(std::string(table.cell(row, c)));
+      if (text_of_cell == "true" || text_of_cell == "false") value = text_of_cell == "true" ? 1 : 0;
+      numbers += parse_number(text_of_cell, value) || !std::isnan(value);
+      parse_time_ns(text_of_cell, 1'000'000'000, exact);
+      values.push_back(value), ns.push_back(exact);
+      words.emplace_back(table.cell(row, c));
+    }
+    const std::string& name = table.columns()[c];
+    if (numbers * 2 < table.rows()) log.texts[name] = std::move(words);
+    if (numbers == 0) continue;
+    log.names.push_back(name);
+    log.values.push_back(std::move(values));
+    log.exact_ns.push_back(std::move(ns));
+  }
+}
+
+}  // namespace
+
+int SignalLog::find(const std::vector<std::string>& wanted) const {
+  for (const std::string& name : wanted) {
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (lower(names[i]) == lower(name)) return static_cast<int>(i);
+    }
+  }
+  return -1;
+}
+
+SignalLog signals_of_text(std::string text, const std::string& name) {
+  SignalLog log{.file = name};
+  const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first != std::string::npos && (text[first] == '{' || text[first] == '[')) {
+    const json root = json_from_text(text, name, "a log of signals");
+    JsonSignals(log, root);
+    if (log.rows() == 0 || log.names.empty())
+      throw InputError(fmt::format(
+          "{}: found no list of samples, expected a list of objects or equally long lists", name));
+  } else {
+    read_table(log, std::move(text));
+  }
+  return log;
+}
+
+SignalLog read_signals(const std::filesystem::path& path) {
+  return signals_of_text(read_source(path), path.string());
+}
+
+}  // namespace seam::app

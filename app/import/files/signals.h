@@ -1,0 +1,31 @@
+// Logs of named signals, from CSV or JSON: a column a signal, a row an instant.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace seam::app {
+
+struct SignalLog {
+  std::string file;
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> values;     // By signal, NaN where a row has none.
+  std::vector<std::vector<int64_t>> exact_ns;  // By signal, of seconds: what a double cannot hold.
+  std::map<std::string, std::vector<std::string>> texts;  // Signals that are words.
+  std::map<std::string, double> constants;  // What stands once for the whole log (JSON).
+  std::vector<std::string> places;          // "file:line" or "file: entries[3]" of each row.
+
+  size_t rows() const { return places.size(); }
+  // The place of a signal, without regard to case, -1 where none of the names is there.
+  int find(const std::vector<std::string>& names) const;
+};
+
+// CSV by its rows; JSON as a list of objects (anywhere in it), as an object of equally long lists,
+// or with such lists in objects below. Lists in rows become signals NAME[0], NAME[1]. Throws
+// InputError.
+SignalLog read_signals(const std::filesystem::path& path);
+SignalLog signals_of_text(std::string text, const std::string& name);
+
+}  // namespace seam::app

@@ -1,0 +1,59 @@
+// Tables of other programs as text: separated by commas, semicolons, tabulators or blanks, with or
+// without a header, with comments. Cells stay text until somebody asks for a number, so that an
+// error can name file, line and column.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace seam::app {
+
+class TextTable {
+ public:
+  // Throws InputError for a file without rows and for ragged rows.
+  static TextTable read(const std::filesystem::path& path);
+  static TextTable from_text(std::string text, const std::string& name);
+
+  const std::string& file() const { return file_; }
+  size_t rows() const { return lines_.size(); }
+  size_t width() const { return width_; }
+  // Of the header, or of the last comment above the rows where it has as many words as they have;
+  // empty where neither is there.
+  const std::vector<std::string>& columns() const { return columns_; }
+  int line(size_t row) const { return lines_[row]; }
+
+  // The place of the first of these names, without regard to case; -1 where none is there.
+  int find(const std::vector<std::string>& names) const;
+
+  std::string_view cell(size_t row, size_t column) const;
+  // A finite number; throws for anything else.
+  double number(size_t row, size_t column) const;
+  // NaN for a blank cell, "nan" and "-".
+  double number_or_blank(size_t row, size_t column) const;
+  // A time in units of `unit_ns`, exact where it is a plain decimal.
+  int64_t time_ns(size_t row, size_t column, int64_t unit_ns) const;
+
+  std::string column_name(size_t column) const;
+  [[noreturn]] void fail(size_t row, size_t column, std::string_view expected) const;
+
+ private:
+  void take_header(const std::vector<std::string>& words);
+
+  std::string file_;
+  std::unique_ptr<const std::string> text_;  // Stays where it is when the table moves.
+  std::vector<std::string> columns_;
+  std::vector<std::string_view> cells_;  // Into the text.
+  std::vector<int> lines_;
+  size_t width_ = 0;
+};
+
+// A plain decimal number and nothing else, finite; false for anything else.
+bool parse_number(std::string_view text, double& value);
+// A decimal in units of `unit_ns`; false where it is no number or beyond what 64 bits hold.
+bool parse_time_ns(std::string_view text, int64_t unit_ns, int64_t& ns);
+
+}  // namespace seam::app

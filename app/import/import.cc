@@ -1,0 +1,77 @@
+#include "app/import/import.h"
+
+#include <fmt/ranges.h>
+
+#include "app/import/kinds/kinds.h"
+#include "sim_core/base/error.h"
+
+namespace seam::app {
+
+const std::vector<ImportKind>& import_kinds() {
+  static const std::vector<ImportKind> kinds = {
+      {.name = "servo",
+       .help = "logs of commanded and measured angles: CSV or JSON, a file a run",
+       .options = {"map", "unit", "time-unit"},
+       .fill = import_servo},
+      {.name = "ranges",
+       .help = "ranges to beacons, their places and a path: the Plaza sets' .mat, or three CSV",
+       .options = {"map", "unit", "time-unit", "length-unit"},
+       .fill = import_ranges},
+      {.name = "opencv",
+       .help = "corners and calibration in YAML or XML of cv::FileStorage, camera_info YAML",
+       .options = {"map", "board", "spacing", "length-unit", "size"},
+       .fill = import_opencv},
+      {.name = "kalibr",
+       .help = "a camchain, a target YAML, corners as CSV",
+       .options = {"map", "board", "spacing", "length-unit", "time-unit", "size", "camera"},
+       .fill = import_kalibr},
+      {.name = "mrcal",
+       .help = "corners as .vnl and a .cameramodel, or a .cameramodel with its inputs",
+       .options = {"board", "spacing", "length-unit", "size", "camera"},
+       .fill = import_mrcal},
+      {.name = "bouguet",
+       .help = "Calib_Results.mat of the toolbox for MATLAB (save it with -v7)",
+       .options = {"length-unit"},
+       .fill = import_bouguet},
+      {.name = "ros",
+       .help = "a bag of ROS 2 (MCAP) or ROS 1: joints or a walk with commands, CameraInfo; "
+               "camera_info YAML",
+       .options = {"map", "unit", "time-unit", "board", "spacing", "length-unit", "size", "camera"},
+       .fill = import_ros},
+      {.name = "euroc",
+       .help = "an ASL folder or its ground truth, as poses; with a second trajectory as a walk",
+       .options = {"size", "length-unit", "time-unit", "camera"},
+       .fill = import_euroc},
+      {.name = "tum",
+       .help = "a trajectory 'time x y z qx qy qz qw' as poses; with a second one as a walk",
+       .options = {"size", "length-unit", "time-unit"},
+       .fill = import_tum},
+      {.name = "emva1288",
+       .help = "a series by its descriptor text, with PNG or TIFF images of 8 to 16 bits",
+       .options = {},
+       .fill = import_emva1288},
+      {.name = "flats",
+       .help =
+           "a folder of flat fields and darks: PNG, TIFF, FITS; exposures from CSV, FITS, EXIF, "
+           "names",
+       .options = {"map", "time-unit"},
+       .fill = import_flats},
+  };
+  return kinds;
+}
+
+std::string import_set(const ImportKind& kind, const ImportRequest& request,
+                       const std::string& title, const std::filesystem::path& out) {
+  std::vector<std::string> names;
+  for (const auto& source : request.sources) names.push_back(source.filename().string());
+  std::string from = fmt::format(
+      "{}", fmt::join(names.begin(), names.begin() + std::min<size_t>(names.size(), 4), ", "));
+  if (names.size() > 4) from += fmt::format(" and {} more", names.size() - 4);
+  SetDraft draft(out);
+  kind.fill(request, draft);
+  draft.title = title.empty() ? fmt::format("Imported from {} ({})", from, kind.name) : title;
+  draft.finish(from);
+  return draft.text();
+}
+
+}  // namespace seam::app

@@ -1,0 +1,26 @@
+// `seam import`: from the files that people have to a measurement set with a nominal model.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/import/draft/request.h"
+#include "app/import/draft/set_draft.h"
+
+namespace seam::app {
+
+struct ImportKind {
+  std::string name;
+  std::string help;                  // What it reads, for the list of kinds.
+  std::vector<std::string> options;  // Those of the command that mean something to it.
+  void (*fill)(const ImportRequest& request, SetDraft& draft) = nullptr;
+};
+
+const std::vector<ImportKind>& import_kinds();
+
+// Writes the set; returns what was done, for people. Throws InputError with nothing written, or
+// UsageError where the request does not fit the kind.
+std::string import_set(const ImportKind& kind, const ImportRequest& request,
+                       const std::string& title, const std::filesystem::path& out);
+
+}  // namespace seam::app

@@ -1,0 +1,364 @@
+// `seam import ros`: joints with their commands, walks with theirs, or a camera's calibration, from
+// bags of ROS 1 and 2.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "app/import/draft/calibration.h"
+#include "app/import/draft/checks.h"
+#include "app/import/draft/points_draft.h"
+#include "app/import/draft/walk_draft.h"
+#include "app/import/bags/ros_bag.h"
+#include "app/import/kinds/kinds.h"
+#include "sim_core/base/error.h"
+
+namespace seam::app {
+namespace {
+
+struct JointSampleRow {
+  int64_t log_ns = 0, stamp_ns = 0;
+  std::vector<std::string> names;
+  std::vector<double> positions;
+};
+struct PoseRow {
+  int64_t log_ns = 0;
+  StampedPose pose;
+};
+
+// All that is understood of a bag, by the place of its topic.
+struct BagData {
+  std::vector<BagTopic> topics;
+  std::map<size_t, std::vector<JointSampleRow>> joints;
+  std::map<size_t, std::vector<PoseRow>> odometry, poses;
+  std::map<size_t, std::vector<VelocityCommand>> twists;  // By the time of recording.
+  std::map<size_t, PlainCamera> cameras;
+};
+
+int64_t stamp_or_log(const RosMessage::Header& header, int64_t log_ns) {
+  return header.stamp_ns != 0 ? header.stamp_ns : log_ns;
+}
+
+class BagReader {
+ public:
+  BagReader(BagData& data, SetDraft& draft) : data_(data), draft_(draft) {}
+
+  void take(size_t topic, int64_t log_ns, std::string_view bytes, RosForm form) {
+    const BagTopic& of = data_.topics[topic];
+    const auto reader = kReaders.find(of.type);
+    if (reader == kReaders.end()) return;
+    RosMessage message(bytes, form, of.name);
+    (this->*reader->second)(topic, log_ns, message);
+  }
+
+ private:
+  using Read = void (BagReader::*)(size_t, int64_t, RosMessage&);
+  static const std::map<std::string, Read> kReaders;
+
+  static StampedPose pose_in(RosMessage& message, int64_t ns, const std::string& topic) {
+    StampedPose pose{.ns = ns, .p = message.vec3(), .q = message.quaternion()};
+    const double length = std::sqrt(pose.q[0] * pose.q[0] + pose.q[1] * pose.q[1] +
+                                    pose.q[2] * pose.q[2] + pose.q[3] * pose.q[3]);
+    if (!std::isfinite(pose.p.x + pose.p.y + pose.p.z) || !(std::abs(length - 1) < 0.05))
+      throw InputError(
+          fmt::format("{}: at {} s: found a pose that is none (NaN, or a quaternion of "
+                      "length {:.3g})",
+                      topic, seconds_text(ns), length));
+    return pose;
+  }
+
+  void joint_state(size_t topic, int64_t log_ns, RosMessage& message) {
+    const auto header = message.header();
+    auto names = message.texts();
+    auto positions = message.reals();
+    data_.joints[topic].push_back(
+        {log_ns, stamp_or_log(header, log_ns), std::move(names), std::move(positions)});
+  }
+  void joint_trajectory(size_t topic, int64_t log_ns, RosMessage& message) {
+    message.header();
+    auto names = message.texts();
+    if (message.count(16) == 0) return;
+    auto positions = message.reals();
+    data_.joints[topic].push_back({log_ns, log_ns, std::move(names), std::move(positions)});
+  }
+  void numbers(size_t topic, int64_t log_ns, RosMessage& message) {
+    for (uint32_t left = message.count(12); left > 0; --left) {
+      message.text();
+      message.number(), message.number();
+    }
+    message.number();
+    data_.joints[topic].push_back({log_ns, log_ns, {}, message.reals()});
+  }
+  void one_number(size_t topic, int64_t log_ns, RosMessage& message) {
+    data_.joints[topic].push_back({log_ns, log_ns, {}, {message.real()}});
+  }
+  void odometry(size_t topic, int64_t log_ns, RosMessage& message) {
+    const auto header = message.header();
+    message.text();
+    data_.odometry[topic].push_back(
+        {log_ns, pose_in(message, stamp_or_log(header, log_ns), data_.topics[topic].name)});
+  }
+  void pose(size_t topic, int64_t log_ns, RosMessage& message) {
+    const auto header = message.header();
+    data_.poses[topic].push_back(
+        {log_ns, pose_in(message, stamp_or_log(header, log_ns), data_.topics[topic].name)});
+  }
+  void transform(size_t topic, int64_t log_ns, RosMessage& message) {
+    const auto header = message.header();
+    message.text();
+    data_.poses[topic].push_back(
+        {log_ns, pose_in(message, stamp_or_log(header, log_ns), data_.topics[topic].name)});
+  }
+  void twist(size_t topic, int64_t log_ns, RosMessage& message) {
+    const Vec3 linear = message.vec3(), angular = message.vec3();
+    if (!std::isfinite(linear.x + linear.y + angular.z))
+      throw InputError(fmt::format("{}: at {} s: found a velocity that is not finite",
+                                   data_.topics[topic].name, seconds_text(log_ns)));
+    data_.twists[topic].push_back({log_ns, linear.x, linear.y, angular.z});
+  }
+  void twist_stamped(size_t topic, int64_t log_ns, RosMessage& message) {
+    message.header();
+    twist(topic, log_ns, message);
+  }
+  void camera_info(size_t topic, int64_t, RosMessage& message) {
+    if (data_.cameras.contains(topic)) return;
+    message.header();
+    PlainCamera camera{.name = data_.topics[topic].name};
+    camera.height_px = static_cast<int>(message.number() & 0x7FFFFFFF);
+    camera.width_px = static_cast<int>(message.number() & 0x7FFFFFFF);
+    const std::string model = message.text();
+    const auto d = message.reals();
+    camera.lens.fx_px = message.real();
+    message.skip_reals(1);
+    camera.lens.cx_px = message.real();
+    message.skip_reals(1);
+    camera.lens.fy_px = message.real(), camera.lens.cy_px = message.real();
+    if (camera.lens.fx_px == 0) return;  // Not calibrated.
+    take_coefficients(d, model == "equidistant" || model == "fisheye", camera.name, camera.lens,
+                      draft_);
+    check_camera(camera, camera.name);
+    data_.cameras[topic] = camera;
+  }
+
+  BagData& data_;
+  SetDraft& draft_;
+};
+
+const std::map<std::string, BagReader::Read> BagReader::kReaders = {
+    {"sensor_msgs/JointState", &BagReader::joint_state},
+    {"trajectory_msgs/JointTrajectory", &BagReader::joint_trajectory},
+    {"std_msgs/Float64MultiArray", &BagReader::numbers},
+    {"std_msgs/Float64", &BagReader::one_number},
+    {"nav_msgs/Odometry", &BagReader::odometry},
+    {"geometry_msgs/PoseStamped", &BagReader::pose},
+    {"geometry_msgs/PoseWithCovarianceStamped", &BagReader::pose},
+    {"geometry_msgs/TransformStamped", &BagReader::transform},
+    {"geometry_msgs/Twist", &BagReader::twist},
+    {"geometry_msgs/TwistStamped", &BagReader::twist_stamped},
+    {"sensor_msgs/CameraInfo", &BagReader::camera_info},
+};
+
+class RosImport {
+ public:
+  RosImport(const ImportRequest& request, SetDraft& draft) : request_(request), draft_(draft) {}
+  void run();
+
+ private:
+  std::string topics_text() const;
+  // The topic that the map names among these, else the first that `fits`; nothing where none.
+  template <typename Found>
+  std::optional<size_t> choose(const std::map<size_t, Found>& found, const std::string& quantity,
+                               const std::function<bool(const BagTopic&)>& fits) const;
+  bool joints();
+  bool walk();
+  bool camera();
+  void joint_rows(const std::string& name, const std::vector<JointSampleRow>& measured,
+                  size_t place, const std::vector<JointSampleRow>& commands,
+                  measurement::CsvWriter& table, size_t& rows);
+
+  const ImportRequest& request_;
+  SetDraft& draft_;
+  BagData data_;
+};
+
+std::string RosImport::topics_text() const {
+  std::vector<std::string> texts;
+  for (const BagTopic& topic : data_.topics)
+    texts.push_back(fmt::format("{} ({}, {} messages)", topic.name, topic.type, topic.messages));
+  return fmt::format("{}", fmt::join(texts, "; "));
+}
+
+template <typename Found>
+std::optional<size_t> RosImport::choose(const std::map<size_t, Found>& found,
+                                        const std::string& quantity,
+                                        const std::function<bool(const BagTopic&)>& fits) const {
+  const std::string mapped = request_.name_of(quantity);
+  for (const auto& [topic, value] : found) {
+    const BagTopic& of = data_.topics[topic];
+    if (mapped.empty() ? fits(of) : of.name == mapped) return topic;
+  }
+  return std::nullopt;
+}
+
+bool contains(const std::string& text, const char* part) {
+  return text.find(part) != std::string::npos;
+}
+
+// Where a joint stands in a message; by the name, or by its place where the message has none.
+std::optional<double> position_of(const JointSampleRow& row, const std::string& name,
+                                  size_t place) {
+  const auto found = std::find(row.names.begin(), row.names.end(), name);
+  if (!row.names.empty() && found == row.names.end()) return std::nullopt;
+  const size_t at = row.names.empty() ? place : static_cast<size_t>(found - row.names.begin());
+  return at < row.positions.size() ? std::optional(row.positions[at]) : std::nullopt;
+}
+
+void RosImport::joint_rows(const std::string& name, const std::vector<JointSampleRow>& measured,
+                           size_t place, const std::vector<JointSampleRow>& commands,
+                           measurement::CsvWriter& table, size_t& rows) {
+  std::vector<int64_t> times;
+  std::vector<double> command, angle;
+  size_t next = 0;
+  std::optional<double> now;
+  for (const JointSampleRow& row : measured) {
+    for (; next < commands.size() && commands[next].log_ns <= row.log_ns; ++next) {
+      const auto value = position_of(commands[next], name, place);
+      if (value) now = value;
+    }
+    const auto value = position_of(row, name, place);
+    if (!now || !value || (!times.empty() && row.log_ns == times.back())) continue;
+    times.push_back(row.log_ns);
+    command.push_back(*now), angle.push_back(*value);
+  }
+  if (times.size() < 3) return;
+  const RowPlace where = [&](size_t i) {
+    return fmt::format("joint {} at {} s", name, seconds_text(times[i]));
+  };
+  check_times(times, where, request_, 2, draft_);
+  to_radians(command, "command", where, request_, draft_);
+  to_radians(angle, "position", where, request_, draft_);
+  for (size_t i = 0; i < times.size(); ++i, ++rows)
+    table.row({"0", seconds_text(times[i]), name, exact(command[i]), exact(angle[i])});
+}
+
+bool RosImport::joints() {
+  const auto measured = choose(data_.joints, "measured", [](const BagTopic& topic) {
+    return topic.type == "sensor_msgs/JointState" && !contains(topic.name, "command") &&
+           !contains(topic.name, "cmd") && !contains(topic.name, "target") &&
+           !contains(topic.name, "goal");
+  });
+  if (!measured) return false;
+  const auto command = choose(data_.joints, "command", [&](const BagTopic& topic) {
+    return topic.name != data_.topics[*measured].name;
+  });
+  if (!command) return false;
+  const auto& seen = data_.joints[*measured];
+  measurement::CsvWriter table({"run", "time_s", "joint", "command_rad", "measured_rad"});
+  size_t rows = 0;
+  const auto& names = seen.front().names;
+  for (size_t i = 0; i < names.size(); ++i)
+    joint_rows(names[i], seen, i, data_.joints[*command], table, rows);
+  if (rows == 0)
+    throw InputError(fmt::format("{} and {} have no joint in common while both were recorded",
+                                 data_.topics[*measured].name, data_.topics[*command].name));
+  draft_.kind = "joints";
+  draft_.group = "joint";
+  draft_.effects = "  ideal_servo: {}\n";
+  draft_.add_table("joints", table);
+  draft_.did(fmt::format("{} rows: angles of {} under commands of {}, by the times of recording",
+                         rows, data_.topics[*measured].name, data_.topics[*command].name));
+  draft_.could_not_know("how long messages were on their way: a command acts from the next row on");
+  return true;
+}
+
+bool RosImport::walk() {
+  const auto truth = choose(data_.poses, "measured", [](const BagTopic& topic) {
+    return topic.messages >= 4 && !contains(topic.name, "initial") && !contains(topic.name, "goal");
+  });
+  const auto odometry =
+      choose(data_.odometry, truth ? "odometry" : "measured", [](const BagTopic&) { return true; });
+  const auto twist = choose(data_.twists, "command", [](const BagTopic& topic) {
+    return contains(topic.name, "cmd_vel") || contains(topic.name, "command");
+  });
+  const auto& measured = odometry && (twist || !truth) && request_.name_of("measured").empty()
+                             ? data_.odometry[*odometry]
+                         : truth    ? data_.poses[*truth]
+                         : odometry ? data_.odometry[*odometry]
+                                    : std::vector<PoseRow>{};
+  if (measured.empty() || (!twist && !(odometry && truth))) return false;
+  std::vector<PlanarPose> poses;
+  for (const PoseRow& row : measured) {
+    poses.push_back(planar(row.pose));
+    // Commands have no stamp of their own: both by the clock of the recording.
+    if (twist) poses.back().ns = row.log_ns;
+  }
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const PlanarPose& a, const PlanarPose& b) { return a.ns < b.ns; });
+  if (twist) {
+    draft_walk(data_.twists[*twist], poses, draft_);
+    draft_.did(
+        fmt::format("velocities of {}, by the times of recording", data_.topics[*twist].name));
+    draft_.could_not_know("how long messages were on their way");
+    return true;
+  }
+  std::vector<PlanarPose> steps;
+  for (const PoseRow& row : data_.odometry[*odometry]) steps.push_back(planar(row.pose));
+  draft_walk(velocities_of(steps), poses, draft_);
+  draft_.did(
+      fmt::format("the steps of {} stand for commanded velocities, {} is what was measured; "
+                  "both on the plane z = 0",
+                  data_.topics[*odometry].name, data_.topics[*truth].name));
+  draft_.could_not_know("what was commanded: this tells odometry's errors, not the gait's");
+  return true;
+}
+
+bool RosImport::camera() {
+  const auto found = choose(data_.cameras, "camera", [&](const BagTopic& topic) {
+    return request_.camera.empty() || contains(topic.name, request_.camera.c_str());
+  });
+  if (!found) return false;
+  const PlainCamera& camera = data_.cameras[*found];
+  draft_.camera.width_px = camera.width_px, draft_.camera.height_px = camera.height_px;
+  draft_protocol(camera, request_, draft_);
+  draft_.did(fmt::format("the calibration of {}", camera.name));
+  return true;
+}
+
+void RosImport::run() {
+  if (request_.sources.size() != 1) throw UsageError("ros: expected one bag");
+  const std::string name = request_.sources[0].string();
+  if (!std::filesystem::is_directory(request_.sources[0]) &&
+      request_.sources[0].extension() == ".yaml") {
+    return import_opencv(request_, draft_);
+  }
+  BagReader reader(data_, draft_);
+  const auto losses = read_bag(request_.sources[0], data_.topics,
+                               [&](size_t topic, int64_t log_ns, std::string_view bytes,
+                                   RosForm form) { reader.take(topic, log_ns, bytes, form); });
+  for (const std::string& loss : losses) draft_.warn(loss);
+  for (const auto& [quantity, topic] : request_.names) {
+    std::vector<std::string> names;
+    for (const BagTopic& known : data_.topics) names.push_back(known.name);
+    if (std::find(names.begin(), names.end(), topic) == names.end())
+      throw InputError(fmt::format("{}: topic '{}' (--map {}=...) is missing{}", name, topic,
+                                   quantity, suggestion_for(topic, names)));
+  }
+  for (const BagTopic& topic : data_.topics) {
+    if (topic.messages == 0) draft_.warn(fmt::format("topic {} is empty", topic.name));
+  }
+  if (joints() || walk() || camera()) return;
+  throw InputError(fmt::format(
+      "{}: found no joints with commands (JointState, and another topic), no walk (Odometry with "
+      "cmd_vel, or with poses) and no CameraInfo among its topics: {}; say which, --map "
+      "measured=/TOPIC,command=/TOPIC",
+      name, topics_text()));
+}
+
+}  // namespace
+
+void import_ros(const ImportRequest& request, SetDraft& draft) {
+  RosImport(request, draft).run();
+}
+
+}  // namespace seam::app

@@ -1,0 +1,351 @@
+// `seam import servo`: logs of commanded and measured angles, as CSV or JSON.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "app/import/draft/checks.h"
+#include "app/import/files/signals.h"
+#include "app/import/kinds/kinds.h"
+#include "sim_core/base/error.h"
+
+namespace seam::app {
+namespace {
+
+using Names = std::vector<std::string>;
+const Names kTimes = {"time_s",  "time",         "timestamp",    "stamp",   "times",
+                      "t",       "time_ms",      "timestamp_ms", "time_us", "timestamp_us",
+                      "time_ns", "timestamp_ns", "t_ms",         "t_us",    "t_ns"};
+const Names kCommands = {"command_rad",     "command",  "goal_position", "goal",      "target",
+                         "target_position", "setpoint", "desired",       "reference", "ref",
+                         "q_des",           "q_ref",    "ctrl",          "cmd",       "action"};
+const Names kMeasured = {
+    "measured_rad", "measured", "position", "present_position", "actual_position", "pos",
+    "qpos",         "q",        "angle",    "actual",           "feedback",        "encoder",
+    "state"};
+const Names kVoltages = {"voltage_v", "input_volts", "voltage", "present_voltage", "vin"};
+const Names kGains = {"kp", "p_gain", "gain"};
+const Names kEnabled = {"torque_enable", "torque_enabled", "enabled", "enable"};
+
+// One joint's columns in a log.
+struct JointColumns {
+  std::string joint;
+  size_t command = 0, measured = 0;
+};
+
+class ServoImport {
+ public:
+  ServoImport(const ImportRequest& request, SetDraft& draft) : request_(request), draft_(draft) {}
+  void run();
+
+ private:
+  size_t signal(const SignalLog& log, const std::string& quantity, const Names& usual) const;
+  std::vector<JointColumns> joints_of(const SignalLog& log) const;
+  std::vector<JointColumns> numbered_joints(const SignalLog& log) const;
+  std::vector<JointColumns> suffixed_joints(const SignalLog& log) const;
+  void add_log(const SignalLog& log, const std::string& run);
+  void add_rows(const SignalLog& log, const std::string& run, const JointColumns& joint,
+                const std::vector<size_t>& rows, size_t time);
+  void look_at(const std::vector<double>& command, const std::vector<double>& measured,
+               const RowPlace& place);
+  std::string cell(const SignalLog& log, const std::string& column, size_t row) const;
+  void write();
+
+  const ImportRequest& request_;
+  SetDraft& draft_;
+  std::vector<SignalLog> logs_;
+  std::vector<std::string> extra_;       // Columns beside ours, by their name in the set.
+  std::map<std::string, Names> called_;  // What they are called in the files.
+  std::vector<std::vector<std::string>> rows_;
+  std::set<std::string> runs_, joints_;
+  size_t repeated_ = 0, stale_ = 0;
+};
+
+// The place of a quantity among the signals; throws where neither the map nor habit finds it.
+size_t ServoImport::signal(const SignalLog& log, const std::string& quantity,
+                           const Names& usual) const {
+  const std::string mapped = request_.name_of(quantity);
+  const int found = log.find(mapped.empty() ? usual : Names{mapped});
+  if (found >= 0) return static_cast<size_t>(found);
+  if (!mapped.empty())
+    throw InputError(fmt::format("{}: signal '{}' (--map {}=...) is missing{}", log.file, mapped,
+                                 quantity, suggestion_for(mapped, log.names)));
+  throw InputError(fmt::format("{}: found no signal for '{}' among {}; say which, --map {}=NAME",
+                               log.file, quantity, fmt::join(log.names, ", "), quantity));
+}
+
+// position[0], position[1], ... beside goal_position[0], goal_position[1], ...
+std::vector<JointColumns> ServoImport::numbered_joints(const SignalLog& log) const {
+  const auto first = [&](const std::string& quantity, Names usual) {
+    const std::string mapped = request_.name_of(quantity);
+    if (!mapped.empty()) usual = {mapped};
+    for (const std::string& name : usual) {
+      if (log.find({name + "[0]"}) >= 0) return name;
+    }
+    return std::string();
+  };
+  const std::string command = first("command", kCommands), measured = first("measured", kMeasured);
+  std::vector<JointColumns> joints;
+  if (command.empty() || measured.empty()) return joints;
+  const auto named = log.texts.find("joint_names");
+  for (size_t i = 0;; ++i) {
+    const int c = log.find({fmt::format("{}[{}]", command, i)});
+    const int m = log.find({fmt::format("{}[{}]", measured, i)});
+    if (c < 0 || m < 0) return joints;
+    joints.push_back({named != log.texts.end() && i < named->second.size()
+                          ? named->second[i]
+                          : fmt::format("joint{}", i),
+                      static_cast<size_t>(c), static_cast<size_t>(m)});
+  }
+}
+
+// arm_ctrl beside arm_qpos, as MuJoCo's system identification names them.
+std::vector<JointColumns> ServoImport::suffixed_joints(const SignalLog& log) const {
+  std::vector<JointColumns> joints;
+  for (size_t c = 0; c < log.names.size(); ++c) {
+    const std::string& name = log.names[c];
+    if (!name.ends_with("_ctrl")) continue;
+    const std::string joint = name.substr(0, name.size() - 5);
+    const int m = log.find({joint + "_qpos", joint + "_pos", joint});
+    if (m >= 0) joints.push_back({joint, c, static_cast<size_t>(m)});
+  }
+  return joints;
+}
+
+std::vector<JointColumns> ServoImport::joints_of(const SignalLog& log) const {
+  const bool mapped = !request_.name_of("command").empty() || !request_.name_of("measured").empty();
+  if (!mapped && log.find(kCommands) < 0) {
+    auto joints = suffixed_joints(log);
+    if (!joints.empty()) return joints;
+  }
+  auto joints = numbered_joints(log);
+  if (!joints.empty()) return joints;
+  const std::string named = request_.name_of("joint");
+  const bool column = log.texts.contains(named.empty() ? "joint" : named);
+  return {{column || named.empty() ? "joint" : named, signal(log, "command", kCommands),
+           signal(log, "measured", kMeasured)}};
+}
+
+// What the pair of columns says of itself: a command that is the measurement, or follows it.
+void ServoImport::look_at(const std::vector<double>& command, const std::vector<double>& measured,
+                          const RowPlace& place) {
+  const size_t n = command.size();
+  if (n < 20) return;
+  const auto [least, most] = std::minmax_element(measured.begin(), measured.end());
+  if (*most - *least < 1e-9) {
+    draft_.warn(fmt::format("{}: the joint never moves in this run", place(0)));
+    return;
+  }
+  if (command == measured)
+    throw InputError(
+        fmt::format("{}: command and measurement are equal in every row: the command column is "
+                    "really the measurement, expected what was asked of the servo (--map)",
+                    place(0)));
+  const auto [lowest, highest] = std::minmax_element(command.begin(), command.end());
+  if (*highest - *lowest < 1e-9) return;
+  // Root mean square of what stays when the command is held against the angle `lag` rows later.
+  const auto miss = [&](int lag) {
+    double sum = 0, mean = 0;
+    size_t count = 0;
+    for (size_t k = 20; k + 20 < n; ++k) {
+      const double d = measured[static_cast<size_t>(static_cast<int>(k) + lag)] - command[k];
+      sum += d * d, mean += d, ++count;
+    }
+    const double m = mean / static_cast<double>(count);
+    return std::sqrt(std::max(0.0, sum / static_cast<double>(count) - m * m));
+  };
+  if (n < 60) return;
+  int best = 0;
+  for (int lag = -20; lag <= 20; ++lag) {
+    if (miss(lag) < miss(best)) best = lag;
+  }
+  if (best < 0 && miss(best) < 0.7 * miss(0) && miss(best) < 0.7 * miss(-best))
+    draft_.warn(fmt::format(
+        "{}: the measured angle is {} rows ahead of the command: are the two columns exchanged?",
+        place(0), -best));
+  if (best != 0 && miss(best) < 1e-3 * (*highest - *lowest))
+    draft_.warn(fmt::format("{}: the command is the measurement {} rows {}: is it a copy of it?",
+                            place(0), std::abs(best), best < 0 ? "earlier" : "later"));
+}
+
+std::string ServoImport::cell(const SignalLog& log, const std::string& column, size_t row) const {
+  const int at = log.find(called_.at(column));
+  double value = NAN;
+  if (at >= 0) {
+    value = log.values[static_cast<size_t>(at)][row];
+  } else {
+    for (const std::string& name : called_.at(column)) {
+      const auto constant = log.constants.find(name);
+      if (constant != log.constants.end()) value = constant->second;
+    }
+  }
+  return std::isfinite(value) ? exact(value) : "";
+}
+
+void ServoImport::add_rows(const SignalLog& log, const std::string& run, const JointColumns& joint,
+                           const std::vector<size_t>& rows, size_t time) {
+  const int64_t unit = time_unit_ns(request_, log.names[time]);
+  std::vector<int64_t> ns;
+  std::vector<double> command, measured;
+  std::vector<size_t> kept;
+  const RowPlace place = [&](size_t i) { return log.places[kept[i]]; };
+  for (const size_t row : rows) {
+    const double t = log.values[time][row];
+    kept.push_back(row);
+    if (!std::isfinite(t) || std::abs(t) * static_cast<double>(unit) > 9e18)
+      throw InputError(
+          fmt::format("{}: {}: found '{}', expected a time", log.places[row], log.names[time], t));
+    // A double holds the milliseconds and so on of an epoch to less than a microsecond.
+    const bool is_exact = !log.exact_ns.empty() && unit == nanoseconds_in("s");
+    const int64_t at =
+        is_exact ? log.exact_ns[time][row] : std::llround(t * static_cast<double>(unit));
+    if (!ns.empty() && at == ns.back()) {
+      ++repeated_;
+      kept.pop_back();
+      continue;
+    }
+    ns.push_back(at);
+    command.push_back(log.values[joint.command][row]);
+    measured.push_back(log.values[joint.measured][row]);
+  }
+  check_times(ns, place, request_, 0.5, draft_);
+  to_radians(command, log.names[joint.command], place, request_, draft_);
+  to_radians(measured, log.names[joint.measured], place, request_, draft_);
+  look_at(command, measured, place);
+  size_t longest = 0, same = 0;
+  for (size_t i = 0; i < ns.size(); ++i) {
+    same = i > 0 && measured[i] == measured[i - 1] && command[i] != command[i - 1] ? same + 1 : 0;
+    longest = std::max(longest, same);
+    std::vector<std::string> cells = {run, seconds_text(ns[i]), joint.joint, exact(command[i]),
+                                      exact(measured[i])};
+    for (const std::string& column : extra_) cells.push_back(cell(log, column, kept[i]));
+    rows_.push_back(std::move(cells));
+  }
+  stale_ = std::max(stale_, longest);
+  joints_.insert(joint.joint);
+}
+
+// What stands in a cell of CSV without quotes.
+std::string plain(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) <= ' '; }, '_');
+  return text;
+}
+
+void ServoImport::add_log(const SignalLog& log, const std::string& run) {
+  const size_t time = signal(log, "time", kTimes);
+  const std::string of_run = request_.name_of("run").empty() ? "run" : request_.name_of("run");
+  const std::string of_joint =
+      request_.name_of("joint").empty() ? "joint" : request_.name_of("joint");
+  const auto word = [&](const std::string& name, size_t row) {
+    const auto words = log.texts.find(name);
+    if (words != log.texts.end() && row < words->second.size()) return plain(words->second[row]);
+    const int at = log.find({name});
+    return at < 0 ? "" : exact(log.values[static_cast<size_t>(at)][row]);
+  };
+  for (const JointColumns& joint : joints_of(log)) {
+    // In the order in which they first appear.
+    std::vector<std::pair<std::pair<std::string, std::string>, std::vector<size_t>>> parts;
+    std::map<std::pair<std::string, std::string>, size_t> place;
+    for (size_t row = 0; row < log.rows(); ++row) {
+      const std::pair key{word(of_run, row), word(of_joint, row)};
+      const auto [found, is_new] = place.try_emplace(key, parts.size());
+      if (is_new) parts.push_back({key, {}});
+      parts[found->second].second.push_back(row);
+    }
+    for (const auto& [key, rows] : parts) {
+      JointColumns one = joint;
+      one.joint = plain(key.second.empty() ? joint.joint : key.second);
+      const std::string name = key.first.empty()  ? run
+                               : logs_.size() > 1 ? run + "-" + key.first
+                                                  : key.first;
+      runs_.insert(name);
+      add_rows(log, name, one, rows, time);
+    }
+  }
+}
+
+void ServoImport::write() {
+  std::vector<std::string> columns = {"run", "time_s", "joint", "command_rad", "measured_rad"};
+  columns.insert(columns.end(), extra_.begin(), extra_.end());
+  measurement::CsvWriter table(columns);
+  for (const auto& row : rows_) table.row(row);
+  draft_.kind = "joints";
+  draft_.group = "run";
+  draft_.effects = "  ideal_servo: {}\n";
+  draft_.add_table("joints", table);
+  draft_.did(fmt::format("{} rows of {} runs of joint {}", rows_.size(), runs_.size(),
+                         fmt::join(joints_, ", ")));
+  if (!request_.unit.empty()) draft_.did(fmt::format("angles from {} to rad", request_.unit));
+  if (!extra_.empty()) draft_.did(fmt::format("kept beside them: {}", fmt::join(extra_, ", ")));
+  if (repeated_ > 0)
+    draft_.warn(fmt::format("{} rows repeat the time of the row above: left out", repeated_));
+  if (stale_ >= 20)
+    draft_.warn(
+        fmt::format("the measured angle stands still over {} rows while the command moves: "
+                    "a reading that repeats, or a joint that is stuck",
+                    stale_));
+  draft_.could_not_know("the noise of the angles: it is estimated from neighbouring rows");
+  if (!called_.contains("voltage_v"))
+    draft_.could_not_know("the supply: taken as constant (--map voltage=NAME)");
+  if (!called_.contains("kp"))
+    draft_.could_not_know("the controller's gain: taken as constant (--map kp=NAME)");
+  if (runs_.size() < 4)
+    draft_.could_not_know(fmt::format("what other runs show: {} {} few to hold out", runs_.size(),
+                                      runs_.size() == 1 ? "run is" : "runs are"));
+}
+
+void ServoImport::run() {
+  for (const auto& source : request_.sources) logs_.push_back(read_signals(source));
+  std::set<std::string> taken;
+  const auto keep = [&](const std::string& ours, const std::string& quantity, Names usual,
+                        const SignalLog& log) {
+    const std::string mapped = request_.name_of(quantity);
+    if (!mapped.empty()) usual = {mapped};
+    const bool constant = std::any_of(usual.begin(), usual.end(), [&](const std::string& name) {
+      return log.constants.contains(name);
+    });
+    if (log.find(usual) < 0 && !constant) return;
+    if (!called_.contains(ours)) extra_.push_back(ours);
+    called_[ours] = usual;
+    taken.insert(usual.begin(), usual.end());
+  };
+  for (const SignalLog& log : logs_) {
+    keep("kp", "kp", kGains, log);
+    keep("voltage_v", "voltage", kVoltages, log);
+    keep("torque_enable", "torque_enable", kEnabled, log);
+  }
+  // All else that has a number in every row.
+  for (const Names& names : {kTimes, kCommands, kMeasured})
+    taken.insert(names.begin(), names.end());
+  for (const auto& [quantity, name] : request_.names) taken.insert(name);
+  for (const SignalLog& log : logs_) {
+    for (size_t c = 0; c < log.names.size(); ++c) {
+      const std::string& name = log.names[c];
+      const bool whole = std::all_of(log.values[c].begin(), log.values[c].end(),
+                                     [](double value) { return std::isfinite(value); });
+      const bool ours = name.find('[') != std::string::npos || name.ends_with("_ctrl") ||
+                        name.ends_with("_qpos") || name == "run" || name == "joint";
+      if (!whole || ours || taken.contains(name) || called_.contains(plain(name))) continue;
+      extra_.push_back(plain(name));
+      called_[plain(name)] = {name};
+    }
+  }
+  std::set<std::string> stems;
+  for (size_t i = 0; i < logs_.size(); ++i) {
+    std::string stem = plain(request_.sources[i].stem().string());
+    if (!stems.insert(stem).second) stem = fmt::format("{}-{}", stem, i);
+    add_log(logs_[i], stem);
+  }
+  write();
+}
+
+}  // namespace
+
+void import_servo(const ImportRequest& request, SetDraft& draft) {
+  ServoImport(request, draft).run();
+}
+
+}  // namespace seam::app

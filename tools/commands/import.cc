@@ -1,0 +1,149 @@
+// `seam import`: files of other programs as a measurement set.
+#include "app/import/import.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "sim_core/base/error.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+namespace {
+
+struct ImportFlags {
+  std::string kind, out, map, unit, time_unit, length_unit, board, size, camera, pattern, title;
+  std::optional<double> spacing;
+  std::vector<std::string> sources;
+};
+
+const app::ImportKind& kind_named(const std::string& name) {
+  std::vector<std::string> names;
+  for (const app::ImportKind& kind : app::import_kinds()) {
+    if (kind.name == name) return kind;
+    names.push_back(kind.name);
+  }
+  throw UsageError(fmt::format("{}: no such kind{}, expected {}", name, suggestion_for(name, names),
+                               fmt::join(names, ", ")));
+}
+
+std::map<std::string, std::string> names_in(const std::string& map) {
+  std::map<std::string, std::string> names;
+  for (size_t start = 0; start < map.size();) {
+    const size_t end = std::min(map.find(',', start), map.size());
+    const std::string entry = map.substr(start, end - start);
+    const size_t equals = entry.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size())
+      throw UsageError(
+          fmt::format("--map {}: expected OURS=THEIRS, like command=goal_position", entry));
+    if (!names.emplace(entry.substr(0, equals), entry.substr(equals + 1)).second)
+      throw UsageError(fmt::format("--map {}: '{}' stands twice", map, entry.substr(0, equals)));
+    start = end + 1;
+  }
+  return names;
+}
+
+std::pair<int, int> pair_in(const std::string& flag, const std::string& text, const char* example) {
+  if (text.empty()) return {0, 0};
+  int first = 0, second = 0;
+  char end = 0;
+  if (std::sscanf(text.c_str(), "%6dx%6d%c", &first, &second, &end) != 2 || first < 2 || second < 2)
+    throw UsageError(fmt::format("--{} {}: expected two counts, like {}", flag, text, example));
+  return {first, second};
+}
+
+// Those that the user gave and that mean nothing to the kind.
+void check_options(const ImportFlags& flags, const app::ImportKind& kind) {
+  const std::pair<const char*, bool> given[] = {
+      {"map", !flags.map.empty()},
+      {"unit", !flags.unit.empty()},
+      {"time-unit", !flags.time_unit.empty()},
+      {"length-unit", !flags.length_unit.empty()},
+      {"board", !flags.board.empty()},
+      {"spacing", flags.spacing.has_value()},
+      {"size", !flags.size.empty()},
+      {"camera", !flags.camera.empty()},
+      {"pattern", !flags.pattern.empty()},
+  };
+  for (const auto& [option, is_given] : given) {
+    const bool known =
+        std::find(kind.options.begin(), kind.options.end(), option) != kind.options.end();
+    if (is_given && !known)
+      throw UsageError(fmt::format("--{} means nothing to {}, whose options are --{}", option,
+                                   kind.name, fmt::join(kind.options, ", --")));
+  }
+}
+
+app::ImportRequest request_of(const ImportFlags& flags) {
+  app::ImportRequest request{.names = names_in(flags.map),
+                             .unit = flags.unit,
+                             .time_unit = flags.time_unit,
+                             .length_unit = flags.length_unit,
+                             .camera = flags.camera,
+                             .pattern = flags.pattern};
+  for (const std::string& source : flags.sources) request.sources.emplace_back(source);
+  std::tie(request.board_columns, request.board_rows) = pair_in("board", flags.board, "9x6");
+  std::tie(request.width_px, request.height_px) = pair_in("size", flags.size, "640x480");
+  // A unit that is none is said before anything is read.
+  if (!request.unit.empty()) app::radians_in(request.unit);
+  if (!request.time_unit.empty()) app::nanoseconds_in(request.time_unit);
+  const double metres = request.length_unit.empty() ? 1 : app::metres_in(request.length_unit);
+  if (flags.spacing) {
+    if (!(*flags.spacing > 0 && *flags.spacing < 1e6))
+      throw UsageError(fmt::format("--spacing {}: expected a distance above 0", *flags.spacing));
+    request.spacing_m = *flags.spacing * metres;
+  }
+  return request;
+}
+
+std::string kinds_help() {
+  std::string help = "Kinds:\n";
+  for (const app::ImportKind& kind : app::import_kinds()) {
+    help += fmt::format("  {:9} {}\n", kind.name, kind.help);
+    if (!kind.options.empty())
+      help += fmt::format("            --{}\n", fmt::join(kind.options, ", --"));
+  }
+  return help;
+}
+
+}  // namespace
+
+void add_import(app::Command app) {
+  app::Command command = app.add_subcommand(
+      "import", "Makes a measurement set with a nominal model from files of other programs");
+  auto flags = std::make_shared<ImportFlags>();
+  command.add_option("KIND", flags->kind, "What the files are").required();
+  command.add_option("SOURCE", flags->sources, "The files or folders").required();
+  command.add_option("--out", flags->out, "The folder to write, a new or an empty one").required();
+  command.add_option("--map", flags->map,
+                     "What our quantities are called in the files: OURS=THEIRS,OURS=THEIRS");
+  command.add_option("--unit", flags->unit, "Of angles: rad, mrad, deg, turns or ticks:N a turn");
+  command.add_option("--time-unit", flags->time_unit, "Of times: s, ms, us or ns");
+  command.add_option("--length-unit", flags->length_unit, "Of lengths: m, cm, mm, um or in");
+  command.add_option("--board", flags->board, "Corners of the target, COLUMNSxROWS");
+  command.add_option("--spacing", flags->spacing,
+                     "Between the target's corners, in metres or the unit of --length-unit");
+  command.add_option("--pattern", flags->pattern, "Of the target");
+  command.add_option("--size", flags->size, "Of the images, WIDTHxHEIGHT in pixels");
+  command.add_option("--camera", flags->camera, "Which one, where the files hold several");
+  command.add_option("--title", flags->title, "A line for people");
+  command.footer(
+      kinds_help() +
+      "The set holds measurement.yaml, its tables and nominal.yaml, the model to start from. It "
+      "is\n"
+      "opened and checked as analyses do before it gets its name; what was done and what the "
+      "files\n"
+      "do not say is told and kept in measurement.yaml under `imported`.\n"
+      "Example: seam import servo log.csv --map command=goal,measured=angle --unit deg --out arm");
+  command.callback([flags] {
+    const app::ImportKind& kind = kind_named(flags->kind);
+    check_options(*flags, kind);
+    const app::ImportRequest request = request_of(*flags);
+    const std::string told = app::import_set(kind, request, flags->title, flags->out);
+    std::printf("%s", told.c_str());
+  });
+}
+
+}  // namespace seam::tools
