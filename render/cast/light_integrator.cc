@@ -86,8 +86,7 @@ int SampledInstants::fewest_a_row() const {
   return fewest_instants(schedule_);
 }
 
-void SampledInstants::with_scene(int k,
-                                 const std::function<void(const SceneInstant&)>& see) const {
+void SampledInstants::with_scene(int k, const std::function<void(const SceneInstant&)>& see) const {
   if (refined_)
     see(scene_at(job_, schedule_.instants[k]));
   else
@@ -98,15 +97,15 @@ SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,
                            const RendererOptions& options) {
   SamplingPlan plan{.instants = SampledInstants(job, rays, options), .scenes = {}};
   plan.scenes.resize(plan.instants.count());
-  split_over_threads(
-      options.threads, static_cast<int>(plan.scenes.size()), [&](int begin, int end) {
-        for (int k = begin; k < end; ++k) {
-          plan.instants.with_scene(k, [&](const SceneInstant& scene) {
-            prepare(scene, job.lighting, job.background, rays, plan.instants.rows_of(k),
-                    plan.scenes[k]);
-          });
-        }
-      });
+  split_over_threads(options.threads, static_cast<int>(plan.scenes.size()),
+                     [&](int begin, int end) {
+                       for (int k = begin; k < end; ++k) {
+                         plan.instants.with_scene(k, [&](const SceneInstant& scene) {
+                           prepare(scene, job.lighting, job.background, rays,
+                                   plan.instants.rows_of(k), plan.scenes[k]);
+                         });
+                       }
+                     });
   return plan;
 }
 

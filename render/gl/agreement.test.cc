@@ -63,8 +63,7 @@ TEST(OpenGl, AgreesOnGoldenFrames) {
 TEST(OpenGl, AgreesBehindALensOfOnePixelBlurByDefault) {
   for (const Case& scene : cases()) {
     const effects::Model model = model_for(scene, 1);
-    expect_agreement(
-        compare(scene.name, model, job_of(scene.scene, model, kHeight, 0), 64, 64));
+    expect_agreement(compare(scene.name, model, job_of(scene.scene, model, kHeight, 0), 64, 64));
   }
 }
 
@@ -72,8 +71,7 @@ TEST(OpenGl, AgreesOnSharpScenesOfManySamples) {
   for (const size_t i : {0, 2, 4}) {
     const Case scene = cases()[i];
     const effects::Model model = model_for(scene, 0);
-    expect_agreement(
-        compare(scene.name, model, job_of(scene.scene, model, kHeight, 0), 2048, 512));
+    expect_agreement(compare(scene.name, model, job_of(scene.scene, model, kHeight, 0), 2048, 512));
   }
 }
 
@@ -82,7 +80,8 @@ TEST(OpenGl, AgreesBehindAFisheye) {
   const effects::Model model = model_of(
       "  pinhole: {fx_px: 85, fy_px: 85, cx_px: 88.5, cy_px: 71.5}\n  fisheye: {k1: -0.02}\n"
       "  rolling_shutter: {line_delay_s: 2.78e-4}\n  exposure: {exposure_s: 0.005}\n");
-  expect_agreement(compare("fisheye", model, job_of(cases()[0].scene, model, kHeight, 0), 2048, 512));
+  expect_agreement(
+      compare("fisheye", model, job_of(cases()[0].scene, model, kHeight, 0), 2048, 512));
 }
 
 TEST(OpenGl, GroundTruthAgrees) {
@@ -121,8 +120,7 @@ TEST(OpenGl, SameBitsAgainOnAnyThreadsAndSideBySide) {
   const GlDevice device;
   const GoldenFrame golden = golden_frames()[2];
   const auto frame = [&](int threads) {
-    const Renderer renderer(golden.model, kWidth, kHeight,
-                            {.threads = threads, .opengl = &device});
+    const Renderer renderer(golden.model, kWidth, kHeight, {.threads = threads, .opengl = &device});
     return renderer.render(golden.job).fingerprint;
   };
   const uint64_t first = frame(1);

@@ -61,7 +61,7 @@ const char* shape_text(int kind) {
 
 }  // namespace
 
-Context::Context(const Api& gl) : gl_(gl), context_(create(gl)) {
+Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create(gl)) {
   if (!context_)
     throw InputError("renderer 'opengl': Mesa makes no off-screen OpenGL 3.3 core context here");
   make_current();
@@ -78,6 +78,7 @@ Context::Context(const Api& gl) : gl_(gl), context_(create(gl)) {
   gl_.glGenFramebuffers(1, &frame_);
   gl_.glGenRenderbuffers(1, &colour_);
   gl_.glGenRenderbuffers(1, &depth_);
+  meshes_ = std::make_unique<MeshDrawer>(gl_, assets);
 }
 
 Context::~Context() {
@@ -144,10 +145,10 @@ const Context::Program& Context::shape_program(const ShapeBatch& batch) {
   if (program.id == 0) {
     const bool box = shape_text(batch.kind) == kBox;
     const char* look = batch.texture == 0 ? kPlain : box ? kTexturedBox : kTexturedRectangle;
-    program = link(kShapeVertex,
-                   std::string(kShapeFragmentHead) + shape_text(batch.kind) + look +
-                       kShapeFragmentTail,
-                   {"place", "row_x", "row_y", "row_z", "size", "light", "look", "ray"});
+    program =
+        link(kShapeVertex,
+             std::string(kShapeFragmentHead) + shape_text(batch.kind) + look + kShapeFragmentTail,
+             {"place", "row_x", "row_y", "row_z", "size", "light", "look", "ray"});
   }
   return program;
 }
@@ -176,14 +177,13 @@ void Context::begin_page(int width, int height, const PageLook& look) {
   gl_.glScissor(0, 0, width, height);
   gl_.glEnable(GL_DEPTH_TEST);
   gl_.glDepthFunc(GL_GREATER);
-  gl_.glClearColor(look.background[0], look.background[1], look.background[2],
-                   look.background[3]);
+  gl_.glClearColor(look.background[0], look.background[1], look.background[2], look.background[3]);
   gl_.glClearDepth(0);
   gl_.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
-void Context::draw(const ShapeBatches& batches, const PageLook& look) {
-  for (const auto& [batch, instances] : batches) {
+void Context::draw(const PageScene& scene, const PageLook& look) {
+  for (const auto& [batch, instances] : scene.shapes) {
     if (instances.empty()) continue;
     const Program& program = shape_program(batch);
     gl_.glUseProgram(program.id);
@@ -191,6 +191,10 @@ void Context::draw(const ShapeBatches& batches, const PageLook& look) {
                     2.0f / static_cast<float>(page_height_), 0, 0);
     gl_.glUniform1i(program.truth, look.truth ? 1 : 0);
     gl_.glUniformMatrix3fv(program.view, 1, GL_FALSE, look.view.data());
+    if (batch.texture != 0) {
+      gl_.glUniform1i(program.picture, 0);
+      meshes_->bind_texture(batch.texture - 1);
+    }
     gl_.glBindVertexArray(shapes_);
     gl_.glBindBuffer(GL_ARRAY_BUFFER, shape_buffer_);
     gl_.glBufferData(GL_ARRAY_BUFFER,
@@ -198,6 +202,13 @@ void Context::draw(const ShapeBatches& batches, const PageLook& look) {
                      instances.data(), GL_STREAM_DRAW);
     gl_.glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(instances.size()));
   }
+  if (scene.meshes.empty()) return;
+  if (mesh_program_ == 0) {
+    mesh_program_ =
+        link(MeshDrawer::vertex_text(), MeshDrawer::fragment_text(), MeshDrawer::inputs()).id;
+    meshes_->set_program(mesh_program_);
+  }
+  meshes_->draw(scene.meshes, page_width_, page_height_, look.truth);
 }
 
 void Context::end_page(std::vector<float>& pixels) {
@@ -212,7 +223,7 @@ ContextPool::Lease::Lease(ContextPool& pool) : pool_(pool) {
     const std::lock_guard lock(pool.mutex_);
     if (pool.free_.empty()) {
       // Under the lock: Mesa reads the environment.
-      context_ = std::make_unique<Context>(pool.gl_);
+      context_ = std::make_unique<Context>(pool.gl_, pool.assets_);
       return;
     }
     context_ = std::move(pool.free_.back());

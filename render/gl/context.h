@@ -1,13 +1,16 @@
-// One off-screen OpenGL 3.3 core context: its programs, its target, and how a strip's page is drawn.
+// One off-screen OpenGL 3.3 core context: its programs, its target, and how a strip's page is
+// drawn.
 #pragma once
 
 #include <array>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "render/gl/api.h"
+#include "render/gl/mesh_drawer.h"
 
 namespace seam::render::gl {
 
@@ -23,13 +26,18 @@ struct ShapeInstance {
 
 // Shapes of one kind and texture; drawn together.
 struct ShapeBatch {
-  int kind = 0;         // As seam::Shape counts.
-  uint32_t texture = 0;  // 0: none.
+  int kind = 0;          // As seam::Shape counts.
+  uint32_t texture = 0;  // As Primitive::asset; 0: none.
   bool operator<(const ShapeBatch& other) const {
     return kind != other.kind ? kind < other.kind : texture < other.texture;
   }
 };
-using ShapeBatches = std::map<ShapeBatch, std::vector<ShapeInstance>>;
+
+// All that stands on a page.
+struct PageScene {
+  std::map<ShapeBatch, std::vector<ShapeInstance>> shapes;
+  std::vector<MeshInstance> meshes;
+};
 
 // What a page's target is cleared to and how its fragments are written.
 struct PageLook {
@@ -40,7 +48,7 @@ struct PageLook {
 
 class Context {
  public:
-  explicit Context(const Api& gl);
+  Context(const Api& gl, const Assets& assets);
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -50,7 +58,7 @@ class Context {
 
   // A page of the strip: `width` x `height` pixels of four floats, row by row, left in `pixels`.
   void begin_page(int width, int height, const PageLook& look);
-  void draw(const ShapeBatches& batches, const PageLook& look);
+  void draw(const PageScene& scene, const PageLook& look);
   void end_page(std::vector<float>& pixels);
 
   std::string version() const;
@@ -70,17 +78,19 @@ class Context {
   const Api& gl_;
   OSMesaContext context_ = nullptr;
   std::array<uint8_t, 64 * 64 * 4> window_{};  // OSMesa wants one; nothing is drawn there.
+  std::unique_ptr<MeshDrawer> meshes_;
   std::map<std::pair<int, bool>, Program> shape_programs_;
-  GLuint shapes_ = 0, shape_buffer_ = 0;
+  GLuint shapes_ = 0, shape_buffer_ = 0, mesh_program_ = 0;
   GLuint frame_ = 0, colour_ = 0, depth_ = 0;
-  int width_ = 0, height_ = 0;        // Of the target.
+  int width_ = 0, height_ = 0;            // Of the target.
   int page_width_ = 0, page_height_ = 0;  // Of the page in it.
 };
 
 // The contexts of one process's frames: as many as frames are made at once.
 class ContextPool {
  public:
-  explicit ContextPool(const Api& gl) : gl_(gl) {}
+  // Both outlive the pool.
+  ContextPool(const Api& gl, const Assets& assets) : gl_(gl), assets_(assets) {}
 
   // A context that is current on this thread until the lease ends.
   class Lease {
@@ -99,6 +109,7 @@ class ContextPool {
 
  private:
   const Api& gl_;
+  const Assets& assets_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Context>> free_;
 };

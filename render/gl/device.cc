@@ -29,8 +29,11 @@ std::array<float, 9> column_major(const Mat3& R) {
 }  // namespace
 
 struct GlDevice::Impl {
+  explicit Impl(Assets given) : assets(std::move(given)) {}
+
+  const Assets assets;
   const gl::Api& api = gl::Api::load();
-  gl::ContextPool contexts{api};
+  gl::ContextPool contexts{api, assets};
   std::string version, renderer;
 
   using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&,
@@ -40,7 +43,7 @@ struct GlDevice::Impl {
                   int samples, gl::PageLook look, const SeePage& see);
 };
 
-GlDevice::GlDevice() : impl_(std::make_unique<Impl>()) {
+GlDevice::GlDevice(Assets assets) : impl_(std::make_unique<Impl>(std::move(assets))) {
   const gl::ContextPool::Lease context(impl_->contexts);
   impl_->version = context->version();
   impl_->renderer = context->renderer();
@@ -65,16 +68,17 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
     const gl::StripPlan plan = gl::plan_strip(instants, rays, view, samples, kMostTexels);
     look.view = column_major(view.R_CV);
     for (const gl::Page& page : plan.pages) {
-      gl::ShapeBatches batches;
+      gl::PageScene on_page;
       context->begin_page(page.width, page.height, look);
       for (const gl::Band& band : page.bands) {
         instants.with_scene(band.instant, [&](const SceneInstant& scene) {
           prepare(scene, job.lighting, job.background, rays, band.rows, prepared);
-          gl::add_shapes(prepared, scene, layers, band, page, plan.scale, view, rays,
-                         job.lighting.lambert, batches);
+          const gl::BandPlace place{band, page, plan.scale, view};
+          gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, on_page);
+          gl::add_meshes(scene, place, rays, job.lighting, on_page);
         });
       }
-      context->draw(batches, look);
+      context->draw(on_page, look);
       context->end_page(texels);
       see(page, plan.scale, view, texels);
     }

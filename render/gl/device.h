@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "render/assets/assets.h"
 #include "render/base/linear_image.h"
 #include "render/base/renderer_options.h"
 #include "render/cast/ray_table.h"
@@ -16,7 +17,7 @@ namespace seam::render {
 class GlDevice {
  public:
   // Throws InputError where this build or this machine has no OpenGL.
-  GlDevice();
+  explicit GlDevice(Assets assets = {});
   ~GlDevice();
   GlDevice(const GlDevice&) = delete;
   GlDevice& operator=(const GlDevice&) = delete;

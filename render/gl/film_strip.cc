@@ -27,7 +27,8 @@ int side_of(const Vec3f& d) {
 }
 
 Mat3 side_axes(int side) {
-  constexpr int kAlong[6][3] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, -1}};
+  constexpr int kAlong[6][3] = {{0, 0, 1}, {1, 0, 0},  {-1, 0, 0},
+                                {0, 1, 0}, {0, -1, 0}, {0, 0, -1}};
   const Vec3 z(kAlong[side][0], kAlong[side][1], kAlong[side][2]);
   const Vec3 x = side == 1 ? Vec3(0, 0, -1) : side == 2 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
   return Mat3(x, glm::cross(z, x), z);
@@ -215,8 +216,8 @@ std::vector<StripView> views_of(const CameraRays& rays) {
   return views;
 }
 
-StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays,
-                     const StripView& view, int samples, int most_texels) {
+StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
+                     int samples, int most_texels) {
   StripPlan plan{.scale = scale_of(rays, view, samples, most_texels), .pages = {}};
   const float scale = plan.scale.texels_per_unit;
   const int width = texels_across(view, scale);
@@ -284,8 +285,9 @@ void find_centres(const Page& page, const StripScale& scale, const std::vector<f
         const OnView at = on_view(view.R_CV, d);
         const int u = floor_of(at.x * scale.texels_per_unit + band.shift_u) - page.first_x;
         const int v = floor_of(at.y * scale.texels_per_unit + band.shift_v) - band.first_y;
-        const size_t texel = static_cast<size_t>(band.page_y + std::clamp(v, 0, band.height - 1)) *
-                                 page.width + std::clamp(u, 0, page.width - 1);
+        const size_t texel =
+            static_cast<size_t>(band.page_y + std::clamp(v, 0, band.height - 1)) * page.width +
+            std::clamp(u, 0, page.width - 1);
         const size_t i = static_cast<size_t>(row) * rays.width_px + column;
         sources[i] = static_cast<int32_t>(texels[4 * texel]) - 1;
         const float along = static_cast<float>(view.R_CV[2].x) * d[0] +

@@ -26,14 +26,14 @@ std::vector<StripView> views_of(const CameraRays& rays);
 
 // How many texels there are.
 struct StripScale {
-  int samples = 1;             // Of a pixel, along each of its sides.
-  float texels_per_unit = 1;   // Of x and y on the plane z = 1.
+  int samples = 1;            // Of a pixel, along each of its sides.
+  float texels_per_unit = 1;  // Of x and y on the plane z = 1.
 };
 
 struct Band {
   int instant = 0;
-  RowRange rows;       // Of rays.
-  int first_y = 0;     // The band's first row, on the grid of all the view's texels.
+  RowRange rows;    // Of rays.
+  int first_y = 0;  // The band's first row, on the grid of all the view's texels.
   int height = 0;
   int page_y = 0;
   float shift_u = 0, shift_v = 0;  // Of the grid, texels: each instant has another.
@@ -51,8 +51,8 @@ struct StripPlan {
 };
 
 // Throws InputError where the image is too large for a target of `most_texels` a side.
-StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays,
-                     const StripView& view, int samples, int most_texels);
+StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
+                     int samples, int most_texels);
 
 // Adds a page's light, four floats a texel, to the image.
 void gather_light(const Page& page, const StripScale& scale, const std::vector<float>& texels,

@@ -63,9 +63,9 @@ float PaintLayers::nearness(const SceneInstant& scene, size_t place) const {
 }
 
 void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
-                const PaintLayers& layers, const Band& band, const Page& page,
-                const StripScale& scale, const StripView& view, const CameraRays& rays,
-                bool lambert, ShapeBatches& batches) {
+                const PaintLayers& layers, const BandPlace& where, const CameraRays& rays,
+                bool lambert, PageScene& out) {
+  const auto& [band, page, scale, view] = where;
   const float texels = scale.texels_per_unit;
   const auto low_y = static_cast<float>(band.page_y);
   const auto high_y = static_cast<float>(band.page_y + band.height);
@@ -98,7 +98,37 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
     instance.light_and_depth[3] = layers.nearness(scene, source);
     instance.look[3] = static_cast<float>(source + 1);
     instance.ray[0] = to_x, instance.ray[1] = to_y, instance.ray[2] = 1.0f / texels;
-    batches[{prepared.kinds[i], 0}].push_back(instance);
+    out.shapes[{prepared.kinds[i], scene.primitives[source].asset}].push_back(instance);
+  }
+}
+
+void add_meshes(const SceneInstant& scene, const BandPlace& where, const CameraRays& rays,
+                const Lighting& lighting, PageScene& out) {
+  const auto& [band, page, scale, view] = where;
+  const Pose X_CW = scene.X_WC.inverse();
+  for (size_t source = 0; source < scene.primitives.size(); ++source) {
+    const Primitive& primitive = scene.primitives[source];
+    if (primitive.shape != Shape::mesh || primitive.asset == 0) continue;
+    const Pose X_CO = X_CW * primitive.X_WO;
+    if (!may_be_seen(X_CO.p, primitive.size.x, rays, band.rows)) continue;
+    const Mat3 R_VC = glm::transpose(view.R_CV);
+    const Mat3 R_VO = R_VC * X_CO.R;
+    const Vec3 p_VO = R_VC * X_CO.p;
+    const Vec3 light = lighting.diffuse * (R_VC * (X_CW.R * lighting.direction_W));
+    MeshInstance instance{
+        .mesh = primitive.asset - 1, .first_row = band.page_y, .rows = band.height};
+    for (int k = 0; k < 9; ++k) instance.R_VO[k] = static_cast<float>(R_VO[k / 3][k % 3]);
+    for (int k = 0; k < 3; ++k) {
+      instance.p_VO[k] = static_cast<float>(p_VO[k]);
+      instance.light_V[k] = lighting.lambert ? static_cast<float>(light[k]) : 0.0f;
+      instance.look[k] = static_cast<float>(primitive.rgb[k]);
+    }
+    instance.light_V[3] = lighting.lambert ? static_cast<float>(lighting.ambient) : 1.0f;
+    instance.look[3] = static_cast<float>(source + 1);
+    instance.ray = {static_cast<float>(page.first_x) - band.shift_u,
+                    static_cast<float>(band.first_y - band.page_y) - band.shift_v,
+                    1.0f / scale.texels_per_unit};
+    out.meshes.push_back(instance);
   }
 }
 

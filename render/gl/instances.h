@@ -24,10 +24,21 @@ class PaintLayers {
   std::vector<Layer> layers_;
 };
 
+// Where what is drawn goes.
+struct BandPlace {
+  const Band& band;
+  const Page& page;
+  const StripScale& scale;
+  const StripView& view;
+};
+
 // `prepared` are the shapes of `scene` that the band's rows can see.
 void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
-                const PaintLayers& layers, const Band& band, const Page& page,
-                const StripScale& scale, const StripView& view, const CameraRays& rays,
-                bool lambert, ShapeBatches& batches);
+                const PaintLayers& layers, const BandPlace& place, const CameraRays& rays,
+                bool lambert, PageScene& out);
+
+// The scene's meshes that the band's rows can see.
+void add_meshes(const SceneInstant& scene, const BandPlace& place, const CameraRays& rays,
+                const Lighting& lighting, PageScene& out);
 
 }  // namespace seam::render::gl

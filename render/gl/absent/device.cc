@@ -5,14 +5,18 @@
 
 namespace seam::render {
 
+namespace {
+constexpr const char* kMissing =
+    "renderer 'opengl': this build has none; install libosmesa6-dev and libassimp-dev and build "
+    "with -DSEAM_OPENGL=ON, or take --renderer analytic for scenes of shapes";
+}  // namespace
+
 struct GlDevice::Impl {
   std::string nothing;
 };
 
-GlDevice::GlDevice() {
-  throw InputError(
-      "renderer 'opengl': this build has none; install libosmesa6-dev and build with "
-      "-DSEAM_OPENGL=ON, or take --renderer analytic for scenes of shapes");
+GlDevice::GlDevice(Assets) {
+  throw InputError(kMissing);
 }
 GlDevice::~GlDevice() = default;
 const std::string& GlDevice::version() const {
@@ -25,6 +29,13 @@ void GlDevice::integrate_light(const FrameJob&, const CameraRays&, const Rendere
                                LinearImage&) const {}
 GlDevice::Centres GlDevice::see_centres(const FrameJob&, const CameraRays&) const {
   return {};
+}
+
+Mesh read_mesh(const FileName&, double) {
+  throw InputError(kMissing);
+}
+Texture read_texture(const FileName&) {
+  throw InputError(kMissing);
 }
 
 }  // namespace seam::render
