@@ -29,18 +29,21 @@ std::unique_ptr<render::Renderer> make_renderer(const RobotSpec& robot, const ef
 }  // namespace
 
 CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effects::Model>& models,
-                               int workers, const render::RendererOptions& options)
-    : workers_(workers > 0
+                               int workers, const render::RendererOptions& options,
+                               std::unique_ptr<render::GlDevice> opengl)
+    : opengl_(std::move(opengl)),
+      workers_(workers > 0
                    ? workers
                    : std::clamp<int>(static_cast<int>(std::thread::hardware_concurrency()), 1, 64)),
       options_(options) {
   SEAM_CHECK(models.size() == scenario.robots.size(), "{} models", models.size());
+  options_.opengl = opengl_.get();
   for (size_t i = 0; i < models.size(); ++i) {
     const RobotSpec& robot = scenario.robots[i];
     Camera camera;
     camera.robot = robot.id;
     camera.spec = robot.camera;
-    camera.renderer = make_renderer(robot, models[i], options);
+    camera.renderer = make_renderer(robot, models[i], options_);
     if (!robot.camera.colour_table_yaml.empty())
       camera.colours = render::ColourTable::from_config(
           ConfigNode::from_text(robot.camera.colour_table_yaml, robot.camera.colour_table_name));

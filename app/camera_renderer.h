@@ -8,6 +8,7 @@
 #include "effects/model.h"
 #include "effects/stages/timing.h"
 #include "render/colour/colour_table.h"
+#include "render/gl/device.h"
 #include "render/renderer.h"
 #include "scheduler/loop/frame_renderer.h"
 #include "sim_core/scenario/scenario.h"
@@ -16,9 +17,11 @@ namespace seam::app {
 
 class CameraRenderer final : public scheduler::FrameRenderer {
  public:
-  // `models`: one a robot. `workers`: frames made at once; 0 is one for each core.
+  // `models`: one a robot. `workers`: frames made at once; 0 is one for each core. `opengl` draws
+  // in place of the ray caster where given.
   CameraRenderer(const Scenario& scenario, const std::vector<effects::Model>& models,
-                 int workers = 0, const render::RendererOptions& options = {});
+                 int workers = 0, const render::RendererOptions& options = {},
+                 std::unique_ptr<render::GlDevice> opengl = nullptr);
 
   int workers() const override { return workers_; }
   RowSchedule schedule(int robot, uint64_t frame_index, SimTime stamp) override;
@@ -43,6 +46,7 @@ class CameraRenderer final : public scheduler::FrameRenderer {
     RandomStream stream;
     CameraSpec spec;
   };
+  std::unique_ptr<render::GlDevice> opengl_;
   std::vector<Camera> cameras_;
   int workers_;
   render::RendererOptions options_;

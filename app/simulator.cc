@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "app/scene_assets.h"
 #include "app/trust/tokens.h"
 #include "effects/stages/robot_parts.h"
 #include "scheduler/log/log_records.h"
@@ -67,6 +68,8 @@ std::vector<ScenarioChange> changes_of(const SimulatorOptions& options) {
   return changes;
 }
 
+constexpr const char* kRendererVersion = "renderer";
+
 }  // namespace
 
 std::vector<effects::Model> models_of(const Scenario& scenario) {
@@ -86,19 +89,25 @@ Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions
 }
 
 Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
+  std::unique_ptr<render::GlDevice> opengl = device_for(scenario, options.drawing);
   std::vector<effects::Model> models = models_of(scenario);
   std::map<std::string, effects::Model> by_robot;
   for (size_t i = 0; i < models.size(); ++i) by_robot.emplace(scenario.robots[i].id, models[i]);
   World world(scenario, effects::ModelParts(std::move(by_robot)));
-  auto renderer =
-      std::make_unique<CameraRenderer>(scenario, models, options.render_workers, options.rendering);
   scheduler::RunHeader header;
   header.scenario_text = with_fingerprints(scenario).to_yaml();
   header.scenario_name = scenario.name;
   header.seed = static_cast<uint64_t>(scenario.seed);
   header.versions = {{"seam", SEAM_VERSION},
                      {"log", std::string(scheduler::kLogFormat)},
-                     {"state", std::string(scheduler::kStateVersion)}};
+                     {"state", std::string(scheduler::kStateVersion)},
+                     {kRendererVersion, opengl ? "opengl" : "analytic"}};
+  if (opengl) {
+    header.versions.emplace_back("opengl", opengl->version());
+    header.versions.emplace_back("opengl_renderer", opengl->renderer());
+  }
+  auto renderer = std::make_unique<CameraRenderer>(scenario, models, options.render_workers,
+                                                   options.rendering, std::move(opengl));
   for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
   header.sections = world.section_names();
   return {std::move(scenario), std::move(models), std::move(world),
@@ -109,7 +118,10 @@ Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOpti
   Scenario scenario = Scenario::from_text(header.scenario_text, header.scenario_name);
   scenario.seed = static_cast<int64_t>(header.seed);
   replace_models(scenario, options.models);
-  Simulator simulator = make_simulator(without_fingerprints(scenario), options);
+  SimulatorOptions as_recorded = options;
+  for (const auto& [name, version] : header.versions)
+    if (name == kRendererVersion && options.drawing == "auto") as_recorded.drawing = version;
+  Simulator simulator = make_simulator(without_fingerprints(scenario), as_recorded);
   simulator.header.scenario_text = with_fingerprints(std::move(scenario)).to_yaml();
   return simulator;
 }

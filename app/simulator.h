@@ -23,6 +23,8 @@ struct SimulatorOptions {
   std::vector<std::string>
       models;              // "FILE" for all robots or "ROBOT=FILE"; replace the scenario's.
   int render_workers = 0;  // 0: one for each core.
+  std::string drawing =
+      "auto";  // "analytic", "opengl", or "auto": OpenGL where the scene needs it.
   render::RendererOptions rendering;
 };
 

@@ -71,16 +71,19 @@ function(compile_together target count)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# seam_module(NAME [ROOMS rooms...] [LINK targets...] [UNITY n] [UNITY_TESTS n]): the library of this folder, or of
+# seam_module(NAME [ROOMS rooms...] [EXCLUDE regex] [LINK targets...] [UNITY n] [UNITY_TESTS n]): the library of this folder, or of
 # these rooms of it, and, if there are *.test.cc, its test program. UNITY compiles n files of the library at a time,
 # UNITY_TESTS those of the tests: for folders of many files with heavy headers.
 function(seam_module name)
-  cmake_parse_arguments(ARG "" "UNITY;UNITY_TESTS" "ROOMS;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "UNITY;UNITY_TESTS;EXCLUDE" "ROOMS;LINK" ${ARGN})
   set(patterns *.cc)
   if(ARG_ROOMS)
     list(TRANSFORM ARG_ROOMS APPEND /*.cc OUTPUT_VARIABLE patterns)
   endif()
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${patterns})
+  if(ARG_EXCLUDE)
+    list(FILTER sources EXCLUDE REGEX "${ARG_EXCLUDE}")
+  endif()
   set(tests ${sources})
   list(FILTER tests INCLUDE REGEX "\\.test\\.cc$")
   list(FILTER sources EXCLUDE REGEX "\\.(test|perf|fuzz|main)\\.cc$")

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "render/gl/device.h"
 #include "sim_core/base/error.h"
 
 namespace seam::render {
@@ -81,10 +83,69 @@ ImagePosition follow(const FrameJob& job, const SceneInTime& scenes,
   return seen;
 }
 
+// What the rays through the centres of each row's pixels meet in the middle of its window.
+class Centres {
+ public:
+  Centres(const FrameJob& job, const CameraRays& rays, const GlDevice* opengl)
+      : job_(job),
+        rays_(rays),
+        scenes_(job),
+        pattern_(rays.columns()),
+        caster_(rays, pattern_, false, 1) {
+    if (opengl) drawn_ = opengl->see_centres(middle_of_rows(), rays);
+  }
+
+  // Calls see(column, source, depth) where something is met.
+  template <typename See>
+  void row(int v, const SceneInstant& scene, const See& see) {
+    if (drawn_) {
+      for (int u = 0; u < rays_.width_px; ++u) {
+        const size_t i = static_cast<size_t>(v) * rays_.width_px + u;
+        if (drawn_->source[i] >= 0)
+          see(u, static_cast<size_t>(drawn_->source[i]), drawn_->depth[i]);
+      }
+      return;
+    }
+    const int table_row = v + rays_.border_px;
+    prepare(scene, job_.lighting, job_.background, rays_, {table_row, table_row}, prepared_);
+    const RowCaster::Seen seen = caster_.see_centres(table_row, prepared_);
+    for (int u = 0; u < rays_.width_px; ++u) {
+      const int column = u + rays_.border_px;
+      if (seen.id[column] >= 0)
+        see(u, static_cast<size_t>(prepared_.sources[seen.id[column]]), seen.depth[column]);
+    }
+  }
+
+ private:
+  // A job whose rows have one instant each.
+  FrameJob middle_of_rows() const {
+    FrameJob job = job_;
+    job.instants.clear();
+    job.schedule = {};
+    job.schedule.rows = job_.schedule.rows;
+    for (const RowWindow& row : job.schedule.rows) {
+      const SimTime middle = row.start + (row.end - row.start) / 2;
+      job.schedule.first_instant.push_back(static_cast<int>(job.instants.size()));
+      job.schedule.weights.push_back({1.0});
+      job.schedule.instants.push_back(middle);
+      job.instants.push_back(scenes_.at(middle));
+    }
+    return job;
+  }
+
+  const FrameJob& job_;
+  const CameraRays& rays_;
+  SceneInTime scenes_;
+  SamplePattern pattern_;
+  RowCaster caster_;
+  PreparedInstant prepared_;
+  std::optional<GlDevice::Centres> drawn_;
+};
+
 }  // namespace
 
 GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays,
-                              const effects::Projection& projection) {
+                              const effects::Projection& projection, const GlDevice* opengl) {
   GroundTruth truth{.width_px = rays.width_px, .height_px = rays.height_px};
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   truth.label.assign(pixels, static_cast<uint8_t>(Label::background));
@@ -93,36 +154,28 @@ GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays,
   truth.flow_u_px.assign(pixels, 0);
   truth.flow_v_px.assign(pixels, 0);
   const SceneInTime scenes(job);
-  const SamplePattern pattern(rays.columns());
-  RowCaster caster(rays, pattern, false, 1);
   const RayTable& green = rays.table(1);
-  PreparedInstant prepared;
+  Centres centres(job, rays, opengl);
   for (int v = 0; v < rays.height_px; ++v) {
     const RowWindow& window = job.schedule.rows[v];
     const SceneInstant scene = scenes.at(window.start + (window.end - window.start) / 2);
-    const int table_row = v + rays.border_px;
-    prepare(scene, job.lighting, job.background, rays, {table_row, table_row}, prepared);
-    const RowCaster::Seen seen = caster.see_centres(table_row, prepared);
-    for (int u = 0; u < rays.width_px; ++u) {
-      const int column = u + rays.border_px;
-      if (seen.id[column] < 0) continue;
+    centres.row(v, scene, [&](int u, size_t source, float depth) {
       const size_t i = static_cast<size_t>(v) * rays.width_px + u;
-      const auto source = static_cast<size_t>(prepared.sources[seen.id[column]]);
       const Primitive& primitive = scene.primitives[source];
-      const size_t ray = rays.at(table_row) + column;
-      const Vec3 p_C = static_cast<double>(seen.depth[column]) *
+      const size_t ray = rays.at(v + rays.border_px) + u + rays.border_px;
+      const Vec3 p_C = static_cast<double>(depth) *
                        Vec3(green.base[0][ray], green.base[1][ray], green.base[2][ray]);
       truth.label[i] = static_cast<uint8_t>(primitive.label);
       truth.object_id[i] = primitive.object_id;
       truth.depth_m[i] = static_cast<float>(p_C.z);
-      if (window.start == window.end) continue;
+      if (window.start == window.end) return;
       const Vec3 p_O = primitive.X_WO.inverse() * (scene.X_WC * p_C);
       const ImagePosition first = follow(job, scenes, projection, source, p_O, 0, v);
       const ImagePosition last = follow(job, scenes, projection, source, p_O, 1, v);
-      if (!first.visible || !last.visible) continue;
+      if (!first.visible || !last.visible) return;
       truth.flow_u_px[i] = static_cast<float>(last.u - first.u);
       truth.flow_v_px[i] = static_cast<float>(last.v - first.v);
-    }
+    });
   }
   return truth;
 }

@@ -7,6 +7,6 @@
 namespace seam::render {
 
 GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays,
-                              const effects::Projection& projection);
+                              const effects::Projection& projection, const GlDevice* opengl);
 
 }  // namespace seam::render

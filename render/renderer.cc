@@ -12,6 +12,7 @@
 #include "render/colour/colour_space.h"
 #include "render/filter/camera_filter.h"
 #include "render/filter/optics_filter.h"
+#include "render/gl/device.h"
 #include "render/ground_truth.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
@@ -95,7 +96,10 @@ struct Renderer::Impl {
     LinearImage image{.width_px = used.columns(), .height_px = used.rows()};
     for (auto& plane : image.planes)
       plane.resize(static_cast<size_t>(image.width_px) * image.height_px);
-    integrate_light(plan_sampling(job, used, options), used, job, options, image);
+    if (options.opengl)
+      options.opengl->integrate_light(job, used, options, image);
+    else
+      integrate_light(plan_sampling(job, used, options), used, job, options, image);
     return image;
   }
 
@@ -223,7 +227,7 @@ Frame Renderer::render(const FrameJob& job) const {
 }
 
 GroundTruth Renderer::ground_truth(const FrameJob& job) const {
-  return make_ground_truth(job, impl_->rays, impl_->projection);
+  return make_ground_truth(job, impl_->rays, impl_->projection, impl_->options.opengl);
 }
 
 std::vector<StageImage> Renderer::stages(const FrameJob& job) const {

@@ -59,6 +59,16 @@ CameraRenderer& ReplayMatch::renderer() {
   return impl_->other_models ? *impl_->other_models->renderer : *impl_->simulator.renderer;
 }
 
+std::string ReplayMatch::why_other_pixels() const {
+  for (const char* name : {"opengl", "opengl_renderer"}) {
+    const std::string recorded = version_of(impl_->log.header(), name);
+    const std::string here = version_of(impl_->simulator.header, name);
+    if (!recorded.empty() && recorded != here)
+      return fmt::format("frames: drawn by {}, here is {}", recorded, here);
+  }
+  return "";
+}
+
 const scheduler::RunHeader& ReplayMatch::header() const {
   return impl_->simulator.header;
 }

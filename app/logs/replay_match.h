@@ -30,6 +30,9 @@ class ReplayMatch {
   World& world();
   CameraRenderer& renderer();
   // As the log's, with this program's sections.
+  // Why its frames' pixels cannot be made again here, as for a log that another Mesa drew; empty
+  // where they can.
+  std::string why_other_pixels() const;
   const scheduler::RunHeader& header() const;
   // Made on first use.
   scheduler::Rewinder& rewinder();

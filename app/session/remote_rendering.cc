@@ -13,13 +13,15 @@ namespace {
 scheduler::RenderSetup setup_of(const Simulator& simulator) {
   const Scenario& scenario = simulator.scenario;
   const render::RendererOptions& rendering = simulator.renderer->options();
-  scheduler::RenderSetup setup{.version = SEAM_VERSION,
-                               .background = simulator.world.background(),
-                               .lighting = simulator.world.lighting(),
-                               .samples_per_pixel = rendering.samples_per_pixel,
-                               .edge_samples_per_pixel = rendering.edge_samples_per_pixel,
-                               .max_motion_px = rendering.max_motion_px,
-                               .reference = rendering.reference};
+  // Processes elsewhere have the ray caster alone: this version is none of theirs.
+  scheduler::RenderSetup setup{
+      .version = rendering.opengl ? SEAM_VERSION " with OpenGL" : SEAM_VERSION,
+      .background = simulator.world.background(),
+      .lighting = simulator.world.lighting(),
+      .samples_per_pixel = rendering.samples_per_pixel,
+      .edge_samples_per_pixel = rendering.edge_samples_per_pixel,
+      .max_motion_px = rendering.max_motion_px,
+      .reference = rendering.reference};
   simulator.world.primitives_at(simulator.world.start(), setup.scene);
   for (const RobotSpec& robot : scenario.robots)
     setup.cameras.push_back({robot.id, static_cast<int>(robot.camera.width_px),
@@ -34,6 +36,8 @@ std::unique_ptr<scheduler::RemoteRenderer> make_remote_renderer(
     const Simulator& simulator, const RemoteRenderingOptions& options,
     const scheduler::RemoteRenderer::TellFault& tell_fault) {
   CameraRenderer& local = *simulator.renderer;
+  if (options.renderers > 0 && local.options().opengl)
+    throw UsageError("--renderers: frames of --renderer opengl are made by the server alone");
   scheduler::RemoteRendererOptions frames = options.frames;
   if (options.policy == "abort") frames.policy = scheduler::RendererPolicy::abort;
   return std::make_unique<scheduler::RemoteRenderer>(

@@ -292,6 +292,15 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
   return Session(simulator, options, outputs).run(wrap, std::move(observers));
 }
 
+void add_drawing_option(Command command, SimulatorOptions& simulator) {
+  command
+      .add_option("--renderer", simulator.drawing,
+                  "What makes frames: `analytic`, the ray caster of shapes; `opengl`, which also\n"
+                  "draws meshes and textures; `auto`: opengl where the scene needs it")
+      .one_of({"auto", "analytic", "opengl"})
+      .show_default();
+}
+
 void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator) {
   command.add_option("--seed", simulator.seed, "Replaces the scenario's seed");
   command.add_option("--set", simulator.changes,
@@ -320,6 +329,7 @@ void add_session_options(Command command, SessionOptions& session, SimulatorOpti
       .add_option("--render-threads", simulator.render_workers,
                   "Frames made at once; 0 is one for each core")
       .range(0, 64);
+  add_drawing_option(command, simulator);
   add_remote_rendering_options(command, session.rendering);
 }
 

@@ -89,6 +89,9 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 // The summary on stdout and, where asked for, as JSON; the exit code.
 int report(const SessionSummary& summary, SessionOutputs& outputs);
 
+// `--renderer auto|analytic|opengl`.
+void add_drawing_option(Command command, SimulatorOptions& simulator);
+
 // The options that run and serve share.
 void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator);
 

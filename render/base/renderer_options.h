@@ -5,6 +5,8 @@
 
 namespace seam::render {
 
+class GlDevice;
+
 struct RendererOptions {
   // At least so many samples fall on a pixel, spread over its square and its row's instants.
   int samples_per_pixel = 8;
@@ -18,6 +20,8 @@ struct RendererOptions {
   // Time of the set's (or run's) start: what flicker, drift and time-dependent expressions count
   // from.
   SimTime reference;
+  // Draws in place of the ray caster where given; outlives the renderers that use it.
+  const GlDevice* opengl = nullptr;
 };
 
 }  // namespace seam::render

@@ -69,29 +69,43 @@ SceneInstant scene_at(const FrameJob& job, SimTime time) {
 
 }  // namespace
 
-SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,
-                           const RendererOptions& options) {
+SampledInstants::SampledInstants(const FrameJob& job, const CameraRays& rays,
+                                 const RendererOptions& options)
+    : job_(job) {
   SEAM_CHECK(job.instants.size() == job.schedule.instants.size() && !job.instants.empty(), "{} {}",
              job.instants.size(), job.schedule.instants.size());
   SEAM_CHECK(static_cast<int>(job.schedule.rows.size()) == rays.height_px, "{}",
              job.schedule.rows.size());
-  SamplingPlan plan;
   const int wanted = instants_wanted(job, rays, options);
-  const bool refine = wanted > fewest_instants(job.schedule);
-  plan.schedule = refine ? effects::schedule_of_windows(job.schedule.rows, wanted) : job.schedule;
-  plan.scenes.resize(plan.schedule.instants.size());
-  const std::vector<RowRange> rows = rows_that_see(plan.schedule, rays);
-  split_over_threads(
-      options.threads, static_cast<int>(plan.scenes.size()), [&](int begin, int end) {
-        for (int k = begin; k < end; ++k) {
-          if (refine) {
-            prepare(scene_at(job, plan.schedule.instants[k]), job.lighting, job.background, rays,
-                    rows[k], plan.scenes[k]);
-          } else {
-            prepare(job.instants[k], job.lighting, job.background, rays, rows[k], plan.scenes[k]);
-          }
-        }
-      });
+  refined_ = wanted > fewest_instants(job.schedule);
+  schedule_ = refined_ ? effects::schedule_of_windows(job.schedule.rows, wanted) : job.schedule;
+  rows_ = rows_that_see(schedule_, rays);
+}
+
+int SampledInstants::fewest_a_row() const {
+  return fewest_instants(schedule_);
+}
+
+void SampledInstants::with_scene(int k, const std::function<void(const SceneInstant&)>& see) const {
+  if (refined_)
+    see(scene_at(job_, schedule_.instants[k]));
+  else
+    see(job_.instants[k]);
+}
+
+SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,
+                           const RendererOptions& options) {
+  SamplingPlan plan{.instants = SampledInstants(job, rays, options), .scenes = {}};
+  plan.scenes.resize(plan.instants.count());
+  split_over_threads(options.threads, static_cast<int>(plan.scenes.size()),
+                     [&](int begin, int end) {
+                       for (int k = begin; k < end; ++k) {
+                         plan.instants.with_scene(k, [&](const SceneInstant& scene) {
+                           prepare(scene, job.lighting, job.background, rays,
+                                   plan.instants.rows_of(k), plan.scenes[k]);
+                         });
+                       }
+                     });
   return plan;
 }
 
@@ -100,7 +114,7 @@ void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const Fra
   const SamplePattern pattern(rays.columns());
   split_over_threads(options.threads, rays.rows(), [&](int begin, int end) {
     // Every row holds nearly as many instants as any other; all refine their edges alike.
-    const int instants_a_row = fewest_instants(plan.schedule);
+    const int instants_a_row = plan.instants.fewest_a_row();
     const int first_look = instants_a_row * divide_up(options.samples_per_pixel, instants_a_row);
     RowCaster caster(rays, pattern, job.lighting.lambert,
                      divide_up(options.edge_samples_per_pixel, first_look));
@@ -108,14 +122,14 @@ void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const Fra
     std::vector<int> order;
     for (int row = begin; row < end; ++row) {
       const int image_row = std::clamp(row - rays.border_px, 0, rays.height_px - 1);
-      const std::vector<double>& weights = plan.schedule.weights[image_row];
+      const std::vector<double>& weights = plan.instants.schedule().weights[image_row];
       const int instants = static_cast<int>(weights.size());
       const int each = divide_up(options.samples_per_pixel, instants);
       if (order.size() != static_cast<size_t>(instants * each))
         order = SamplePattern::scattered_order(instants * each);
       samples.clear();
       for (int k = 0; k < instants; ++k) {
-        const auto& scene = plan.scenes[plan.schedule.first_instant[image_row] + k];
+        const auto& scene = plan.scenes[plan.instants.schedule().first_instant[image_row] + k];
         for (int s = 0; s < each; ++s) {
           samples.push_back({&scene, static_cast<float>(weights[k] / each), order[k * each + s]});
         }

@@ -1,6 +1,8 @@
 // Scene radiance to a linear image: pixels integrate over their squares, rows over their windows.
 #pragma once
 
+#include <functional>
+
 #include "render/base/linear_image.h"
 #include "render/base/renderer_options.h"
 #include "render/cast/ray_table.h"
@@ -10,9 +12,28 @@
 namespace seam::render {
 
 // A frame's instants as they are sampled: the job's own, or more where things move fast.
+class SampledInstants {
+ public:
+  SampledInstants(const FrameJob& job, const CameraRays& rays, const RendererOptions& options);
+
+  const RowSchedule& schedule() const { return schedule_; }
+  int count() const { return static_cast<int>(schedule_.instants.size()); }
+  int fewest_a_row() const;
+  // Rows of rays that sample this instant, from the first to the last; rows of the border go with
+  // the nearest row of the image.
+  RowRange rows_of(int k) const { return rows_[k]; }
+  void with_scene(int k, const std::function<void(const SceneInstant&)>& see) const;
+
+ private:
+  const FrameJob& job_;
+  bool refined_ = false;
+  RowSchedule schedule_;
+  std::vector<RowRange> rows_;
+};
+
 struct SamplingPlan {
-  RowSchedule schedule;
-  std::vector<PreparedInstant> scenes;  // One for each of schedule.instants.
+  SampledInstants instants;
+  std::vector<PreparedInstant> scenes;  // One for each instant.
 };
 
 SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,

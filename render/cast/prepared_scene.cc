@@ -36,6 +36,8 @@ double bounding_radius(const Primitive& primitive) {
       return size.x + 0.5 * size.z;
     case Shape::box:
       return 0.5 * std::sqrt(glm::dot(size, size));
+    case Shape::mesh:
+      return size.x;
   }
   return 0;
 }
@@ -47,6 +49,7 @@ double loose_radius(const Primitive& primitive) {
     case Shape::rectangle:
       return 0.5 * (size.x + size.y);
     case Shape::sphere:
+    case Shape::mesh:
       return size.x;
     case Shape::cylinder:
     case Shape::capsule:
@@ -198,6 +201,8 @@ Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, std::vector<Outli
     }
     case Shape::box:
       return box_bounds(X_CO, 0.5 * size, edges);
+    case Shape::mesh:
+      return sphere_bounds(X_CO.p, size.x);
   }
   return Bounds::everything();
 }
@@ -301,6 +306,10 @@ void for_each_pair(const std::vector<Primitive>& a, const std::vector<Primitive>
 
 }  // namespace
 
+bool may_be_seen(const Vec3& centre_C, double radius, const CameraRays& rays, RowRange rows) {
+  return !outside_view(centre_C, radius, rays, rows);
+}
+
 void PreparedInstant::clear() {
   shapes.clear(), kinds.clear(), footprints.clear(), colours.clear(), signatures.clear();
   sources.clear(), outline_edges.clear();
@@ -323,6 +332,7 @@ void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& b
   const Vec3 light_C = X_CW.R * lighting.direction_W;
   for (size_t source = 0; source < instant.primitives.size(); ++source) {
     const Primitive& primitive = instant.primitives[source];
+    if (primitive.shape == Shape::mesh) continue;  // Triangles are OpenGL's alone.
     const Vec3 centre_C = X_CW * (primitive.X_WO * bounding_centre(primitive));
     if (outside_view(centre_C, loose_radius(primitive), rays, rows) ||
         outside_view(centre_C, bounding_radius(primitive), rays, rows)) {

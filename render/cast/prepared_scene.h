@@ -48,6 +48,9 @@ struct RowRange {
   int last = -1;
 };
 
+// Whether these rows can see anything of a ball about this point, in the camera's frame.
+bool may_be_seen(const Vec3& centre_C, double radius, const CameraRays& rays, RowRange rows);
+
 // What these rows can see.
 void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
              const CameraRays& rays, RowRange rows, PreparedInstant& out);

@@ -109,6 +109,8 @@ class BruteCaster {
             take(primitive, t, {0, 0, z > 0 ? 1 : -1}, best);
         }
         return;
+      case Shape::mesh:  // brute_triangles.h
+        return;
       case Shape::box:
         for (int axis = 0; axis < 3; ++axis) {
           for (const double sign : {-1.0, 1.0}) {

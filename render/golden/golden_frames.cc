@@ -60,8 +60,7 @@ SceneInstant scene_at(SimTime time) {
   return scene;
 }
 
-std::string line_of(const char* name, const std::string& effects, const Lighting& lighting,
-                    int threads) {
+GoldenFrame golden_frame(const char* name, const std::string& effects, const Lighting& lighting) {
   const effects::Model model = effects::Model::from_config(
       ConfigNode::from_text("format: seam-model/1\nname: golden\neffects:\n" + effects, "golden"));
   FrameJob job{.robot = "golden", .frame_index = 3, .stamp = SimTime::from_ns(1'000'003)};
@@ -71,17 +70,25 @@ std::string line_of(const char* name, const std::string& effects, const Lighting
   job.lighting = lighting;
   job.camera_noise = {.seed = 11, .stream = 5};
   job.frame_noise = job.camera_noise.child("frame").child(job.frame_index);
-  const Frame frame = Renderer(model, 178, 144, {.threads = threads}).render(job);
-  return fmt::format("{} {}\n", name, to_hex(frame.fingerprint));
+  return {name, model, job};
 }
 
 }  // namespace
 
-std::string golden_frame_lines(int threads) {
+std::vector<GoldenFrame> golden_frames() {
   const Lighting lambert{
       .lambert = true, .direction_W = {0.36, 0.48, 0.8}, .ambient = 0.4, .diffuse = 0.6};
-  return line_of("plain", kPlain, {}, threads) + line_of("lambert", kPlain, lambert, threads) +
-         line_of("full", std::string(kPlain) + kFull, {}, threads);
+  return {golden_frame("plain", kPlain, {}), golden_frame("lambert", kPlain, lambert),
+          golden_frame("full", std::string(kPlain) + kFull, {})};
+}
+
+std::string golden_frame_lines(int threads) {
+  std::string lines;
+  for (const GoldenFrame& golden : golden_frames()) {
+    const Frame frame = Renderer(golden.model, 178, 144, {.threads = threads}).render(golden.job);
+    lines += fmt::format("{} {}\n", golden.name, to_hex(frame.fingerprint));
+  }
+  return lines;
 }
 
 }  // namespace seam::render

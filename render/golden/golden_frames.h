@@ -3,8 +3,19 @@
 #pragma once
 
 #include <string>
+#include <vector>
+
+#include "effects/model.h"
+#include "sim_core/scene/frame.h"
 
 namespace seam::render {
+
+struct GoldenFrame {
+  const char* name;
+  effects::Model model;
+  FrameJob job;  // Of 178 x 144 pixels.
+};
+std::vector<GoldenFrame> golden_frames();
 
 // "name fingerprint" lines; `threads` may split each frame.
 std::string golden_frame_lines(int threads);

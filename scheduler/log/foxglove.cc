@@ -101,6 +101,8 @@ void add(foxglove::SceneEntity& entity, const Primitive& primitive) {
       add_sphere(entity, primitive.X_WO, primitive.size.x, primitive.rgb);
       return add_sphere(entity, primitive.X_WO * translation({0, 0, primitive.size.z}),
                         primitive.size.x, primitive.rgb);
+    case Shape::mesh:  // Its file stays with whoever has the scenario.
+      return;
   }
 }
 

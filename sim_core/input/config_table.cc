@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/file_names.h"
 #include "sim_core/input/shown_text.h"
 
 namespace seam {
@@ -86,6 +87,20 @@ class Reader final : public ConfigTable {
     out.SetDoublePrecision(17);
     out << content.yaml();
     yaml = out.c_str();
+  }
+  void file_name(ConfigKey key, FileName& value) override {
+    const auto found = find(key);
+    if (!found) return;
+    if (found->is_scalar()) {
+      const std::filesystem::path file(found->file());
+      value = {found->text(), std::filesystem::absolute(file).parent_path().string(), ""};
+    } else {
+      value = {found->at("name").text(), found->at("folder").text(),
+               found->text_or("fingerprint", "")};
+      found->finish();
+    }
+    const std::string why = why_not_inside(value.folder, value.name);
+    if (!why.empty()) found->fail(why);
   }
   void list(ConfigKey key, size_t, size_t limit, const std::function<void(size_t)>& resize,
             const std::function<void(ConfigTable&, size_t)>& describe_item) override {
@@ -176,6 +191,15 @@ class Writer final : public ConfigTable {
   void file_or_yaml(ConfigKey key, std::string& yaml, std::string&) override {
     if (!yaml.empty()) put(key) << YAML::Load(yaml);
   }
+  void file_name(ConfigKey key, FileName& value) override {
+    if (value.name.empty()) return;
+    put(key) << YAML::Flow << YAML::BeginMap;
+    const std::pair<const char*, const std::string&> items[] = {
+        {"name", value.name}, {"folder", value.folder}, {"fingerprint", value.fingerprint}};
+    for (const auto& [name, text] : items)
+      out_ << YAML::Key << name << YAML::Value << YAML::DoubleQuoted << text;
+    out_ << YAML::EndMap;
+  }
   void list(ConfigKey key, size_t count, size_t, const std::function<void(size_t)>&,
             const std::function<void(ConfigTable&, size_t)>& describe_item) override {
     put(key) << YAML::BeginSeq;
@@ -263,6 +287,7 @@ class Schema final : public ConfigTable {
   void file_or_yaml(ConfigKey key, std::string&, std::string&) override {
     add(key, R"("type": ["string", "object"])");
   }
+  void file_name(ConfigKey key, FileName&) override { add(key, R"("type": ["string", "object"])"); }
   void list(ConfigKey key, size_t, size_t limit, const std::function<void(size_t)>& resize,
             const std::function<void(ConfigTable&, size_t)>& describe_item) override {
     resize(1);

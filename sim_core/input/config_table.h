@@ -22,6 +22,13 @@ struct ConfigKey {
   bool required = false;
 };
 
+// A file that a configuration names, of a kind that other layers read.
+struct FileName {
+  std::string name;         // Relative to the folder, and inside it.
+  std::string folder;       // Of the configuration that names it.
+  std::string fingerprint;  // Of its content where a log was written; empty: whatever it holds.
+};
+
 class ConfigTable {
  public:
   using Describe = std::function<void(ConfigTable&)>;
@@ -44,6 +51,8 @@ class ConfigTable {
   // As `file_or_object`, kept as YAML text: for files that other layers read. `name` says where it
   // came from.
   virtual void file_or_yaml(ConfigKey key, std::string& yaml, std::string& name) = 0;
+  // The name of a file inside this configuration's folder; written with folder and fingerprint.
+  virtual void file_name(ConfigKey key, FileName& value) = 0;
   // `describe_item(table, i)` is called for each item; when reading, `resize(count)` comes first.
   virtual void list(ConfigKey key, size_t count, size_t limit,
                     const std::function<void(size_t)>& resize,

@@ -181,51 +181,6 @@ void describe_lighting(ConfigTable& table, Lighting& lighting) {
   table.number({"diffuse", "Light from that direction."}, lighting.diffuse, {0, 10});
 }
 
-void describe_object(ConfigTable& table, ObjectSpec& object) {
-  const std::vector<std::string> labels = {
-      "background",    "carpet",         "line",         "wall",
-      "ball",          "goal_yellow",    "goal_skyblue", "beacon_pink",
-      "beacon_yellow", "beacon_skyblue", "beacon_green", "beacon_white",
-      "robot_red",     "robot_blue",     "robot_body",   "other"};
-  table.choice_of({"shape", "Its shape.", true}, object.shape,
-                  {"rectangle", "sphere", "cylinder", "capsule", "box"});
-  const auto has = [&](std::initializer_list<Shape> shapes) {
-    return table.names_alternatives() ||
-           std::find(shapes.begin(), shapes.end(), object.shape) != shapes.end();
-  };
-  const bool always = !table.names_alternatives();
-  const bool upright = has({Shape::cylinder, Shape::capsule}),
-             flat = object.shape == Shape::rectangle;
-  if (has({Shape::rectangle, Shape::sphere, Shape::box})) {
-    table.vec3({"centre_m", "Of a rectangle, sphere or box: its centre, m.", always},
-               object.centre_m);
-  }
-  if (upright)
-    table.vec3({"base_m", "Of a cylinder or capsule: the middle of its base, m.", always},
-               object.centre_m);
-  if (has({Shape::rectangle, Shape::box})) {
-    table.sizes({"size_m", "Of a rectangle its two sides, of a box its three edges, m.", always},
-                object.size_m, flat ? 2 : 3);
-  }
-  const Range length{1e-6, 1e6};
-  if (upright || has({Shape::sphere})) {
-    table.number({"radius_m", "Of a sphere, cylinder or capsule, m.", always}, object.size_m.x,
-                 length);
-  }
-  if (upright)
-    table.number({"height_m", "Of a cylinder or capsule, m.", always}, object.size_m.z, length);
-  if (has({Shape::rectangle}))
-    table.vec3({"normal", "Of a rectangle; (0, 0, 1) where not given."}, object.normal);
-  if (has({Shape::box}))
-    table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, kHeading);
-  table.vec3(
-      {"velocity_mps", "It is at the stated place at time 0 and moves at this velocity, m/s."},
-      object.velocity_mps);
-  table.numbers({"rgb", "Linear radiance, 0 to 1.", true}, object.rgb);
-  table.choice_of({"label", "Ground-truth class."}, object.label, labels);
-  table.require(glm::length(object.normal) > 0, "normal", "expected a direction, found no length");
-}
-
 void require_ids(ConfigTable& table, const std::vector<RobotSpec>& robots) {
   std::set<std::string> ids, tokens;
   for (const RobotSpec& robot : robots) {
@@ -254,7 +209,7 @@ void describe_surroundings(ConfigTable& table, Scenario& scenario) {
       {"objects",
        "More objects to be seen, as in seam-scene/1; robots and ball pass through them."},
       scenario.objects.size(), kMaxObjects, [&](size_t count) { scenario.objects.resize(count); },
-      [&](ConfigTable& t, size_t i) { describe_object(t, scenario.objects[i]); });
+      [&](ConfigTable& t, size_t i) { describe(t, scenario.objects[i]); });
   table.numbers({"background_rgb", "What is seen where nothing stands, linear 0 to 1."},
                 scenario.background_rgb);
   table.object({"lighting", "Shading."},

@@ -10,6 +10,7 @@
 #include "sim_core/base/random.h"
 #include "sim_core/base/time.h"
 #include "sim_core/body/robot_body.h"
+#include "sim_core/scenario/object_spec.h"
 #include "sim_core/scene/field.h"
 
 namespace seam {
@@ -120,18 +121,6 @@ struct RefereeSpec {
   SimDuration stuck =
       SimDuration::from_ns(20'000'000'000);  // Longest time without the ball moving.
   Team kick_off = Team::red;
-};
-
-// An extra object, with the keys of seam-scene/1.
-struct ObjectSpec {
-  Shape shape = Shape::box;
-  Vec3 centre_m{0.0};  // Of a cylinder the middle of its base.
-  Vec3 velocity_mps{0.0};
-  Vec3 size_m{0.1};      // As Primitive::size.
-  Vec3 normal{0, 0, 1};  // Of a rectangle.
-  double yaw_rad = 0;    // Of a box.
-  Rgb rgb{0.5, 0.5, 0.5};
-  Label label = Label::other;
 };
 
 // Whether a robot may be called so, in scenarios and in logs: names become names of files.

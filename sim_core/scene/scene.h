@@ -17,6 +17,7 @@ enum class Shape : uint8_t {
   cylinder,   // Closed, along z from 0 to size.z (height); radius size.x.
   capsule,    // A cylinder along z from 0 to size.z with hemispheres beyond; radius size.x.
   box,        // Centred; full edge lengths size.
+  mesh,       // Triangles of a file (OpenGL alone draws it); no point is farther than size.x.
 };
 
 using Rgb = std::array<double, 3>;  // Linear radiance, 0 to 1 is the camera's nominal range.
@@ -48,6 +49,9 @@ struct Primitive {
   Pose X_WO;               // The object's frame in the world at the instant.
   Vec3 size{0.0};          // Metres; meaning by shape, see above.
   Rgb rgb{0, 0, 0};
+  // Of a mesh, which; of a rectangle or box, its texture: from 1 on in the order in which the
+  // scenario's objects name them, 0 for none. `rgb` is a factor on their colours.
+  uint32_t asset = 0;
 };
 
 // Lambertian shading: rgb * (ambient + diffuse * max(0, n . direction)). Flat when `lambert` is

@@ -73,6 +73,7 @@ World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
   bodies.ball = {ball.x_m, ball.y_m, 0, ball.vx_mps, ball.vy_mps, 0};
   ball_points.assign(substeps + 1, Vec3(ball.x_m, ball.y_m, 0.5 * ball.diameter_m));
   if (scenario.has_field) fixed = field_primitives(scenario.field, kFirstFieldId);
+  make_objects();
 }
 
 double World::Impl::fraction(SimTime time) const {

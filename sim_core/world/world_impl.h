@@ -28,6 +28,7 @@ class World::Impl {
   SimTime sampled_until() const { return end == start ? SimTime::from_ns(-1) : start; }
   std::vector<Pose2> places(SimTime time) const;
 
+  void make_objects();
   void add_objects(SimTime time, std::vector<Primitive>& out) const;
   void add_ball(SimTime time, std::vector<Primitive>& out) const;
   void add_robot(size_t robot, SimTime time, bool is_viewer, std::vector<Primitive>& out) const;
@@ -66,6 +67,11 @@ class World::Impl {
   Referee referee;
   Radio radio;
   std::vector<Primitive> fixed;  // The field.
+  struct MovingPart {
+    Primitive at_zero;
+    Vec3 velocity_mps;
+  };
+  std::vector<MovingPart> objects;  // The scenario's.
   std::vector<WorldEvent> events;
 
  private:

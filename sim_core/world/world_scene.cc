@@ -16,27 +16,21 @@ Label uniform_label(Team team) {
   return team == Team::red ? Label::robot_red : Label::robot_blue;
 }
 
-// Turns the z axis to the normal, keeping the x axis horizontal.
-Mat3 facing(const Vec3& normal) {
-  const Vec3 z = glm::normalize(normal);
-  if (std::abs(z.z) > 1 - 1e-12) return z.z > 0 ? Mat3(1.0) : Mat3(1, 0, 0, 0, -1, 0, 0, 0, -1);
-  const Vec3 x = glm::normalize(glm::cross(Vec3(0, 0, 1), z));
-  return Mat3(x, glm::cross(z, x), z);
-}
-
 }  // namespace
 
-void World::Impl::add_objects(SimTime time, std::vector<Primitive>& out) const {
+void World::Impl::make_objects() {
   uint16_t id = kFirstObjectId;
   for (const ObjectSpec& object : scenario.objects) {
-    const Mat3 R = object.shape == Shape::rectangle ? facing(object.normal) : Mat3(1.0);
-    out.push_back({.shape = object.shape,
-                   .label = object.label,
-                   .object_id = id++,
-                   .X_WO = {rotation_zyx(0, 0, object.yaw_rad) * R,
-                            object.centre_m + time.s() * object.velocity_mps},
-                   .size = object.size_m,
-                   .rgb = object.rgb});
+    for (const Primitive& part : primitives_of(object, id))
+      objects.push_back({part, object.velocity_mps});
+    ++id;
+  }
+}
+
+void World::Impl::add_objects(SimTime time, std::vector<Primitive>& out) const {
+  for (const MovingPart& part : objects) {
+    out.push_back(part.at_zero);
+    out.back().X_WO.p += time.s() * part.velocity_mps;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "app/session/run_session.h"
 #include "app/session/scenario_frames.h"
 #include "render/colour/colour_table.h"
 #include "render/pictures/pictures.h"
@@ -117,6 +118,7 @@ void add_frame(app::Command app) {
                      "A seam-colour-table/1 file for the colour stage");
   command.add_option("--model", settings->simulator.models,
                      "[ROBOT=]FILE: another camera model than the scenario's");
+  app::add_drawing_option(command, settings->simulator);
   command.add_option("--seed", settings->simulator.seed, "Another seed than the scenario's");
   command.footer(
       "Example: seam frame scenarios/head_swing.yaml --robot red1 --at 0.5 --stages stages --out "

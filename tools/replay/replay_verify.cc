@@ -48,9 +48,12 @@ Outcome verify(const Settings& settings) {
       return damaged(fmt::format("damaged at offset {}: {}", losses[0].offset, losses[0].what));
     }
     app::ReplayMatch match(log);
-    return {
-        scheduler::verify(log, {match.scenario(), match.world(),
-                                settings.frames ? &match.renderer() : nullptr, match.header()})};
+    const std::string other_pixels = match.why_other_pixels();
+    const bool frames = settings.frames && other_pixels.empty();
+    Outcome outcome{scheduler::verify(log, {match.scenario(), match.world(),
+                                            frames ? &match.renderer() : nullptr, match.header()})};
+    if (!other_pixels.empty()) outcome.found.not_compared.push_back(other_pixels);
+    return outcome;
   } catch (const InputError& error) {
     return damaged(error.what());
   }

@@ -1,0 +1,84 @@
+// What the process that reads a mesh file sends back.
+#pragma once
+
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "render/assets/assets.h"
+#include "sim_core/base/error.h"
+
+namespace seam::render {
+
+struct PictureSource {
+  std::string name;   // Relative to the mesh's file; empty where it is inside that file.
+  std::string bytes;  // Then these.
+};
+
+struct ReadMesh {
+  std::string error;  // Empty: all well.
+  std::vector<MeshVertex> vertices;
+  std::vector<uint32_t> indices;
+  std::vector<MeshPart> parts;
+  std::vector<PictureSource> pictures;
+  std::vector<std::string> files;  // All that were read, relative to the folder.
+};
+
+class ByteWriter {
+ public:
+  template <typename Item>
+  void add(const std::vector<Item>& items) {
+    static_assert(std::is_trivially_copyable_v<Item>);
+    add_raw(items.data(), items.size(), sizeof(Item));
+  }
+  void add(const std::string& text) { add_raw(text.data(), text.size(), 1); }
+  void add(uint64_t value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof(value)); }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  void add_raw(const void* data, size_t count, size_t each) {
+    add(static_cast<uint64_t>(count));
+    if (count > 0) bytes_.append(static_cast<const char*>(data), count * each);
+  }
+  std::string bytes_;
+};
+
+// Throws InputError at the end of the bytes.
+class ByteReader {
+ public:
+  explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}
+  uint64_t number() {
+    uint64_t value = 0;
+    take(&value, 1, sizeof(value));
+    return value;
+  }
+  template <typename Item>
+  void read(std::vector<Item>& items) {
+    items.resize(count_of(sizeof(Item)));
+    take(items.data(), items.size(), sizeof(Item));
+  }
+  void read(std::string& text) {
+    text.resize(count_of(1));
+    take(text.data(), text.size(), 1);
+  }
+
+ private:
+  size_t count_of(size_t each) {
+    const uint64_t count = number();
+    if (count > (bytes_.size() - at_) / each) throw InputError("its reader ended early");
+    return count;
+  }
+  void take(void* out, size_t count, size_t each) {
+    if (count * each > bytes_.size() - at_) throw InputError("its reader ended early");
+    if (count > 0) std::memcpy(out, bytes_.data() + at_, count * each);
+    at_ += count * each;
+  }
+  const std::string& bytes_;
+  size_t at_ = 0;
+};
+
+// Reads the file by Assimp; runs in the process of its own.
+ReadMesh import_mesh(const std::filesystem::path& folder, const std::string& name);
+
+}  // namespace seam::render

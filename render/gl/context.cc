@@ -1,0 +1,241 @@
+#include "render/gl/context.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+
+#include "render/gl/shaders.h"
+#include "sim_core/base/error.h"
+
+namespace seam::render::gl {
+namespace {
+
+// A variable of the environment while Mesa reads it; afterwards as it was, so that no process that
+// we start inherits it.
+class EnvironmentFor {
+ public:
+  EnvironmentFor(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    setenv(name, value, 1);
+  }
+  ~EnvironmentFor() {
+    if (before_)
+      setenv(name_, before_->c_str(), 1);
+    else
+      unsetenv(name_);
+  }
+  EnvironmentFor(const EnvironmentFor&) = delete;
+  EnvironmentFor& operator=(const EnvironmentFor&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+OSMesaContext create(const Api& gl) {
+  // Fused multiply-adds of newer processors would give other bits; frames are made side by side, so
+  // that threads of the rasteriser's own would only get into each other's way.
+  const EnvironmentFor same_bits("GALLIUM_OVERRIDE_CPU_CAPS", "sse4.1");
+  const EnvironmentFor one_thread("LP_NUM_THREADS", "0");
+  const EnvironmentFor software("GALLIUM_DRIVER", "llvmpipe");
+  constexpr int kAttributes[] = {OSMESA_FORMAT,
+                                 OSMESA_RGBA,
+                                 OSMESA_DEPTH_BITS,
+                                 24,
+                                 OSMESA_PROFILE,
+                                 OSMESA_CORE_PROFILE,
+                                 OSMESA_CONTEXT_MAJOR_VERSION,
+                                 3,
+                                 OSMESA_CONTEXT_MINOR_VERSION,
+                                 3,
+                                 0};
+  return gl.create_context(kAttributes, nullptr);
+}
+
+const char* shape_text(int kind) {
+  constexpr const char* kTexts[] = {kRectangle, kSphere, kCylinder, kCapsule, kBox};
+  return kTexts[kind];
+}
+
+}  // namespace
+
+Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create(gl)) {
+  if (!context_)
+    throw InputError("renderer 'opengl': Mesa makes no off-screen OpenGL 3.3 core context here");
+  make_current();
+  gl_.glGenVertexArrays(1, &shapes_);
+  gl_.glBindVertexArray(shapes_);
+  gl_.glGenBuffers(1, &shape_buffer_);
+  gl_.glBindBuffer(GL_ARRAY_BUFFER, shape_buffer_);
+  for (GLuint input = 0; input < sizeof(ShapeInstance) / 16; ++input) {
+    gl_.glEnableVertexAttribArray(input);
+    gl_.glVertexAttribPointer(input, 4, GL_FLOAT, GL_FALSE, sizeof(ShapeInstance),
+                              reinterpret_cast<const void*>(size_t{16} * input));
+    gl_.glVertexAttribDivisor(input, 1);
+  }
+  gl_.glGenFramebuffers(1, &frame_);
+  gl_.glGenRenderbuffers(1, &colour_);
+  gl_.glGenRenderbuffers(1, &depth_);
+  meshes_ = std::make_unique<MeshDrawer>(gl_, assets);
+}
+
+Context::~Context() {
+  gl_.destroy_context(context_);
+}
+
+void Context::make_current() {
+  SEAM_CHECK(gl_.make_current(context_, window_.data(), GL_UNSIGNED_BYTE, 64, 64), "{}",
+             "OSMesaMakeCurrent");
+}
+
+void Context::release() {
+  gl_.make_current(nullptr, nullptr, 0, 0, 0);
+}
+
+std::string Context::version() const {
+  return reinterpret_cast<const char*>(gl_.glGetString(GL_VERSION));
+}
+std::string Context::renderer() const {
+  return reinterpret_cast<const char*>(gl_.glGetString(GL_RENDERER));
+}
+
+GLuint Context::compile(GLenum kind, const std::string& text) const {
+  const GLuint shader = gl_.glCreateShader(kind);
+  const char* source = text.c_str();
+  gl_.glShaderSource(shader, 1, &source, nullptr);
+  gl_.glCompileShader(shader);
+  GLint well = 0;
+  gl_.glGetShaderiv(shader, GL_COMPILE_STATUS, &well);
+  if (!well) {
+    std::array<char, 4096> why{};
+    gl_.glGetShaderInfoLog(shader, why.size(), nullptr, why.data());
+    SEAM_CHECK(well, "shader: {}", why.data());
+  }
+  return shader;
+}
+
+Context::Program Context::link(const std::string& vertex, const std::string& fragment,
+                               const std::vector<const char*>& inputs) const {
+  Program program{.id = gl_.glCreateProgram()};
+  const GLuint shaders[2] = {compile(GL_VERTEX_SHADER, vertex),
+                             compile(GL_FRAGMENT_SHADER, fragment)};
+  for (const GLuint shader : shaders) gl_.glAttachShader(program.id, shader);
+  for (size_t i = 0; i < inputs.size(); ++i)
+    gl_.glBindAttribLocation(program.id, static_cast<GLuint>(i), inputs[i]);
+  gl_.glLinkProgram(program.id);
+  for (const GLuint shader : shaders) gl_.glDeleteShader(shader);
+  GLint well = 0;
+  gl_.glGetProgramiv(program.id, GL_LINK_STATUS, &well);
+  if (!well) {
+    std::array<char, 4096> why{};
+    gl_.glGetProgramInfoLog(program.id, why.size(), nullptr, why.data());
+    SEAM_CHECK(well, "program: {}", why.data());
+  }
+  program.target = gl_.glGetUniformLocation(program.id, "target");
+  program.truth = gl_.glGetUniformLocation(program.id, "truth");
+  program.view = gl_.glGetUniformLocation(program.id, "view");
+  program.picture = gl_.glGetUniformLocation(program.id, "picture");
+  return program;
+}
+
+const Context::Program& Context::shape_program(const ShapeBatch& batch) {
+  Program& program = shape_programs_[{batch.kind, batch.texture != 0}];
+  if (program.id == 0) {
+    const bool box = shape_text(batch.kind) == kBox;
+    const char* look = batch.texture == 0 ? kPlain : box ? kTexturedBox : kTexturedRectangle;
+    program =
+        link(kShapeVertex,
+             std::string(kShapeFragmentHead) + shape_text(batch.kind) + look + kShapeFragmentTail,
+             {"place", "row_x", "row_y", "row_z", "size", "light", "look", "ray"});
+  }
+  return program;
+}
+
+void Context::make_target(int width, int height) {
+  if (width <= width_ && height <= height_) return;
+  width_ = std::max(width, width_), height_ = std::max(height, height_);
+  gl_.glBindRenderbuffer(GL_RENDERBUFFER, colour_);
+  gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, width_, height_);
+  gl_.glBindRenderbuffer(GL_RENDERBUFFER, depth_);
+  gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width_, height_);
+  gl_.glBindFramebuffer(GL_FRAMEBUFFER, frame_);
+  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
+  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+  const GLenum status = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  SEAM_CHECK(status == GL_FRAMEBUFFER_COMPLETE, "framebuffer of {}x{}: {}", width_, height_,
+             status);
+}
+
+void Context::begin_page(int width, int height, const PageLook& look) {
+  make_target(width, height);
+  page_width_ = width, page_height_ = height;
+  gl_.glBindFramebuffer(GL_FRAMEBUFFER, frame_);
+  gl_.glViewport(0, 0, width, height);
+  gl_.glEnable(GL_SCISSOR_TEST);
+  gl_.glScissor(0, 0, width, height);
+  gl_.glEnable(GL_DEPTH_TEST);
+  gl_.glDepthFunc(GL_GREATER);
+  gl_.glClearColor(look.background[0], look.background[1], look.background[2], look.background[3]);
+  gl_.glClearDepth(0);
+  gl_.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+void Context::draw(const PageScene& scene, const PageLook& look) {
+  for (const auto& [batch, instances] : scene.shapes) {
+    if (instances.empty()) continue;
+    const Program& program = shape_program(batch);
+    gl_.glUseProgram(program.id);
+    gl_.glUniform4f(program.target, 2.0f / static_cast<float>(page_width_),
+                    2.0f / static_cast<float>(page_height_), 0, 0);
+    gl_.glUniform1i(program.truth, look.truth ? 1 : 0);
+    gl_.glUniformMatrix3fv(program.view, 1, GL_FALSE, look.view.data());
+    if (batch.texture != 0) {
+      gl_.glUniform1i(program.picture, 0);
+      meshes_->bind_texture(batch.texture - 1);
+    }
+    gl_.glBindVertexArray(shapes_);
+    gl_.glBindBuffer(GL_ARRAY_BUFFER, shape_buffer_);
+    gl_.glBufferData(GL_ARRAY_BUFFER,
+                     static_cast<GLsizeiptr>(instances.size() * sizeof(ShapeInstance)),
+                     instances.data(), GL_STREAM_DRAW);
+    gl_.glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(instances.size()));
+  }
+  if (scene.meshes.empty()) return;
+  if (mesh_program_ == 0) {
+    mesh_program_ =
+        link(MeshDrawer::vertex_text(), MeshDrawer::fragment_text(), MeshDrawer::inputs()).id;
+    meshes_->set_program(mesh_program_);
+  }
+  meshes_->draw(scene.meshes, page_width_, page_height_, look.truth);
+}
+
+void Context::end_page(std::vector<float>& pixels) {
+  pixels.resize(size_t{4} * page_width_ * page_height_);
+  gl_.glReadPixels(0, 0, page_width_, page_height_, GL_RGBA, GL_FLOAT, pixels.data());
+  const GLenum error = gl_.glGetError();
+  SEAM_CHECK(error == GL_NO_ERROR, "OpenGL error {}", error);
+}
+
+ContextPool::Lease::Lease(ContextPool& pool) : pool_(pool) {
+  {
+    const std::lock_guard lock(pool.mutex_);
+    if (pool.free_.empty()) {
+      // Under the lock: Mesa reads the environment.
+      context_ = std::make_unique<Context>(pool.gl_, pool.assets_);
+      return;
+    }
+    context_ = std::move(pool.free_.back());
+    pool.free_.pop_back();
+  }
+  context_->make_current();
+}
+
+ContextPool::Lease::~Lease() {
+  context_->release();
+  const std::lock_guard lock(pool_.mutex_);
+  pool_.free_.push_back(std::move(context_));
+}
+
+}  // namespace seam::render::gl

@@ -1,0 +1,117 @@
+// One off-screen OpenGL 3.3 core context: its programs, its target, and how a strip's page is
+// drawn.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "render/gl/api.h"
+#include "render/gl/mesh_drawer.h"
+
+namespace seam::render::gl {
+
+// One shape at one instant, as the vertex shader takes it (shaders.h).
+struct ShapeInstance {
+  float place[4];
+  float R_OC_and_origin[3][4];
+  float size_and_ambient[4];
+  float light_and_depth[4];
+  float look[4];
+  float ray[4];
+};
+
+// Shapes of one kind and texture; drawn together.
+struct ShapeBatch {
+  int kind = 0;          // As seam::Shape counts.
+  uint32_t texture = 0;  // As Primitive::asset; 0: none.
+  bool operator<(const ShapeBatch& other) const {
+    return kind != other.kind ? kind < other.kind : texture < other.texture;
+  }
+};
+
+// All that stands on a page.
+struct PageScene {
+  std::map<ShapeBatch, std::vector<ShapeInstance>> shapes;
+  std::vector<MeshInstance> meshes;
+};
+
+// What a page's target is cleared to and how its fragments are written.
+struct PageLook {
+  bool truth = false;  // Identity and distance along the ray in place of light.
+  std::array<float, 4> background{};
+  std::array<float, 9> view{};  // From the strip's view to the camera's frame, column-major.
+};
+
+class Context {
+ public:
+  Context(const Api& gl, const Assets& assets);
+  ~Context();
+  Context(const Context&) = delete;
+  Context& operator=(const Context&) = delete;
+
+  void make_current();
+  void release();
+
+  // A page of the strip: `width` x `height` pixels of four floats, row by row, left in `pixels`.
+  void begin_page(int width, int height, const PageLook& look);
+  void draw(const PageScene& scene, const PageLook& look);
+  void end_page(std::vector<float>& pixels);
+
+  std::string version() const;
+  std::string renderer() const;
+
+ private:
+  struct Program {
+    GLuint id = 0;
+    GLint target = -1, truth = -1, view = -1, picture = -1;
+  };
+  const Program& shape_program(const ShapeBatch& batch);
+  Program link(const std::string& vertex, const std::string& fragment,
+               const std::vector<const char*>& inputs) const;
+  GLuint compile(GLenum kind, const std::string& text) const;
+  void make_target(int width, int height);
+
+  const Api& gl_;
+  OSMesaContext context_ = nullptr;
+  std::array<uint8_t, 64 * 64 * 4> window_{};  // OSMesa wants one; nothing is drawn there.
+  std::unique_ptr<MeshDrawer> meshes_;
+  std::map<std::pair<int, bool>, Program> shape_programs_;
+  GLuint shapes_ = 0, shape_buffer_ = 0, mesh_program_ = 0;
+  GLuint frame_ = 0, colour_ = 0, depth_ = 0;
+  int width_ = 0, height_ = 0;            // Of the target.
+  int page_width_ = 0, page_height_ = 0;  // Of the page in it.
+};
+
+// The contexts of one process's frames: as many as frames are made at once.
+class ContextPool {
+ public:
+  // Both outlive the pool.
+  ContextPool(const Api& gl, const Assets& assets) : gl_(gl), assets_(assets) {}
+
+  // A context that is current on this thread until the lease ends.
+  class Lease {
+   public:
+    explicit Lease(ContextPool& pool);
+    ~Lease();
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    Context& operator*() const { return *context_; }
+    Context* operator->() const { return context_.get(); }
+
+   private:
+    ContextPool& pool_;
+    std::unique_ptr<Context> context_;
+  };
+
+ private:
+  const Api& gl_;
+  const Assets& assets_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Context>> free_;
+};
+
+}  // namespace seam::render::gl

@@ -1,0 +1,117 @@
+#include "render/gl/device.h"
+
+#include <cmath>
+#include <functional>
+
+#include "render/gl/context.h"
+#include "render/gl/film_strip.h"
+#include "render/gl/instances.h"
+#include "sim_core/base/error.h"
+
+namespace seam::render {
+
+namespace {
+
+constexpr int kMostTexels = 8192;  // Along a target's side.
+
+int samples_along_side(const RendererOptions& options, int instants_a_row) {
+  const int wanted = std::max(options.edge_samples_per_pixel, options.samples_per_pixel);
+  return static_cast<int>(
+      std::ceil(std::sqrt(static_cast<double>(wanted) / std::max(instants_a_row, 1)) - 1e-9));
+}
+
+std::array<float, 9> column_major(const Mat3& R) {
+  std::array<float, 9> values;
+  for (int k = 0; k < 9; ++k) values[k] = static_cast<float>(R[k / 3][k % 3]);
+  return values;
+}
+
+}  // namespace
+
+struct GlDevice::Impl {
+  explicit Impl(Assets given) : assets(std::move(given)) {}
+
+  const Assets assets;
+  const gl::Api& api = gl::Api::load();
+  gl::ContextPool contexts{api, assets};
+  std::string version, renderer;
+
+  using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&,
+                                     const std::vector<float>& texels)>;
+  // Draws every page of the instants' strips and shows each.
+  void draw_pages(const FrameJob& job, const CameraRays& rays, const SampledInstants& instants,
+                  int samples, gl::PageLook look, const SeePage& see);
+};
+
+GlDevice::GlDevice(Assets assets) : impl_(std::make_unique<Impl>(std::move(assets))) {
+  const gl::ContextPool::Lease context(impl_->contexts);
+  impl_->version = context->version();
+  impl_->renderer = context->renderer();
+}
+GlDevice::~GlDevice() = default;
+
+const std::string& GlDevice::version() const {
+  return impl_->version;
+}
+const std::string& GlDevice::renderer() const {
+  return impl_->renderer;
+}
+
+void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
+                                const SampledInstants& instants, int samples, gl::PageLook look,
+                                const SeePage& see) {
+  const gl::PaintLayers layers(job.instants.front());
+  const gl::ContextPool::Lease context(contexts);
+  PreparedInstant prepared;
+  std::vector<float> texels;
+  for (const gl::StripView& view : gl::views_of(rays)) {
+    const gl::StripPlan plan = gl::plan_strip(instants, rays, view, samples, kMostTexels);
+    look.view = column_major(view.R_CV);
+    for (const gl::Page& page : plan.pages) {
+      gl::PageScene on_page;
+      context->begin_page(page.width, page.height, look);
+      for (const gl::Band& band : page.bands) {
+        instants.with_scene(band.instant, [&](const SceneInstant& scene) {
+          prepare(scene, job.lighting, job.background, rays, band.rows, prepared);
+          const gl::BandPlace place{band, page, plan.scale, view};
+          gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, on_page);
+          gl::add_meshes(scene, place, rays, job.lighting, on_page);
+        });
+      }
+      context->draw(on_page, look);
+      context->end_page(texels);
+      see(page, plan.scale, view, texels);
+    }
+  }
+}
+
+void GlDevice::integrate_light(const FrameJob& job, const CameraRays& rays,
+                               const RendererOptions& options, LinearImage& image) const {
+  const SampledInstants instants(job, rays, options);
+  for (auto& plane : image.planes) std::fill(plane.begin(), plane.end(), 0.0f);
+  gl::PageLook look;
+  for (int c = 0; c < 3; ++c) look.background[c] = static_cast<float>(job.background[c]);
+  impl_->draw_pages(job, rays, instants, samples_along_side(options, instants.fewest_a_row()), look,
+                    [&](const gl::Page& page, const gl::StripScale& scale,
+                        const gl::StripView& view, const std::vector<float>& texels) {
+                      gl::gather_light(page, scale, texels, view, instants.schedule(), rays,
+                                       options.threads, image);
+                    });
+}
+
+GlDevice::Centres GlDevice::see_centres(const FrameJob& job, const CameraRays& rays) const {
+  // The texel that holds a centre is at most this part of a pixel away from it.
+  constexpr int kSamples = 8;
+  const SampledInstants instants(job, rays, {});
+  const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
+  Centres seen{std::vector<int32_t>(pixels, -1), std::vector<float>(pixels)};
+  impl_->draw_pages(job, rays, instants, kSamples, {.truth = true},
+                    [&](const gl::Page& page, const gl::StripScale& scale,
+                        const gl::StripView& view, const std::vector<float>& texels) {
+                      gl::find_centres(page, scale, texels, view, instants.schedule(), rays,
+                                       seen.source, seen.depth);
+                    });
+  return seen;
+}
+
+}  // namespace seam::render

@@ -1,0 +1,302 @@
+#include "render/gl/film_strip.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "render/cast/parallel.h"
+#include "render/gl/gather_kernels.h"
+#include "sim_core/base/error.h"
+
+namespace seam::render::gl {
+namespace {
+
+// A page is drawn and read while it is still in the processor's caches.
+constexpr int kPageTexels = 1 << 18;
+
+using Vec3f = std::array<float, 3>;
+
+// The side of the cube around the camera that a direction meets: 0 ahead, then right, left, down,
+// up, behind.
+int side_of(const Vec3f& d) {
+  const float x = std::abs(d[0]), y = std::abs(d[1]), z = std::abs(d[2]);
+  if (d[2] >= x && d[2] >= y) return 0;
+  if (x >= y && x >= z) return d[0] > 0 ? 1 : 2;
+  if (y >= z) return d[1] > 0 ? 3 : 4;
+  return 5;
+}
+
+Mat3 side_axes(int side) {
+  constexpr int kAlong[6][3] = {{0, 0, 1}, {1, 0, 0},  {-1, 0, 0},
+                                {0, 1, 0}, {0, -1, 0}, {0, 0, -1}};
+  const Vec3 z(kAlong[side][0], kAlong[side][1], kAlong[side][2]);
+  const Vec3 x = side == 1 ? Vec3(0, 0, -1) : side == 2 ? Vec3(0, 0, 1) : Vec3(1, 0, 0);
+  return Mat3(x, glm::cross(z, x), z);
+}
+
+// A direction on the plane z = 1 of a view.
+struct OnView {
+  float x, y;
+};
+OnView on_view(const Mat3& R_CV, const Vec3f& d) {
+  const auto along = [&](int axis) {
+    return static_cast<float>(R_CV[axis].x) * d[0] + static_cast<float>(R_CV[axis].y) * d[1] +
+           static_cast<float>(R_CV[axis].z) * d[2];
+  };
+  const float z = along(2);
+  return {along(0) / z, along(1) / z};
+}
+
+Vec3f ray_at(const RayTable& table, size_t i, float du, float dv) {
+  Vec3f d;
+  for (int k = 0; k < 3; ++k)
+    d[k] = table.base[k][i] + du * table.along_u[k][i] + dv * table.along_v[k][i];
+  return d;
+}
+
+void bound(const CameraRays& rays, StripView& view) {
+  view.x_min = 1e30f, view.x_max = -1e30f;
+  view.row_y_min.assign(rays.rows(), 1e30f);
+  view.row_y_max.assign(rays.rows(), -1e30f);
+  for (int row = 0; row < rays.rows(); ++row) {
+    for (size_t i = rays.at(row); i < rays.at(row + 1); ++i) {
+      for (const RayTable& table : rays.tables) {
+        for (int corner = 0; corner < 9; ++corner) {
+          const Vec3f d = ray_at(table, i, 0.5f * static_cast<float>(corner % 3 - 1),
+                                 0.5f * static_cast<float>(corner / 3 - 1));
+          if (side_of(d) != view.side) continue;
+          const OnView at = on_view(view.R_CV, d);
+          view.x_min = std::min(view.x_min, at.x), view.x_max = std::max(view.x_max, at.x);
+          view.row_y_min[row] = std::min(view.row_y_min[row], at.y);
+          view.row_y_max[row] = std::max(view.row_y_max[row], at.y);
+        }
+      }
+    }
+  }
+}
+
+int floor_of(float value) {
+  return static_cast<int>(std::floor(value));
+}
+
+// Looks up rows' samples on a page.
+class Gather {
+ public:
+  Gather(const Page& page, const StripScale& scale, const float* texels, const StripView& view,
+         const CameraRays& rays)
+      : page_(page),
+        scale_(scale),
+        texels_(texels),
+        view_(view),
+        rays_(rays),
+        found_(rays.columns()),
+        sums_(4 * static_cast<size_t>(rays.columns())) {}
+
+  void add_row(const Band& band, int row, float weight, LinearImage& image) {
+    const float step = 1.0f / static_cast<float>(scale_.samples);
+    for (size_t channel = 0; channel < rays_.tables.size(); ++channel) {
+      std::fill(sums_.begin(), sums_.end(), 0.0f);
+      for (int b = 0; b < scale_.samples; ++b) {
+        const float dv = (static_cast<float>(b) + 0.5f) * step - 0.5f;
+        for (int a = 0; a < scale_.samples; ++a) {
+          const float du = (static_cast<float>(a) + 0.5f) * step - 0.5f;
+          if (rays_.perspective)
+            add_flat(band, row, channel, du, dv);
+          else
+            add_side(band, row, channel, du, dv);
+        }
+      }
+      put(row, channel, weight * step * step, image);
+    }
+  }
+
+ private:
+  bool colours_apart() const { return rays_.tables.size() > 1; }
+  TexelGrid grid_of(const Band& band) const {
+    return {scale_.texels_per_unit, band.shift_u - static_cast<float>(page_.first_x),
+            band.shift_v - static_cast<float>(band.first_y), page_.width, band.height};
+  }
+  const float* texels_of(const Band& band) const {
+    return texels_ + 4 * static_cast<size_t>(band.page_y) * page_.width;
+  }
+
+  void add_flat(const Band& band, int row, size_t channel, float du, float dv) {
+    const RayTable& table = rays_.tables[channel];
+    const size_t first = rays_.at(row);
+    const auto slopes = [&](int k) {
+      return RaySlopes{&table.base[k][first], &table.along_u[k][first], &table.along_v[k][first]};
+    };
+    kernels_.find(slopes(0), slopes(1), du, dv, grid_of(band), rays_.columns(), found_.data());
+    if (colours_apart())
+      kernels_.add_one(texels_of(band) + channel, found_.data(), rays_.columns(), sums_.data());
+    else
+      kernels_.add(texels_of(band), found_.data(), rays_.columns(), sums_.data());
+  }
+
+  // Of the samples that this side of the cube shows.
+  void add_side(const Band& band, int row, size_t channel, float du, float dv) {
+    const TexelGrid grid = grid_of(band);
+    const float* const texels = texels_of(band);
+    for (int column = 0; column < rays_.columns(); ++column) {
+      const Vec3f d = ray_at(rays_.tables[channel], rays_.at(row) + column, du, dv);
+      if (side_of(d) != view_.side) continue;
+      const OnView at = on_view(view_.R_CV, d);
+      const auto u = static_cast<int>(at.x * grid.texels_per_unit + grid.offset_u);
+      const auto v = static_cast<int>(at.y * grid.texels_per_unit + grid.offset_v);
+      const float* const seen =
+          texels + 4 * (static_cast<size_t>(std::clamp(v, 0, grid.height - 1)) * grid.width +
+                        std::clamp(u, 0, grid.width - 1));
+      if (colours_apart())
+        sums_[column] += seen[channel];
+      else
+        for (int c = 0; c < 3; ++c) sums_[4 * column + c] += seen[c];
+    }
+  }
+
+  void put(int row, size_t channel, float share, LinearImage& image) const {
+    const size_t first = rays_.at(row);
+    const auto columns = static_cast<size_t>(rays_.columns());
+    if (colours_apart()) {
+      float* const plane = &image.planes[channel][first];
+      for (size_t i = 0; i < columns; ++i) plane[i] += share * sums_[i];
+      return;
+    }
+    for (size_t c = 0; c < 3; ++c) {
+      float* const plane = &image.planes[c][first];
+      for (size_t i = 0; i < columns; ++i) plane[i] += share * sums_[4 * i + c];
+    }
+  }
+
+  const GatherKernels& kernels_ = gather_kernels();
+  const Page& page_;
+  const StripScale& scale_;
+  const float* texels_;
+  const StripView& view_;
+  const CameraRays& rays_;
+  std::vector<int32_t> found_;
+  std::vector<float> sums_;
+};
+
+int texels_across(const StripView& view, float scale) {
+  return floor_of(view.x_max * scale) - floor_of(view.x_min * scale) + 4;
+}
+
+// So fine that a pixel gets its samples, and no finer than targets can be.
+StripScale scale_of(const CameraRays& rays, const StripView& view, int samples, int most_texels) {
+  for (; samples > 0; --samples) {
+    const auto scale = static_cast<float>(samples * rays.focal_px);
+    const float low = *std::min_element(view.row_y_min.begin(), view.row_y_min.end());
+    const float high = *std::max_element(view.row_y_max.begin(), view.row_y_max.end());
+    if ((view.x_max - view.x_min) * scale + 8 < static_cast<float>(most_texels) &&
+        (high - low) * scale + 8 < static_cast<float>(most_texels))
+      return {samples, scale};
+  }
+  throw InputError(
+      fmt::format("renderer 'opengl': an image of {}x{} pixels behind this lens is larger than "
+                  "OpenGL's targets of {} texels; take --renderer analytic or a smaller image",
+                  rays.width_px, rays.height_px, most_texels));
+}
+
+}  // namespace
+
+std::vector<StripView> views_of(const CameraRays& rays) {
+  std::vector<StripView> views;
+  if (rays.perspective) {
+    views.push_back({.x_min = rays.x_min,
+                     .x_max = rays.x_max,
+                     .row_y_min = rays.row_y_min,
+                     .row_y_max = rays.row_y_max});
+    return views;
+  }
+  for (int side = 0; side < 6; ++side) {
+    StripView view{.side = side, .R_CV = side_axes(side), .row_y_min = {}, .row_y_max = {}};
+    bound(rays, view);
+    if (!view.empty()) views.push_back(std::move(view));
+  }
+  return views;
+}
+
+StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
+                     int samples, int most_texels) {
+  StripPlan plan{.scale = scale_of(rays, view, samples, most_texels), .pages = {}};
+  const float scale = plan.scale.texels_per_unit;
+  const int width = texels_across(view, scale);
+  const int period = std::max(instants.fewest_a_row(), 1);
+  const std::vector<int> order = SamplePattern::scattered_order(period);
+  Page page{.first_x = floor_of(view.x_min * scale) - 1, .width = width, .bands = {}};
+  const auto finish = [&] {
+    if (!page.bands.empty()) plan.pages.push_back(page);
+    page.bands.clear(), page.height = 0;
+  };
+  for (int k = 0; k < instants.count(); ++k) {
+    Band band{.instant = k, .rows = instants.rows_of(k)};
+    float low = 1e30f, high = -1e30f;
+    for (int row = band.rows.first; row <= band.rows.last; ++row) {
+      low = std::min(low, view.row_y_min[row]), high = std::max(high, view.row_y_max[row]);
+    }
+    if (high < low) continue;
+    // The instants of a row see the texels' grid at places spread evenly over a texel: a rank-1
+    // lattice with the golden ratio's fraction, in scattered order, for an edge that moves in step
+    // with the grid would always be seen from the same side.
+    const int place = order[k % period];
+    band.shift_u = (static_cast<float>(place) + 0.5f) / static_cast<float>(period);
+    const float golden = static_cast<float>(place) * 0.618034f + 0.5f / static_cast<float>(period);
+    band.shift_v = golden - std::floor(golden);
+    band.first_y = floor_of(low * scale) - 1;
+    band.height = floor_of(high * scale) + 3 - band.first_y;
+    if (page.height > 0 && (page.height + band.height) * width > kPageTexels) finish();
+    band.page_y = page.height;
+    page.height += band.height;
+    page.bands.push_back(band);
+  }
+  finish();
+  return plan;
+}
+
+void gather_light(const Page& page, const StripScale& scale, const std::vector<float>& texels,
+                  const StripView& view, const RowSchedule& schedule, const CameraRays& rays,
+                  int threads, LinearImage& image) {
+  split_over_threads(threads, rays.rows(), [&](int begin, int end) {
+    Gather gather(page, scale, texels.data(), view, rays);
+    for (const Band& band : page.bands) {
+      for (int row = std::max(begin, band.rows.first); row < std::min(end, band.rows.last + 1);
+           ++row) {
+        const int image_row = std::clamp(row - rays.border_px, 0, rays.height_px - 1);
+        const int place = band.instant - schedule.first_instant[image_row];
+        const std::vector<double>& weights = schedule.weights[image_row];
+        if (place < 0 || place >= static_cast<int>(weights.size())) continue;
+        gather.add_row(band, row, static_cast<float>(weights[place]), image);
+      }
+    }
+  });
+}
+
+void find_centres(const Page& page, const StripScale& scale, const std::vector<float>& texels,
+                  const StripView& view, const RowSchedule& schedule, const CameraRays& rays,
+                  std::vector<int32_t>& sources, std::vector<float>& depths) {
+  const RayTable& green = rays.table(1);
+  for (const Band& band : page.bands) {
+    for (int row = 0; row < rays.height_px; ++row) {
+      if (schedule.first_instant[row] != band.instant) continue;
+      for (int column = 0; column < rays.width_px; ++column) {
+        const size_t ray = rays.at(row + rays.border_px) + column + rays.border_px;
+        const Vec3f d = ray_at(green, ray, 0, 0);
+        if (!rays.perspective && side_of(d) != view.side) continue;
+        const OnView at = on_view(view.R_CV, d);
+        const int u = floor_of(at.x * scale.texels_per_unit + band.shift_u) - page.first_x;
+        const int v = floor_of(at.y * scale.texels_per_unit + band.shift_v) - band.first_y;
+        const size_t texel =
+            static_cast<size_t>(band.page_y + std::clamp(v, 0, band.height - 1)) * page.width +
+            std::clamp(u, 0, page.width - 1);
+        const size_t i = static_cast<size_t>(row) * rays.width_px + column;
+        sources[i] = static_cast<int32_t>(texels[4 * texel]) - 1;
+        const float along = static_cast<float>(view.R_CV[2].x) * d[0] +
+                            static_cast<float>(view.R_CV[2].y) * d[1] +
+                            static_cast<float>(view.R_CV[2].z) * d[2];
+        depths[i] = texels[4 * texel + 1] / along;
+      }
+    }
+  }
+}
+
+}  // namespace seam::render::gl

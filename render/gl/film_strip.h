@@ -1,0 +1,68 @@
+// The film strip: for each instant at which light is sampled, the band of rows that collect light
+// then, drawn finer than the image's pixels; the bands of many instants stand on one page, which is
+// drawn and read at once. Pixels look up their samples along their own rays, so that the lens's
+// true geometry holds for whatever was drawn.
+#pragma once
+
+#include <vector>
+
+#include "render/base/linear_image.h"
+#include "render/cast/light_integrator.h"
+
+namespace seam::render::gl {
+
+// A flat picture of part of what the camera sees, on the plane z = 1 of its own frame V. A lens of
+// narrow view has one, a fisheye one for each side of a cube that it sees.
+struct StripView {
+  int side = 0;  // Of the cube.
+  Mat3 R_CV{1.0};
+  float x_min = 0, x_max = 0;
+  // By row of rays, as CameraRays has them: the least y from this row on, the greatest up to it.
+  std::vector<float> row_y_min, row_y_max;
+  bool empty() const { return x_max < x_min; }
+};
+
+std::vector<StripView> views_of(const CameraRays& rays);
+
+// How many texels there are.
+struct StripScale {
+  int samples = 1;            // Of a pixel, along each of its sides.
+  float texels_per_unit = 1;  // Of x and y on the plane z = 1.
+};
+
+struct Band {
+  int instant = 0;
+  RowRange rows;    // Of rays.
+  int first_y = 0;  // The band's first row, on the grid of all the view's texels.
+  int height = 0;
+  int page_y = 0;
+  float shift_u = 0, shift_v = 0;  // Of the grid, texels: each instant has another.
+};
+
+struct Page {
+  int first_x = 0;  // Its first column, on the grid of all the view's texels.
+  int width = 0, height = 0;
+  std::vector<Band> bands;
+};
+
+struct StripPlan {
+  StripScale scale;
+  std::vector<Page> pages;
+};
+
+// Throws InputError where the image is too large for a target of `most_texels` a side.
+StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
+                     int samples, int most_texels);
+
+// Adds a page's light, four floats a texel, to the image.
+void gather_light(const Page& page, const StripScale& scale, const std::vector<float>& texels,
+                  const StripView& view, const RowSchedule& schedule, const CameraRays& rays,
+                  int threads, LinearImage& image);
+
+// What the rays through pixels' centres meet on a page that was drawn for the truth: places in the
+// instant's primitives, -1 where nothing is met, and multiples of the ray.
+void find_centres(const Page& page, const StripScale& scale, const std::vector<float>& texels,
+                  const StripView& view, const RowSchedule& schedule, const CameraRays& rays,
+                  std::vector<int32_t>& sources, std::vector<float>& depths);
+
+}  // namespace seam::render::gl

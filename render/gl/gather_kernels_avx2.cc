@@ -1,0 +1,2 @@
+#define SEAM_KERNEL_SET gather_kernels_avx2
+#include "render/gl/gather_kernels.inc"

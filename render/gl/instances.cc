@@ -1,0 +1,135 @@
+#include "render/gl/instances.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace seam::render::gl {
+namespace {
+
+constexpr int kMostLayers = 500;
+constexpr double kLayerNearness = 2e-5;
+
+using PlaneKey = std::array<int64_t, 4>;
+
+// Planes that differ by no more than rounding have one key.
+PlaneKey key_of(Vec3 normal, const Vec3& point) {
+  // One of the two directions.
+  const double side = normal.z + 0.0123 * normal.y + 0.000345 * normal.x;
+  if (side < 0) normal = -normal;
+  const auto rounded = [](double value, double step) {
+    return static_cast<int64_t>(std::floor(value / step + 0.12347));
+  };
+  return {rounded(normal.x, 1e-5), rounded(normal.y, 1e-5), rounded(normal.z, 1e-5),
+          rounded(glm::dot(normal, point), 1e-5)};
+}
+
+std::vector<PlaneKey> planes_of(const Primitive& primitive) {
+  const Pose& X = primitive.X_WO;
+  if (primitive.shape == Shape::rectangle) return {key_of(X.R[2], X.p)};
+  std::vector<PlaneKey> planes;
+  if (primitive.shape != Shape::box) return planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-0.5, 0.5})
+      planes.push_back(key_of(X.R[axis], X.p + side * primitive.size[axis] * X.R[axis]));
+  }
+  return planes;
+}
+
+}  // namespace
+
+PaintLayers::PaintLayers(const SceneInstant& scene) {
+  std::map<PlaneKey, int> top;
+  for (const Primitive& primitive : scene.primitives) {
+    int layer = 0;
+    const std::vector<PlaneKey> planes = planes_of(primitive);
+    for (const PlaneKey& plane : planes) {
+      const auto found = top.find(plane);
+      if (found != top.end()) layer = std::max(layer, found->second + 1);
+    }
+    layer = std::min(layer, kMostLayers);
+    for (const PlaneKey& plane : planes) top[plane] = layer;
+    layers_.push_back({primitive.object_id, primitive.shape, layer});
+  }
+}
+
+float PaintLayers::nearness(const SceneInstant& scene, size_t place) const {
+  if (place >= layers_.size()) return 1;
+  // Robots may be left out of an instant, and what follows them has another place.
+  const Layer& layer = layers_[place];
+  const Primitive& primitive = scene.primitives[place];
+  if (layer.object_id != primitive.object_id || layer.shape != primitive.shape) return 1;
+  return static_cast<float>(1 + kLayerNearness * layer.layer);
+}
+
+void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
+                const PaintLayers& layers, const BandPlace& where, const CameraRays& rays,
+                bool lambert, PageScene& out) {
+  const auto& [band, page, scale, view] = where;
+  const float texels = scale.texels_per_unit;
+  const auto low_y = static_cast<float>(band.page_y);
+  const auto high_y = static_cast<float>(band.page_y + band.height);
+  // From a texel's middle on the page to its place on the plane z = 1.
+  const float to_x = static_cast<float>(page.first_x) - band.shift_u;
+  const float to_y = static_cast<float>(band.first_y - band.page_y) - band.shift_v;
+  for (size_t i = 0; i < prepared.shapes.size(); ++i) {
+    const CastShape& shape = prepared.shapes[i];
+    const Footprint& footprint = prepared.footprints[i];
+    ShapeInstance instance{};
+    float* const place = instance.place;
+    place[0] = 0, place[2] = static_cast<float>(page.width), place[1] = low_y, place[3] = high_y;
+    if (rays.perspective) {
+      const auto column = [&](float x) {
+        return std::clamp(x * texels - to_x, 0.0f, static_cast<float>(page.width));
+      };
+      place[0] = std::floor(column(footprint.x_min)), place[2] = std::ceil(column(footprint.x_max));
+      place[1] = std::clamp(view.row_y_min[footprint.first_row] * texels - to_y - 2, low_y, high_y);
+      place[3] = std::clamp(view.row_y_max[footprint.last_row] * texels - to_y + 2, low_y, high_y);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int k = 0; k < 3; ++k) instance.R_OC_and_origin[axis][k] = shape.R_OC[3 * axis + k];
+      instance.R_OC_and_origin[axis][3] = shape.origin_O[axis];
+      instance.size_and_ambient[axis] = shape.size[axis];
+      instance.light_and_depth[axis] = lambert ? shape.light_O[axis] : 0.0f;
+      instance.look[axis] = prepared.colours[i + 1].rgb[axis];
+    }
+    const auto source = static_cast<size_t>(prepared.sources[i]);
+    instance.size_and_ambient[3] = lambert ? shape.ambient : 1.0f;
+    instance.light_and_depth[3] = layers.nearness(scene, source);
+    instance.look[3] = static_cast<float>(source + 1);
+    instance.ray[0] = to_x, instance.ray[1] = to_y, instance.ray[2] = 1.0f / texels;
+    out.shapes[{prepared.kinds[i], scene.primitives[source].asset}].push_back(instance);
+  }
+}
+
+void add_meshes(const SceneInstant& scene, const BandPlace& where, const CameraRays& rays,
+                const Lighting& lighting, PageScene& out) {
+  const auto& [band, page, scale, view] = where;
+  const Pose X_CW = scene.X_WC.inverse();
+  for (size_t source = 0; source < scene.primitives.size(); ++source) {
+    const Primitive& primitive = scene.primitives[source];
+    if (primitive.shape != Shape::mesh || primitive.asset == 0) continue;
+    const Pose X_CO = X_CW * primitive.X_WO;
+    if (!may_be_seen(X_CO.p, primitive.size.x, rays, band.rows)) continue;
+    const Mat3 R_VC = glm::transpose(view.R_CV);
+    const Mat3 R_VO = R_VC * X_CO.R;
+    const Vec3 p_VO = R_VC * X_CO.p;
+    const Vec3 light = lighting.diffuse * (R_VC * (X_CW.R * lighting.direction_W));
+    MeshInstance instance{
+        .mesh = primitive.asset - 1, .first_row = band.page_y, .rows = band.height};
+    for (int k = 0; k < 9; ++k) instance.R_VO[k] = static_cast<float>(R_VO[k / 3][k % 3]);
+    for (int k = 0; k < 3; ++k) {
+      instance.p_VO[k] = static_cast<float>(p_VO[k]);
+      instance.light_V[k] = lighting.lambert ? static_cast<float>(light[k]) : 0.0f;
+      instance.look[k] = static_cast<float>(primitive.rgb[k]);
+    }
+    instance.light_V[3] = lighting.lambert ? static_cast<float>(lighting.ambient) : 1.0f;
+    instance.look[3] = static_cast<float>(source + 1);
+    instance.ray = {static_cast<float>(page.first_x) - band.shift_u,
+                    static_cast<float>(band.first_y - band.page_y) - band.shift_v,
+                    1.0f / scale.texels_per_unit};
+    out.meshes.push_back(instance);
+  }
+}
+
+}  // namespace seam::render::gl

@@ -1,0 +1,55 @@
+// Meshes and textures in one context.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "render/assets/assets.h"
+#include "render/gl/api.h"
+
+namespace seam::render::gl {
+
+// One mesh in one band.
+struct MeshInstance {
+  uint32_t mesh = 0;            // Into Assets::meshes.
+  std::array<float, 9> R_VO{};  // To the strip's view, column-major.
+  std::array<float, 3> p_VO{};
+  std::array<float, 4> light_V{};  // Towards the light, times its strength; and the ambient light.
+  std::array<float, 4> look{};     // A factor on the mesh's colours; and the identity.
+  std::array<float, 3> ray{};      // As ShapeInstance::ray.
+  int first_row = 0, rows = 0;     // Of the page: the band.
+};
+
+class MeshDrawer {
+ public:
+  // Needs a current context. `assets` outlive the drawer.
+  MeshDrawer(const Api& gl, const Assets& assets);
+
+  // Of the scene's textures (from 0 on), for shapes.
+  void bind_texture(uint32_t texture) const;
+  void draw(const std::vector<MeshInstance>& instances, int width, int height, bool truth) const;
+  // The names of the vertex shader's inputs, in the order in which they are bound.
+  static const std::vector<const char*>& inputs();
+  static const char* vertex_text();
+  static const char* fragment_text();
+  void set_program(GLuint program);
+
+ private:
+  struct Loaded {
+    GLuint vertices = 0;
+    std::vector<GLuint> pictures;  // One for each part; 0: none.
+  };
+  GLuint upload(const Picture& picture, GLint wrap) const;
+  Loaded upload(const Mesh& mesh) const;
+
+  const Api& gl_;
+  const Assets& assets_;
+  std::vector<Loaded> meshes_;
+  std::vector<GLuint> textures_;
+  GLuint program_ = 0;
+  struct {
+    GLint target, truth, R_VO, p_VO, light, look, ray, picture, textured;
+  } at_{};
+};
+
+}  // namespace seam::render::gl

@@ -1,0 +1,146 @@
+// The shaders. A fragment of the film strip is a ray from the camera: in GLSL the formulas of where
+// rays meet shapes are written anew, so that the ray caster and this renderer check each other.
+#pragma once
+
+namespace seam::render::gl {
+
+// One instance is one shape at one instant: a rectangle of the strip that covers it.
+inline constexpr const char* kShapeVertex = R"(#version 330 core
+in vec4 place;  // First and last column and row, pixels of the target.
+in vec4 row_x, row_y, row_z;  // R_OC by rows, each with the camera's place in the object's frame.
+in vec4 size;   // And the ambient light.
+in vec4 light;  // And the factor on the depth.
+in vec4 look;   // Red, green, blue; the identity.
+in vec4 ray;    // What to add to a fragment's place, and what a pixel is on the plane z = 1.
+uniform vec4 target;  // 2 / width, 2 / height.
+flat out vec4 f_x, f_y, f_z, f_size, f_light, f_look, f_ray;
+void main() {
+  vec2 corner = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1));
+  vec2 at = mix(place.xy, place.zw, corner);
+  gl_Position = vec4(at * target.xy - 1.0, 0.0, 1.0);
+  f_x = row_x; f_y = row_y; f_z = row_z;
+  f_size = size; f_light = light; f_look = look; f_ray = ray;
+}
+)";
+
+// Before each shape's own `bool meet(vec3 o, vec3 d, out float t, out vec3 n)`.
+inline constexpr const char* kShapeFragmentHead = R"(#version 330 core
+flat in vec4 f_x, f_y, f_z, f_size, f_light, f_look, f_ray;
+uniform int truth;
+uniform mat3 view;  // From the strip's view to the camera's frame.
+uniform sampler2D picture;
+out vec4 seen;
+const float kNear = 1e-3;
+)";
+
+inline constexpr const char* kShapeFragmentTail = R"(
+void main() {
+  vec3 v = vec3((gl_FragCoord.xy + f_ray.xy) * f_ray.z, 1.0);
+  vec3 c = view * v;
+  vec3 d = vec3(dot(f_x.xyz, c), dot(f_y.xyz, c), dot(f_z.xyz, c));
+  vec3 o = vec3(f_x.w, f_y.w, f_z.w);
+  float t;
+  vec3 n;
+  bool met = meet(o, d, t, n);
+  vec3 p = o + t * d;
+  vec3 base = textured(p, n) * f_look.rgb;
+  if (!met || !(t > kNear)) discard;
+  // Greater is nearer; a float keeps its digits all the way to far away.
+  gl_FragDepth = min(kNear / t * f_light.w, 1.0);
+  float factor = f_size.w + max(dot(n, f_light.xyz), 0.0);
+  seen = truth == 1 ? vec4(f_look.w, t, 0.0, 1.0) : vec4(base * factor, 1.0);
+}
+)";
+
+inline constexpr const char* kPlain = R"(
+vec3 textured(vec3 p, vec3 n) { return vec3(1.0); }
+)";
+// A picture's first row is at the top: v runs down.
+inline constexpr const char* kTexturedRectangle = R"(
+vec3 textured(vec3 p, vec3 n) {
+  vec2 at = p.xy / f_size.xy * vec2(0.5, -0.5) + 0.5;
+  return texture(picture, at).rgb;
+}
+)";
+// Upright on the four sides, as seen from outside; on top with its upper edge towards +y.
+inline constexpr const char* kTexturedBox = R"(
+vec3 textured(vec3 p, vec3 n) {
+  vec3 q = p / f_size.xyz;
+  vec2 at = abs(n.z) > 0.5 ? vec2(q.x * n.z, q.y)
+          : abs(n.x) > 0.5 ? vec2(q.y * n.x, q.z) : vec2(-q.x * n.y, q.z);
+  return texture(picture, at * vec2(0.5, -0.5) + 0.5).rgb;
+}
+)";
+
+inline constexpr const char* kRectangle = R"(
+bool meet(vec3 o, vec3 d, out float t, out vec3 n) {
+  t = -o.z / d.z;
+  n = vec3(0.0, 0.0, o.z >= 0.0 ? 1.0 : -1.0);
+  vec2 at = abs(o.xy + t * d.xy);
+  return at.x <= f_size.x && at.y <= f_size.y;
+}
+)";
+
+// |o + t d| = R; the discriminant by the cross product, which keeps its digits for far spheres.
+inline constexpr const char* kSphere = R"(
+bool meet(vec3 o, vec3 d, out float t, out vec3 n) {
+  vec3 m = cross(d, o);
+  float dd = dot(d, d);
+  float under = f_size.x * f_size.x * dd - dot(m, m);
+  t = (-dot(d, o) - sqrt(max(under, 0.0))) / dd;
+  n = (o + t * d) / f_size.x;
+  return under >= 0.0;
+}
+)";
+
+inline constexpr const char* kCylinder = R"(
+bool meet(vec3 o, vec3 d, out float t, out vec3 n) {
+  float a = max(dot(d.xy, d.xy), 1e-20);
+  float b = dot(d.xy, o.xy);
+  float m = d.x * o.y - d.y * o.x;
+  float under = a * f_size.x * f_size.x - m * m;
+  float half_way = sqrt(max(under, 0.0));
+  float side = (-b - half_way) / a, away = (-b + half_way) / a;
+  float foot = -o.z / d.z, top = (f_size.z - o.z) / d.z;
+  float ends = min(foot, top);
+  t = max(side, ends);
+  n = ends > side ? vec3(0.0, 0.0, d.z > 0.0 ? -1.0 : 1.0)
+                  : vec3((o.xy + t * d.xy) / f_size.x, 0.0);
+  return under >= 0.0 && t <= min(away, max(foot, top));
+}
+)";
+
+// Where a ray enters the endless tube beyond an end, it can only enter through that end's ball.
+inline constexpr const char* kCapsule = R"(
+bool meet(vec3 o, vec3 d, out float t, out vec3 n) {
+  float a = max(dot(d.xy, d.xy), 1e-20);
+  float m = d.x * o.y - d.y * o.x;
+  float under = a * f_size.x * f_size.x - m * m;
+  float side = (-dot(d.xy, o.xy) - sqrt(max(under, 0.0))) / a;
+  float height = o.z + side * d.z;
+  bool on_side = height >= 0.0 && height <= f_size.z;
+  vec3 e = o - vec3(0.0, 0.0, height > f_size.z ? f_size.z : 0.0);
+  vec3 k = cross(d, e);
+  float dd = dot(d, d);
+  float under_ball = f_size.x * f_size.x * dd - dot(k, k);
+  float ball = (-dot(d, e) - sqrt(max(under_ball, 0.0))) / dd;
+  t = on_side ? side : ball;
+  vec3 p = o + t * d;
+  n = (p - vec3(0.0, 0.0, clamp(p.z, 0.0, f_size.z))) / f_size.x;
+  return under >= 0.0 && (on_side || under_ball >= 0.0);
+}
+)";
+
+inline constexpr const char* kBox = R"(
+bool meet(vec3 o, vec3 d, out float t, out vec3 n) {
+  vec3 low = (-f_size.xyz - o) / d, high = (f_size.xyz - o) / d;
+  vec3 enter = min(low, high), leave = max(low, high);
+  t = max(enter.x, max(enter.y, enter.z));
+  vec3 against = vec3(d.x > 0.0 ? -1.0 : 1.0, d.y > 0.0 ? -1.0 : 1.0, d.z > 0.0 ? -1.0 : 1.0);
+  n = enter.z >= max(enter.x, enter.y) ? vec3(0.0, 0.0, against.z)
+    : enter.x >= enter.y ? vec3(against.x, 0.0, 0.0) : vec3(0.0, against.y, 0.0);
+  return t <= min(leave.x, min(leave.y, leave.z));
+}
+)";
+
+}  // namespace seam::render::gl

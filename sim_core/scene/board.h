@@ -1,0 +1,34 @@
+// Calibration boards, made of the shapes that every renderer has, so that what a detector finds has
+// coordinates known to the last digit.
+#pragma once
+
+#include <vector>
+
+#include "sim_core/input/config_table.h"
+#include "sim_core/scene/scene.h"
+
+namespace seam {
+
+enum class BoardPattern : uint8_t { chessboard, circles };
+
+// In the board's frame x runs along its rows to the right, y along its columns upwards, z out of
+// its face; the origin is the middle of the pattern.
+struct BoardSpec {
+  BoardPattern pattern = BoardPattern::chessboard;
+  int64_t columns = 9;  // Squares or circles in a row.
+  int64_t rows = 6;
+  double pitch_m = 0.03;     // From one square's or circle's middle to the next.
+  double diameter_m = 0.02;  // Of circles.
+  double border_m = 0.03;    // White around the pattern.
+  Rgb dark{0.02, 0.02, 0.02};
+  Rgb light{0.85, 0.85, 0.85};
+};
+
+void describe(ConfigTable& table, BoardSpec& board);
+
+// The board's parts at the pose: the white ground first. The square of the lower left corner is
+// dark.
+std::vector<Primitive> board_primitives(const BoardSpec& board, const Pose& X_WO,
+                                        uint16_t object_id);
+
+}  // namespace seam

@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Frames drawn by OpenGL, as a user makes them: a room of meshes and textures, the same bits again, from a log too, and what
+is said where a file is missing or the ray caster is asked for what it has not.
+
+Usage: opengl_test.py SEAM SOURCE_DIR [unittest arguments]
+Exit code 77 where the build has no OpenGL.
+"""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SEAM = pathlib.Path(sys.argv[1]).resolve()
+SOURCE = pathlib.Path(sys.argv[2]).resolve()
+SWING = SOURCE / "scenarios/head_swing.yaml"
+
+
+def seam(*arguments):
+    done = subprocess.run([SEAM, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200,
+                          env={**os.environ, "LC_ALL": "C"})
+    return done.returncode, done.stdout + done.stderr
+
+
+class Room(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        shutil.copytree(SOURCE / "models", self.folder / "models")
+        shutil.copytree(SOURCE / "scenarios/room", self.folder / "scenarios/room")
+        self.room = self.folder / "scenarios/room/room.yaml"
+        self.room.write_text(self.room.read_text().replace("duration_s: 1", "duration_s: 0.2"))
+
+    def frame(self, *arguments):
+        code, text = seam("frame", self.room, "--robot", "red1", "--at", "0.1", *arguments)
+        self.assertEqual(code, 0, text)
+        return text.split("fingerprint ")[1].strip()
+
+    def refused(self, *parts):
+        code, text = seam("frame", self.room, "--robot", "red1", "--at", "0.1", "--out", self.folder / "no.png")
+        self.assertEqual(code, 1, text)
+        for part in parts:
+            self.assertIn(part, text)
+        self.assertFalse((self.folder / "no.png").exists())
+
+    def test_a_room_is_drawn_and_drawn_again(self):
+        first = self.frame("--out", self.folder / "a.png", "--stages", self.folder / "stages")
+        self.assertEqual(self.frame("--out", self.folder / "b.png"), first)
+        self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "b.png").read_bytes())
+        for stage in ("labels", "depth", "motion"):
+            self.assertTrue(list((self.folder / "stages").glob(f"*_{stage}.png")))
+
+    def test_the_log_names_the_renderer_and_is_made_again(self):
+        log = self.folder / "run.mcap"
+        code, text = seam("run", self.room, "--log", log)
+        self.assertEqual(code, 0, text)
+        code, text = seam("replay", "show", log, "--json", self.folder / "show.json")
+        self.assertEqual(code, 0, text)
+        versions = json.loads((self.folder / "show.json").read_text())["versions"]
+        self.assertEqual(versions["renderer"], "opengl")
+        self.assertIn("Mesa", versions["opengl"])
+        self.assertIn("llvmpipe", versions["opengl_renderer"])
+        code, text = seam("replay", "verify", log)
+        self.assertEqual((code, "the same" in text), (0, True), text)
+        with open(self.folder / "scenarios/room/chair.obj", "a") as chair:
+            chair.write("# moved\n")
+        code, text = seam("replay", "verify", log)
+        self.assertEqual((code, "chair.obj" in text, "has changed" in text), (1, True, True), text)
+
+    def test_what_cannot_be_drawn_is_refused_by_name(self):
+        code, text = seam("frame", self.room, "--robot", "red1", "--at", "0.1", "--renderer", "analytic", "--out",
+                          self.folder / "no.png")
+        self.assertEqual((code, "--renderer opengl" in text), (1, True), text)
+        (self.folder / "scenarios/room/planks.jpg").write_bytes(b"\xff\xd8\xff no picture")
+        self.refused("planks.jpg")
+        shutil.copy(SOURCE / "scenarios/room/planks.jpg", self.folder / "scenarios/room/planks.jpg")
+        text = self.room.read_text()
+        for name, why in (("../chair.obj", "leads out of the folder"), ("/etc/passwd", "relative"),
+                          ("none.obj", "none.obj")):
+            self.room.write_text(text.replace("chair.obj", name))
+            self.refused(why)
+        self.room.write_text(text.replace("file: chair.obj", "file: chair.obj, scale: 0"))
+        self.refused("scale")
+
+
+class Shapes(unittest.TestCase):
+    def test_both_renderers_make_nearly_the_same_frame(self):
+        with tempfile.TemporaryDirectory() as folder:
+            found = []
+            for renderer in ("analytic", "opengl"):
+                out = pathlib.Path(folder) / f"{renderer}.png"
+                code, text = seam("frame", SWING, "--robot", "red1", "--at", "0.5", "--renderer", renderer, "--out", out)
+                self.assertEqual(code, 0, text)
+                found.append(out.read_bytes())
+            self.assertNotEqual(found[0], found[1])
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as scratch:
+        if "this build has none" in seam("frame", SWING, "--robot", "red1", "--at", "0.1", "--renderer", "opengl", "--out",
+                                         pathlib.Path(scratch) / "x.png")[1]:
+            sys.exit(77)
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
