@@ -18,7 +18,9 @@ std::vector<double> mean_parameters(const Model& model) {
   std::vector<double> key;
   for (const effects::ModelEffect& effect : model.effects()) {
     if (effect.definition->spread_only) continue;
-    key.push_back(static_cast<double>(std::hash<std::string>{}(effect.definition->name) >> 12));
+    // Formulas of one name differ by their text.
+    const std::string text = effect.definition->name + "\n" + effect.definition->source;
+    key.push_back(static_cast<double>(std::hash<std::string>{}(text) >> 12));
     for (const double value : effect.values()) key.push_back(value);
   }
   return key;

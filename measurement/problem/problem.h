@@ -84,9 +84,9 @@ class Problem {
   // points set needs a projection, ...).
   virtual void check_model(const Model& model) const = 0;
 
-  // Whether predictions are smooth in the parameters of effects of the mean, so that one step of
-  // Gauss and Newton from a small start says about what a fit would reach.
-  virtual bool is_smooth() const { return false; }
+  // Whether this model's predictions are smooth in the parameters of effects of the mean, so that
+  // one step of Gauss and Newton from a small start says about what a fit would reach.
+  virtual bool is_smooth(const Model&) const { return false; }
   // Whether groups have errors of their own alone. Where they share some (fixed patterns of a
   // sensor, points of a target), the likelihood of all of them is not the sum over training and
   // held-out groups.
@@ -140,11 +140,16 @@ class Problem {
   virtual std::string advice(const std::string& effect, const std::string& other) const;
 
   // By scalar: 1 leaves it out of everything.
-  void leave_out(std::vector<char> outliers) { left_out_ = std::move(outliers); }
+  void leave_out(std::vector<char> outliers) {
+    left_out_ = std::move(outliers);
+    ++times_marked_;
+  }
   bool left_out(size_t scalar) const {
     return (!left_out_.empty() && left_out_[scalar]) || (!gross_.empty() && gross_[scalar]);
   }
   const std::vector<char>& left_out() const { return left_out_; }
+  // Tells sets of marks apart, for what is kept of predictions that depend on them.
+  int64_t times_marked() const { return times_marked_; }
 
   // Held-out folds: one (30 %) where groups are many, else each group in turn.
   virtual const std::vector<Groups>& folds() const;
@@ -175,6 +180,7 @@ class Problem {
  private:
   Model given_;
   std::vector<char> left_out_;
+  int64_t times_marked_ = 0;
   void cut_blocks() const;
 
   mutable std::once_flag folds_cut_, blocks_cut_;

@@ -86,7 +86,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     span.add(column);
     if (candidate) testable.push_back(parameter);
   }
-  if (problem.is_smooth()) expected_ll = score_of(problem, here).log_likelihood + gain;
+  if (problem.is_smooth(model)) expected_ll = score_of(problem, here).log_likelihood + gain;
   return testable;
 }
 
@@ -256,6 +256,37 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
   return prospect ? fit_prospect(problem, base, *prospect, reasons) : std::nullopt;
 }
 
+Grown without(const Grown& grown, const std::string& out) {
+  Grown smaller{.added = grown.added};
+  std::erase(smaller.added, out);
+  Model model = grown.assessment.model;
+  model.remove(out);
+  std::vector<Unknown> unknowns = grown.assessment.unknowns;
+  std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
+  smaller.assessment = {.model = model, .unknowns = unknowns};
+  smaller.assessment.total_ll = -1e300;
+  return smaller;
+}
+
+std::optional<Grown> with_other(const Problem& problem, const Grown& grown, const std::string& out,
+                                const std::shared_ptr<const EffectDefinition>& in) {
+  Grown smaller = without(grown, out);
+  const Score score = problem.score(smaller.assessment.model, problem.all_groups());
+  if (score.valid) smaller.assessment.total_ll = score.log_likelihood;
+  std::vector<NotTestable> reasons;
+  const auto prospect = prospect_of(problem, smaller, in, reasons);
+  if (!prospect) return std::nullopt;
+  if (std::isfinite(prospect->expected_ll)) {
+    const double lost = grown.assessment.total_ll - score.log_likelihood;
+    if (score.valid && prospect->expected_ll < grown.assessment.total_ll -
+                                                   kReplacementShortfall * lost - kReplacementSlack)
+      return std::nullopt;
+  }
+  auto candidate = fit_prospect(problem, smaller, *prospect, reasons);
+  if (!candidate) return std::nullopt;
+  return std::move(candidate->grown);
+}
+
 namespace {
 
 // Marks the prospects worth a fit: those that the score test calls significant or nearly so, and of
@@ -291,7 +322,8 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
               bool promising_only) {
   std::vector<std::optional<Prospect>> prospects(effects.size());
   std::vector<std::vector<NotTestable>> reasons(effects.size());
-  promising_only = problem.is_smooth() && (promising_only || problem.screening_groups());
+  promising_only =
+      problem.is_smooth(base.assessment.model) && (promising_only || problem.screening_groups());
   parallel_for(effects.size(), [&](size_t i) {
     prospects[i] = prospect_of(problem, base, effects[i], reasons[i], /*alone=*/false);
   });

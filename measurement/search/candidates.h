@@ -52,6 +52,14 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons);
 
+// A model less one of its added effects, not fitted again.
+Grown without(const Grown& grown, const std::string& out);
+
+// The model with one added effect in the place of another. Nothing where a step of Gauss and Newton
+// shows that it cannot make up for most of what is lost.
+std::optional<Grown> with_other(const Problem& problem, const Grown& grown, const std::string& out,
+                                const std::shared_ptr<const EffectDefinition>& in);
+
 // Fits every effect of the list beside the model. With `promising_only` or where predictions are
 // dear (screening_groups), and where the problem is smooth, those whose score test says that they
 // would not be significant are left out, of the others the best few are fitted, and spreads only

@@ -87,6 +87,10 @@ size_t fitted_parameters(const Grown& grown) {
   return count;
 }
 
+Weight weight_of(const Grown& grown) {
+  return {grown.assessment.total_ll, fitted_parameters(grown)};
+}
+
 bool cannot_tell(const Weight& a, const Weight& b, double error) {
   const double ahead = a.total_ll - b.total_ll;
   if (std::abs(ahead) < tie_width(error)) return true;

@@ -79,6 +79,8 @@ struct Weight {
   size_t parameters = 0;
 };
 
+Weight weight_of(const Grown& grown);
+
 // Whether the data cannot tell two explanations apart: they are within the width of a tie, or one
 // is ahead by no more than its further parameters gain by chance. `error` is that of the better.
 bool cannot_tell(const Weight& a, const Weight& b, double error);

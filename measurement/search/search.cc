@@ -5,7 +5,7 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
-#include "measurement/search/stand_ins.h"
+#include "measurement/search/order.h"
 
 namespace seam::measurement {
 namespace {
@@ -22,7 +22,8 @@ Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& c
     Candidate& best = candidates.front();
     if (!is_spread(best.effect)) return &best;
     const auto better = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) {
-      return (problem.is_smooth() && clearly_helps(c)) || (misses && goes_before_spreads(c));
+      return (problem.is_smooth(c.grown.assessment.model) && clearly_helps(c)) ||
+             (misses && goes_before_spreads(c));
     });
     if (better != candidates.end()) return &*better;
     if (!misses || !hides_mean(problem, best.grown.assessment)) return &best;
@@ -32,23 +33,6 @@ Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& c
     std::rotate(candidates.begin(), candidates.begin() + 1, end);
   }
   return nullptr;
-}
-
-Weight weight_of(const Grown& grown) {
-  return {grown.assessment.total_ll, fitted_parameters(grown)};
-}
-
-// A model less one of its added effects, not fitted again.
-Grown without(const Grown& grown, const std::string& out) {
-  Grown smaller{.added = grown.added};
-  std::erase(smaller.added, out);
-  Model model = grown.assessment.model;
-  model.remove(out);
-  std::vector<Unknown> unknowns = grown.assessment.unknowns;
-  std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
-  smaller.assessment = {.model = model, .unknowns = unknowns};
-  smaller.assessment.total_ll = -1e300;
-  return smaller;
 }
 
 class Searcher {
@@ -63,15 +47,16 @@ class Searcher {
   Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
   Looks look(const Grown& grown, bool promising_only);
+  EffectList absent(const Model& model, bool moves) const;
   void forward(SearchResult& result);
-  std::optional<Grown> replace(const Grown& grown, const std::string& out,
-                               const std::string& in) const;
+  void begin_with(const Candidate& beginning, SearchResult& result);
+  void try_beginnings(SearchResult& result);
+  bool misses(const Assessment& assessment) const;
+  Looks look_at_moves() const;
+  void take_moves(Looks looks, SearchResult& result);
   bool prune(Grown& grown);
   bool exchange(Grown& grown);
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
-  Grown part_of(const Grown& whole, const std::vector<std::string>& left, size_t kept) const;
-  double moved(const Assessment& before, const Assessment& after, const std::string& by) const;
-  void order_steps(SearchResult& result);
 
   Problem& problem_;
   const Model& model_;
@@ -113,7 +98,8 @@ bool Searcher::prune(Grown& grown) {
     again = false;
     std::vector<std::optional<Grown>> smaller(grown.added.size());
     parallel_for(grown.added.size(), [&](size_t i) {
-      if (problem_.is_smooth() && clearly_needed(grown, grown.added[i])) return;
+      if (problem_.is_smooth(grown.assessment.model) && clearly_needed(grown, grown.added[i]))
+        return;
       if (effects::has_dependents(grown.assessment.model, grown.added[i])) return;
       Grown less = without(grown, grown.added[i]);
       less.assessment = assess(problem_, less.assessment.model, less.assessment.unknowns);
@@ -142,27 +128,6 @@ bool Searcher::prune(Grown& grown) {
   return changed;
 }
 
-// The model with one added effect in the place of another. Nothing where a step of Gauss and Newton
-// shows that it cannot make up for most of what is lost.
-std::optional<Grown> Searcher::replace(const Grown& grown, const std::string& out,
-                                       const std::string& in) const {
-  Grown smaller = without(grown, out);
-  const Score score = problem_.score(smaller.assessment.model, problem_.all_groups());
-  if (score.valid) smaller.assessment.total_ll = score.log_likelihood;
-  std::vector<NotTestable> reasons;
-  const auto prospect = prospect_of(problem_, smaller, definition(in), reasons);
-  if (!prospect) return std::nullopt;
-  if (std::isfinite(prospect->expected_ll)) {
-    const double lost = grown.assessment.total_ll - score.log_likelihood;
-    if (score.valid && prospect->expected_ll < grown.assessment.total_ll -
-                                                   kReplacementShortfall * lost - kReplacementSlack)
-      return std::nullopt;
-  }
-  auto candidate = fit_prospect(problem_, smaller, *prospect, reasons);
-  if (!candidate) return std::nullopt;
-  return std::move(candidate->grown);
-}
-
 // Exchanges one added effect for another of its sort where the whole becomes clearly better.
 bool Searcher::exchange(Grown& grown) {
   if (grown.added.size() < 2) return false;
@@ -180,7 +145,8 @@ bool Searcher::exchange(Grown& grown) {
   }
   std::vector<std::optional<Grown>> tried(moves.size());
   parallel_for(moves.size(), [&](size_t m) {
-    tried[m] = replace(grown, grown.added[moves[m].first], moves[m].second);
+    tried[m] =
+        with_other(problem_, grown, grown.added[moves[m].first], definition(moves[m].second));
   });
   double best_merit = merit_of(problem_, grown) + kExchangeGain * tie_width(grown.assessment.error);
   size_t best = moves.size();
@@ -198,24 +164,32 @@ bool Searcher::exchange(Grown& grown) {
   return true;
 }
 
+// The effects that the model lacks: those that come alone, or those that come with others.
+EffectList Searcher::absent(const Model& model, bool moves) const {
+  EffectList effects = absent_effects(problem_, model, own_);
+  std::erase_if(effects, [&](const auto& effect) { return effect->companions.empty() == moves; });
+  return effects;
+}
+
 Looks Searcher::look(const Grown& grown, bool promising_only) {
-  Looks looks = look_at(problem_, grown, absent_effects(problem_, grown.assessment.model, own_),
-                        material_, promising_only);
+  Looks looks = look_at(problem_, grown, absent(grown.assessment.model, /*moves=*/false), material_,
+                        promising_only);
   looks_ = std::max(looks_, looks.tried);
   return looks;
 }
 
-// Adds to a model what helps most, again and again; `traces` are those of the last look.
+// Adds to a model what helps most, again and again; `traces` are those of the last look. The first
+// may have been had before.
 Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces) {
   for (size_t step = 0; step < kMostSteps; ++step) {
     progress_("step " + std::to_string(step + 1) + ": trying effects");
-    // The first look is what the user sees: every effect is fitted in it. So is it where the search
-    // would end with a misfit: a step from small starts may have promised too little.
+    // Every effect is fitted where the search would end with a misfit: a step from small starts may
+    // have promised too little.
     const bool first = step == 0 && first_looks != nullptr;
     const bool misses = grown.assessment.error > kMisfit;
-    Looks looks = look(grown, /*promising_only=*/!first);
+    Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true);
     Candidate* next = choose(problem_, misses, looks.candidates);
-    if (!next && !first && misses && problem_.is_smooth()) {
+    if (!next && !first && misses && problem_.is_smooth(grown.assessment.model)) {
       looks = look(grown, /*promising_only=*/false);
       next = choose(problem_, misses, looks.candidates);
     }
@@ -242,9 +216,70 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
   return grown;
 }
 
+// Grows from a beginning, and keeps what comes of it where it is better than what was found.
+void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
+  progress_("trying again from " + beginning.effect->name);
+  std::vector<Candidate> traces;
+  Grown other = grow(beginning.grown, nullptr, traces);
+  if (merit_of(problem_, other) <= merit_of(problem_, result.best)) return;
+  result.best = std::move(other);
+  result.last_traces = std::move(traces);
+}
+
 void Searcher::forward(SearchResult& result) {
-  result.best = grow(base_, &result.first, result.last_traces);
-  if (!problem_.effects_imitate()) return;
+  // The first look is what the user sees: every effect is fitted in it.
+  progress_("step 1: trying effects");
+  result.first = look(base_, /*promising_only=*/false);
+  result.best = base_;
+  // Where no effect alone explains anything yet, those that come together may at once: what is
+  // piled up without them would only stand in for them.
+  const auto& singles = result.first.candidates;
+  const bool lost = base_.assessment.error > kUseless &&
+                    std::all_of(singles.begin(), singles.end(), [](const Candidate& c) {
+                      return is_spread(c.effect) || c.grown.assessment.error > kUseless;
+                    });
+  Looks moves;
+  if (lost) moves = look_at_moves();
+  const bool ahead = !moves.candidates.empty() && moves.candidates.front().significant &&
+                     std::all_of(singles.begin(), singles.end(), [&](const Candidate& c) {
+                       return is_spread(c.effect) || c.gain_ll < moves.candidates.front().gain_ll;
+                     });
+  if (!ahead) {
+    result.best = grow(base_, &result.first, result.last_traces);
+    if (problem_.effects_imitate()) try_beginnings(result);
+    if (!lost && misses(result.best.assessment)) moves = look_at_moves();
+  }
+  if (misses(result.best.assessment)) take_moves(std::move(moves), result);
+}
+
+bool Searcher::misses(const Assessment& assessment) const {
+  return assessment.error > kMisfit ||
+         has_mean_structure(significant_structure(problem_, assessment, material_).material);
+}
+
+// Several effects that come together put other rules in the place of those that the model has: they
+// are dear to fit and can imitate many, so they are tried where all else leaves a misfit.
+Looks Searcher::look_at_moves() const {
+  const EffectList moves = absent(base_.assessment.model, /*moves=*/true);
+  if (moves.empty()) return {};
+  progress_("trying effects that come together");
+  return look_at(problem_, base_, moves, material_);
+}
+
+void Searcher::take_moves(Looks looks, SearchResult& result) {
+  for (const Candidate& candidate : looks.candidates) {
+    if (candidate.significant) begin_with(candidate, result);
+  }
+  auto& all = result.first.candidates;
+  std::move(looks.candidates.begin(), looks.candidates.end(), std::back_inserter(all));
+  result.first.tried += looks.tried;
+  auto& reasons = result.first.not_testable;
+  reasons.insert(reasons.end(), looks.not_testable.begin(), looks.not_testable.end());
+  for (Candidate& candidate : all) candidate.indistinguishable_from.clear();
+  rank_candidates(all);
+}
+
+void Searcher::try_beginnings(SearchResult& result) {
   // The best first step may stand for several effects at once, from where none of them helps alone:
   // others begin too, the simplest first.
   std::vector<const Candidate*> beginnings;
@@ -261,90 +296,7 @@ void Searcher::forward(SearchResult& result) {
   for (size_t i = 0;
        i < std::min(kBeginnings, beginnings.size()) && result.best.assessment.error > kMisfit;
        ++i) {
-    progress_("trying again from " + beginnings[i]->effect->name);
-    std::vector<Candidate> traces;
-    Grown other = grow(beginnings[i]->grown, nullptr, traces);
-    if (merit_of(problem_, other) <= merit_of(problem_, result.best)) continue;
-    result.best = std::move(other);
-    result.last_traces = std::move(traces);
-  }
-}
-
-// A model less those of its effects that are left, but for one, fitted again from its own values.
-Grown Searcher::part_of(const Grown& whole, const std::vector<std::string>& left,
-                        size_t kept) const {
-  Grown part = whole;
-  for (const std::string& name : left) {
-    if (name != left[kept]) part = without(part, name);
-  }
-  part.assessment = assess(problem_, part.assessment.model, part.assessment.unknowns);
-  return part;
-}
-
-double Searcher::moved(const Assessment& before, const Assessment& after,
-                       const std::string& by) const {
-  const Evaluation here = problem_.evaluate_held_out(before.model, problem_.scored_groups());
-  return change_by(problem_, here, before, after, only_widens(*definition(by))).moved;
-}
-
-// The effects found, in the order in which each helps most.
-void Searcher::order_steps(SearchResult& result) {
-  result.steps.clear();
-  const bool explained = result.best.assessment.error < kMisfit;
-  Grown grown = base_;
-  std::vector<std::string> left = result.best.added;
-  while (!left.empty()) {
-    std::vector<std::optional<Candidate>> tried(left.size());
-    // Where they do not explain the set, the order in which the search took them is good enough.
-    parallel_for(explained ? left.size() : 1, [&](size_t i) {
-      std::vector<NotTestable> reasons;
-      const auto effect = definition(left[i]);
-      if (effects::is_excluded(*effect, grown.assessment.model)) return;
-      if (effect->companions.empty()) tried[i] = try_effect(problem_, grown, effect, reasons);
-      // Found after another that it replaced, or with others: what was fitted last is the place to
-      // start from.
-      if (tried[i]) return;
-      Grown part = part_of(result.best, left, i);
-      if (part.assessment.valid) tried[i] = Candidate{.grown = std::move(part)};
-    });
-    size_t best = left.size();
-    for (size_t i = 0; i < left.size(); ++i) {
-      if (tried[i] && (best == left.size() || tried[i]->grown.assessment.total_ll >
-                                                  tried[best]->grown.assessment.total_ll))
-        best = i;
-    }
-    if (best == left.size()) break;
-    Step step{.effect = left[best], .error_before = grown.assessment.error};
-    step.moved = moved(grown.assessment, tried[best]->grown.assessment, left[best]);
-    grown = std::move(tried[best]->grown);
-    step.after = grown.assessment;
-    step.error_after = grown.assessment.error;
-    result.steps.push_back(std::move(step));
-    left.erase(left.begin() + static_cast<long>(best));
-  }
-  if (grown.assessment.valid && !result.steps.empty() &&
-      grown.assessment.total_ll >= result.best.assessment.total_ll - kSameFit) {
-    result.best = grown;
-  }
-  if (!explained) return;
-  // Which others could stand in the place of each step.
-  std::vector<std::vector<std::string>> ties(result.steps.size());
-  std::vector<std::pair<size_t, std::string>> moves;
-  for (size_t s = 0; s < result.steps.size(); ++s) {
-    if (effects::has_dependents(result.best.assessment.model, result.steps[s].effect)) continue;
-    for (const std::string& name : promising_) {
-      if (!result.best.assessment.model.has(name)) moves.emplace_back(s, name);
-    }
-  }
-  std::vector<char> tied(moves.size(), 0);
-  parallel_for(moves.size(), [&](size_t m) {
-    const auto other = replace(result.best, result.steps[moves[m].first].effect, moves[m].second);
-    if (!other) return;
-    tied[m] = cannot_tell(weight_of(result.best), weight_of(*other), result.best.assessment.error);
-  });
-  for (size_t m = 0; m < moves.size(); ++m) {
-    auto& names = result.steps[moves[m].first].indistinguishable_from;
-    if (tied[m] && names.size() < kMostTiesNamed) names.push_back(moves[m].second);
+    begin_with(*beginnings[i], result);
   }
 }
 
@@ -366,7 +318,8 @@ SearchResult Searcher::run() {
   }
   if (marks_changed) base_ = base();
   result.base = base_;
-  order_steps(result);
+  order_steps(
+      problem_, [&](const std::string& name) { return definition(name); }, promising_, result);
   progress_("testing what structure remains");
   const auto structure_of = [&](const Grown& grown) {
     return significant_structure(problem_, grown.assessment, material_);

@@ -31,7 +31,7 @@ class FramesProblem : public Problem {
   std::vector<Structure> structure(const Model& model, const Groups& groups,
                                    int fitted) const override;
   void check_model(const Model& model) const override;
-  bool is_smooth() const override { return true; }
+  bool is_smooth(const Model&) const override { return true; }
   std::optional<Groups> screening_groups() const override;
   size_t groups_for_one_fold() const override { return 4; }  // Each fit is dear.
   bool is_visible(const Model& a, const Model& b) const override;

@@ -1,7 +1,9 @@
 // Reading servo logs, and predicting them.
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <functional>
 #include <unordered_map>
 
 #include "effects/stages/servo.h"
@@ -104,6 +106,35 @@ struct FormulaColumns {
 };
 
 }  // namespace
+
+std::vector<std::string> notes_of_joint_logs(const CsvTable& table) {
+  std::vector<std::string> notes;
+  if (table.has("torque_enable")) {
+    const std::vector<char> enabled = read_enabled(table);
+    const bool same =
+        std::adjacent_find(enabled.begin(), enabled.end(), std::not_equal_to<>()) == enabled.end();
+    if (same && !enabled.empty()) {
+      notes.push_back(fmt::format(
+          "{}:{}: column torque_enable is {} in this row and in all others, expected a column that "
+          "changes: {}",
+          table.file(), table.line(0), table.cell(0, "torque_enable"),
+          enabled[0] ? "no free swing tells gravity and friction from the drive"
+                     : "no command ever acts"));
+    }
+  }
+  if (table.has("kp")) return notes;
+  for (const std::string& name : table.extra_numeric_columns({})) {
+    std::string low = name;
+    std::transform(low.begin(), low.end(), low.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (low.find("kp") == std::string::npos && low.find("gain") == std::string::npos) continue;
+    notes.push_back(
+        fmt::format("{}:1: column {} is not read as a gain, expected a column kp where the "
+                    "controller's gain differs between rows",
+                    table.file(), name));
+  }
+  return notes;
+}
 
 JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column, bool measured) {
   const auto times = table.times_ns("time_s");

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "effects/questions.h"
 #include "effects/stages/noise.h"
@@ -48,7 +49,9 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   if (table.rows() == 0)
     throw InputError(fmt::format("{}: no rows, expected observations", table.file()));
   set_ = read_joint_logs(table, set.group, true);
+  predictions_.emplace(set_.logs.size());
   describe(set, table);
+  facts_.notes = notes_of_joint_logs(table);
   add_covariates();
   look_for_steps();
   facts_.set.lacks = lacks();
@@ -134,21 +137,26 @@ void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, doub
   const bool motor = effects::has_base(model, effects::Base::motor);
   const std::vector<double>* starts =
       motor && warm != nullptr && warm->reusable ? &warm->nuisance_values : nullptr;
-  for (const JointLog& log : set_.logs) {
+  // Rows that are left out do not tell where a log starts.
+  std::vector<double> key = evaluation.mean_key;
+  key.push_back(static_cast<double>(times_marked()));
+  for (size_t i = 0; i < set_.logs.size(); ++i) {
+    const JointLog& log = set_.logs[i];
     if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
-    LogStart start;
-    std::vector<double> predicted;
     const size_t place = evaluation.nuisance_values.size();
+    const auto show = [&](const LogStart& start, const std::vector<double>& angles) {
+      for (size_t k = 0; k < angles.size(); ++k)
+        evaluation.residual[log.rows[k]] = log.measured_rad[k] - angles[k];
+      evaluation.nuisance_values.insert(evaluation.nuisance_values.end(),
+                                        {start.offset_rad, start.offset_radps});
+    };
     if (starts != nullptr) {
-      start = {starts->at(place), starts->at(place + 1)};
-      predicted = predict_from(model, log, start);
+      const LogStart start{starts->at(place), starts->at(place + 1)};
+      show(start, predict_from(model, log, start));
     } else {
-      start = fit_start(model, log, sigma_rad, predicted);
+      const auto known = predictions_->of(i, key, [&] { return fit_start(model, log, sigma_rad); });
+      show(known->start, known->angles);
     }
-    for (size_t k = 0; k < predicted.size(); ++k)
-      evaluation.residual[log.rows[k]] = log.measured_rad[k] - predicted[k];
-    evaluation.nuisance_values.insert(evaluation.nuisance_values.end(),
-                                      {start.offset_rad, start.offset_radps});
     evaluation.nuisances += unknowns_of_start(model, log);
   }
   if (motor) evaluation.reusable = std::make_shared<char>();
@@ -195,6 +203,10 @@ void JointsProblem::whiten_wander(const effects::Noise& noise, const Groups& gro
     for (size_t k = 0; k < log.rows.size(); ++k) errors.observe(log.rows[k], log.time_s[k], shares);
   }
   errors.whiten(facts_, evaluation);
+}
+
+bool JointsProblem::is_smooth(const Model& model) const {
+  return effects::has_base(model, effects::Base::motor);
 }
 
 void JointsProblem::check_model(const Model& model) const {

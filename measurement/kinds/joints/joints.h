@@ -2,13 +2,14 @@
 // the angle at each row from the commands before it.
 #pragma once
 
-#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "effects/stages/joint_track.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/problem/memo.h"
 #include "measurement/problem/problem.h"
 
 namespace seam::measurement {
@@ -35,6 +36,10 @@ struct JointLogs {
 
 // Reads and checks joints.csv. `measured` false: a protocol, measured_rad is not read.
 JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column, bool measured);
+
+// What a servo's log lacks that a motor's model would read: sentences that name file, line and
+// column.
+std::vector<std::string> notes_of_joint_logs(const CsvTable& table);
 
 // What the model says the log shows at each row, for a joint whose log shows `start_rad` at rest
 // until the first command acts. A motor that begins in motion is under its first command already.
@@ -64,6 +69,9 @@ class JointsProblem : public Problem {
                                                    const EffectDefinition& effect,
                                                    const EffectList& companions) const override;
   void check_model(const Model& model) const override;
+  // A motor's motion is; rules of kinematics jump.
+  bool is_smooth(const Model& model) const override;
+  std::vector<std::string> remarks(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
   std::vector<char> find_outliers(const Model& model) const override;
 
@@ -77,15 +85,18 @@ class JointsProblem : public Problem {
   };
   std::vector<double> predict_from(const Model& model, const JointLog& log,
                                    const LogStart& start) const;
+  // A log's best start under a model, and the angles predicted from there.
+  struct Prediction {
+    LogStart start;
+    std::vector<double> angles;
+  };
   int64_t unknowns_of_start(const Model& model, const JointLog& log) const;
   // Derivatives of the log's angles by the unknowns of its start.
   std::vector<std::vector<double>> start_slopes(const Model& model, const JointLog& log,
                                                 const LogStart& start,
                                                 const std::vector<double>& predicted,
                                                 double sigma_rad) const;
-  // The start that fits best, and what is predicted from there.
-  LogStart fit_start(const Model& model, const JointLog& log, double sigma_rad,
-                     std::vector<double>& predicted) const;
+  Prediction fit_start(const Model& model, const JointLog& log, double sigma_rad) const;
   void evaluate_logs(const Model& model, const Groups& groups, double sigma_rad,
                      const Evaluation* warm, Evaluation& evaluation) const;
   // In units of the noise: so far from its measurement a start is looked for.
@@ -106,6 +117,8 @@ class JointsProblem : public Problem {
   void round_to_lattice(double sigma_rad, Evaluation& evaluation) const;
 
   JointLogs set_;
+  // By log. A fit of a spread, a score after a fit and a structure test ask for the same.
+  std::optional<Memo<Prediction>> predictions_;
   double lattice_rad_ = 0;       // All measured angles are multiples of this; 0: of nothing coarse.
   double largest_step_rad_ = 0;  // Of an encoder, that the scatter of neighbours allows.
 };

@@ -1,10 +1,14 @@
 // Fits of servos with torque: whole runs are simulated, smooth in all parameters, from starts that
 // agree with the accelerations seen.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "effects/questions.h"
+#include "measurement/fitting/assess.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
@@ -150,24 +154,63 @@ std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
                                                   const Evaluation& here) const {
   constexpr double kStep = 1e-3;  // Of the parameter's size.
   const ParameterSpace space(model, unknowns);
-  std::vector<Values> columns;
-  for (const Coordinate& c : space) {
+  std::vector<Values> columns(space.size(), Values(facts_.scalars(), 0));
+  parallel_for(space.size(), [&](size_t at) {
+    const Coordinate& c = space[at];
     const double z = c.of(model);
     double step = kStep * std::max(c.scale, std::abs(z));
     if (z + step > c.max) step = -step;
     Model moved = model;
     c.set(moved, z + step);
     const Evaluation there = evaluate(moved, groups, &here);
-    Values column(facts_.scalars(), 0);
     const double slope = std::isfinite(c.slope(z)) ? c.slope(z) : 1;
-    for (size_t i = 0; i < column.size(); ++i) {
+    for (size_t i = 0; i < columns[at].size(); ++i) {
       if (here.used[i] && there.valid)
-        column[i] = (there.whitened[i] - here.whitened[i]) / (step * slope);
+        columns[at][i] = (there.whitened[i] - here.whitened[i]) / (step * slope);
     }
-    columns.push_back(std::move(column));
-  }
+  });
   take_out_starts(model, groups, here, columns);
   return columns;
+}
+
+// Without a column of gains a controller has one: groups that each want another by far, in one step
+// of Gauss and Newton, had theirs changed.
+std::vector<std::string> JointsProblem::remarks(const Model& model) const {
+  constexpr double kOther = 0.2;  // Of the gain,
+  constexpr double kClearly = 6;  // and so many standard errors.
+  const effects::ModelEffect* motor = effects::base_of(model, effects::Base::motor);
+  const auto& columns = set_.column_names;
+  const bool has_kp = std::find(columns.begin(), columns.end(), "kp") != columns.end();
+  if (motor == nullptr || has_kp || facts_.groups.size() < 2) return {};
+  const auto& parameters = motor->definition->parameters;
+  const auto gain = std::find_if(parameters.begin(), parameters.end(),
+                                 [](const effects::Parameter& p) { return p.name == "gain"; });
+  const Evaluation here = evaluate(model, all_groups(), nullptr);
+  if (gain == parameters.end() || !here.valid) return {};
+  const auto place = static_cast<size_t>(gain - parameters.begin());
+  const auto slope =
+      jacobian(model, {{motor->definition->name, place}}, all_groups(), here).front();
+  const size_t count = facts_.groups.size();
+  std::vector<double> along(count, 0), norm(count, 0), square(count, 0), rows(count, 0);
+  for (size_t i = 0; i < slope.size(); ++i) {
+    if (!here.used[i]) continue;
+    const auto g = static_cast<size_t>(facts_.group_of(i));
+    along[g] -= slope[i] * here.whitened[i], norm[g] += slope[i] * slope[i];
+    square[g] += here.whitened[i] * here.whitened[i], ++rows[g];
+  }
+  std::vector<std::string> others;
+  for (size_t g = 0; g < count; ++g) {
+    if (!(norm[g] > 0)) continue;
+    const double step = along[g] / norm[g];
+    const double error = std::sqrt(std::max(1.0, square[g] / rows[g]) / norm[g]);
+    if (std::abs(step) > kOther * motor->values()[place] && std::abs(step) > kClearly * error)
+      others.push_back(facts_.groups[g]);
+  }
+  if (others.empty()) return {};
+  return {
+      fmt::format("{}:1: no column kp, yet {} {} ask for another gain of the controller than "
+                  "the rest: where it was changed, a column kp says so",
+                  facts_.file, others.size() == 1 ? "group" : "groups", fmt::join(others, ", "))};
 }
 
 }  // namespace seam::measurement

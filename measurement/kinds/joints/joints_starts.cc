@@ -47,9 +47,8 @@ std::vector<std::vector<double>> JointsProblem::start_slopes(const Model& model,
 }
 
 // One step of Gauss and Newton from where the log was measured.
-JointsProblem::LogStart JointsProblem::fit_start(const Model& model, const JointLog& log,
-                                                 double sigma_rad,
-                                                 std::vector<double>& predicted) const {
+JointsProblem::Prediction JointsProblem::fit_start(const Model& model, const JointLog& log,
+                                                   double sigma_rad) const {
   const size_t n = log.rows.size();
   const auto chi2_of = [&](const std::vector<double>& angles) {
     double sum = 0;
@@ -60,7 +59,7 @@ JointsProblem::LogStart JointsProblem::fit_start(const Model& model, const Joint
     }
     return sum;
   };
-  predicted = predict_from(model, log, {});
+  const std::vector<double> predicted = predict_from(model, log, {});
   const auto slopes = start_slopes(model, log, {}, predicted, sigma_rad);
   const auto count = static_cast<Eigen::Index>(slopes.size());
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
@@ -71,7 +70,7 @@ JointsProblem::LogStart JointsProblem::fit_start(const Model& model, const Joint
       for (Eigen::Index b = 0; b < count; ++b) normal(a, b) += slopes[a][k] * slopes[b][k];
     }
   }
-  if (!(normal(0, 0) > 0)) return {};
+  if (!(normal(0, 0) > 0)) return {{}, predicted};
   const Eigen::VectorXd step = count == 1 || !(normal.determinant() > 0)
                                    ? Eigen::VectorXd(right.head(1) / normal(0, 0))
                                    : Eigen::VectorXd(normal.inverse() * right);
@@ -80,11 +79,10 @@ JointsProblem::LogStart JointsProblem::fit_start(const Model& model, const Joint
   LogStart start{.offset_rad = std::clamp(step[0], -most, most)};
   const double widest = 0.2 * std::abs(log.start_radps);
   if (step.size() > 1) start.offset_radps = std::clamp(step[1], -widest, widest);
-  if (start.offset_rad == 0 && start.offset_radps == 0) return start;
+  if (start.offset_rad == 0 && start.offset_radps == 0) return {start, predicted};
   std::vector<double> better = predict_from(model, log, start);
-  if (!(chi2_of(better) < chi2_of(predicted))) return {};
-  predicted = std::move(better);
-  return start;
+  if (!(chi2_of(better) < chi2_of(predicted))) return {{}, predicted};
+  return {start, std::move(better)};
 }
 
 }  // namespace seam::measurement

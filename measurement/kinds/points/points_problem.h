@@ -31,7 +31,7 @@ class PointsProblem : public Problem {
                                             const std::vector<Unknown>& unknowns,
                                             const Groups& groups,
                                             const Evaluation& here) const override;
-  bool is_smooth() const override { return true; }
+  bool is_smooth(const Model&) const override { return true; }
   bool groups_are_independent(const Model& model) const override;
   std::vector<std::string> remarks(const Model& model) const override;
   std::vector<PlacedPoint> placed_points(const Model& model) const override;

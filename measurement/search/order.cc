@@ -1,0 +1,184 @@
+#include "measurement/search/order.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/questions.h"
+
+namespace seam::measurement {
+namespace {
+
+// By scalar: the change of the prediction in units of the noise, then that of the standard
+// deviation. Empty where a kind has no residual vectors.
+std::vector<double> change_of(const Problem& problem, const Evaluation& here,
+                              const Candidate& candidate) {
+  const Evaluation there =
+      problem.evaluate(candidate.grown.assessment.model, problem.scored_groups());
+  if (here.used.empty() || there.used.empty() || !here.valid || !there.valid) return {};
+  const size_t n = here.used.size();
+  std::vector<double> change(2 * n, 0);
+  for (size_t i = 0; i < n; ++i) {
+    if (!here.used[i] || !there.used[i] || !(here.sigma[i] > 0)) continue;
+    change[i] = (here.residual[i] - there.residual[i]) / here.sigma[i];
+    change[n + i] = there.sigma[i] / here.sigma[i] - 1;
+  }
+  return change;
+}
+
+double likeness(const std::vector<double>& a, const std::vector<double>& b) {
+  double aa = 0, bb = 0, ab = 0;
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i)
+    aa += a[i] * a[i], bb += b[i] * b[i], ab += a[i] * b[i];
+  return aa > 0 && bb > 0 ? std::abs(ab) / std::sqrt(aa * bb) : 0;
+}
+
+// Moves the effects found to the front, in the order of the steps; returns how many there are.
+size_t found_first(SearchResult& result) {
+  auto& candidates = result.first.candidates;
+  size_t count = 0;
+  for (const Step& step : result.steps) {
+    const auto place = candidates.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto it = std::find_if(place, candidates.end(),
+                                 [&](const Candidate& c) { return c.effect->name == step.effect; });
+    if (it == candidates.end()) continue;
+    it->found = it->significant = true, it->trace = false;
+    // What one of several looks like alone is no tie of the whole.
+    if (result.steps.size() > 1) it->indistinguishable_from = step.indistinguishable_from;
+    std::rotate(place, it, it + 1);
+    ++count;
+  }
+  return count;
+}
+
+// An effect and those that are left of the ones that the search offers with it.
+std::vector<std::string> together(const EffectByName& effect_by_name,
+                                  const std::vector<std::string>& left, size_t i) {
+  std::vector<std::string> names = {left[i]};
+  for (const std::string& companion : effect_by_name(left[i])->companions) {
+    if (std::find(left.begin(), left.end(), companion) != left.end()) names.push_back(companion);
+  }
+  return names;
+}
+
+// A model less those of its effects that are left, but for these, fitted again from its own values.
+Grown part_of(const Problem& problem, const Grown& whole, const std::vector<std::string>& left,
+              const std::vector<std::string>& kept) {
+  if (kept.size() == left.size()) return whole;
+  Grown part = whole;
+  for (const std::string& name : left) {
+    if (std::find(kept.begin(), kept.end(), name) == kept.end()) part = without(part, name);
+  }
+  part.assessment = assess(problem, part.assessment.model, part.assessment.unknowns);
+  return part;
+}
+
+double moved(const Problem& problem, const Assessment& before, const Assessment& after,
+             const EffectDefinition& by) {
+  const Evaluation here = problem.evaluate_held_out(before.model, problem.scored_groups());
+  return change_by(problem, here, before, after, only_widens(by)).moved;
+}
+
+// A step for each of the effects that come together, with their values in the model that has all of
+// them: the error of the first ones alone is what they leave of it there, not fitted again.
+void take_steps(const Problem& problem, const EffectByName& effect_by_name, Grown after,
+                const std::vector<std::string>& names, Grown& grown, SearchResult& result) {
+  for (size_t k = 0; k < names.size(); ++k) {
+    Grown here = after;
+    for (size_t later = k + 1; later < names.size(); ++later) here = without(here, names[later]);
+    if (k + 1 < names.size()) here.assessment = assess_fixed(problem, here.assessment.model);
+    Step step{.effect = names[k], .after = after.assessment};
+    step.error_before = grown.assessment.error, step.error_after = here.assessment.error;
+    step.moved = moved(problem, grown.assessment, here.assessment, *effect_by_name(names[k]));
+    result.steps.push_back(std::move(step));
+    grown = std::move(here);
+  }
+}
+
+}  // namespace
+
+void order_steps(const Problem& problem, const EffectByName& effect_by_name,
+                 const std::vector<std::string>& promising, SearchResult& result) {
+  result.steps.clear();
+  const bool explained = result.best.assessment.error < kMisfit;
+  Grown grown = result.base;
+  std::vector<std::string> left = result.best.added;
+  while (!left.empty()) {
+    std::vector<std::optional<Candidate>> tried(left.size());
+    // Where they do not explain the set, the order in which the search took them is good enough.
+    parallel_for(explained ? left.size() : 1, [&](size_t i) {
+      std::vector<NotTestable> reasons;
+      const auto effect = effect_by_name(left[i]);
+      if (effects::is_excluded(*effect, grown.assessment.model)) return;
+      const bool last = left.size() == 1;
+      if (effect->companions.empty() && !last)
+        tried[i] = try_effect(problem, grown, effect, reasons);
+      // Found after another that it replaced, or with others: what was fitted last is the place to
+      // start from.
+      if (tried[i]) return;
+      Grown part = part_of(problem, result.best, left, together(effect_by_name, left, i));
+      if (part.assessment.valid) tried[i] = Candidate{.grown = std::move(part)};
+    });
+    size_t best = left.size();
+    for (size_t i = 0; i < left.size(); ++i) {
+      if (tried[i] && (best == left.size() || tried[i]->grown.assessment.total_ll >
+                                                  tried[best]->grown.assessment.total_ll))
+        best = i;
+    }
+    if (best == left.size()) break;
+    const std::vector<std::string> names = together(effect_by_name, left, best);
+    take_steps(problem, effect_by_name, std::move(tried[best]->grown), names, grown, result);
+    std::erase_if(left, [&](const std::string& name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    });
+  }
+  if (grown.assessment.valid && !result.steps.empty() &&
+      grown.assessment.total_ll >= result.best.assessment.total_ll - kSameFit) {
+    result.best = grown;
+  }
+  if (!explained) return;
+  // Which others could stand in the place of each step.
+  std::vector<std::vector<std::string>> ties(result.steps.size());
+  std::vector<std::pair<size_t, std::string>> moves;
+  for (size_t s = 0; s < result.steps.size(); ++s) {
+    if (effects::has_dependents(result.best.assessment.model, result.steps[s].effect)) continue;
+    for (const std::string& name : promising) {
+      if (!result.best.assessment.model.has(name)) moves.emplace_back(s, name);
+    }
+  }
+  std::vector<char> tied(moves.size(), 0);
+  parallel_for(moves.size(), [&](size_t m) {
+    const auto other = with_other(problem, result.best, result.steps[moves[m].first].effect,
+                                  effect_by_name(moves[m].second));
+    if (!other) return;
+    tied[m] = cannot_tell(weight_of(result.best), weight_of(*other), result.best.assessment.error);
+  });
+  for (size_t m = 0; m < moves.size(); ++m) {
+    auto& names = result.steps[moves[m].first].indistinguishable_from;
+    if (tied[m] && names.size() < kMostTiesNamed) names.push_back(moves[m].second);
+  }
+}
+
+void rank_by_search(const Problem& problem, SearchResult& result) {
+  const size_t found = found_first(result);
+  if (found == 0) return;
+  constexpr double kAlike = 0.5;  // The cosine of 60 degrees.
+  auto& candidates = result.first.candidates;
+  const Evaluation here = problem.evaluate(result.base.assessment.model, problem.scored_groups());
+  std::vector<std::vector<double>> changes;
+  for (size_t k = 0; k < found; ++k) changes.push_back(change_of(problem, here, candidates[k]));
+  for (size_t i = found; i < candidates.size(); ++i) {
+    Candidate& candidate = candidates[i];
+    if (!candidate.significant) continue;
+    const std::vector<double> change = change_of(problem, here, candidate);
+    for (size_t k = 0; k < found; ++k) {
+      if (likeness(change, changes[k]) > kAlike)
+        candidate.stands_in_for.push_back(candidates[k].effect->name);
+    }
+    // Like none of them alone: for all of them together.
+    if (!candidate.stands_in_for.empty()) continue;
+    for (size_t k = 0; k < found; ++k)
+      candidate.stands_in_for.push_back(candidates[k].effect->name);
+  }
+}
+
+}  // namespace seam::measurement

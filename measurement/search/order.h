@@ -1,0 +1,25 @@
+// What a whole search found, in order: its steps, and the candidates beside the model given.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "measurement/search/search.h"
+
+namespace seam::measurement {
+
+using EffectByName =
+    std::function<std::shared_ptr<const EffectDefinition>(const std::string& name)>;
+
+// The steps from the base to the best model, in the order in which each effect helps most, with
+// those of the promising effects that could stand in the place of each.
+void order_steps(const Problem& problem, const EffectByName& effect_by_name,
+                 const std::vector<std::string>& promising, SearchResult& result);
+
+// Puts the effects of the final model first, in the order of its steps, and says of the others
+// which of these they stand in for: alone they seemed to help, beside them they do not.
+void rank_by_search(const Problem& problem, SearchResult& result);
+
+}  // namespace seam::measurement
