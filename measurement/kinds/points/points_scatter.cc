@@ -31,12 +31,13 @@ void whiten_scattered(const FewErrors& scatter, const std::vector<size_t>& scala
 }
 
 bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& projection,
-                           std::vector<Sighting> seen, Pose& X_CW) {
-  constexpr int kRounds = 8;
+                           std::vector<Sighting> seen, bool near, Pose& X_CW) {
+  // From where an earlier one ended, weights hardly change.
+  const int rounds = near ? 2 : 8;
   // Weights that change by less move a pose by less than matters.
   constexpr double kSame = 1e-3;
   const std::vector<Sighting> stated = seen;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     double changed = 0;
     const auto weigh = [&](double& sigma, double by) {
       changed = std::max(changed, std::abs(by / sigma - 1));

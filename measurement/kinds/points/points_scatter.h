@@ -22,6 +22,6 @@ void whiten_scattered(const FewErrors& scatter, const std::vector<size_t>& scala
 // Refines a pose under such errors: points that seem to have failed count less (expectation and
 // maximisation in turn). False where it fails.
 bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& projection,
-                           std::vector<Sighting> seen, Pose& X_CW);
+                           std::vector<Sighting> seen, bool near, Pose& X_CW);
 
 }  // namespace seam::measurement

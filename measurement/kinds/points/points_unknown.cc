@@ -65,12 +65,11 @@ Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& gro
     const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
     if (seen.empty()) continue;
     Pose X_CW;
-    // With scattered points the one below begins where the last one ended.
+    const bool near = warm && warm->valid && stored_pose(warm->nuisance_values, frame, X_CW);
     bool have =
-        (warm && warm->valid && stored_pose(warm->nuisance_values, frame, X_CW) &&
-         (scatter || refine_pose(projection, seen, X_CW))) ||
+        (near && (scatter || refine_pose(projection, seen, X_CW))) ||
         (initial_pose(projection, seen, X_CW) && (!refined || refine_pose(projection, seen, X_CW)));
-    if (have && scatter) have = refine_scattered_pose(*scatter, projection, seen, X_CW);
+    if (have && scatter) have = refine_scattered_pose(*scatter, projection, seen, near, X_CW);
     std::vector<double> whitened;
     evaluation.nuisances += 6;
     if (!have || !pose_residuals(projection, seen, X_CW, whitened, nullptr)) {

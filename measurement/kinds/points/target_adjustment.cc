@@ -229,6 +229,7 @@ bool TargetAdjustment::build(MatrixXd& by_views, MatrixXd& by_points) {
   by_views = MatrixXd::Zero(blocks_->view_unknowns(), 1);
   by_points = MatrixXd::Zero(blocks_->point_unknowns(), 1);
   cells_.clear();
+  cells_.reserve(given_.data.p_W.size());
   for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) {
     if (!given_.frames[frame]) continue;
     size_t k = 0;
@@ -281,11 +282,14 @@ bool TargetAdjustment::fit() {
   // Of log-likelihood: less is not worth a step, and after a step that promised less than the
   // second, derivatives need no renewal.
   constexpr double kEnough = 1e-7, kSettled = 1e-4;
-  double here = cost(state_), damping = 0;
-  if (!std::isfinite(here)) return false;
+  double here = std::numeric_limits<double>::infinity(), damping = 0;
   for (int step = 0; step < kSteps; ++step) {
     MatrixXd right_views, right_points;
     if (!build(right_views, right_points)) return false;
+    if (step == 0) {  // What was looked at for the derivatives tells the cost, too.
+      here = prior_cost(state_);
+      for (const Cell& cell : cells_) here += 0.5 * cell.z.squaredNorm();
+    }
     bool taken = false;
     for (int attempt = 0; attempt < kAttempts && !taken; ++attempt) {
       MatrixXd views = right_views, points = right_points;

@@ -120,8 +120,9 @@ PathPoint path_at(const Stretch& stretch, const std::vector<Control>& controls, 
   for (int j = 0; j < w.count; ++j) {
     const Control& control = controls[w.first + static_cast<size_t>(j)];
     sum += w.weight[j] * control.q;
-    change += w.rate[j] * control.q;
     point.middle_C += w.weight[j] * control.middle_C;
+    if (!with_slopes) continue;
+    change += w.rate[j] * control.q;
     point.moving += w.rate[j] * control.middle_C;
   }
   const double length = sum.norm();

@@ -60,13 +60,14 @@ class Band {
 // The row at which a point is seen is the fixed point of row -> row of its image at that instant.
 effects::ImagePoint seen_at(const RowCamera& camera, const Stretch& stretch,
                             const std::vector<Control>& controls, const PathSighting& point,
-                            bool with_slopes, PathPoint& path) {
+                            double& instant_s) {
   constexpr int kSteps = 30;
   constexpr double kExact_px = 1e-6;
   effects::ImagePoint image;
   double v = point.v_px, previous_v = v, previous_f = 0;
   for (int step = 0; step < kSteps; ++step) {
-    path = path_at(stretch, controls, point.stamp_s + camera.line_delay_s * v, with_slopes);
+    instant_s = point.stamp_s + camera.line_delay_s * v;
+    const PathPoint path = path_at(stretch, controls, instant_s, /*with_slopes=*/false);
     image = camera.projection.project(path.R * point.p_T + path.middle_C, point.stamp_s, v);
     const double f = image.v - v;
     if (!image.visible || camera.line_delay_s == 0 || std::abs(f) < kExact_px) break;
@@ -81,19 +82,20 @@ effects::ImagePoint seen_at(const RowCamera& camera, const Stretch& stretch,
 
 bool PathAdjustment::image(const RowCamera& camera, const std::vector<Control>& controls,
                            const PathSighting& point, Vector2d& uv) const {
-  PathPoint path;
+  double instant_s = 0;
   const effects::ImagePoint image =
-      seen_at(camera, layout_.of_frame(point.frame), controls, point, false, path);
+      seen_at(camera, layout_.of_frame(point.frame), controls, point, instant_s);
   uv = {image.u, image.v};
   return image.visible;
 }
 
 bool PathAdjustment::look(const RowCamera& camera, const std::vector<Control>& controls,
                           const PathSighting& point, Look& look) const {
-  PathPoint path;
-  const effects::ImagePoint here =
-      seen_at(camera, layout_.of_frame(point.frame), controls, point, true, path);
+  const Stretch& stretch = layout_.of_frame(point.frame);
+  double instant_s = 0;
+  const effects::ImagePoint here = seen_at(camera, stretch, controls, point, instant_s);
   if (!here.visible) return false;
+  const PathPoint path = path_at(stretch, controls, instant_s, /*with_slopes=*/true);
   const Vec3 arm = path.R * point.p_T, p_C = arm + path.middle_C;
   Eigen::Matrix<double, 2, 3> by_C;
   const double h = 1e-6 * glm::length(p_C);
