@@ -55,6 +55,55 @@ def agrees(what, seen, limit_px=1e-6):
     print(f"{what}: projects as the model does, to {worst:.1e} px")
 
 
+def servo(folder):
+    """A servo as a simulator's attributes, for an inertia of 1."""
+    import xml.etree.ElementTree as xml
+    model = folder / "servo.yaml"
+    text = """format: seam-model/1
+name: arm
+effects:
+  motor_servo: {stall_rad_per_s2: {value: 200, sigma: 3}, back_emf_per_s: 8, gain: 0.5, damping_s: 0.01, max_duty: 0.9}
+  viscous_friction: {per_s: 2}
+  coulomb_friction: {rad_per_s2: 5}
+"""
+    model.write_text(text)
+
+    def export_servo(form, *more, code=0):
+        out = folder / f"arm.{form}"
+        out.unlink(missing_ok=True)
+        run = subprocess.run([SEAM, "export", str(model), "--to", form, "--out", str(out), *more],
+                             capture_output=True, text=True)
+        assert run.returncode == code, run.stderr
+        return (xml.parse(out).getroot() if code == 0 else None), run.stdout + run.stderr
+
+    root, said = export_servo("mjcf")
+    joint, actuator = root.find(".//joint"), root.find(".//position")
+    assert joint.attrib == {"damping": "10", "frictionloss": "5"} and "inertia of 1" in said, joint.attrib
+    assert (float(actuator.get("kp")), float(actuator.get("kv"))) == (100, 2), actuator.attrib
+    assert actuator.get("forcerange") == "-180 180", actuator.attrib
+    root, _ = export_servo("urdf")
+    assert root.find(".//dynamics").attrib == {"damping": "10", "friction": "5"}
+    limit = root.find(".//limit")
+    assert (float(limit.get("effort")), float(limit.get("velocity"))) == (180, 22.5), limit.attrib
+    model.write_text(text + "  servo_latency: {latency_s: 0.02}\n")
+    _, said = export_servo("mjcf", code=1)
+    assert "'servo_latency'" in said
+    _, said = export_servo("mjcf", "--drop", "servo_latency")
+    assert "without servo_latency: up to" in said and "mrad" in said, said
+    model.write_text("format: seam-model/1\nname: k\neffects:\n  ideal_servo: {}\n  servo_lag: {tau_s: 0.05}\n"
+                     "  speed_limit: {rad_per_s: 3}\n")
+    _, said = export_servo("mjcf", code=1)
+    assert "'speed_limit'" in said
+    root, _ = export_servo("mjcf", "--drop", "speed_limit")
+    assert root.find(".//position").get("timeconst") == "0.05"
+    root, _ = export_servo("urdf", "--drop", "servo_lag")
+    assert root.find(".//limit").get("velocity") == "3"
+    model.write_text(MODEL)
+    _, said = export_servo("urdf", code=1)
+    assert "holds a servo" in said
+    print("servos: attributes for a simulator")
+
+
 def main():
     skipped = []
     with tempfile.TemporaryDirectory() as name:
@@ -99,6 +148,7 @@ def main():
             agrees("mrcal", mrcal.project(grid(), *mrcal.cameramodel(str(mrcal_file)).intrinsics()))
         except ImportError:
             skipped.append("mrcal")
+        servo(folder)
     if skipped:
         print("not installed, not tried:", ", ".join(skipped))
 

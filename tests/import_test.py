@@ -690,6 +690,19 @@ def test_ros(folder):
         refused("ros", folder / name, out=folder / "alone", words=["/cmd_vel (geometry_msgs/Twist, 400 messages)", "--map"])
 
 
+def test_log(folder):
+    """A recorded swing of the simulator's head: its limit of speed is found again."""
+    scenario = HERE / "scenarios" / "head_swing.yaml"
+    run("run", scenario, "--log", folder / "run.mcap")
+    imported("log", folder / "run.mcap", out=folder / "head")
+    run("add", "speed_limit", "--model", folder / "head" / "nominal.yaml", "--data", folder / "head", "--out",
+        folder / "m.yaml", "--json", folder / "m.json")
+    found = json.loads((folder / "m.json").read_text())["parameters"]["rad_per_s"]
+    assert abs(found["value"] - np.radians(300)) < 1e-3, found
+    refused("log", folder / "run.mcap", "--part", "odometry", out=folder / "walk", words=["never told to walk"])
+    refused("log", folder / "run.mcap", "--camera", "red9", out=folder / "who", words=["red9", "red1"])
+
+
 # ---- real files
 
 

@@ -96,7 +96,7 @@ ROOMS = {
     },
     "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."], "exchange": [],
             "import/draft": ["exchange"], "import/files": [], "import/bags": [],
-            "import/kinds": ["import/draft", "import/files", "import/bags", "exchange"], "import": ["import/draft", "import/kinds"],
+            "import/kinds": ["import/draft", "import/files", "import/bags", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],
             "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
     "tools": {
         ".": [],

@@ -5,6 +5,7 @@
 
 #include "app/exchange/camera_files.h"
 #include "app/exchange/model_json.h"
+#include "app/exchange/servo_files.h"
 #include "effects/questions.h"
 #include "sim_core/base/error.h"
 
@@ -210,6 +211,15 @@ const std::vector<ExchangeFormat>& exchange_formats() {
        .holds_line_delay = true,
        .holds_time_shift = true,
        .text = kalibr_text},
+      {.name = "mjcf",
+       .help = "a joint's and a position actuator's attributes for MuJoCo",
+       .text_of_servo = mjcf_text,
+       .holds_servo = mjcf_holds,
+       .holds_gain = true},
+      {.name = "urdf",
+       .help = "a joint's dynamics and limits for a URDF",
+       .text_of_servo = urdf_text,
+       .holds_servo = urdf_holds},
       {.name = "json", .help = "all of the model, with its sigmas", .text_of_all = json_text}};
   return formats;
 }
@@ -217,6 +227,7 @@ const std::vector<ExchangeFormat>& exchange_formats() {
 Exported export_model(const Model& model, const ExchangeFormat& format,
                       const ExportOptions& options) {
   if (format.text_of_all != nullptr) return {.text = format.text_of_all(model), .notes = {}};
+  if (format.text_of_servo != nullptr) return export_servo(model, format, options);
   return Exporter(model, format, options).run();
 }
 

@@ -8,6 +8,7 @@
 
 #include "app/exchange/lens.h"
 #include "effects/model.h"
+#include "effects/stages/servo.h"
 #include "effects/stages/timing.h"
 
 namespace seam::app {
@@ -32,6 +33,11 @@ struct ExchangeFormat {
   std::string (*text)(const PlainCamera& camera) = nullptr;
   // Of a format that holds whatever a model says; then it has no `text`.
   std::string (*text_of_all)(const effects::Model& model) = nullptr;
+  // Of a format that holds a servo in the place of a camera.
+  std::string (*text_of_servo)(const effects::Model& model,
+                               const effects::ServoModel& servo) = nullptr;
+  bool (*holds_servo)(const effects::ServoModel& servo) = nullptr;
+  bool holds_gain = false;
 };
 
 const std::vector<ExchangeFormat>& exchange_formats();

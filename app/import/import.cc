@@ -56,6 +56,10 @@ const std::vector<ImportKind>& import_kinds() {
            "names",
        .options = {"map", "time-unit"},
        .fill = import_flats},
+      {.name = "log",
+       .help = "a replay log of ours: a robot's head joints or walk, with what it was told",
+       .options = {"camera", "part"},
+       .fill = import_log},
   };
   return kinds;
 }

@@ -71,7 +71,8 @@ void add_export(app::Command app) {
   command.footer(
       formats_help() +
       "What a format cannot hold is an error that names the effect, or with --drop a warning with\n"
-      "the error in pixels that this costs. A lens of another form is fitted over the image, and\n"
+      "the error that this costs, in pixels or mrad. A lens of another form is fitted over the "
+      "image, and\n"
       "what the fit misses is told.\n"
       "Example: seam export models/ideal_camera.yaml --to kalibr --out camchain.yaml");
   command.callback([flags] {

@@ -14,7 +14,7 @@ namespace seam::tools {
 namespace {
 
 struct ImportFlags {
-  std::string kind, out, map, unit, time_unit, length_unit, board, size, camera, pattern, title;
+  std::string kind, out, map, unit, time_unit, length_unit, board, size, camera, part, title;
   std::optional<double> spacing;
   std::vector<std::string> sources;
 };
@@ -65,7 +65,7 @@ void check_options(const ImportFlags& flags, const app::ImportKind& kind) {
       {"spacing", flags.spacing.has_value()},
       {"size", !flags.size.empty()},
       {"camera", !flags.camera.empty()},
-      {"pattern", !flags.pattern.empty()},
+      {"part", !flags.part.empty()},
   };
   for (const auto& [option, is_given] : given) {
     const bool known =
@@ -82,7 +82,7 @@ app::ImportRequest request_of(const ImportFlags& flags) {
                              .time_unit = flags.time_unit,
                              .length_unit = flags.length_unit,
                              .camera = flags.camera,
-                             .pattern = flags.pattern};
+                             .part = flags.part};
   for (const std::string& source : flags.sources) request.sources.emplace_back(source);
   std::tie(request.board_columns, request.board_rows) = pair_in("board", flags.board, "9x6");
   std::tie(request.width_px, request.height_px) = pair_in("size", flags.size, "640x480");
@@ -125,9 +125,11 @@ void add_import(app::Command app) {
   command.add_option("--board", flags->board, "Corners of the target, COLUMNSxROWS");
   command.add_option("--spacing", flags->spacing,
                      "Between the target's corners, in metres or the unit of --length-unit");
-  command.add_option("--pattern", flags->pattern, "Of the target");
+  command.add_option("--part", flags->part, "What of a log: joints or odometry")
+      .one_of({"joints", "odometry"});
   command.add_option("--size", flags->size, "Of the images, WIDTHxHEIGHT in pixels");
-  command.add_option("--camera", flags->camera, "Which one, where the files hold several");
+  command.add_option("--camera", flags->camera,
+                     "Which camera or robot, where the files hold several");
   command.add_option("--title", flags->title, "A line for people");
   command.footer(
       kinds_help() +

@@ -20,7 +20,7 @@ struct ImportRequest {
   double spacing_m = 0;                   // Between them; 0: not given.
   int width_px = 0, height_px = 0;        // Of the images; 0: not given.
   std::string camera;                     // Which one, or which robot's.
-  std::string pattern;                    // Of a target.
+  std::string part;                       // Of what the files hold; empty: the first that is there.
 
   // The file's name of a quantity: the user's, else empty.
   std::string name_of(const std::string& quantity) const {

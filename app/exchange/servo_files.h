@@ -1,0 +1,23 @@
+// Servos in the files of simulators: attributes of a joint and its actuator.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/exchange/exchange.h"
+#include "effects/stages/servo.h"
+
+namespace seam::app {
+
+// Elements of MuJoCo's MJCF, and of a URDF.
+std::string mjcf_text(const effects::Model& model, const effects::ServoModel& servo);
+std::string urdf_text(const effects::Model& model, const effects::ServoModel& servo);
+// Whether the format has a place for all that stands in a servo.
+bool mjcf_holds(const effects::ServoModel& servo);
+bool urdf_holds(const effects::ServoModel& servo);
+
+// As export_model, of formats that hold servos.
+Exported export_servo(const effects::Model& model, const ExchangeFormat& format,
+                      const ExportOptions& options);
+
+}  // namespace seam::app
