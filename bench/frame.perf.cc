@@ -2,6 +2,7 @@
 // benchmark list. Times are of one frame; frame_full_parallel is wall time over all frames made.
 #include <benchmark/benchmark.h>
 
+#include <cmath>
 #include <thread>
 
 #ifdef SEAM_HAVE_OPENCV
@@ -11,6 +12,7 @@
 
 #include "bench/match_frames.h"
 #include "render/filter/camera_filter.h"
+#include "render/gl/device.h"
 #include "render/renderer.h"
 
 namespace seam::bench {
@@ -48,6 +50,33 @@ void run(benchmark::State& state, const effects::Model& model, int width, int he
   for (auto _ : state)
     benchmark::DoNotOptimize(renderer.render(jobs[next++ % kFrames]).fingerprint);
   state.SetItemsProcessed(state.iterations());
+}
+
+// A ring of shared vertices.
+render::Mesh ring(int triangles) {
+  const auto tube = static_cast<uint32_t>(std::sqrt(triangles / 8.0));
+  const uint32_t around = 4 * tube;
+  render::Mesh mesh;
+  for (uint32_t a = 0; a < around; ++a) {
+    for (uint32_t b = 0; b < tube; ++b) {
+      const double s = 6.283185307179586 * a / around, t = 6.283185307179586 * b / tube;
+      const double out = 0.2 + 0.08 * std::cos(t);
+      render::MeshVertex vertex{};
+      const double p[3] = {out * std::cos(s), out * std::sin(s), 0.08 * std::sin(t)};
+      const double n[3] = {std::cos(t) * std::cos(s), std::cos(t) * std::sin(s), std::sin(t)};
+      for (int k = 0; k < 3; ++k) {
+        vertex.p[k] = static_cast<float>(p[k]), vertex.n[k] = static_cast<float>(n[k]);
+        vertex.rgb[k] = 0.5f;
+      }
+      mesh.vertices.push_back(vertex);
+      const uint32_t next_a = (a + 1) % around, next_b = (b + 1) % tube;
+      const uint32_t i = a * tube + b, j = next_a * tube + b, k = next_a * tube + next_b,
+                     l = a * tube + next_b;
+      for (const uint32_t index : {i, j, k, i, k, l}) mesh.indices.push_back(index);
+    }
+  }
+  mesh.parts = {{.first = 0, .count = static_cast<uint32_t>(mesh.indices.size())}};
+  return mesh;
 }
 
 void frame_instant(benchmark::State& state) {
@@ -104,6 +133,38 @@ BENCHMARK(frame_full_instants<8>)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(frame_full_instants<32>)
     ->Name("frame_full/178x144/instants:32")
+    ->Unit(benchmark::kMillisecond);
+
+// The same frames drawn by OpenGL, and with a mesh of so many triangles beside the robots.
+void draw(benchmark::State& state, int mesh_triangles) {
+  const effects::Model model = model_scaled("ers210_full.yaml", 1);
+  std::vector<FrameJob> jobs = match_jobs(model, 144, 8, kFrames);
+  render::Assets assets;
+  if (mesh_triangles > 0) {
+    assets.meshes.push_back(ring(mesh_triangles));
+    for (FrameJob& job : jobs) {
+      for (SceneInstant& instant : job.instants)
+        instant.primitives.push_back({.shape = Shape::mesh,
+                                      .X_WO = translation({0.2, 0.2, 0.2}),
+                                      .size = Vec3(0.3),
+                                      .rgb = {1, 1, 1},
+                                      .asset = 1});
+    }
+  }
+  const render::GlDevice device(std::move(assets));
+  const render::Renderer renderer(model, 178, 144, {.opengl = &device});
+  size_t next = 0;
+  for (auto _ : state)
+    benchmark::DoNotOptimize(renderer.render(jobs[next++ % kFrames]).fingerprint);
+}
+void frame_opengl(benchmark::State& state) {
+  draw(state, static_cast<int>(state.range(0)));
+}
+BENCHMARK(frame_opengl)
+    ->Name("frame_opengl/178x144/triangles")
+    ->Arg(0)
+    ->Arg(8'000)
+    ->Arg(100'000)
     ->Unit(benchmark::kMillisecond);
 
 // The camera's filter on a finished pinhole image: distortion, blur 5x5, vignetting, noise, 8 bits.

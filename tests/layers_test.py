@@ -54,7 +54,10 @@ ROOMS = {
         "colour": [],
         "cast": ["base"],
         "filter": ["base", "cast"],
-        ".": ["base", "cast", "filter", "colour"],
+        "assets": [],
+        "gl": ["base", "cast", "assets"],
+        "gl/absent": ["gl", "assets"],
+        ".": ["base", "cast", "filter", "colour", "gl"],
         "pictures": ["base", "."],
         "golden": ["base", "."],
     },
@@ -116,6 +119,9 @@ PRIVATE_HEADERS = {
     r"box2d/": {"sim_core"},
     r"muParser": {"effects"},
     r"png\.h": {"sim_core"},
+    r"jpeglib\.h": {"render/assets"},
+    r"assimp/": {"render/assets"},
+    r"GL/": {"render/gl"},
     r"CLI/": {"app"},
     r"httplib": {"tools/viewer"},
     r"sqlite3": {"app/sweep"},
@@ -159,7 +165,7 @@ def tracked(*patterns):
 
 
 def is_test(name):
-    return any(part in name for part in (".test.", ".perf.", ".fuzz.", "testing.h", "test_scenes.h", "brute_force.h"))
+    return any(part in name for part in (".test.", ".perf.", ".fuzz.", "testing.h", "test_scenes.h", "moving_scenes.h", "brute_force.h", "brute_triangles.h"))
 
 
 def place_of(name):

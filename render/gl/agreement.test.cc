@@ -68,7 +68,7 @@ TEST(OpenGl, AgreesBehindALensOfOnePixelBlurByDefault) {
 }
 
 TEST(OpenGl, AgreesOnSharpScenesOfManySamples) {
-  for (const size_t i : {0, 2, 4}) {
+  for (const size_t i : {2, 4}) {
     const Case scene = cases()[i];
     const effects::Model model = model_for(scene, 0);
     expect_agreement(compare(scene.name, model, job_of(scene.scene, model, kHeight, 0), 2048, 512));
@@ -81,7 +81,7 @@ TEST(OpenGl, AgreesBehindAFisheye) {
       "  pinhole: {fx_px: 85, fy_px: 85, cx_px: 88.5, cy_px: 71.5}\n  fisheye: {k1: -0.02}\n"
       "  rolling_shutter: {line_delay_s: 2.78e-4}\n  exposure: {exposure_s: 0.005}\n");
   expect_agreement(
-      compare("fisheye", model, job_of(cases()[0].scene, model, kHeight, 0), 2048, 512));
+      compare("fisheye", model, job_of(cases()[0].scene, model, kHeight, 0), 512, 200));
 }
 
 TEST(OpenGl, GroundTruthAgrees) {
@@ -141,7 +141,9 @@ TEST(OpenGl, LeavesNothingInTheEnvironment) {
   EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "1");
   unsetenv("LP_NUM_THREADS");
   EXPECT_NE(device.version().find("Mesa"), std::string::npos);
+  // 128 bits: SSE, whatever this processor has.
   EXPECT_NE(device.renderer().find("llvmpipe"), std::string::npos);
+  EXPECT_NE(device.renderer().find("128 bits"), std::string::npos) << device.renderer();
 }
 
 }  // namespace

@@ -35,11 +35,6 @@ class EnvironmentFor {
 };
 
 OSMesaContext create(const Api& gl) {
-  // Fused multiply-adds of newer processors would give other bits; frames are made side by side, so
-  // that threads of the rasteriser's own would only get into each other's way.
-  const EnvironmentFor same_bits("GALLIUM_OVERRIDE_CPU_CAPS", "sse4.1");
-  const EnvironmentFor one_thread("LP_NUM_THREADS", "0");
-  const EnvironmentFor software("GALLIUM_DRIVER", "llvmpipe");
   constexpr int kAttributes[] = {OSMESA_FORMAT,
                                  OSMESA_RGBA,
                                  OSMESA_DEPTH_BITS,
@@ -54,6 +49,23 @@ OSMesaContext create(const Api& gl) {
   return gl.create_context(kAttributes, nullptr);
 }
 
+// Mesa reads the environment once, when the process makes its first context: then, and before
+// there are frames on other threads, it is set. Fused multiply-adds of newer processors would give
+// other bits; frames are made side by side, so that threads of the rasteriser's own would only get
+// into each other's way.
+bool make_first(const Api& gl) {
+  const EnvironmentFor same_bits("GALLIUM_OVERRIDE_CPU_CAPS", "sse4.1");
+  const EnvironmentFor one_thread("LP_NUM_THREADS", "0");
+  const EnvironmentFor software("GALLIUM_DRIVER", "llvmpipe");
+  OSMesaContext first = create(gl);
+  if (first) gl.destroy_context(first);
+  return first != nullptr;
+}
+OSMesaContext create_alike(const Api& gl) {
+  static const bool made = make_first(gl);
+  return made ? create(gl) : nullptr;
+}
+
 const char* shape_text(int kind) {
   constexpr const char* kTexts[] = {kRectangle, kSphere, kCylinder, kCapsule, kBox};
   return kTexts[kind];
@@ -61,7 +73,7 @@ const char* shape_text(int kind) {
 
 }  // namespace
 
-Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create(gl)) {
+Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create_alike(gl)) {
   if (!context_)
     throw InputError("renderer 'opengl': Mesa makes no off-screen OpenGL 3.3 core context here");
   make_current();
@@ -222,7 +234,6 @@ ContextPool::Lease::Lease(ContextPool& pool) : pool_(pool) {
   {
     const std::lock_guard lock(pool.mutex_);
     if (pool.free_.empty()) {
-      // Under the lock: Mesa reads the environment.
       context_ = std::make_unique<Context>(pool.gl_, pool.assets_);
       return;
     }

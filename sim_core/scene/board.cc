@@ -11,17 +11,18 @@ constexpr double kInk_m = 1e-4;
 }  // namespace
 
 void describe(ConfigTable& table, BoardSpec& board) {
-  table.choice_of({"pattern", "What is on the board.", true}, board.pattern,
+  // A schema names the keys of all shapes, and no object has all of them.
+  const bool always = !table.names_alternatives();
+  table.choice_of({"pattern", "What is on the board.", always}, board.pattern,
                   {"chessboard", "circles"});
-  table.integer({"columns", "Squares or circles in a row.", true}, board.columns, 1, 100);
-  table.integer({"rows", "Rows of squares or circles.", true}, board.rows, 1, 100);
-  table.number({"pitch_m", "From the middle of a square or circle to the next one's, m.", true},
+  table.integer({"columns", "Squares or circles in a row.", always}, board.columns, 1, 100);
+  table.integer({"rows", "Rows of squares or circles.", always}, board.rows, 1, 100);
+  table.number({"pitch_m", "From the middle of a square or circle to the next one's, m.", always},
                board.pitch_m, {1e-4, 100});
-  if (table.names_alternatives() || board.pattern == BoardPattern::circles) {
-    table.number({"diameter_m", "Of circles: their diameter, m.", !table.names_alternatives()},
-                 board.diameter_m, {1e-4, 100});
-    table.require(board.diameter_m < board.pitch_m || board.pattern != BoardPattern::circles,
-                  "diameter_m",
+  if (!always || board.pattern == BoardPattern::circles) {
+    table.number({"diameter_m", "Of circles: their diameter, m.", always}, board.diameter_m,
+                 {1e-4, 100});
+    table.require(board.diameter_m < board.pitch_m, "diameter_m",
                   fmt::format("found {}, expected less than the pitch of {}", board.diameter_m,
                               board.pitch_m));
   }
