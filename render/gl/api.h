@@ -14,13 +14,14 @@ namespace seam::render::gl {
   F(glActiveTexture)                                                                               \
   F(glAttachShader)                                                                                \
   F(glBindAttribLocation)                                                                          \
-  F(glBindBuffer) F(glBindFramebuffer) F(glBindRenderbuffer) F(glBindTexture) F(glBindVertexArray) \
-      F(glBufferData) F(glCheckFramebufferStatus) F(glClear) F(glClearColor) F(glClearDepth)       \
-          F(glCompileShader) F(glCreateProgram) F(glCreateShader) F(glDeleteShader) F(glDepthFunc) \
-              F(glDisable) F(glDrawArraysInstanced) F(glDrawElements) F(glEnable)                  \
-                  F(glEnableVertexAttribArray) F(glFramebufferRenderbuffer) F(glGenBuffers)        \
-                      F(glGenFramebuffers) F(glGenRenderbuffers) F(glGenTextures)                  \
-                          F(glGenVertexArrays) F(glGenerateMipmap) F(glGetError) F(glGetIntegerv)  \
+  F(glBindBuffer)                                                                                  \
+  F(glBindFramebuffer) F(glBindRenderbuffer) F(glBindTexture) F(glBindVertexArray) F(glBufferData) \
+      F(glCheckFramebufferStatus) F(glClear) F(glClearColor) F(glClearDepth) F(glCompileShader)    \
+          F(glCreateProgram) F(glCreateShader) F(glDeleteShader) F(glDepthFunc) F(glDisable)       \
+              F(glDrawArraysInstanced) F(glDrawElements) F(glEnable) F(glEnableVertexAttribArray)  \
+                  F(glFramebufferRenderbuffer) F(glGenBuffers) F(glGenFramebuffers)                \
+                      F(glGenRenderbuffers) F(glGenTextures) F(glGenVertexArrays)                  \
+                          F(glGenerateMipmap) F(glGetError) F(glGetIntegerv)                       \
                               F(glGetProgramInfoLog) F(glGetProgramiv) F(glGetShaderInfoLog)       \
                                   F(glGetShaderiv) F(glGetString) F(glGetUniformLocation)          \
                                       F(glLinkProgram) F(glPixelStorei) F(glReadPixels)            \
