@@ -50,12 +50,14 @@ size_t found_first(SearchResult& result) {
   return count;
 }
 
-// An effect and those that are left of the ones that the search offers with it.
+// An effect and the first that is left of those that the search offers with it: alone it seldom
+// helps.
 std::vector<std::string> together(const EffectByName& effect_by_name,
                                   const std::vector<std::string>& left, size_t i) {
   std::vector<std::string> names = {left[i]};
   for (const std::string& companion : effect_by_name(left[i])->companions) {
     if (std::find(left.begin(), left.end(), companion) != left.end()) names.push_back(companion);
+    if (names.size() > 1) break;
   }
   return names;
 }

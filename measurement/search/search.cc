@@ -220,7 +220,9 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
 void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   progress_("trying again from " + beginning.effect->name);
   std::vector<Candidate> traces;
-  Grown other = grow(beginning.grown, nullptr, traces);
+  Grown other = beginning.grown;
+  prune(other);
+  other = grow(std::move(other), nullptr, traces);
   if (merit_of(problem_, other) <= merit_of(problem_, result.best)) return;
   result.best = std::move(other);
   result.last_traces = std::move(traces);

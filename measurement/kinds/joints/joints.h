@@ -71,7 +71,6 @@ class JointsProblem : public Problem {
   void check_model(const Model& model) const override;
   // A motor's motion is; rules of kinematics jump.
   bool is_smooth(const Model& model) const override;
-  std::vector<std::string> remarks(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
   std::vector<char> find_outliers(const Model& model) const override;
 

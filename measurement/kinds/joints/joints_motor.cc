@@ -1,8 +1,5 @@
 // Fits of servos with torque: whole runs are simulated, smooth in all parameters, from starts that
 // agree with the accelerations seen.
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -76,22 +73,21 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
   for (const JointLog& log : set_.logs)
     chosen.push_back(training[facts_.group_of_row[log.rows[0]]]);
   const MotionLook look(set_, chosen, facts_.channels[0].noise);
-  std::vector<std::pair<double, Values>> found;
-  for (const Values& values : combinations(lists)) {
+  const std::vector<Values> begun = combinations(lists);
+  std::vector<std::pair<double, Values>> found(begun.size());
+  parallel_for(begun.size(), [&](size_t c) {
     Model trial = base;
     size_t at = 0;
     for (const auto& definition : moved) {
       for (size_t i = 0; i < definition->parameters.size(); ++i)
-        trial.set_value(definition->name, i, values[at++]);
+        trial.set_value(definition->name, i, begun[c][at++]);
     }
-    const double cost = look.descend(trial, unknowns);
-    Values reached;
+    found[c].first = look.descend(trial, unknowns);
     for (const auto& definition : moved) {
       const auto list = trial.find(definition->name)->values();
-      reached.insert(reached.end(), list.begin(), list.end());
+      found[c].second.insert(found[c].second.end(), list.begin(), list.end());
     }
-    found.emplace_back(cost, std::move(reached));
-  }
+  });
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   constexpr size_t kMostStarts = 2;
@@ -171,46 +167,6 @@ std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
   });
   take_out_starts(model, groups, here, columns);
   return columns;
-}
-
-// Without a column of gains a controller has one: groups that each want another by far, in one step
-// of Gauss and Newton, had theirs changed.
-std::vector<std::string> JointsProblem::remarks(const Model& model) const {
-  constexpr double kOther = 0.2;  // Of the gain,
-  constexpr double kClearly = 6;  // and so many standard errors.
-  const effects::ModelEffect* motor = effects::base_of(model, effects::Base::motor);
-  const auto& columns = set_.column_names;
-  const bool has_kp = std::find(columns.begin(), columns.end(), "kp") != columns.end();
-  if (motor == nullptr || has_kp || facts_.groups.size() < 2) return {};
-  const auto& parameters = motor->definition->parameters;
-  const auto gain = std::find_if(parameters.begin(), parameters.end(),
-                                 [](const effects::Parameter& p) { return p.name == "gain"; });
-  const Evaluation here = evaluate(model, all_groups(), nullptr);
-  if (gain == parameters.end() || !here.valid) return {};
-  const auto place = static_cast<size_t>(gain - parameters.begin());
-  const auto slope =
-      jacobian(model, {{motor->definition->name, place}}, all_groups(), here).front();
-  const size_t count = facts_.groups.size();
-  std::vector<double> along(count, 0), norm(count, 0), square(count, 0), rows(count, 0);
-  for (size_t i = 0; i < slope.size(); ++i) {
-    if (!here.used[i]) continue;
-    const auto g = static_cast<size_t>(facts_.group_of(i));
-    along[g] -= slope[i] * here.whitened[i], norm[g] += slope[i] * slope[i];
-    square[g] += here.whitened[i] * here.whitened[i], ++rows[g];
-  }
-  std::vector<std::string> others;
-  for (size_t g = 0; g < count; ++g) {
-    if (!(norm[g] > 0)) continue;
-    const double step = along[g] / norm[g];
-    const double error = std::sqrt(std::max(1.0, square[g] / rows[g]) / norm[g]);
-    if (std::abs(step) > kOther * motor->values()[place] && std::abs(step) > kClearly * error)
-      others.push_back(facts_.groups[g]);
-  }
-  if (others.empty()) return {};
-  return {
-      fmt::format("{}:1: no column kp, yet {} {} ask for another gain of the controller than "
-                  "the rest: where it was changed, a column kp says so",
-                  facts_.file, others.size() == 1 ? "group" : "groups", fmt::join(others, ", "))};
 }
 
 }  // namespace seam::measurement

@@ -80,6 +80,24 @@ TEST(MotorLogs, BadRowsAreNamed) {
   }
 }
 
+TEST(MotorLogs, WhatALogLacksIsSaid) {
+  const auto notes = [](const std::string& columns, const std::string& rows) {
+    return notes_of_joint_logs(CsvTable::from_text(
+        "run,time_s,joint,command_rad,measured_rad" + columns + "\n" + rows, "joints.csv"));
+  };
+  const auto never =
+      notes(",kp,torque_enable", "0,0,arm,0,0,4,1\n0,0.1,arm,0,0,4,1\n1,0,arm,0,0,4,1\n");
+  ASSERT_EQ(never.size(), 1u);
+  EXPECT_TRUE(never[0].starts_with(
+      "joints.csv:2: column torque_enable is 1 in this row and in all others, expected"))
+      << never[0];
+  EXPECT_TRUE(notes(",kp,torque_enable", "0,0,arm,0,0,4,1\n0,0.1,arm,0,0,4,0\n").empty());
+  const auto gains = notes(",P_gain", "0,0,arm,0,0,4\n0,0.1,arm,0,0,8\n");
+  ASSERT_EQ(gains.size(), 1u);
+  EXPECT_TRUE(gains[0].starts_with("joints.csv:1: column P_gain is not read as a gain"))
+      << gains[0];
+}
+
 TEST(MotorLogs, KinematicEffectsAreRefusedBesideAMotor) {
   EXPECT_NE(message_of([] {
               model_of(std::string(kMotor) + "  servo_lag: {tau_s: 0.1}\n");
