@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 
+#include "app/import/bags/ros_bag.h"
 #include "app/import/draft/calibration.h"
 #include "app/import/draft/checks.h"
 #include "app/import/draft/points_draft.h"
 #include "app/import/draft/walk_draft.h"
-#include "app/import/bags/ros_bag.h"
 #include "app/import/kinds/kinds.h"
 #include "sim_core/base/error.h"
 
