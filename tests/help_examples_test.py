@@ -6,6 +6,7 @@ Usage: help_examples_test.py SEAM SOURCE_DIR [COMMAND...]      (only examples of
 Each runs in a shell in a scratch folder of its own that holds the files which examples name, made here.
 What serves for ever is started, looked at and stopped.
 """
+import math
 import os
 import pathlib
 import re
@@ -87,6 +88,9 @@ class Scratch:
         for part in ("1", "2", "3"):
             self.run([*sweep, f"part{part}.sqlite", "--shard", f"{part}/3"])
         self.run(["seam", "sweep", "merge", "part1.sqlite", "part2.sqlite", "part3.sqlite", "--out", "results.sqlite"])
+        angles = [20 * math.sin(0.1 * k) for k in range(50)]
+        (folder / "log.csv").write_text("time_s,goal,angle\n" + "".join(
+            f"{0.01 * k:.2f},{angles[k]:.3f},{angles[max(0, k - 3)]:.3f}\n" for k in range(50)))
         log = (folder / "swing.mcap").read_bytes()
         (folder / "killed.mcap").write_bytes(log[:len(log) * 2 // 3])
 
