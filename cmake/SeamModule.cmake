@@ -100,7 +100,7 @@ endfunction()
 # SEAM_SOURCE_DIR lets a test find the scenarios, models and golden files of the tree.
 function(seam_test_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES})
+  add_executable(${name} ${ARG_SOURCES} ${CMAKE_SOURCE_DIR}/tests/own_folder.cc)
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE SEAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
                              SEAM_BINARY_DIR="${CMAKE_BINARY_DIR}")

@@ -1,6 +1,8 @@
 // The formats: APPNOTE.TXT of PKWARE (zip), and numpy.lib.format (npy).
 #include "app/import/files/npz.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -62,14 +64,15 @@ bool read_npy(std::string_view bytes, const std::string& name, NpyArray& array) 
   uint64_t count = 1;
   for (const auto& size : facts["shape"]) {
     const double value = size.is_number() ? size.get<double>() : -1;
-    if (!(value >= 0 && value <= 1e9)) damaged(name, "its shape is impossible");
+    if (!(value >= 0 && value <= 1e9 && value == std::floor(value)))
+      damaged(name, "its shape is impossible");
     array.shape.push_back(static_cast<size_t>(value));
     if (value > 0 && count > kMaxArchiveBytes / static_cast<uint64_t>(value))
       damaged(name, "its shape is impossible");
     count *= static_cast<uint64_t>(value);
   }
   if (type.size() < 3 || type[1] == 'O' || type[1] == 'V') return false;
-  const size_t size = static_cast<size_t>(std::min(1'000'000, std::atoi(type.c_str() + 2)));
+  const size_t size = static_cast<size_t>(std::clamp(std::atoi(type.c_str() + 2), 0, 1'000'000));
   const std::string_view data = bytes.substr(head + length);
   const size_t width = size * (type[1] == 'U' ? 4 : 1);
   if (width == 0 || count * width > data.size()) {
