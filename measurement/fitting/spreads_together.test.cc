@@ -20,6 +20,7 @@ class ValleyProblem : public Problem {
       facts_.line_of_row.push_back(static_cast<int>(i));
       facts_.group_of_row.push_back(0);
       facts_.row_of.push_back(static_cast<int>(i));
+      facts_.time_of_row.push_back(static_cast<double>(i));
       facts_.channel_of.push_back(0);
       y_.push_back(sigma(a, b, i) * normal(RandomStream{.seed = 8}, i));
     }

@@ -269,7 +269,7 @@ bool refine_pose(const effects::Projection& projection, const std::vector<Sighti
        .move = move,
        .height = [&] { return cost; },
        // A step that gained so little was followed by one that would gain far less.
-       .worth = [&] { return Worth{.promise = 1e-9 + 1e-11 * cost, .gain = 1e-10 + 1e-11 * cost}; }},
+       .worth = [&] { return Worth{.promise = 1e-11 * (1 + cost), .gain = 1e-9 + 1e-11 * cost}; }},
       {.start = 1e-8}, 60);
   return std::isfinite(end.promised);
 }
