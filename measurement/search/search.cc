@@ -233,25 +233,9 @@ void Searcher::forward(SearchResult& result) {
   progress_("step 1: trying effects");
   result.first = look(base_, /*promising_only=*/false);
   result.best = base_;
-  // Where no effect alone explains anything yet, those that come together may at once: what is
-  // piled up without them would only stand in for them.
-  const auto& singles = result.first.candidates;
-  const bool lost = base_.assessment.error > kUseless &&
-                    std::all_of(singles.begin(), singles.end(), [](const Candidate& c) {
-                      return is_spread(c.effect) || c.grown.assessment.error > kUseless;
-                    });
-  Looks moves;
-  if (lost) moves = look_at_moves();
-  const bool ahead = !moves.candidates.empty() && moves.candidates.front().significant &&
-                     std::all_of(singles.begin(), singles.end(), [&](const Candidate& c) {
-                       return is_spread(c.effect) || c.gain_ll < moves.candidates.front().gain_ll;
-                     });
-  if (!ahead) {
-    result.best = grow(base_, &result.first, result.last_traces);
-    if (problem_.effects_imitate()) try_beginnings(result);
-    if (!lost && misses(result.best.assessment)) moves = look_at_moves();
-  }
-  if (misses(result.best.assessment)) take_moves(std::move(moves), result);
+  result.best = grow(base_, &result.first, result.last_traces);
+  if (problem_.effects_imitate()) try_beginnings(result);
+  if (misses(result.best.assessment)) take_moves(look_at_moves(), result);
 }
 
 bool Searcher::misses(const Assessment& assessment) const {
