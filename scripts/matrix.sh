@@ -35,6 +35,7 @@ part "ThreadSanitizer: scheduler and renderer" build_and_test tsan 'Simulation|S
 part "other CPUs and vector widths: same frames" scripts/bits_matrix.sh
 part "500 fault runs" env SEAM_FAULT_RUNS=500 build/tests/test_scheduler --gtest_filter='Faults*'
 part "100 mixes of all faults, ten simulated minutes each" env SEAM_FAULT_MIXES=100 python3 tests/fault_mix_test.py build "$PWD" /usr/bin/python3
+part "real recordings" ctest --test-dir build -C all -R '^real_' --output-on-failure
 part "exported models, read by OpenCV and mrcal" ctest --test-dir build -R '^export$' --output-on-failure
 part "the recorded match with its frames" build/seam replay verify replays/match.mcap
 part "50 kills, resumed" env SEAM_KILLS=50 python3 tests/replay_test.py build/seam tests/mcap_node

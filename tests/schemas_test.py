@@ -43,6 +43,8 @@ def documents():
         text = (SOURCE / name).read_text(encoding="utf-8")
         parts = re.findall(r"^```yaml\n(.*?)^```", text, re.M | re.S) if name.endswith(".md") else [text]
         for part in parts:
+            if part.startswith("%YAML:1.0"):
+                continue  # OpenCV's storage, which is no YAML of ours.
             document = yaml.load(part, Loader=Reader)
             if isinstance(document, dict) and document.get("format") in SCHEMAS:
                 yield name, document

@@ -149,7 +149,7 @@ void add_sweep_rerun(app::Command sweep) {
                    "Start the programs that results of others name, without asking");
   command.footer(
       "Exit code 0 when all of them agree, 1 when one does not; each that differs is told.\n"
-      "Example: seam sweep rerun results.sqlite --sample 1%");
+      "Example: seam sweep rerun results.sqlite --sample 1% --run-programs");
   command.callback([options] { rerun(*options); });
 }
 
