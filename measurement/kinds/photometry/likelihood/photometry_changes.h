@@ -71,12 +71,9 @@ class TemporalPart {
           0.5 * (of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames));
       total.chi2 += of_frame.chi2;
       total.log_det += of_frame.log_det * freedom / static_cast<double>(frames);
-      own_ += of_frame.chi2 + of_frame.log_det * freedom / static_cast<double>(frames);
     }
     return total;
   }
-
-  double assigned_to_frames() const { return own_; }
 
  private:
   template <typename F>
@@ -121,7 +118,6 @@ class TemporalPart {
   const PhotometryData& data_;
   const PhotometryPrediction& prediction_;
   bool share_;
-  double own_ = 0;
 };
 
 }  // namespace seam::measurement

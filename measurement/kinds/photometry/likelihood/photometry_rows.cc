@@ -66,61 +66,79 @@ void RowOffsets::add_precision(size_t unit, double n, const double* diagonal, co
   samples_[unit] += n;
 }
 
-MatrixXd RowOffsets::whole(size_t unit) const {
-  const auto n = static_cast<Index>(levels_);
-  if (many_) {
-    double unused = 0;
-    return beside(unit, VectorXd::Zero(n), unused);
-  }
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  return Eigen::Map<const Rows>(&precision_[unit * levels_ * levels_], n, n);
+VectorXd RowOffsets::Information::times(const VectorXd& x) const {
+  if (few.size() > 0) return few * x;
+  return diagonal.cwiseProduct(x) - columns * (core * (columns.transpose() * x));
 }
 
-MatrixXd RowOffsets::beside(size_t unit, const VectorXd& k, double& log_det) const {
+MatrixXd RowOffsets::Information::whole() const {
+  if (few.size() > 0) return few;
+  MatrixXd all = -columns * core * columns.transpose();
+  all.diagonal() += diagonal;
+  return all;
+}
+
+RowOffsets::Information RowOffsets::information(size_t unit) const {
   const auto n = static_cast<Index>(levels_);
   if (!many_) {
-    const MatrixXd P = whole(unit);
-    if (k.isZero(0)) return P;
-    const Eigen::PartialPivLU<MatrixXd> factor(MatrixXd::Identity(n, n) + P * k.asDiagonal());
-    log_det += factor.matrixLU().diagonal().array().abs().log().sum();
-    return factor.solve(P);
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    return {.few = Eigen::Map<const Rows>(&precision_[unit * levels_ * levels_], n, n)};
   }
-  // P = D - U Q U' with two columns U of loads times D, Q of the average sample. Beside k it has
-  // the same form: D / (1 + D k), U / (1 + D k), (Q^-1 - U' k / (1 + D k) U)^-1.
+  // Columns are loads times D, the core that of the average sample.
   const double samples = std::max(samples_[unit], 1.0);
-  const Eigen::Map<const VectorXd> D(&diagonal_[unit * levels_], n);
-  Eigen::MatrixX2d U(n, 2);
-  U.col(0) = Eigen::Map<const VectorXd>(&offset_[unit * levels_], n);
-  U.col(1) = Eigen::Map<const VectorXd>(&gain_[unit * levels_], n);
-  VectorXd weight = D / samples;
+  Information P{.diagonal = Eigen::Map<const VectorXd>(&diagonal_[unit * levels_], n),
+                .columns = Eigen::MatrixX2d(n, 2)};
+  P.columns.col(0) = Eigen::Map<const VectorXd>(&offset_[unit * levels_], n);
+  P.columns.col(1) = Eigen::Map<const VectorXd>(&gain_[unit * levels_], n);
+  const VectorXd weight = P.diagonal / samples;
   Eigen::MatrixX2d load = Eigen::MatrixX2d::Zero(n, 2);
   for (Index l = 0; l < n; ++l) {
-    if (D[l] > 0) load.row(l) = U.row(l) / D[l];
+    if (P.diagonal[l] > 0) load.row(l) = P.columns.row(l) / P.diagonal[l];
   }
   const PatternInverse two =
       pattern_inverse(load.col(0).data(), load.col(1).data(), weight.data(), levels_);
-  Eigen::Matrix2d Q;
-  Q << two.i00, two.i01, two.i01, two.i11;
-  Q /= samples;
-  const VectorXd less = (1 + D.array() * k.array()).inverse();
-  const Eigen::Matrix2d G = U.transpose() * (k.array() * less.array()).matrix().asDiagonal() * U;
-  const Eigen::Matrix2d inner = Eigen::Matrix2d::Identity() - G * Q;
+  P.core << two.i00, two.i01, two.i01, two.i11;
+  P.core /= samples;
+  return P;
+}
+
+RowOffsets::Information RowOffsets::beside(size_t unit, const VectorXd& k, double& log_det) const {
+  Information P = information(unit);
+  if (k.isZero(0)) return P;
+  if (!many_) {
+    const auto n = static_cast<Index>(levels_);
+    const Eigen::PartialPivLU<MatrixXd> factor(MatrixXd::Identity(n, n) + P.few * k.asDiagonal());
+    log_det += factor.matrixLU().diagonal().array().abs().log().sum();
+    return {.few = factor.solve(P.few)};
+  }
+  // It keeps its form: D / (1 + D k), U / (1 + D k), (Q^-1 - U' k / (1 + D k) U)^-1.
+  const VectorXd less = (1 + P.diagonal.array() * k.array()).inverse();
+  const Eigen::Matrix2d G =
+      P.columns.transpose() * (k.array() * less.array()).matrix().asDiagonal() * P.columns;
+  const Eigen::Matrix2d inner = Eigen::Matrix2d::Identity() - G * P.core;
   log_det += std::log(inner.determinant()) - less.array().log().sum();
-  U = less.asDiagonal() * U;
-  MatrixXd S = -U * (Q * inner.inverse()) * U.transpose();
-  S.diagonal() += (D.array() * less.array()).matrix();
-  return S;
+  P.core = (P.core * inner.inverse()).eval();
+  P.columns = (less.asDiagonal() * P.columns).eval();
+  P.diagonal = P.diagonal.cwiseProduct(less).eval();
+  return P;
 }
 
 std::vector<double> RowOffsets::estimate(size_t unit) const {
-  const auto n = static_cast<Index>(levels_);
-  MatrixXd P = whole(unit);
+  const Eigen::Map<const VectorXd> b(&score_[unit * levels_], static_cast<Index>(levels_));
+  Information P = information(unit);
   // A level that is clipped whole says nothing.
-  for (Index k = 0; k < n; ++k) {
-    const double own = many_ ? diagonal_[unit * levels_ + static_cast<size_t>(k)] : P(k, k);
-    P(k, k) += 1e-9 * own + 1e-12;
+  const auto ridge = [](const auto& own) { return (1e-9 * own.array() + 1e-12).matrix(); };
+  VectorXd x;
+  if (many_) {
+    const VectorXd A = P.diagonal + ridge(P.diagonal);
+    const Eigen::MatrixX2d part = A.cwiseInverse().asDiagonal() * P.columns;
+    const Eigen::Matrix2d inner =
+        Eigen::Matrix2d::Identity() - P.columns.transpose() * part * P.core;
+    x = b.cwiseQuotient(A) + part * (P.core * inner.inverse() * (part.transpose() * b));
+  } else {
+    P.few.diagonal() += ridge(VectorXd(P.few.diagonal()));
+    x = P.few.partialPivLu().solve(b);
   }
-  const VectorXd x = P.partialPivLu().solve(Eigen::Map<const VectorXd>(&score_[unit * levels_], n));
   return {x.begin(), x.end()};
 }
 
@@ -146,17 +164,17 @@ void RowOffsets::add(const effects::SensorChain& chain, Quadratic& total) const 
   }
   for (size_t unit = 0; unit < score_.size() / levels_; ++unit) {
     const Eigen::Map<const VectorXd> b(&score_[unit * levels_], n);
-    const MatrixXd S = beside(unit, k, total.log_det);
+    const Information S = beside(unit, k, total.log_det);
     // (1 + P k)^-1 b = b - S k b.
-    const VectorXd x = b - S * k.asDiagonal() * b;
+    const VectorXd x = b - S.times(k.cwiseProduct(b));
     total.chi2 -= b.dot(k.asDiagonal() * x);
     const Index group = static_cast<Index>(unit) % groups;
     score[group] += x.sum();
-    precision(group, group) += S.sum();
+    precision(group, group) += S.times(VectorXd::Ones(n)).sum();
     if (!lamps) continue;
     VectorXd light(n);
     for (Index l = 0; l < n; ++l) light[l] = share_of_light(unit, static_cast<size_t>(l));
-    const MatrixXd by_light = S * light.asDiagonal();
+    const MatrixXd by_light = S.whole() * light.asDiagonal();
     score.tail(n) += light.asDiagonal() * x;
     precision.bottomRightCorner(n, n) += light.asDiagonal() * by_light;
     const VectorXd both = by_light.colwise().sum();

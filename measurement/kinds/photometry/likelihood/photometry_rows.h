@@ -80,9 +80,20 @@ class RowOffsets {
   void add(const effects::SensorChain& chain, Quadratic& total) const;
 
  private:
+  // A unit's information: the whole matrix of few levels, else a diagonal less
+  // columns * core * columns'.
+  struct Information {
+    Eigen::MatrixXd few;
+    Eigen::VectorXd diagonal;
+    Eigen::MatrixX2d columns;
+    Eigen::Matrix2d core;
+
+    Eigen::VectorXd times(const Eigen::VectorXd& x) const;
+    Eigen::MatrixXd whole() const;
+  };
+  Information information(size_t unit) const;
   // (P^-1 + k)^-1 of a unit, k diagonal, and log det(1 + P k).
-  Eigen::MatrixXd beside(size_t unit, const Eigen::VectorXd& k, double& log_det) const;
-  Eigen::MatrixXd whole(size_t unit) const;
+  Information beside(size_t unit, const Eigen::VectorXd& k, double& log_det) const;
   double share_of_light(size_t unit, size_t level) const;
 
   int width_, height_, channels_;
