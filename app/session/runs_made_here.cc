@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <string_view>
 
 #include "app/session/behaviours.h"
 #include "sim_core/base/error.h"
@@ -34,33 +33,31 @@ fs::path usual_file() {
   return home.empty() ? home : home / ".local" / "state" / "seam" / "runs";
 }
 
-// No two lists of parts look the same.
-std::string part_of(std::string_view text) {
-  return fmt::format("{}:{}\n", text.size(), text);
-}
-
 // What a run is known by; empty for one without programs, or one whose programs are not there.
-std::string text_of(const Simulator& simulator) {
-  std::string text = part_of(simulator.header.scenario_text);
-  bool any = false;
+std::vector<std::string> texts_of(const Simulator& simulator) {
+  std::vector<std::string> texts;
   for (const RobotSpec& robot : simulator.scenario.robots) {
     const std::vector<std::string>& command = robot.behaviour.command;
     if (command.empty()) continue;
-    any = true;
     try {
-      text += part_of(find_behaviour(command[0], robot.id));
+      texts.push_back(find_behaviour(command[0], robot.id));
     } catch (const InputError&) {
-      return "";
+      return {};
     }
   }
-  return any ? text : "";
+  if (!texts.empty()) texts.insert(texts.begin(), simulator.header.scenario_text);
+  return texts;
 }
 
-// Empty for an empty text.
-std::string line_of(const std::string& text) {
+// Empty for no texts.
+std::string line_of(std::vector<std::string> texts) {
+  if (texts.empty()) return "";
   std::error_code error;
-  const std::string whole = part_of(fs::current_path(error).string()) + text;
-  if (error || text.empty()) return "";
+  texts.insert(texts.begin(), fs::current_path(error).string());
+  if (error) return "";
+  std::string whole;
+  for (const std::string& text : texts)
+    whole += fmt::format("{}:{}\n", text.size(), text);  // No two lists of texts look the same.
   unsigned char digest[SHA256_DIGEST_LENGTH];
   SHA256(reinterpret_cast<const unsigned char*>(whole.data()), whole.size(), digest);
   std::string line;
@@ -121,24 +118,24 @@ bool holds_line(const std::string& text, const std::string& line) {
 RunsMadeHere::RunsMadeHere() : file_(usual_file()) {}
 
 bool RunsMadeHere::holds(const Simulator& simulator) const {
-  return holds(text_of(simulator));
+  return holds(texts_of(simulator));
 }
 
 void RunsMadeHere::note(const Simulator& simulator) const {
-  note(text_of(simulator));
+  note(texts_of(simulator));
 }
 
-bool RunsMadeHere::holds(const std::string& made) const {
+bool RunsMadeHere::holds(const std::vector<std::string>& texts) const {
   if (file_.empty()) return false;
-  const std::string line = line_of(made);
+  const std::string line = line_of(texts);
   if (line.empty()) return false;
   const StateFile file(file_, O_RDONLY, LOCK_SH);
   return file.is_open() && holds_line(file.text(), line);
 }
 
-void RunsMadeHere::note(const std::string& made) const {
+void RunsMadeHere::note(const std::vector<std::string>& texts) const {
   if (file_.empty()) return;
-  const std::string line = line_of(made);
+  const std::string line = line_of(texts);
   if (line.empty()) return;
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "app/simulator.h"
 
@@ -26,9 +27,10 @@ class RunsMadeHere {
   // about.
   void note(const Simulator& simulator) const;
 
-  // The same of anything that is known by this text, in the present working folder.
-  bool holds(const std::string& text) const;
-  void note(const std::string& text) const;
+  // The same of anything that is known by these texts in this order, in the present working folder;
+  // none: nothing that could be held.
+  bool holds(const std::vector<std::string>& texts) const;
+  void note(const std::vector<std::string>& texts) const;
 
  private:
   std::filesystem::path file_;  // Empty: none.

@@ -67,14 +67,10 @@ Makers makers_of(const SweepPlan& plan, ProgramPrints& prints) {
   return {SEAM_VERSION, print_of_text(program), print_of_text(behaviours)};
 }
 
-std::string made_by(const SweepPlan& plan, const Makers& makers) {
+std::vector<std::string> made_by(const SweepPlan& plan, const Makers& makers) {
   const PlanTexts& texts = plan.texts();
-  std::string all;
-  const auto add = [&all](const std::string& part) {
-    all += fmt::format("{}:{}\n", part.size(), part);  // No two lists of parts look the same.
-  };
-  for (const std::string* part : {&texts.plan, &texts.scenario, &makers.behaviours}) add(*part);
-  for (const auto& [name, text] : texts.files) add(name), add(text);
+  std::vector<std::string> all = {texts.plan, texts.scenario, makers.behaviours};
+  for (const auto& [name, text] : texts.files) all.insert(all.end(), {name, text});
   return all;
 }
 

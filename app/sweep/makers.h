@@ -26,6 +26,6 @@ Makers makers_of(const SweepPlan& plan, ProgramPrints& prints);
 
 // What a sweep is known by among those made here (app/session/runs_made_here.h): all of its plan,
 // and its programs.
-std::string made_by(const SweepPlan& plan, const Makers& makers);
+std::vector<std::string> made_by(const SweepPlan& plan, const Makers& makers);
 
 }  // namespace seam::app
