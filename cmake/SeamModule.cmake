@@ -25,7 +25,9 @@ if(SEAM_MOLD)
 endif()
 find_program(SEAM_CCACHE ccache)
 if(SEAM_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${SEAM_CCACHE})
+  # Headers that are compiled once stand in the way of its cache otherwise.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${SEAM_CCACHE})
+  add_compile_options(-fpch-preprocess)
 endif()
 
 # seam_vector_kernels(): loops of this folder that are compiled once for each vector width
@@ -47,7 +49,7 @@ function(seam_vector_kernels)
         set(width_flags -mavx512f -mavx512vl -mavx512dq -mavx512bw -mprefer-vector-width=512)
       endif()
     endif()
-    set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${flags};${width_flags}")
+    set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${flags};${width_flags}" SKIP_PRECOMPILE_HEADERS ON)
   endforeach()
 endfunction()
 
@@ -71,11 +73,20 @@ function(compile_together target count)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# seam_module(NAME [ROOMS rooms...] [EXCLUDE regex] [LINK targets...] [UNITY n] [UNITY_TESTS n]): the library of this folder, or of
-# these rooms of it, and, if there are *.test.cc, its test program. UNITY compiles n files of the library at a time,
-# UNITY_TESTS those of the tests: for folders of many files with heavy headers.
+# read_headers_once(TARGET headers...): what nearly every file includes, and these, is compiled once for the target. A file
+# still includes what it uses: the development build reads each file alone, which finds what was forgotten.
+function(read_headers_once target)
+  if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
+    target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory>
+                              <mutex> <optional> <string> <thread> <vector> <fmt/format.h> <glm/mat3x3.hpp> ${ARGN})
+  endif()
+endfunction()
+
+# seam_module(NAME [ROOMS rooms...] [EXCLUDE regex] [LINK targets...] [UNITY n] [UNITY_TESTS n] [HEADERS headers...]): the library
+# of this folder, or of these rooms of it, and, if there are *.test.cc, its test program. UNITY compiles n files of the
+# library at a time, UNITY_TESTS those of the tests: for folders of many files. HEADERS are the heavy ones that most of them include.
 function(seam_module name)
-  cmake_parse_arguments(ARG "" "UNITY;UNITY_TESTS;EXCLUDE" "ROOMS;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "UNITY;UNITY_TESTS;EXCLUDE" "ROOMS;LINK;HEADERS" ${ARGN})
   set(patterns *.cc)
   if(ARG_ROOMS)
     list(TRANSFORM ARG_ROOMS APPEND /*.cc OUTPUT_VARIABLE patterns)
@@ -90,9 +101,11 @@ function(seam_module name)
   add_library(seam_${name} STATIC ${sources})
   target_link_libraries(seam_${name} PUBLIC seam_flags ${ARG_LINK})
   compile_together(seam_${name} "${ARG_UNITY}")
+  read_headers_once(seam_${name} ${ARG_HEADERS})
   if(SEAM_BUILD_TESTS AND tests)
     seam_test_program(test_${name} SOURCES ${tests} LINK seam_${name})
     compile_together(test_${name} "${ARG_UNITY_TESTS}")
+    read_headers_once(test_${name} <gmock/gmock.h> ${ARG_HEADERS})
   endif()
 endfunction()
 
