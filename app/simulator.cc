@@ -68,6 +68,19 @@ std::vector<ScenarioChange> changes_of(const SimulatorOptions& options) {
   return changes;
 }
 
+effects::ModelParts::JointModels joint_models_of(const Scenario& scenario) {
+  effects::ModelParts::JointModels models;
+  for (const RobotSpec& robot : scenario.robots) {
+    for (const JointServo& servo : robot.servos) {
+      const effects::Model model =
+          effects::Model::from_config(ConfigNode::from_text(servo.model_yaml, servo.model_name));
+      const RandomStream own = RandomStream{}.child("individual").child(robot.id);
+      models.insert_or_assign({robot.id, servo.joint}, model.individual(own.child(servo.joint)));
+    }
+  }
+  return models;
+}
+
 constexpr const char* kRendererVersion = "renderer";
 
 }  // namespace
@@ -93,7 +106,7 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
   std::vector<effects::Model> models = models_of(scenario);
   std::map<std::string, effects::Model> by_robot;
   for (size_t i = 0; i < models.size(); ++i) by_robot.emplace(scenario.robots[i].id, models[i]);
-  World world(scenario, effects::ModelParts(std::move(by_robot)));
+  World world(scenario, effects::ModelParts(std::move(by_robot), joint_models_of(scenario)));
   scheduler::RunHeader header;
   header.scenario_text = with_fingerprints(scenario).to_yaml();
   header.scenario_name = scenario.name;

@@ -21,6 +21,8 @@ pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
 pkg_check_modules(JPEG REQUIRED IMPORTED_TARGET libjpeg)
 pkg_check_modules(TIFF REQUIRED IMPORTED_TARGET libtiff-4)
 pkg_check_modules(TINYXML2 REQUIRED IMPORTED_TARGET tinyxml2)
+pkg_check_modules(APRILTAG REQUIRED IMPORTED_TARGET apriltag)
+target_link_libraries(PkgConfig::APRILTAG INTERFACE apriltag-utils)  # Its pictures; its .pc file forgets them.
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 find_package(BZip2 REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)

@@ -7,11 +7,18 @@ namespace seam::sdk {
 namespace {
 
 JointAngles joints_from(const v1::JointAngles& wire) {
-  return {wire.time_ns(),
-          wire.tilt_rad(),
-          wire.pan_rad(),
-          wire.roll_rad(),
-          {wire.legs_rad().begin(), wire.legs_rad().end()}};
+  JointAngles joints{wire.time_ns(),
+                     wire.tilt_rad(),
+                     wire.pan_rad(),
+                     wire.roll_rad(),
+                     {wire.legs_rad().begin(), wire.legs_rad().end()},
+                     {wire.angles_rad().begin(), wire.angles_rad().end()}};
+  if (!joints.legs_rad.empty()) {
+    joints.angles_rad = {joints.tilt_rad, joints.pan_rad, joints.roll_rad};
+    joints.angles_rad.insert(joints.angles_rad.end(), joints.legs_rad.begin(),
+                             joints.legs_rad.end());
+  }
+  return joints;
 }
 
 Frame frame_from(const v1::Frame& wire) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <stdexcept>
 #include <thread>
 
 #include "proto/client_channel.h"
@@ -21,6 +22,7 @@ struct Robot::Implementation {
                  refusal.message.c_str());
   };
   v1::Welcome welcome;
+  std::vector<std::string> joint_names;
   v1::ClientMessage answer;  // Gathers the handler's orders.
   uint64_t answered = 0;     // The last observation that the handler has seen.
   bool over = false;
@@ -38,6 +40,7 @@ bool Robot::Implementation::take(
   switch (message.kind_case()) {
     case v1::ServerMessage::kWelcome:
       welcome = message.welcome();
+      joint_names.assign(welcome.joint_names().begin(), welcome.joint_names().end());
       was_connected = true;
       return true;
     case v1::ServerMessage::kObservation: {
@@ -108,6 +111,18 @@ int Robot::number() const {
 }
 double Robot::decision_latency_s() const {
   return static_cast<double>(implementation_->welcome.decision_latency_ns()) * 1e-9;
+}
+
+const std::vector<std::string>& Robot::joint_names() const {
+  return implementation_->joint_names;
+}
+int Robot::joint(std::string_view name) const {
+  std::string known;
+  for (size_t i = 0; i < joint_names().size(); ++i) {
+    if (joint_names()[i] == name) return static_cast<int>(i);
+    known += " " + joint_names()[i];
+  }
+  throw std::invalid_argument("no joint '" + std::string(name) + "', expected one of:" + known);
 }
 
 void Robot::on_observation(std::function<void(const Observation&)> handler) {

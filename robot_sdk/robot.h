@@ -30,6 +30,9 @@ struct JointAngles {
   int64_t time_ns = 0;  // When the encoders were read.
   double tilt_rad = 0, pan_rad = 0, roll_rad = 0;
   std::vector<double> legs_rad;  // 12: LF, RF, LR, RR, each rotator, elevator, knee.
+  // Of each joint in the order of Robot::joint_names(), whatever the robot; one that is no ERS-210
+  // has nothing in the fields above. Of a sliding joint m.
+  std::vector<double> angles_rad;
 };
 
 struct Odometry {
@@ -103,7 +106,7 @@ struct Head {
   double max_speed_rad_s = 0;  // 0: as fast as the servo goes.
 };
 
-// Numbers of the joints; each leg has a rotator, an elevator and a knee.
+// Numbers of an ERS-210's joints; each leg has a rotator, an elevator and a knee.
 enum Joint { kTilt, kPan, kRoll, kLeftFront = 3, kRightFront = 6, kLeftHind = 9, kRightHind = 12 };
 
 struct JointTarget {
@@ -152,6 +155,10 @@ class Robot {
   const std::string& team() const;
   int number() const;
   double decision_latency_s() const;
+  // By number, as JointTarget and JointAngles::angles_rad count.
+  const std::vector<std::string>& joint_names() const;
+  // The number of the joint of this name; throws std::invalid_argument that lists the known ones.
+  int joint(std::string_view name) const;
 
   // Called for each observation. What the handler orders through the calls below is the decision
   // that answers it; what it does not order stays as it was.

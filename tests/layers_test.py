@@ -125,7 +125,8 @@ PRIVATE_HEADERS = {
     r"CLI/": {"app"},
     r"httplib": {"tools/viewer"},
     r"sqlite3": {"app/sweep"},
-    r"tinyxml2": {"app/import/files"},
+    r"tinyxml2": {"app/import/files", "sim_core/body"},
+    r"apriltag/": {"sim_core/scene", "render/golden"},
     r"(?:bzlib|lz4frame)": {"app/import/bags"},
 }
 BANNED = {

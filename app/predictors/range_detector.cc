@@ -58,9 +58,7 @@ class BallRanger final : public measurement::RangeDetector {
         {.targets = {{.joint = kTilt, .angle_rad = tilt_to_ball_rad(true_m)}}});
     robot.apply(command, SimTime(), rest);
     robot.begin_interval(SimTime(), rest);
-    const Pose X_BL =
-        camera_link_pose(robot_.body, robot.joint_angle(kTilt, rest), robot.joint_angle(kPan, rest),
-                         robot.joint_angle(kRoll, rest));
+    const Pose X_BL = camera_link_pose(robot_.body, robot.camera_joint_angles(rest));
     return {.X_WL = robot.body_pose(robot_.pose, 1) * X_BL,
             .encoder_rad = {robot.encoder(kTilt, rest), robot.encoder(kPan, rest),
                             robot.encoder(kRoll, rest)}};

@@ -248,17 +248,25 @@ bool has_joint_effects(const Model& model) {
 
 std::unique_ptr<JointActuator> ModelParts::joint(const RobotSpec& robot, int joint,
                                                  double initial_rad, RandomStream noise) const {
+  const std::string name = robot.body.joint_name(static_cast<size_t>(joint));
+  const auto own = joints_.find({robot.id, name});
   const auto found = models_.find(robot.id);
-  if (found == models_.end() || !has_joint_effects(found->second)) {
+  const Model* const given = own != joints_.end()     ? &own->second
+                             : found != models_.end() ? &found->second
+                                                      : nullptr;
+  if (!given || !has_joint_effects(*given))
     return RobotPartsFactory::joint(robot, joint, initial_rad, noise);
-  }
-  const Model& model = found->second;
-  const JointRole role = joint_role(std::string(kJointNames[static_cast<size_t>(joint)]));
+  const Model& model = *given;
+  // A joint's own model means it where it says nothing of tilt or roll, as a set of its log does.
+  const JointRole named = joint_role(name);
+  const bool is_own = own != joints_.end();
+  const JointRole role = is_own && named == JointRole::other ? JointRole::pan : named;
   ServoModel servo = servo_of(model);
   servo.backlash_rad = 0;
   // Gravity turns the head up and down and sideways; the pan's axis is upright and feels none, and
   // what legs feel is the body's weight, which walks are made of.
-  if (role != JointRole::tilt && role != JointRole::roll) servo.torque.gravity_rad_per_s2 = 0;
+  const bool feels_gravity = is_own || role == JointRole::tilt || role == JointRole::roll;
+  if (!feels_gravity) servo.torque.gravity_rad_per_s2 = 0;
   for (const ModelEffect& effect : model.effects()) {
     if (effect.definition->play_rad)
       servo.backlash_rad += effect.definition->play_rad(effect.values(), role);

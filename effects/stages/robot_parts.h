@@ -13,12 +13,15 @@ namespace seam::effects {
 class ModelParts final : public RobotPartsFactory {
  public:
   // By robot id; a robot without one has joints with their speed limits and ideal walking.
-  explicit ModelParts(std::map<std::string, Model> models) : models_(std::move(models)) {}
+  // Joints by robot id and joint name may have models of their own.
+  using JointModels = std::map<std::pair<std::string, std::string>, Model>;
+  explicit ModelParts(std::map<std::string, Model> models, JointModels joints = {})
+      : models_(std::move(models)), joints_(std::move(joints)) {}
 
-  // Servo effects act on every joint; the play of tilt and roll is that of `tilt_width_rad` and
-  // `roll_width_rad`, legs have none. The encoder sits on the motor, before play and sag. A motor's
-  // gravity acts on the head's tilt and roll; its setpoint goes to a command at the commanded
-  // speed.
+  // Of a joint's own model everything acts. Of a robot's, servo effects act on every joint; the
+  // play of tilt and roll is that of `tilt_width_rad` and `roll_width_rad`, legs have none. The
+  // encoder sits on the motor, before play and sag. A motor's gravity acts on the head's tilt and
+  // roll; its setpoint goes to a command at the commanded speed.
   std::unique_ptr<JointActuator> joint(const RobotSpec& robot, int joint, double initial_rad,
                                        RandomStream noise) const override;
   std::unique_ptr<LocomotionModel> locomotion(const RobotSpec& robot,
@@ -26,6 +29,7 @@ class ModelParts final : public RobotPartsFactory {
 
  private:
   std::map<std::string, Model> models_;
+  JointModels joints_;
 };
 
 }  // namespace seam::effects

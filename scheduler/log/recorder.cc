@@ -29,9 +29,10 @@ std::vector<float> poses_of(const World& world) {
   std::vector<float> poses;
   for (size_t robot = 0; robot < world.scenario().robots.size(); ++robot) {
     const RobotTruth truth = world.robot(robot, time);
-    for (const double value :
-         {truth.pose.x_m, truth.pose.y_m, truth.pose.theta_rad, truth.joints_rad[kTilt],
-          truth.joints_rad[kPan], truth.joints_rad[kRoll]}) {
+    const bool has_head = !world.scenario().robots[robot].body.tree.present();
+    const JointAngles head = has_head ? truth.joints_rad : JointAngles{};
+    for (const double value : {truth.pose.x_m, truth.pose.y_m, truth.pose.theta_rad, head[kTilt],
+                               head[kPan], head[kRoll]}) {
       poses.push_back(static_cast<float>(value));
     }
   }

@@ -118,6 +118,8 @@ void Session::take_hello(const v1::ClientMessage& message) {
   welcome.set_image_height_px(static_cast<uint32_t>(robot.camera.height_px));
   welcome.set_team(robot.team == Team::red ? "red" : "blue");
   welcome.set_next_sequence(attached.next_sequence);
+  for (size_t j = 0; j < robot.body.joint_count(); ++j)
+    welcome.add_joint_names(robot.body.joint_name(j));
   bool left;
   {
     const std::lock_guard lock(mutex_);
@@ -137,6 +139,7 @@ void Session::take_decision(const v1::ClientMessage& message) {
   }
   const v1::Decision& wire = message.decision();
   auto decision = decision_from_wire(wire, scenario_.radio.max_message_bytes);
+  if (auto misfit = unfit_for(scenario_.robots[robot_].body, wire)) decision = std::move(*misfit);
   const FieldError* bad = std::get_if<FieldError>(&decision);
   // A refused decision counts as an empty one: the match goes on.
   const Acceptance acceptance = hub_.answer(

@@ -175,6 +175,11 @@ class SupervisorService final : public v1::Supervisor::CallbackService {
       out.mutable_body()->set_x_m(robot.pose.x_m);
       out.mutable_body()->set_y_m(robot.pose.y_m);
       out.mutable_body()->set_heading_rad(robot.pose.theta_rad);
+      if (spec.body.tree.present()) {
+        for (size_t j = 0; j < spec.body.joint_count(); ++j)
+          out.add_joints_rad(robot.joints_rad[j]);
+        continue;
+      }
       out.set_tilt_rad(robot.joints_rad[kTilt]);
       out.set_pan_rad(robot.joints_rad[kPan]);
       out.set_roll_rad(robot.joints_rad[kRoll]);

@@ -6,8 +6,13 @@ namespace seam::scheduler {
 
 namespace {
 
-void joints_to(SimTime time, const JointAngles& joints_rad, v1::JointAngles& wire) {
-  wire.set_time_ns(time.ns());
+void joints_to(const RobotSensors& sensors, const JointReading& reading, v1::JointAngles& wire) {
+  const JointAngles& joints_rad = reading.rad;
+  wire.set_time_ns(reading.time.ns());
+  if (sensors.tree_joints) {
+    wire.mutable_angles_rad()->Add(joints_rad.begin(), joints_rad.begin() + *sensors.tree_joints);
+    return;
+  }
   wire.set_tilt_rad(joints_rad[kTilt]);
   wire.set_pan_rad(joints_rad[kPan]);
   wire.set_roll_rad(joints_rad[kRoll]);
@@ -16,9 +21,9 @@ void joints_to(SimTime time, const JointAngles& joints_rad, v1::JointAngles& wir
 
 void sensors_to(const Observation& observation, v1::Sensors& wire) {
   const RobotSensors& reading = observation.sensors;
-  joints_to(reading.joints.time, reading.joints.rad, *wire.mutable_joints());
+  joints_to(reading, reading.joints, *wire.mutable_joints());
   for (const JointReading& joints : reading.joint_log)
-    joints_to(joints.time, joints.rad, *wire.add_joint_log());
+    joints_to(reading, joints, *wire.add_joint_log());
   v1::Vector3& acceleration = *wire.mutable_acceleration_m_s2();
   acceleration.set_x(reading.acceleration_m_s2.x);
   acceleration.set_y(reading.acceleration_m_s2.y);

@@ -174,6 +174,25 @@ void action_to(const SupervisorAction& action, const std::vector<std::string>& r
 
 }  // namespace
 
+std::optional<FieldError> unfit_for(const RobotBody& body, const v1::Decision& wire) {
+  if (!body.tree.present()) return std::nullopt;
+  if (wire.has_head())
+    return FieldError{"head", fmt::format("a {} has no head with tilt, pan and roll, expected "
+                                          "joints by their numbers",
+                                          body.name)};
+  if (wire.kick() != v1::KICK_NONE)
+    return FieldError{"kick", fmt::format("a {} has no kicks", body.name)};
+  for (int i = 0; i < wire.joints_size(); ++i) {
+    for (int k = 0; k < wire.joints(i).targets_size(); ++k) {
+      const uint32_t joint = wire.joints(i).targets(k).joint();
+      if (joint >= body.joint_count())
+        return error(fmt::format("joints[{}].targets[{}].joint", i, k), joint,
+                     fmt::format("a number below {}", body.joint_count()));
+    }
+  }
+  return std::nullopt;
+}
+
 std::variant<Decision, FieldError> decision_from_wire(const v1::Decision& wire,
                                                       int64_t max_radio_bytes) {
   Decision decision;

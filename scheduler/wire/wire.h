@@ -37,6 +37,9 @@ struct WireLimits {
   static constexpr int kMaxSupervisorActions = 64;
 };
 
+// What this body cannot do of a decision: joints that it has not.
+std::optional<FieldError> unfit_for(const RobotBody& body, const v1::Decision& wire);
+
 std::variant<Decision, FieldError> decision_from_wire(const v1::Decision& wire,
                                                       int64_t max_radio_bytes);
 void decision_to_wire(const Decision& decision, uint64_t sequence, v1::Decision& wire);

@@ -31,8 +31,9 @@ Pose head_pose(const RobotBody& body, double tilt_rad, double pan_rad, double ro
   return {R_BP * about_x(roll_rad), X_BN.p + R_BP * Vec3(0, 0, body.roll_height_m)};
 }
 
-Pose camera_link_pose(const RobotBody& body, double tilt_rad, double pan_rad, double roll_rad) {
-  Pose X = head_pose(body, tilt_rad, pan_rad, roll_rad);
+Pose camera_link_pose(const RobotBody& body, const JointAngles& joints) {
+  if (body.tree.present()) return body.tree.camera_link_pose(joints);
+  Pose X = head_pose(body, joints[kTilt], joints[kPan], joints[kRoll]);
   X.p += X.R[0] * body.camera_forward_m;
   return X;
 }
@@ -51,8 +52,9 @@ LegPose leg_pose(const RobotBody& body, int leg, const JointAngles& joints) {
   return pose;
 }
 
-std::array<Pose, kLinks> link_poses(const RobotBody& body, const JointAngles& joints) {
-  std::array<Pose, kLinks> X_BLinks;
+std::vector<Pose> link_poses(const RobotBody& body, const JointAngles& joints) {
+  if (body.tree.present()) return body.tree.link_poses(joints);
+  std::vector<Pose> X_BLinks(kLinks);
   X_BLinks[0] = Pose{};
   X_BLinks[1] = neck_pose(body, joints[kTilt]);
   X_BLinks[2] = head_pose(body, joints[kTilt], joints[kPan], joints[kRoll]);

@@ -1,5 +1,9 @@
 #include "sim_core/body/robot_body.h"
 
+#include <algorithm>
+
+#include "sim_core/body/urdf.h"
+
 namespace seam {
 namespace {
 
@@ -14,24 +18,90 @@ const std::vector<std::string> kLinkNames = {"body",
                                              "left_hind_lower",
                                              "right_hind_upper",
                                              "right_hind_lower"};
-const std::vector<std::string> kShapeNames = {"rectangle", "sphere", "cylinder", "capsule", "box"};
+const std::vector<std::string> kShapeNames = {"rectangle", "sphere", "cylinder",
+                                              "capsule",   "box",    "mesh"};
 constexpr Range kMetres{0, 2};
 constexpr Range kAngle{-7, 7};
-constexpr size_t kMaxParts = 64;
+constexpr size_t kMaxParts = 512;
+constexpr size_t kMaxLinks = 256;
 
-void describe_part(ConfigTable& table, BodyPart& part) {
-  table.choice_of({"link", "The link that the part is fixed to.", true}, part.link, kLinkNames);
+void describe_part(ConfigTable& table, const std::vector<std::string>& links, BodyPart& part) {
+  const bool all = table.names_alternatives();
+  const ConfigKey link{"link", "The link that the part is fixed to.", true};
+  std::string any;
+  if (all)
+    table.text(link, any);
+  else
+    table.choice(link, part.link, links);
   table.choice_of({"shape", "Its shape.", true}, part.shape, kShapeNames);
   table.vec3(
       {"centre_m",
        "Where it is in the link's frame; a capsule or cylinder starts here and extends along z."},
       part.centre_m);
   table.vec3({"rotate_rad", "How it is turned in the link: Rz(z) Ry(y) Rx(x)."}, part.rotate_rad);
+  const bool is_mesh = part.shape == Shape::mesh;
+  if (all || !is_mesh) {
+    table.vec3(
+        {"size_m", "Box: edges. Sphere: radius first. Capsule, cylinder: radius, 0, height.", !all},
+        part.size_m);
+  }
+  if (all || is_mesh) {
+    table.file_name(
+        {"file", "Of a mesh: a glTF, OBJ, STL or COLLADA file in this file's folder.", !all},
+        part.mesh);
+    table.number({"scale", "Of a mesh: metres for a unit of its file."}, part.scale, {1e-6, 1e6});
+  }
+  table.choice_of({"paint", "body: the robot's own colour; team: its uniform; own: the part's."},
+                  part.paint, {"body", "team", "own"});
+  if (all || part.paint == Paint::own)
+    table.numbers({"rgb", "The part's own colour, linear 0 to 1; of a mesh a factor."}, part.rgb);
+}
+
+// A file that another program made, and what it does not say.
+void describe_urdf(ConfigTable& table, RobotBody& body) {
+  FileName urdf;
+  std::map<std::string, std::string> packages;
+  table.file_name({"urdf", "A URDF file in this file's folder, in place of all below."}, urdf);
+  if (table.names_alternatives() || !urdf.name.empty()) {
+    table.texts_by_name(
+        {"packages", "Folders in this file's folder by the names of package:// addresses."},
+        packages);
+  }
+  if (!urdf.name.empty()) body = body_from_urdf(urdf, packages);
+}
+
+void describe_camera_place(ConfigTable& table, KinematicTree& tree) {
+  table.text({"link", "The link that holds it; the first where not given."}, tree.camera_link);
+  table.vec3({"translate_m", "Where it is in that link's frame, m."}, tree.camera_translate_m);
   table.vec3(
-      {"size_m", "Box: edges. Sphere: radius first. Capsule, cylinder: radius, 0, height.", true},
-      part.size_m);
-  table.choice_of({"paint", "body: the robot's own colour; team: its uniform."}, part.paint,
-                  {"body", "team"});
+      {"rotate_rad", "How it is turned there, Rz(z) Ry(y) Rx(x): it looks along x, z is up."},
+      tree.camera_rotate_rad);
+  table.boolean({"sees_own_link", "Whether its own link's parts are in its pictures."},
+                tree.sees_own_link);
+}
+
+// What a robot of any build has beside its parts.
+void describe_tree(ConfigTable& table, RobotBody& body) {
+  KinematicTree& tree = body.tree;
+  if (!tree.present() && table.writes()) return;
+  table.list(
+      {"links", "Of a robot of any build: its links, each after the one that it hangs on."},
+      tree.links.size(), kMaxLinks,
+      [&](size_t count) {
+        body = RobotBody{};  // Nothing of another robot's stays.
+        tree.links.resize(count);
+      },
+      [&](ConfigTable& t, size_t i) { describe(t, tree.links[i]); });
+  if (!tree.present() && !table.names_alternatives()) return;
+  table.object({"camera", "Of a robot of any build: where its camera is."},
+               [&](ConfigTable& t) { describe_camera_place(t, tree); });
+  table.boolean({"moves", "Of a robot of any build: whether walk commands move its base."},
+                body.moves);
+  table.number({"base_height_m", "Of a robot of any build: its first link over the ground, m."},
+               body.base_height_m, {-10, 10});
+  const auto wrong = tree.connect();
+  table.require(!wrong, "links", wrong.value_or(""));
+  for (size_t j = 0; j < tree.joint_count(); ++j) body.joints[j] = tree.joint(j).limits;
 }
 
 void describe_joint(ConfigTable& table, JointLimits& joint) {
@@ -110,10 +180,13 @@ const KickSpec& RobotBody::kick(Kick kick) const {
   return index >= 1 && index <= kicks.size() ? kicks[index - 1] : kNone;
 }
 
-void describe(ConfigTable& table, RobotBody& body) {
-  table.format("seam-robot/1");
-  table.text({"name", "What kind of robot it is."}, body.name);
-  table.number({"mass_kg", "Mass, kg."}, body.mass_kg, {0.01, 1000});
+std::string RobotBody::joint_name(size_t joint) const {
+  return tree.present() ? tree.joint(joint).joint : std::string(kJointNames[joint]);
+}
+
+namespace {
+
+void describe_ers210(ConfigTable& table, RobotBody& body) {
   table.object({"head", "The head's chain: tilt, pan, roll, camera."}, [&](ConfigTable& head) {
     head.vec3({"tilt_axis_m", "Where the tilt axis is in the body's frame, m."}, body.tilt_axis_m);
     head.number({"roll_height_m", "From the pan axis' foot up to the roll centre, m."},
@@ -122,19 +195,16 @@ void describe(ConfigTable& table, RobotBody& body) {
                 body.camera_forward_m, kMetres);
   });
   table.object({"legs", "The legs' sizes."}, [&](ConfigTable& legs) { describe_legs(legs, body); });
-  table.object({"joints", "Range and top speed of each joint.", true}, [&](ConfigTable& joints) {
-    for (int j = 0; j < kJoints; ++j) {
-      joints.object(
-          {kJointNames[static_cast<size_t>(j)].data(), "Range and top speed.", true},
-          [&](ConfigTable& joint) { describe_joint(joint, body.joints[static_cast<size_t>(j)]); });
-    }
-  });
-  table.object({"gait", "The trot."}, [&](ConfigTable& gait) { describe_gait(gait, body.gait); });
-  table.object({"footprint", "The box that collides with others, m."}, [&](ConfigTable& box) {
-    box.number({"length_m", "Along the body."}, body.footprint_length_m, {0.01, 2});
-    box.number({"width_m", "Across the body."}, body.footprint_width_m, {0.01, 2});
-    box.number({"x_m", "Its centre, forward of the body's origin."}, body.footprint_x_m, {-1, 1});
-  });
+  const bool required = !table.names_alternatives();
+  table.object(
+      {"joints", "Range and top speed of each joint.", required}, [&](ConfigTable& joints) {
+        for (int j = 0; j < kJoints; ++j) {
+          joints.object({kJointNames[static_cast<size_t>(j)].data(), "Range and top speed.", true},
+                        [&](ConfigTable& joint) {
+                          describe_joint(joint, body.joints[static_cast<size_t>(j)]);
+                        });
+        }
+      });
   table.object({"kicks", "Kicks by name."}, [&](ConfigTable& kicks) {
     for (size_t i = 0; i < body.kicks.size(); ++i) {
       const std::string name = to_string(static_cast<Kick>(i + 1));
@@ -146,13 +216,43 @@ void describe(ConfigTable& table, RobotBody& body) {
                [&](ConfigTable& t) { describe_reach(t, body.grab); });
   table.number({"hold_x_m", "Where a held ball's centre is, forward of the body's origin, m."},
                body.hold_x_m, {-1, 1});
+}
+
+void describe_walk(ConfigTable& table, RobotBody& body) {
+  table.object({"gait", "The trot."}, [&](ConfigTable& gait) { describe_gait(gait, body.gait); });
+  table.object({"footprint", "The box that collides with others, m."}, [&](ConfigTable& box) {
+    box.number({"length_m", "Along the body."}, body.footprint_length_m, {0.01, 2});
+    box.number({"width_m", "Across the body."}, body.footprint_width_m, {0.01, 2});
+    box.number({"x_m", "Its centre, forward of the body's origin."}, body.footprint_x_m, {-1, 1});
+  });
+}
+
+void describe_looks(ConfigTable& table, RobotBody& body) {
   table.numbers({"body_rgb", "The robot's own colour, linear 0 to 1."}, body.body_rgb);
   table.numbers({"red_rgb", "The red uniform, linear 0 to 1."}, body.red_rgb);
   table.numbers({"blue_rgb", "The dark blue uniform, linear 0 to 1."}, body.blue_rgb);
+  std::vector<std::string> links = kLinkNames;
+  if (body.tree.present()) {
+    links.clear();
+    for (const TreeLink& link : body.tree.links) links.push_back(link.name);
+  }
   table.list(
       {"parts", "What it looks like."}, body.parts.size(), kMaxParts,
       [&](size_t count) { body.parts.resize(count); },
-      [&](ConfigTable& part, size_t i) { describe_part(part, body.parts[i]); });
+      [&](ConfigTable& part, size_t i) { describe_part(part, links, body.parts[i]); });
+}
+
+}  // namespace
+
+void describe(ConfigTable& table, RobotBody& body) {
+  table.format("seam-robot/1");
+  describe_urdf(table, body);
+  describe_tree(table, body);
+  table.text({"name", "What kind of robot it is."}, body.name);
+  table.number({"mass_kg", "Mass, kg."}, body.mass_kg, {0.01, 1000});
+  if (!body.tree.present()) describe_ers210(table, body);
+  describe_walk(table, body);
+  describe_looks(table, body);
 }
 
 }  // namespace seam

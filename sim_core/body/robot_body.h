@@ -1,5 +1,6 @@
 // A kind of robot: its kinematics, limits, gait and looks, read from a file of format
-// seam-robot/1 (models/robot_ers210.yaml).
+// seam-robot/1 (models/robot_ers210.yaml) or from URDF. An ERS-210 has a head and four legs; any
+// other robot is a tree of links, whose joints take the places of joints.h from 0 on.
 #pragma once
 
 #include <array>
@@ -9,12 +10,14 @@
 #include "sim_core/body/actuator.h"
 #include "sim_core/body/command.h"
 #include "sim_core/body/joints.h"
+#include "sim_core/body/kinematic_tree.h"
 #include "sim_core/input/config_table.h"
 #include "sim_core/scene/scene.h"
 
 namespace seam {
 
-// Links that parts are fixed to. The neck turns with tilt, the head with tilt, pan and roll.
+// Links of an ERS-210 that parts are fixed to. The neck turns with tilt, the head with tilt, pan
+// and roll.
 enum class Link : uint8_t {
   body,
   neck,
@@ -30,15 +33,20 @@ enum class Link : uint8_t {
 };
 inline constexpr int kLinks = 11;
 
-enum class Paint : uint8_t { body, team };  // The robot's own colour, or its team's uniform.
+// The robot's own colour, its team's uniform, or the part's own.
+enum class Paint : uint8_t { body, team, own };
 
 struct BodyPart {
-  Link link = Link::body;
+  size_t link = 0;  // As Link counts; of a tree its place there.
   Shape shape = Shape::box;
   Vec3 centre_m{0.0};    // In the link's frame; capsules and cylinders start here.
   Vec3 rotate_rad{0.0};  // Rz(z) Ry(y) Rx(x).
   Vec3 size_m{0.1};      // As Primitive::size.
   Paint paint = Paint::body;
+  Rgb rgb{1, 1, 1};  // Its own; of a mesh a factor on its file's colours.
+  FileName mesh;
+  double scale = 1;    // Of a mesh: metres for a unit of its file.
+  uint32_t asset = 0;  // As Primitive::asset; whoever reads meshes sets it, and the size.
 };
 
 struct Gait {
@@ -79,6 +87,10 @@ struct KickSpec {
 
 struct RobotBody {
   std::string name = "robot";
+  KinematicTree tree;
+  // Of a tree: whether walk commands move its base, and how high the root's frame is over ground.
+  bool moves = false;
+  double base_height_m = 0;
   double mass_kg = 1.5;
   // Head chain (X_BL): translate to the tilt axis, tilt, pan, up to the roll centre, roll, forward
   // to the camera.
@@ -105,6 +117,11 @@ struct RobotBody {
   double hold_x_m = 0.15;  // Where a held ball's centre is, forward of the body's origin.
   // The kick's values; those of no duration for `none`, `grab` and `release`.
   const KickSpec& kick(Kick kick) const;
+
+  size_t joint_count() const { return tree.present() ? tree.joint_count() : kJoints; }
+  std::string joint_name(size_t joint) const;
+  // Whether the body stands on it: a leg moves from a world step's end on.
+  bool is_leg(int joint) const { return !tree.present() && joint >= kHeadJoints; }
   Rgb body_rgb{0.5, 0.5, 0.52};
   Rgb red_rgb{0.55, 0.02, 0.03};
   Rgb blue_rgb{0.02, 0.03, 0.3};

@@ -155,6 +155,7 @@ class Reader final : public ConfigTable {
 class Writer final : public ConfigTable {
  public:
   explicit Writer(YAML::Emitter& out) : out_(out) { out_ << YAML::BeginMap; }
+  bool writes() const override { return true; }
   ~Writer() override { out_ << YAML::EndMap; }
 
   void format(const char* expected) override {

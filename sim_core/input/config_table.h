@@ -70,6 +70,8 @@ class ConfigTable {
 
   // A description whose keys depend on a choice names all of them where this is true.
   virtual bool names_alternatives() const { return false; }
+  // A description may leave out what is not there where this is true.
+  virtual bool writes() const { return false; }
 
   // Seconds in the file, nanoseconds in memory.
   void seconds(ConfigKey key, SimDuration& value, Range range_s) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "sim_core/input/config_table.h"
+#include "sim_core/input/shown_text.h"
 
 namespace seam {
 namespace {
@@ -91,6 +92,12 @@ void describe_pose(ConfigTable& table, Pose2& pose) {
   table.number({"theta_rad", "Heading, counter-clockwise from +x, rad."}, pose.theta_rad, kHeading);
 }
 
+void describe_servo(ConfigTable& table, JointServo& servo) {
+  table.text({"joint", "The joint's name.", true}, servo.joint);
+  table.file_or_yaml({"model", "Its effects: a seam-model/1 file or its content.", true},
+                     servo.model_yaml, servo.model_name);
+}
+
 // What robots have in common; each robot overrides what it states.
 void describe_common(ConfigTable& table, RobotSpec& robot) {
   table.file_or_object({"body", "What kind of robot: a seam-robot/1 file or its content."},
@@ -104,12 +111,26 @@ void describe_common(ConfigTable& table, RobotSpec& robot) {
   table.numbers({"head_rad", "Tilt, pan and roll at the start, rad."}, robot.head_rad);
   table.number({"head_speed_radps", "Replaces the head's top speeds where positive, rad/s."},
                robot.head_speed_radps, {0, 100});
-  for (size_t j = 0; j < kHeadJoints; ++j) {
+  for (size_t j = 0; j < kHeadJoints && !robot.body.tree.present(); ++j) {
     const JointLimits& limits = robot.body.joints[j];
     table.require(robot.head_rad[j] >= limits.min_rad && robot.head_rad[j] <= limits.max_rad,
                   "head_rad",
                   fmt::format("found {} for {}, expected from {} to {}", robot.head_rad[j],
                               kJointNames[j], limits.min_rad, limits.max_rad));
+  }
+}
+
+void describe_servos(ConfigTable& table, RobotSpec& robot) {
+  if (robot.servos.empty() && table.writes()) return;
+  table.list(
+      {"servos", "Joints with models of their own, in place of the camera model's joint effects."},
+      robot.servos.size(), kJoints, [&](size_t count) { robot.servos.resize(count); },
+      [&](ConfigTable& t, size_t i) { describe_servo(t, robot.servos[i]); });
+  for (const JointServo& servo : robot.servos) {
+    bool known = false;
+    for (size_t j = 0; j < robot.body.joint_count(); ++j)
+      known = known || robot.body.joint_name(j) == servo.joint;
+    table.require(known, "servos", fmt::format("the robot has no joint '{}'", shown(servo.joint)));
   }
 }
 
@@ -125,7 +146,8 @@ void describe_robot(ConfigTable& table, RobotSpec& robot) {
   table.object({"pose", "Where it stands at the start.", true},
                [&](ConfigTable& t) { describe_pose(t, robot.pose); });
   describe_common(table, robot);
-  table.require(robot.body.joints[kPan].speed_radps > 0, "body",
+  describe_servos(table, robot);
+  table.require(robot.body.tree.present() || robot.body.joints[kPan].speed_radps > 0, "body",
                 "robot without a body: give 'body' here or in robot_defaults");
 }
 

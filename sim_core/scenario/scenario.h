@@ -77,6 +77,12 @@ struct SensorsSpec {
   SensorSpec paws;           // Contact switches: sigma is the chance of a wrong reading.
 };
 
+// A joint with a model of its own.
+struct JointServo {
+  std::string joint;
+  std::string model_yaml, model_name;  // As CameraSpec's.
+};
+
 struct RobotSpec {
   std::string id;
   Team team = Team::red;
@@ -87,6 +93,7 @@ struct RobotSpec {
   CameraSpec camera;
   BehaviourSpec behaviour;
   SensorsSpec sensors;
+  std::vector<JointServo> servos;
   std::array<double, kHeadJoints> head_rad{0, 0, 0};  // Tilt, pan, roll at the start.
   double head_speed_radps =
       0;  // Replaces the head's top speeds when positive (the paper's 300 deg/s).

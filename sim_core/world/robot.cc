@@ -11,6 +11,30 @@ namespace {
 
 constexpr double kGravity = 9.81;
 constexpr double kPawContact = 2e-3;  // A paw this near the ground presses its switch, m.
+constexpr double kErs210Reach = 0.5;
+
+// How far from its link's origin a part may reach.
+double reach_of(const BodyPart& part) {
+  const double size = part.shape == Shape::mesh ? part.size_m.x : glm::length(part.size_m);
+  return glm::length(part.centre_m) + size;
+}
+
+double reach_of(const RobotBody& body) {
+  if (!body.tree.present()) return kErs210Reach;
+  double most = 0;
+  for (const BodyPart& part : body.parts) most = std::max(most, reach_of(part));
+  return most + body.tree.reach_m() + std::abs(body.base_height_m);
+}
+
+JointAngles joints_at_start(const RobotSpec& spec) {
+  JointAngles initial{};
+  const KinematicTree& tree = spec.body.tree;
+  for (size_t j = 0; j < tree.joint_count(); ++j) initial[j] = tree.joint(j).start_rad;
+  if (tree.present()) return initial;
+  gait_angles(spec.body, 0, {}, initial);
+  for (size_t j = 0; j < kHeadJoints; ++j) initial[j] = spec.head_rad[j];
+  return initial;
+}
 
 }  // namespace
 
@@ -45,27 +69,26 @@ void PlanarTrack::visit(StateVisitor& visitor) {
 
 Robot::Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream,
              size_t substeps)
-    : spec_(&spec) {
+    : spec_(&spec), reach_m_(reach_of(spec.body)) {
   for (const BodyPart& part : spec.body.parts) {
     part_poses_.push_back(
         {rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z), part.centre_m});
   }
-  JointAngles initial{};
-  gait_angles(spec.body, 0, {}, initial);
-  for (size_t j = 0; j < kHeadJoints; ++j) initial[j] = spec.head_rad[j];
-  for (int j = 0; j < kJoints; ++j) {
-    joints_.push_back(parts.joint(spec, j, initial[static_cast<size_t>(j)],
+  const JointAngles initial = joints_at_start(spec);
+  for (size_t j = 0; j < spec.body.joint_count(); ++j) {
+    joints_.push_back(parts.joint(spec, static_cast<int>(j), initial[j],
                                   stream.child("joint").child(static_cast<uint64_t>(j))));
   }
   locomotion_ = parts.locomotion(spec, stream.child("locomotion"));
   track.points.assign(substeps + 1, spec.pose);
   dead_reckoning_.points.assign(substeps + 1, Pose2{});
-  attitude_.fill(attitude_on_paws(spec.body, paws(SimTime())));
+  attitude_.fill(attitude(SimTime()));
   origin_.fill(body_pose(spec.pose, 1).p);
 }
 
 double Robot::top_speed(int joint) const {
-  if (joint < kHeadJoints && spec_->head_speed_radps > 0) return spec_->head_speed_radps;
+  const bool of_head = !spec_->body.tree.present() && joint < kHeadJoints;
+  if (of_head && spec_->head_speed_radps > 0) return spec_->head_speed_radps;
   return spec_->body.joints[static_cast<size_t>(joint)].speed_radps;
 }
 
@@ -78,7 +101,8 @@ void Robot::command_joint(SimTime time, int joint, double angle_rad, double spee
 }
 
 void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_end) {
-  if (command.walk) {
+  const bool stays = spec_->body.tree.present() && !spec_->body.moves;
+  if (command.walk && !stays) {
     const Gait& gait = spec_->body.gait;
     const double share = std::max({1.0, std::abs(command.walk->vx_mps) / gait.max_vx_mps,
                                    std::abs(command.walk->vy_mps) / gait.max_vy_mps,
@@ -89,13 +113,15 @@ void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_en
   }
   for (const JointFrame& frame : command.joints) {
     for (const JointTarget& target : frame.targets) {
+      if (static_cast<size_t>(target.joint) >= joints_.size())
+        throw InputError(fmt::format("robot '{}' has no joint {}", spec_->id, target.joint));
       if (kicks_with(target.joint, time + frame.offset)) continue;
       // A new decision replaces what an earlier one had planned for this joint.
       if (&frame == &command.joints.front()) {
         std::erase_if(pending_,
                       [&](const Pending& p) { return p.joint == target.joint && p.time >= time; });
       }
-      if (target.joint >= kHeadJoints) legs_commanded_ = true;
+      if (spec_->body.is_leg(target.joint)) legs_commanded_ = true;
       plan({time + frame.offset, target.joint, target.angle_rad, target.speed_radps}, interval_end);
     }
   }
@@ -103,7 +129,8 @@ void Robot::apply(const RobotCommand& command, SimTime time, SimTime interval_en
 }
 
 void Robot::plan(Pending next, SimTime interval_end) {
-  if (next.joint >= kHeadJoints) next.time = std::max(next.time, interval_end);
+  if (spec_->body.is_leg(static_cast<int>(next.joint)))
+    next.time = std::max(next.time, interval_end);
   const auto behind = [&](const Pending& p) { return p.time > next.time; };
   pending_.insert(std::find_if(pending_.begin(), pending_.end(), behind), next);
 }
@@ -125,7 +152,8 @@ void Robot::begin_kick(const KickSpec& kick, SimTime time, SimTime interval_end)
 void Robot::freeze(SimTime time) {
   pending_.clear();
   walk_ = {};
-  for (int j = 0; j < kHeadJoints; ++j) command_joint(time, j, joint_angle(j, time), 0);
+  for (int j = 0; j < static_cast<int>(joints_.size()); ++j)
+    if (!spec_->body.is_leg(j)) command_joint(time, j, joint_angle(j, time), 0);
 }
 
 void Robot::give_due(SimTime end) {
@@ -142,9 +170,9 @@ void Robot::begin_interval(SimTime start, SimTime end) {
   track.points.front() = track.points.back();
   track.points.front().theta_rad = maths::wrap_angle(track.points.front().theta_rad);
   dead_reckoning_.points.front() = dead_reckoning_.points.back();
-  if (!legs_commanded_) command_gait(start, end);
+  if (!legs_commanded_ && !spec_->body.tree.present()) command_gait(start, end);
   give_due(end);
-  attitude_ = {attitude_[1], attitude_on_paws(spec_->body, paws(end))};
+  attitude_ = {attitude_[1], attitude(end)};
 }
 
 // Legs go evenly to where the gait wants them at the interval's end.
@@ -177,9 +205,21 @@ void Robot::end_interval() {
 }
 
 JointAngles Robot::joint_angles(SimTime time) const {
-  JointAngles angles;
-  for (int j = 0; j < kJoints; ++j) angles[static_cast<size_t>(j)] = joint_angle(j, time);
+  JointAngles angles{};
+  for (size_t j = 0; j < joints_.size(); ++j) angles[j] = joints_[j]->angle(time);
   return angles;
+}
+
+JointAngles Robot::camera_joint_angles(SimTime time) const {
+  if (spec_->body.tree.present()) return joint_angles(time);
+  JointAngles angles{};
+  for (int j = 0; j < kHeadJoints; ++j) angles[static_cast<size_t>(j)] = joint_angle(j, time);
+  return angles;
+}
+
+Attitude Robot::attitude(SimTime time) const {
+  if (spec_->body.tree.present()) return {.height_m = spec_->body.base_height_m};
+  return attitude_on_paws(spec_->body, paws(time));
 }
 
 std::array<Vec3, kLegs> Robot::paws(SimTime time) const {
@@ -192,12 +232,13 @@ std::array<Vec3, kLegs> Robot::paws(SimTime time) const {
 
 SensorTruth Robot::sense(SimTime time, double fraction, SimDuration interval) const {
   SensorTruth truth;
-  for (int j = 0; j < kJoints; ++j) truth.encoders_rad[static_cast<size_t>(j)] = encoder(j, time);
+  for (size_t j = 0; j < joints_.size(); ++j) truth.encoders_rad[j] = joints_[j]->encoder(time);
   truth.dead_reckoning = dead_reckoning_.at(fraction);
   const Pose X_WB = body_pose(track.at(fraction), fraction);
   const double h = interval.s();
   const Vec3 acceleration_W = (origin_[2] - 2.0 * origin_[1] + origin_[0]) / (h * h);
   truth.specific_force_B = glm::transpose(X_WB.R) * (acceleration_W + Vec3(0, 0, kGravity));
+  if (spec_->body.tree.present()) return truth;
   const auto paws_B = paws(time);
   for (size_t i = 0; i < kLegs; ++i) {
     truth.paw_contact[i] = (X_WB * paws_B[i]).z - spec_->body.paw_radius_m < kPawContact;
@@ -241,8 +282,8 @@ void Robot::visit(StateVisitor& visitor) {
     visitor.field("origin_y_m", origin.y);
     visitor.field("origin_z_m", origin.z);
   }
-  for (size_t j = 0; j < kJoints; ++j) {
-    visitor.scope(kJointNames[j]);
+  for (size_t j = 0; j < joints_.size(); ++j) {
+    visitor.scope(spec_->body.joint_name(j));
     joints_[j]->visit(visitor);
   }
   visitor.scope("locomotion");
@@ -250,7 +291,7 @@ void Robot::visit(StateVisitor& visitor) {
   visitor.scope("");
   visitor.list("pending", pending_);
   for (const Pending& p : pending_) {
-    if (p.joint < 0 || p.joint >= kJoints)
+    if (p.joint < 0 || p.joint >= static_cast<int64_t>(joints_.size()))
       throw InputError("snapshot: a command to an unknown joint");
   }
   walk_.visit(visitor);

@@ -55,6 +55,10 @@ class Robot {
   void end_interval();
 
   JointAngles joint_angles(SimTime time) const;
+  // As far as the camera's place depends on them.
+  JointAngles camera_joint_angles(SimTime time) const;
+  // No part is ever farther from the robot's place, m.
+  double reach_m() const { return reach_m_; }
   double joint_angle(int joint, SimTime time) const {
     return joints_[static_cast<size_t>(joint)]->angle(time);
   }
@@ -90,11 +94,13 @@ class Robot {
   bool kicks_with(int joint, SimTime time) const {
     return time < kick_end_ && (kick_joints_ >> joint & 1) != 0;
   }
+  Attitude attitude(SimTime time) const;
   void command_gait(SimTime start, SimTime end);
   double top_speed(int joint) const;
 
   const RobotSpec* spec_;
   std::vector<Pose> part_poses_;
+  double reach_m_;
   std::vector<std::unique_ptr<JointActuator>> joints_;
   std::unique_ptr<LocomotionModel> locomotion_;
   std::vector<Pending> pending_;      // Ascending in time.

@@ -37,8 +37,10 @@ bool samples_at(const SensorSpec& sensor, SimTime time) {
 
 }  // namespace
 
-SensorSuite::SensorSuite(const SensorsSpec& spec, SimDuration memory, RandomStream stream)
-    : spec_(&spec), memory_(memory), stream_(stream) {
+SensorSuite::SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream)
+    : spec_(&robot.sensors), memory_(memory), stream_(stream) {
+  const KinematicTree& tree = robot.body.tree;
+  if (tree.present()) tree_joints_ = static_cast<int>(tree.joint_count());
   joints_.resize(1);
   odometry_.resize(1);
   accelerations_.resize(1);
@@ -115,6 +117,7 @@ void SensorSuite::forget_old(SimTime time) {
 RobotSensors SensorSuite::read(SimTime time, SimTime since) const {
   RobotSensors sensors;
   sensors.time = time;
+  sensors.tree_joints = tree_joints_;
   const SimDuration latency = spec_->joints.latency;
   sensors.joints = newest(joints_, latency, time, kJointTime).reading;
   for (const Joints& joints : joints_) {

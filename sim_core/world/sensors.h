@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "sim_core/base/pose.h"
@@ -23,6 +24,7 @@ struct JointReading {
 struct RobotSensors {
   SimTime time;  // When this was asked for.
 
+  std::optional<int> tree_joints;       // Of a robot that is no ERS-210: how many it has.
   JointReading joints;                  // The newest delivered.
   std::vector<JointReading> joint_log;  // All delivered since the time that was asked for.
 
@@ -48,7 +50,7 @@ struct SensorTruth {
 class SensorSuite {
  public:
   // Joint readings are kept until `memory` after their delivery.
-  SensorSuite(const SensorsSpec& spec, SimDuration memory, RandomStream stream);
+  SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream);
 
   // Instants after `after`, up to and including `until`, at which some sensor samples, ascending.
   std::vector<SimTime> sampling_times(SimTime after, SimTime until) const;
@@ -81,6 +83,7 @@ class SensorSuite {
   void forget_old(SimTime time);
 
   const SensorsSpec* spec_;
+  std::optional<int> tree_joints_;
   SimDuration memory_;
   RandomStream stream_;
   // Readings still needed: those not delivered yet, and the newest delivered one. Ascending.

@@ -65,7 +65,7 @@ World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
     const RandomStream stream = root_of(scenario).child("robot").child(std::string_view(spec.id));
     robots.emplace_back(spec, parts, stream, substeps);
     const SimDuration turn = longest_turn_of(spec.behaviour.clock);
-    sensors.emplace_back(spec.sensors, turn, stream.child("sensors"));
+    sensors.emplace_back(spec, turn, stream.child("sensors"));
     longest_turn = std::max(longest_turn, turn);
     bodies.robots.push_back({spec.pose.x_m, spec.pose.y_m, spec.pose.theta_rad});
   }
@@ -171,6 +171,7 @@ void World::Impl::find_limbs() {
   for (size_t i = 0; i < robots.size(); ++i) {
     const double dx = bodies.robots[i].x_m - bodies.ball.x_m,
                  dy = bodies.robots[i].y_m - bodies.ball.y_m;
+    if (robots[i].spec().body.tree.present()) continue;  // Its footprint alone touches.
     if (!bodies.robots[i].solid || dx * dx + dy * dy > kLimbDistance * kLimbDistance) continue;
     const Pose X_WB = robots[i].body_pose(robots[i].track.points.front(), 0);
     const auto paws = robots[i].paws(start);

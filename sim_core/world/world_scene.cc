@@ -10,7 +10,13 @@ namespace {
 constexpr uint16_t kBallId = 1;
 constexpr uint16_t kFirstRobotId = 2;
 constexpr uint16_t kFirstObjectId = 100;
-constexpr double kRobotReach = 0.5;  // No part of a robot is farther from its place, m.
+
+// What holds the camera is not in its pictures.
+bool is_behind_lens(const RobotBody& body, const BodyPart& part) {
+  if (body.tree.present()) return !body.tree.sees_own_link && part.link == body.tree.camera_place();
+  const auto link = static_cast<Link>(part.link);
+  return link == Link::head || link == Link::neck;
+}
 
 Label uniform_label(Team team) {
   return team == Team::red ? Label::robot_red : Label::robot_blue;
@@ -54,14 +60,17 @@ void World::Impl::add_robot(size_t index, SimTime time, bool is_viewer,
   const Rgb& uniform = spec.team == Team::red ? spec.body.red_rgb : spec.body.blue_rgb;
   for (size_t i = 0; i < spec.body.parts.size(); ++i) {
     const BodyPart& part = spec.body.parts[i];
-    if (is_viewer && (part.link == Link::head || part.link == Link::neck)) continue;
+    if (is_viewer && is_behind_lens(spec.body, part)) continue;
     const bool team = part.paint == Paint::team;
     out.push_back({.shape = part.shape,
                    .label = team ? uniform_label(spec.team) : Label::robot_body,
                    .object_id = static_cast<uint16_t>(kFirstRobotId + index),
-                   .X_WO = X_WLinks[static_cast<size_t>(part.link)] * robot.part_poses()[i],
+                   .X_WO = X_WLinks[part.link] * robot.part_poses()[i],
                    .size = part.size_m,
-                   .rgb = team ? uniform : spec.body.body_rgb});
+                   .rgb = team                       ? uniform
+                          : part.paint == Paint::own ? part.rgb
+                                                     : spec.body.body_rgb,
+                   .asset = part.asset});
   }
 }
 
@@ -69,7 +78,7 @@ void World::Impl::add_robot(size_t index, SimTime time, bool is_viewer,
 bool World::Impl::behind(const Pose& X_WL, size_t robot, SimTime time) const {
   const Pose2 place = robots[robot].track.at(fraction(time));
   const Vec3 p_L = glm::transpose(X_WL.R) * (Vec3(place.x_m, place.y_m, X_WL.p.z) - X_WL.p);
-  return p_L.x < -kRobotReach;
+  return p_L.x < -robots[robot].reach_m();
 }
 
 void World::primitives_at(SimTime time, std::vector<Primitive>& out,
@@ -91,8 +100,7 @@ void World::primitives_at(SimTime time, std::vector<Primitive>& out,
 Pose World::camera_link_pose(size_t index, SimTime time) const {
   const Robot& robot = impl_->robots.at(index);
   return robot.body_pose(robot.track.at(impl_->fraction(time)), impl_->fraction(time)) *
-         seam::camera_link_pose(robot.spec().body, robot.joint_angle(kTilt, time),
-                                robot.joint_angle(kPan, time), robot.joint_angle(kRoll, time));
+         seam::camera_link_pose(robot.spec().body, robot.camera_joint_angles(time));
 }
 
 }  // namespace seam

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/logs/joint_names.h"
 #include "app/logs/replay_match.h"
 #include "app/trust/tokens.h"
 #include "sim_core/base/error.h"
@@ -70,6 +71,7 @@ class Exporter {
  public:
   Exporter(const scheduler::Log& log, const fs::path& folder)
       : log_(log),
+        names_(log.header()),
         folder_(folder),
         poses_(folder / "poses.csv", "time_s,robot,x_m,y_m,heading_rad,tilt_rad,pan_rad,roll_rad"),
         ball_(folder / "ball.csv", "time_s,x_m,y_m,z_m"),
@@ -143,7 +145,8 @@ class Exporter {
                    cell(answer.reason));
     for (const JointFrame& frame : command.joints) {
       for (const JointTarget& target : frame.targets) {
-        joints_.row(time_s, robot, frame.offset.s(), kJointNames[static_cast<size_t>(target.joint)],
+        joints_.row(time_s, robot, frame.offset.s(),
+                    cell(names_.of(static_cast<size_t>(answer.robot), target.joint)),
                     target.angle_rad, target.speed_radps);
       }
     }
@@ -163,6 +166,7 @@ class Exporter {
   }
 
   const scheduler::Log& log_;
+  const app::JointNames names_;
   fs::path folder_;
   CsvFile poses_, ball_, steps_, decisions_, joints_, debug_, frames_, events_;
 };

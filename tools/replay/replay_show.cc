@@ -93,12 +93,17 @@ nlohmann::ordered_json state_at(const scheduler::Log& log, SimTime time, const s
   for (size_t i = 0; i < robots.size(); ++i) {
     if (!robot.empty() && robots[i].id != robot) continue;
     const RobotTruth truth = match.world().robot(i, reached);
-    json["robots"][robots[i].id] = {{"x_m", truth.pose.x_m},
-                                    {"y_m", truth.pose.y_m},
-                                    {"heading_rad", truth.pose.theta_rad},
-                                    {"tilt_rad", truth.joints_rad[kTilt]},
-                                    {"pan_rad", truth.joints_rad[kPan]},
-                                    {"roll_rad", truth.joints_rad[kRoll]}};
+    nlohmann::ordered_json& out = json["robots"][robots[i].id];
+    out = {{"x_m", truth.pose.x_m}, {"y_m", truth.pose.y_m}, {"heading_rad", truth.pose.theta_rad}};
+    const RobotBody& body = robots[i].body;
+    if (body.tree.present()) {
+      for (size_t j = 0; j < body.joint_count(); ++j)
+        out[body.joint_name(j) + "_rad"] = truth.joints_rad[j];
+    } else {
+      out.update({{"tilt_rad", truth.joints_rad[kTilt]},
+                  {"pan_rad", truth.joints_rad[kPan]},
+                  {"roll_rad", truth.joints_rad[kRoll]}});
+    }
   }
   const Vec3 ball = match.world().ball(reached).p_W;
   json["ball"] = {{"x_m", ball.x}, {"y_m", ball.y}, {"z_m", ball.z}};

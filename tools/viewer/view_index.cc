@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "app/logs/joint_names.h"
+
 namespace seam::tools {
 namespace {
 
@@ -17,7 +19,7 @@ void add(Series& series, double t, double value) {
 
 class Indexer {
  public:
-  Indexer(const scheduler::Log& log, ViewIndex& index) : index_(index) {
+  Indexer(const scheduler::Log& log, ViewIndex& index) : index_(index), joints_(log.header()) {
     index_.robots.resize(log.header().robots.size());
   }
 
@@ -47,12 +49,14 @@ class Indexer {
     for (const Answer& answer : turn.turn.answers) {
       // A decoded turn may name a robot that the header does not have.
       if (static_cast<size_t>(answer.robot) >= index_.robots.size()) continue;
-      take(turn.time.s(), answer, index_.robots[static_cast<size_t>(answer.robot)]);
+      take(turn.time.s(), answer);
     }
   }
 
  private:
-  static void take(double t, const Answer& answer, RobotIndex& robot) {
+  void take(double t, const Answer& answer) {
+    const auto place = static_cast<size_t>(answer.robot);
+    RobotIndex& robot = index_.robots[place];
     const RobotCommand& command = answer.decision.command;
     if (command.walk) {
       add(robot.series["command.vx_m_s"], t, command.walk->vx_mps);
@@ -61,7 +65,7 @@ class Indexer {
     }
     for (const JointFrame& frame : command.joints) {
       for (const JointTarget& target : frame.targets) {
-        const std::string joint(kJointNames[static_cast<size_t>(target.joint)]);
+        const std::string joint = joints_.of(place, target.joint);
         add(robot.series["command." + joint + "_rad"], t + frame.offset.s(), target.angle_rad);
       }
     }
@@ -74,6 +78,7 @@ class Indexer {
   }
 
   ViewIndex& index_;
+  const app::JointNames joints_;
 };
 
 }  // namespace

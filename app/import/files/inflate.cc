@@ -23,7 +23,7 @@ std::string inflated(std::string_view packed, Deflate form, uint64_t limit_bytes
     stream.next_out = reinterpret_cast<Bytef*>(out.data() + before);
     stream.avail_out = static_cast<uInt>(out.size() - before);
     status = inflate(&stream, Z_NO_FLUSH);
-    out.resize(out.size() - stream.avail_out);
+    out.erase(out.size() - stream.avail_out);
     if (status == Z_OK && out.size() == before && stream.avail_in == 0) break;
   }
   inflateEnd(&stream);

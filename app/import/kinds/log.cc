@@ -21,7 +21,7 @@ namespace {
 class RobotLog {
  public:
   RobotLog(const scheduler::Log& log, const Scenario& scenario, size_t robot)
-      : log_(log), robot_(robot), step_(scenario.step) {
+      : log_(log), robot_(robot), body_(scenario.robots[robot].body), step_(scenario.step) {
     const SimDuration latency = scenario.robots[robot].behaviour.decision_latency;
     latency_ = latency == SimDuration() ? step_ : latency;
   }
@@ -39,15 +39,16 @@ class RobotLog {
       const RobotTruth truth = match.world().robot(robot_, time);
       times_.push_back(time.ns());
       poses_.push_back({time.ns(), truth.pose.x_m, truth.pose.y_m, truth.pose.theta_rad});
-      head_rad_.push_back(
-          {truth.joints_rad[kTilt], truth.joints_rad[kPan], truth.joints_rad[kRoll]});
+      joints_rad_.push_back(truth.joints_rad);
     }
     if (times_.size() < 2)
       throw InputError(fmt::format("{}: ends before its second step", log_.name()));
   }
 
   size_t joint_commands() const {
-    return targets_[0].size() + targets_[1].size() + targets_[2].size();
+    size_t count = 0;
+    for (const auto& targets : targets_) count += targets.size();
+    return count;
   }
   void draft_joints(SetDraft& draft) const;
   void draft_walks(SetDraft& draft) const;
@@ -63,7 +64,8 @@ class RobotLog {
             {acts.ns(), command.walk->vx_mps, command.walk->vy_mps, command.walk->omega_radps});
       for (const JointFrame& frame : command.joints) {
         for (const JointTarget& target : frame.targets) {
-          if (target.joint < kHeadJoints)
+          // Legs follow the gait; what else moves has commands of its own.
+          if (!body_.is_leg(target.joint))
             targets_[static_cast<size_t>(target.joint)][(acts + frame.offset).ns()] =
                 target.angle_rad;
         }
@@ -73,11 +75,12 @@ class RobotLog {
 
   const scheduler::Log& log_;
   size_t robot_;
+  const RobotBody body_;
   SimDuration step_, latency_;
   std::vector<int64_t> times_;
   std::vector<PlanarPose> poses_;
-  std::vector<std::array<double, kHeadJoints>> head_rad_;
-  std::array<std::map<int64_t, double>, kHeadJoints> targets_;  // By the time they act.
+  std::vector<JointAngles> joints_rad_;
+  std::array<std::map<int64_t, double>, kJoints> targets_;  // By the time they act.
   std::vector<VelocityCommand> walk_;
 };
 
@@ -85,22 +88,23 @@ void RobotLog::draft_joints(SetDraft& draft) const {
   measurement::CsvWriter table({"run", "time_s", "joint", "command_rad", "measured_rad"});
   std::vector<std::string> moved;
   size_t rows = 0;
-  for (size_t joint = 0; joint < kHeadJoints; ++joint) {
+  for (size_t joint = 0; joint < body_.joint_count(); ++joint) {
     const auto& targets = targets_[joint];
     if (targets.empty()) continue;
-    const std::string name(kJointNames[joint]);
+    const std::string name = body_.joint_name(joint);
     moved.push_back(name);
     auto next = targets.begin();
     // Until the first command the joint holds what it has.
-    double command = head_rad_.front()[joint];
+    double command = joints_rad_.front()[joint];
     for (size_t i = 0; i < times_.size(); ++i) {
       for (; next != targets.end() && next->first <= times_[i]; ++next) command = next->second;
-      table.row({name, seconds_text(times_[i]), name, exact(command), exact(head_rad_[i][joint])});
+      table.row(
+          {name, seconds_text(times_[i]), name, exact(command), exact(joints_rad_[i][joint])});
       ++rows;
     }
   }
   if (moved.empty())
-    throw InputError(fmt::format("{}: no joint of {}'s head was commanded", log_.name(),
+    throw InputError(fmt::format("{}: no joint of {} but legs was commanded", log_.name(),
                                  log_.header().robots[robot_]));
   draft.kind = "joints";
   draft.group = "run";

@@ -17,6 +17,9 @@ class JointAngles:
     pan_rad: float
     roll_rad: float
     legs_rad: tuple[float, ...]  # 12: LF, RF, LR, RR, each rotator, elevator, knee.
+    # Of each joint in the order of Robot.joint_names, whatever the robot; one that is no ERS-210 has nothing in the
+    # fields above. Of a sliding joint m.
+    angles_rad: tuple[float, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -118,7 +121,11 @@ class Observation:
 
 
 def _joints(message: wire.JointAngles) -> JointAngles:
-    return JointAngles(message.time_ns, message.tilt_rad, message.pan_rad, message.roll_rad, tuple(message.legs_rad))
+    angles_rad = tuple(message.angles_rad)
+    if message.legs_rad:
+        angles_rad = (message.tilt_rad, message.pan_rad, message.roll_rad, *message.legs_rad)
+    return JointAngles(message.time_ns, message.tilt_rad, message.pan_rad, message.roll_rad, tuple(message.legs_rad),
+                       angles_rad)
 
 
 def _sensors(message: wire.Sensors) -> Sensors:

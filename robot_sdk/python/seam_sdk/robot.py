@@ -50,7 +50,7 @@ class Kick(enum.IntEnum):
 
 @dataclasses.dataclass(frozen=True)
 class JointTarget:
-    joint: int  # 0 tilt, 1 pan, 2 roll, then rotator, elevator, knee of LF, RF, LR, RR.
+    joint: int | str  # Its name or its place in Robot.joint_names.
     angle_rad: float
     max_speed_rad_s: float = 0.0  # 0: as fast as the servo goes.
 
@@ -130,6 +130,17 @@ class Robot:
     @property
     def decision_latency_s(self) -> float:
         return self._welcome.decision_latency_ns * 1e-9
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """By number, as JointTarget and JointAngles.angles_rad count."""
+        return tuple(self._welcome.joint_names)
+
+    def joint(self, name: str) -> int:
+        """The number of the joint of this name; ValueError that lists the known ones."""
+        if name not in self.joint_names:
+            raise ValueError(f"no joint {name!r}, expected one of: {' '.join(self.joint_names)}")
+        return self.joint_names.index(name)
 
     def observations(self) -> Iterator[Observation]:
         """One for each turn of the robot, until the run is over.
@@ -212,7 +223,8 @@ class Robot:
         """
         frame = self._answer.decision.joints.add(offset_ns=offset_ns)
         for target in targets:
-            frame.targets.add(**dataclasses.asdict(target))
+            joint = self.joint(target.joint) if isinstance(target.joint, str) else target.joint
+            frame.targets.add(joint=joint, angle_rad=target.angle_rad, max_speed_rad_s=target.max_speed_rad_s)
 
     def request_frame(self, after_ns: int = 0) -> None:
         """The next whose stamp is not before this time."""
