@@ -73,20 +73,30 @@ function(compile_together target count)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
 endfunction()
 
-# read_headers_once(TARGET headers...): what nearly every file includes, and these, is compiled once for the target. A file
-# still includes what it uses: the development build reads each file alone, which finds what was forgotten.
-function(read_headers_once target)
-  if(NOT CMAKE_BUILD_TYPE STREQUAL "Debug")
-    target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory>
-                              <mutex> <optional> <string> <thread> <vector> <fmt/format.h> <glm/mat3x3.hpp> ${ARGN})
+# read_headers_once(TARGET FAMILY headers...): what nearly every file includes, and these, is compiled once for all targets of
+# a family that ask for the same; targets of a family have the same options. A file still includes what it uses: the
+# development build reads each file alone, which finds what was forgotten.
+function(read_headers_once target family)
+  if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+    return()
   endif()
+  string(MAKE_C_IDENTIFIER "seam_headers_${family}_${ARGN}" name)
+  get_property(first GLOBAL PROPERTY ${name})
+  if(first)
+    target_precompile_headers(${target} REUSE_FROM ${first})
+    return()
+  endif()
+  set_property(GLOBAL PROPERTY ${name} ${target})
+  target_precompile_headers(${target} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory>
+                            <mutex> <optional> <string> <thread> <vector> <fmt/format.h> <glm/mat3x3.hpp> ${ARGN})
 endfunction()
 
-# seam_module(NAME [ROOMS rooms...] [EXCLUDE regex] [LINK targets...] [UNITY n] [UNITY_TESTS n] [HEADERS headers...]): the library
-# of this folder, or of these rooms of it, and, if there are *.test.cc, its test program. UNITY compiles n files of the
-# library at a time, UNITY_TESTS those of the tests: for folders of many files. HEADERS are the heavy ones that most of them include.
+# seam_module(NAME [ROOMS rooms...] [EXCLUDE regex] [LINK targets...] [UNITY n] [UNITY_TESTS n] [HEADERS headers...] [ALONE]):
+# the library of this folder, or of these rooms of it, and, if there are *.test.cc, its test program. UNITY compiles n
+# files of the library at a time, UNITY_TESTS those of the tests: for folders of many files. HEADERS are the heavy ones
+# that most of them include. ALONE: without the headers of the rest of the tree, where the folder builds without it.
 function(seam_module name)
-  cmake_parse_arguments(ARG "" "UNITY;UNITY_TESTS;EXCLUDE" "ROOMS;LINK;HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE" "UNITY;UNITY_TESTS;EXCLUDE" "ROOMS;LINK;HEADERS" ${ARGN})
   set(patterns *.cc)
   if(ARG_ROOMS)
     list(TRANSFORM ARG_ROOMS APPEND /*.cc OUTPUT_VARIABLE patterns)
@@ -101,11 +111,15 @@ function(seam_module name)
   add_library(seam_${name} STATIC ${sources})
   target_link_libraries(seam_${name} PUBLIC seam_flags ${ARG_LINK})
   compile_together(seam_${name} "${ARG_UNITY}")
-  read_headers_once(seam_${name} ${ARG_HEADERS})
+  if(NOT ARG_ALONE)
+    read_headers_once(seam_${name} libraries ${ARG_HEADERS})
+  endif()
   if(SEAM_BUILD_TESTS AND tests)
     seam_test_program(test_${name} SOURCES ${tests} LINK seam_${name})
     compile_together(test_${name} "${ARG_UNITY_TESTS}")
-    read_headers_once(test_${name} <gmock/gmock.h> ${ARG_HEADERS})
+    if(NOT ARG_ALONE)
+      read_headers_once(test_${name} tests <gmock/gmock.h> ${ARG_HEADERS})
+    endif()
   endif()
 endfunction()
 

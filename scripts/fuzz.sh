@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 seconds=${1:?usage: scripts/fuzz.sh SECONDS [NAME...]}
 shift
 names=("$@")
-[ ${#names[@]} -gt 0 ] || names=(log records attachments index names scenario urdf model measurement wire)
+[ ${#names[@]} -gt 0 ] || mapfile -t names < <(git ls-files '*.fuzz.cc' | sed 's|.*/||; s|\.fuzz\.cc$||' | sort)
 if ! command -v clang++ >/dev/null || ! compgen -G "$(clang++ -print-resource-dir)/lib/linux/libclang_rt.fuzzer-*.a" >/dev/null; then
   echo "fuzz.sh: clang++ with libFuzzer is not installed (apt-get install clang libclang-rt-14-dev)" >&2
   exit 1

@@ -10,7 +10,6 @@ namespace {
 
 constexpr Range kTurn{-7, 7};
 constexpr Range kLengths{1e-6, 1e6};
-constexpr Range kPlace{-1e6, 1e6};
 
 // Turns the z axis to the normal, keeping the x axis horizontal.
 Mat3 facing(const Vec3& normal) {
@@ -34,16 +33,6 @@ class Keys {
   ObjectKind kind_;
 };
 
-void describe_pose(ConfigTable& table, ObjectSpec& object) {
-  table.number({"x_m", "Of its origin, m."}, object.centre_m.x, kPlace);
-  table.number({"y_m", "Of its origin, m."}, object.centre_m.y, kPlace);
-  table.number({"z_m", "Of its origin, m."}, object.centre_m.z, kPlace);
-  Vec3& turns = object.roll_pitch_yaw_rad;
-  table.number({"roll_rad", "The first turn, about x, rad."}, turns.x, kTurn);
-  table.number({"pitch_rad", "Then about y, rad."}, turns.y, kTurn);
-  table.number({"yaw_rad", "Then about z, rad."}, turns.z, kTurn);
-}
-
 void describe_place(ConfigTable& table, const Keys& keys, ObjectSpec& object) {
   using enum ObjectKind;
   if (keys.of({rectangle, sphere, box})) {
@@ -55,7 +44,7 @@ void describe_place(ConfigTable& table, const Keys& keys, ObjectSpec& object) {
                object.centre_m);
   if (keys.of({mesh, board})) {
     table.object({"pose", "Of a mesh or board: where its origin is and how it is turned."},
-                 [&](ConfigTable& pose) { describe_pose(pose, object); });
+                 [&](ConfigTable& pose) { describe(pose, object.pose); });
   }
 }
 
@@ -123,8 +112,7 @@ void describe(ConfigTable& table, ObjectSpec& object) {
 
 std::vector<Primitive> primitives_of(const ObjectSpec& object, uint16_t object_id) {
   if (object.kind == ObjectKind::board || object.kind == ObjectKind::mesh) {
-    const Vec3& turns = object.roll_pitch_yaw_rad;
-    const Pose X_WO{rotation_zyx(turns.x, turns.y, turns.z), object.centre_m};
+    const Pose X_WO = object.pose.pose();
     if (object.kind == ObjectKind::board) {
       std::vector<Primitive> parts = board_primitives(object.board, X_WO, object_id);
       for (Primitive& part : parts) part.label = object.label;

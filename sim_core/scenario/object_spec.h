@@ -6,6 +6,7 @@
 
 #include "sim_core/input/config_table.h"
 #include "sim_core/scene/board.h"
+#include "sim_core/scene/placement.h"
 #include "sim_core/scene/scene.h"
 
 namespace seam {
@@ -17,10 +18,10 @@ struct ObjectSpec {
   ObjectKind kind = ObjectKind::box;
   Vec3 centre_m{0.0};  // Of a cylinder the middle of its base.
   Vec3 velocity_mps{0.0};
-  Vec3 size_m{0.1};              // As Primitive::size.
-  Vec3 normal{0, 0, 1};          // Of a rectangle.
-  double yaw_rad = 0;            // Of a box.
-  Vec3 roll_pitch_yaw_rad{0.0};  // Of a mesh or board: turns about x, then y, then z.
+  Vec3 size_m{0.1};      // As Primitive::size.
+  Vec3 normal{0, 0, 1};  // Of a rectangle.
+  double yaw_rad = 0;    // Of a box.
+  Placement pose;        // Of a mesh or board.
   Rgb rgb{1, 1, 1};
   Label label = Label::other;
   FileName mesh;

@@ -4,6 +4,8 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/input/config_table.h"
+#include "sim_core/scene/board.h"
+#include "sim_core/scene/placement.h"
 
 namespace seam {
 namespace {
@@ -49,11 +51,15 @@ struct SceneObject {
   double yaw_rad = 0;
   Rgb rgb{0, 0, 0};
   Vec3 velocity_mps{0.0};
+  Placement pose;  // Of a board.
+  BoardSpec board;
 };
 
-const std::vector<std::string> kShapes = {"rectangle", "sphere", "cylinder", "box"};
-enum : size_t { kRectangle, kSphere, kCylinder, kBox };
+const std::vector<std::string> kShapes = {"rectangle", "sphere",  "cylinder",
+                                          "box",       "capsule", "board"};
+enum : size_t { kRectangle, kSphere, kCylinder, kBox, kCapsule, kBoard };
 constexpr size_t kMaxObjects = 65535;
+constexpr size_t kMaxParts = 200'000;  // Of all objects: boards have many.
 
 void describe_rgb(ConfigTable& table, ConfigKey key, Rgb& rgb) {
   table.numbers(key, rgb);
@@ -82,26 +88,33 @@ void describe_object(ConfigTable& table, SceneObject& object) {
   if (is(kRectangle) || is(kSphere) || is(kBox))
     table.vec3({"centre_m", "Of a rectangle, sphere or box: its centre at time 0, m.", always},
                object.place_m);
-  if (is(kCylinder))
-    table.vec3({"base_m", "Of a cylinder: the middle of its base at time 0, m.", always},
+  if (is(kCylinder) || is(kCapsule))
+    table.vec3({"base_m", "Of a cylinder or capsule: the middle of its base at time 0, m.", always},
                object.place_m);
+  if (is(kBoard))
+    table.object({"pose", "Of a board: where its middle is at time 0 and how it is turned."},
+                 [&](ConfigTable& pose) { describe(pose, object.pose); });
   if (is(kRectangle) || is(kBox))
     table.sizes({"size_m", "Of a rectangle its two sides, of a box its three edges, m.", always},
                 object.size_m, object.shape == kRectangle ? 2 : 3);
-  if (is(kSphere) || is(kCylinder))
-    describe_length(table, {"radius_m", "Of a sphere or cylinder, m.", always}, object.radius_m);
-  if (is(kCylinder))
-    describe_length(table, {"height_m", "Of a cylinder, m.", always}, object.height_m);
+  if (is(kSphere) || is(kCylinder) || is(kCapsule))
+    describe_length(table, {"radius_m", "Of a sphere, cylinder or capsule, m.", always},
+                    object.radius_m);
+  if (is(kCylinder) || is(kCapsule))
+    describe_length(table, {"height_m", "Of a cylinder or capsule, m.", always}, object.height_m);
   if (is(kRectangle))
     describe_direction(table, {"normal", "Of a rectangle; (0, 0, 1) where not given."},
                        object.normal);
   if (is(kBox))
     table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, {-1e3, 1e3});
-  describe_rgb(table, {"rgb", "Linear radiance, red, green, blue.", true}, object.rgb);
+  if (is(kBoard)) describe(table, object.board);
+  if (all || object.shape != kBoard)
+    describe_rgb(table, {"rgb", "Linear radiance, red, green, blue.", always}, object.rgb);
   table.vec3({"velocity_mps", "How it moves from its place at time 0, m/s."}, object.velocity_mps);
 }
 
-MovingPrimitive primitive_of(const SceneObject& object, uint16_t id) {
+std::vector<Primitive> primitives_of(const SceneObject& object, uint16_t id) {
+  if (object.shape == kBoard) return board_primitives(object.board, object.pose.pose(), id);
   Primitive primitive;
   primitive.object_id = id;
   primitive.rgb = object.rgb;
@@ -117,7 +130,8 @@ MovingPrimitive primitive_of(const SceneObject& object, uint16_t id) {
       primitive.size = Vec3(object.radius_m);
       break;
     case kCylinder:
-      primitive.shape = Shape::cylinder;
+    case kCapsule:
+      primitive.shape = object.shape == kCylinder ? Shape::cylinder : Shape::capsule;
       primitive.size = {object.radius_m, object.radius_m, object.height_m};
       break;
     default:
@@ -125,7 +139,7 @@ MovingPrimitive primitive_of(const SceneObject& object, uint16_t id) {
       primitive.size = object.size_m;
       primitive.X_WO.R = rotation_about({0, 0, 1}, object.yaw_rad);
   }
-  return {primitive, object.velocity_mps};
+  return {primitive};
 }
 
 // A scene file as it stands.
@@ -175,8 +189,12 @@ std::unique_ptr<SceneSource> read_scene(const ConfigNode& root) {
   scene->background_ = file.background;
   scene->lighting_ = file.lighting;
   if (file.has_light) scene->lighting_.direction_W = glm::normalize(file.lighting.direction_W);
-  for (size_t i = 0; i < file.objects.size(); ++i)
-    scene->objects_.push_back(primitive_of(file.objects[i], static_cast<uint16_t>(i + 1)));
+  for (size_t i = 0; i < file.objects.size(); ++i) {
+    for (const Primitive& part : primitives_of(file.objects[i], static_cast<uint16_t>(i + 1)))
+      scene->objects_.push_back({part, file.objects[i].velocity_mps});
+    if (scene->objects_.size() > kMaxParts)
+      root.fail(fmt::format("found boards of more than {} parts in all", kMaxParts));
+  }
   return scene;
 }
 

@@ -41,6 +41,21 @@ TEST(SceneFile, ObjectsMoveFromTheirPlaceAtTimeZero) {
   EXPECT_DOUBLE_EQ(source->background()[2], 0.3);
 }
 
+TEST(SceneFile, BoardsAndCapsulesStandAsInScenarios) {
+  const auto source = scene(
+      "  - {shape: capsule, base_m: [0, 0, 0], radius_m: 0.1, height_m: 1, rgb: [1, 0, 0]}\n"
+      "  - {shape: board, pattern: chessboard, columns: 3, rows: 2, pitch_m: 0.1, border_m: 0, "
+      "pose: {x_m: 1, yaw_rad: 1.5707963267948966}, velocity_mps: [0, 0, 0.5]}\n");
+  std::vector<Primitive> now;
+  source->primitives_at(SimTime::from_s(2), now);
+  ASSERT_EQ(now.size(), 5u);  // The ground and three dark squares of six.
+  EXPECT_EQ(now[0].shape, Shape::capsule);
+  // The square at the lower left, turned by a quarter and a metre up by now.
+  EXPECT_NEAR(now[2].X_WO.p.x, 1.05, 1e-12);
+  EXPECT_NEAR(now[2].X_WO.p.y, -0.1, 1e-12);
+  EXPECT_NEAR(now[2].X_WO.p.z, 1, 1e-12);
+}
+
 TEST(SceneFile, RectanglesStandUprightWithALevelFirstSide) {
   const std::string rectangle =
       "  - {shape: rectangle, centre_m: [0, 0, 0], size_m: [4.2, 2.7], rgb: [1, 0, 0], normal: ";
