@@ -26,4 +26,8 @@ std::string JointNames::of(size_t robot, int joint) const {
   return fmt::format("joint {}", joint);
 }
 
+bool JointNames::lacks_head(size_t robot) const {
+  return robot < names_.size() && (names_[robot].empty() || names_[robot][0] != kJointNames[kTilt]);
+}
+
 }  // namespace seam::app

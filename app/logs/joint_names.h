@@ -14,6 +14,8 @@ class JointNames {
  public:
   explicit JointNames(const scheduler::RunHeader& header);
   std::string of(size_t robot, int joint) const;
+  // Whether it is known to have no head of tilt, pan and roll: the poses of its log then have none.
+  bool lacks_head(size_t robot) const;
 
  private:
   std::vector<std::vector<std::string>> names_;

@@ -38,7 +38,8 @@ class Indexer {
     index_.pose_t.push_back(step.time.s());
     index_.poses.push_back(step.poses);
     for (size_t robot = 0; robot < index_.robots.size(); ++robot) {
-      for (size_t field = 0; field < 6; ++field) {
+      const size_t fields = joints_.lacks_head(robot) ? 3 : 6;
+      for (size_t field = 0; field < fields; ++field) {
         add(index_.robots[robot].series[std::string(scheduler::kPoseFields[field])], step.time.s(),
             static_cast<double>(step.poses[6 * robot + field]));
       }

@@ -17,7 +17,7 @@ export interface PlotSpec {
 }
 
 export const specs: PlotSpec[] = [
-  { title: "Head joints", unit: "rad", wants: (n) => /^(command\.)?(tilt|pan|roll)_rad$/.test(n) },
+  { title: "Joints", unit: "rad", wants: (n) => /^(tilt|pan|roll)_rad$|^command\.(?!(left|right)_(front|hind)_).*_rad$/.test(n) },
   { title: "Position", unit: "m", wants: (n) => n === "x_m" || n === "y_m" },
   { title: "Heading", unit: "rad", wants: (n) => n === "heading_rad" },
   { title: "Walk command", unit: "m/s, rad/s", wants: (n) => /^command\.(vx|vy|omega)_/.test(n) },

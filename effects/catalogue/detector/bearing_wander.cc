@@ -1,4 +1,4 @@
-#include "effects/stages/noise.h"
+#include "effects/stages/wander.h"
 
 namespace seam::effects {
 
@@ -7,16 +7,7 @@ EffectDefinition bearing_wander() {
       .name = "bearing_wander",
       .stage = Stage::detector,
       .kinds = kLandmarks,
-      .parameters = {{.name = "sigma_rad",
-                      .min = 0,
-                      .max = 1,
-                      .scale = 0.01,
-                      .help = "Standard deviation of the error that wanders, radians."},
-                     {.name = "tau_s",
-                      .min = 0,
-                      .max = 10000,
-                      .scale = 1,
-                      .help = "Its memory, seconds: after so long a third is left of it."}},
+      .parameters = wander_parameters("sigma_rad", "radians", 1, 0.01),
       .help = "The error of a bearing wanders, each landmark's on its own.",
       .formula = "Ornstein-Uhlenbeck: covariance sigma_rad^2 exp(-lag / tau_s)",
       .signature = "neighbours on a landmark's track agree, other landmarks do not",
@@ -24,17 +15,7 @@ EffectDefinition bearing_wander() {
       .spread_only = true,
       .errors = Errors::together,
       .needs = {Need::bearings},
-      .starts = {{kLandmarks,
-                  StartSearch::best_listed,
-                  {{0.001, 0.3},
-                   {0.001, 2},
-                   {0.001, 15},
-                   {0.01, 0.3},
-                   {0.01, 2},
-                   {0.01, 15},
-                   {0.1, 0.3},
-                   {0.1, 2},
-                   {0.1, 15}}}},
+      .starts = wander_starts(kLandmarks, 0.01),
       .advice = {{kLandmarks,
                   {"heading_wander"},
                   "several landmarks in view at once: a heading moves all of them"},

@@ -1,4 +1,4 @@
-#include "effects/stages/noise.h"
+#include "effects/stages/wander.h"
 
 namespace seam::effects {
 
@@ -7,16 +7,7 @@ EffectDefinition range_wander() {
       .name = "range_wander",
       .stage = Stage::detector,
       .kinds = kLandmarks,
-      .parameters = {{.name = "sigma_m",
-                      .min = 0,
-                      .max = 5,
-                      .scale = 0.02,
-                      .help = "Standard deviation of the error that wanders, metres."},
-                     {.name = "tau_s",
-                      .min = 0,
-                      .max = 10000,
-                      .scale = 1,
-                      .help = "Its memory, seconds: after so long a third is left of it."}},
+      .parameters = wander_parameters("sigma_m", "metres", 5, 0.02),
       .help =
           "The error of a range wanders: for a while a landmark is seen too far, then too near.",
       .formula = "Ornstein-Uhlenbeck: covariance sigma_m^2 exp(-lag / tau_s)",
@@ -25,17 +16,7 @@ EffectDefinition range_wander() {
       .spread_only = true,
       .errors = Errors::together,
       .needs = {Need::distances},
-      .starts = {{kLandmarks,
-                  StartSearch::best_listed,
-                  {{0.002, 0.3},
-                   {0.002, 2},
-                   {0.002, 15},
-                   {0.02, 0.3},
-                   {0.02, 2},
-                   {0.02, 15},
-                   {0.2, 0.3},
-                   {0.2, 2},
-                   {0.2, 15}}}},
+      .starts = wander_starts(kLandmarks, 0.02),
       .advice = {{kLandmarks,
                   {"landmark_bias"},
                   "longer tracks of each landmark: a bias stays, a wander comes back"}},

@@ -1,4 +1,4 @@
-#include "effects/stages/noise.h"
+#include "effects/stages/wander.h"
 
 namespace seam::effects {
 
@@ -7,33 +7,14 @@ EffectDefinition joint_wander() {
       .name = "joint_wander",
       .stage = Stage::joint,
       .kinds = kJoints,
-      .parameters = {{.name = "sigma_rad",
-                      .min = 0,
-                      .max = 1,
-                      .scale = 0.002,
-                      .help = "Standard deviation of the error that wanders, radians."},
-                     {.name = "tau_s",
-                      .min = 0,
-                      .max = 10000,
-                      .scale = 1,
-                      .help = "Its memory, seconds: after so long a third is left of it."}},
+      .parameters = wander_parameters("sigma_rad", "radians", 1, 0.002),
       .help = "The error of a logged joint wanders in time.",
       .formula = "Ornstein-Uhlenbeck: covariance sigma_rad^2 exp(-lag / tau_s)",
       .signature = "neighbours in a run agree",
       .example = "joint_wander: {sigma_rad: 0.002, tau_s: 2}",
       .spread_only = true,
       .errors = Errors::together,
-      .starts = {{kJoints,
-                  StartSearch::best_listed,
-                  {{0.0002, 0.3},
-                   {0.0002, 2},
-                   {0.0002, 15},
-                   {0.002, 0.3},
-                   {0.002, 2},
-                   {0.002, 15},
-                   {0.02, 0.3},
-                   {0.02, 2},
-                   {0.02, 15}}}},
+      .starts = wander_starts(kJoints, 0.002),
       .noise =
           [](Values p, Noise& noise) {
             if (p[0] > 0) noise.joint.push_back({p[0], p[1]});
