@@ -1,7 +1,7 @@
 # What `cmake --install` and `cpack -G DEB` put where. Programs find their files from their own place
 # (sim_core/system/own_files.h), packages from that of their .cmake and .pc files, so that the tree may be moved.
 #
-# Components: program, sdk (headers and libraries of behaviours and plugins), python; debian_python is the same package
+# Components: program, images (what needs OpenCV), sdk (headers and libraries of behaviours and plugins), python; debian_python is the same package
 # where Debian's python looks, for the .deb alone.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -22,6 +22,10 @@ endfunction()
 function(seam_install_program)
   set(share ${CMAKE_INSTALL_DATADIR}/seam)
   install(TARGETS seam seam-render RUNTIME DESTINATION bin COMPONENT program)
+  if(TARGET seam-pictures)
+    install(TARGETS seam-pictures RUNTIME DESTINATION bin COMPONENT images)
+    install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION share/doc/seam-images RENAME copyright COMPONENT images)
+  endif()
   foreach(target ${SEAM_BEHAVIOURS})
     install(TARGETS ${target} RUNTIME DESTINATION lib/seam/behaviours COMPONENT program)
   endforeach()

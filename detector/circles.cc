@@ -27,16 +27,32 @@ cv::Ptr<cv::FeatureDetector> blobs(const cv::Mat& picture, bool dark) {
   return cv::SimpleBlobDetector::create(p);
 }
 
-bool find(const cv::Mat& picture, const Target& target, Points& found, bool& dark) {
+// Places of round spots; of many the largest, since the search for a grid among them takes time
+// with a power of their number.
+Points spots(const cv::Mat& picture, const Target& target, bool dark) {
+  std::vector<cv::KeyPoint> seen;
+  blobs(picture, dark)->detect(picture, seen);
+  std::stable_sort(seen.begin(), seen.end(),
+                   [](const cv::KeyPoint& a, const cv::KeyPoint& b) { return a.size > b.size; });
+  const size_t wanted = static_cast<size_t>(target.columns) * static_cast<size_t>(target.rows);
+  seen.resize(std::min(seen.size(), wanted + wanted / 2 + 10));
+  Points places;
+  for (const cv::KeyPoint& spot : seen) places.push_back(spot.pt);
+  return places;
+}
+
+// Among the spots of one of both colours; `most` is how many there were of either.
+bool find(const cv::Mat& picture, const Target& target, Points& found, size_t& most) {
   const cv::Size size(target.columns, target.rows);
   const int form = target.pattern == Pattern::circles ? cv::CALIB_CB_SYMMETRIC_GRID
                                                       : cv::CALIB_CB_ASYMMETRIC_GRID;
-  for (const bool try_dark : {true, false}) {
-    dark = try_dark;
-    const auto detector = blobs(picture, dark);
-    if (cv::findCirclesGrid(picture, size, found, form, detector) ||
-        cv::findCirclesGrid(picture, size, found, form | cv::CALIB_CB_CLUSTERING, detector))
-      return true;
+  for (const bool dark : {true, false}) {
+    const Points places = spots(picture, target, dark);
+    most = std::max(most, places.size());
+    if (places.size() < static_cast<size_t>(size.area())) continue;
+    for (const int way : {0, static_cast<int>(cv::CALIB_CB_CLUSTERING)}) {
+      if (cv::findCirclesGrid(places, size, found, form | way, nullptr)) return true;
+    }
   }
   return false;
 }
@@ -144,17 +160,14 @@ void straighten(const Target& target, const std::vector<Blob>& blobs, Found& res
 
 Found find_circles(const cv::Mat& picture, const Target& target) {
   Points found;
-  bool dark = true;
-  if (!find(picture, target, found, dark)) {
-    std::vector<cv::KeyPoint> seen;
-    blobs(picture, true)->detect(picture, seen);
+  size_t most = 0;
+  if (!find(picture, target, found, most)) {
     const size_t wanted = static_cast<size_t>(target.columns) * static_cast<size_t>(target.rows);
-    return {
-        .corners = {},
-        .why = seen.size() < wanted / 4
-                   ? "no target"
-                   : fmt::format("part of the target or another one: {} dark spots in place of {}",
-                                 seen.size(), wanted)};
+    return {.corners = {},
+            .why = most < wanted / 4
+                       ? "no target"
+                       : fmt::format("part of the target or another one: {} spots in place of {}",
+                                     most, wanted)};
   }
   std::vector<cv::Point2d> places(found.begin(), found.end());
   // Seen from its face.

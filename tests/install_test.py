@@ -184,10 +184,12 @@ def check_debian_packages(folder):
         sys.exit(77)
     run("cpack", "-G", "DEB", "--config", BUILD / "CPackConfig.cmake", "-B", folder / "deb")
     packages = {path.name.split("_")[0]: path for path in (folder / "deb").glob("*.deb")}
-    assert set(packages) == {"seam", "libseam-sdk-dev", "python3-seam"}, packages
+    images = {"seam-images"} if (BUILD / "seam-pictures").exists() else set()
+    assert set(packages) == {"seam", "libseam-sdk-dev", "python3-seam"} | images, packages
     needs = {name: run("dpkg-deb", "-f", path, "Depends") for name, path in packages.items()}
     for library in ("libgrpc++1", "libprotobuf", "libc6", "libyaml-cpp", "libbox2d"):
         assert library in needs["seam"], needs
+    assert "opencv" not in needs["seam"], needs
     said = run("apt-get", "install", "--simulate", "--no-install-recommends", *packages.values())
     for name in packages:
         assert f"Inst {name} " in said, said
