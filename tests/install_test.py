@@ -16,7 +16,7 @@ import urllib.request
 
 BUILD, SOURCE = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 PYTHON, CXX = sys.argv[3:5]
-LIMIT_S = 120
+LIMIT_S = 280  # A hang is a failure.
 
 BEHAVIOUR = """#include "robot_sdk/robot.h"
 int main(int argc, char** argv) {
