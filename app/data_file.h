@@ -5,8 +5,8 @@
 
 namespace seam::app {
 
-// A file of the project (scenarios/..., models/...): below the working folder, or beside the build
-// folder of this program.
+// A file of the project (scenarios/..., models/...): below the working folder, where this program
+// is installed, or beside its build folder.
 std::filesystem::path data_file(const std::string& name);
 
 }  // namespace seam::app

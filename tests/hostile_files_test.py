@@ -355,9 +355,10 @@ class Hostile(unittest.TestCase):
         names.write_text(f"time_s,../../decoys/secret.txt,{ESCAPE}\n0,1,2\n0.1,2,3\n")
         link = self.inputs / "link.csv"
         link.symlink_to("../decoys/points.csv")
-        for kind in ("servo", "ranges", "opencv", "kalibr", "mrcal", "bouguet", "ros", "euroc", "tum", "emva1288", "flats", "log"):
+        for kind in ("images", "servo", "ranges", "opencv", "kalibr", "mrcal", "bouguet", "ros", "euroc", "tum", "emva1288", "flats", "log"):
             for source in (names, link, self.logs[1], self.inputs / "set-link"):
-                self.walk("import", kind, source, "--out", "{out}/set")
+                board = ["--board", "9x6", "--spacing", "0.03"] if kind == "images" else []
+                self.walk("import", kind, source, *board, "--out", "{out}/set")
         for form in ("opencv", "ros", "mrcal", "kalibr", "json"):
             self.walk("export", self.model, "--to", form, "--size", "178x144", "--out", "{out}/e")
         self.walk("effects", decoy)

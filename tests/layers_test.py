@@ -24,6 +24,7 @@ FOLDERS = {
     "measurement": {"sim_core", "effects"},
     "robot_sdk": {"proto", "seam"},
     "app": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "seam"},
+    "detector": set(),
     "tools": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "app", "seam"},
 }
 # What a room may include of its own folder, beside itself. "." is the folder's own files; a name that
@@ -99,8 +100,10 @@ ROOMS = {
     },
     "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."], "exchange": [],
             "import/draft": ["exchange"], "import/files": [], "import/bags": [],
-            "import/kinds": ["import/draft", "import/files", "import/bags", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],
+            "import/pictures": ["import/draft"],
+            "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],
             "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
+    "detector": {".": []},
     "tools": {
         ".": [],
         "experiments": ["."],
@@ -125,8 +128,9 @@ PRIVATE_HEADERS = {
     r"CLI/": {"app"},
     r"httplib": {"tools/viewer"},
     r"sqlite3": {"app/sweep"},
+    r"(?:opencv2|libexif)/": {"detector", "bench"},
+    r"apriltag/": {"sim_core/scene", "render/golden", "detector", "bench"},
     r"tinyxml2": {"app/import/files", "sim_core/body"},
-    r"apriltag/": {"sim_core/scene", "render/golden"},
     r"(?:bzlib|lz4frame)": {"app/import/bags"},
 }
 BANNED = {

@@ -9,9 +9,12 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
+#include "sim_core/system/own_files.h"
 #include "sim_core/system/thread.h"
 
 extern char** environ;  // NOLINT: POSIX's name.
@@ -23,6 +26,31 @@ namespace {
 bool is_program(const std::filesystem::path& path) {
   std::error_code error;
   return std::filesystem::is_regular_file(path, error) && access(path.c_str(), X_OK) == 0;
+}
+
+// What keeps a file from being started as a program; empty where nothing does.
+std::string why_no_program(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    return "is not there: neither beside the scenario nor in the working folder";
+  if (!std::filesystem::is_regular_file(path, error)) return "is no file, expected a program";
+  if (access(path.c_str(), X_OK) != 0) return "is not executable: chmod +x makes it so";
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return "";         // One that may be started and not read: the system knows.
+  std::string line(256, '\0');  // As much as the system looks at.
+  file.read(line.data(), static_cast<std::streamsize>(line.size()));
+  line.resize(static_cast<size_t>(file.gcount()));
+  if (line.starts_with("\x7f"
+                       "ELF"))
+    return "";
+  line = line.substr(0, line.find('\n'));
+  if (!line.starts_with("#!"))
+    return "has no #! in its first line, expected #!/usr/bin/python3 or whatever is to run it";
+  std::istringstream words(line.substr(2));
+  std::string interpreter;
+  words >> interpreter;
+  if (!interpreter.ends_with('\r') && is_program(interpreter)) return "";
+  return fmt::format("names in its #! line '{}', which is no program", shown(interpreter));
 }
 
 std::string how_it_ended(int status) {
@@ -53,19 +81,38 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 
 std::string find_behaviour(const std::string& name, const std::string& robot) {
   if (name.find('/') != std::string::npos) {
-    if (is_program(name)) return std::filesystem::absolute(name).string();
-    throw InputError(fmt::format("robot '{}': behaviour '{}' is no program", robot, name));
+    if (const std::string fault = why_no_program(name); !fault.empty())
+      throw InputError(fmt::format("robot '{}': behaviour '{}' {}", robot, name, fault));
+    return std::filesystem::absolute(name).string();
   }
-  const auto here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  const std::filesystem::path ours = here / "behaviours" / name;
-  if (is_program(ours)) return ours.string();
+  const std::filesystem::path folder_of_ours = behaviours_folder();
+  std::vector<std::filesystem::path> places = {folder_of_ours};
   const char* path = std::getenv("PATH");
   std::istringstream folders(path == nullptr ? "" : path);
   for (std::string folder; std::getline(folders, folder, ':');)
-    if (!folder.empty() && is_program(std::filesystem::path(folder) / name))
-      return (std::filesystem::path(folder) / name).string();
-  throw InputError(fmt::format("robot '{}': no behaviour '{}' in {} or PATH", robot, name,
-                               (here / "behaviours").string()));
+    if (!folder.empty()) places.emplace_back(folder);
+  for (const std::filesystem::path& place : places) {
+    if (!is_program(place / name)) continue;
+    if (const std::string fault = why_no_program(place / name); !fault.empty())
+      throw InputError(
+          fmt::format("robot '{}': behaviour '{}' {}", robot, (place / name).string(), fault));
+    return (place / name).string();
+  }
+  std::error_code unknown;
+  throw InputError(fmt::format(
+      "robot '{}': no behaviour '{}' in {} or PATH{}", robot, name, folder_of_ours.string(),
+      std::filesystem::exists(name, unknown)
+          ? fmt::format("; for the file of this name here write ./{}", name)
+          : ""));
+}
+
+std::map<std::string, std::string> behaviour_environment() {
+  const std::filesystem::path package = python_folder();
+  if (package.empty()) return {};
+  // What the user names goes before ours.
+  const char* theirs = std::getenv("PYTHONPATH");
+  const std::string before = theirs == nullptr || *theirs == '\0' ? "" : std::string(theirs) + ":";
+  return {{"PYTHONPATH", before + package.string()}};
 }
 
 BlockedSignals::BlockedSignals() {
@@ -81,7 +128,11 @@ BlockedSignals::~BlockedSignals() {
 void Behaviours::start(const BehaviourProcess& process) {
   std::vector<std::string> command = process.command;
   std::vector<std::string> environment;
-  for (char** entry = environ; *entry != nullptr; ++entry) environment.emplace_back(*entry);
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view text = *entry;
+    if (!process.environment.contains(std::string(text.substr(0, text.find('=')))))
+      environment.emplace_back(text);
+  }
   for (const auto& [name, value] : process.environment) environment.push_back(name + "=" + value);
   std::vector<char*> argv = pointers(command);
   std::vector<char*> envp = pointers(environment);

@@ -16,12 +16,16 @@ namespace seam::app {
 struct BehaviourProcess {
   std::string robot;
   std::vector<std::string> command;                // argv[0] a program's full path.
-  std::map<std::string, std::string> environment;  // Added to ours.
+  std::map<std::string, std::string> environment;  // Added to ours, or in place of it.
 };
 
-// The program that a scenario means by `name`: with a slash the path itself, else in the folder
-// `behaviours/` beside this program, else in PATH. Throws InputError where there is none.
+// The program that a scenario means by `name`: with a slash the path itself, else among the
+// behaviours that belong to this program, else in PATH. Throws InputError where there is none, or
+// where it is one that cannot be started: not executable, without #!.
 std::string find_behaviour(const std::string& name, const std::string& robot);
+
+// What behaviours find in their environment: our package on Python's path.
+std::map<std::string, std::string> behaviour_environment();
 
 // While it lives, the calling thread and those that it starts leave SIGINT, SIGTERM, SIGHUP and
 // SIGCHLD to `SignalWatch`; a client that closes its connection does not end the program.

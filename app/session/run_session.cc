@@ -83,7 +83,7 @@ std::vector<BehaviourProcess> behaviour_processes(const Scenario& scenario,
     std::vector<std::string> command = command_of(robot, options);
     if (command.empty()) continue;
     command[0] = find_behaviour(command[0], robot.id);
-    processes.push_back({robot.id, std::move(command), {}});
+    processes.push_back({robot.id, std::move(command), behaviour_environment()});
   }
   return processes;
 }
@@ -233,8 +233,8 @@ void Session::start_processes() {
       renderers_.start(process);
   for (BehaviourProcess& process : processes_) {
     const auto& robot = robots_[static_cast<size_t>(hub_.robot_number(process.robot))];
-    process.environment = {
-        {"SEAM_ADDRESS", socket_}, {"SEAM_ROBOT", robot.id}, {"SEAM_TOKEN", robot.token}};
+    process.environment.insert(
+        {{"SEAM_ADDRESS", socket_}, {"SEAM_ROBOT", robot.id}, {"SEAM_TOKEN", robot.token}});
     behaviours_.start(process);
   }
 }

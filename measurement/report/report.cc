@@ -1,10 +1,10 @@
 #include "measurement/report/report.h"
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
+#include "sim_core/system/own_files.h"
 
 namespace seam::measurement {
 namespace {
@@ -66,17 +66,7 @@ void append_table(const json& value, std::string& out) {
 }  // namespace
 
 fs::path find_report_template() {
-  std::vector<fs::path> places;
-  if (const char* share = std::getenv("SEAM_SHARE")) places.emplace_back(share);
-  std::error_code error;
-  if (fs::path program = fs::read_symlink("/proc/self/exe", error); !error) {
-    places.push_back(program.parent_path() / "share/seam");
-    places.push_back(program.parent_path().parent_path() / "share/seam");
-  }
-  for (const fs::path& place : places) {
-    if (fs::is_regular_file(place / "report.html", error)) return place / "report.html";
-  }
-  return {};
+  return find_shared("report.html");
 }
 
 std::string fill_report_template(std::string_view page_template, std::string_view json) {

@@ -290,7 +290,19 @@ bool is_robot_id(std::string_view id) {
 }
 
 Scenario Scenario::from_file(const std::filesystem::path& path) {
-  return from_node(ConfigNode::from_file(path));
+  Scenario scenario = from_node(ConfigNode::from_file(path));
+  // Programs beside the scenario, as its other files are. In this folder they are found as they
+  // are.
+  const std::filesystem::path folder = path.parent_path();
+  for (RobotSpec& robot : scenario.robots) {
+    if (robot.behaviour.command.empty() || folder.empty()) continue;
+    std::string& program = robot.behaviour.command.front();
+    std::error_code unknown;
+    if (program.find('/') != std::string::npos && program.front() != '/' &&
+        std::filesystem::exists(folder / program, unknown))
+      program = (folder / program).string();
+  }
+  return scenario;
 }
 
 Scenario Scenario::from_text(const std::string& yaml, const std::string& name) {

@@ -14,7 +14,8 @@ namespace seam::tools {
 namespace {
 
 struct ImportFlags {
-  std::string kind, out, map, unit, time_unit, length_unit, board, size, camera, part, title;
+  std::string kind, out, map, unit, time_unit, length_unit, board, target, size, camera, part,
+      title;
   std::optional<double> spacing;
   std::vector<std::string> sources;
 };
@@ -63,6 +64,7 @@ void check_options(const ImportFlags& flags, const app::ImportKind& kind) {
       {"length-unit", !flags.length_unit.empty()},
       {"board", !flags.board.empty()},
       {"spacing", flags.spacing.has_value()},
+      {"target", !flags.target.empty()},
       {"size", !flags.size.empty()},
       {"camera", !flags.camera.empty()},
       {"part", !flags.part.empty()},
@@ -81,6 +83,7 @@ app::ImportRequest request_of(const ImportFlags& flags) {
                              .unit = flags.unit,
                              .time_unit = flags.time_unit,
                              .length_unit = flags.length_unit,
+                             .target = flags.target,
                              .camera = flags.camera,
                              .part = flags.part};
   for (const std::string& source : flags.sources) request.sources.emplace_back(source);
@@ -122,7 +125,12 @@ void add_import(app::Command app) {
   command.add_option("--unit", flags->unit, "Of angles: rad, mrad, deg, turns or ticks:N a turn");
   command.add_option("--time-unit", flags->time_unit, "Of times: s, ms, us or ns");
   command.add_option("--length-unit", flags->length_unit, "Of lengths: m, cm, mm, um or in");
-  command.add_option("--board", flags->board, "Corners of the target, COLUMNSxROWS");
+  command
+      .add_option("--target", flags->target,
+                  "What is on a target of pictures (default: chessboard)")
+      .one_of({"chessboard", "circles", "asymmetric_circles"});
+  command.add_option("--board", flags->board,
+                     "Inner corners or circles of the target, COLUMNSxROWS");
   command.add_option("--spacing", flags->spacing,
                      "Between the target's corners, in metres or the unit of --length-unit");
   command.add_option("--part", flags->part, "What of a log: joints or odometry")

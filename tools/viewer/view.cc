@@ -9,6 +9,7 @@
 
 #include "app/logs/log_difference.h"
 #include "sim_core/base/error.h"
+#include "sim_core/system/own_files.h"
 #include "tools/command.h"
 #include "tools/viewer/loopback_host.h"
 #include "tools/viewer/view_data.h"
@@ -25,7 +26,8 @@ struct Settings {
 
 fs::path page_folder() {
   if (const char* given = std::getenv("SEAM_VIEWER_DIR")) return given;
-  return fs::read_symlink("/proc/self/exe").parent_path() / "share/seam/viewer";
+  const fs::path found = find_shared("viewer");
+  return found.empty() ? program_file().parent_path() / "share/seam/viewer" : found;
 }
 
 void refuse(httplib::Response& response, int status, const std::string& sentence) {

@@ -169,12 +169,13 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
   draft.rig = "{pose: unknown}";
   check_places(views, file, draft);
   check_views(views, draft);
-  bool weighted = false;
+  bool weighted = false, measured = false;
   size_t count = 0;
   std::set<size_t> points;
   for (const SeenView& view : views) {
     for (const SeenCorner& c : view.corners) {
       weighted = weighted || c.weight != 1;
+      measured = measured || c.sigma_px > 0;
       points.insert(c.point);
     }
     count += view.corners.size();
@@ -182,6 +183,7 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
   std::vector<std::string> columns = {"frame", "time_s", "point", "x_m",
                                       "y_m",   "z_m",    "u_px",  "v_px"};
   if (weighted) columns.emplace_back("weight");
+  if (measured) columns.emplace_back("sigma_px");
   measurement::CsvWriter table(columns);
   for (size_t i = 0; i < views.size(); ++i) {
     const std::string time = times_known ? seconds_text(views[i].time_ns) : fmt::format("{}", i);
@@ -190,6 +192,7 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
                                         exact(c.p_W.x), exact(c.p_W.y), exact(c.p_W.z),
                                         exact(c.u_px),  exact(c.v_px)};
       if (weighted) cells.push_back(exact(c.weight));
+      if (measured) cells.push_back(fmt::format("{:.4g}", c.sigma_px));
       table.row(cells);
     }
   }
@@ -199,7 +202,7 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
   if (!times_known)
     draft.could_not_know(
         "when the views were taken: numbered by seconds, which says nothing of time");
-  draft.could_not_know("the noise of the corners: it is estimated");
+  if (!measured) draft.could_not_know("the noise of the corners: it is estimated");
   draft.could_not_know("where the camera was: each view's pose is estimated with the model");
   if (camera != nullptr) {
     draft.effects = effects_of(*camera);

@@ -16,7 +16,8 @@ struct SeenCorner {
   size_t point = 0;  // Its place on the target.
   Vec3 p_W{0.0};     // Metres.
   double u_px = 0, v_px = 0;
-  double weight = 1;  // Divides the variance.
+  double weight = 1;    // Divides the variance.
+  double sigma_px = 0;  // Its own scatter where that was measured; 0: unknown.
 };
 
 struct SeenView {

@@ -18,6 +18,7 @@ struct ImportRequest {
   std::string length_unit;                // Likewise.
   int board_columns = 0, board_rows = 0;  // Corners of a target; 0: not given.
   double spacing_m = 0;                   // Between them; 0: not given.
+  std::string target;                     // What is on it: chessboard, circles; empty: not given.
   int width_px = 0, height_px = 0;        // Of the images; 0: not given.
   std::string camera;                     // Which one, or which robot's.
   std::string part;                       // Of what the files hold; empty: the first that is there.

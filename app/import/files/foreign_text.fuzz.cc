@@ -2,10 +2,12 @@
 // in an InputError.
 #include <nlohmann/json.hpp>
 
+#include "app/import/draft/target.h"
 #include "app/import/files/python_literal.h"
 #include "app/import/files/signals.h"
 #include "app/import/files/storage.h"
 #include "app/import/files/text_table.h"
+#include "app/import/pictures/finder.h"
 #include "sim_core/base/error.h"
 
 using namespace seam::app;
@@ -35,9 +37,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   });
   end_well([&] { signals_of_text(text, "input"); });
   end_well([&] { python_literal(text, "input"); });
+  end_well([&] { answer_of(text, 54); });
   end_well([&] {
     const auto root = storage_of_text(text, "input");
     if (!root.is_map()) return;
+    end_well([&] { read_target(root, {}); });
     for (const std::string& key : root.keys()) {
       end_well([&] { numbers_in(root.at(key), true); });
       if (is_matrix(root.at(key))) end_well([&] { matrix_rows(root.at(key)); });

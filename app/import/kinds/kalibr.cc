@@ -6,6 +6,7 @@
 #include "app/import/draft/calibration.h"
 #include "app/import/draft/checks.h"
 #include "app/import/draft/points_draft.h"
+#include "app/import/draft/target.h"
 #include "app/import/files/storage.h"
 #include "app/import/files/text_table.h"
 #include "app/import/kinds/kinds.h"
@@ -52,53 +53,6 @@ PlainCamera camera_of(const ConfigNode& root, const ImportRequest& request, SetD
   return camera;
 }
 
-// The target's points by their place in the grid, numbered row by row as Kalibr does.
-struct Target {
-  std::vector<Vec3> points;
-  int tag_columns = 0;  // Of an AprilGrid; 0 of others.
-};
-
-Target target_of(const ConfigNode& root, const ImportRequest& request) {
-  const ConfigNode type = root.at("target_type");
-  const size_t which = type.choice({"aprilgrid", "checkerboard", "circlegrid"});
-  const double metres = request.length_unit.empty() ? 1 : metres_in(request.length_unit);
-  const auto count = [&](const char* key) {
-    return static_cast<int>(root.at(key).integer(1, 1000));
-  };
-  const auto length = [&](const char* key) {
-    const double value = root.at(key).number() * metres;
-    check_spacing(value, root.at(key).where(), request);
-    return value;
-  };
-  Target target;
-  if (which == 0) {
-    const int columns = count("tagCols"), rows = count("tagRows");
-    const double tag = length("tagSize");
-    const double step = tag * (1 + root.at("tagSpacing").number({0, 10}));
-    target.tag_columns = columns;
-    for (int r = 0; r < 2 * rows; ++r) {
-      for (int c = 0; c < 2 * columns; ++c)
-        target.points.emplace_back((c / 2) * step + (c % 2) * tag, (r / 2) * step + (r % 2) * tag,
-                                   0.0);
-    }
-    return target;
-  }
-  const int columns = count("targetCols"), rows = count("targetRows");
-  if (which == 1) {
-    target.points =
-        board_points(columns, rows, length("colSpacingMeters"), length("rowSpacingMeters"));
-    return target;
-  }
-  const double spacing = length("spacingMeters");
-  const bool asymmetric = root.boolean_or("asymmetricGrid", false);
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c)
-      target.points.emplace_back(asymmetric ? (2 * c + r % 2) * spacing : c * spacing, r * spacing,
-                                 0.0);
-  }
-  return target;
-}
-
 // A corner of a tag, counted from its lower left against the clock, as a place of the grid.
 size_t corner_of_tag(size_t tag, size_t corner, size_t tag_columns) {
   const size_t row = 2 * (tag / tag_columns) + (corner >= 2 ? 1 : 0);
@@ -138,7 +92,7 @@ class Corners {
 
   bool has_times() const { return time_ >= 0; }
 
-  std::vector<SeenView> views(const Target& target, const std::string& camera) const {
+  std::vector<SeenView> views(const TargetSpec& target, const std::string& camera) const {
     std::vector<SeenView> views;
     std::map<std::string, size_t> place;
     for (size_t row = 0; row < table_.rows(); ++row) {
@@ -172,12 +126,12 @@ class Corners {
     return static_cast<size_t>(value);
   }
 
-  size_t point_in(size_t row, const Target& target) const {
+  size_t point_in(size_t row, const TargetSpec& target) const {
     size_t point = count_in(row, point_);
     if (tag_ >= 0) {
-      if (target.tag_columns == 0) table_.fail(row, at(tag_), "no tags: the target has none");
+      if (target.pattern != "aprilgrid") table_.fail(row, at(tag_), "no tags: the target has none");
       if (point > 3) table_.fail(row, at(point_), "a corner of a tag, 0 to 3");
-      point = corner_of_tag(count_in(row, tag_), point, static_cast<size_t>(target.tag_columns));
+      point = corner_of_tag(count_in(row, tag_), point, static_cast<size_t>(target.columns));
     }
     if (point >= target.points.size())
       table_.fail(row, at(tag_ >= 0 ? tag_ : point_),
@@ -199,7 +153,7 @@ bool is_yaml(const std::filesystem::path& path) {
 
 void import_kalibr(const ImportRequest& request, SetDraft& draft) {
   std::optional<PlainCamera> camera;
-  std::optional<Target> target;
+  std::optional<TargetSpec> target;
   std::optional<TextTable> table;
   for (const auto& source : request.sources) {
     if (!is_yaml(source)) {
@@ -210,7 +164,7 @@ void import_kalibr(const ImportRequest& request, SetDraft& draft) {
     const ConfigNode root = read_storage(source);
     if (!root.is_map()) root.fail("expected a camchain or a target");
     if (root.has("target_type")) {
-      target = target_of(root, request);
+      target = read_target(root, request);
       continue;
     }
     const auto keys = root.keys();
@@ -224,7 +178,7 @@ void import_kalibr(const ImportRequest& request, SetDraft& draft) {
   draft.camera.width_px = camera ? camera->width_px : request.width_px;
   draft.camera.height_px = camera ? camera->height_px : request.height_px;
   if (!table) return draft_protocol(*camera, request, draft);
-  if (!target) target = Target{board_of(request, "corners without a target YAML"), 0};
+  if (!target) target = TargetSpec{.points = board_of(request, "corners without a target YAML")};
   const Corners corners(*table, request);
   auto views = corners.views(*target, request.camera);
   if (corners.has_times()) {

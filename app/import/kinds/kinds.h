@@ -7,6 +7,7 @@
 
 namespace seam::app {
 
+void import_images(const ImportRequest& request, SetDraft& draft);
 void import_servo(const ImportRequest& request, SetDraft& draft);
 void import_ranges(const ImportRequest& request, SetDraft& draft);
 void import_opencv(const ImportRequest& request, SetDraft& draft);

@@ -1,0 +1,20 @@
+// How much the corners that a detector found scatter, told from the pictures themselves.
+#pragma once
+
+#include <vector>
+
+#include "app/import/draft/points_draft.h"
+
+namespace seam::app {
+
+struct Scatter {
+  double all_px = 0;            // One sigma of one coordinate, over all views; 0: not told.
+  std::vector<double> view_px;  // Of each view, drawn to that of all where it has few points.
+};
+
+// What a smooth map from the target to the picture leaves, a perspective and a cubic: no lens has
+// to be known. Displacements that a point of the target has in all views are the target's, and are
+// taken out where enough views show it.
+Scatter scatter_of(const std::vector<SeenView>& views);
+
+}  // namespace seam::app

@@ -1,0 +1,231 @@
+#!/usr/bin/env python3
+"""`seam import images`: targets that SEAM has drawn itself, so that each corner's place is known; pictures that show none,
+part of one, another one, a blur; times; files of strangers. `images_test.py path/to/seam`
+"""
+import csv
+import ctypes
+import pathlib
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+
+import numpy as np
+from PIL import Image
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from target_pictures import AprilGrid, Charuco, Chessboard, Circles, draw, projected, views  # noqa: E402
+
+SEAM = pathlib.Path(sys.argv[1]).resolve()
+WIDTH, HEIGHT, FOCAL = 480, 360, 450
+
+
+def run(*arguments, code=0, seam=SEAM):
+    done = subprocess.run([seam, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == code, (arguments, done.returncode, done.stdout, done.stderr)
+    return done.stdout + done.stderr
+
+
+def tag_bits(number):
+    """Of tag36h11 with its dark border, a row a list, from the library's own picture."""
+    library = ctypes.CDLL("libapriltag.so.3")
+
+    class Picture(ctypes.Structure):
+        _fields_ = [("width", ctypes.c_int32), ("height", ctypes.c_int32), ("stride", ctypes.c_int32),
+                    ("bytes", ctypes.POINTER(ctypes.c_uint8))]
+    library.tag36h11_create.restype = ctypes.c_void_p
+    library.apriltag_to_image.restype = ctypes.POINTER(Picture)
+    library.apriltag_to_image.argtypes = [ctypes.c_void_p, ctypes.c_uint32]
+    p = library.apriltag_to_image(library.tag36h11_create(), number).contents
+    return [[p.bytes[y * p.stride + x] for x in range(1, p.width - 1)] for y in range(1, p.height - 1)]
+
+
+def yaml(folder, name, **values):
+    path = folder / f"{name}.yaml"
+    path.write_text("".join(f"{key}: {value}\n" for key, value in values.items()))
+    return path
+
+
+def targets(folder):
+    """(name, what is drawn, what is said of it)."""
+    yield "chessboard", Chessboard(8, 5, 0.03), ["--board", "8x5", "--spacing", "0.03"]
+    yield "circles", Circles(7, 5, 0.03, 0.009), ["--board", "7x5", "--spacing", "30", "--length-unit", "mm", "--target", "circles"]
+    yield "asymmetric", Circles(4, 7, 0.02, 0.008, True), [
+        yaml(folder, "asymmetric", target_type="circlegrid", targetCols=4, targetRows=7, spacingMeters=0.02, asymmetricGrid="true")]
+    yield "aprilgrid", AprilGrid(4, 3, 0.05, 0.3, tag_bits), [
+        yaml(folder, "aprilgrid", target_type="aprilgrid", tagCols=4, tagRows=3, tagSize=0.05, tagSpacing=0.3)]
+    for first_is_dark in (True, False):
+        yield f"charuco{first_is_dark}", Charuco(5, 4, 0.04, 0.03, first_is_dark), [
+            yaml(folder, "charuco", target_type="charuco", squareCols=5, squareRows=4, squareSize=0.04, markerSize=0.03,
+                 dictionary="DICT_4X4_50")]
+
+
+def seen_in(folder):
+    """{frame: {point: (u, v, sigma)}}"""
+    seen = {}
+    for row in csv.DictReader((folder / "points.csv").open()):
+        seen.setdefault(row["frame"], {})[int(row["point"])] = tuple(float(row[k]) for k in ("u_px", "v_px", "sigma_px"))
+    return seen
+
+
+def errors_of(out, target, poses):
+    """Of each corner found, u and v."""
+    errors = []
+    for frame, points in seen_in(out).items():
+        truth = projected(target, poses[int(pathlib.Path(frame).stem)], FOCAL, WIDTH, HEIGHT)
+        errors += [(u - truth[p][0], v - truth[p][1]) for p, (u, v, _) in points.items()]
+    return np.array(errors)
+
+
+def turned(out, target, poses):
+    """The same for a target that looks the same turned round: the better way for each view."""
+    last, errors = len(target.points) - 1, []
+    for frame, points in seen_in(out).items():
+        truth = projected(target, poses[int(pathlib.Path(frame).stem)], FOCAL, WIDTH, HEIGHT)
+        ways = [[(u - truth[k][0], v - truth[k][1]) for k, (u, v, _) in ((way(p), s) for p, s in points.items())]
+                for way in (lambda p: p, lambda p: last - p)]
+        errors += min(ways, key=lambda way: np.abs(way).max())
+    return np.array(errors)
+
+
+def test_known_corners(folder):
+    """Sharp pictures: no bias, and what is told of the scatter holds."""
+    for name, target, words in targets(folder):
+        poses = views(target, 5, FOCAL, WIDTH, HEIGHT)
+        pictures = draw(run, target, poses, FOCAL, WIDTH, HEIGHT, folder / name, "  lens_blur: {sigma_px: 0.6}\n")
+        out = folder / f"{name}-set"
+        said = run("import", "images", pictures[0].parent, *words, "--out", out)
+        assert "5 of 5 pictures show the target" in said, said
+        assert "0 errors" in run("check", out)
+        e = (turned if name == "circles" else errors_of)(out, target, poses)
+        assert len(e) > 4.5 * len(target.points), (name, len(e))
+        assert np.abs(e.mean(0)).max() < 0.005 and e.std(0).max() < 0.02 and np.abs(e).max() < 0.08, \
+            (name, e.mean(0), e.std(0), np.abs(e).max())
+
+
+def test_scatter(folder):
+    """Noise of the sensor becomes scatter of the corners, which is told as it is; then a fit meets it."""
+    target = Chessboard(8, 5, 0.03)
+    poses = views(target, 8, FOCAL, WIDTH, HEIGHT)
+    pictures = draw(run, target, poses, FOCAL, WIDTH, HEIGHT, folder / "noisy",
+                    "  lens_blur: {sigma_px: 0.8}\n  linear_response: {gain_dn: 255}\n  read_noise: {sigma_dn: 12}\n", noise=True)
+    out = folder / "noisy-set"
+    run("import", "images", *pictures, "--board", "8x5", "--spacing", "0.03", "--out", out)
+    e = errors_of(out, target, poses)
+    told = np.sqrt(np.mean([s * s for points in seen_in(out).values() for _, _, s in points.values()]))
+    assert 0.02 < told and 0.8 < told / np.sqrt((e ** 2).mean()) < 1.2, (told, np.sqrt((e ** 2).mean()))
+    assert np.abs(e.mean(0)).max() < 0.01, e.mean(0)
+    return pictures
+
+
+def png(path, width, height, rows):
+    chunk = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 0, 0, 0, 0)) +
+                     chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+
+
+def test_what_is_left_out(folder, good):
+    """Each picture that does not serve is named with its reason, and counted."""
+    bad = folder / "bad"
+    bad.mkdir()
+    for picture in good[:5]:
+        shutil.copy(picture, bad)
+    image = Image.open(good[0]).convert("L")
+    image.crop((0, 0, WIDTH // 2, HEIGHT)).resize((WIDTH, 2 * HEIGHT)).crop((0, 0, WIDTH, HEIGHT)).save(bad / "half.png")
+    Image.new("L", (WIDTH, HEIGHT), 120).save(bad / "grey.png")
+    image.resize((2 * WIDTH, 2 * HEIGHT)).save(bad / "large.png")
+    other = draw(run, Chessboard(6, 4, 0.03), views(Chessboard(6, 4, 0.03), 2, FOCAL, WIDTH, HEIGHT), FOCAL, WIDTH, HEIGHT,
+                 folder / "other")
+    shutil.copy(other[0], bad / "other.png")
+    target = Chessboard(8, 5, 0.03)
+    shaken = draw(run, target, views(target, 2, FOCAL, WIDTH, HEIGHT), FOCAL, WIDTH, HEIGHT, folder / "shaken",
+                  "  lens_blur: {sigma_px: 3.5}\n")
+    shutil.copy(shaken[0], bad / "blurred.png")
+    (bad / "text.png").write_text("no picture at all, but some text\n")
+    (bad / "cut.png").write_bytes(good[0].read_bytes()[:700])
+    png(bad / "bomb.png", 60000, 60000, bytes(1000))
+    out = folder / "bad-set"
+    said = run("import", "images", bad, "--board", "8x5", "--spacing", "0.03", "--out", out)
+    assert len(seen_in(out)) == 5 and "5 of 13 pictures show the target" in said, said
+    lines = {line.split("left out, ")[1].split(":")[0]: line for line in said.splitlines() if "left out" in line}
+    for why, name in (("no target", "grey.png"), ("of another size", "large.png"), ("part of the target or a smaller one", "half.png"),
+                      ("part of the target or a smaller one", "other.png"), ("blurred", "blurred.png"), ("no picture that can be read", "bomb.png"),
+                      ("no picture that can be read", "text.png"), ("no picture that can be read", "cut.png")):
+        assert name in lines.get(why, ""), (why, name, said)
+    assert "3 of 13" in lines["no picture that can be read"], said
+    # Nothing that serves: an error with the reasons, and no set.
+    said = run("import", "images", bad / "grey.png", bad / "text.png", "--board", "8x5", "--spacing", "0.03", "--out",
+               folder / "none", code=1)
+    assert "no picture shows the target" in said and "1 of 2" in said and not (folder / "none").exists(), said
+    said = run("import", "images", *good[:2], "--board", "6x4", "--spacing", "0.03", "--out", folder / "none", code=1)
+    assert "another target: 0000.png (a board of 8 x 5 corners)" in said, said
+
+
+def test_times(folder, good):
+    words = ["--board", "8x5", "--spacing", "0.03"]
+    start = 1403636579763555584
+    stamped, numbered, camera = folder / "stamped", folder / "numbered", folder / "camera"
+    for place in (stamped, numbered, camera):
+        place.mkdir()
+    for i, picture in enumerate(good[:4]):
+        shutil.copy(picture, stamped / f"cam0_{start + 50_000_000 * i}.png")
+        shutil.copy(picture, numbered / f"frame{8 + i}.png")
+        exif = Image.Exif()
+        exif[0x8769] = {0x9003: "2024:05:01 12:30:15", 0x9291: f"{20 + 5 * i}"}
+        Image.open(picture).convert("L").save(camera / f"IMG_{i}.jpg", quality=97, exif=exif)
+    (folder / "times.csv").write_text("file,time_ms\n" + "".join(f"frame{8 + i}.png,{100 + 40 * i}\n" for i in range(4)))
+
+    def times(out, *arguments):
+        run("import", "images", *arguments, *words, "--out", folder / out)
+        rows = list(csv.DictReader((folder / out / "points.csv").open()))
+        return list(dict.fromkeys((row["frame"], row["time_s"]) for row in rows))
+    assert times("t1", stamped)[1] == (f"cam0_{start + 50_000_000}.png", "1403636579.813555584")
+    # 10 stands behind 9, and numbers alone are no times.
+    assert [frame for frame, _ in times("t2", numbered)] == [f"frame{8 + i}.png" for i in range(4)]
+    assert "when the views were taken" in (folder / "t2/measurement.yaml").read_text()
+    assert [t for _, t in times("t3", numbered, folder / "times.csv")] == [f"0.{100 + 40 * i}000000" for i in range(4)]
+    assert [t.split(".")[1] for _, t in times("t4", camera)] == [f"{20 + 5 * i}0000000" for i in range(4)]
+    # The same bytes again, one picture at a time or all.
+    times("t5", *sorted(numbered.glob("*.png"), reverse=True), folder / "times.csv")
+    assert (folder / "t5/points.csv").read_bytes() == (folder / "t3/points.csv").read_bytes()
+
+
+def test_the_reader(folder, good):
+    """A reader that breaks down costs one picture; where there is none, that is said."""
+    here = folder / "program"
+    here.mkdir()
+    seam = here / "seam"
+    shutil.copy(SEAM, seam)
+    words = ["import", "images", *good, "--board", "8x5", "--spacing", "0.03", "--out"]
+    said = run(*words, folder / "r1", code=1, seam=seam)
+    assert "seam-pictures" in said and "libopencv-contrib-dev" in said, said
+    fake = here / "seam-pictures"
+    fake.write_text(f"""#!/bin/sh
+while read name; do case $name in
+  *0001.png) kill -SEGV $$ ;;
+  *0002.png) echo "corner 4000 1 2"; echo end ;;
+  *) echo "$name" | {SEAM.parent}/seam-pictures "$@" ;;
+esac; done
+""")
+    fake.chmod(0o755)
+    said = run(*words, folder / "r2", seam=seam)
+    assert f"2 of {len(good)} pictures left out, the reader of pictures broke down on it: 0001.png, 0002.png" in said, said
+    assert len(seen_in(folder / "r2")) == len(good) - 2
+
+
+def main():
+    if not (SEAM.parent / "seam-pictures").exists():
+        print("skipped: this build has no seam-pictures")
+        sys.exit(77)
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        test_known_corners(folder)
+        good = test_scatter(folder)
+        test_what_is_left_out(folder, good)
+        test_times(folder, good)
+        test_the_reader(folder, good)
+
+
+main()
