@@ -9,6 +9,19 @@
 #include "measurement/numerics/maximise.h"
 
 namespace seam::measurement {
+namespace {
+
+constexpr double kWorthAnother = 0.02;  // What a further descent must have gained.
+
+}  // namespace
+
+bool SpreadsTogether::has(size_t coordinate) const {
+  return std::find(which.begin(), which.end(), coordinate) != which.end();
+}
+
+bool SpreadsTogether::holds_at(double likelihood) const {
+  return !which.empty() && std::abs(likelihood - log_likelihood) < kWorthAnother;
+}
 
 void SpreadsTogether::state(Fit& fit) const {
   for (size_t a = 0; a < which.size(); ++a) {
@@ -54,13 +67,10 @@ SpreadsTogether fit_spreads_together(const Problem& problem, const ParameterSpac
   // Far from the end of a valley its direction is told badly: it is looked at anew from where the
   // last descent ended.
   constexpr int kDescents = 6;
-  constexpr double kWorthAnother = 0.02;
   Maximum found = maximise(log_likelihood, parameters);
-  for (int descent = 1; descent < kDescents; ++descent) {
-    const double before = found.log_likelihood;
+  for (int descent = 1; descent < kDescents && found.gained > kWorthAnother; ++descent) {
     for (size_t k = 0; k < parameters.size(); ++k) parameters[k].start = found.value[k];
     found = maximise(log_likelihood, parameters);
-    if (!(found.log_likelihood > before + kWorthAnother)) break;
   }
   for (size_t k = 0; k < out.which.size(); ++k)
     out.place[static_cast<Eigen::Index>(out.which[k])] = found.value[k];

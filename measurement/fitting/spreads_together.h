@@ -14,6 +14,9 @@ struct SpreadsTogether {
   std::vector<double> covariance;  // Of those that were fitted, row-major.
   double log_likelihood = 0;
 
+  bool has(size_t coordinate) const;
+  // Whether a model as likely as this is still the one that was found.
+  bool holds_at(double likelihood) const;
   // Writes their errors into a fit.
   void state(Fit& fit) const;
 };

@@ -36,6 +36,7 @@ class Search {
 
   Maximum run() {
     double here = value(z_);
+    const double start = here;
     constexpr double kNothing = 1e-4;  // A gain of log-likelihood that is not worth an evaluation.
     DampedSteps steps(
         {.start = 1e-3, .shrink = 0.125, .least = 1e-9, .grow = 6, .firm = 1e-6, .attempts = 9});
@@ -68,6 +69,7 @@ class Search {
     }
     if (!out.converged) derivatives(here, true);
     finish(out, here);
+    out.gained = here - start;
     return out;
   }
 

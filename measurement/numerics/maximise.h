@@ -22,6 +22,7 @@ struct Maximum {
   std::vector<double> covariance;  // Row-major.
   std::vector<char> at_bound;
   double log_likelihood = 0;
+  double gained = 0;  // On the start's.
   bool converged = false;
 };
 

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "effects/questions.h"
+#include "measurement/fitting/few_groups.h"
 #include "measurement/fitting/wide_fit.h"
 #include "measurement/kinds/joints/joints.h"
 #include "sim_core/base/maths.h"
@@ -96,26 +97,34 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
     }
   }
   const Groups training = folds().size() == 1 ? training_groups() : all_groups();
+  Groups shown = few_of(*this, model, training).value_or(training);
   Model trial = model;
   trial.add_neutral(std::make_shared<EffectDefinition>(effect));
-  const Evaluation warm = evaluate(model, training, nullptr);
+  Evaluation warm = evaluate(model, shown, nullptr);
   double best = std::numeric_limits<double>::infinity();
   std::vector<double> best_values = grid.front();
   const auto look = [&](const std::vector<double>& values) {
     for (size_t i = 0; i < values.size(); ++i) trial.set_value(effect.name, i, values[i]);
-    const Evaluation evaluation = evaluate(trial, training, &warm);
+    const Evaluation evaluation = evaluate(trial, shown, &warm);
     const double cost = evaluation.valid ? -score_of(*this, evaluation).log_likelihood : best;
     if (cost < best) best = cost, best_values = values;
   };
   for (const auto& values : grid) look(values);
   // The likelihood of a dead band jumps wherever one more move falls into it, so that no descent
   // leads to its best value: the look goes nearer, three times between the neighbours of the best
-  // so far.
+  // so far, the last time with all groups that a fit may see.
   if (effect.servo && !motor) {
     double ratio = kCoarse;
-    for (int nearer = 0; nearer < 3; ++nearer) {
+    constexpr int kNearer = 3;
+    for (int nearer = 0; nearer < kNearer; ++nearer) {
       constexpr int kLooks = 12;  // To each side.
       const std::vector<double> centre = best_values;
+      if (nearer == kNearer - 1 && shown != training) {
+        shown = training;
+        warm = evaluate(model, shown, nullptr);
+        best = std::numeric_limits<double>::infinity();
+        look(centre);
+      }
       for (int k = -kLooks; k <= kLooks; ++k) {
         std::vector<double> values = centre;
         values[0] = std::clamp(centre[0] * std::pow(ratio, static_cast<double>(k) / kLooks),
