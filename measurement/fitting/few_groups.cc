@@ -9,9 +9,9 @@
 namespace seam::measurement {
 
 std::optional<Groups> few_of(const Problem& problem, const Model& model, const Groups& groups) {
-  constexpr size_t kFewResiduals = 5000;
-  constexpr size_t kLeastGroups = 12;
-  constexpr size_t kWorthIt = 3;  // Times as many in all groups.
+  constexpr size_t kFewResiduals = 4000;
+  constexpr size_t kLeastGroups = 6;
+  constexpr size_t kWorthIt = 2;  // Times as many in all groups.
   const Facts& facts = problem.facts();
   if (facts.scalars() < kWorthIt * kFewResiduals) return std::nullopt;
   if (!problem.groups_are_independent(model)) return std::nullopt;

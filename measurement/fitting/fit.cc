@@ -153,7 +153,7 @@ bool Fitter::fit_mean() {
 void Fitter::fit_spread() {
   const size_t count = space_.size() - mean_.size();
   if (count == 0) return;
-  together_ = fit_spreads_together(problem_, space_, model_, groups_, &here_);
+  together_ = fit_spreads_together(problem_, space_, model_, groups_, &here_, &together_);
   if (!together_.which.empty()) try_model(space_.at(model_, together_.place));
   for (int sweep = 0; sweep < (count > 1 ? 8 : 1); ++sweep) {
     const double before = value_;
@@ -207,7 +207,7 @@ Fit Fitter::result(bool converged) {
     space_.state(i, sigma, space_[i].of(model_), fit);
   }
   if (!together_.holds_at(-value_))
-    together_ = fit_spreads_together(problem_, space_, model_, groups_, &here_);
+    together_ = fit_spreads_together(problem_, space_, model_, groups_, &here_, &together_);
   together_.state(fit);
   return fit;
 }

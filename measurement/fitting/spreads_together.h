@@ -22,8 +22,10 @@ struct SpreadsTogether {
 };
 
 // From where the model stands, by Newton in the logarithms. Spreads that stand at nothing stay.
+// `before`: what was found when other parameters were a little off; it tells how far to look.
 SpreadsTogether fit_spreads_together(const Problem& problem, const ParameterSpace& space,
                                      const Model& model, const Groups& groups,
-                                     const Evaluation* warm);
+                                     const Evaluation* warm,
+                                     const SpreadsTogether* before = nullptr);
 
 }  // namespace seam::measurement

@@ -238,7 +238,7 @@ void WideFitter::drop_spread(size_t i) {
 void WideFitter::go_down() {
   for (int round = 0; round < 4; ++round) {
     levenberg_marquardt();
-    together_ = fit_spreads_together(problem_, space_, at(z_), groups_, &here_);
+    together_ = fit_spreads_together(problem_, space_, at(z_), groups_, &here_, &together_);
     if (!together_.which.empty()) move_to(together_.place);
     for (size_t i = 0; i < space_.size(); ++i) {
       if (!free_[i] || !space_[i].spread) continue;
@@ -336,7 +336,7 @@ Fit WideFitter::result() {
     }
   }
   if (!together_.holds_at(-0.5 * cost_))
-    together_ = fit_spreads_together(problem_, space_, model, groups_, &here_);
+    together_ = fit_spreads_together(problem_, space_, model, groups_, &here_, &together_);
   together_.state(fit);
   return fit;
 }

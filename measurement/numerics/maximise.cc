@@ -32,6 +32,8 @@ class Search {
       z_[i] = std::clamp(inner(p.start), box_.low[i], box_.high[i]);
       step_[i] = p.step;
     }
+    settled_ = std::all_of(parameters.begin(), parameters.end(),
+                           [](const SearchParameter& p) { return p.step_fits; });
   }
 
   Maximum run() {

@@ -55,28 +55,18 @@ std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model,
   return wide_jacobian(*this, model, unknowns, groups);
 }
 
+namespace {
+
 constexpr double kCoarse = 1.2;  // From one value of the coarse look to the next.
 
-// A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
-// likelihood has several valleys (a speed limit that never binds, a latency of another row). The
-// best of it comes first, then a small effect, from which other parameters can make way.
-std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
-                                                       const EffectDefinition& effect) const {
-  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
-  if (!rule.values.empty()) return Problem::starts(model, effect);
-  if (effect.spread_only)
-    return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
-  if (rule.search == effects::StartSearch::motion) return starts_together(model, effect, {});
-  if (effect.parameters.empty() || (!effect.servo && !effect.logged))
-    return Problem::starts(model, effect);
+// The values of the coarse look. An eccentricity (`wave`) has a phase besides, and the likelihood
+// is wide in its amplitude; a motor's motion is smooth in its parameters, its valleys are wide too.
+std::vector<std::vector<double>> coarse_grid(const EffectDefinition& effect, bool wave,
+                                             bool motor) {
   const effects::Parameter& first = effect.parameters[0];
   std::vector<double> neutral;
   for (const effects::Parameter& p : effect.parameters) neutral.push_back(p.neutral);
   std::vector<std::vector<double>> grid;
-  // An eccentricity has a phase besides, and the likelihood is wide in its amplitude.
-  const bool wave = rule.search == effects::StartSearch::wave;
-  // A motor's motion is smooth in its parameters: its valleys are wide.
-  const bool motor = effects::has_base(model, effects::Base::motor);
   for (double factor = 0.03; factor < 40; factor *= wave || motor ? 3 : kCoarse) {
     for (const double sign : {1.0, -1.0}) {
       std::vector<double> values = neutral;
@@ -96,6 +86,29 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
       }
     }
   }
+  return grid;
+}
+
+}  // namespace
+
+// A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
+// likelihood has several valleys (a speed limit that never binds, a latency of another row). The
+// best of it comes first, then a small effect, from which other parameters can make way.
+std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
+                                                       const EffectDefinition& effect) const {
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  if (!rule.values.empty()) return Problem::starts(model, effect);
+  if (effect.spread_only)
+    return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
+  if (rule.search == effects::StartSearch::motion) return starts_together(model, effect, {});
+  if (effect.parameters.empty() || (!effect.servo && !effect.logged))
+    return Problem::starts(model, effect);
+  const effects::Parameter& first = effect.parameters[0];
+  std::vector<double> neutral;
+  for (const effects::Parameter& p : effect.parameters) neutral.push_back(p.neutral);
+  const bool wave = rule.search == effects::StartSearch::wave;
+  const bool motor = effects::has_base(model, effects::Base::motor);
+  const std::vector<std::vector<double>> grid = coarse_grid(effect, wave, motor);
   const Groups training = folds().size() == 1 ? training_groups() : all_groups();
   Groups shown = few_of(*this, model, training).value_or(training);
   Model trial = model;
