@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/fitting/few_groups.h"
 #include "measurement/fitting/spreads_together.h"
 #include "measurement/numerics/damped_step.h"
 #include "measurement/problem/problem.h"
@@ -41,6 +42,24 @@ class Fitter {
   }
 
   Fit run() {
+    const bool converged = go_down();
+    return result(converged);
+  }
+
+  // Whether a few groups may lead the way: what a kind reuses from evaluation to evaluation is dear
+  // to find anew.
+  bool may_begin_with_few() const { return here_.valid && !here_.reusable; }
+  // Begins where a fit to a few groups ended, if that is better here too.
+  void begin_with(const Fitter& few) {
+    Model model = few.model_;
+    for (const Coordinate& c : space_) {
+      // A spread that a few groups do not show may be there.
+      if (c.spread && !(c.of(model) > kNoSpread * c.scale)) c.set(model, c.of(model_));
+    }
+    try_model(model);
+  }
+
+  bool go_down() {
     bool converged = mean_.empty();
     for (int round = 0; round < 6; ++round) {
       const double before = value_;
@@ -50,10 +69,12 @@ class Fitter {
       if ((!has_spread && !here_.reusable) || before - value_ < 1e-3) break;
       if (here_.reusable) renew();
     }
-    return result(converged);
+    return converged;
   }
 
  private:
+  static constexpr double kNoSpread = 1e-3;  // Of its scale.
+
   bool fit_mean();
   void fit_spread();
   // What evaluations reused on the way is computed again.
@@ -72,6 +93,7 @@ class Fitter {
   Model model_;
   Evaluation here_;
   double value_ = 0;  // Negative log-likelihood.
+  SpreadsTogether together_;
   size_t count_ = 0;  // Residuals.
   std::vector<Unknown> mean_;
   std::vector<size_t> mean_place_;  // Among all unknowns.
@@ -131,12 +153,12 @@ bool Fitter::fit_mean() {
 void Fitter::fit_spread() {
   const size_t count = space_.size() - mean_.size();
   if (count == 0) return;
-  const SpreadsTogether together = fit_spreads_together(problem_, space_, model_, groups_, &here_);
-  if (!together.which.empty()) try_model(space_.at(model_, together.place));
+  together_ = fit_spreads_together(problem_, space_, model_, groups_, &here_, &together_);
+  if (!together_.which.empty()) try_model(space_.at(model_, together_.place));
   for (int sweep = 0; sweep < (count > 1 ? 8 : 1); ++sweep) {
     const double before = value_;
-    for (const Coordinate& c : space_) {
-      if (c.spread) newton_spread(c);
+    for (size_t i = 0; i < space_.size(); ++i) {
+      if (space_[i].spread && !together_.has(i)) newton_spread(space_[i]);
     }
     if (before - value_ < 1e-4) break;
   }
@@ -184,7 +206,9 @@ Fit Fitter::result(bool converged) {
     const double sigma = spread_error(problem_, space_, i, model_, groups_, &here_, 0.05);
     space_.state(i, sigma, space_[i].of(model_), fit);
   }
-  fit_spreads_together(problem_, space_, model_, groups_, &here_).state(fit);
+  if (!together_.holds_at(-value_))
+    together_ = fit_spreads_together(problem_, space_, model_, groups_, &here_, &together_);
+  together_.state(fit);
   return fit;
 }
 
@@ -220,7 +244,13 @@ std::vector<std::vector<double>> Problem::jacobian(const Model& model,
 
 Fit Problem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                  const Groups& groups) const {
-  return Fitter(*this, start, unknowns, groups).run();
+  Fitter fitter(*this, start, unknowns, groups);
+  if (const auto few = few_of(*this, start, groups); few && fitter.may_begin_with_few()) {
+    Fitter first(*this, start, unknowns, *few);
+    first.go_down();
+    fitter.begin_with(first);
+  }
+  return fitter.run();
 }
 
 }  // namespace seam::measurement

@@ -68,6 +68,16 @@ TEST(SpreadsTogether, FindTheEndOfAValley) {
   const double of_b2 = std::sqrt(2 / n * (even * even + odd * odd)) / 0.2;
   Fit fit = space.fit_at(start, found.place, 0, true);
   found.state(fit);
+  EXPECT_TRUE(found.holds_at(found.log_likelihood - 0.01));
+  EXPECT_FALSE(found.holds_at(found.log_likelihood - 1));
+  // Again from there, with what was found as a guide: the same place and errors.
+  const SpreadsTogether again = fit_spreads_together(problem, space, space.at(start, found.place),
+                                                     problem.all_groups(), nullptr, &found);
+  for (int i = 0; i < 2; ++i) {
+    const double sigma = std::sqrt(found.covariance[static_cast<size_t>(3 * i)]);
+    EXPECT_NEAR(again.place[i], found.place[i], 0.05 * sigma);
+    EXPECT_NEAR(std::sqrt(again.covariance[static_cast<size_t>(3 * i)]), sigma, 0.1 * sigma);
+  }
   EXPECT_NEAR(fit.sigma[1], of_b2 / (2 * std::sqrt(b2)), 0.1 * of_b2 / (2 * std::sqrt(b2)));
 }
 

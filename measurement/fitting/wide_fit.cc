@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/fitting/few_groups.h"
 #include "measurement/fitting/spreads_together.h"
 #include "measurement/numerics/damped_step.h"
 
@@ -29,6 +30,22 @@ class WideFitter {
   }
 
   Fit run() {
+    search();
+    return result();
+  }
+
+  // Begins where a fit to a few groups ended, if that is better here too.
+  void begin_with(const WideFitter& few) {
+    Vector z = few.z_;
+    for (size_t i = 0; i < space_.size(); ++i) {
+      // A spread that a few groups do not show may be there.
+      if (space_[i].spread && !(z[index(i)] > kNoSpread * space_[i].scale))
+        z[index(i)] = z_[index(i)];
+    }
+    if (move_to(z)) step_ = few.step_;
+  }
+
+  void search() {
     // Parameters that the data must ask for wait until all else is fitted.
     std::vector<size_t> waiting;
     for (size_t i = 0; i < space_.size(); ++i) {
@@ -37,7 +54,6 @@ class WideFitter {
     }
     go_down();
     for (const size_t i : waiting) try_on_demand(i);
-    return result();
   }
 
   std::vector<std::vector<double>> derivatives() {
@@ -54,6 +70,7 @@ class WideFitter {
 
  private:
   using Vector = Eigen::VectorXd;
+  static constexpr double kNoSpread = 1e-3;  // Of its scale.
 
   static Eigen::Index index(size_t i) { return static_cast<Eigen::Index>(i); }
   Model at(const Vector& z) const { return space_.at(model_, z); }
@@ -97,7 +114,9 @@ class WideFitter {
   Parabola look();
   void levenberg_marquardt();
   bool pattern_search();
-  void fit_spread(size_t i);
+  void walk_spread(size_t i);
+  // Where the data are as likely without it.
+  void drop_spread(size_t i);
   void go_down();
   void try_on_demand(size_t i);
   double flat_width(size_t i, double sigma);
@@ -112,6 +131,7 @@ class WideFitter {
   Vector z_;
   Evaluation here_;
   double cost_ = 0;
+  SpreadsTogether together_;
 };
 
 Eigen::MatrixXd WideFitter::jacobian() {
@@ -194,7 +214,7 @@ bool WideFitter::pattern_search() {
 }
 
 // Factors on a sigma, wide to narrow.
-void WideFitter::fit_spread(size_t i) {
+void WideFitter::walk_spread(size_t i) {
   for (const double factor : {3.0, 1.3, 1.05, 1.01}) {
     for (const double by : {factor, 1 / factor}) {
       for (int repeat = 0; repeat < 6; ++repeat) {
@@ -204,6 +224,9 @@ void WideFitter::fit_spread(size_t i) {
       }
     }
   }
+}
+
+void WideFitter::drop_spread(size_t i) {
   Vector absent = z_;
   absent[i] = space_[i].parameter->neutral;
   if (cost_at(absent) <= cost_ + 1e-6) {
@@ -215,11 +238,12 @@ void WideFitter::fit_spread(size_t i) {
 void WideFitter::go_down() {
   for (int round = 0; round < 4; ++round) {
     levenberg_marquardt();
-    const SpreadsTogether together =
-        fit_spreads_together(problem_, space_, at(z_), groups_, &here_);
-    if (!together.which.empty()) move_to(together.place);
+    together_ = fit_spreads_together(problem_, space_, at(z_), groups_, &here_, &together_);
+    if (!together_.which.empty()) move_to(together_.place);
     for (size_t i = 0; i < space_.size(); ++i) {
-      if (free_[i] && space_[i].spread) fit_spread(i);
+      if (!free_[i] || !space_[i].spread) continue;
+      if (!together_.has(i)) walk_spread(i);
+      drop_spread(i);
     }
     if (!pattern_search()) return;
   }
@@ -311,7 +335,9 @@ Fit WideFitter::result() {
       space_.state(i, sigma, z_[index(i)], fit);
     }
   }
-  fit_spreads_together(problem_, space_, model, groups_, &here_).state(fit);
+  if (!together_.holds_at(-0.5 * cost_))
+    together_ = fit_spreads_together(problem_, space_, model, groups_, &here_, &together_);
+  together_.state(fit);
   return fit;
 }
 
@@ -325,7 +351,13 @@ std::vector<std::vector<double>> wide_jacobian(const Problem& problem, const Mod
 
 Fit wide_fit(const Problem& problem, const Model& start, const std::vector<Unknown>& unknowns,
              const Groups& groups) {
-  return WideFitter(problem, start, unknowns, groups).run();
+  WideFitter fitter(problem, start, unknowns, groups);
+  if (const auto few = few_of(problem, start, groups)) {
+    WideFitter first(problem, start, unknowns, *few);
+    first.search();
+    fitter.begin_with(first);
+  }
+  return fitter.run();
 }
 
 }  // namespace seam::measurement

@@ -88,22 +88,26 @@ double FewErrors::mode_of(double ratio, double fraction) const {
 namespace {
 
 // The integral of a function over all errors, in units of sigma: trapezoids over the normal part,
-// and over what lies beyond, in steps of its own width.
+// and over what lies beyond, in steps of its own width. A function whose errors lie on both sides
+// is even.
 template <typename Function>
 double integral(const Function& f, bool both_sides, double width, double step) {
   constexpr double kReach = 9;
   double sum = 0;
   const int steps = static_cast<int>(std::lround(2 * kReach / step));
-  for (int k = 0; k <= steps; ++k)
-    sum += (k == 0 || k == steps ? 0.5 : 1) * step * f(-kReach + k * step);
+  const auto normal_part = [&](int k) {
+    return (k == 0 || k == steps ? 0.5 : 1) * step * f(-kReach + k * step);
+  };
+  // Where both sides are alike, one is enough.
+  for (int k = both_sides ? steps / 2 + 1 : 0; k <= steps; ++k) sum += normal_part(k);
+  if (both_sides) sum = normal_part(steps / 2) + 2 * sum;
   const double far = both_sides ? kReach * width : kReach + 40 * width;
   const int beyond = 6 * steps / 5;
   const double longer = (far - kReach) / beyond;
   if (!(longer > 0)) return sum;
   for (int k = 0; k <= beyond; ++k) {
     const double weight = (k == 0 || k == beyond ? 0.5 : 1) * longer, x = kReach + k * longer;
-    sum += weight * f(x);
-    if (both_sides) sum += weight * f(-x);
+    sum += (both_sides ? 2 : 1) * weight * f(x);
   }
   return sum;
 }

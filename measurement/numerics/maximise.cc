@@ -32,10 +32,13 @@ class Search {
       z_[i] = std::clamp(inner(p.start), box_.low[i], box_.high[i]);
       step_[i] = p.step;
     }
+    settled_ = std::all_of(parameters.begin(), parameters.end(),
+                           [](const SearchParameter& p) { return p.step_fits; });
   }
 
   Maximum run() {
     double here = value(z_);
+    const double start = here;
     constexpr double kNothing = 1e-4;  // A gain of log-likelihood that is not worth an evaluation.
     DampedSteps steps(
         {.start = 1e-3, .shrink = 0.125, .least = 1e-9, .grow = 6, .firm = 1e-6, .attempts = 9});
@@ -68,6 +71,7 @@ class Search {
     }
     if (!out.converged) derivatives(here, true);
     finish(out, here);
+    out.gained = here - start;
     return out;
   }
 

@@ -14,6 +14,7 @@ struct SearchParameter {
   double max = 0;
   double step = 0.01;        // First step of the differences (relative for logarithmic ones).
   bool logarithmic = false;  // Sought on a logarithmic scale (positive).
+  bool step_fits = false;    // The step is half a standard deviation, and the start near the end.
 };
 
 struct Maximum {
@@ -22,6 +23,7 @@ struct Maximum {
   std::vector<double> covariance;  // Row-major.
   std::vector<char> at_bound;
   double log_likelihood = 0;
+  double gained = 0;  // On the start's.
   bool converged = false;
 };
 

@@ -76,6 +76,31 @@ TEST(Maximise, MeanAndSpreadOfASample) {
   EXPECT_NEAR(found.sigma[1], spread / root / std::sqrt(2.0), 0.02 * spread / root);
 }
 
+// Where the start is near the end and the steps are known to fit, one look is enough.
+TEST(Maximise, ALookWithStepsThatFitIsNotRepeated) {
+  size_t looks = 0;
+  const auto log_density = [&](const std::vector<double>& x) {
+    ++looks;
+    const double a = x[0] - 3, b = x[1] + 2;
+    return -0.5 * (a * a - 3.6 * a * b + 4 * b * b) / 0.76;
+  };
+  const auto find = [&](bool step_fits) {
+    looks = 0;
+    return maximise(log_density,
+                    {{.start = 3.01, .min = -50, .max = 50, .step = 1, .step_fits = step_fits},
+                     {.start = -2.01, .min = -50, .max = 50, .step = 0.5, .step_fits = step_fits}});
+  };
+  const Maximum twice = find(false);
+  const size_t looks_twice = looks;
+  const Maximum once = find(true);
+  EXPECT_LT(looks, 0.7 * static_cast<double>(looks_twice));
+  EXPECT_TRUE(once.converged);
+  EXPECT_NEAR(once.value[0], 3, 0.02 * 2);
+  EXPECT_NEAR(once.sigma[0], twice.sigma[0], 1e-3);
+  EXPECT_NEAR(once.covariance[1], 1.8, 5e-3);
+  EXPECT_NEAR(once.gained, once.log_likelihood - log_density({3.01, -2.01}), 1e-12);
+}
+
 TEST(Maximise, StopsAtABoundAndSaysSo) {
   const Maximum found =
       maximise([](const std::vector<double>& x) { return -0.5 * (x[0] - 7) * (x[0] - 7); },

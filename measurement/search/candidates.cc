@@ -268,8 +268,10 @@ Grown without(const Grown& grown, const std::string& out) {
   return smaller;
 }
 
-std::optional<Grown> with_other(const Problem& problem, const Grown& grown, const std::string& out,
-                                const std::shared_ptr<const EffectDefinition>& in) {
+namespace {
+
+std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const std::string& out,
+                               const std::shared_ptr<const EffectDefinition>& in) {
   Grown smaller = without(grown, out);
   const Score score = problem.score(smaller.assessment.model, problem.all_groups());
   if (score.valid) smaller.assessment.total_ll = score.log_likelihood;
@@ -285,6 +287,34 @@ std::optional<Grown> with_other(const Problem& problem, const Grown& grown, cons
   auto candidate = fit_prospect(problem, smaller, *prospect, reasons);
   if (!candidate) return std::nullopt;
   return std::move(candidate->grown);
+}
+
+// All that an exchange depends on.
+std::vector<double> key_of(const Problem& problem, const Grown& grown, const std::string& out,
+                           const EffectDefinition& in) {
+  std::vector<double> key = {static_cast<double>(problem.times_marked()),
+                             grown.assessment.total_ll};
+  const auto add = [&](const std::string& text) {
+    key.push_back(static_cast<double>(std::hash<std::string>{}(text) >> 12));
+  };
+  add(out), add(in.name + "\n" + in.source);
+  for (const std::string& name : grown.added) add(name);
+  for (const Unknown& unknown : grown.assessment.unknowns)
+    add(unknown.effect + "." + std::to_string(unknown.parameter));
+  for (const effects::ModelEffect& effect : grown.assessment.model.effects()) {
+    add(effect.definition->name + "\n" + effect.definition->source);
+    for (const double value : effect.values()) key.push_back(value);
+  }
+  return key;
+}
+
+}  // namespace
+
+std::optional<Grown> Exchanges::with_other(
+    const Grown& grown, const std::string& out,
+    const std::shared_ptr<const EffectDefinition>& in) const {
+  return *tried_.of(0, key_of(problem_, grown, out, *in),
+                    [&] { return exchanged(problem_, grown, out, in); });
 }
 
 namespace {

@@ -99,8 +99,10 @@ void take_steps(const Problem& problem, const EffectByName& effect_by_name, Grow
 }  // namespace
 
 void order_steps(const Problem& problem, const EffectByName& effect_by_name,
-                 const std::vector<std::string>& promising, SearchResult& result) {
+                 const Exchanges& exchanges, const std::vector<std::string>& promising,
+                 SearchResult& result) {
   result.steps.clear();
+  const Grown searched = result.best;
   const bool explained = result.best.assessment.error < kMisfit;
   Grown grown = result.base;
   std::vector<std::string> left = result.best.added;
@@ -149,15 +151,29 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
   }
   std::vector<char> tied(moves.size(), 0);
   parallel_for(moves.size(), [&](size_t m) {
-    const auto other = with_other(problem, result.best, result.steps[moves[m].first].effect,
-                                  effect_by_name(moves[m].second));
+    const auto other = exchanges.with_other(searched, result.steps[moves[m].first].effect,
+                                            effect_by_name(moves[m].second));
     if (!other) return;
-    tied[m] = cannot_tell(weight_of(result.best), weight_of(*other), result.best.assessment.error);
+    tied[m] = cannot_tell(weight_of(searched), weight_of(*other), searched.assessment.error);
   });
   for (size_t m = 0; m < moves.size(); ++m) {
     auto& names = result.steps[moves[m].first].indistinguishable_from;
     if (tied[m] && names.size() < kMostTiesNamed) names.push_back(moves[m].second);
   }
+}
+
+std::vector<std::string> noises_found(const SearchResult& result) {
+  std::vector<std::string> names;
+  for (const Step& step : result.steps) {
+    const effects::ModelEffect* effect = result.best.assessment.model.find(step.effect);
+    if (effect != nullptr && only_widens(*effect->definition)) names.push_back(step.effect);
+  }
+  return names;
+}
+
+bool explained_by_noises(const SearchResult& result) {
+  return result.verdict == "missing_effect" && result.remaining.empty() &&
+         noises_found(result).size() == result.steps.size();
 }
 
 void rank_by_search(const Problem& problem, SearchResult& result) {

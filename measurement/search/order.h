@@ -16,7 +16,13 @@ using EffectByName =
 // The steps from the base to the best model, in the order in which each effect helps most, with
 // those of the promising effects that could stand in the place of each.
 void order_steps(const Problem& problem, const EffectByName& effect_by_name,
-                 const std::vector<std::string>& promising, SearchResult& result);
+                 const Exchanges& exchanges, const std::vector<std::string>& promising,
+                 SearchResult& result);
+
+// The steps that are noises: what has a name comes before any formula.
+std::vector<std::string> noises_found(const SearchResult& result);
+// Whether they are all that the model lacked.
+bool explained_by_noises(const SearchResult& result);
 
 // Puts the effects of the final model first, in the order of its steps, and says of the others
 // which of these they stand in for: alone they seemed to help, beside them they do not.

@@ -39,7 +39,12 @@ class Searcher {
  public:
   Searcher(Problem& problem, const Model& model, const EffectList& own, const Progress& progress,
            double material)
-      : problem_(problem), model_(model), own_(own), progress_(progress), material_(material) {}
+      : problem_(problem),
+        model_(model),
+        own_(own),
+        progress_(progress),
+        material_(material),
+        exchanges_(problem) {}
 
   SearchResult run();
 
@@ -63,6 +68,7 @@ class Searcher {
   const EffectList& own_;
   const Progress& progress_;
   const double material_;
+  const Exchanges exchanges_;
   Grown base_;
   double looks_ = 1;
   std::vector<std::string> promising_;  // Significant in some look, best first.
@@ -146,7 +152,7 @@ bool Searcher::exchange(Grown& grown) {
   std::vector<std::optional<Grown>> tried(moves.size());
   parallel_for(moves.size(), [&](size_t m) {
     tried[m] =
-        with_other(problem_, grown, grown.added[moves[m].first], definition(moves[m].second));
+        exchanges_.with_other(grown, grown.added[moves[m].first], definition(moves[m].second));
   });
   double best_merit = merit_of(problem_, grown) + kExchangeGain * tie_width(grown.assessment.error);
   size_t best = moves.size();
@@ -305,7 +311,8 @@ SearchResult Searcher::run() {
   if (marks_changed) base_ = base();
   result.base = base_;
   order_steps(
-      problem_, [&](const std::string& name) { return definition(name); }, promising_, result);
+      problem_, [&](const std::string& name) { return definition(name); }, exchanges_, promising_,
+      result);
   progress_("testing what structure remains");
   const auto structure_of = [&](const Grown& grown) {
     return significant_structure(problem_, grown.assessment, material_);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "measurement/numerics/regression.h"
+#include "measurement/search/order.h"
 #include "measurement/search/term.h"
 #include "sim_core/base/maths.h"
 
@@ -361,6 +362,7 @@ std::optional<Found> best_formula(const Problem& problem, const Grown& base,
 std::optional<Suggestion> suggest(const Problem& problem, const SearchResult& result,
                                   const Progress& progress) {
   if (result.verdict == "adequate" || !result.base.assessment.valid) return std::nullopt;
+  if (explained_by_noises(result)) return std::nullopt;
   const auto stages = vocabularies(problem.facts().set.kind, varying_columns(problem));
   if (stages.empty()) return std::nullopt;
   progress("building a formula from the residuals");

@@ -5,6 +5,8 @@
 #include <filesystem>
 
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/order.h"
+#include "measurement/search/suggest.h"
 #include "measurement/study/study.h"
 
 namespace seam::measurement {
@@ -46,6 +48,9 @@ TEST_P(NotWhite, IsNamed) {
   EXPECT_EQ(result.steps[0].effect, c.name());
   EXPECT_EQ(result.verdict, "missing_effect");
   EXPECT_TRUE(result.remaining.empty());
+  // It has a name, and no formula is written in its place.
+  EXPECT_EQ(noises_found(result), std::vector<std::string>{c.name()});
+  EXPECT_FALSE(suggest(*problem, result, [](const std::string&) {}));
   EXPECT_NEAR(result.best.assessment.error, 1, 0.12);
   const Assessment& best = result.best.assessment;
   for (size_t k = 0; k < best.unknowns.size(); ++k) {

@@ -4,6 +4,7 @@
 #include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/report.h"
+#include "measurement/search/order.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
 
@@ -11,10 +12,13 @@ namespace seam::tools {
 namespace {
 
 std::string told(const std::optional<measurement::Suggestion>& suggestion,
-                 const std::string& file) {
+                 const measurement::SearchResult& result, const std::string& file) {
+  std::string text;
+  if (const auto noises = measurement::noises_found(result); !noises.empty())
+    text = fmt::format("noise of the catalogue, before any formula: {}\n", fmt::join(noises, ", "));
   if (!suggestion)
-    return "no effect is suggested: held-out groups support none beyond the catalogue\n";
-  std::string text = fmt::format("suggested effect, in {}:\n", file);
+    return text + "no effect is suggested: held-out groups support none beyond the catalogue\n";
+  text += fmt::format("suggested effect, in {}:\n", file);
   for (const std::string& term : suggestion->terms) text += "  " + term + "\n";
   text += fmt::format("  error {:.4f} -> {:.4f} on held-out groups", suggestion->error_before,
                       suggestion->error);
@@ -51,7 +55,7 @@ void add_diagnose(app::Command app) {
                                    result.base.assessment.error);
     if (!suggested->empty()) {
       suggestion = measurement::suggest(*problem, result, progress_to_terminal());
-      text += told(suggestion, *suggested);
+      text += told(suggestion, result, *suggested);
       if (suggestion) outputs.out.fill(suggestion->yaml);
     }
     outputs.tell(text, measurement::diagnose_json(*problem, result, suggestion));

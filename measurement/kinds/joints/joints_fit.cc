@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "effects/questions.h"
+#include "measurement/fitting/few_groups.h"
 #include "measurement/fitting/wide_fit.h"
 #include "measurement/kinds/joints/joints.h"
 #include "sim_core/base/maths.h"
@@ -54,28 +55,18 @@ std::vector<std::vector<double>> JointsProblem::jacobian(const Model& model,
   return wide_jacobian(*this, model, unknowns, groups);
 }
 
+namespace {
+
 constexpr double kCoarse = 1.2;  // From one value of the coarse look to the next.
 
-// A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
-// likelihood has several valleys (a speed limit that never binds, a latency of another row). The
-// best of it comes first, then a small effect, from which other parameters can make way.
-std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
-                                                       const EffectDefinition& effect) const {
-  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
-  if (!rule.values.empty()) return Problem::starts(model, effect);
-  if (effect.spread_only)
-    return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
-  if (rule.search == effects::StartSearch::motion) return starts_together(model, effect, {});
-  if (effect.parameters.empty() || (!effect.servo && !effect.logged))
-    return Problem::starts(model, effect);
+// The values of the coarse look. An eccentricity (`wave`) has a phase besides, and the likelihood
+// is wide in its amplitude; a motor's motion is smooth in its parameters, its valleys are wide too.
+std::vector<std::vector<double>> coarse_grid(const EffectDefinition& effect, bool wave,
+                                             bool motor) {
   const effects::Parameter& first = effect.parameters[0];
   std::vector<double> neutral;
   for (const effects::Parameter& p : effect.parameters) neutral.push_back(p.neutral);
   std::vector<std::vector<double>> grid;
-  // An eccentricity has a phase besides, and the likelihood is wide in its amplitude.
-  const bool wave = rule.search == effects::StartSearch::wave;
-  // A motor's motion is smooth in its parameters: its valleys are wide.
-  const bool motor = effects::has_base(model, effects::Base::motor);
   for (double factor = 0.03; factor < 40; factor *= wave || motor ? 3 : kCoarse) {
     for (const double sign : {1.0, -1.0}) {
       std::vector<double> values = neutral;
@@ -95,27 +86,58 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
       }
     }
   }
+  return grid;
+}
+
+}  // namespace
+
+// A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
+// likelihood has several valleys (a speed limit that never binds, a latency of another row). The
+// best of it comes first, then a small effect, from which other parameters can make way.
+std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
+                                                       const EffectDefinition& effect) const {
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  if (!rule.values.empty()) return Problem::starts(model, effect);
+  if (effect.spread_only)
+    return {{largest_step_rad_ > 0 ? largest_step_rad_ : effect.parameters[0].scale}};
+  if (rule.search == effects::StartSearch::motion) return starts_together(model, effect, {});
+  if (effect.parameters.empty() || (!effect.servo && !effect.logged))
+    return Problem::starts(model, effect);
+  const effects::Parameter& first = effect.parameters[0];
+  std::vector<double> neutral;
+  for (const effects::Parameter& p : effect.parameters) neutral.push_back(p.neutral);
+  const bool wave = rule.search == effects::StartSearch::wave;
+  const bool motor = effects::has_base(model, effects::Base::motor);
+  const std::vector<std::vector<double>> grid = coarse_grid(effect, wave, motor);
   const Groups training = folds().size() == 1 ? training_groups() : all_groups();
+  Groups shown = few_of(*this, model, training).value_or(training);
   Model trial = model;
   trial.add_neutral(std::make_shared<EffectDefinition>(effect));
-  const Evaluation warm = evaluate(model, training, nullptr);
+  Evaluation warm = evaluate(model, shown, nullptr);
   double best = std::numeric_limits<double>::infinity();
   std::vector<double> best_values = grid.front();
   const auto look = [&](const std::vector<double>& values) {
     for (size_t i = 0; i < values.size(); ++i) trial.set_value(effect.name, i, values[i]);
-    const Evaluation evaluation = evaluate(trial, training, &warm);
+    const Evaluation evaluation = evaluate(trial, shown, &warm);
     const double cost = evaluation.valid ? -score_of(*this, evaluation).log_likelihood : best;
     if (cost < best) best = cost, best_values = values;
   };
   for (const auto& values : grid) look(values);
   // The likelihood of a dead band jumps wherever one more move falls into it, so that no descent
   // leads to its best value: the look goes nearer, three times between the neighbours of the best
-  // so far.
+  // so far, the last time with all groups that a fit may see.
   if (effect.servo && !motor) {
     double ratio = kCoarse;
-    for (int nearer = 0; nearer < 3; ++nearer) {
+    constexpr int kNearer = 3;
+    for (int nearer = 0; nearer < kNearer; ++nearer) {
       constexpr int kLooks = 12;  // To each side.
       const std::vector<double> centre = best_values;
+      if (nearer == kNearer - 1 && shown != training) {
+        shown = training;
+        warm = evaluate(model, shown, nullptr);
+        best = std::numeric_limits<double>::infinity();
+        look(centre);
+      }
       for (int k = -kLooks; k <= kLooks; ++k) {
         std::vector<double> values = centre;
         values[0] = std::clamp(centre[0] * std::pow(ratio, static_cast<double>(k) / kLooks),

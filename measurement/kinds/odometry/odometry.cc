@@ -10,10 +10,10 @@
 
 namespace seam::measurement {
 
-WalkPose placed(const WalkPose& start, const effects::WalkState& moved) {
+WalkPose placed(const WalkPose& start, const WalkPose& moved) {
   const double c = maths::cos(start[2]), s = maths::sin(start[2]);
-  return {start[0] + c * moved.x_m - s * moved.y_m, start[1] + s * moved.x_m + c * moved.y_m,
-          start[2] + moved.theta_rad};
+  return {start[0] + c * moved[0] - s * moved[1], start[1] + s * moved[0] + c * moved[1],
+          start[2] + moved[2]};
 }
 
 WalkPose missed(const WalkPose& seen, const WalkPose& predicted) {
@@ -36,7 +36,10 @@ OdometryProblem::OdometryProblem(const MeasurementSet& set) {
   size_t repeated = 0;
   runs_ = read_walk_runs(table, set.group, true, &repeated);
   check_ticks(table, runs_);
-  paths_.emplace(runs_.size());
+  // So many paths of each run are kept as memory allows.
+  constexpr size_t kRowsKept = 1'000'000;
+  paths_.emplace(runs_.size(), std::clamp<size_t>(kRowsKept / table.rows(), 2, 8));
+  starts_.emplace(runs_.size());
   describe(set, table);
   if (repeated > 0)
     facts_.notes.push_back(
@@ -110,20 +113,34 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
   const bool noisy = walk.xy_sigma > 0 || walk.theta_sigma > 0;
   const std::vector<effects::MovingNoise> noise = effects::noise_of(model).pose;
   const std::vector<double> mean = mean_parameters(model);
+  // What a run's start is fitted by, beside the path: sigmas and rows that are left out.
+  std::vector<double> key = mean;
+  key.push_back(static_cast<double>(times_marked()));
+  for (const effects::MovingNoise& pose : noise)
+    key.insert(key.end(), {pose.xy_sigma_m, pose.theta_sigma_rad, pose.per_mps, pose.per_radps});
   for (size_t i = 0; i < runs_.size(); ++i) {
     const WalkRun& run = runs_[i];
     if (!groups[facts_.group_of_row[run.rows[0]]]) continue;
-    const auto kept = paths_->of(i, mean, [&] { return predict_walk(walk, run, timing); });
-    const std::vector<effects::WalkState>& path = *kept;
+    const auto kept = paths_->of(i, mean, [&] {
+      Walked walked{.path = predict_walk(walk, run, timing)};
+      walked.steps.resize(walked.path.size());
+      for (size_t k = 1; k < walked.path.size(); ++k) {
+        const effects::WalkState step = between(walked.path[k - 1], walked.path[k]);
+        walked.steps[k] = {step.x_m, step.y_m, step.theta_rad};
+      }
+      return walked;
+    });
+    const std::vector<effects::WalkState>& path = kept->path;
     for (const effects::WalkState& state : path) {
       evaluation.valid &=
           std::isfinite(state.x_m) && std::isfinite(state.y_m) && std::isfinite(state.theta_rad);
     }
     if (!evaluation.valid) return evaluation;
     const PoseSigmas sigma = pose_sigmas(noise, noise_, run, path);
-    const Start start = fit_start(run, run.rows.size(), path, sigma);
+    const Start start =
+        *starts_->of(i, key, [&] { return fit_start(run, run.rows.size(), path, sigma); });
     if (!noisy) take_start(run, start.pose, path, sigma, evaluation);
-    filter(walk, run, start, path, sigma, evaluation);
+    filter(walk, run, start, *kept, sigma, evaluation);
     evaluation.nuisances += start.unknowns;
   }
   return evaluation;

@@ -53,7 +53,10 @@ std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, co
                                              const effects::Timing& timing = {});
 
 // A pose that starts at `start` and has moved to `moved` in the start's own frame.
-WalkPose placed(const WalkPose& start, const effects::WalkState& moved);
+WalkPose placed(const WalkPose& start, const WalkPose& moved);
+inline WalkPose placed(const WalkPose& start, const effects::WalkState& moved) {
+  return placed(start, WalkPose{moved.x_m, moved.y_m, moved.theta_rad});
+}
 // What was seen less what was predicted; NaN where blank.
 WalkPose missed(const WalkPose& seen, const WalkPose& predicted);
 // The motion from one state to the next, in the first one's body frame.
@@ -87,6 +90,12 @@ class OdometryProblem : public Problem {
     int unknowns = 0;  // As many of its numbers as poses tell.
   };
 
+  // A run's path by a model, and the motion to each row from the one before it.
+  struct Walked {
+    std::vector<effects::WalkState> path;
+    std::vector<WalkPose> steps;
+  };
+
   std::vector<effects::Lack> lacks(const effects::Wheels& wheels) const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates(const effects::Locomotion& walk);
@@ -96,8 +105,7 @@ class OdometryProblem : public Problem {
                   const std::vector<effects::WalkState>& path, const PoseSigmas& sigma,
                   Evaluation& evaluation) const;
   void filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
-              const std::vector<effects::WalkState>& path, const PoseSigmas& sigma,
-              Evaluation& evaluation) const;
+              const Walked& walked, const PoseSigmas& sigma, Evaluation& evaluation) const;
   // Of a channel of a row; -1 where blank.
   int scalar(size_t row, int channel) const { return scalars_[row][channel]; }
   bool takes_part(size_t row, int channel) const {
@@ -105,9 +113,10 @@ class OdometryProblem : public Problem {
   }
 
   std::vector<WalkRun> runs_;
-  std::optional<Memo<std::vector<effects::WalkState>>> paths_;  // By run.
-  std::vector<std::array<int, 3>> scalars_;                     // By row.
-  std::vector<Covariate> columns_;                              // Covariates that the table holds.
+  std::optional<Memo<Walked>> paths_;        // By run.
+  std::optional<Memo<Start>> starts_;        // By run.
+  std::vector<std::array<int, 3>> scalars_;  // By row.
+  std::vector<Covariate> columns_;           // Covariates that the table holds.
   bool ticks_ = false;
   std::array<double, 3> noise_{};
 };

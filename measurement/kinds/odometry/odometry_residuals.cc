@@ -59,20 +59,25 @@ OdometryProblem::Start OdometryProblem::fit_start(const WalkRun& run, size_t row
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     int count = 0;
+    const double c = maths::cos(start.pose[2]), s = maths::sin(start.pose[2]);
     for (size_t k = 0; k < rows; ++k) {
-      const auto here = placed(start.pose, path[k]);
-      const auto r = missed(run.pose[k], here);
+      const double dx = c * path[k].x_m - s * path[k].y_m, dy = s * path[k].x_m + c * path[k].y_m;
+      const auto r = missed(
+          run.pose[k], {start.pose[0] + dx, start.pose[1] + dy, start.pose[2] + path[k].theta_rad});
+      const std::array<double, 3> by_heading = {-dy, dx, 1};
       for (int channel = 0; channel < 3; ++channel) {
         if (!takes_part(run.rows[k], channel)) continue;
-        Eigen::Vector3d slope(channel == 0, channel == 1, 1);
-        if (channel == 0) slope[2] = -(here[1] - start.pose[1]);
-        if (channel == 1) slope[2] = here[0] - start.pose[0];
         const double weight = 1 / (sigma[k][channel] * sigma[k][channel]);
-        information += weight * slope * slope.transpose();
-        right += weight * slope * r[channel];
+        information(2, 2) += weight * by_heading[channel] * by_heading[channel];
+        right[2] += weight * by_heading[channel] * r[channel];
         ++count;
+        if (channel == 2) continue;
+        information(channel, channel) += weight;
+        information(channel, 2) += weight * by_heading[channel];
+        right[channel] += weight * r[channel];
       }
     }
+    information(2, 0) = information(0, 2), information(2, 1) = information(1, 2);
     start.unknowns = std::min(3, count);
     // What no pose tells stays where it is.
     for (int i = 0; i < 3; ++i) {
@@ -108,8 +113,9 @@ void OdometryProblem::take_start(const WalkRun& run, const WalkPose& start,
 // model is right. The first pose starts it (a flat prior), so that its own innovations are zero.
 // Without walk noise it is the same least squares as fit_start, and gives only log det S.
 void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
-                             const Start& start, const std::vector<effects::WalkState>& path,
-                             const PoseSigmas& sigma, Evaluation& evaluation) const {
+                             const Start& start, const Walked& walked, const PoseSigmas& sigma,
+                             Evaluation& evaluation) const {
+  const std::vector<effects::WalkState>& path = walked.path;
   const bool noisy = walk.xy_sigma > 0 || walk.theta_sigma > 0;
   const double q_xy = walk.xy_sigma * walk.xy_sigma, q_theta = walk.theta_sigma * walk.theta_sigma;
   WalkPose pose = placed(start.pose, path[0]);
@@ -124,12 +130,12 @@ void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run
   for (size_t k = 0; k < run.rows.size(); ++k) {
     if (k > 0) {
       const auto before = pose;
-      pose = placed(pose, between(path[k - 1], path[k]));
-      Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-      F(0, 2) = -(pose[1] - before[1]);
-      F(1, 2) = pose[0] - before[0];
+      pose = placed(pose, walked.steps[k]);
+      // P = F P F', F the identity but for what the heading does to x and y.
+      const double by_x = -(pose[1] - before[1]), by_y = pose[0] - before[0];
+      P.row(0) += by_x * P.row(2), P.row(1) += by_y * P.row(2);
+      P.col(0) += by_x * P.col(2), P.col(1) += by_y * P.col(2);
       const double metres = path[k].path_m - path[k - 1].path_m;
-      P = F * P * F.transpose();
       P(0, 0) += q_xy * metres;
       P(1, 1) += q_xy * metres;
       P(2, 2) += q_theta * metres;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <regex>
 #include <sstream>
 
@@ -58,6 +59,31 @@ TEST(PointsNoise, IsEstimatedFromFewAndMany) {
       }
     }
   }
+}
+
+// A point far beside a camera that turns fast: the rows that would see it run away from it, and
+// `measure` once wrote where the search for the row had stopped.
+TEST(PointsMeasured, APointThatNoRowSeesIsLeftOut) {
+  const fs::path protocol = fs::path(testing::TempDir()) / "runaway-protocol",
+                 out = fs::path(testing::TempDir()) / "runaway-set";
+  Model truth = write_study_protocol("points", protocol);
+  truth.set(effects::find_effect("rolling_shutter"), {{.value = 2e-4}});
+  std::string joints = "time_s,tilt_rad,pan_rad\n";
+  for (int i = 0; i <= 1300; ++i) {
+    const double t = 0.008 * i;
+    joints += fmt::format("{:.6f},{:.7f},{:.7f}\n", t, 0.25 * std::sin(3.3 * t + 0.4),
+                          0.8 * std::sin(5.1 * t) + 0.1 * std::sin(17 * t));
+  }
+  write_file_atomically(protocol / "joints.csv", joints);
+  write_file_atomically(protocol / "points.csv",
+                        "frame,time_s,point,x_m,y_m,z_m\n"
+                        "0,0.150000,0,2.26522,0.77139,0.91886\n"
+                        "91,3.881000,106,1.77216,-1.68641,-0.31803\n");
+  fs::remove_all(out);
+  measure_set(truth, MeasurementSet::open(protocol), {.seed = 1, .out = out});
+  const CsvTable seen = MeasurementSet::open(out).table("points");
+  ASSERT_EQ(seen.rows(), 1u);
+  EXPECT_EQ(seen.cell(0, "point"), "0");
 }
 
 }  // namespace

@@ -26,18 +26,21 @@ effects::ImagePoint PointsPredictor::image_at(size_t row, const Vec3& p_W, doubl
     return projection_.project(motion_.to_camera(t, p_W, joint_errors), t, v);
   }
   effects::ImagePoint point;
-  double previous_v = v, previous_f = 0;
+  constexpr double kSettled_px = 1e-3;
+  double previous_v = v, previous_f = 0, f = 0;
   for (int step = 0; step < 30; ++step) {
     const double t = instant(data_.stamp_s[row], v) + late_s;
     point = projection_.project(motion_.to_camera(t, p_W, joint_errors), t, v);
     if (!point.visible) return point;
     // The row at which the point is seen is the fixed point of v -> image row; secant steps.
-    const double f = point.v - v;
+    f = point.v - v;
     if (std::abs(f) < 1e-8) break;
     const double slope = step == 0 || v == previous_v ? -1 : (f - previous_f) / (v - previous_v);
     previous_v = v, previous_f = f;
     v = std::abs(slope) > 0.1 ? v - f / slope : point.v;
   }
+  // No row sees a point that runs away from each: one far beside the image of a fast camera.
+  if (!(std::abs(f) < kSettled_px)) point.visible = false;
   return point;
 }
 

@@ -1,0 +1,15 @@
+// Where rows are many, a fit goes most of its way on a few of the groups: they show the valley as
+// well as all do, and what all groups say beyond is a last step or two.
+#pragma once
+
+#include <optional>
+
+#include "measurement/problem/problem.h"
+
+namespace seam::measurement {
+
+// Some of these groups, taken as if by lot, of about kFewResiduals residuals; none where that would
+// save little or a few groups would not stand for all.
+std::optional<Groups> few_of(const Problem& problem, const Model& model, const Groups& groups);
+
+}  // namespace seam::measurement
