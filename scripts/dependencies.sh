@@ -12,7 +12,7 @@ packages=(
   liblz4-dev libbz2-dev zlib1g-dev libsqlite3-dev libcpp-httplib-dev libgtest-dev libgmock-dev libbenchmark-dev
 =======
   libboost-math-dev libpng-dev libjpeg-dev libtiff-dev libosmesa6-dev libassimp-dev libtinyxml2-dev libzstd-dev
-  libopencv-contrib-dev libapriltag-dev libexif-dev liblz4-dev libbz2-dev zlib1g-dev libsqlite3-dev libcpp-httplib-dev libgtest-dev libgmock-dev libbenchmark-dev
+  libopencv-contrib-dev libexif-dev liblz4-dev libbz2-dev zlib1g-dev libsqlite3-dev libcpp-httplib-dev libgtest-dev libgmock-dev libbenchmark-dev
 >>>>>>> h_I
   gnuplot-nox nodejs npm chromium fonts-dejavu-core iproute2 procps
 )
