@@ -346,8 +346,8 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
       if (found[i]) judge(problem, base, here, looks.tried, material, *found[i]);
     });
   };
-  // What moves predictions comes before what only widens them, and of that what is estimated once
-  // for the set last: where one of these clearly helps, the next wait for another look.
+  // Effects of the mean first, then draws that are estimated and move predictions, too, then what
+  // only widens them: where one of these clearly helps, the next wait for another look.
   const auto any_helps = [&] {
     return std::any_of(found.begin(), found.end(), [](const auto& c) {
       return c && c->significant && c->held_z > kClearGain && !only_widens(*c->effect);
