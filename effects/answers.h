@@ -47,9 +47,10 @@ enum class Errors {
 
 // What a set must hold for an effect to be told from it.
 enum class Need {
-  known_pose,  // The camera's place is known beforehand, not estimated from the same points.
-  joints,      // The camera hangs on joints.
-  tilt_joint,  // A joint that tilts; likewise pan and roll.
+  known_pose,   // The camera's place is known beforehand, not estimated from the same points.
+  known_scale,  // Some distance is known beside those on the target itself.
+  joints,       // The camera hangs on joints.
+  tilt_joint,   // A joint that tilts; likewise pan and roll.
   pan_joint,
   roll_joint,
   pan_turn,        // A pan joint that turns a good part of a circle.

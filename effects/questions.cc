@@ -49,6 +49,8 @@ std::string to_string(Need need) {
   switch (need) {
     case Need::known_pose:
       return "a camera whose place is known";
+    case Need::known_scale:
+      return "a distance that is known beside those on the target";
     case Need::joints:
       return "joints";
     case Need::tilt_joint:

@@ -36,6 +36,7 @@
   X(board_warp)               \
   X(target_scatter)           \
   X(board_flex)               \
+  X(pupil_shift)              \
   X(pinhole)                  \
   X(fisheye)                  \
   X(radial_distortion)        \

@@ -90,6 +90,12 @@ def fisheye(p, x, y, z):
     return t * (1 + sum(k * t ** (2 * i + 2) for i, k in enumerate(p))) / math.hypot(x, y)
 
 
+def slid(p, x, y, z):
+    """Depth of a point from the pupil that its ray enters by."""
+    r = math.hypot(x, y)
+    return z - p[0] * (math.atan2(r, z) * math.hypot(r, z) / r - 1)
+
+
 def tangential(p, x, y):
     r2 = x * x + y * y
     return (x + 2 * p[0] * x * y + p[1] * (r2 + 2 * x * x),
@@ -219,6 +225,8 @@ PROOFS = [
     # Geometry.
     ("pinhole", [161.9, 162.5, 88, 71], RAY, {"u_px": "p[0] * 0.24 + p[2]", "v_px": "p[1] * -0.16 + p[3]"}),
     ("pinhole", [300, 310, 159.5, 119.5], OTHER_RAY, {"u_px": "p[0] * -0.6 + p[2]", "v_px": "p[1] * 0.4 + p[3]"}),
+    ("pupil_shift", [0.003], RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
+    ("pupil_shift", [-0.02], OTHER_RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
     ("fisheye", [-0.02, 0.001, 0, 0], RAY, image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
     ("fisheye", [0.1, -0.02, 0.003, -0.0005], OTHER_RAY,
      image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
@@ -374,7 +382,7 @@ def number(value):
 
 def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
-    names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye,
+    names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
                  tangential=tangential, rational=rational, swung=swung, sprung=sprung)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"

@@ -208,4 +208,24 @@ std::vector<Matrix3d> PairedBlocks::point_covariances() const {
   return all;
 }
 
+std::vector<MatrixXd> PairedBlocks::view_covariances() const {
+  std::vector<MatrixXd> all;
+  const Index n = reduced_.rows();
+  MatrixXd inverse = MatrixXd::Identity(n, n);
+  reduced_.triangularView<Eigen::Lower>().solveInPlace(inverse);
+  for (size_t v = 0; v < views_.size(); ++v) {
+    if (points_eliminated_) {
+      const auto part = inverse.middleCols(view_at_[v], size_of(v));
+      all.emplace_back(part.transpose() * part);
+      continue;
+    }
+    MatrixXd rows = MatrixXd::Zero(n, size_of(v));
+    for (const size_t c : cells_of_view_[v])
+      rows += inverse.middleCols<3>(3 * static_cast<Index>(cells_[c].point)) *
+              (joint(cells_[c]).transpose() * view_inverse_[v]);
+    all.emplace_back(view_inverse_[v] + rows.transpose() * rows);
+  }
+  return all;
+}
+
 }  // namespace seam::measurement

@@ -38,6 +38,8 @@ class PairedBlocks {
   double log_det() const { return log_det_; }
   // Of each point with the views' unknowns estimated as well; after factor.
   std::vector<Eigen::Matrix3d> point_covariances() const;
+  // The same of each view with the points' unknowns estimated.
+  std::vector<Eigen::MatrixXd> view_covariances() const;
 
  private:
   // A block of the one sort as seen from a block of the other.

@@ -70,6 +70,12 @@ TEST_P(PairedBlocksOf, AgreeWithOneDenseMatrix) {
     const Index at = first_point + 3 * static_cast<Index>(p);
     EXPECT_LT((covariances[p] - inverse.block(at, at, 3, 3)).norm(), 1e-9 * inverse.norm());
   }
+  const auto of_views = blocks.view_covariances();
+  for (size_t v = 0; v < c.views.size(); ++v) {
+    const Index at = blocks.view_at(v), size = c.views[v];
+    ASSERT_EQ(of_views[v].rows(), size);
+    EXPECT_LE((of_views[v] - inverse.block(at, at, size, size)).norm(), 1e-9 * inverse.norm());
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, PairedBlocksOf,

@@ -41,6 +41,12 @@ class Problem {
                                                     const Evaluation& here) const;
 
   virtual Score score(const Model& model, const Groups& groups) const;
+  // The same of a model that differs little from one that was fitted: its nuisances may start where
+  // those ended. Default: they need no start.
+  virtual Score score_beside(const Model& model, const Groups& groups,
+                             const Model& /*fitted*/) const {
+    return score(model, groups);
+  }
   // The same for groups that are held out, given all others: where groups share draws (a target's
   // displaced points), these were estimated from the others. Default: groups share none.
   virtual Score score_held_out(const Model& model, const Groups& groups) const {

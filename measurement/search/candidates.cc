@@ -272,6 +272,12 @@ namespace {
 
 std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const std::string& out,
                                const std::shared_ptr<const EffectDefinition>& in) {
+  // What takes the place of another base is exchanged for its like alone: without it the model is
+  // none from which a step could tell anything.
+  const EffectDefinition& leaving = *grown.assessment.model.find(out)->definition;
+  if (leaving.replaces_base != effects::Base::none && in->replaces_base != leaving.replaces_base &&
+      (in->term == effects::Term::none || in->term != leaving.replaces_term))
+    return std::nullopt;
   Grown smaller = without(grown, out);
   const Score score = problem.score(smaller.assessment.model, problem.all_groups());
   if (score.valid) smaller.assessment.total_ll = score.log_likelihood;
@@ -370,11 +376,23 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
       if (found[i]) judge(problem, base, here, looks.tried, material, *found[i]);
     });
   };
-  fit([](const EffectDefinition& effect) { return !effect.spread_only; });
-  const bool clear =
-      std::any_of(found.begin(), found.end(), [](const auto& c) { return c && clearly_helps(*c); });
-  if (!promising_only || !clear)
-    fit([](const EffectDefinition& effect) { return effect.spread_only; });
+  // Effects of the mean first, then draws that are estimated and move predictions, too, then what
+  // only widens them: where one of these clearly helps, the next wait for another look.
+  const auto any_helps = [&] {
+    return std::any_of(found.begin(), found.end(), [](const auto& c) {
+      return c && c->significant && c->held_z > kClearGain && !only_widens(*c->effect);
+    });
+  };
+  const auto sort_of = [](const EffectDefinition& effect) {
+    if (!effect.spread_only) return 0;
+    return effect.draws_estimated ? 1 : effect.errors == effects::Errors::now_and_then ? 3 : 2;
+  };
+  for (const int sort : {0, 1, 2, 3}) {
+    // Single large errors are told by no model that explains nothing.
+    const bool useless = sort == 3 && base.assessment.error > kUseless;
+    if ((promising_only || useless) && any_helps()) break;
+    fit([&](const EffectDefinition& effect) { return sort_of(effect) == sort; });
+  }
   for (size_t i = 0; i < effects.size(); ++i) {
     looks.not_testable.insert(looks.not_testable.end(), reasons[i].begin(), reasons[i].end());
     if (found[i]) looks.candidates.push_back(std::move(*found[i]));

@@ -44,7 +44,7 @@ double loss_without(const Problem& problem, const Candidate& candidate) {
   const Model& with = candidate.grown.assessment.model;
   Model without = with;
   without.remove(candidate.effect->name);
-  const Score there = problem.score(without, problem.all_groups());
+  const Score there = problem.score_beside(without, problem.all_groups(), with);
   return there.valid ? candidate.grown.assessment.total_ll - there.log_likelihood
                      : std::numeric_limits<double>::infinity();
 }

@@ -74,6 +74,11 @@ Grown part_of(const Problem& problem, const Grown& whole, const std::vector<std:
   return part;
 }
 
+// Draws and single large errors can stand for any misfit while a mean is missing: they come last.
+bool waits(const EffectDefinition& effect) {
+  return effect.draws_estimated || effect.errors == effects::Errors::now_and_then;
+}
+
 double moved(const Problem& problem, const Assessment& before, const Assessment& after,
              const EffectDefinition& by) {
   const Evaluation here = problem.evaluate_held_out(before.model, problem.scored_groups());
@@ -114,6 +119,10 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
       const auto effect = effect_by_name(left[i]);
       if (effects::is_excluded(*effect, grown.assessment.model)) return;
       const bool last = left.size() == 1;
+      if (waits(*effect) && !std::all_of(left.begin(), left.end(), [&](const std::string& name) {
+            return waits(*effect_by_name(name));
+          }))
+        return;
       if (effect->companions.empty() && !last)
         tried[i] = try_effect(problem, grown, effect, reasons);
       // Found after another that it replaced, or with others: what was fitted last is the place to

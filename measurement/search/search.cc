@@ -53,7 +53,8 @@ class Searcher {
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
   Looks look(const Grown& grown, bool promising_only);
   EffectList absent(const Model& model, bool moves) const;
-  void forward(SearchResult& result);
+  void forward(SearchResult& result, const Grown* earlier);
+  std::optional<Grown> again(const Grown& earlier, const Looks& first);
   void begin_with(const Candidate& beginning, SearchResult& result);
   void try_beginnings(SearchResult& result);
   bool misses(const Assessment& assessment) const;
@@ -234,12 +235,33 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   result.last_traces = std::move(traces);
 }
 
-void Searcher::forward(SearchResult& result) {
+// With other outliers marked, the way leads where it led before if it begins alike: what was found
+// there is fitted again, and the search goes on from it.
+std::optional<Grown> Searcher::again(const Grown& earlier, const Looks& first) {
+  if (!problem_.is_smooth(earlier.assessment.model) || earlier.added.empty() ||
+      earlier.assessment.error > kUseless)
+    return std::nullopt;
+  std::vector<Candidate> candidates = first.candidates;
+  const Candidate* next = choose(problem_, base_.assessment.error > kMisfit, candidates);
+  if (!next || std::find(earlier.added.begin(), earlier.added.end(), next->effect->name) ==
+                   earlier.added.end())
+    return std::nullopt;
+  Grown grown = earlier;
+  grown.assessment = assess(problem_, earlier.assessment.model, earlier.assessment.unknowns);
+  if (!grown.assessment.valid) return std::nullopt;
+  prune(grown);
+  return grown;
+}
+
+void Searcher::forward(SearchResult& result, const Grown* earlier) {
   // The first look is what the user sees: every effect is fitted in it.
   progress_("step 1: trying effects");
   result.first = look(base_, /*promising_only=*/false);
-  result.best = base_;
-  result.best = grow(base_, &result.first, result.last_traces);
+  std::optional<Grown> found;
+  if (earlier != nullptr) found = again(*earlier, result.first);
+  if (!found) promising_.clear();
+  result.best = found ? grow(*std::move(found), nullptr, result.last_traces)
+                      : grow(base_, &result.first, result.last_traces);
   if (problem_.effects_imitate()) try_beginnings(result);
   if (misses(result.best.assessment)) take_moves(look_at_moves(), result);
 }
@@ -299,10 +321,11 @@ SearchResult Searcher::run() {
   result.outliers_of_given = result.outliers.size();
   bool marks_changed = true;
   for (int round = 0; round < kOutlierRounds && marks_changed; ++round) {
-    promising_.clear();
     base_ = base();
     if (round == 0 && base_.assessment.held.valid) check_enough(problem_, base_.assessment);
-    forward(result);
+    const std::optional<Grown> earlier =
+        round > 0 ? std::optional(std::move(result.best)) : std::nullopt;
+    forward(result, earlier ? &*earlier : nullptr);
     // Outliers are those of the best model; with others the search is run again. A model that
     // explains nothing has none to tell.
     marks_changed = result.best.assessment.error <= kUseless &&

@@ -4,15 +4,20 @@
 namespace seam::effects {
 
 EffectDefinition board_scale() {
-  const auto share = [](const char* name, const char* help) {
-    return Parameter{.name = name, .min = -0.2, .max = 0.2, .scale = 1e-3, .help = help};
+  const auto share = [](const char* name, const char* help, std::vector<Need> needs = {}) {
+    return Parameter{.name = name,
+                     .min = -0.2,
+                     .max = 0.2,
+                     .scale = 1e-3,
+                     .help = help,
+                     .needs = std::move(needs)};
   };
   return {
       .name = "board_scale",
       .stage = Stage::target,
       .kinds = kPoints,
       .parameters = {share("x_scale", "By how much the board is longer along x, relative."),
-                     share("y_scale", "The same along y."),
+                     share("y_scale", "The same along y.", {Need::known_scale}),
                      share("shear",
                            "By how much x grows along y, relative: corners are not "
                            "square.")},

@@ -29,6 +29,10 @@ std::vector<effects::Lack> lacks_of(const PointsData& data) {
     lacks.push_back({Need::known_pose,
                      "each frame has a velocity of its own, of which only the product with a "
                      "read-out time shows; motion: spline tells them apart"});
+  if (rig.type() == Rig::Type::unknown)
+    lacks.push_back({Need::known_scale,
+                     "the pose of each frame is estimated: one scale of the whole target is that "
+                     "of its distances"});
   if (rig.type() != Rig::Type::chain)
     lacks.push_back({Need::joints, "the camera hangs on no joint"});
   if (rig.cycle_s() == 0)

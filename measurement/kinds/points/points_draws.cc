@@ -8,6 +8,59 @@
 
 namespace seam::measurement {
 
+namespace {
+
+// What tells one model from another, less one of its effects.
+std::vector<double> key_of(const Model& model, const effects::ModelEffect* less = nullptr) {
+  std::vector<double> key;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (&effect == less) continue;
+    const std::string text = effect.definition->name + "\n" + effect.definition->source;
+    key.push_back(static_cast<double>(std::hash<std::string>{}(text) >> 12));
+    key.insert(key.end(), effect.values().begin(), effect.values().end());
+  }
+  return key;
+}
+
+}  // namespace
+
+void PointsProblem::remember_end(const Model& model, const std::vector<double>& values) const {
+  const std::lock_guard lock(recent_mutex_);
+  if (ends_marked_ != times_marked()) ends_.clear(), ends_marked_ = times_marked();
+  ends_.emplace(key_of(model), values);
+}
+
+// The same model, or that to which one effect was added to be tried.
+std::vector<double> PointsProblem::start_beside(const Model& model, const Groups& groups) const {
+  std::vector<double> values;
+  const auto recall = [&](const effects::ModelEffect* less) {
+    const std::lock_guard lock(recent_mutex_);
+    if (ends_marked_ != times_marked()) return;
+    const auto found = ends_.find(key_of(model, less));
+    if (found != ends_.end()) values = found->second;
+  };
+  recall(nullptr);
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (values.empty()) recall(&effect);
+  }
+  if (values.empty() || data_.rig.type() != Rig::Type::unknown) return values;
+  // Views that took no part there.
+  Groups missing(groups.size(), 0);
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
+    Pose X_CW;
+    const int group = facts_.group_of_row[data_.rows_of_frame[frame].front()];
+    if (groups[group] && !stored_pose(values, frame, X_CW)) missing[group] = 1;
+  }
+  if (std::find(missing.begin(), missing.end(), 1) == missing.end()) return values;
+  const Evaluation others = evaluate_unknown(model, missing, nullptr, /*refined=*/false);
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
+    Pose X_CW;
+    if (!stored_pose(values, frame, X_CW) && stored_pose(others.nuisance_values, frame, X_CW))
+      store_pose(X_CW, frame, values);
+  }
+  return values;
+}
+
 std::vector<Eigen::MatrixXd> PointsProblem::causes_by_frame(const Model& model,
                                                             const Groups& groups) const {
   const PointsPredictor predictor(data_, model);
@@ -28,7 +81,7 @@ std::vector<Eigen::MatrixXd> PointsProblem::causes_by_frame(const Model& model,
 
 std::unique_ptr<TargetAdjustment> PointsProblem::adjustment_at(
     const Model& model, const Groups& groups, const DrawsKnown* known,
-    const std::vector<double>& values) const {
+    const std::vector<double>& values, const std::vector<double>& sigma) const {
   TargetAdjustment::Given given{.data = data_, .model = model, .known = known};
   for (const std::vector<int>& rows : data_.rows_of_frame) {
     const bool any =
@@ -36,11 +89,45 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjustment_at(
     given.frames.push_back(any && groups[facts_.group_of_row[rows.front()]]);
   }
   for (size_t row = 0; row < data_.p_W.size(); ++row) given.rows.push_back(takes_part(row));
-  given.sigma = blank().sigma;
+  given.sigma = sigma.empty() ? blank().sigma : sigma;
   if (data_.rig.type() != Rig::Type::unknown) given.causes = causes_by_frame(model, groups);
   auto adjustment = std::make_unique<TargetAdjustment>(std::move(given));
   adjustment->start(values);
   return adjustment;
+}
+
+std::vector<double> PointsProblem::counted_sigma(const FewErrors& scatter,
+                                                 const Evaluation& evaluation) const {
+  std::vector<double> sigma = blank().sigma;
+  for (size_t u = 0; u < sigma.size(); u += 2) {
+    const Failure failure = failure_of(scatter, evaluation.residual[u], evaluation.residual[u + 1],
+                                       sigma[u], sigma[u + 1]);
+    sigma[u] = failure.sigma_u, sigma[u + 1] = failure.sigma_v;
+  }
+  return sigma;
+}
+
+// Points that may have failed count for less, and how likely they did follows from where the
+// others have them: in turn until neither changes.
+void PointsProblem::settle_scattered(const FewErrors& scatter, const Model& model,
+                                     const Groups& groups, const DrawsKnown* known,
+                                     std::unique_ptr<TargetAdjustment>& adjustment) const {
+  constexpr int kRounds = 8;
+  // Sigmas that change by less move the nuisances by less than matters.
+  constexpr double kSame = 1e-3;
+  std::vector<double> last;
+  for (int round = 0; round < kRounds; ++round) {
+    Evaluation here = blank();
+    adjustment->tell_residuals(here);
+    const std::vector<double> sigma = counted_sigma(scatter, here);
+    double changed = last.empty() ? 1 : 0;
+    for (size_t i = 0; i < last.size(); ++i)
+      changed = std::max(changed, std::abs(sigma[i] / last[i] - 1));
+    if (changed < kSame) return;
+    auto next = adjustment_at(model, groups, known, adjustment->values(), sigma);
+    if (!next->fit()) return;
+    adjustment = std::move(next), last = sigma;
+  }
 }
 
 std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, const Groups& groups,
@@ -50,10 +137,12 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
   const bool unknown = data_.rig.type() == Rig::Type::unknown;
   const bool warm_draws =
       warm && warm->valid && warm->nuisance_values.size() > 12 * data_.rows_of_frame.size();
+  const std::vector<double> start =
+      warm_draws ? warm->nuisance_values : start_beside(model, groups);
   std::unique_ptr<TargetAdjustment> adjustment;
   bool found = false;
-  if (warm_draws) {
-    adjustment = adjustment_at(model, groups, known, warm->nuisance_values);
+  if (!start.empty()) {
+    adjustment = adjustment_at(model, groups, known, start);
     found = adjustment->fit();
   }
   // Else from poses of their own: linear ones, or refined where these are too far off.
@@ -65,6 +154,8 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
     adjustment = adjustment_at(model, groups, known, poses.nuisance_values);
     found = adjustment->fit();
   }
+  const std::optional<FewErrors> scatter = unknown ? scatter_of(model) : std::nullopt;
+  if (found && scatter) settle_scattered(*scatter, model, groups, known, adjustment);
   evaluation = blank();
   evaluation.valid = found;
   if (found) {
@@ -82,6 +173,7 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
   whiten_diagonal(*this, groups, evaluation);
   if (!found) return nullptr;
   adjustment->whiten(evaluation);
+  if (scatter) whiten_all_scattered(*scatter, groups, evaluation);
   return adjustment;
 }
 
@@ -99,11 +191,7 @@ DrawsKnown PointsProblem::known_from(const Model& model, const Groups& groups) c
 Evaluation PointsProblem::evaluate_held_out(const Model& model, const Groups& groups) const {
   if (!(effects::target_of(model).scatter_sigma_m > 0)) return evaluate(model, groups, nullptr);
   // Asked for several times of each model that is compared, and dear.
-  std::vector<double> key;
-  for (const effects::ModelEffect& effect : model.effects()) {
-    key.push_back(static_cast<double>(std::hash<std::string>{}(effect.definition->name) >> 12));
-    key.insert(key.end(), effect.values().begin(), effect.values().end());
-  }
+  std::vector<double> key = key_of(model);
   key.insert(key.end(), groups.begin(), groups.end());
   for (size_t i = 0; i < facts_.scalars(); ++i) key.push_back(left_out(i));
   {
@@ -139,13 +227,33 @@ Score PointsProblem::score_held_out(const Model& model, const Groups& groups) co
   return score_of(*this, evaluate_held_out(model, groups));
 }
 
+Score PointsProblem::score_beside(const Model& model, const Groups& groups,
+                                  const Model& fitted) const {
+  if (!effects::target_of(model).has_draws()) return score(model, groups);
+  Evaluation beside;
+  beside.nuisance_values = start_beside(fitted, groups);
+  if (beside.nuisance_values.empty()) return score(model, groups);
+  return score_of(*this, evaluate(model, groups, &beside));
+}
+
 std::vector<std::vector<double>> PointsProblem::jacobian_draws(const Model& model,
                                                                const std::vector<Unknown>& unknowns,
                                                                const Groups& groups,
                                                                const Evaluation& here) const {
   const MovedModels moved(model, unknowns);
-  auto columns = adjustment_at(model, groups, nullptr, here.nuisance_values)
+  const bool unknown = data_.rig.type() == Rig::Type::unknown;
+  const std::optional<FewErrors> scatter = unknown ? scatter_of(model) : std::nullopt;
+  const std::vector<double> sigma = scatter ? counted_sigma(*scatter, here) : std::vector<double>();
+  auto columns = adjustment_at(model, groups, nullptr, here.nuisance_values, sigma)
                      ->columns(moved.models, moved.steps);
+  // What takes the place of a scattered residual costs half its square: its slope is that of the
+  // cost over itself.
+  for (size_t i = 0; i < sigma.size() && !columns.empty(); ++i) {
+    constexpr double kFlat = 1e-3;
+    if (!here.used[i] || std::abs(here.whitened[i]) < kFlat) continue;
+    const double slope = here.residual[i] / (sigma[i] * here.whitened[i]);
+    for (auto& column : columns) column[i] *= slope;
+  }
   columns.resize(unknowns.size());
   for (auto& column : columns) column.resize(here.whitened.size(), 0);
   return columns;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <mutex>
 
@@ -27,6 +28,9 @@ class PointsProblem : public Problem {
                       const Evaluation* warm) const override;
   Evaluation evaluate_held_out(const Model& model, const Groups& groups) const override;
   Score score_held_out(const Model& model, const Groups& groups) const override;
+  Score score_beside(const Model& model, const Groups& groups, const Model& fitted) const override;
+  Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
+          const Groups& groups) const override;
   std::vector<std::vector<double>> jacobian(const Model& model,
                                             const std::vector<Unknown>& unknowns,
                                             const Groups& groups,
@@ -106,15 +110,28 @@ class PointsProblem : public Problem {
                                                    const Evaluation& here) const;
 
   // points_draws.cc
-  // An adjustment that stands at these numbers (Evaluation::nuisance_values).
+  // An adjustment that stands at these numbers (Evaluation::nuisance_values); no sigmas: the stated
+  // ones.
   std::unique_ptr<TargetAdjustment> adjustment_at(const Model& model, const Groups& groups,
                                                   const DrawsKnown* known,
-                                                  const std::vector<double>& values) const;
+                                                  const std::vector<double>& values,
+                                                  const std::vector<double>& sigma = {}) const;
+  // By scalar: the sigmas with which these residuals count where points may have failed.
+  std::vector<double> counted_sigma(const FewErrors& scatter, const Evaluation& evaluation) const;
+  void settle_scattered(const FewErrors& scatter, const Model& model, const Groups& groups,
+                        const DrawsKnown* known,
+                        std::unique_ptr<TargetAdjustment>& adjustment) const;
   // An adjustment of these groups' draws and poses, and what it evaluates to; nothing where none
   // could be found.
   std::unique_ptr<TargetAdjustment> adjusted(const Model& model, const Groups& groups,
                                              const Evaluation* warm, const DrawsKnown* known,
                                              Evaluation& evaluation) const;
+  // Where to start an adjustment of these groups: at the end of that of a model like this one, if
+  // there was one.
+  std::vector<double> start_beside(const Model& model, const Groups& groups) const;
+  void remember_end(const Model& model, const std::vector<double>& values) const;
+  // points_draws_fit.cc
+  class DrawsFit;
   std::vector<Eigen::MatrixXd> causes_by_frame(const Model& model, const Groups& groups) const;
   Evaluation predict_held_out(const Model& model, const Groups& groups) const;
   DrawsKnown known_from(const Model& model, const Groups& groups) const;
@@ -136,6 +153,10 @@ class PointsProblem : public Problem {
   // thread asked first.
   mutable std::mutex recent_mutex_;
   mutable std::deque<std::pair<std::vector<double>, Evaluation>> recent_;
+  // Nuisances at the ends of fits, by the fitted model, since outliers were marked last. The first
+  // that is stored stays, so that no thread's haste changes another's result.
+  mutable std::map<std::vector<double>, std::vector<double>> ends_;
+  mutable int64_t ends_marked_ = -1;
 };
 
 // The model with each unknown moved by a small step, for differences at fixed nuisances.

@@ -30,6 +30,16 @@ void whiten_scattered(const FewErrors& scatter, const std::vector<size_t>& scala
   errors.whiten(facts, evaluation);
 }
 
+Failure failure_of(const FewErrors& scatter, double u, double v, double sigma_u, double sigma_v) {
+  const double first = scatter.share_of_more(u, sigma_u, scatter.fraction());
+  const double failed = scatter.share_of_more(v, sigma_v, first);
+  const auto counts = [&](double sigma) {
+    const double failing = sigma * sigma + scatter.size() * scatter.size();
+    return sigma / std::sqrt(1 - failed + failed * sigma * sigma / failing);
+  };
+  return {failed, counts(sigma_u), counts(sigma_v)};
+}
+
 bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& projection,
                            std::vector<Sighting> seen, bool near, Pose& X_CW) {
   // From where an earlier one ended, weights hardly change.
@@ -47,16 +57,10 @@ bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& 
       const Sighting& s = stated[i];
       const effects::ImagePoint point = projection.project(X_CW * s.p_W, s.t_s, s.v_px);
       if (!point.visible) return false;
-      const double u = s.u_px - point.u, v = s.v_px - point.v;
-      const double first = scatter.share_of_more(u, s.sigma_u, scatter.fraction());
-      const double failed = scatter.share_of_more(v, s.sigma_v, first);
-      // Of the precision that the point would have, what is left on average.
-      const auto left = [&](double sigma) {
-        const double failing = sigma * sigma + scatter.size() * scatter.size();
-        return 1 - failed + failed * sigma * sigma / failing;
-      };
-      weigh(seen[i].sigma_u, s.sigma_u / std::sqrt(left(s.sigma_u)));
-      weigh(seen[i].sigma_v, s.sigma_v / std::sqrt(left(s.sigma_v)));
+      const Failure failure =
+          failure_of(scatter, s.u_px - point.u, s.v_px - point.v, s.sigma_u, s.sigma_v);
+      weigh(seen[i].sigma_u, failure.sigma_u);
+      weigh(seen[i].sigma_v, failure.sigma_v);
     }
     if (changed < kSame && round > 0) break;
     if (!refine_pose(projection, seen, X_CW)) return false;

@@ -19,6 +19,14 @@ std::optional<FewErrors> scatter_of(const Model& model);
 void whiten_scattered(const FewErrors& scatter, const std::vector<size_t>& scalars,
                       const Eigen::MatrixXd& causes, const Facts& facts, Evaluation& evaluation);
 
+// A point whose detector may have failed: how likely that is, and the sigmas with which its
+// residuals u and v count (of the precision that the point would have, what is left on average).
+struct Failure {
+  double share = 0;
+  double sigma_u = 0, sigma_v = 0;
+};
+Failure failure_of(const FewErrors& scatter, double u, double v, double sigma_u, double sigma_v);
+
 // Refines a pose under such errors: points that seem to have failed count less (expectation and
 // maximisation in turn). False where it fails.
 bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& projection,

@@ -71,17 +71,17 @@ void TargetAdjustment::start(const std::vector<double>& values) {
   }
 }
 
-std::vector<double> TargetAdjustment::values() const {
-  const size_t frames = state_.X_CW.size();
+std::vector<double> TargetAdjustment::values_of(const State& state) const {
+  const size_t frames = state.X_CW.size();
   std::vector<double> values(12 * frames, 0);
   for (size_t frame = 0; frame < frames; ++frame) {
-    if (unknown_poses_ && given_.frames[frame]) store_pose(state_.X_CW[frame], frame, values);
+    if (unknown_poses_ && given_.frames[frame]) store_pose(state.X_CW[frame], frame, values);
   }
   for (size_t frame = 0; frame < frames; ++frame)
-    values.push_back(has_flex() && state_.extra[frame].size() > 0
-                         ? state_.extra[frame][0] * compiled_.shape.flex_sigma_m
+    values.push_back(has_flex() && state.extra[frame].size() > 0
+                         ? state.extra[frame][0] * compiled_.shape.flex_sigma_m
                          : 0);
-  for (const Vec3& d : state_.displaced_m) values.insert(values.end(), {d.x, d.y, d.z});
+  for (const Vec3& d : state.displaced_m) values.insert(values.end(), {d.x, d.y, d.z});
   return values;
 }
 

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "effects/stages/geometry.h"
 #include "measurement/kinds/points/points_data.h"
+#include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/paired_blocks.h"
 
 namespace seam::measurement {
@@ -42,7 +44,7 @@ class TargetAdjustment {
   bool fit();
 
   // The adjusted numbers, to start another from.
-  std::vector<double> values() const;
+  std::vector<double> values() const { return values_of(state_); }
   // Fills the residuals of all rows of its frames,
   void tell_residuals(Evaluation& evaluation) const;
   // and, after whiten_diagonal, what follows from the draws: whitened residuals and, behind them,
@@ -52,6 +54,24 @@ class TargetAdjustment {
   // with the k-th unknown moved by step[k].
   std::vector<std::vector<double>> columns(const std::vector<Model>& moved,
                                            const std::vector<double>& steps);
+  // The parabola of the unknowns, all nuisances following; nothing where these are not determined.
+  std::optional<Parabola> look(const std::vector<Model>& moved, const std::vector<double>& steps);
+  // The numbers where the unknowns go by this from the last look, the nuisances with them.
+  std::vector<double> values_after(const Eigen::VectorXd& by) const;
+  // Half the sum of squares where it stands, the draws' own among them.
+  double height() const { return cost(state_); }
+  // Sums over draws of one sort, where the last look or fit stood.
+  struct DrawsSum {
+    double square = 0;       // Of draws over their spread.
+    double freedom = 0;      // How many of them the views tell, not their spread.
+    double information = 0;  // On the logarithm of their spread.
+  };
+  struct DrawsSums {
+    DrawsSum points, bendings;
+  };
+  DrawsSums sums() const;
+  // The squares alone, wherever it stands.
+  DrawsSums squares() const;
   // Displacements and their covariances, poses being estimated, too.
   const std::vector<Vec3>& displaced_m() const { return state_.displaced_m; }
   std::vector<Eigen::Matrix3d> covariances();
@@ -93,9 +113,13 @@ class TargetAdjustment {
   double cost(const State& state) const;
   double prior_cost(const State& state) const;
   bool build(Eigen::MatrixXd& by_views, Eigen::MatrixXd& by_points);
+  std::vector<double> values_of(const State& state) const;
   State moved(const Eigen::MatrixXd& views, const Eigen::MatrixXd& points, double by) const;
   Eigen::Matrix3d precision(size_t point) const;
   Eigen::Vector3d mean(size_t point) const;
+  // The draws' blocks with poses as they stand, for the used rows.
+  PairedBlocks blocks_of_draws(const std::vector<size_t>& used) const;
+  std::vector<double> left_with_draws(const std::vector<size_t>& used) const;
 
   Given given_;
   Compiled compiled_;
@@ -103,6 +127,8 @@ class TargetAdjustment {
   State state_;
   std::unique_ptr<PairedBlocks> blocks_;
   std::vector<Cell> cells_;  // Of the used rows, in order of frames_.
+  // How nuisances follow the unknowns (a column each), and their own step behind that.
+  Eigen::MatrixXd following_views_, following_points_;
 };
 
 }  // namespace seam::measurement

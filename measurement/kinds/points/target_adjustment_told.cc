@@ -56,34 +56,47 @@ std::vector<size_t> TargetAdjustment::used_rows() const {
   return used;
 }
 
-void TargetAdjustment::whiten(Evaluation& evaluation) const {
-  const std::vector<size_t> used = used_rows();
+PairedBlocks TargetAdjustment::blocks_of_draws(const std::vector<size_t>& used) const {
   std::vector<Index> sizes;
   for (size_t frame = 0; frame < state_.extra.size(); ++frame)
     sizes.push_back(given_.frames[frame] ? state_.extra[frame].size() : 0);
   PairedBlocks draws(sizes, has_points() ? state_.displaced_m.size() : 0);
   for (size_t k = 0; k < used.size(); ++k) {
     const auto frame = static_cast<size_t>(given_.data.frame_of_row[used[k]]);
+    draws.add(frame, static_cast<size_t>(given_.data.point_of_row[used[k]]),
+              cells_[k].by_view.rightCols(sizes[frame]), cells_[k].by_point);
+  }
+  for (size_t frame = 0; frame < sizes.size(); ++frame) {
+    for (Index i = 0; i < sizes[frame]; ++i) draws.add_prior(frame, i, 1);
+  }
+  for (size_t point = 0; point < state_.displaced_m.size() && has_points(); ++point)
+    draws.add_prior(point, precision(point));
+  return draws;
+}
+
+void TargetAdjustment::whiten(Evaluation& evaluation) const {
+  const std::vector<size_t> used = used_rows();
+  for (size_t k = 0; k < used.size(); ++k) {
     const Cell& cell = cells_[k];
+    const Index causes =
+        state_.extra[static_cast<size_t>(given_.data.frame_of_row[used[k]])].size();
     for (int c = 0; c < 2; ++c) {
       const size_t scalar = 2 * used[k] + static_cast<size_t>(c);
       evaluation.whitened[scalar] = left_over(used[k], cell, evaluation)[c];
-      evaluation.sigma[scalar] *= std::sqrt(
-          1 + cell.by_view.row(c).tail(sizes[frame] - (has_flex() ? 1 : 0)).squaredNorm());
+      evaluation.sigma[scalar] *=
+          std::sqrt(1 + cell.by_view.row(c).tail(causes - (has_flex() ? 1 : 0)).squaredNorm());
     }
-    draws.add(frame, static_cast<size_t>(given_.data.point_of_row[used[k]]),
-              cell.by_view.rightCols(sizes[frame]), cell.by_point);
   }
-  for (size_t frame = 0; frame < sizes.size(); ++frame) {
-    for (Index i = 0; i < sizes[frame]; ++i) {
-      draws.add_prior(frame, i, 1);
+  PairedBlocks draws = blocks_of_draws(used);
+  for (size_t frame = 0; frame < state_.extra.size(); ++frame) {
+    if (!given_.frames[frame]) continue;
+    for (Index i = 0; i < state_.extra[frame].size(); ++i) {
       evaluation.whitened.push_back(state_.extra[frame][i]);
       evaluation.absorbed += 1 - 1 / draws.of_view(frame)(i, i);
     }
   }
   for (size_t point = 0; point < state_.displaced_m.size() && has_points(); ++point) {
     const Matrix3d before = precision(point);
-    draws.add_prior(point, before);
     evaluation.shared_log_det -= std::log(before.determinant());
     evaluation.absorbed += 3 - (before * draws.of_point(point).inverse()).trace();
     const Vec3& d = state_.displaced_m[point];
@@ -100,8 +113,13 @@ std::vector<std::vector<double>> TargetAdjustment::columns(const std::vector<Mod
   if (!build(views, points) || !blocks_->factor(0)) return {};
   const auto count = static_cast<Index>(moved.size());
   MatrixXd slopes = MatrixXd::Zero(2 * static_cast<Index>(used.size()), count);
-  views = MatrixXd::Zero(blocks_->view_unknowns(), count);
-  points = MatrixXd::Zero(blocks_->point_unknowns(), count);
+  // Behind what follows the unknowns: the nuisances' own way.
+  views.conservativeResize(Eigen::NoChange, count + 1);
+  points.conservativeResize(Eigen::NoChange, count + 1);
+  for (MatrixXd* right : {&views, &points}) {
+    right->col(count) = right->col(0).eval();
+    right->leftCols(count).setZero();
+  }
   const auto frame_of = [&](size_t k) {
     return static_cast<size_t>(given_.data.frame_of_row[used[k]]);
   };
@@ -123,9 +141,10 @@ std::vector<std::vector<double>> TargetAdjustment::columns(const std::vector<Mod
   }
   for (size_t k = 0; k < used.size(); ++k) {
     const auto rows = slopes.middleRows<2>(2 * static_cast<Index>(k));
-    views.middleRows(blocks_->view_at(frame_of(k)), cells_[k].by_view.cols()) +=
+    views.block(blocks_->view_at(frame_of(k)), 0, cells_[k].by_view.cols(), count) +=
         cells_[k].by_view.transpose() * rows;
-    if (has_points()) points.middleRows<3>(point_at(k)) += cells_[k].by_point.transpose() * rows;
+    if (has_points())
+      points.block(point_at(k), 0, 3, count) += cells_[k].by_point.transpose() * rows;
   }
   blocks_->solve(views, points);
   const size_t scalars = 2 * given_.data.p_W.size();
@@ -133,8 +152,8 @@ std::vector<std::vector<double>> TargetAdjustment::columns(const std::vector<Mod
   for (size_t k = 0; k < used.size(); ++k) {
     MatrixXd rows = slopes.middleRows<2>(2 * static_cast<Index>(k));
     rows -= cells_[k].by_view *
-            views.middleRows(blocks_->view_at(frame_of(k)), cells_[k].by_view.cols());
-    if (has_points()) rows -= cells_[k].by_point * points.middleRows<3>(point_at(k));
+            views.block(blocks_->view_at(frame_of(k)), 0, cells_[k].by_view.cols(), count);
+    if (has_points()) rows -= cells_[k].by_point * points.block(point_at(k), 0, 3, count);
     for (size_t p = 0; p < moved.size(); ++p) {
       for (int c = 0; c < 2; ++c)
         columns[p][2 * used[k] + static_cast<size_t>(c)] = rows(c, static_cast<Index>(p));
@@ -154,7 +173,80 @@ std::vector<std::vector<double>> TargetAdjustment::columns(const std::vector<Mod
       columns[p].insert(columns[p].end(), {part[0], part[1], part[2]});
     }
   }
+  following_views_ = std::move(views), following_points_ = std::move(points);
   return columns;
+}
+
+// Residuals over their sigmas, and the draws over their spreads behind them, as `columns` has them.
+std::vector<double> TargetAdjustment::left_with_draws(const std::vector<size_t>& used) const {
+  std::vector<double> left(2 * given_.data.p_W.size(), 0);
+  for (size_t k = 0; k < used.size(); ++k) {
+    for (int c = 0; c < 2; ++c) left[2 * used[k] + static_cast<size_t>(c)] = cells_[k].z[c];
+  }
+  for (size_t frame = 0; frame < state_.extra.size(); ++frame) {
+    if (given_.frames[frame])
+      left.insert(left.end(), state_.extra[frame].begin(), state_.extra[frame].end());
+  }
+  for (size_t point = 0; point < state_.displaced_m.size() && has_points(); ++point) {
+    const Vec3& d = state_.displaced_m[point];
+    const Vector3d away =
+        triangle(precision(point)).transpose() * (Vector3d(d.x, d.y, d.z) - mean(point));
+    left.insert(left.end(), {away[0], away[1], away[2]});
+  }
+  return left;
+}
+
+std::optional<Parabola> TargetAdjustment::look(const std::vector<Model>& moved,
+                                               const std::vector<double>& steps) {
+  const auto all = columns(moved, steps);
+  if (all.size() != moved.size()) return std::nullopt;
+  const std::vector<double> left = left_with_draws(used_rows());
+  const auto count = static_cast<Index>(all.size()), rows = static_cast<Index>(left.size());
+  MatrixXd jacobian(rows, count);
+  for (Index k = 0; k < count; ++k)
+    jacobian.col(k) = Eigen::Map<const Eigen::VectorXd>(all[static_cast<size_t>(k)].data(), rows);
+  return parabola_of(jacobian, Eigen::Map<const Eigen::VectorXd>(left.data(), rows));
+}
+
+std::vector<double> TargetAdjustment::values_after(const Eigen::VectorXd& by) const {
+  const auto step = [&](const MatrixXd& following) -> MatrixXd {
+    return following.rightCols(1) - following.leftCols(by.size()) * by;
+  };
+  return values_of(moved(step(following_views_), step(following_points_), 1));
+}
+
+TargetAdjustment::DrawsSums TargetAdjustment::squares() const {
+  DrawsSums sums;
+  for (size_t point = 0; point < state_.displaced_m.size() && has_points(); ++point) {
+    const Vec3& d = state_.displaced_m[point];
+    const Vector3d away = Vector3d(d.x, d.y, d.z) - mean(point);
+    sums.points.square += away.dot(precision(point) * away);
+  }
+  for (size_t frame = 0; frame < state_.extra.size() && has_flex(); ++frame) {
+    if (given_.frames[frame])
+      sums.bendings.square += state_.extra[frame][0] * state_.extra[frame][0];
+  }
+  return sums;
+}
+
+TargetAdjustment::DrawsSums TargetAdjustment::sums() const {
+  DrawsSums sums = squares();
+  PairedBlocks draws = blocks_of_draws(used_rows());
+  if (!draws.factor(0)) return sums;
+  const std::vector<Matrix3d> of_points = draws.point_covariances();
+  for (size_t point = 0; point < of_points.size(); ++point) {
+    const Matrix3d told = Matrix3d::Identity() - precision(point) * of_points[point];
+    sums.points.freedom += told.trace();
+    sums.points.information += 2 * (told * told).trace();
+  }
+  const std::vector<MatrixXd> of_views = draws.view_covariances();
+  for (size_t frame = 0; frame < of_views.size() && has_flex(); ++frame) {
+    if (!given_.frames[frame]) continue;
+    const double told = 1 - of_views[frame](0, 0);
+    sums.bendings.freedom += told;
+    sums.bendings.information += 2 * told * told;
+  }
+  return sums;
 }
 
 }  // namespace seam::measurement
