@@ -103,39 +103,6 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
   return starts;
 }
 
-namespace {
-
-// One parameter of an effect times this factor and another over it, the two that cost least. Two
-// that act as a product (a motor's strength and its controller's gain) are told apart only where
-// something saturates, and no descent crosses from one side of that to the other.
-Model traded(const ShortRuns& runs, const Model& model, const std::vector<Unknown>& unknowns,
-             double factor) {
-  Model best = model;
-  double least = std::numeric_limits<double>::infinity();
-  for (size_t i = 0; i < unknowns.size(); ++i) {
-    for (size_t j = i + 1; j < unknowns.size(); ++j) {
-      const auto& effect = unknowns[i].effect;
-      if (effect != unknowns[j].effect) continue;
-      const effects::ModelEffect& of = *model.find(effect);
-      const auto inside = [&](size_t parameter, double value) {
-        const effects::Parameter& p = of.definition->parameters[parameter];
-        return value > 0 && value >= p.min && value <= p.max;
-      };
-      const double one = of.parameters[unknowns[i].parameter].value * factor;
-      const double other = of.parameters[unknowns[j].parameter].value / factor;
-      if (!inside(unknowns[i].parameter, one) || !inside(unknowns[j].parameter, other)) continue;
-      Model tried = model;
-      tried.set_value(effect, unknowns[i].parameter, one);
-      tried.set_value(effect, unknowns[j].parameter, other);
-      const double cost = runs.cost(tried);
-      if (cost < least) least = cost, best = std::move(tried);
-    }
-  }
-  return best;
-}
-
-}  // namespace
-
 Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& unknowns,
                                 const Groups& groups) const {
   constexpr double kFar = 10;  // Noise units: nothing is explained yet.
@@ -151,17 +118,12 @@ Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& 
   }
   std::vector<char> chosen;
   for (const JointLog& log : set_.logs) chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
-  Model best = start;
-  const auto offer = [&](const Model& model) {
-    const double cost = cost_of(model);
-    if (cost < least) least = cost, best = model;
-  };
-  const Model near = ShortRuns(set_, chosen, 0.3).descend(start, means);
-  offer(near);
-  const ShortRuns longer(set_, chosen, 1.2);
-  offer(longer.descend(near, means));
-  for (const double factor : {4.0, 0.25})
-    offer(longer.descend(traded(longer, near, means, factor), means));
+  Model best = start, here = start;
+  for (const double length_s : {0.3, 1.2}) {
+    here = ShortRuns(set_, chosen, length_s).descend(here, means);
+    const double cost = cost_of(here);
+    if (cost < least) least = cost, best = here;
+  }
   return best;
 }
 
