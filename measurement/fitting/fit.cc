@@ -13,6 +13,9 @@
 namespace seam::measurement {
 namespace {
 
+// Errors above this, in noise units, are those of a model that explains nothing.
+constexpr double kFarOff = 10;
+
 double step_of(const effects::Parameter& parameter, double value) {
   const double size = std::max(parameter.scale, std::abs(value));
   const double step = 1e-4 * (std::isfinite(size) ? size : parameter.scale);
@@ -136,8 +139,10 @@ bool Fitter::fit_mean() {
   const auto worth = [&]() -> Worth {
     double sum = 0;
     for (const double z : here_.whitened) sum += z * z;
-    const double enough =
-        1e-4 * std::max(1.0, sum / static_cast<double>(std::max<size_t>(1, count_)));
+    const double misfit2 = sum / static_cast<double>(std::max<size_t>(1, count_));
+    // A model that explains nothing need not be fitted to the last digit.
+    const double share = misfit2 > kFarOff * kFarOff ? 1e-2 : 1e-4;
+    const double enough = share * std::max(1.0, misfit2);
     return {.promise = enough, .gain = enough};
   };
   const DescentEnd end = descend(

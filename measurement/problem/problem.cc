@@ -229,7 +229,7 @@ const std::vector<Groups>& Problem::folds() const {
   std::call_once(folds_cut_, [&] {
     const size_t count = facts_.groups.size();
     if (count >= groups_for_one_fold()) {
-      folds_ = {held_out_groups(facts_.groups)};
+      folds_ = {held_out_third()};
       return;
     }
     for (size_t out = 0; out < count; ++out) {
@@ -239,6 +239,10 @@ const std::vector<Groups>& Problem::folds() const {
     }
   });
   return folds_;
+}
+
+Groups Problem::held_out_third() const {
+  return held_out_groups(facts_.groups);
 }
 
 Groups Problem::scored_groups() const {

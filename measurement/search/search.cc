@@ -50,7 +50,8 @@ class Searcher {
 
  private:
   Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
-  Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces);
+  Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
+             const Grown* rival = nullptr);
   Looks look(const Grown& grown, bool promising_only);
   EffectList absent(const Model& model, bool moves) const;
   void forward(SearchResult& result, const Grown* earlier);
@@ -59,7 +60,8 @@ class Searcher {
   void try_beginnings(SearchResult& result);
   bool misses(const Assessment& assessment) const;
   Looks look_at_moves() const;
-  void take_moves(Looks looks, SearchResult& result);
+  void begin_with_moves(const Looks& moves, SearchResult& result);
+  void join(Looks moves, Looks& first) const;
   bool prune(Grown& grown);
   bool exchange(Grown& grown);
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
@@ -185,9 +187,17 @@ Looks Searcher::look(const Grown& grown, bool promising_only) {
   return looks;
 }
 
+// Whether a model explains nothing, far behind a rival, and its last step changed little about it.
+bool falls_behind(const Grown& grown, double error_before, const Grown& rival) {
+  const double error = grown.assessment.error;
+  return error > kUseless && kPlainlyLess * error > rival.assessment.error &&
+         error > kPlainlyLess * error_before;
+}
+
 // Adds to a model what helps most, again and again; `traces` are those of the last look. The first
-// may have been had before.
-Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces) {
+// may have been had before. Ends early where it falls behind a rival.
+Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
+                     const Grown* rival) {
   for (size_t step = 0; step < kMostSteps; ++step) {
     progress_("step " + std::to_string(step + 1) + ": trying effects");
     // Every effect is fitted where the search would end with a misfit: a step from small starts may
@@ -209,6 +219,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
         promising_.push_back(candidate.effect->name);
     }
     const double before = merit_of(problem_, grown);
+    const double error_before = grown.assessment.error;
     if (next) {
       grown = std::move(next->grown);
       prune(grown);
@@ -219,6 +230,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
       prune(grown);
     }
     if (!(merit_of(problem_, grown) > before)) break;
+    if (rival != nullptr && falls_behind(grown, error_before, *rival)) break;
   }
   return grown;
 }
@@ -231,6 +243,9 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   prune(other);
   other = grow(std::move(other), nullptr, traces);
   if (merit_of(problem_, other) <= merit_of(problem_, result.best)) return;
+  // One that helped no held-out group by itself must do so with what came to it.
+  if (!beginning.significant && other.assessment.held_ll() <= result.best.assessment.held_ll())
+    return;
   result.best = std::move(other);
   result.last_traces = std::move(traces);
 }
@@ -253,6 +268,21 @@ std::optional<Grown> Searcher::again(const Grown& earlier, const Looks& first) {
   return grown;
 }
 
+namespace {
+
+// Whether neither the model nor any one effect beside it explains anything.
+bool all_useless(const Grown& base, const Looks& looks) {
+  return base.assessment.error > kUseless &&
+         std::all_of(looks.candidates.begin(), looks.candidates.end(), [](const Candidate& c) {
+           return only_widens(*c.effect) || c.grown.assessment.error > kUseless;
+         });
+}
+
+}  // namespace
+
+// Effects that come together are dear to fit and can imitate many, so they are tried where all else
+// leaves a misfit; but first where no single effect explains anything, since a long search among
+// these is dearer still.
 void Searcher::forward(SearchResult& result, const Grown* earlier) {
   // The first look is what the user sees: every effect is fitted in it.
   progress_("step 1: trying effects");
@@ -260,10 +290,21 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   std::optional<Grown> found;
   if (earlier != nullptr) found = again(*earlier, result.first);
   if (!found) promising_.clear();
-  result.best = found ? grow(*std::move(found), nullptr, result.last_traces)
-                      : grow(base_, &result.first, result.last_traces);
+  result.best = base_;
+  const bool moves_first = !found && all_useless(base_, result.first);
+  Looks moves;
+  if (moves_first) begin_with_moves(moves = look_at_moves(), result);
+  std::vector<Candidate> traces;
+  Grown alone = found ? grow(*std::move(found), nullptr, traces)
+                      : grow(base_, &result.first, traces, moves_first ? &result.best : nullptr);
+  if (!(merit_of(problem_, alone) < merit_of(problem_, result.best))) {
+    result.best = std::move(alone);
+    result.last_traces = std::move(traces);
+  }
   if (problem_.effects_imitate()) try_beginnings(result);
-  if (misses(result.best.assessment)) take_moves(look_at_moves(), result);
+  if (!moves_first && misses(result.best.assessment))
+    begin_with_moves(moves = look_at_moves(), result);
+  join(std::move(moves), result.first);
 }
 
 bool Searcher::misses(const Assessment& assessment) const {
@@ -271,8 +312,7 @@ bool Searcher::misses(const Assessment& assessment) const {
          has_mean_structure(significant_structure(problem_, assessment, material_).material);
 }
 
-// Several effects that come together put other rules in the place of those that the model has: they
-// are dear to fit and can imitate many, so they are tried where all else leaves a misfit.
+// Several effects that come together put other rules in the place of those that the model has.
 Looks Searcher::look_at_moves() const {
   const EffectList moves = absent(base_.assessment.model, /*moves=*/true);
   if (moves.empty()) return {};
@@ -280,17 +320,24 @@ Looks Searcher::look_at_moves() const {
   return look_at(problem_, base_, moves, material_);
 }
 
-void Searcher::take_moves(Looks looks, SearchResult& result) {
-  for (const Candidate& candidate : looks.candidates) {
-    if (candidate.significant) begin_with(candidate, result);
+// Rules that others need beside them (a motor without friction keeps swinging) may help where they
+// were fitted and not yet where they were not: what grows from them decides.
+void Searcher::begin_with_moves(const Looks& moves, SearchResult& result) {
+  for (const Candidate& candidate : moves.candidates) {
+    const bool fits =
+        candidate.p_value < kCandidateAlarm && candidate.merit > merit_of(problem_, base_);
+    if (candidate.significant || fits) begin_with(candidate, result);
   }
-  auto& all = result.first.candidates;
-  std::move(looks.candidates.begin(), looks.candidates.end(), std::back_inserter(all));
-  result.first.tried += looks.tried;
-  auto& reasons = result.first.not_testable;
-  reasons.insert(reasons.end(), looks.not_testable.begin(), looks.not_testable.end());
-  for (Candidate& candidate : all) candidate.indistinguishable_from.clear();
-  rank_candidates(all);
+}
+
+void Searcher::join(Looks moves, Looks& first) const {
+  if (moves.candidates.empty() && moves.not_testable.empty()) return;
+  std::move(moves.candidates.begin(), moves.candidates.end(), std::back_inserter(first.candidates));
+  first.tried += moves.tried;
+  first.not_testable.insert(first.not_testable.end(), moves.not_testable.begin(),
+                            moves.not_testable.end());
+  for (Candidate& candidate : first.candidates) candidate.indistinguishable_from.clear();
+  rank_candidates(first.candidates);
 }
 
 void Searcher::try_beginnings(SearchResult& result) {

@@ -83,6 +83,7 @@ struct Region {
   int duty = 0;   // -1, +1: clamped.
   int drive = 0;  // Likewise.
   int net = 1;    // Sign.
+  int gear = 1;   // Sign.
   int way = 1;    // Of the motion.
 };
 
@@ -105,9 +106,26 @@ double load_of(const TorqueModel& m, double q_rad) {
   return m.gravity_rad_per_s2 * maths::cos(q_rad - m.level_rad);
 }
 
-double net_of(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
+// What pushes and what dry friction depends on.
+struct Forces {
+  double net = 0;   // Drive less load: what is left to accelerate the joint.
+  double gear = 0;  // Drive and load: what the gears carry between them.
+};
+
+Forces forces_of(const TorqueModel& m, double drive, double load) {
+  return {drive - load, m.carried_fraction > 0 ? drive + load : 0};
+}
+
+Forces forces_of(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
   const double drive = std::clamp(free_drive(m, in, s), -m.limit_rad_per_s2, m.limit_rad_per_s2);
-  return drive - load_of(m, s.q_rad);
+  return forces_of(m, drive, load_of(m, s.q_rad));
+}
+
+// By how much the forces exceed what friction holds at rest.
+double beyond_rest(const TorqueModel& m, const Forces& forces) {
+  const double holds = m.coulomb_rad_per_s2 + m.stribeck_rad_per_s2;
+  return std::abs(forces.net) * (1 - m.load_fraction) - m.carried_fraction * std::abs(forces.gear) -
+         holds * (1 + 1e-12);
 }
 
 // The motion from one state while the region holds.
@@ -149,6 +167,8 @@ class Stretch {
     offer(w_, region_.way, 0, kOrder - 1, [&] { stops = true; });
     if (m_.load_fraction > 0)
       offer(net_, region_.net, 0, kOrder - 2, [&] { next.net = -region_.net; });
+    if (m_.carried_fraction > 0)
+      offer(gear_, region_.gear, 0, kOrder - 2, [&] { next.gear = -region_.gear; });
     const auto offer_clamp = [&](const Series& f, double most, int side, int Region::*which) {
       if (side != 0) return offer(f, side, -most, kOrder - 2, [&] { next.*which = 0; });
       offer(f, -1, most, kOrder - 2, [&] { next.*which = 1; });
@@ -178,7 +198,7 @@ class Stretch {
     }
   }
 
-  // Drive and net of power k from what is known of angle and rate.
+  // Drive, net and gear of power k from what is known of angle and rate.
   void drive(int k) {
     const double ahead = (k == 0 ? in_.command_rad : k == 1 ? in_.command_radps : 0) - q_[k];
     duty_[k] = m_.gain * in_.kp * ahead - m_.damping_s * w_[k];
@@ -189,13 +209,16 @@ class Stretch {
       drive_[k] = m_.stall_rad_per_s2 * in_.voltage * duty - m_.back_emf_per_s * w_[k];
     }
     const double limit = k == 0 && region_.drive != 0 ? region_.drive * m_.limit_rad_per_s2 : 0;
-    net_[k] = (region_.drive == 0 ? drive_[k] : limit) - m_.gravity_rad_per_s2 * cos_[k];
+    const double drive = region_.drive == 0 ? drive_[k] : limit;
+    const double load = m_.gravity_rad_per_s2 * cos_[k];
+    net_[k] = drive - load, gear_[k] = drive + load;
   }
 
   // From power k of everything to power k + 1 of angle and rate.
   void extend(int k) {
     drive(k);
-    double dry = m_.load_fraction * region_.net * net_[k];
+    double dry =
+        m_.load_fraction * region_.net * net_[k] + m_.carried_fraction * region_.gear * gear_[k];
     if (k == 0) dry += m_.coulomb_rad_per_s2;
     if (has_stribeck_) dry += m_.stribeck_rad_per_s2 * near_rest_[k];
     const double over = 1.0 / (k + 1);
@@ -240,24 +263,42 @@ class Stretch {
   const MotorInput& in_;
   const Region region_;
   bool has_stribeck_ = false;
-  Series q_, w_, duty_, drive_, net_;
+  Series q_, w_, duty_, drive_, net_, gear_;
   Series sin_{}, cos_{}, near_rest_{};
 };
+
+// The drive nearest `drive` in this direction at which friction lets the joint go; infinite: none.
+// What friction holds is linear in the drive between the signs of net and gear.
+double drive_that_breaks(const TorqueModel& m, double drive, int way, double load) {
+  const double first = way > 0 ? -std::abs(load) : std::abs(load);
+  for (const double next : {first, -first, way * kInfinity}) {
+    if (way * (next - drive) <= 0) continue;
+    const double inside = std::isfinite(next) ? 0.5 * (drive + next) : drive + way;
+    const double net_side = inside < load ? -1 : 1, gear_side = inside < -load ? -1 : 1;
+    const double slope = way * ((1 - m.load_fraction) * net_side - m.carried_fraction * gear_side);
+    const double short_of = -beyond_rest(m, forces_of(m, drive, load));
+    if (slope > 0 && way * (next - drive) * slope >= short_of)
+      return drive + way * short_of / slope;
+    drive = next;
+  }
+  return way * kInfinity;
+}
 
 // How long friction holds a joint at rest, at most `dt_s`; sets the way it breaks away.
 double rest_for(const TorqueModel& m, const MotorInput& in, const MotorState& state, double dt_s,
                 int& way) {
-  const double net = net_of(m, in, state);
-  way = net < 0 ? -1 : 1;
-  const double holds = m.coulomb_rad_per_s2 + m.stribeck_rad_per_s2;
-  if (std::abs(net) * (1 - m.load_fraction) > holds * (1 + 1e-12)) return 0;
+  const Forces forces = forces_of(m, in, state);
+  way = forces.net < 0 ? -1 : 1;
+  if (beyond_rest(m, forces) > 0) return 0;
   if (in.command_radps == 0 || !in.enabled) return dt_s;
   // The command moves on until the net acceleration is more than friction holds.
   const double duty_per_rad = m.gain * in.kp;
   const double drive_per_duty = m.stall_rad_per_s2 * in.voltage;
+  const double load = load_of(m, state.q_rad);
   way = duty_per_rad * drive_per_duty * in.command_radps < 0 ? -1 : 1;
-  const double needed = load_of(m, state.q_rad) + way * holds / (1 - m.load_fraction);
+  const double needed = drive_that_breaks(m, forces.net + load, way, load);
   const double duty = needed / drive_per_duty;
+  way = needed < load ? -1 : 1;
   if (!(std::abs(needed) < m.limit_rad_per_s2) || !(std::abs(duty) < m.max_duty)) return dt_s;
   const double command_rad = state.q_rad + duty / duty_per_rad;
   const double t = (command_rad - in.command_rad) / in.command_radps;
@@ -265,9 +306,11 @@ double rest_for(const TorqueModel& m, const MotorInput& in, const MotorState& st
 }
 
 Region region_of(const TorqueModel& m, const MotorInput& in, const MotorState& state, int way) {
+  const Forces forces = forces_of(m, in, state);
   return {.duty = side_of(wanted_duty(m, in, state), m.max_duty),
           .drive = side_of(free_drive(m, in, state), m.limit_rad_per_s2),
-          .net = net_of(m, in, state) < 0 ? -1 : 1,
+          .net = forces.net < 0 ? -1 : 1,
+          .gear = forces.gear < 0 ? -1 : 1,
           .way = way};
 }
 
@@ -317,11 +360,13 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
 
 double motor_acceleration(const TorqueModel& motor, const MotorInput& input,
                           const MotorState& state, double rest_radps) {
-  const double net = net_of(motor, input, state), rate = std::abs(state.w_radps);
-  double dry = motor.coulomb_rad_per_s2 + motor.load_fraction * std::abs(net);
+  const Forces forces = forces_of(motor, input, state);
+  const double rate = std::abs(state.w_radps);
+  double dry = motor.coulomb_rad_per_s2 + motor.load_fraction * std::abs(forces.net) +
+               motor.carried_fraction * std::abs(forces.gear);
   if (motor.stribeck_rad_per_s >= kLeastStribeck_radps)
     dry += motor.stribeck_rad_per_s2 * maths::exp(-rate / motor.stribeck_rad_per_s);
-  const double moving = net - motor.viscous_per_s * state.w_radps;
+  const double moving = forces.net - motor.viscous_per_s * state.w_radps;
   if (rate > rest_radps) return moving - std::copysign(dry, state.w_radps);
   return std::copysign(std::max(0.0, std::abs(moving) - dry), moving);
 }

@@ -5,7 +5,8 @@
 //   drive = clamp(stall duty voltage - back_emf w, -limit, +limit)
 //   net   = drive - gravity cos(q - level)
 //   dw/dt = net - viscous w - dry friction against the motion,
-//   dry   = coulomb + stribeck exp(-|w| / stribeck_speed) + load_fraction |net|
+//   dry   = coulomb + stribeck exp(-|w| / stribeck_speed) + load_fraction |net| +
+//           carried_fraction |drive + gravity cos(q - level)|
 //
 // Between changes of the command, of a clamp, or of a sign the right side is analytic. There the
 // motion is a Taylor series in time, whose coefficients follow from the equation by recurrence; the
@@ -32,7 +33,8 @@ struct TorqueModel {
   double coulomb_rad_per_s2 = 0;
   double stribeck_rad_per_s2 = 0;
   double stribeck_rad_per_s = 0;
-  double load_fraction = 0;
+  double load_fraction = 0;     // Of what drive and load leave.
+  double carried_fraction = 0;  // Of what the gears carry between drive and load.
 };
 
 // What acts on the motor for a while. The command may move at a constant rate.

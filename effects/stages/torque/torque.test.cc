@@ -163,6 +163,26 @@ TEST(Motor, ARestingJointBreaksAwayWhenItsCommandHasMovedFarEnough) {
   EXPECT_LT(state.q_rad, 1e-4);
 }
 
+TEST(Motor, GearsHoldWhatTheyCarry) {
+  // Held at drive = load = 40: the gears carry 80, of which 0.25 hold. The command lowers the drive
+  // by d: they carry 80 - d, and d is left to move the joint; it falls from d = 16 on.
+  TorqueModel m = motor(100, 10, 1);
+  m.gravity_rad_per_s2 = 40, m.carried_fraction = 0.25;
+  MotorState state;
+  const MotorInput down{.command_rad = 0.4, .command_radps = -0.5};
+  run(m, down, 0.319, state);
+  EXPECT_EQ(state.q_rad, 0);
+  run(m, {.command_rad = 0.4 - 0.5 * 0.319, .command_radps = -0.5}, 0.02, state);
+  EXPECT_LT(state.q_rad, 0);
+  EXPECT_GT(state.q_rad, -1e-4);
+  // Raised, they carry 80 + d: it climbs from 0.75 d = 20 on.
+  state = {};
+  run(m, {.command_rad = 0.4, .command_radps = 0.5}, 0.533, state);
+  EXPECT_EQ(state.q_rad, 0);
+  run(m, {.command_rad = 0.4 + 0.5 * 0.533, .command_radps = 0.5}, 0.02, state);
+  EXPECT_GT(state.q_rad, 0);
+}
+
 // The same equation in tiny steps; at rest by the definition of dry friction.
 struct BruteForce {
   TorqueModel m;
@@ -178,7 +198,9 @@ struct BruteForce {
     double drive = in.enabled ? m.stall_rad_per_s2 * duty * in.voltage - m.back_emf_per_s * w : 0;
     drive = std::min(std::max(drive, -m.limit_rad_per_s2), m.limit_rad_per_s2);
     const double net = drive - m.gravity_rad_per_s2 * std::cos(q - m.level_rad);
+    const double gear = drive + m.gravity_rad_per_s2 * std::cos(q - m.level_rad);
     const double dry = m.coulomb_rad_per_s2 + m.load_fraction * std::abs(net) +
+                       m.carried_fraction * std::abs(gear) +
                        m.stribeck_rad_per_s2 * std::exp(-std::abs(w) / m.stribeck_rad_per_s);
     double next = w + h * (net - m.viscous_per_s * w);
     if (std::abs(next) <= h * dry && std::abs(w) <= h * (dry + std::abs(net)))
@@ -206,6 +228,7 @@ TEST(Motor, AgreesWithBruteForceForRandomCombinations) {
     m.stribeck_rad_per_s = 0.05 + draw(14);
     if (draw(15) < 0.4) m.stribeck_rad_per_s2 = 15 * draw(16);
     if (draw(17) < 0.5) m.load_fraction = 0.4 * draw(18);
+    if (draw(21) < 0.5) m.carried_fraction = 0.4 * draw(22);
     if (draw(19) < 0.3) m.limit_rad_per_s2 = 30 + 200 * draw(20);
     MotorState state{.q_rad = 0.1};
     BruteForce brute{.m = m, .q = 0.1};
@@ -230,6 +253,7 @@ TEST(Motor, StepsDoNotMatter) {
   TorqueModel m = motor(300, 15, 3);
   m.gravity_rad_per_s2 = 70, m.level_rad = 1, m.coulomb_rad_per_s2 = 5, m.load_fraction = 0.2;
   m.stribeck_rad_per_s2 = 5, m.stribeck_rad_per_s = 0.1, m.limit_rad_per_s2 = 200;
+  m.carried_fraction = 0.15;
   MotorState whole, rows, fine;
   for (int block = 0; block < 40; ++block) {
     const MotorInput in{.command_rad = block % 2 == 0 ? 1.0 : -0.4, .enabled = block % 7 != 5};
@@ -244,7 +268,7 @@ TEST(Motor, StepsDoNotMatter) {
 TEST(Motor, FrictionNeverAddsEnergy) {
   TorqueModel m = pendulum(90);
   m.coulomb_rad_per_s2 = 3, m.stribeck_rad_per_s2 = 4, m.stribeck_rad_per_s = 0.3;
-  m.load_fraction = 0.15, m.viscous_per_s = 0.2;
+  m.load_fraction = 0.15, m.carried_fraction = 0.1, m.viscous_per_s = 0.2;
   MotorState state{.q_rad = 2.8};
   const auto energy = [&] {
     return 0.5 * state.w_radps * state.w_radps - 90 * std::cos(state.q_rad);
@@ -256,7 +280,7 @@ TEST(Motor, FrictionNeverAddsEnergy) {
     before = energy();
   }
   EXPECT_EQ(state.w_radps, 0);
-  EXPECT_LE(90 * std::abs(std::sin(state.q_rad)), 7 / (1 - 0.15));
+  EXPECT_LE(90 * std::abs(std::sin(state.q_rad)), 7 / (1 - 0.15 - 0.1));
 }
 
 }  // namespace

@@ -205,6 +205,32 @@ void JointsProblem::whiten_wander(const effects::Noise& noise, const Groups& gro
   errors.whiten(facts_, evaluation);
 }
 
+// Where no run that is fitted falls freely, or none is driven, the fit cannot know what the others
+// show, and what it predicts of them is a guess. Then the first run that does is fitted, and of the
+// others as many are held out as else.
+Groups JointsProblem::held_out_third() const {
+  Groups held = held_out_groups(facts_.groups);
+  for (const bool torque : {false, true}) {
+    const auto shows = [&](const JointLog& log) {
+      return std::any_of(log.enabled.begin(), log.enabled.end(),
+                         [&](char enabled) { return (enabled != 0) == torque; });
+    };
+    const auto group = [&](const JointLog& log) {
+      return static_cast<size_t>(facts_.group_of_row[log.rows[0]]);
+    };
+    const auto first = std::find_if(set_.logs.begin(), set_.logs.end(), shows);
+    const bool trained = std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) {
+      return !held[group(log)] && shows(log);
+    });
+    if (trained || first == set_.logs.end()) continue;
+    std::vector<std::string> others = facts_.groups;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(group(*first)));
+    held = held_out_groups(others);
+    held.insert(held.begin() + static_cast<std::ptrdiff_t>(group(*first)), 0);
+  }
+  return held;
+}
+
 bool JointsProblem::is_smooth(const Model& model) const {
   return effects::has_base(model, effects::Base::motor);
 }

@@ -73,6 +73,8 @@ class JointsProblem : public Problem {
   bool is_smooth(const Model& model) const override;
   std::vector<std::string> formula_columns() const override { return set_.column_names; }
   std::vector<char> find_outliers(const Model& model) const override;
+  // With a run at least of each sort, with torque and without, left to be fitted.
+  Groups held_out_third() const override;
 
  private:
   std::vector<effects::Lack> lacks() const;
@@ -103,6 +105,10 @@ class JointsProblem : public Problem {
   // Takes out of derivatives of the whitened residuals what the starts of logs can do about them.
   void take_out_starts(const Model& model, const Groups& groups, const Evaluation& here,
                        std::vector<std::vector<double>>& columns) const;
+  // Where a fit of a motor to whole runs begins: a model that misses by far is fitted to short
+  // stretches first.
+  Model near_start(const Model& start, const std::vector<Unknown>& unknowns,
+                   const Groups& groups) const;
   std::vector<std::vector<double>> motor_jacobian(const Model& model,
                                                   const std::vector<Unknown>& unknowns,
                                                   const Groups& groups,

@@ -2,6 +2,7 @@
 // agree with the accelerations seen.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "effects/questions.h"
@@ -9,6 +10,7 @@
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
+#include "measurement/kinds/joints/short_runs.h"
 
 namespace seam::measurement {
 namespace {
@@ -99,6 +101,30 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
       starts.push_back(values);
   }
   return starts;
+}
+
+Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& unknowns,
+                                const Groups& groups) const {
+  constexpr double kFar = 10;  // Noise units: nothing is explained yet.
+  const auto cost_of = [&](const Model& model) {
+    const Evaluation there = evaluate(model, groups, nullptr);
+    return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
+  };
+  double least = cost_of(start);
+  if (least < kFar) return start;
+  std::vector<Unknown> means;
+  for (const Unknown& unknown : unknowns) {
+    if (!start.find(unknown.effect)->definition->spread_only) means.push_back(unknown);
+  }
+  std::vector<char> chosen;
+  for (const JointLog& log : set_.logs) chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
+  Model best = start, here = start;
+  for (const double length_s : {0.3, 1.2}) {
+    here = ShortRuns(set_, chosen, length_s).descend(here, means);
+    const double cost = cost_of(here);
+    if (cost < least) least = cost, best = here;
+  }
+  return best;
 }
 
 // Logs are independent of each other: all their starts are moved at once.

@@ -198,6 +198,54 @@ TEST(MotorLogs, AMotorIsFoundFromTheAccelerationsThatALogShows) {
   EXPECT_NEAR(best[6], 0.3, 0.15);
 }
 
+// Over whole runs a spring a third too soft is in another phase after a few swings: the fit of
+// whole runs alone stays there.
+TEST(MotorLogs, ASwingInAnotherPhaseIsFoundFromShortStretches) {
+  const Model truth = model_of(
+      "  motor_servo: {stall_rad_per_s2: 4000, back_emf_per_s: 1.5, gain: 0.05}\n"
+      "  gravity_torque: {rad_per_s2: 30, level_rad: 0.4}\n");
+  const JointsProblem problem = MadeSet("motor-phase").made_by(truth, 9);
+  const Model start = model_of(
+      "  motor_servo: {stall_rad_per_s2: {value: 2600, free: true}, back_emf_per_s: {value: 3, "
+      "free: "
+      "true}, gain: 0.05}\n"
+      "  gravity_torque: {rad_per_s2: {value: 20, free: true}, level_rad: {value: 0.2, free: "
+      "true}}\n");
+  const auto unknowns = refitted_unknowns(start);
+  const Groups all = problem.all_groups();
+  EXPECT_GT(std::abs(problem.Problem::fit(start, unknowns, all).value[0] - 4000), 200);
+  const Fit fit = problem.fit(start, unknowns, all);
+  EXPECT_NEAR(fit.value[0], 4000, 10);
+  EXPECT_NEAR(fit.value[1], 1.5, 0.1);
+  EXPECT_NEAR(fit.value[2], 30, 1);
+}
+
+// The hash would hold out 1, 4, 5 and 13 of these, all that fall freely among them.
+TEST(MotorLogs, ARunWithoutTorqueTrains) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "motor-third";
+  std::filesystem::create_directories(folder);
+  std::string rows = "run,time_s,joint,command_rad,measured_rad,torque_enable\n";
+  const std::vector<int> runs = {0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15};
+  for (const int run : runs) {
+    for (int k = 0; k < 20; ++k) {
+      const bool falls = run == 1 || run == 5 || run == 13;
+      rows += fmt::format("{},{:.2f},arm,0,{:.3f},{}\n", run, 0.01 * k, 0.001 * (k % 3),
+                          falls && k > 10 ? 0 : 1);
+    }
+  }
+  write_file_atomically(folder / "joints.csv", rows);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: joints\ntitle: third\ngroup: run\n"
+                        "files: {joints: joints.csv}\n");
+  const JointsProblem problem(MeasurementSet::open(folder));
+  ASSERT_EQ(problem.folds().size(), 1u);
+  const Groups& held = problem.folds()[0];
+  EXPECT_EQ(std::count(held.begin(), held.end(), 1), 4);
+  EXPECT_FALSE(held[1]);  // Run 1, the first that falls.
+  EXPECT_TRUE(held[5]);
+  EXPECT_TRUE(held[9]);  // Run 13.
+}
+
 TEST(MotorLogs, ALogThatBeginsInMotionStartsWithItsRate) {
   // A pendulum that passes 0.1 rad at 2 rad/s, without drive.
   const Model free = model_of(std::string(kMotor) + "  gravity_torque: {rad_per_s2: 60}\n");
