@@ -16,6 +16,7 @@ import numpy as np
 from PIL import Image
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from ros_bags import Cdr, mcap_file, ros1_bag  # noqa: E402
 from target_pictures import AprilGrid, Charuco, Chessboard, Circles, draw, projected, views  # noqa: E402
 
 SEAM = pathlib.Path(sys.argv[1]).resolve()
@@ -192,6 +193,44 @@ def test_times(folder, good):
     assert (folder / "t5/points.csv").read_bytes() == (folder / "t3/points.csv").read_bytes()
 
 
+def test_bags(folder, good):
+    """Pictures in bags of both kinds, plain and packed, are those of the files, with the messages' stamps."""
+    words = ["--board", "8x5", "--spacing", "0.03"]
+
+    def message(ros1, i, picture, packed):
+        head = Cdr(ros1).header(100 + 0.05 * i)
+        if packed:
+            data = picture.read_bytes()
+            head.text("png").put("I", len(data)).data += data
+            return "/left/compressed", "sensor_msgs/CompressedImage", 100 + 0.05 * i, head.data
+        pixels = np.asarray(Image.open(picture).convert("RGB"))[:, :, ::-1]  # bgr8, with a gap behind each row.
+        data = b"".join(row.tobytes() + b"gap" for row in pixels)
+        head.put("I", HEIGHT, WIDTH).text("bgr8").put("B", 0).put("I", 3 * WIDTH + 3).put("I", len(data)).data += data
+        return "/right/image_raw", "sensor_msgs/Image", 100 + 0.05 * i, head.data
+    plain = [folder / f"{i}.ppm" for i in range(3)]
+    for picture, path in zip(good, plain):
+        Image.open(picture).convert("RGB").save(path)
+    truth = {}
+    for topic, files in (("left", good[:3]), ("right", plain)):
+        run("import", "images", *files, *words, "--out", folder / f"{topic}-files")
+        truth[topic] = list(seen_in(folder / f"{topic}-files").values())
+    for ros1, name in ((False, "camera.mcap"), (True, "camera.bag")):
+        messages = [message(ros1, i, picture, packed) for i, picture in enumerate(good[:3]) for packed in (True, False)]
+        (folder / name).write_bytes(ros1_bag(messages) if ros1 else mcap_file(messages))
+        for topic, kind in (("left", "images"), ("right", "ros")):
+            out = folder / f"{name}-{topic}"
+            said = run("import", kind, folder / name, *words, "--camera", topic, "--out", out)
+            assert f"times are those of the stamps of /{topic}" in said, said
+            seen = list(seen_in(out).values())
+            assert len(seen) == 3
+            for a, b in zip(seen, truth[topic]):
+                assert a == b, (name, topic)
+            times = {row["time_s"] for row in csv.DictReader((out / "points.csv").open())}
+            assert times == {"100.000000000", "100.050000000", "100.100000000"}, times
+        said = run("import", "images", folder / name, *words, "--camera", "up", "--out", folder / "none", code=1)
+        assert "no such topic of images" in said, said
+
+
 def test_the_reader(folder, good):
     """A reader that breaks down costs one picture; where there is none, that is said."""
     here = folder / "program"
@@ -225,6 +264,7 @@ def main():
         good = test_scatter(folder)
         test_what_is_left_out(folder, good)
         test_times(folder, good)
+        test_bags(folder, good)
         test_the_reader(folder, good)
 
 

@@ -15,6 +15,9 @@ import zlib
 
 import numpy as np
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from ros_bags import Cdr, mcap_file, ros1_bag  # noqa: E402
+
 SEAM = pathlib.Path(sys.argv[1]).resolve()
 HERE = pathlib.Path(__file__).resolve().parent.parent
 SAMPLES = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else HERE.parent / "shared" / "samples"
@@ -555,86 +558,6 @@ def test_photometry(folder):
 
 
 # ---- bags
-
-
-class Cdr:
-    """A message as bytes: little-endian CDR (ROS 2), or the plain form of ROS 1."""
-
-    def __init__(self, ros1):
-        self.ros1, self.data = ros1, b"" if ros1 else b"\0\1\0\0"
-
-    def put(self, form, *values):
-        for value in values:
-            size = struct.calcsize("<" + form)
-            if not self.ros1:
-                self.data += b"\0" * (-(len(self.data) - 4) % size)
-            self.data += struct.pack("<" + form, value)
-        return self
-
-    def text(self, text):
-        raw = text.encode() + (b"" if self.ros1 else b"\0")
-        self.put("I", len(raw))
-        self.data += raw
-        return self
-
-    def header(self, t):
-        if self.ros1:
-            self.put("I", 7)
-        return self.put("I", int(t), int(round(t % 1 * 1e9))).text("map")
-
-    def reals(self, values):
-        return self.put("I", len(values)).put("d", *values)
-
-    def texts(self, values):
-        self.put("I", len(values))
-        for value in values:
-            self.text(value)
-        return self
-
-
-def ros1_bag(messages, compression="none"):
-    """messages: (topic, type, seconds, bytes)."""
-    import bz2
-
-    def record(head, data):
-        fields = b"".join(struct.pack("<I", len(k) + 1 + len(v)) + k.encode() + b"=" + v for k, v in head.items())
-        return struct.pack("<I", len(fields)) + fields + struct.pack("<I", len(data)) + data
-
-    def connection(i, topic, kind):
-        inside = b"".join(struct.pack("<I", len(f)) + f for f in (b"topic=" + topic.encode(), b"type=" + kind.encode()))
-        return record({"op": b"\x07", "conn": struct.pack("<I", i), "topic": topic.encode()}, inside)
-
-    topics = list(dict.fromkeys((m[0], m[1]) for m in messages))
-    chunk = b"".join(connection(i, *topic) for i, topic in enumerate(topics))
-    for topic, kind, t, data in messages:
-        stamp = struct.pack("<II", int(t), int(round(t % 1 * 1e9)))
-        chunk += record({"op": b"\x02", "conn": struct.pack("<I", topics.index((topic, kind))), "time": stamp}, data)
-    packed = bz2.compress(chunk) if compression == "bz2" else chunk
-    return (b"#ROSBAG V2.0\n" + record({"op": b"\x03", "index_pos": bytes(8)}, b" " * 100) +
-            record({"op": b"\x05", "compression": compression.encode(), "size": struct.pack("<I", len(chunk))}, packed))
-
-
-def mcap_file(messages):
-    def record(op, data):
-        return bytes([op]) + struct.pack("<Q", len(data)) + data
-
-    def text(value):
-        return struct.pack("<I", len(value)) + value.encode()
-
-    topics = list(dict.fromkeys((m[0], m[1]) for m in messages))
-    out = b"\x89MCAP0\r\n" + record(1, text("ros2") + text("test"))
-    inside = b""
-    for i, (topic, kind) in enumerate(topics):
-        package, name = kind.split("/")
-        inside += record(3, struct.pack("<H", i + 1) + text(f"{package}/msg/{name}") + text("ros2msg") + text(""))
-        inside += record(4, struct.pack("<HH", i, i + 1) + text(topic) + text("cdr") + struct.pack("<I", 0))
-    for number, (topic, kind, t, data) in enumerate(messages):
-        ns = int(round(t * 1e9))
-        inside += record(5, struct.pack("<HIQQ", topics.index((topic, kind)), number, ns, ns) + data)
-    times = [int(round(m[2] * 1e9)) for m in messages]
-    chunk = struct.pack("<QQQI", min(times), max(times), len(inside), zlib.crc32(inside)) + text("") + struct.pack("<Q", len(inside))
-    out += record(6, chunk + inside) + record(15, struct.pack("<I", 0))
-    return out + record(2, struct.pack("<QQI", 0, 0, 0)) + b"\x89MCAP0\r\n"
 
 
 def bag_messages(ros1):

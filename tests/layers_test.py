@@ -100,7 +100,7 @@ ROOMS = {
     },
     "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."], "exchange": [],
             "import/draft": ["exchange"], "import/files": [], "import/bags": [],
-            "import/pictures": ["import/draft"],
+            "import/pictures": [".", "import/draft", "import/files", "import/bags"],
             "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],
             "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
     "detector": {".": []},

@@ -10,10 +10,10 @@ namespace seam::app {
 const std::vector<ImportKind>& import_kinds() {
   static const std::vector<ImportKind> kinds = {
       {.name = "images",
-       .help =
-           "pictures of a chessboard or circles, or with a target YAML of an AprilGrid or ChArUco "
-           "board; times from names, a CSV or EXIF",
-       .options = {"target", "board", "spacing", "length-unit", "time-unit", "map"},
+       .help = "pictures, or a bag of ROS, of a chessboard or circles, or with a target YAML of an "
+               "AprilGrid or ChArUco "
+               "board; times from names, a CSV or EXIF",
+       .options = {"target", "board", "spacing", "length-unit", "time-unit", "map", "camera"},
        .fill = import_images},
       {.name = "servo",
        .help = "logs of commanded and measured angles: CSV or JSON, a file a run",

@@ -45,6 +45,15 @@ double RosMessage::real() {
   return value;
 }
 
+uint8_t RosMessage::byte() {
+  return static_cast<uint8_t>(raw(1, 1)[0]);
+}
+
+std::string_view RosMessage::bytes() {
+  const uint32_t size = count(1);
+  return raw(size, 1);
+}
+
 uint32_t RosMessage::count(size_t least_bytes) {
   const uint32_t count = number();
   if (count > (bytes_.size() - at_) / least_bytes) fail();

@@ -7,14 +7,16 @@
 #include <cstdio>
 #include <map>
 
-#include "app/import/draft/checks.h"
 #include "app/import/draft/points_draft.h"
 #include "app/import/draft/target.h"
 #include "app/import/files/storage.h"
 #include "app/import/files/text_table.h"
 #include "app/import/kinds/kinds.h"
+#include "app/import/pictures/bag_pictures.h"
 #include "app/import/pictures/finder.h"
+#include "app/import/pictures/picture_times.h"
 #include "app/import/pictures/scatter.h"
+#include "app/scratch_folder.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -29,6 +31,9 @@ struct Sources {
   std::vector<fs::path> pictures;
   std::optional<TargetSpec> target;
   std::optional<TextTable> times;
+  // Of pictures in a bag: where they are meanwhile, and by whose stamps they are timed.
+  std::unique_ptr<ScratchFolder> unpacked;
+  BagPictures of_bag;
 };
 
 std::string lower_extension(const fs::path& path) {
@@ -44,7 +49,7 @@ bool is_picture(const fs::path& path) {
          kExtensions.end();
 }
 
-Sources sources_of(const ImportRequest& request) {
+Sources sources_of(const ImportRequest& request, SetDraft& draft) {
   Sources found;
   const auto take = [&](const fs::path& path) {
     if (path.string().find('\n') != std::string::npos)
@@ -69,6 +74,12 @@ Sources sources_of(const ImportRequest& request) {
     } else if (extension == ".csv" || extension == ".txt") {
       if (found.times) throw UsageError("images: expected one table of times");
       found.times = TextTable::read(source);
+    } else if (extension == ".mcap" || extension == ".bag") {
+      if (found.unpacked) throw UsageError("images: expected one bag");
+      found.unpacked = std::make_unique<ScratchFolder>("pictures");
+      found.of_bag = unpack_pictures(source, request.camera, found.unpacked->path(), draft);
+      found.pictures.insert(found.pictures.end(), found.of_bag.files.begin(),
+                            found.of_bag.files.end());
     } else {
       take(source);
     }
@@ -80,122 +91,6 @@ Sources sources_of(const ImportRequest& request) {
                                  kMostPictures));
   return found;
 }
-
-// The last number in a name, as its digits: whole, and behind a point.
-struct NameNumber {
-  std::string whole, part;
-};
-
-NameNumber number_in(const std::string& stem) {
-  const auto digit = [&](size_t i) {
-    return std::isdigit(static_cast<unsigned char>(stem[i])) != 0;
-  };
-  size_t end = stem.size();
-  while (end > 0 && !digit(end - 1)) --end;
-  size_t start = end;
-  while (start > 0 && digit(start - 1)) --start;
-  NameNumber number{stem.substr(start, end - start), ""};
-  size_t before = start;
-  if (start > 1 && stem[start - 1] == '.' && digit(start - 2)) {
-    before = start - 1;
-    while (before > 0 && digit(before - 1)) --before;
-    number = {stem.substr(before, start - 1 - before), stem.substr(start, end - start)};
-  }
-  return number;
-}
-
-// The unit of stamps by how many digits a time since 1970 has in it; 0 for a plain number.
-int64_t stamp_unit_ns(const NameNumber& number) {
-  switch (number.whole.size()) {
-    case 19:
-      return 1;
-    case 16:
-      return 1'000;
-    case 13:
-      return 1'000'000;
-    case 10:
-      return number.part.empty() ? 0 : 1'000'000'000;
-    default:
-      return 0;
-  }
-}
-
-// By the numbers in their names, so that 10 comes behind 9.
-void sort_by_number(std::vector<fs::path>& pictures) {
-  const auto key = [](const fs::path& path) {
-    NameNumber number = number_in(path.stem().string());
-    number.whole.erase(0, std::min(number.whole.find_first_not_of('0'), number.whole.size()));
-    return std::tuple(number.whole.size(), number.whole, number.part, path.string());
-  };
-  std::sort(pictures.begin(), pictures.end(),
-            [&](const fs::path& a, const fs::path& b) { return key(a) < key(b); });
-}
-
-class Times {
- public:
-  Times(const Sources& sources, const ImportRequest& request) : request_(request) {
-    if (sources.times) {
-      read_table(*sources.times);
-      return;
-    }
-    unit_ns_ = request.time_unit.empty() ? 0 : nanoseconds_in(request.time_unit);
-    for (size_t i = 0; unit_ns_ == 0 && i < sources.pictures.size(); ++i) {
-      const int64_t unit = stamp_unit_ns(number_in(sources.pictures[i].stem().string()));
-      if (i > 0 && unit != usual_ns_) return;
-      usual_ns_ = unit;
-    }
-    if (unit_ns_ == 0) unit_ns_ = usual_ns_;
-  }
-
-  // Whether a table or the names say when pictures were taken.
-  bool told() const { return !rows_.empty() || unit_ns_ > 0; }
-  std::string how() const { return rows_.empty() ? "the pictures' names" : file_; }
-
-  int64_t of(const fs::path& picture) const {
-    int64_t ns = 0;
-    if (!rows_.empty()) {
-      const auto row = rows_.find(picture.filename().string());
-      if (row == rows_.end())
-        throw InputError(fmt::format("{}: found no row of {}", file_, picture.string()));
-      return row->second;
-    }
-    const NameNumber number = number_in(picture.stem().string());
-    const std::string text = number.part.empty() ? number.whole : number.whole + "." + number.part;
-    if (!parse_time_ns(text, unit_ns_, ns))
-      throw InputError(fmt::format("{}: its name holds no time", picture.string()));
-    return ns;
-  }
-
- private:
-  void read_table(const TextTable& table) {
-    const auto column = [&](const char* quantity, std::vector<std::string> usual) {
-      const std::string mapped = request_.name_of(quantity);
-      if (!mapped.empty()) usual = {mapped};
-      return table.find(usual);
-    };
-    file_ = table.file();
-    const int file =
-        column("file", {"file", "filename", "image", "name", "path", "#filename", "frame"});
-    const int time = column("time", {"time_s", "timestamp", "time", "stamp", "t", "timestamp_ns",
-                                     "time_ns", "#timestamp [ns]", "timestamp [ns]", "time_ms"});
-    if (file < 0 || time < 0)
-      throw InputError(
-          fmt::format("{}:1: expected columns file and time; say theirs with --map", table.file()));
-    const auto at = static_cast<size_t>(time);
-    int64_t unit = time_unit_ns(request_, table.column_name(at));
-    if (request_.time_unit.empty() && table.column_name(at).find("[ns]") != std::string::npos)
-      unit = 1;
-    for (size_t row = 0; row < table.rows(); ++row) {
-      const fs::path name(std::string(table.cell(row, static_cast<size_t>(file))));
-      rows_[name.filename().string()] = table.time_ns(row, at, unit);
-    }
-  }
-
-  const ImportRequest& request_;
-  std::string file_;
-  std::map<std::string, int64_t> rows_;  // By the picture's file name.
-  int64_t unit_ns_ = 0, usual_ns_ = 0;   // Of the numbers in names; 0: they are no times.
-};
 
 // Pictures that say nothing, by why.
 class LeftOut {
@@ -329,7 +224,7 @@ void measure_scatter(std::vector<SeenView>& views, SetDraft& draft, LeftOut& lef
 
 // Replaces the views' places by their times, in whose order they then stand; whether times are
 // known.
-bool put_in_time(std::vector<SeenView>& views, const Sources& sources, const Times& times,
+bool put_in_time(std::vector<SeenView>& views, const Sources& sources, const PictureTimes& times,
                  const std::vector<PictureAnswer>& answers, SetDraft& draft) {
   const auto picture = [](const SeenView& view) { return static_cast<size_t>(view.time_ns); };
   const bool exif = !times.told() && std::all_of(views.begin(), views.end(), [&](const auto& view) {
@@ -369,10 +264,13 @@ void tell_ambiguity(const TargetSpec& target, SetDraft& draft) {
 }  // namespace
 
 void import_images(const ImportRequest& request, SetDraft& draft) {
-  Sources sources = sources_of(request);
+  Sources sources = sources_of(request, draft);
   sort_by_number(sources.pictures);
   const TargetSpec target = sources.target ? *sources.target : stated_target(request);
-  const Times times(sources, request);
+  const PictureTimes times =
+      sources.of_bag.files.empty()
+          ? PictureTimes(sources.pictures, sources.times ? &*sources.times : nullptr, request)
+          : PictureTimes("the stamps of " + sources.of_bag.topic, sources.of_bag.stamps_ns);
   const size_t count = sources.pictures.size();
   const auto answers =
       find_targets(sources.pictures, target, [&](size_t done) { tell_progress(done, count); });
@@ -391,7 +289,7 @@ void import_images(const ImportRequest& request, SetDraft& draft) {
   draft.did(fmt::format("{} of {} pictures show the target, {} of {} x {}", views.size(), count,
                         target.pattern, target.columns, target.rows));
   tell_ambiguity(target, draft);
-  draft_views(views, times_known, nullptr, sources.pictures.front().parent_path().string(), draft);
+  draft_views(views, times_known, nullptr, request.sources.front().string(), draft);
 }
 
 }  // namespace seam::app

@@ -347,7 +347,14 @@ void RosImport::run() {
   for (const BagTopic& topic : data_.topics) {
     if (topic.messages == 0) draft_.warn(fmt::format("topic {} is empty", topic.name));
   }
-  if (joints() || walk() || camera()) return;
+  if (joints() || walk()) return;
+  const bool shows =
+      std::any_of(data_.topics.begin(), data_.topics.end(), [](const BagTopic& topic) {
+        return topic.type == "sensor_msgs/Image" || topic.type == "sensor_msgs/CompressedImage";
+      });
+  // Where the user says what is on the pictures, they are worth more than a calibration alone.
+  if (shows && request_.board_columns > 0) return import_images(request_, draft_);
+  if (camera()) return;
   throw InputError(fmt::format(
       "{}: found no joints with commands (JointState, and another topic), no walk (Odometry with "
       "cmd_vel, or with poses) and no CameraInfo among its topics: {}; say which, --map "
