@@ -88,7 +88,8 @@ ROOMS = {
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "check": ["imaging", "kinds", "sets", "problem", "fitting", "search"],
         "search": ["numerics", "problem", "fitting"],
-        "report": ["problem", "fitting", "search"],
+        "suggest": ["numerics", "problem", "fitting", "search"],
+        "report": ["problem", "fitting", "search", "suggest"],
         "study": ["imaging", "kinds", "search"],
     },
     "robot_sdk": {

@@ -5,7 +5,7 @@
 
 #include "measurement/search/add_effects.h"
 #include "measurement/search/compare.h"
-#include "measurement/search/suggest.h"
+#include "measurement/suggest/suggest.h"
 
 namespace seam::measurement {
 

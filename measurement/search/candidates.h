@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "measurement/problem/memo.h"
 #include "measurement/search/judge.h"
 
 namespace seam::measurement {
@@ -55,24 +54,6 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
 
 // A model less one of its added effects, not fitted again.
 Grown without(const Grown& grown, const std::string& out);
-
-// Exchanges of one effect for another, each worked out once: the search asks for them where it
-// would end, and then again which of them tie with its steps.
-class Exchanges {
- public:
-  explicit Exchanges(const Problem& problem) : problem_(problem) {}
-
-  // The model with one added effect in the place of another. Nothing where a step of Gauss and
-  // Newton shows that it cannot make up for most of what is lost.
-  std::optional<Grown> with_other(const Grown& grown, const std::string& out,
-                                  const std::shared_ptr<const EffectDefinition>& in) const;
-
- private:
-  static constexpr size_t kKept = 64;
-
-  const Problem& problem_;
-  Memo<std::optional<Grown>> tried_{1, kKept};
-};
 
 // Fits every effect of the list beside the model. With `promising_only` or where predictions are
 // dear (screening_groups), and where the problem is smooth, those whose score test says that they

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "measurement/search/exchanges.h"
 #include "measurement/search/search.h"
 
 namespace seam::measurement {

@@ -5,35 +5,11 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/search/choice.h"
 #include "measurement/search/order.h"
 
 namespace seam::measurement {
 namespace {
-
-bool is_spread(const std::shared_ptr<const EffectDefinition>& effect) {
-  return effect->spread_only;
-}
-
-// The best candidate, unless it is one of spread while one of the mean clearly helps or lowers the
-// residuals themselves: a spread wide enough hides any structure of the mean. One that only does
-// that is no candidate.
-Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& candidates) {
-  while (!candidates.empty() && candidates.front().significant) {
-    Candidate& best = candidates.front();
-    if (!is_spread(best.effect)) return &best;
-    const auto better = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) {
-      return (problem.is_smooth(c.grown.assessment.model) && clearly_helps(c)) ||
-             (misses && goes_before_spreads(c));
-    });
-    if (better != candidates.end()) return &*better;
-    if (!misses || !hides_mean(problem, best.grown.assessment)) return &best;
-    best.significant = false;
-    const auto end = std::find_if(candidates.begin() + 1, candidates.end(),
-                                  [](const Candidate& c) { return !c.significant; });
-    std::rotate(candidates.begin(), candidates.begin() + 1, end);
-  }
-  return nullptr;
-}
 
 class Searcher {
  public:
@@ -85,21 +61,6 @@ std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& 
   return nullptr;
 }
 
-// Whether some parameter of an added effect is so far from neutral that the effect cannot go.
-bool clearly_needed(const Grown& grown, const std::string& name) {
-  const Assessment& here = grown.assessment;
-  const effects::ModelEffect* effect = here.model.find(name);
-  for (size_t k = 0; k < here.unknowns.size() && k < here.fit.sigma.size(); ++k) {
-    if (here.unknowns[k].effect != name) continue;
-    const double neutral = effect->definition->parameters[here.unknowns[k].parameter].neutral;
-    // Every value is infinitely far from a limit's neutral one: that says nothing.
-    if (std::isfinite(neutral) &&
-        std::abs(here.fit.value[k] - neutral) > kCannotGo * here.fit.sigma[k])
-      return true;
-  }
-  return false;
-}
-
 // Drops effects that the others have made unnecessary.
 bool Searcher::prune(Grown& grown) {
   bool changed = false;
@@ -148,7 +109,7 @@ bool Searcher::exchange(Grown& grown) {
           std::find(grown.added.begin(), grown.added.end(), name) != grown.added.end();
       // A spread in the place of an effect of the mean would hide it; the other way round, the
       // effect of the mean is added first and then the spread is dropped.
-      if (!present && is_spread(definition(name)) == is_spread(definition(grown.added[i])))
+      if (!present && definition(name)->spread_only == definition(grown.added[i])->spread_only)
         moves.emplace_back(i, name);
     }
   }
@@ -185,13 +146,6 @@ Looks Searcher::look(const Grown& grown, bool promising_only) {
                         promising_only);
   looks_ = std::max(looks_, looks.tried);
   return looks;
-}
-
-// Whether a model explains nothing, far behind a rival, and its last step changed little about it.
-bool falls_behind(const Grown& grown, double error_before, const Grown& rival) {
-  const double error = grown.assessment.error;
-  return error > kUseless && kPlainlyLess * error > rival.assessment.error &&
-         error > kPlainlyLess * error_before;
 }
 
 // Adds to a model what helps most, again and again; `traces` are those of the last look. The first
@@ -268,18 +222,6 @@ std::optional<Grown> Searcher::again(const Grown& earlier, const Looks& first) {
   return grown;
 }
 
-namespace {
-
-// Whether neither the model nor any one effect beside it explains anything.
-bool all_useless(const Grown& base, const Looks& looks) {
-  return base.assessment.error > kUseless &&
-         std::all_of(looks.candidates.begin(), looks.candidates.end(), [](const Candidate& c) {
-           return only_widens(*c.effect) || c.grown.assessment.error > kUseless;
-         });
-}
-
-}  // namespace
-
 // Effects that come together are dear to fit and can imitate many, so they are tried where all else
 // leaves a misfit; but first where no single effect explains anything, since a long search among
 // these is dearer still.
@@ -348,7 +290,7 @@ void Searcher::try_beginnings(SearchResult& result) {
     const auto& added = result.best.added;
     const bool taken = std::find(added.begin(), added.end(), candidate.effect->name) != added.end();
     const bool helps = candidate.p_value < kCandidateAlarm && candidate.gain_ll > 0;
-    if (helps && !candidate.trace && !is_spread(candidate.effect) && !taken)
+    if (helps && !candidate.trace && !candidate.effect->spread_only && !taken)
       beginnings.push_back(&candidate);
   }
   std::stable_sort(

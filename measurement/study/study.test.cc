@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "measurement/kinds/kinds.h"
-#include "measurement/search/suggest.h"
-#include "measurement/search/term.h"
+#include "measurement/suggest/suggest.h"
+#include "measurement/suggest/term.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {

@@ -6,7 +6,7 @@
 
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/order.h"
-#include "measurement/search/suggest.h"
+#include "measurement/suggest/suggest.h"
 #include "measurement/study/study.h"
 
 namespace seam::measurement {

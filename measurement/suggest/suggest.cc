@@ -1,4 +1,4 @@
-#include "measurement/search/suggest.h"
+#include "measurement/suggest/suggest.h"
 
 #include <fmt/ranges.h>
 
@@ -8,7 +8,7 @@
 
 #include "measurement/numerics/regression.h"
 #include "measurement/search/order.h"
-#include "measurement/search/term.h"
+#include "measurement/suggest/term.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {

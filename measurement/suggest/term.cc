@@ -1,4 +1,4 @@
-#include "measurement/search/term.h"
+#include "measurement/suggest/term.h"
 
 #include <fmt/ranges.h>
 

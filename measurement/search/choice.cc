@@ -1,0 +1,55 @@
+#include "measurement/search/choice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/search/decisions.h"
+
+namespace seam::measurement {
+
+Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& candidates) {
+  while (!candidates.empty() && candidates.front().significant) {
+    Candidate& best = candidates.front();
+    if (!best.effect->spread_only) return &best;
+    const auto better = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& c) {
+      return (problem.is_smooth(c.grown.assessment.model) && clearly_helps(c)) ||
+             (misses && goes_before_spreads(c));
+    });
+    if (better != candidates.end()) return &*better;
+    if (!misses || !hides_mean(problem, best.grown.assessment)) return &best;
+    best.significant = false;
+    const auto end = std::find_if(candidates.begin() + 1, candidates.end(),
+                                  [](const Candidate& c) { return !c.significant; });
+    std::rotate(candidates.begin(), candidates.begin() + 1, end);
+  }
+  return nullptr;
+}
+
+bool clearly_needed(const Grown& grown, const std::string& name) {
+  const Assessment& here = grown.assessment;
+  const effects::ModelEffect* effect = here.model.find(name);
+  for (size_t k = 0; k < here.unknowns.size() && k < here.fit.sigma.size(); ++k) {
+    if (here.unknowns[k].effect != name) continue;
+    const double neutral = effect->definition->parameters[here.unknowns[k].parameter].neutral;
+    // Every value is infinitely far from a limit's neutral one: that says nothing.
+    if (std::isfinite(neutral) &&
+        std::abs(here.fit.value[k] - neutral) > kCannotGo * here.fit.sigma[k])
+      return true;
+  }
+  return false;
+}
+
+bool falls_behind(const Grown& grown, double error_before, const Grown& rival) {
+  const double error = grown.assessment.error;
+  return error > kUseless && kPlainlyLess * error > rival.assessment.error &&
+         error > kPlainlyLess * error_before;
+}
+
+bool all_useless(const Grown& base, const Looks& looks) {
+  return base.assessment.error > kUseless &&
+         std::all_of(looks.candidates.begin(), looks.candidates.end(), [](const Candidate& c) {
+           return only_widens(*c.effect) || c.grown.assessment.error > kUseless;
+         });
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,25 @@
+// What the search does next, by what it has looked at.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "measurement/search/candidates.h"
+
+namespace seam::measurement {
+
+// The best candidate, unless it is one of spread while one of the mean clearly helps or lowers the
+// residuals themselves: a spread wide enough hides any structure of the mean. One that only does
+// that is no candidate.
+Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& candidates);
+
+// Whether some parameter of an added effect is so far from neutral that the effect cannot go.
+bool clearly_needed(const Grown& grown, const std::string& name);
+
+// Whether a model explains nothing, far behind a rival, and its last step changed little about it.
+bool falls_behind(const Grown& grown, double error_before, const Grown& rival);
+
+// Whether neither the model nor any one effect beside it explains anything.
+bool all_useless(const Grown& base, const Looks& looks);
+
+}  // namespace seam::measurement

@@ -1,0 +1,31 @@
+// One added effect in the place of another.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "measurement/problem/memo.h"
+#include "measurement/search/candidates.h"
+
+namespace seam::measurement {
+
+// Exchanges of one effect for another, each worked out once: the search asks for them where it
+// would end, and then again which of them tie with its steps.
+class Exchanges {
+ public:
+  explicit Exchanges(const Problem& problem) : problem_(problem) {}
+
+  // The model with one added effect in the place of another. Nothing where a step of Gauss and
+  // Newton shows that it cannot make up for most of what is lost.
+  std::optional<Grown> with_other(const Grown& grown, const std::string& out,
+                                  const std::shared_ptr<const EffectDefinition>& in) const;
+
+ private:
+  static constexpr size_t kKept = 64;
+
+  const Problem& problem_;
+  Memo<std::optional<Grown>> tried_{1, kKept};
+};
+
+}  // namespace seam::measurement
