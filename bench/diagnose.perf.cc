@@ -119,7 +119,8 @@ void kind(benchmark::State& state, const std::string& name, const std::string& h
   fs::remove_all(folder);
   const Model nominal = write_study_protocol(name, folder / "protocol");
   Model truth = nominal;
-  for (const effects::ModelEffect& effect : model_of(hidden).effects())
+  const Model hidden_model = model_of(hidden);
+  for (const effects::ModelEffect& effect : hidden_model.effects())
     truth.set(effect.definition, effect.parameters);
   measure_set(truth, MeasurementSet::open(folder / "protocol"), {.seed = 1, .out = folder / "set"},
               app::instruments());

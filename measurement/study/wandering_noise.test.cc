@@ -6,8 +6,8 @@
 
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/order.h"
-#include "measurement/suggest/suggest.h"
 #include "measurement/study/study.h"
+#include "measurement/suggest/suggest.h"
 
 namespace seam::measurement {
 namespace {

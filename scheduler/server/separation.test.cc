@@ -199,6 +199,7 @@ TEST(Separation, WhatARobotIsToldIsAClosedList) {
                                     "welcome.image_height_px",
                                     "welcome.team",
                                     "welcome.next_sequence",
+                                    "welcome.joint_names",
                                     "observation.sequence",
                                     "observation.time_ns",
                                     "observation.sensors.acceleration_m_s2.x",
@@ -239,7 +240,8 @@ TEST(Separation, WhatARobotIsToldIsAClosedList) {
                                     "goodbye.reason",
                                     "goodbye.time_ns"};
   for (const char* joints : {"joints", "joint_log"})
-    for (const char* value : {"time_ns", "tilt_rad", "pan_rad", "roll_rad", "legs_rad"})
+    for (const char* value :
+         {"time_ns", "tilt_rad", "pan_rad", "roll_rad", "legs_rad", "angles_rad"})
       expected.insert(std::string("observation.sensors.") + joints + "." + value);
   EXPECT_EQ(told, expected) << "a robot is told something new: is it the robot's own?";
 }

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 class Urdf : public testing::Test {
  protected:
-  Urdf() : folder_(fs::temp_directory_path() / "urdf") {
+  Urdf() : folder_(fs::path(testing::TempDir()) / "urdf") {
     fs::create_directories(folder_ / "meshes");
   }
   ~Urdf() override { fs::remove_all(folder_); }
