@@ -7,13 +7,9 @@ packages=(
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc libssl-dev openssl
   libyaml-cpp-dev libfmt-dev libcli11-dev nlohmann-json3-dev libmuparser-dev
   libglm-dev libeigen3-dev libbox2d-dev libsleef-dev librandom123-dev libxxhash-dev
-<<<<<<< HEAD
   libboost-math-dev libpng-dev libjpeg-dev libtiff-dev libosmesa6-dev libassimp-dev libtinyxml2-dev libapriltag-dev libzstd-dev
-  liblz4-dev libbz2-dev zlib1g-dev libsqlite3-dev libcpp-httplib-dev libgtest-dev libgmock-dev libbenchmark-dev
-=======
-  libboost-math-dev libpng-dev libjpeg-dev libtiff-dev libosmesa6-dev libassimp-dev libtinyxml2-dev libzstd-dev
-  libopencv-contrib-dev libexif-dev liblz4-dev libbz2-dev zlib1g-dev libsqlite3-dev libcpp-httplib-dev libgtest-dev libgmock-dev libbenchmark-dev
->>>>>>> h_I
+  libopencv-contrib-dev libexif-dev liblz4-dev libbz2-dev zlib1g-dev libsqlite3-dev libcpp-httplib-dev libgtest-dev libgmock-dev
+  libbenchmark-dev
   gnuplot-nox nodejs npm chromium fonts-dejavu-core iproute2 procps
 )
 missing=()

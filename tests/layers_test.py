@@ -280,8 +280,17 @@ def crowded_rooms(names):
             yield f"{room}/: {count} files, at most {MAX_FILES}: make rooms"
 
 
+def merge_findings(name, text):
+    """What a merge left behind, in any text: only C++ is compiled."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if re.match(r"(?:<{7}|>{7}) \S", line):
+            yield f"{name}:{number}: a merge that was not ended: choose a side"
+
+
 def findings():
     found = []
+    for name in tracked("*.sh", "*.py", "*.md", "*.txt", "*.cmake", "*.yaml", "*.ts", "*.tsx", "*.json", "*.proto"):
+        found += merge_findings(name, (ROOT / name).read_text(encoding="utf-8"))
     for name in tracked("*.h", "*.cc", "*.inc"):
         found += findings_in(name, (ROOT / name).read_text(encoding="utf-8").splitlines())
     return found + list(crowded_rooms(tracked("*.h", "*.cc", "*.inc")))
@@ -306,6 +315,7 @@ def self_test():
         heard = list(findings_in(name, lines))
         assert any(alarm in finding for finding in heard), f"no alarm '{alarm}': {heard}"
     assert not list(findings_in("measurement/kinds/points/x.cc", ['#include "measurement/numerics/maximise.h"']))
+    assert list(merge_findings("x.sh", "<" * 7 + " HEAD\n"))
     assert list(crowded_rooms([f"app/{i}.cc" for i in range(MAX_FILES + 1)]))
     print("ok")
 
