@@ -60,8 +60,10 @@ export function ErrorFalling({ report }: { report: Report }) {
             `Error on held-out groups, in units of the noise: ${number(points[0].error, 4)} as given, ` +
             `${number(last.error, 4)} after ${points.length - 1} ` +
             `${points.length === 2 ? "step" : "steps"}. ` +
-            (last.error < 1.05 * floor ? "What is left is noise."
-              : "The part above the dashed line is not explained.")
+            (last.error >= 1.05 * floor ? "The part above the dashed line is not explained."
+              : report.result.verdict === "unexplained_structure"
+                ? "What is left is as large as the noise, but has structure."
+                : "What is left is noise.")
           } />
       </div>
       <table class="data">
