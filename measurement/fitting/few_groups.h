@@ -12,4 +12,8 @@ namespace seam::measurement {
 // save little or a few groups would not stand for all.
 std::optional<Groups> few_of(const Problem& problem, const Model& model, const Groups& groups);
 
+// Of its scale: what a fit to a few groups leaves below this of a spread says nothing of all
+// groups.
+inline constexpr double kNoSpread = 1e-3;
+
 }  // namespace seam::measurement

@@ -76,8 +76,6 @@ class Fitter {
   }
 
  private:
-  static constexpr double kNoSpread = 1e-3;  // Of its scale.
-
   bool fit_mean();
   void fit_spread();
   // What evaluations reused on the way is computed again.

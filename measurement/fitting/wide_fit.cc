@@ -70,7 +70,6 @@ class WideFitter {
 
  private:
   using Vector = Eigen::VectorXd;
-  static constexpr double kNoSpread = 1e-3;  // Of its scale.
 
   static Eigen::Index index(size_t i) { return static_cast<Eigen::Index>(i); }
   Model at(const Vector& z) const { return space_.at(model_, z); }
