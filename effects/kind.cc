@@ -15,6 +15,7 @@ const std::vector<KindFacts>& kinds() {
       {kLandmarks, "landmarks", "run", {Stage::detector}},
       {kRanges, "ranges", "trial", {}},
       {kFrames, "frames", "frame", {}},
+      {kOutcomes, "outcomes", "scenario", {}},
   };
   return all;
 }

@@ -31,6 +31,7 @@ enum Kind : unsigned {
   kLandmarks = 16,
   kRanges = 32,
   kFrames = 64,
+  kOutcomes = 128,  // Of whole runs: every effect that the simulator runs acts on them.
 };
 
 struct KindFacts {

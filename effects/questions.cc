@@ -125,9 +125,15 @@ std::vector<Need> needs_of(const EffectDefinition& effect, size_t parameter) {
   return needs;
 }
 
+bool acts_in_runs(const EffectDefinition& effect) {
+  return effect.timing || effect.encoder || effect.logged || effect.servo || effect.play_rad ||
+         effect.joint_map || effect.mount || effect.geometry || effect.image_map || effect.optics ||
+         effect.gain || effect.light || effect.sensor || effect.locomotion || effect.velocity_map;
+}
+
 bool acts_on(const EffectDefinition& effect, const SetFacts& set) {
-  return (effect.kinds & set.kind) != 0 &&
-         std::none_of(effect.needs.begin(), effect.needs.end(), [&](Need need) {
+  const bool acts = set.kind == kOutcomes ? acts_in_runs(effect) : (effect.kinds & set.kind) != 0;
+  return acts && std::none_of(effect.needs.begin(), effect.needs.end(), [&](Need need) {
            const Lack* lack = lack_of(set, need);
            return lack != nullptr && lack->why.empty();
          });

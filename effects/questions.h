@@ -17,6 +17,10 @@ std::string to_string(Need need);
 // the parameter, in this order.
 std::vector<Need> needs_of(const EffectDefinition& effect, size_t parameter);
 
+// Whether the simulator runs it: it changes robots or their images, not only what is told of a
+// measurement (noises, detectors, targets).
+bool acts_in_runs(const EffectDefinition& effect);
+
 // Whether the effect is a candidate in such a set.
 bool acts_on(const EffectDefinition& effect, const SetFacts& set);
 

@@ -99,7 +99,7 @@ ROOMS = {
         "team": [".", "vision", "localization"],
         "examples": [".", "vision", "localization", "team"],
     },
-    "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": ["."], "exchange": [],
+    "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
             "import/draft": ["exchange"], "import/files": [], "import/bags": [],
             "import/pictures": [".", "import/draft", "import/files", "import/bags"],
             "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],

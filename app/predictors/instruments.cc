@@ -5,9 +5,11 @@
 
 namespace seam::app {
 
-measurement::Instruments instruments() {
-  return {
-      .render = rendered_frames(), .detect = sdk_detectors(), .detectors = sdk_detector_names()};
+measurement::Instruments instruments(const OutcomeRunsOptions& runs) {
+  return {.render = rendered_frames(),
+          .detect = sdk_detectors(),
+          .detectors = sdk_detector_names(),
+          .runs = outcome_runs(runs)};
 }
 
 }  // namespace seam::app

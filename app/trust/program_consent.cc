@@ -26,9 +26,9 @@ void require_consent(const std::vector<std::string>& programs, bool agreed, bool
   const std::string list = fmt::format("{}", fmt::join(programs, "\n  "));
   if (!terminal) {
     throw UsageError(
-        fmt::format("the log names programs to start; --run-programs allows it:\n  {}", list));
+        fmt::format("it names programs to start; --run-programs allows it:\n  {}", list));
   }
-  out << "The log names programs to start on this machine:\n  " << list << "\nStart them? [y/N] "
+  out << "It names programs to start on this machine:\n  " << list << "\nStart them? [y/N] "
       << std::flush;
   std::string answer;
   std::getline(in, answer);

@@ -1,4 +1,4 @@
-// What some kinds of measurement need beyond the effects: a renderer and detectors. They come in as
+// What some kinds of measurement need beyond the effects: a renderer, detectors, whole runs. They come in as
 // arguments, from whoever puts the program together (app/), so that measurement/ knows neither.
 #pragma once
 
@@ -7,6 +7,7 @@
 
 #include "measurement/imaging/frame_predictor.h"
 #include "measurement/imaging/range_detector.h"
+#include "measurement/imaging/run_maker.h"
 
 namespace seam::measurement {
 
@@ -15,6 +16,7 @@ struct Instruments {
   MakeFramePredictor render;
   MakeRangeDetector detect;
   std::vector<std::string> detectors;  // The behaviours that `detect` knows.
+  OpenRuns runs;
 };
 
 }  // namespace seam::measurement

@@ -15,7 +15,8 @@
   X(joints)           \
   X(odometry)         \
   X(ranges)           \
-  X(frames)
+  X(frames)           \
+  X(outcomes)
 
 namespace seam::measurement {
 

@@ -114,7 +114,7 @@ class Problem {
   virtual bool is_visible(const Model&, const Model&) const { return true; }
 
   // Whether the effect is a candidate here: its record knows.
-  bool acts(const EffectDefinition& effect) const;
+  virtual bool acts(const EffectDefinition& effect) const;
   // Why a parameter cannot be tested with these data before any look at numbers; empty: it can.
   // Default: what the effect needs (its record) and this set lacks.
   virtual std::string not_testable(const Model& model, const EffectDefinition& effect,

@@ -29,6 +29,22 @@ void describe_camera(ConfigTable& table, CameraFacts& camera) {
   camera.bits = static_cast<int>(bits);
 }
 
+// Of outcomes; their reader reads them (kinds/outcomes).
+void describe_runs(ConfigTable& table) {
+  std::map<std::string, std::string> scenarios;
+  std::vector<std::string> robots;
+  int64_t most_runs = 20'000;
+  table.texts_by_name(
+      {"scenarios", "Of outcomes: plans of runs (seam-sweep/1) in the folder by name."}, scenarios);
+  table.texts({"robots", "Of outcomes: the robots whose model it is; left out: all."}, robots);
+  table.integer({"most_runs", "Of outcomes: runs that one command may make."}, most_runs, 1,
+                10'000'000);
+  table.elsewhere({"candidates",
+                   "Of outcomes: effects that are tried, each blank or with parameters' bounds "
+                   "[low, high]; left out: all."},
+                  [](ConfigTable& names) { names.allow_notes(); });
+}
+
 void describe_set(ConfigTable& table, MeasurementSet& set) {
   table.allow_notes();
   table.format("seam-measurement/1");
@@ -50,6 +66,7 @@ void describe_set(ConfigTable& table, MeasurementSet& set) {
   table.text({"detector", "Of ranges: the behaviour that measures."}, detector);
   table.text({"colour_table", "Of ranges: a seam-colour-table/1 file in the folder."},
              colour_table);
+  describe_runs(table);
 }
 
 }  // namespace

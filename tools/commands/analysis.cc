@@ -23,8 +23,18 @@ void add_data_flags(app::Command command, AnalysisFlags& flags, bool with_report
   command.add_option("--data", flags.data, "The folder of the measurement set").required();
   command.add_option("--target", flags.target,
                      "Of points: a file of where the target's points were found (--target-out)");
+  add_run_flags(command, flags.runs);
   command.add_option("--json", flags.json, "Writes the result as JSON");
   if (with_report) command.add_option("--report", flags.report, "Writes the result as a web page");
+}
+
+void add_run_flags(app::Command command, app::OutcomeRunsOptions& options) {
+  command.add_option("--runs", options.kept,
+                     "Of outcomes: a folder where runs are kept, so that the command goes on where "
+                     "it was interrupted");
+  command.add_flag(
+      "--run-programs", options.run_programs,
+      "Of outcomes: programs that the set names and that are not SEAM's may be started");
 }
 
 void add_target_out_flag(app::Command command, AnalysisFlags& flags) {
@@ -33,7 +43,7 @@ void add_target_out_flag(app::Command command, AnalysisFlags& flags) {
 }
 
 std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags) {
-  return measurement::open_problem(flags.data, app::instruments(), flags.target);
+  return measurement::open_problem(flags.data, app::instruments(flags.runs), flags.target);
 }
 
 effects::Model read_model(const std::string& path) {

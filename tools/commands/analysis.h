@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/command_line.h"
+#include "app/predictors/outcome_runs.h"
 #include "measurement/problem/problem.h"
 #include "measurement/report/report_data.h"
 #include "measurement/report/results.h"
@@ -20,6 +21,7 @@ struct AnalysisFlags {
   std::string target;      // Where the points of the target are, of an earlier fit.
   std::string target_out;  // Where to write where this one finds them.
   double material = measurement::kMaterial;
+  app::OutcomeRunsOptions runs;  // Of sets of outcomes.
 };
 
 // --model, --data, --target and --json; --report where wanted.
@@ -27,6 +29,9 @@ void add_analysis_flags(app::Command command, AnalysisFlags& flags, bool with_re
 
 // --material, for commands that say what matters.
 void add_material_flag(app::Command command, AnalysisFlags& flags);
+
+// --runs and --run-programs, of commands that make runs for sets of outcomes.
+void add_run_flags(app::Command command, app::OutcomeRunsOptions& options);
 
 // The same without --model.
 void add_data_flags(app::Command command, AnalysisFlags& flags, bool with_report);

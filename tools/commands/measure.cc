@@ -13,6 +13,7 @@ void add_measure(app::Command app) {
   struct Flags {
     std::string model, protocol, out, noise = "on";
     uint64_t seed = 0;
+    app::OutcomeRunsOptions runs;
   };
   auto flags = std::make_shared<Flags>();
   command.add_option("--model", flags->model, "The true model").required();
@@ -23,6 +24,7 @@ void add_measure(app::Command app) {
   command.add_option("--seed", flags->seed, "Seed of all noise").show_default();
   command.add_option("--out", flags->out, "The folder to write").required();
   command.add_option("--noise", flags->noise, "on or off").one_of({"on", "off"}).show_default();
+  add_run_flags(command, flags->runs);
   command.footer(
       "Example: seam measure --model truth.yaml --protocol sets/points-a --seed 1 --out made");
   command.callback([flags] {
@@ -31,7 +33,7 @@ void add_measure(app::Command app) {
     const auto protocol = measurement::MeasurementSet::open(flags->protocol);
     measurement::measure_set(
         truth, protocol, {.seed = flags->seed, .noise = flags->noise == "on", .out = flags->out},
-        app::instruments());
+        app::instruments(flags->runs));
     std::printf("%s\n", flags->out.c_str());
   });
 }

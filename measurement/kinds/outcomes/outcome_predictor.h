@@ -1,0 +1,47 @@
+// Statistics that a model predicts for each scenario of a set: made by runs of the simulator, with
+// the same seeds for every model, kept, and counted against a budget.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "measurement/kinds/outcomes/outcomes_data.h"
+
+namespace seam::measurement {
+
+// What a scenario's runs say of its rows.
+struct ScenarioPrediction {
+  StatisticsOfRuns statistics;  // By row of the scenario, in the order of the set.
+  size_t runs = 0;
+  std::string first_error;
+};
+
+class OutcomePredictor {
+ public:
+  OutcomePredictor(const OutcomeSettings& settings, RunMaker& runs,
+                   const std::vector<OutcomeRow>& rows);
+
+  // Null where the budget of runs is used up. Thread-safe; equal models give equal bits.
+  std::shared_ptr<const ScenarioPrediction> predict(size_t plan, const effects::Model& model) const;
+
+  // Rows of the set by scenario.
+  const std::vector<std::vector<size_t>>& rows_of_plan() const { return rows_of_plan_; }
+  uint64_t made() const;
+  uint64_t most() const { return most_; }
+  bool spent() const;
+
+ private:
+  RunMaker& runs_;
+  uint64_t most_;
+  std::vector<std::vector<size_t>> rows_of_plan_;
+  std::vector<std::vector<ColumnStatistic>> wanted_;  // By scenario.
+  mutable std::mutex mutex_;
+  mutable std::map<std::string, std::shared_ptr<const ScenarioPrediction>> known_;
+  mutable uint64_t made_ = 0;
+  mutable bool spent_ = false;
+};
+
+}  // namespace seam::measurement

@@ -1,0 +1,61 @@
+// Makes a set of outcomes: the statistics of runs with this model, with errors from their number.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "measurement/kinds/outcomes/outcomes.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/output.h"
+
+namespace seam::measurement {
+namespace {
+
+// Of a statistic that is the same in all runs, an error far below any that matters.
+double told_sigma(double value, double variance) {
+  return std::max({std::sqrt(variance), 1e-6 * std::abs(value), 1e-9});
+}
+
+}  // namespace
+
+// Runs have seeds of their own, which no prediction has; without noise, those of the plan.
+void measure_outcomes(const Model& truth, const MeasurementSet& protocol,
+                      const MeasureOptions& options, const Instruments& instruments) {
+  const OutcomeSettings settings = read_settings(protocol);
+  const auto runs = open_runs(protocol, settings, instruments);
+  const CsvTable table = protocol.table("outcomes");
+  const auto rows = read_outcomes(table, settings.runs, *runs, Measured::to_be_made);
+  const uint64_t draw = options.noise ? options.seed + 1 : 0;
+  std::vector<double> measured(rows.size()), sigma(rows.size());
+  for (size_t plan = 0; plan < settings.runs.plans.size(); ++plan) {
+    std::vector<ColumnStatistic> wanted;
+    std::vector<size_t> places;
+    for (size_t row = 0; row < rows.size(); ++row) {
+      if (rows[row].plan == plan) wanted.push_back(rows[row].statistic), places.push_back(row);
+    }
+    if (wanted.empty()) continue;
+    const RunTable made = runs->make(plan, truth, draw);
+    const StatisticsOfRuns statistics = statistics_of(made.runs, runs->alike(plan), wanted);
+    for (size_t i = 0; i < places.size(); ++i) {
+      const size_t row = places[i];
+      const auto k = static_cast<Eigen::Index>(i);
+      measured[row] = statistics.value[i];
+      sigma[row] = told_sigma(statistics.value[i], statistics.covariance(k, k));
+      if (!std::isfinite(measured[row])) {
+        throw InputError(fmt::format(
+            "{}:{}: with model '{}' fewer than half of the runs give this value{}{}", table.file(),
+            table.line(row), truth.name(), made.first_error.empty() ? "" : ": ", made.first_error));
+      }
+    }
+  }
+  copy_protocol(protocol, options.out, {"outcomes"});
+  for (size_t plan = 0; plan < settings.runs.plans.size(); ++plan) {
+    const std::filesystem::path beside =
+        std::filesystem::relative(settings.runs.plans[plan].file, protocol.folder).parent_path();
+    for (const auto& [name, text] : runs->files(plan))
+      write_file_atomically(written_path(options.out, (beside / name).string()), text);
+  }
+  write_table_with(table, {"measured", "sigma"}, {measured, sigma},
+                   written_path(options.out, protocol.files.at("outcomes")));
+}
+
+}  // namespace seam::measurement
