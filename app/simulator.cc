@@ -28,6 +28,13 @@ effects::Model model_of(const RobotSpec& robot) {
   const effects::Model model = effects::Model::from_config(
       ConfigNode::from_text(given ? robot.camera.model_yaml : ideal_model_yaml(robot.camera),
                             given ? robot.camera.model_name : "ideal model of " + robot.id));
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (!effect.definition->scenario) continue;
+    throw InputError(
+        fmt::format("model '{}': effect '{}' changes the scenario, which a robot's model cannot: "
+                    "set its keys in the scenario, or with --set",
+                    model.name(), effect.definition->name));
+  }
   // An individual belongs to the robot's id, whatever the seed of the run.
   return model.individual(RandomStream{}.child("individual").child(robot.id));
 }

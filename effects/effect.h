@@ -111,6 +111,8 @@ struct EffectDefinition {
   std::function<void(Values, Locomotion&)> locomotion;      // Commanded to true body velocity.
   std::function<void(Values, VelocitySample&)> velocity_map;  // A formula on the body velocity.
   std::function<void(Values, Noise&)> noise;                  // Errors that are not white.
+  // Keys of a scenario, by path, with the values that they have in its place.
+  std::function<std::vector<std::pair<std::string, double>>(Values)> scenario;
 
   // Where a fit starts, from what the sensor's variances exceed the prediction by.
   std::function<std::vector<double>(const SensorExcess&)> start_from_excess;

@@ -34,8 +34,9 @@ std::vector<std::string> kind_names() {
 }
 
 std::string to_string(Stage stage) {
-  static const char* const kNames[] = {"timing", "joint",  "mount",    "geometry",   "radiometry",
-                                       "light",  "sensor", "detector", "locomotion", "target"};
+  static const char* const kNames[] = {"timing",     "joint",  "mount",   "geometry",
+                                       "radiometry", "light",  "sensor",  "detector",
+                                       "locomotion", "target", "scenario"};
   return kNames[static_cast<int>(stage)];
 }
 

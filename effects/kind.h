@@ -18,7 +18,8 @@ enum class Stage {
   sensor,
   detector,
   locomotion,
-  target
+  target,
+  scenario  // Keys of a scenario: of whole runs alone.
 };
 std::string to_string(Stage stage);
 

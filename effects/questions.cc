@@ -128,7 +128,8 @@ std::vector<Need> needs_of(const EffectDefinition& effect, size_t parameter) {
 bool acts_in_runs(const EffectDefinition& effect) {
   return effect.timing || effect.encoder || effect.logged || effect.servo || effect.play_rad ||
          effect.joint_map || effect.mount || effect.geometry || effect.image_map || effect.optics ||
-         effect.gain || effect.light || effect.sensor || effect.locomotion || effect.velocity_map;
+         effect.gain || effect.light || effect.sensor || effect.locomotion || effect.velocity_map ||
+         effect.scenario;
 }
 
 bool acts_on(const EffectDefinition& effect, const SetFacts& set) {

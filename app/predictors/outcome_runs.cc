@@ -2,7 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -30,17 +30,31 @@ using measurement::RunTable;
 // Far from one another for all seeds of plans that anybody writes.
 constexpr int64_t kSeedsApart = 1'000'003;
 
+// Whether a path leads to the models and scenarios that belong to SEAM, which anybody may name.
+bool is_ours(const fs::path& path) {
+  std::error_code unknown;
+  const fs::path file = fs::weakly_canonical(path, unknown);
+  for (const char* name : {"models", "scenarios"}) {
+    for (const fs::path& place : {find_shared(name), program_file().parent_path() / ".." / name}) {
+      const fs::path folder = fs::weakly_canonical(place, unknown);
+      const auto [end, at] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+      if (!place.empty() && end == folder.end()) return true;
+    }
+  }
+  return false;
+}
+
 // Files that a document names by any text with a slash, but for programs, which are asked about.
 void refuse_names_outside(const YAML::Node& node, const fs::path& folder, const fs::path& file) {
   if (node.IsScalar() && node.Scalar().find('/') != std::string::npos) {
     const std::string why = why_not_inside(folder, node.Scalar());
-    if (!why.empty())
+    if (!why.empty() && !is_ours(folder / node.Scalar()))
       throw InputError(fmt::format("{}:{}: {}", file.string(), node.Mark().line + 1, why));
   }
   for (const auto& item : node) {
     if (!node.IsMap()) {
       refuse_names_outside(item, folder, file);
-    } else if (item.first.Scalar() != "command" && item.first.Scalar() != "description") {
+    } else if (!item.first.Scalar().ends_with("command") && item.first.Scalar() != "description") {
       refuse_names_outside(item.second, folder, file);
     }
   }
@@ -52,10 +66,11 @@ SweepPlan plan_of_set(const fs::path& file) {
   const fs::path folder = file.parent_path();
   refuse_names_outside(plan.yaml(), folder, file);
   const ConfigNode scenario = plan.at("scenario");
-  if (const std::string why = why_not_inside(folder, scenario.text()); !why.empty())
-    scenario.fail(why);
   const fs::path named = folder / scenario.text();
-  if (fs::exists(named))
+  if (const std::string why = why_not_inside(folder, scenario.text());
+      !why.empty() && !is_ours(named))
+    scenario.fail(why);
+  if (fs::exists(named) && !is_ours(named))
     refuse_names_outside(ConfigNode::from_file(named).yaml(), named.parent_path(), named);
   return SweepPlan::from_file(file);
 }
@@ -71,14 +86,29 @@ std::vector<std::string> foreign_programs(const SweepPlan& plan) {
   return programs;
 }
 
-// The plan with another model in the place of its robots', and other seeds.
-SweepPlan changed_plan(const SweepPlan& plan, const RunSpec& spec, const std::string& model_yaml,
-                       uint64_t draw) {
-  YAML::Node root = YAML::Load(plan.texts().plan);
+// What a model changes: its effects of the scenario by their keys, the rest as the robots' own.
+Json changes_by(const RunSpec& spec, effects::Model model) {
+  Json changes = Json::object();
+  std::vector<std::string> of_scenario;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (!effect.definition->scenario) continue;
+    of_scenario.push_back(effect.definition->name);
+    for (const auto& [path, value] : effect.definition->scenario(effect.values()))
+      changes[path] = fmt::format("{}", value);
+  }
+  for (const std::string& name : of_scenario) model.remove(name);
   std::vector<std::string> robots = spec.robots;
   if (robots.empty()) robots = {"*"};
   for (const std::string& robot : robots)
-    root["set"][fmt::format("robots[{}].camera.model", robot)] = YAML::Load(model_yaml);
+    changes[fmt::format("robots[{}].camera.model", robot)] = model.to_yaml();
+  return changes;
+}
+
+// The plan with these changes, and other seeds.
+SweepPlan changed_plan(const SweepPlan& plan, const Json& changes, uint64_t draw) {
+  YAML::Node root = YAML::Load(plan.texts().plan);
+  for (const auto& [path, value] : changes.items())
+    root["set"][path] = YAML::Load(value.get<std::string>());
   if (draw > 0) {
     const auto away = static_cast<int64_t>(draw) * kSeedsApart;
     for (size_t i = 0; i < root["seeds"].size(); ++i)
@@ -103,11 +133,11 @@ void add_record(const RunRecord& record, size_t columns, Json& runs, std::string
 }
 
 // In the helper process: makes the runs of a request. Throws where it was interrupted.
-std::string make_table(const std::vector<SweepPlan>& plans, const RunSpec& spec,
-                       const fs::path& kept, const std::string& request) {
+std::string make_table(const std::vector<SweepPlan>& plans, const fs::path& kept,
+                       const std::string& request) {
   const Json asked = Json::parse(request);
   const SweepPlan plan =
-      changed_plan(plans.at(asked.at("plan")), spec, asked.at("model"), asked.at("draw"));
+      changed_plan(plans.at(asked.at("plan")), asked.at("changes"), asked.at("draw"));
   ProgramPrints prints;
   const Makers makers = makers_of(plan, prints);
   const size_t columns = plan.keep().columns().size();
@@ -150,7 +180,7 @@ class OutcomeRuns final : public measurement::RunMaker {
     }
     require_consent(programs, options.run_programs);
     helper_.emplace([this, kept = options.kept](const std::string& request) {
-      return make_table(plans_, spec_, kept, request);
+      return make_table(plans_, kept, request);
     });
   }
 
@@ -170,8 +200,13 @@ class OutcomeRuns final : public measurement::RunMaker {
   std::map<std::string, std::string> files(size_t plan) const override {
     const PlanTexts& texts = plans_.at(plan).texts();
     std::map<std::string, std::string> files = texts.files;
-    files[texts.name] = texts.plan;
-    files[texts.scenario_name] = texts.scenario;
+    YAML::Node root = YAML::Load(texts.plan);
+    const std::string scenario = "scenario_of_" + texts.name;
+    root["scenario"] = scenario;
+    YAML::Emitter out;
+    out << root;
+    files[texts.name] = out.c_str();
+    files[scenario] = texts.scenario;
     return files;
   }
 
@@ -182,8 +217,8 @@ class OutcomeRuns final : public measurement::RunMaker {
           fmt::format("{}: has no `seeds: [first, last]`, which measured runs need to have others",
                       plans_[plan].texts().name));
     }
-    const std::string answer =
-        helper_->ask(Json{{"plan", plan}, {"model", model.to_yaml()}, {"draw", draw}}.dump());
+    const std::string answer = helper_->ask(
+        Json{{"plan", plan}, {"changes", changes_by(spec_, model)}, {"draw", draw}}.dump());
     const Json table = Json::parse(answer);
     RunTable out{.first_error = table.at("error")};
     for (const Json& run : table.at("runs")) {

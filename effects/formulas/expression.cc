@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "effects/formulas/formula.h"
+#include "effects/formulas/formula_parameter.h"
+#include "effects/formulas/scenario_effect.h"
 #include "effects/model.h"
 #include "effects/registry.h"
 #include "effects/stages/detector.h"
@@ -48,6 +50,7 @@ const std::vector<StageVariables>& stages() {
 const StageVariables& stage_named(const ConfigNode& node) {
   std::vector<std::string> names;
   for (const StageVariables& s : stages()) names.push_back(to_string(s.stage));
+  names.push_back(to_string(Stage::scenario));  // For the list in an error's message.
   return stages()[node.choice(names)];
 }
 
@@ -77,23 +80,6 @@ struct Program {
 };
 
 constexpr size_t kMostInputs = 64;
-
-Parameter read_parameter(const std::string& name, const ConfigNode& node) {
-  Parameter parameter{.name = name, .min = -1e6, .max = 1e6, .scale = 0};
-  if (node.is_map()) {
-    parameter.neutral = node.number_or("neutral", 0, {-1e300, 1e300});
-    parameter.min = node.number_or("min", parameter.min, {-1e300, 1e300});
-    parameter.max = node.number_or("max", parameter.max, {-1e300, 1e300});
-    parameter.scale = node.number_or("scale", 0, {0, 1e300});
-    parameter.help = node.text_or("help", "");
-    if (!(parameter.min < parameter.max)) node.fail("expected min below max");
-    for (const char* key : {"value", "sigma", "free", "spread"}) node.has(key);
-    node.finish();
-  }
-  // A tenth of the stated range is a typical size; a range that nobody stated says nothing.
-  if (parameter.scale == 0) parameter.scale = std::min(0.1 * (parameter.max - parameter.min), 1.0);
-  return parameter;
-}
 
 // Hooks of one stage that run the program.
 void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
@@ -188,18 +174,13 @@ bool is_neutral(const Program& program, const StageVariables& stage, size_t colu
   return true;
 }
 
-std::string yaml_quoted(const std::string& text) {
-  YAML::Emitter out;
-  out << YAML::DoubleQuoted << text;
-  return out.c_str();
-}
-
 }  // namespace
 
 std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name,
                                                           const ConfigNode& node) {
   if (find_effect(name))
     node.fail(fmt::format("'{}' is an effect of the catalogue, expected a new name", name));
+  if (node.at("stage").text() == to_string(Stage::scenario)) return scenario_effect(name, node);
   const StageVariables& stage = stage_named(node.at("stage"));
   auto effect = std::make_shared<EffectDefinition>();
   effect->name = name;
@@ -219,7 +200,7 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
         parameters->fail(
             fmt::format("'{}' is a variable of the stage, expected another name", key));
       }
-      effect->parameters.push_back(read_parameter(key, parameters->at(key)));
+      effect->parameters.push_back(formula_parameter(key, parameters->at(key)));
       program->neutral.push_back(effect->parameters.back().neutral);
       parameter_names.push_back(key);
     }

@@ -265,6 +265,8 @@ Quantities outcome(Stage stage, const Model& model, const Quantities& given) {
       return walk_outcome(model, given);
     case Stage::target:
       return target_outcome(model, given);
+    case Stage::scenario:
+      break;  // Of whole runs: nothing to work out by itself.
   }
   return {};
 }

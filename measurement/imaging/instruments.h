@@ -1,5 +1,6 @@
-// What some kinds of measurement need beyond the effects: a renderer, detectors, whole runs. They come in as
-// arguments, from whoever puts the program together (app/), so that measurement/ knows neither.
+// What some kinds of measurement need beyond the effects: a renderer, detectors, whole runs. They
+// come in as arguments, from whoever puts the program together (app/), so that measurement/ knows
+// none of them.
 #pragma once
 
 #include <string>

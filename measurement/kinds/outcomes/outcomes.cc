@@ -2,8 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <limits>
 
 #include "effects/questions.h"
 #include "effects/registry.h"
@@ -163,6 +163,38 @@ std::vector<double> OutcomesProblem::whitened_by(const Model& model, const Group
   return out;
 }
 
+// A few numbers show no order that a test could find: that they miss at all is a structure.
+std::vector<Structure> OutcomesProblem::structure(const Model& model, const Groups& groups,
+                                                  int fitted) const {
+  constexpr double kAlarm = 1e-3;
+  std::vector<Structure> found = Problem::structure(model, groups, fitted);
+  const Evaluation here = evaluate(model, groups);
+  for (size_t channel = 0; channel < facts_.channels.size(); ++channel) {
+    const std::string& name = facts_.channels[channel].name;
+    double count = 0, chi2 = 0, square = 0, residual2 = 0;
+    for (size_t i = 0; i < rows_.size(); ++i) {
+      if (!here.used[i] || facts_.channel_of[i] != static_cast<int>(channel)) continue;
+      const double z = here.residual[i] / here.sigma[i];
+      ++count, chi2 += z * z;
+      square += here.sigma[i] * here.sigma[i], residual2 += here.residual[i] * here.residual[i];
+    }
+    if (count == 0) continue;
+    const double looks = static_cast<double>(facts_.channels.size());
+    const double p = looks * boost::math::gamma_q(0.5 * count, 0.5 * std::min(chi2, 1200.0));
+    const bool told = std::any_of(found.begin(), found.end(),
+                                  [&](const Structure& s) { return s.residual == name; });
+    if (p < kAlarm && !told) {
+      found.push_back({.residual = name,
+                       .moment = "mean",
+                       .covariate = "scenario",
+                       .strength = std::sqrt(std::max(0.0, residual2 - square) / count),
+                       .p_value = std::max(p, 1e-300)});
+    }
+  }
+  strongest_first(facts_, found);
+  return found;
+}
+
 void OutcomesProblem::check_model(const Model& model) const {
   if (!effects::has_base(model, effects::Base::projection)) {
     throw InputError(
@@ -172,7 +204,8 @@ void OutcomesProblem::check_model(const Model& model) const {
 }
 
 bool OutcomesProblem::acts(const EffectDefinition& effect) const {
-  if (settings_.candidates && !settings_.candidates->contains(effect.name)) return false;
+  const bool own = !effect.source.empty();  // Given beside the set, to be tried.
+  if (settings_.candidates && !own && !settings_.candidates->contains(effect.name)) return false;
   // What only spreads measurements has no likelihood of its own here: it moves statistics.
   return !effect.spread_only && Problem::acts(effect);
 }
@@ -189,7 +222,8 @@ std::optional<Bounds> OutcomesProblem::bounds(const Unknown& unknown) const {
 
 std::string OutcomesProblem::not_testable(const Model& model, const EffectDefinition& effect,
                                           size_t parameter) const {
-  if (!settings_.candidates) return Problem::not_testable(model, effect, parameter);
+  if (!settings_.candidates || !effect.source.empty())
+    return Problem::not_testable(model, effect, parameter);
   // Of an effect whose parameters the set lists, those that it leaves out keep their neutral value.
   const auto listed = settings_.candidates->find(effect.name);
   const bool stated = listed != settings_.candidates->end() && !listed->second.empty();

@@ -27,6 +27,8 @@ class OutcomesProblem : public Problem {
                                             const Evaluation& here) const override;
   Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
           const Groups& groups) const override;
+  std::vector<Structure> structure(const Model& model, const Groups& groups,
+                                   int fitted) const override;
   void check_model(const Model& model) const override;
   bool is_smooth(const Model&) const override { return true; }
   std::optional<Groups> screening_groups() const override { return all_groups(); }

@@ -16,6 +16,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMostSteps = 4;
+constexpr int kMostRounds = 3;
+constexpr double kFits = 1.3;  // Root mean square of whitened residuals: nothing is left to find.
 constexpr double kFirstStep = 0.1;   // Of a coordinate's scale.
 constexpr double kLargestStep = 10;  // What lies farther is no robot that anybody built.
 constexpr double kWorth = 0.1;       // Of log-likelihood: below it, the runs' own scatter decides.
@@ -48,7 +50,13 @@ class OutcomesFit {
     here_ = problem_.evaluate(model_, groups_);
     height_ = height_of(here_);
     DescentEnd end;
-    if (here_.valid && space_.size() > 0) end = descend(descent(), rule(), kMostSteps);
+    // Slopes over wide steps lead near; where a misfit stays, those over narrower ones lead on.
+    for (int round = 0; round < kMostRounds && here_.valid && space_.size() > 0; ++round) {
+      const double before = height_;
+      slopes_.resize(0, 0);
+      end = descend(descent(), rule(), kMostSteps);
+      if (!(before - height_ > kWorth) || size_of(here_.whitened) < kFits) break;
+    }
     return result(end);
   }
 
@@ -149,10 +157,17 @@ class OutcomesFit {
 
 std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate& c,
                                            const Groups& groups, double& h) const {
-  constexpr double kLeast = 0.3, kMost = 3;  // Of the errors: a change that is seen and still near.
+  // Of the errors, or of a misfit beyond them: a change that is seen and still near. What runs give
+  // is a staircase where pixels decide; its trend shows over steps like those that are to be made.
+  constexpr double kLeast = 0.3, kMost = 3, kShareOfMisfit = 0.3;
   constexpr int kAttempts = 3;
   std::vector<double> here, there;
   if (!predict(model, groups, here)) return {};
+  std::vector<double> missed(here.size(), 0);
+  for (size_t i = 0; i < here.size(); ++i) {
+    if (groups[facts_.group_of_row[i]]) missed[i] = rows_[i].measured - here[i];
+  }
+  const double size = std::max(1.0, kShareOfMisfit * size_of(whitened_by(model, groups, missed)));
   const double z = c.of(model);
   const auto stated = bounds(c.unknown);
   const bool narrowed = stated && !c.parameter->fit_reciprocal;
@@ -174,7 +189,7 @@ std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate&
     }
     column.assign(here.size(), 0);
     for (size_t i = 0; i < here.size(); ++i) column[i] = there[i] - here[i];
-    const double noticed = size_of(whitened_by(model, groups, column));
+    const double noticed = size_of(whitened_by(model, groups, column)) / size;
     for (double& value : column) value /= to - z;
     const bool farther = noticed < kLeast && h < widest;
     if (!farther && noticed < kMost) break;

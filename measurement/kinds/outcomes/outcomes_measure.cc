@@ -10,9 +10,16 @@
 namespace seam::measurement {
 namespace {
 
-// Of a statistic that is the same in all runs, an error far below any that matters.
-double told_sigma(double value, double variance) {
-  return std::max({std::sqrt(variance), 1e-6 * std::abs(value), 1e-9});
+// A statistic that is the same in all runs was still read off something: a thousandth of what the
+// runs' values are.
+double told_sigma(const RunTable& made, size_t column, double variance) {
+  constexpr double kReading = 1e-3;
+  double square = 0, count = 0;
+  for (const std::vector<double>& run : made.runs) {
+    if (std::isfinite(run[column])) square += run[column] * run[column], ++count;
+  }
+  const double size = std::sqrt(square / std::max(1.0, count));
+  return std::max({std::sqrt(variance), kReading * size, 1e-9});
 }
 
 }  // namespace
@@ -39,7 +46,7 @@ void measure_outcomes(const Model& truth, const MeasurementSet& protocol,
       const size_t row = places[i];
       const auto k = static_cast<Eigen::Index>(i);
       measured[row] = statistics.value[i];
-      sigma[row] = told_sigma(statistics.value[i], statistics.covariance(k, k));
+      sigma[row] = told_sigma(made, wanted[i].column, statistics.covariance(k, k));
       if (!std::isfinite(measured[row])) {
         throw InputError(fmt::format(
             "{}:{}: with model '{}' fewer than half of the runs give this value{}{}", table.file(),
