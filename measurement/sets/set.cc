@@ -33,12 +33,12 @@ void describe_camera(ConfigTable& table, CameraFacts& camera) {
 void describe_runs(ConfigTable& table) {
   std::map<std::string, std::string> scenarios;
   std::vector<std::string> robots;
-  int64_t most_runs = 20'000;
+  int64_t most_runs = kUsualMostRuns;
   table.texts_by_name(
       {"scenarios", "Of outcomes: plans of runs (seam-sweep/1) in the folder by name."}, scenarios);
   table.texts({"robots", "Of outcomes: the robots whose model it is; left out: all."}, robots);
   table.integer({"most_runs", "Of outcomes: runs that one command may make."}, most_runs, 1,
-                10'000'000);
+                kMostRuns);
   table.elsewhere({"candidates",
                    "Of outcomes: effects that are tried, each blank or with parameters' bounds "
                    "[low, high]; left out: all."},

@@ -2,6 +2,7 @@
 // What every kind shares; the kinds read their own tables.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -12,6 +13,9 @@
 #include "sim_core/base/config.h"
 
 namespace seam::measurement {
+
+// Of sets of outcomes: runs that one command may make, where the set says nothing and at most.
+inline constexpr int64_t kUsualMostRuns = 20'000, kMostRuns = 1'000'000;
 
 struct CameraFacts {
   int width_px = 0;  // 0 where the set names no camera.

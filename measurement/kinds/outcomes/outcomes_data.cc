@@ -9,9 +9,6 @@
 namespace seam::measurement {
 namespace {
 
-constexpr int64_t kUsualMostRuns = 20'000;
-constexpr int64_t kMostRunsAtAll = 10'000'000;
-
 std::map<std::string, Bounds> read_bounds(const effects::EffectDefinition& effect,
                                           const ConfigNode& node) {
   std::map<std::string, Bounds> bounds;
@@ -59,7 +56,7 @@ OutcomeSettings read_settings(const MeasurementSet& set) {
     for (const ConfigNode& robot : robots->items()) settings.runs.robots.push_back(robot.text());
   }
   settings.most_runs =
-      static_cast<uint64_t>(set.root.integer_or("most_runs", kUsualMostRuns, 1, kMostRunsAtAll));
+      static_cast<uint64_t>(set.root.integer_or("most_runs", kUsualMostRuns, 1, kMostRuns));
   if (const auto candidates = set.root.find("candidates")) {
     settings.candidates.emplace();
     for (const std::string& name : candidates->keys()) {
