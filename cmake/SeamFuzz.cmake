@@ -27,6 +27,7 @@ function(seam_fuzzers folder library)
       continue()
     endif()
     target_sources(fuzz_${name} PRIVATE $<TARGET_OBJECTS:seam_fuzz_driver>)
+    read_headers_once(fuzz_${name} libraries)
     set(corpus ${CMAKE_SOURCE_DIR}/fuzz/corpus/${name})
     if(name STREQUAL log)  # One corpus for all readers of logs.
       set(corpus ${CMAKE_SOURCE_DIR}/replays/corpus)

@@ -11,7 +11,7 @@
 namespace seam::effects {
 namespace {
 
-Model model_of(const std::string& effects) {
+Model asked_model(const std::string& effects) {
   return Model::from_config(
       ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
 }
@@ -28,7 +28,7 @@ EffectDefinition plugin(Stage stage) {
 TEST(Questions, AnUnknownLensThatDeclaresItsTermIsPushedOutAsThoseOfTheCatalogueAre) {
   EffectDefinition lens = plugin(Stage::geometry);
   lens.term = Term::radial;
-  Model model = model_of(kPinhole);
+  Model model = asked_model(kPinhole);
   EXPECT_FALSE(is_excluded(lens, model));
   model.set(std::make_shared<const EffectDefinition>(lens), {{.value = 0.1}});
   const auto fisheye = find_effect("fisheye");
@@ -43,10 +43,10 @@ TEST(Questions, AnUnknownLensThatDeclaresItsTermIsPushedOutAsThoseOfTheCatalogue
 TEST(Questions, BasesAreFoundByWhatTheyAre) {
   EXPECT_EQ(base_name(Base::projection), "pinhole");
   EXPECT_EQ(base_name(Base::response), "linear_response");
-  EXPECT_TRUE(has_base(model_of(kPinhole), Base::projection));
-  EXPECT_TRUE(has_base(model_of("  fisheye: {}\n"), Base::projection));
-  EXPECT_EQ(base_of(model_of("  fisheye: {}\n"), Base::projection), nullptr);
-  EXPECT_FALSE(has_base(model_of("  exposure: {}\n"), Base::projection));
+  EXPECT_TRUE(has_base(asked_model(kPinhole), Base::projection));
+  EXPECT_TRUE(has_base(asked_model("  fisheye: {}\n"), Base::projection));
+  EXPECT_EQ(base_of(asked_model("  fisheye: {}\n"), Base::projection), nullptr);
+  EXPECT_FALSE(has_base(asked_model("  exposure: {}\n"), Base::projection));
 }
 
 TEST(Questions, WhatASetLacksDecides) {
@@ -70,7 +70,7 @@ TEST(Questions, WhatASetLacksDecides) {
 
 TEST(Questions, AFormulaAnswersFromItsStage) {
   const Model model =
-      model_of("  swing:\n    stage: joint\n    q: q + a * sin(q)\n    parameters: {a: 0}\n");
+      asked_model("  swing:\n    stage: joint\n    q: q + a * sin(q)\n    parameters: {a: 0}\n");
   const EffectDefinition& formula = *model.find("swing")->definition;
   const SetFacts unknown{.kind = kPoints, .lacks = {{Need::joints, "no joint"}}};
   EXPECT_EQ(reason_against(formula, 0, unknown), "no joint");

@@ -12,7 +12,7 @@
 namespace seam::effects {
 namespace {
 
-Model model_of(const std::string& effects) {
+Model ranged_model(const std::string& effects) {
   return Model::from_config(
       ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
 }
@@ -34,7 +34,7 @@ std::string error_of(Task task) {
 }
 
 ModelParts parts_of(const std::string& effects) {
-  return ModelParts({{"red1", model_of(effects)}});
+  return ModelParts({{"red1", ranged_model(effects)}});
 }
 
 RobotSpec red1() {
@@ -71,17 +71,18 @@ TEST(NotANumber, AFormulaThatHoldsChangesNothing) {
 
 TEST(NotANumber, StagesOfTheCameraNameTheEffect) {
   const std::string pinhole = "  pinhole: {fx_px: 160, fy_px: 162, cx_px: 15.5, cy_px: 11.5}\n";
-  const Model lens = model_of(pinhole + formula("geometry", "u", "u + k*sqrt(-1-r2)"));
+  const Model lens = ranged_model(pinhole + formula("geometry", "u", "u + k*sqrt(-1-r2)"));
   const std::string ray = error_of([&] { Projection(lens, 32, 24).check_at(3, 4, 2.5, 1); });
   EXPECT_NE(ray.find("pixel (3, 4) at 2.5 s: effect 'mine' gives u ="), std::string::npos) << ray;
-  const Model glass = model_of(formula("radiometry", "gain", "1 + k*log(-1-rho)"));
+  const Model glass = ranged_model(formula("radiometry", "gain", "1 + k*log(-1-rho)"));
   const GainField field(glass, Stage::radiometry, 32, 24);
   const std::string gain = error_of([&] { field.check_at(3, 4); });
   EXPECT_NE(gain.find("pixel (3, 4): effect 'mine' gives gain ="), std::string::npos) << gain;
 }
 
 TEST(NotANumber, ASensorsFormulaIsAnErrorWhereItIsAskedFor) {
-  const SensorChain chain = sensor_of(model_of(formula("sensor", "mean", "mean + k*sqrt(-1-t)")));
+  const SensorChain chain =
+      sensor_of(ranged_model(formula("sensor", "mean", "mean + k*sqrt(-1-t)")));
   const FixedPattern pattern = fixed_pattern(chain, 4, 2, 1, {});
   const std::vector<float> light(8, 0.5f);
   SensorExposure exposure{.exposure_s = 0.01, .t_s = 3};
@@ -92,7 +93,7 @@ TEST(NotANumber, ASensorsFormulaIsAnErrorWhereItIsAskedFor) {
 }
 
 TEST(NotANumber, ADetectorsFormulaIsAnErrorWithTheTime) {
-  const Model model = model_of(formula("detector", "range", "range + k*log(-range)"));
+  const Model model = ranged_model(formula("detector", "range", "range + k*log(-range)"));
   Detection seen{.range_m = 2, .t_s = 7};
   const std::string error = error_of([&] { apply_detector(model, seen, true); });
   EXPECT_NE(error.find("at 7 s: effect 'mine' gives range ="), std::string::npos) << error;
@@ -100,7 +101,7 @@ TEST(NotANumber, ADetectorsFormulaIsAnErrorWithTheTime) {
 
 TEST(FormulaRanges, FindsWhereAFormulaGivesNoNumber) {
   const auto found = [](const std::string& effects) {
-    return troubles_of_formulas(model_of(effects));
+    return troubles_of_formulas(ranged_model(effects));
   };
   for (const std::string& bad :
        {formula("joint", "q", "q + k*sqrt(rate)"), formula("joint", "q", "q/(k-k)"),

@@ -18,7 +18,7 @@ RobotBody ers210() {
   return body;
 }
 
-void expect_near(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {
+void expect_place(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {
   EXPECT_NEAR(a.x, b.x, tolerance);
   EXPECT_NEAR(a.y, b.y, tolerance);
   EXPECT_NEAR(a.z, b.z, tolerance);
@@ -30,35 +30,35 @@ TEST(HeadChain, MatchesHandComputedPoses) {
   const RobotBody body = ers210();
   const double quarter = 1.5707963267948966;
   const Pose straight = camera_link_pose(body, {0, 0, 0});
-  expect_near(straight.p, {0.1416, 0, 0.098});
+  expect_place(straight.p, {0.1416, 0, 0.098});
   // Pan 90 degrees to the left: the camera is to the left and looks along +y.
   const Pose left = camera_link_pose(body, {0, quarter, 0});
-  expect_near(left.p, {0.075, 0.0666, 0.098});
-  expect_near(left.R[0], {0, 1, 0});
+  expect_place(left.p, {0.075, 0.0666, 0.098});
+  expect_place(left.R[0], {0, 1, 0});
   // Tilt 90 degrees up: the neck points backwards, the camera looks up.
   const Pose up = camera_link_pose(body, {quarter, 0, 0});
-  expect_near(up.p, {0.075 - 0.048, 0, 0.05 + 0.0666});
-  expect_near(up.R[0], {0, 0, 1});
+  expect_place(up.p, {0.075 - 0.048, 0, 0.05 + 0.0666});
+  expect_place(up.R[0], {0, 0, 1});
   // Tilt down 30 degrees and pan 60 to the left: the pan axis leans forward with the neck.
   const Pose both = camera_link_pose(body, {-quarter / 3, quarter * 2 / 3, 0});
   const double c30 = std::sqrt(3.0) / 2, s30 = 0.5, c60 = 0.5, s60 = std::sqrt(3.0) / 2;
   const Vec3 ahead{c60 * c30, s60, -c60 * s30};
-  expect_near(both.R[0], ahead);
-  expect_near(both.p, Vec3(0.075, 0, 0.05) + 0.048 * Vec3(s30, 0, c30) + 0.0666 * ahead);
+  expect_place(both.R[0], ahead);
+  expect_place(both.p, Vec3(0.075, 0, 0.05) + 0.048 * Vec3(s30, 0, c30) + 0.0666 * ahead);
   // Roll about the optical axis moves nothing but the image's up.
   const Pose rolled = camera_link_pose(body, {0, 0, 0.4});
-  expect_near(rolled.p, straight.p);
-  expect_near(rolled.R[2], {0, -std::sin(0.4), std::cos(0.4)});
+  expect_place(rolled.p, straight.p);
+  expect_place(rolled.R[2], {0, -std::sin(0.4), std::cos(0.4)});
 }
 
 TEST(Legs, StraightLegReachesStraightDown) {
   const RobotBody body = ers210();
   const LegPose leg = leg_pose(body, 0, JointAngles{});
-  expect_near(leg.p_BPaw, {0.065 + 0.009, 0.0625, -0.0695 - 0.0654});
+  expect_place(leg.p_BPaw, {0.065 + 0.009, 0.0625, -0.0695 - 0.0654});
   JointAngles out{};
   out[static_cast<size_t>(leg_joint(1, 1))] =
       1.5707963267948966;  // Right elevator: out to the right.
-  expect_near(leg_pose(body, 1, out).p_BPaw, {0.074, -0.0625 - 0.1349, 0});
+  expect_place(leg_pose(body, 1, out).p_BPaw, {0.074, -0.0625 - 0.1349, 0});
 }
 
 TEST(Legs, PositiveRotatorsMoveFrontPawsForwardAndHindPawsBackward) {

@@ -10,11 +10,11 @@
 namespace seam {
 namespace {
 
-const std::string kSource = SEAM_SOURCE_DIR;
+const std::string kPhysicsSource = SEAM_SOURCE_DIR;
 
 // A field (or none) with `robots` robots of the ERS-210's size, and a ball.
 Scenario scene(bool field, size_t robots, double deceleration, double restitution) {
-  Scenario s = Scenario::from_file(kSource + "/scenarios/head_swing.yaml");
+  Scenario s = Scenario::from_file(kPhysicsSource + "/scenarios/head_swing.yaml");
   s.has_field = field;
   s.robots.resize(robots, s.robots.at(0));
   s.ball.rolling_deceleration_mps2 = deceleration;

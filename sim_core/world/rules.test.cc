@@ -10,10 +10,10 @@
 namespace seam {
 namespace {
 
-const std::string kSource = SEAM_SOURCE_DIR;
+const std::string kRulesSource = SEAM_SOURCE_DIR;
 
-Scenario match() {
-  return Scenario::from_file(kSource + "/scenarios/match.yaml");
+Scenario rules_match() {
+  return Scenario::from_file(kRulesSource + "/scenarios/match.yaml");
 }
 
 SimTime at(double s) {
@@ -84,7 +84,7 @@ bool wait_for(World& world, PlayState state) {
 }
 
 TEST(Referee, LeadsThroughTwoHalvesToTheEnd) {
-  World world(match());
+  World world(rules_match());
   const RefereeSpec& rules = world.scenario().referee;
   ASSERT_TRUE(wait_for(world, PlayState::ready));
   ASSERT_TRUE(wait_for(world, PlayState::set));
@@ -100,7 +100,7 @@ TEST(Referee, LeadsThroughTwoHalvesToTheEnd) {
 }
 
 TEST(Referee, CountsAGoalForTheAttackersAndGivesTheOthersTheKickOff) {
-  World world(match());
+  World world(rules_match());
   ASSERT_TRUE(wait_for(world, PlayState::playing));
   world.place_ball(2.0, 0.15, 2.0, 0);  // Past the keeper, into the sky-blue goal.
   world.place_robot(4, {1.5, 1.0, 3.14});
@@ -120,7 +120,7 @@ TEST(Referee, CountsAGoalForTheAttackersAndGivesTheOthersTheKickOff) {
 }
 
 TEST(Referee, HoldingTheBallTooLongCostsAPenalty) {
-  Scenario s = match();
+  Scenario s = rules_match();
   s.referee.stuck = SimDuration::from_s(1000);
   World world(s);
   ASSERT_TRUE(wait_for(world, PlayState::playing));
@@ -151,7 +151,7 @@ TEST(Referee, HoldingTheBallTooLongCostsAPenalty) {
 }
 
 TEST(Play, GrabbedBallMovesWithTheRobotAndAKickSendsItAhead) {
-  Scenario s = match();
+  Scenario s = rules_match();
   s.referee.enabled = false;
   s.robots.resize(1);
   s.robots[0].pose = {0, 0, 0};
@@ -177,7 +177,7 @@ TEST(Play, GrabbedBallMovesWithTheRobotAndAKickSendsItAhead) {
 }
 
 TEST(Play, ALegThatSwingsAgainstTheBallPushesIt) {
-  Scenario s = match();
+  Scenario s = rules_match();
   s.referee.enabled = false;
   s.robots.resize(1);
   s.robots[0].pose = {0, 0, 0};
@@ -191,7 +191,7 @@ TEST(Play, ALegThatSwingsAgainstTheBallPushesIt) {
 }
 
 TEST(Sensors, ReadingsKeepTheirClockLatencyAndNoise) {
-  Scenario s = match();
+  Scenario s = rules_match();
   s.robots.resize(1);
   s.referee.enabled = false;
   s.robots[0].sensors.joints = {SimDuration::from_s(0.008), SimDuration(),
@@ -222,7 +222,7 @@ TEST(Sensors, ReadingsKeepTheirClockLatencyAndNoise) {
 }
 
 TEST(Sensors, AskingNeverChangesTheWorld) {
-  World world(match());
+  World world(rules_match());
   for (int i = 0; i < 10; ++i) world.step();
   const uint64_t before = world.hash();
   const SimTime now = world.start() + SimDuration::from_s(0.0051);
