@@ -1,14 +1,22 @@
 // In place of the OpenGL renderer where the build left it out.
 #include "render/gl/device.h"
 
+#include <fmt/format.h>
+
 #include "sim_core/base/error.h"
 
 namespace seam::render {
 
 namespace {
+
 constexpr const char* kMissing =
-    "renderer 'opengl': this build has none; install libosmesa6-dev and libassimp-dev and build "
-    "with -DSEAM_OPENGL=ON, or take --renderer analytic for scenes of shapes";
+    "this build has none; install libosmesa6-dev and libassimp-dev and build with -DSEAM_OPENGL=ON";
+
+[[noreturn]] void refuse(const FileName& file) {
+  throw InputError(
+      fmt::format("{}: only renderer 'opengl' draws meshes and pictures: {}", file.name, kMissing));
+}
+
 }  // namespace
 
 struct GlDevice::Impl {
@@ -16,7 +24,8 @@ struct GlDevice::Impl {
 };
 
 GlDevice::GlDevice(Assets) {
-  throw InputError(kMissing);
+  throw InputError(fmt::format(
+      "renderer 'opengl': {}, or take --renderer analytic for scenes of shapes", kMissing));
 }
 GlDevice::~GlDevice() = default;
 const std::string& GlDevice::version() const {
@@ -31,11 +40,11 @@ GlDevice::Centres GlDevice::see_centres(const FrameJob&, const CameraRays&) cons
   return {};
 }
 
-Mesh read_mesh(const FileName&, double) {
-  throw InputError(kMissing);
+Mesh read_mesh(const FileName& file, double) {
+  refuse(file);
 }
-Texture read_texture(const FileName&) {
-  throw InputError(kMissing);
+Texture read_texture(const FileName& file) {
+  refuse(file);
 }
 
 }  // namespace seam::render
