@@ -14,6 +14,7 @@
 #include <fstream>
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "detector/found.h"
 
@@ -70,11 +71,31 @@ void tell_time(const std::vector<uint8_t>& bytes) {
               static_cast<long long>(timegm(&time)) * 1'000'000'000LL + std::atoll(part.c_str()));
 }
 
+// What a PGM's first comment says of a mosaic of colours (`seam import` writes it so), as the code
+// of the conversion to grey; nothing where it is none.
+std::optional<int> mosaic_of(const std::vector<uint8_t>& bytes) {
+  static const std::pair<const char*, int> kOrders[] = {{"rggb", cv::COLOR_BayerRGGB2GRAY},
+                                                        {"bggr", cv::COLOR_BayerBGGR2GRAY},
+                                                        {"gbrg", cv::COLOR_BayerGBRG2GRAY},
+                                                        {"grbg", cv::COLOR_BayerGRBG2GRAY}};
+  for (const auto& [order, code] : kOrders) {
+    const std::string begin = std::string("P5\n# bayer ") + order + "\n";
+    if (bytes.size() > begin.size() && std::memcmp(bytes.data(), begin.data(), begin.size()) == 0)
+      return code;
+  }
+  return std::nullopt;
+}
+
 // As 8 bits of grey: the detectors' form. Brighter than a quarter of full scale, deep pictures are
 // stretched, since 12 bits in 16 are dark.
 cv::Mat grey(const std::vector<uint8_t>& bytes) {
   cv::Mat picture = cv::imdecode(
       bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  if (const auto code = mosaic_of(bytes); code && !picture.empty()) {
+    cv::Mat whole;
+    cv::cvtColor(picture, whole, *code);
+    picture = whole;
+  }
   if (picture.empty() || picture.depth() == CV_8U) return picture;
   double most = 0;
   cv::minMaxLoc(picture, nullptr, &most);

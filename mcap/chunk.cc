@@ -1,6 +1,7 @@
 #include "mcap/chunk.h"
 
 #include <fmt/format.h>
+#include <lz4frame.h>
 #include <zstd.h>
 
 #include "sim_core/base/error.h"
@@ -40,13 +41,33 @@ void Compressor::pack(std::string_view records, std::string& compression, std::s
   packed.assign(records);
 }
 
+std::string unpack_lz4(std::string_view packed, uint64_t size) {
+  LZ4F_dctx* context = nullptr;
+  const size_t made = LZ4F_createDecompressionContext(&context, LZ4F_VERSION);
+  if (LZ4F_isError(made)) throw Malformed(fmt::format("lz4: {}", LZ4F_getErrorName(made)));
+  std::string out(size, '\0');
+  size_t from = 0, to = 0, left = 1;
+  while (left != 0 && from < packed.size()) {
+    size_t taken = packed.size() - from, given = out.size() - to;
+    left = LZ4F_decompress(context, out.data() + to, &given, packed.data() + from, &taken, nullptr);
+    if (LZ4F_isError(left) || (taken == 0 && given == 0)) break;
+    from += taken, to += given;
+  }
+  LZ4F_freeDecompressionContext(context);
+  if (left != 0 || to != size)
+    throw Malformed(fmt::format("lz4: {} of {} bytes came out", to, size));
+  return out;
+}
+
 std::string unpack(const Chunk& chunk, const Limits& limits) {
   std::string records;
-  if (chunk.compression == "zstd") {
-    if (!within_expansion(chunk.records.size(), chunk.uncompressed_size, limits)) {
-      throw Malformed(fmt::format("a chunk of {} bytes that claims to unpack to {} bytes",
-                                  chunk.records.size(), chunk.uncompressed_size));
-    }
+  const bool packed = chunk.compression == "zstd" || chunk.compression == "lz4";
+  if (packed && !within_expansion(chunk.records.size(), chunk.uncompressed_size, limits))
+    throw Malformed(fmt::format("a chunk of {} bytes that claims to unpack to {} bytes",
+                                chunk.records.size(), chunk.uncompressed_size));
+  if (chunk.compression == "lz4") {
+    records = unpack_lz4(chunk.records, chunk.uncompressed_size);
+  } else if (chunk.compression == "zstd") {
     records.resize(chunk.uncompressed_size);
     const size_t size =
         ZSTD_decompress(records.data(), records.size(), chunk.records.data(), chunk.records.size());
@@ -55,7 +76,7 @@ std::string unpack(const Chunk& chunk, const Limits& limits) {
   } else if (chunk.compression.empty()) {
     records = chunk.records;
   } else {
-    throw Malformed(fmt::format("a chunk compressed by '{}', expected zstd or none",
+    throw Malformed(fmt::format("a chunk compressed by '{}', expected zstd, lz4 or none",
                                 chunk.compression.substr(0, 32)));
   }
   if (records.size() != chunk.uncompressed_size) {

@@ -47,6 +47,9 @@ class Compressor {
   int level_;
 };
 
+// A frame of LZ4 that unpacks to exactly this size; throws Malformed.
+std::string unpack_lz4(std::string_view packed, uint64_t size);
+
 // The uncompressed records of a chunk, checked against its size and CRC; throws Malformed.
 std::string unpack(const Chunk& chunk, const Limits& limits);
 

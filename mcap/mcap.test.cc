@@ -1,6 +1,7 @@
 // What was written is read back, and what is damaged is said and never more than that is lost.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <lz4frame.h>
 
 #include "mcap/reader.h"
 #include "mcap/writer.h"
@@ -162,6 +163,27 @@ TEST(Mcap, HostileLengthsAreRefusedBeforeMemoryIsTaken) {
   EXPECT_TRUE(reader.contents().chunks.empty());
   ASSERT_FALSE(reader.contents().losses.empty());
   EXPECT_THAT(reader.contents().losses[0].what, HasSubstr("claims to unpack"));
+}
+
+// As other writers pack their chunks.
+TEST(Mcap, ChunksOfLz4AreReadAndDamagedOnesRefused) {
+  ByteSink inside;
+  append(inside, Message{0, 0, 7, 7, "a message that is long enough to be packed, packed, packed"});
+  std::string packed(LZ4F_compressFrameBound(inside.size(), nullptr), '\0');
+  packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), inside.bytes().data(),
+                                   inside.size(), nullptr));
+  const uint32_t crc = crc32(inside.bytes());
+  const Chunk whole{7, 7, inside.size(), crc, "lz4", packed};
+  EXPECT_EQ(unpack(whole, {}), inside.bytes());
+  for (const size_t cut : {packed.size() - 1, packed.size() / 2, size_t{3}, size_t{0}}) {
+    const Chunk damaged{7, 7, inside.size(), crc, "lz4", std::string_view(packed).substr(0, cut)};
+    EXPECT_THROW(unpack(damaged, {}), Malformed);
+  }
+  for (const uint64_t size :
+       {uint64_t{1}, inside.size() - 1, inside.size() + 1, uint64_t{1} << 40}) {
+    const Chunk lies{7, 7, size, 0, "lz4", packed};
+    EXPECT_THROW(unpack(lies, {}), Malformed);
+  }
 }
 
 TEST(Mcap, ZerosThatWouldLookLikeABombAreStoredAndReadBack) {

@@ -77,7 +77,7 @@ struct Chunk {
   uint64_t end_time_ns = 0;
   uint64_t uncompressed_size = 0;
   uint32_t uncompressed_crc = 0;  // 0: not available.
-  std::string_view compression;   // "zstd" or "".
+  std::string_view compression;   // "zstd", "lz4" or "".
   std::string_view records;
 };
 

@@ -293,7 +293,9 @@ class Scanner {
     if (!within_expansion(length, uncompressed, limits_)) return false;
     if (source.number<uint32_t>() == 0) return false;  // Without a CRC nothing proves it.
     const uint32_t name_bytes = source.number<uint32_t>();
-    if (name_bytes != 0 && (name_bytes != 4 || source.raw(4) != "zstd")) return false;
+    if (name_bytes > 4) return false;
+    const std::string_view compression = source.raw(name_bytes);
+    if (!compression.empty() && compression != "zstd" && compression != "lz4") return false;
 
     search_budget_ -= std::min(search_budget_, length + uncompressed);
     try {

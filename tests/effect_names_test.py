@@ -21,7 +21,7 @@ MEANT_OTHERWISE = {
     ("app/import/kinds/flats.cc", "exposure"): "a column's name in other people's tables",
     ("app/import/kinds/kalibr.cc", "pinhole"): "Kalibr's own word for a camera model",
     ("app/import/kinds/opencv.cc", "fisheye"): "OpenCV's and ROS's own word for a lens",
-    ("app/import/kinds/ros.cc", "fisheye"): "ROS's own word for a lens",
+    ("app/import/pictures/camera_info.cc", "fisheye"): "ROS's own word for a lens",
 }
 
 

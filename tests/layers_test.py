@@ -132,7 +132,8 @@ PRIVATE_HEADERS = {
     r"(?:opencv2|libexif)/": {"detector", "bench"},
     r"apriltag/": {"sim_core/scene", "render/golden", "detector", "bench"},
     r"tinyxml2": {"app/import/files", "sim_core/body"},
-    r"(?:bzlib|lz4frame)": {"app/import/bags"},
+    r"bzlib": {"app/import/bags"},
+    r"lz4frame": {"mcap"},
 }
 BANNED = {
     r"\b(?:std::)?(?:rand|srand|drand48)\s*\(": "use sim_core/base/random.h: numbers keyed by (seed, stream, index)",

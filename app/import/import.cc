@@ -40,8 +40,9 @@ const std::vector<ImportKind>& import_kinds() {
        .options = {"length-unit"},
        .fill = import_bouguet},
       {.name = "ros",
-       .help = "a bag of ROS 2 (MCAP) or ROS 1: joints or a walk with commands, CameraInfo; "
-               "camera_info YAML",
+       .help =
+           "a bag of ROS 2 (MCAP) or ROS 1: joints or a walk with commands, pictures, CameraInfo, "
+           "poses and TF; camera_info YAML",
        .options = {"map", "unit", "time-unit", "board", "spacing", "length-unit", "size", "camera"},
        .fill = import_ros},
       {.name = "euroc",

@@ -9,6 +9,7 @@
 
 #include "effects/registry.h"
 #include "measurement/check/doubts.h"
+#include "measurement/check/faults.h"
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
 
@@ -150,6 +151,8 @@ SetDescription describe_set(const MeasurementSet& set, const std::optional<Model
   const Concerns concerns = concerns_of(set, kind.observations);
   description.errors = concerns.errors;
   description.warnings = concerns.warnings;
+  for (const auto& faults : {faults_of_values(set), faults_of_clocks(set)})
+    description.warnings.insert(description.warnings.end(), faults.begin(), faults.end());
   text += fmt::format("  rows twice   {} equal, {} measured anew\n", concerns.rows_twice,
                       concerns.measured_anew);
   if (kind.observations.in_image)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/check/faults.h"
 #include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
@@ -95,6 +96,9 @@ std::vector<std::string> doubts(const MeasurementSet& set, const Model& model, d
   std::vector<std::string> lines;
   for (const std::string& warning : concerns_of(set, kind.observations).warnings)
     lines.push_back("warning: " + warning);
+  for (const auto& faults : {faults_of_values(set), faults_of_clocks(set)}) {
+    for (const std::string& fault : faults) lines.push_back("warning: " + fault);
+  }
   std::vector<std::string> evidence;
   doubt_axes(set, kind, model, evidence);  // Where nothing can be predicted, no error is told.
   if (!std::isfinite(error) || error > kSuspiciousError) {

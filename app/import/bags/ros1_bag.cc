@@ -1,11 +1,11 @@
 // Bags of ROS 1, version 2.0 (wiki.ros.org/Bags/Format/2.0). A reader of our own, since ROS's
 // brings half of ROS along and trusts its files.
 #include <bzlib.h>
-#include <lz4frame.h>
 
 #include <map>
 
 #include "app/import/bags/ros_bag.h"
+#include "mcap/chunk.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -58,21 +58,11 @@ std::string unpacked_bz2(const std::string& packed, uint32_t size, const std::st
 }
 
 std::string unpacked_lz4(const std::string& packed, uint32_t size, const std::string& name) {
-  LZ4F_dctx* context = nullptr;
-  if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)))
-    throw InputError(fmt::format("{}: LZ4 cannot begin", name));
-  std::string out(size, '\0');
-  size_t from = 0, to = 0, left = 1;
-  while (left != 0 && from < packed.size()) {
-    size_t taken = packed.size() - from, given = out.size() - to;
-    left = LZ4F_decompress(context, out.data() + to, &given, packed.data() + from, &taken, nullptr);
-    if (LZ4F_isError(left) || (taken == 0 && given == 0)) break;
-    from += taken, to += given;
+  try {
+    return mcap::unpack_lz4(packed, size);
+  } catch (const mcap::Malformed& error) {
+    throw InputError(fmt::format("{}: a chunk's LZ4 bytes are damaged: {}", name, error.what()));
   }
-  LZ4F_freeDecompressionContext(context);
-  if (left != 0 || to != size)
-    throw InputError(fmt::format("{}: a chunk's LZ4 bytes are damaged", name));
-  return out;
 }
 
 class Ros1Bag {

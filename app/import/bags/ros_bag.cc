@@ -35,7 +35,9 @@ fs::path bag_in(const fs::path& path) {
 
 std::vector<std::string> read_mcap(std::unique_ptr<mcap::Input> input,
                                    std::vector<BagTopic>& topics, const BagVisit& visit) {
-  const auto reader = mcap::Reader::open(std::move(input));
+  // Black pictures pack well; what a chunk may hold bounds the memory all the same.
+  constexpr mcap::Limits kOfBags{.chunk_bytes = uint64_t{256} << 20, .expansion = 100'000};
+  const auto reader = mcap::Reader::open(std::move(input), kOfBags);
   const mcap::Contents& contents = reader.contents();
   std::map<uint16_t, size_t> place;
   for (const auto& [id, channel] : contents.channels) {

@@ -11,20 +11,6 @@
 namespace seam::app {
 namespace {
 
-// The image of a flat target as an affine map: its handedness tells which side is seen.
-double handedness(const SeenView& view) {
-  Eigen::MatrixXd a(view.corners.size(), 3);
-  Eigen::MatrixXd b(view.corners.size(), 2);
-  for (size_t i = 0; i < view.corners.size(); ++i) {
-    const SeenCorner& c = view.corners[i];
-    const auto row = static_cast<Eigen::Index>(i);
-    a.row(row) << c.p_W.x, c.p_W.y, 1;
-    b.row(row) << c.u_px, c.v_px;
-  }
-  const Eigen::MatrixXd x = a.colPivHouseholderQr().solve(b);
-  return x(0, 0) * x(1, 1) - x(0, 1) * x(1, 0);
-}
-
 bool is_flat(const SeenView& view) {
   return std::all_of(view.corners.begin(), view.corners.end(),
                      [](const SeenCorner& c) { return c.p_W.z == 0; });
@@ -76,40 +62,6 @@ void check_places(const std::vector<SeenView>& views, const std::string& file, S
                                  file, outside, all, width, height));
   draft.warn(fmt::format("{} of {} corners lie outside the image of {:.0f} x {:.0f} px", outside,
                          all, width, height));
-}
-
-void check_views(const std::vector<SeenView>& views, SetDraft& draft) {
-  size_t mirrored = 0, flat = 0, repeated = 0;
-  std::string first_mirrored, first_repeated;
-  for (size_t i = 0; i < views.size(); ++i) {
-    const SeenView& view = views[i];
-    if (view.corners.size() >= 4 && is_flat(view)) {
-      ++flat;
-      if (handedness(view) < 0) {
-        ++mirrored;
-        if (first_mirrored.empty()) first_mirrored = view.name;
-      }
-    }
-    const auto same = [](const SeenCorner& a, const SeenCorner& b) {
-      return a.point == b.point && a.u_px == b.u_px && a.v_px == b.v_px;
-    };
-    if (i > 0 && !view.corners.empty() &&
-        std::equal(view.corners.begin(), view.corners.end(), views[i - 1].corners.begin(),
-                   views[i - 1].corners.end(), same)) {
-      ++repeated;
-      if (first_repeated.empty()) first_repeated = view.name;
-    }
-  }
-  if (repeated > 0)
-    draft.warn(
-        fmt::format("{} views repeat the one before to the last digit, the first is {}: a "
-                    "frame that was stored twice",
-                    repeated, first_repeated));
-  if (mirrored > 0 && mirrored < flat)
-    draft.warn(fmt::format(
-        "{} of {} views show the target mirrored against the others, the first is {}: its corners "
-        "are numbered from another end there",
-        mirrored, flat, first_mirrored));
 }
 
 }  // namespace
@@ -168,7 +120,6 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
   draft.group = "frame";
   draft.rig = "{pose: unknown}";
   check_places(views, file, draft);
-  check_views(views, draft);
   bool weighted = false, measured = false;
   size_t count = 0;
   std::set<size_t> points;

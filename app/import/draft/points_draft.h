@@ -36,7 +36,7 @@ std::vector<Vec3> board_of(const ImportRequest& request, const std::string& why)
 void check_spacing(double spacing_m, const std::string& where, const ImportRequest& request);
 
 // Views of a target whose poses are unknown, as `points`. Faults of the corners (outside the image,
-// u and v exchanged, repeated views, numbered against the others) are errors or warnings.
+// u and v exchanged) are errors or warnings; others are told of the set when it is whole.
 // `times_known` false: views are numbered by seconds, and the draft says so. The effects are those
 // of `camera`, or where it is null a free perspective camera that starts from the views.
 void draft_views(const std::vector<SeenView>& views, bool times_known, const PlainCamera* camera,

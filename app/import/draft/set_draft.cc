@@ -10,6 +10,7 @@
 
 #include "effects/model.h"
 #include "measurement/check/describe.h"
+#include "measurement/check/faults.h"
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -109,11 +110,19 @@ std::string SetDraft::set_yaml(const std::string& came_from) const {
   return yaml;
 }
 
+std::string SetDraft::by_its_name(std::string text) const {
+  const std::string inside = folder_.string();
+  for (size_t at = text.find(inside); at != std::string::npos; at = text.find(inside))
+    text.replace(at, inside.size(), out_.string());
+  return text;
+}
+
 void SetDraft::check() {
   const auto set = measurement::MeasurementSet::open(folder_);
   const auto model = effects::Model::from_file(folder_ / "nominal.yaml");
   const measurement::SetDescription found = measurement::describe_set(set, std::nullopt);
   if (!found.errors.empty()) throw InputError(found.errors.front());
+  for (const std::string& fault : measurement::faults_of_values(set)) warn(by_its_name(fault));
   const measurement::Kind& kind_of_set = measurement::find_kind(kind);
   const auto& measured = kind_of_set.observations.measured;
   const auto table = set.table(kind_of_set.observations.file);
@@ -130,12 +139,8 @@ void SetDraft::finish(const std::string& came_from) {
   try {
     check();
   } catch (const InputError& error) {
-    // People know the folder by the name it was to get.
-    std::string what = error.what();
-    const std::string inside = folder_.string();
-    for (size_t at = what.find(inside); at != std::string::npos; at = what.find(inside))
-      what.replace(at, inside.size(), out_.string());
-    throw InputError(fmt::format("the set made of {} does not hold: {}", came_from, what));
+    throw InputError(
+        fmt::format("the set made of {} does not hold: {}", came_from, by_its_name(error.what())));
   }
   std::error_code error;
   fs::rename(folder_, out_, error);

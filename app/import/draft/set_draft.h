@@ -50,6 +50,8 @@ class SetDraft {
  private:
   std::string set_yaml(const std::string& came_from) const;
   void check();
+  // People know the folder by the name it is to get.
+  std::string by_its_name(std::string text) const;
 
   std::filesystem::path out_, folder_;
   bool is_protocol_ = false;  // Nothing is measured in it yet.

@@ -150,6 +150,22 @@ void draft_poses(const std::vector<StampedPose>& poses, const std::vector<int64_
   draft.could_not_know("what the camera saw, and where that stands");
 }
 
+PlainCamera camera_for_granted(const ImportRequest& request, SetDraft& draft) {
+  PlainCamera camera{.name = "camera"};
+  camera.width_px = request.width_px > 0 ? request.width_px : 640;
+  camera.height_px = request.width_px > 0 ? request.height_px : 480;
+  camera.lens = {.family = LensFamily::pinhole,
+                 .fx_px = 0.8 * camera.width_px,
+                 .fy_px = 0.8 * camera.width_px,
+                 .cx_px = 0.5 * (camera.width_px - 1),
+                 .cy_px = 0.5 * (camera.height_px - 1)};
+  draft.could_not_know(fmt::format(
+      "the camera: one of {} x {} px and {:.0f} px focal length is taken, as if the poses were its "
+      "own (x right, y down, z forward)",
+      camera.width_px, camera.height_px, camera.lens.fx_px));
+  return camera;
+}
+
 std::vector<VelocityCommand> velocities_of(const std::vector<PlanarPose>& poses) {
   std::vector<VelocityCommand> commands;
   for (size_t i = 0; i + 1 < poses.size(); ++i) {

@@ -41,6 +41,9 @@ void check_speed(const std::vector<StampedPose>& poses, const std::string& where
 void draft_poses(const std::vector<StampedPose>& poses, const std::vector<int64_t>& stamps,
                  const Pose& X_BC, const PlainCamera& camera, SetDraft& draft);
 
+// A camera where the files have none, of the size that was asked for; the draft says so.
+PlainCamera camera_for_granted(const ImportRequest& request, SetDraft& draft);
+
 // Walks as `odometry`: what was commanded, and the poses measured, by the commands' times. Poses
 // within the walk alone count; both must be in order of time.
 void draft_walk(const std::vector<VelocityCommand>& commands, const std::vector<PlanarPose>& poses,

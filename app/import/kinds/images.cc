@@ -289,7 +289,14 @@ void import_images(const ImportRequest& request, SetDraft& draft) {
   draft.did(fmt::format("{} of {} pictures show the target, {} of {} x {}", views.size(), count,
                         target.pattern, target.columns, target.rows));
   tell_ambiguity(target, draft);
-  draft_views(views, times_known, nullptr, request.sources.front().string(), draft);
+  const PlainCamera* camera = sources.of_bag.camera ? &*sources.of_bag.camera : nullptr;
+  if (camera != nullptr &&
+      (camera->width_px != draft.camera.width_px || camera->height_px != draft.camera.height_px)) {
+    draft.warn(fmt::format("{} is of {} x {} px, the pictures are not: left out", camera->name,
+                           camera->width_px, camera->height_px));
+    camera = nullptr;
+  }
+  draft_views(views, times_known, camera, request.sources.front().string(), draft);
 }
 
 }  // namespace seam::app

@@ -7,11 +7,12 @@
 #include <map>
 
 #include "app/import/bags/ros_bag.h"
-#include "app/import/draft/calibration.h"
 #include "app/import/draft/checks.h"
 #include "app/import/draft/points_draft.h"
 #include "app/import/draft/walk_draft.h"
 #include "app/import/kinds/kinds.h"
+#include "app/import/kinds/ros_transforms.h"
+#include "app/import/pictures/camera_info.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -22,10 +23,6 @@ struct JointSampleRow {
   std::vector<std::string> names;
   std::vector<double> positions;
 };
-struct PoseRow {
-  int64_t log_ns = 0;
-  StampedPose pose;
-};
 
 // All that is understood of a bag, by the place of its topic.
 struct BagData {
@@ -34,6 +31,7 @@ struct BagData {
   std::map<size_t, std::vector<PoseRow>> odometry, poses;
   std::map<size_t, std::vector<VelocityCommand>> twists;  // By the time of recording.
   std::map<size_t, PlainCamera> cameras;
+  RosTransforms transforms;
 };
 
 int64_t stamp_or_log(const RosMessage::Header& header, int64_t log_ns) {
@@ -55,18 +53,6 @@ class BagReader {
  private:
   using Read = void (BagReader::*)(size_t, int64_t, RosMessage&);
   static const std::map<std::string, Read> kReaders;
-
-  static StampedPose pose_in(RosMessage& message, int64_t ns, const std::string& topic) {
-    StampedPose pose{.ns = ns, .p = message.vec3(), .q = message.quaternion()};
-    const double length = std::sqrt(pose.q[0] * pose.q[0] + pose.q[1] * pose.q[1] +
-                                    pose.q[2] * pose.q[2] + pose.q[3] * pose.q[3]);
-    if (!std::isfinite(pose.p.x + pose.p.y + pose.p.z) || !(std::abs(length - 1) < 0.05))
-      throw InputError(
-          fmt::format("{}: at {} s: found a pose that is none (NaN, or a quaternion of "
-                      "length {:.3g})",
-                      topic, seconds_text(ns), length));
-    return pose;
-  }
 
   void joint_state(size_t topic, int64_t log_ns, RosMessage& message) {
     const auto header = message.header();
@@ -105,10 +91,10 @@ class BagReader {
         {log_ns, pose_in(message, stamp_or_log(header, log_ns), data_.topics[topic].name)});
   }
   void transform(size_t topic, int64_t log_ns, RosMessage& message) {
-    const auto header = message.header();
-    message.text();
-    data_.poses[topic].push_back(
-        {log_ns, pose_in(message, stamp_or_log(header, log_ns), data_.topics[topic].name)});
+    data_.transforms.take_one(message, log_ns, data_.topics[topic].name);
+  }
+  void transforms(size_t topic, int64_t log_ns, RosMessage& message) {
+    data_.transforms.take(message, log_ns, data_.topics[topic].name);
   }
   void twist(size_t topic, int64_t log_ns, RosMessage& message) {
     const Vec3 linear = message.vec3(), angular = message.vec3();
@@ -123,22 +109,8 @@ class BagReader {
   }
   void camera_info(size_t topic, int64_t, RosMessage& message) {
     if (data_.cameras.contains(topic)) return;
-    message.header();
-    PlainCamera camera{.name = data_.topics[topic].name};
-    camera.height_px = static_cast<int>(message.number() & 0x7FFFFFFF);
-    camera.width_px = static_cast<int>(message.number() & 0x7FFFFFFF);
-    const std::string model = message.text();
-    const auto d = message.reals();
-    camera.lens.fx_px = message.real();
-    message.skip_reals(1);
-    camera.lens.cx_px = message.real();
-    message.skip_reals(1);
-    camera.lens.fy_px = message.real(), camera.lens.cy_px = message.real();
-    if (camera.lens.fx_px == 0) return;  // Not calibrated.
-    take_coefficients(d, model == "equidistant" || model == "fisheye", camera.name, camera.lens,
-                      draft_);
-    check_camera(camera, camera.name);
-    data_.cameras[topic] = camera;
+    const auto camera = read_camera_info(message, data_.topics[topic].name, false, draft_);
+    if (camera) data_.cameras[topic] = *camera;
   }
 
   BagData& data_;
@@ -154,6 +126,8 @@ const std::map<std::string, BagReader::Read> BagReader::kReaders = {
     {"geometry_msgs/PoseStamped", &BagReader::pose},
     {"geometry_msgs/PoseWithCovarianceStamped", &BagReader::pose},
     {"geometry_msgs/TransformStamped", &BagReader::transform},
+    {"tf/tfMessage", &BagReader::transforms},
+    {"tf2_msgs/TFMessage", &BagReader::transforms},
     {"geometry_msgs/Twist", &BagReader::twist},
     {"geometry_msgs/TwistStamped", &BagReader::twist_stamped},
     {"sensor_msgs/CameraInfo", &BagReader::camera_info},
@@ -170,9 +144,13 @@ class RosImport {
   template <typename Found>
   std::optional<size_t> choose(const std::map<size_t, Found>& found, const std::string& quantity,
                                const std::function<bool(const BagTopic&)>& fits) const;
+  // Transforms that the user names, or where the bag has no other poses the body's, as topics.
+  void take_transforms();
+  const PlainCamera* chosen_camera() const;
   bool joints();
   bool walk();
   bool camera();
+  bool poses();
   void joint_rows(const std::string& name, const std::vector<JointSampleRow>& measured,
                   size_t place, const std::vector<JointSampleRow>& commands,
                   measurement::CsvWriter& table, size_t& rows);
@@ -186,7 +164,11 @@ std::string RosImport::topics_text() const {
   std::vector<std::string> texts;
   for (const BagTopic& topic : data_.topics)
     texts.push_back(fmt::format("{} ({}, {} messages)", topic.name, topic.type, topic.messages));
-  return fmt::format("{}", fmt::join(texts, "; "));
+  std::string text = fmt::format("{}", fmt::join(texts, "; "));
+  if (const auto moving = data_.transforms.moving(); !moving.empty())
+    text += fmt::format("; transforms, of which --map measured=/tf:PARENT:CHILD takes one: {}",
+                        fmt::join(moving, ", "));
+  return text;
 }
 
 template <typename Found>
@@ -313,16 +295,61 @@ bool RosImport::walk() {
   return true;
 }
 
-bool RosImport::camera() {
+const PlainCamera* RosImport::chosen_camera() const {
   const auto found = choose(data_.cameras, "camera", [&](const BagTopic& topic) {
     return request_.camera.empty() || contains(topic.name, request_.camera.c_str());
   });
-  if (!found) return false;
-  const PlainCamera& camera = data_.cameras[*found];
-  draft_.camera.width_px = camera.width_px, draft_.camera.height_px = camera.height_px;
-  draft_protocol(camera, request_, draft_);
-  draft_.did(fmt::format("the calibration of {}", camera.name));
+  return found ? &data_.cameras.at(*found) : nullptr;
+}
+
+bool RosImport::camera() {
+  const PlainCamera* camera = chosen_camera();
+  if (camera == nullptr) return false;
+  draft_.camera.width_px = camera->width_px, draft_.camera.height_px = camera->height_px;
+  draft_protocol(*camera, request_, draft_);
+  draft_.did(fmt::format("the calibration of {}", camera->name));
   return true;
+}
+
+bool RosImport::poses() {
+  const auto fits = [](const BagTopic& topic) {
+    return topic.messages >= 4 && !contains(topic.name, "initial") && !contains(topic.name, "goal");
+  };
+  const auto found = choose(data_.poses, "measured", fits);
+  const auto walked = choose(data_.odometry, "measured", fits);
+  if (!found && !walked) return false;
+  const std::string& name = data_.topics[found ? *found : *walked].name;
+  std::vector<StampedPose> poses;
+  for (const PoseRow& row : found ? data_.poses[*found] : data_.odometry[*walked])
+    poses.push_back(row.pose);
+  const auto sooner = [](const StampedPose& a, const StampedPose& b) { return a.ns < b.ns; };
+  std::stable_sort(poses.begin(), poses.end(), sooner);
+  const auto same = [](const StampedPose& a, const StampedPose& b) { return a.ns == b.ns; };
+  poses.erase(std::unique(poses.begin(), poses.end(), same), poses.end());
+  if (poses.size() < 3)
+    throw InputError(fmt::format("{}: found {} poses at different times, expected 3 or more", name,
+                                 poses.size()));
+  check_speed(poses, name, request_);
+  const PlainCamera* camera = chosen_camera();
+  draft_poses(poses, {}, Pose{Mat3(1.0), Vec3(0.0)},
+              camera ? *camera : camera_for_granted(request_, draft_), draft_);
+  draft_.did(fmt::format("the poses of {}", name));
+  return true;
+}
+
+void RosImport::take_transforms() {
+  const auto take = [&](const std::string& names, std::map<size_t, std::vector<PoseRow>>& into) {
+    auto rows = data_.transforms.poses(names);
+    if (!rows) return;
+    data_.topics.push_back(
+        {.name = "/tf:" + names, .type = "tf2_msgs/TFMessage", .messages = rows->size()});
+    into[data_.topics.size() - 1] = std::move(*rows);
+  };
+  for (const auto& [quantity, topic] : request_.names) {
+    if (topic.starts_with("/tf:"))
+      take(topic.substr(4), quantity == "odometry" ? data_.odometry : data_.poses);
+  }
+  if (data_.poses.empty() && data_.odometry.empty()) take(data_.transforms.body(), data_.poses);
 }
 
 void RosImport::run() {
@@ -337,6 +364,7 @@ void RosImport::run() {
                                [&](size_t topic, int64_t log_ns, std::string_view bytes,
                                    RosForm form) { reader.take(topic, log_ns, bytes, form); });
   for (const std::string& loss : losses) draft_.warn(loss);
+  take_transforms();
   for (const auto& [quantity, topic] : request_.names) {
     std::vector<std::string> names;
     for (const BagTopic& known : data_.topics) names.push_back(known.name);
@@ -354,10 +382,11 @@ void RosImport::run() {
       });
   // Where the user says what is on the pictures, they are worth more than a calibration alone.
   if (shows && request_.board_columns > 0) return import_images(request_, draft_);
-  if (camera()) return;
+  if (!request_.name_of("measured").empty() && poses()) return;
+  if (camera() || poses()) return;
   throw InputError(fmt::format(
       "{}: found no joints with commands (JointState, and another topic), no walk (Odometry with "
-      "cmd_vel, or with poses) and no CameraInfo among its topics: {}; say which, --map "
+      "cmd_vel, or with poses), no CameraInfo and no poses among its topics: {}; say which, --map "
       "measured=/TOPIC,command=/TOPIC",
       name, topics_text()));
 }

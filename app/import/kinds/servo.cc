@@ -142,31 +142,6 @@ void ServoImport::look_at(const std::vector<double>& command, const std::vector<
         fmt::format("{}: command and measurement are equal in every row: the command column is "
                     "really the measurement, expected what was asked of the servo (--map)",
                     place(0)));
-  const auto [lowest, highest] = std::minmax_element(command.begin(), command.end());
-  if (*highest - *lowest < 1e-9) return;
-  // Root mean square of what stays when the command is held against the angle `lag` rows later.
-  const auto miss = [&](int lag) {
-    double sum = 0, mean = 0;
-    size_t count = 0;
-    for (size_t k = 20; k + 20 < n; ++k) {
-      const double d = measured[static_cast<size_t>(static_cast<int>(k) + lag)] - command[k];
-      sum += d * d, mean += d, ++count;
-    }
-    const double m = mean / static_cast<double>(count);
-    return std::sqrt(std::max(0.0, sum / static_cast<double>(count) - m * m));
-  };
-  if (n < 60) return;
-  int best = 0;
-  for (int lag = -20; lag <= 20; ++lag) {
-    if (miss(lag) < miss(best)) best = lag;
-  }
-  if (best < 0 && miss(best) < 0.7 * miss(0) && miss(best) < 0.7 * miss(-best))
-    draft_.warn(fmt::format(
-        "{}: the measured angle is {} rows ahead of the command: are the two columns exchanged?",
-        place(0), -best));
-  if (best != 0 && miss(best) < 1e-3 * (*highest - *lowest))
-    draft_.warn(fmt::format("{}: the command is the measurement {} rows {}: is it a copy of it?",
-                            place(0), std::abs(best), best < 0 ? "earlier" : "later"));
 }
 
 std::string ServoImport::cell(const SignalLog& log, const std::string& column, size_t row) const {

@@ -147,23 +147,12 @@ void import_trajectory(const ImportRequest& request, bool euroc, SetDraft& draft
     return draft_walk_of_estimate(poses, estimate, draft);
   }
   Pose X_BC{Mat3(1.0), Vec3(0.0)};
-  PlainCamera camera{.name = "camera"};
+  PlainCamera camera;
   if (!folder.camera.empty()) {
     camera = read_sensor(folder.camera, X_BC, draft);
     draft.did("the camera, its lens and its place on the body from sensor.yaml");
   } else {
-    camera.width_px = request.width_px > 0 ? request.width_px : 640;
-    camera.height_px = request.width_px > 0 ? request.height_px : 480;
-    camera.lens = {.family = LensFamily::pinhole,
-                   .fx_px = 0.8 * camera.width_px,
-                   .fy_px = 0.8 * camera.width_px,
-                   .cx_px = 0.5 * (camera.width_px - 1),
-                   .cy_px = 0.5 * (camera.height_px - 1)};
-    draft.could_not_know(
-        fmt::format("the camera: one of {} x {} px and {:.0f} px focal length is taken, as if the "
-                    "poses were its "
-                    "own (x right, y down, z forward)",
-                    camera.width_px, camera.height_px, camera.lens.fx_px));
+    camera = camera_for_granted(request, draft);
   }
   std::vector<int64_t> stamps;
   if (!folder.frames.empty()) {

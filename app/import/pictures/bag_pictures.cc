@@ -16,17 +16,32 @@ struct Encoding {
   size_t channels = 1;
   bool blue_first = false;
   size_t bytes = 1;
+  const char* mosaic = "";  // The colours of two rows of two pixels, where each has but one.
 };
 
 const std::map<std::string, Encoding>& encodings() {
-  static const std::map<std::string, Encoding> known = {
-      {"mono8", {}},       {"8UC1", {}},        {"mono16", {1, false, 2}}, {"16UC1", {1, false, 2}},
-      {"rgb8", {3}},       {"bgr8", {3, true}}, {"8UC3", {3, true}},       {"rgba8", {4}},
-      {"bgra8", {4, true}}};
+  static const std::map<std::string, Encoding> known = {{"mono8", {}},
+                                                        {"8UC1", {}},
+                                                        {"mono16", {1, false, 2}},
+                                                        {"16UC1", {1, false, 2}},
+                                                        {"rgb8", {3}},
+                                                        {"bgr8", {3, true}},
+                                                        {"8UC3", {3, true}},
+                                                        {"rgba8", {4}},
+                                                        {"bgra8", {4, true}},
+                                                        {"bayer_rggb8", {1, false, 1, "rggb"}},
+                                                        {"bayer_rggb16", {1, false, 2, "rggb"}},
+                                                        {"bayer_bggr8", {1, false, 1, "bggr"}},
+                                                        {"bayer_bggr16", {1, false, 2, "bggr"}},
+                                                        {"bayer_gbrg8", {1, false, 1, "gbrg"}},
+                                                        {"bayer_gbrg16", {1, false, 2, "gbrg"}},
+                                                        {"bayer_grbg8", {1, false, 1, "grbg"}},
+                                                        {"bayer_grbg16", {1, false, 2, "grbg"}}};
   return known;
 }
 
-// As PGM or PPM: rows without gaps, samples of 16 bits with the high byte first.
+// As PGM or PPM: rows without gaps, samples of 16 bits with the high byte first. A mosaic says so
+// in a comment, by which `seam-pictures` knows it.
 std::string plain_picture(RosMessage& message, const std::string& topic) {
   const uint32_t height = message.number(), width = message.number();
   const std::string encoding = message.text();
@@ -36,7 +51,7 @@ std::string plain_picture(RosMessage& message, const std::string& topic) {
   const auto known = encodings().find(encoding);
   if (known == encodings().end())
     throw InputError(
-        fmt::format("{}: pictures are '{}', expected mono8, mono16, rgb8 or bgr8: "
+        fmt::format("{}: pictures are '{}', expected mono8, mono16, rgb8, bgr8 or a Bayer mosaic: "
                     "image_proc makes them",
                     topic, encoding));
   const Encoding& form = known->second;
@@ -46,8 +61,10 @@ std::string plain_picture(RosMessage& message, const std::string& topic) {
     throw InputError(fmt::format("{}: a picture of {} x {} px in {} bytes does not hold", topic,
                                  width, height, data.size()));
   const size_t kept = std::min<size_t>(form.channels, 3);
-  std::string picture = fmt::format("P{}\n{} {}\n{}\n", kept == 1 ? 5 : 6, width, height,
-                                    form.bytes == 1 ? 255 : 65535);
+  std::string picture = fmt::format("P{}\n", kept == 1 ? 5 : 6);
+  if (*form.mosaic) picture += fmt::format("# bayer {}\n", form.mosaic);
+  picture += fmt::format("{} {}\n{}\n", width, height, form.bytes == 1 ? 255 : 65535);
+  picture.reserve(picture.size() + uint64_t{width} * height * kept * form.bytes);
   for (uint32_t y = 0; y < height; ++y) {
     for (uint32_t x = 0; x < width; ++x) {
       const char* from = data.data() + y * step + x * pixel;
@@ -67,9 +84,13 @@ BagPictures unpack_pictures(const fs::path& bag, const std::string& camera, cons
   BagPictures found;
   std::vector<BagTopic> topics;
   std::set<std::string> image_topics;
+  std::map<std::string, std::string> infos;  // A CameraInfo of each topic, as bytes.
+  RosForm info_form = RosForm::cdr;
   const auto losses = read_bag(
       bag, topics, [&](size_t place, int64_t log_ns, std::string_view bytes, RosForm form) {
         const BagTopic& topic = topics[place];
+        if (topic.type == "sensor_msgs/CameraInfo" && !infos.contains(topic.name))
+          infos[topic.name] = bytes, info_form = form;
         const bool packed = topic.type == "sensor_msgs/CompressedImage";
         if (!packed && topic.type != "sensor_msgs/Image") return;
         image_topics.insert(topic.name);
@@ -97,6 +118,14 @@ BagPictures unpack_pictures(const fs::path& bag, const std::string& camera, cons
   if (image_topics.size() > 1)
     draft.did(
         fmt::format("of {} topics with pictures {} (--camera)", image_topics.size(), found.topic));
+  // By habit the calibration stands beside its pictures: /left/image_raw, /left/camera_info.
+  for (const auto& [name, bytes] : infos) {
+    const std::string space = name.substr(0, name.rfind('/') + 1);
+    if (found.topic.empty() || !found.topic.starts_with(space)) continue;
+    RosMessage message(bytes, info_form, name);
+    const bool rectified = found.topic.find("rect", space.size()) != std::string::npos;
+    found.camera = read_camera_info(message, name, rectified, draft);
+  }
   return found;
 }
 

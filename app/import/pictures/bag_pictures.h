@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "app/import/draft/set_draft.h"
+#include "app/import/pictures/camera_info.h"
 
 namespace seam::app {
 
@@ -14,6 +14,7 @@ struct BagPictures {
   std::string topic;
   std::vector<std::filesystem::path> files;
   std::map<std::string, int64_t> stamps_ns;  // By the file's name.
+  std::optional<PlainCamera> camera;         // By the CameraInfo beside the topic.
 };
 
 // Writes the pictures of one topic of images (Image or CompressedImage) into a folder, one at a

@@ -1,0 +1,181 @@
+// Each fault of data is told by name, and good data none.
+#include "measurement/check/faults.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "sim_core/base/error.h"
+
+namespace seam::measurement {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class Faults : public testing::Test {
+ protected:
+  Faults() { fs::create_directories(folder_); }
+  ~Faults() override { fs::remove_all(folder_); }
+
+  void write(const char* name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+  }
+  MeasurementSet set(const char* kind, const char* files, const char* more = "") const {
+    write("measurement.yaml",
+          fmt::format("format: seam-measurement/1\nkind: {}\nfiles: {}\n{}", kind, files, more));
+    return MeasurementSet::open(folder_);
+  }
+
+  // A servo that lags behind a sine, and what a careless hand did to a row of it.
+  struct Sample {
+    double time_s, command_rad, measured_rad;
+  };
+  MeasurementSet servo(const std::function<void(int, Sample&)>& spoil) const {
+    std::string text = "run,time_s,joint,command_rad,measured_rad\n";
+    for (int k = 0; k < 400; ++k) {
+      const double t = 0.01 * k;
+      const auto path = [](double at) { return 0.5 * std::sin(2 * at) + 0.2 * std::sin(5 * at); };
+      Sample sample{t, path(t), path(t - 0.05)};
+      spoil(k, sample);
+      text += fmt::format("a,{:.9f},pan,{:.9f},{:.9f}\n", sample.time_s, sample.command_rad,
+                          sample.measured_rad);
+    }
+    write("joints.csv", text);
+    return set("joints", "{joints: joints.csv}");
+  }
+
+  // A walk on a circle.
+  MeasurementSet walk(double metres, double radians, double v = 1, double omega = 1) const {
+    std::string text = "run,time_s,vx_cmd_mps,vy_cmd_mps,omega_cmd_radps,x_m,y_m,theta_rad\n";
+    for (int k = 0; k < 200; ++k) {
+      const double t = 0.05 * k, turn = 0.4 * t;
+      text += fmt::format("1,{:.3f},{},0,{},{:.6f},{:.6f},{:.6f}\n", t, 0.3 * v, 0.4 * omega,
+                          metres * 0.75 * std::sin(turn), metres * 0.75 * (1 - std::cos(turn)),
+                          radians * std::remainder(turn, 2 * M_PI));
+    }
+    write("odometry.csv", text);
+    return set("odometry", "{odometry: odometry.csv}");
+  }
+
+  MeasurementSet beacons(double range_unit, bool exchanged, double bearing_unit,
+                         double time_unit = 1) const {
+    const double places[3][2] = {{-8, 2}, {9, -7}, {3, 12}};
+    std::string landmarks = "landmark,x_m,y_m\n", poses = "time_s,x_m,y_m,theta_rad\n",
+                seen = "time_s,landmark,range_m,bearing_rad\n";
+    for (int i = 0; i < 3; ++i)
+      landmarks += fmt::format("{},{},{}\n", i, places[i][exchanged], places[i][!exchanged]);
+    for (int k = 0; k < 120; ++k) {
+      const double t = 0.1 * k, x = 4 * std::cos(t / 3), y = 3 * std::sin(t / 2);
+      poses += fmt::format("{:.3f},{:.6f},{:.6f},0\n", t, x, y);
+      const double dx = places[k % 3][0] - x, dy = places[k % 3][1] - y;
+      seen += fmt::format("{:.6f},{},{:.6f},{:.6f}\n", t * time_unit, k % 3,
+                          range_unit * std::hypot(dx, dy), bearing_unit * std::atan2(dy, dx));
+    }
+    write("landmarks.csv", landmarks), write("poses.csv", poses), write("seen.csv", seen);
+    return set("landmarks", "{landmarks: landmarks.csv, poses: poses.csv, observations: seen.csv}");
+  }
+
+  // A board that is turned a little from view to view; `mirror` and `repeat` spoil one view.
+  MeasurementSet board(int mirror, int repeat) const {
+    std::string text = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+    for (int frame = 0; frame < 8; ++frame) {
+      const double turn = 0.1 * (frame == repeat ? frame - 1 : frame);
+      for (int i = 0; i < 12; ++i) {
+        const double x = 0.03 * (i % 4), y = 0.03 * (i / 4), seen = frame == mirror ? 0.09 - x : x;
+        text += fmt::format("{0},{0},{1},{2},{3},0,{4:.4f},{5:.4f}\n", frame, i, x, y,
+                            200 + 1000 * (seen * std::cos(turn) - y * std::sin(turn)),
+                            200 + 1000 * (seen * std::sin(turn) + y * std::cos(turn)));
+      }
+    }
+    write("points.csv", text);
+    return set("points", "{points: points.csv}",
+               "camera: {width_px: 640, height_px: 480}\nrig: {pose: unknown}\n");
+  }
+
+  const fs::path folder_ =
+      fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
+};
+
+constexpr double kDegrees = 180 / M_PI;
+
+TEST_F(Faults, GoodSetsHaveNone) {
+  for (const MeasurementSet& good : {servo([](int, Sample&) {}), walk(1, 1)}) {
+    EXPECT_THAT(faults_of_values(good), IsEmpty());
+    EXPECT_THAT(faults_of_clocks(good), IsEmpty());
+  }
+  EXPECT_THAT(faults_of_values(beacons(1, false, 1)), IsEmpty());
+  EXPECT_THAT(faults_of_clocks(beacons(1, false, 1)), IsEmpty());
+  EXPECT_THAT(faults_of_values(board(-1, -1)), IsEmpty());
+}
+
+TEST_F(Faults, ACommandThatIsTheMeasurementIsTold) {
+  const auto copied = servo([](int, Sample& s) { s.command_rad = s.measured_rad; });
+  EXPECT_THAT(faults_of_values(copied), ElementsAre(HasSubstr("is really the measurement")));
+  const auto exchanged = servo([](int, Sample& s) { std::swap(s.command_rad, s.measured_rad); });
+  EXPECT_THAT(faults_of_values(exchanged),
+              testing::Contains(HasSubstr("5 rows ahead of the command: are the two columns "
+                                          "exchanged?")));
+}
+
+TEST_F(Faults, DegreesInOneColumnAreTold) {
+  const auto measured = servo([](int, Sample& s) { s.measured_rad *= kDegrees; });
+  EXPECT_THAT(faults_of_values(measured),
+              testing::Contains(HasSubstr("measured_rad spans 57 times as much as the other angle: "
+                                          "degrees for radians")));
+  const auto command = servo([](int, Sample& s) { s.command_rad *= kDegrees; });
+  EXPECT_THAT(faults_of_values(command),
+              testing::Contains(HasSubstr("command_rad spans 57 times")));
+  EXPECT_THAT(faults_of_values(walk(1, kDegrees)),
+              ElementsAre(HasSubstr("theta_rad turns 57 times as far")));
+  EXPECT_THAT(faults_of_values(walk(1, 1, 1, kDegrees)),
+              testing::Contains(HasSubstr("omega_cmd_radps turns 57 times as far")));
+  EXPECT_THAT(faults_of_values(beacons(1, false, kDegrees)),
+              ElementsAre(HasSubstr("more than a turn: degrees for radians")));
+}
+
+TEST_F(Faults, MillimetresAreTold) {
+  EXPECT_THAT(faults_of_values(walk(1000, 1)),
+              ElementsAre(HasSubstr("1000 times as far as the other columns say: millimetres")));
+  EXPECT_THAT(faults_of_values(walk(1, 1, 1000)),
+              ElementsAre(HasSubstr("vx_cmd_mps and vy_cmd_mps go 1000 times")));
+  EXPECT_THAT(faults_of_values(beacons(1000, false, 1)),
+              testing::Contains(HasSubstr("millimetres for metres in range_m")));
+}
+
+TEST_F(Faults, ExchangedAxesAreTold) {
+  EXPECT_THAT(faults_of_values(beacons(1, true, 1)),
+              ElementsAre(HasSubstr("with x_m and y_m of the landmarks exchanged")));
+}
+
+TEST_F(Faults, ClocksAreTold) {
+  for (const auto& [unit, name] : {std::pair{1e3, "10 s apart: milliseconds for seconds"},
+                                   {1e6, "microseconds for seconds"},
+                                   {1e9, "nanoseconds for seconds"}}) {
+    const double factor = unit;
+    EXPECT_THAT(faults_of_clocks(servo([factor](int, Sample& s) { s.time_s *= factor; })),
+                ElementsAre(HasSubstr(name)));
+  }
+  const auto jump = servo([](int k, Sample& s) { s.time_s += k < 200 ? 0 : 30; });
+  EXPECT_THAT(faults_of_clocks(jump),
+              ElementsAre(HasSubstr("joints.csv:202: the clock jumps by 30.01 s where 0.01 s")));
+  EXPECT_THAT(faults_of_clocks(beacons(1, false, 1, 1000)),
+              ElementsAre(HasSubstr("where it is read as milliseconds")));
+}
+
+TEST_F(Faults, ViewsThatRepeatOrAreMirroredAreTold) {
+  EXPECT_THAT(faults_of_values(board(-1, 5)),
+              ElementsAre(HasSubstr("1 views repeat the one before to the last digit, the first is "
+                                    "5")));
+  EXPECT_THAT(faults_of_values(board(3, -1)),
+              ElementsAre(HasSubstr("1 of 8 views show the target mirrored against the others, the "
+                                    "first is 3")));
+}
+
+}  // namespace
+}  // namespace seam::measurement

@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""`seam import` of servos' logs, ranges and trajectories, made here with the truth known; faults of data that are to be
+named. `import_logs_test.py path/to/seam`"""
+import json
+
+import numpy as np
+
+from importing import RNG, imported, mat_file, refused, rows_of, run, run_tests, servo_log
+
+
+def test_servo(folder):
+    t, command, measured = servo_log()
+    deg = np.degrees
+    (folder / "run.csv").write_text("time_ms,goal,angle,supply\n" + "".join(
+        f"{1000 * a:.1f},{deg(b)!r},{deg(c)!r},7.4\n" for a, b, c in zip(t, command, measured)))
+    out = folder / "servo"
+    imported("servo", folder / "run.csv", "--map", "command=goal,measured=angle,voltage=supply", "--unit", "deg", out=out)
+    rows = rows_of(out / "joints.csv")
+    assert np.allclose([float(r["command_rad"]) for r in rows], command, atol=1e-12)
+    assert np.allclose([float(r["time_s"]) for r in rows], t, atol=1e-9) and rows[0]["voltage_v"] == "7.4"
+    # A lag of 50 ms is found in it.
+    run("add", "servo_lag", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "lag.yaml", "--json",
+        folder / "lag.json")
+    tau = json.loads((folder / "lag.json").read_text())["parameters"]["tau_s"]
+    assert abs(tau["value"] - 0.05) < 4 * tau["sigma"] + 1e-4, tau
+    # Our own table is read again.
+    imported("servo", out / "joints.csv", out=folder / "again")
+    assert [r["measured_rad"] for r in rows_of(folder / "again" / "joints.csv")] == [r["measured_rad"] for r in rows]
+
+    entries = [{"timestamp": a, "goal_position": b, "position": c, "torque_enable": True} for a, b, c in
+               zip(t, command, measured)]
+    (folder / "bam.json").write_text(json.dumps({"kp": 100, "motor": "x", "entries": entries}))
+    imported("servo", folder / "bam.json", out=folder / "bam")
+    assert {r["kp"] for r in rows_of(folder / "bam" / "joints.csv")} == {"100"}
+    series = {"times": list(t), "data": np.stack([measured, command], 1).tolist(),
+              "signal_mapping": {"arm_qpos": [2, [0]], "arm_ctrl": [5, [1]]}}
+    (folder / "sysid.json").write_text(json.dumps(series))
+    imported("servo", folder / "sysid.json", out=folder / "sysid")
+    rows = rows_of(folder / "sysid" / "joints.csv")
+    assert {r["joint"] for r in rows} == {"arm"} and np.allclose([float(r["command_rad"]) for r in rows], command)
+
+    def spoilt(name, change, words, *more):
+        table = [[f"{a:.4f}", repr(float(b)), repr(float(c))] for a, b, c in zip(t, command, measured)]
+        change(table)
+        path = folder / f"{name}.csv"
+        path.write_text("t,command,position\n" + "".join(",".join(r) + "\n" for r in table))
+        refused("servo", path, *more, out=folder / f"not-{name}", words=[f"{name}.csv", *words])
+
+    def each(column, of):
+        return lambda table: [row.__setitem__(column, of(row)) for row in table]
+
+    spoilt("degrees", each(2, lambda r: str(40 + deg(float(r[2])))), ["degrees", "--unit deg"])
+    spoilt("ms", each(0, lambda r: str(1000 * float(r[0]))), [":3:", "--time-unit"])
+    spoilt("back", lambda table: table.insert(50, list(table[10])), [":52:", "forwards"])
+    spoilt("nan", lambda table: table[7].__setitem__(2, "nan"), [":9", "finite"])
+    spoilt("same", each(1, lambda r: r[2]), ["really the measurement"])
+    (folder / "swap.csv").write_text("t,command,position\n" + "".join(
+        f"{a:.4f},{c!r},{b!r}\n" for a, b, c in zip(t, command, measured)))
+    assert "exchanged" in imported("servo", folder / "swap.csv", out=folder / "swap")
+    (folder / "lfs.csv").write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n")
+    refused("servo", folder / "lfs.csv", out=folder / "lfs", words=["Git LFS"])
+    (folder / "cut.json").write_text(json.dumps({"entries": entries})[:-40])
+    refused("servo", folder / "cut.json", out=folder / "cut", words=["cut.json", "JSON"])
+    refused("servo", folder / "run.csv", "--map", "command=gaol", out=folder / "map", words=["gaol", "did you mean 'goal'"])
+    refused("servo", folder / "run.csv", "--board", "9x6", out=folder / "board", words=["--board"], code=2)
+    refused("servoo", folder / "run.csv", out=folder / "kind", words=["servo"], code=2)
+    assert "is there already" in run("import", "servo", folder / "bam.json", "--out", folder / "bam", code=1)
+
+
+def test_ranges(folder):
+    t = 1000 + np.arange(600) * 0.2
+    path = np.stack([t, 20 * np.cos(t / 9), 15 * np.sin(t / 7), t / 9], axis=1)
+    beacons = np.array([[3, -30.0, 5.0], [7, 12.0, -28.0], [9, 25.0, 30.0]])
+    ranges = []
+    for i in range(0, 600, 2):
+        b = beacons[i // 2 % 3]
+        ranges.append([t[i], 2, b[0], np.hypot(path[i, 1] - b[1], path[i, 2] - b[2]) * 1.05 + 0.05 * RNG.standard_normal()])
+    ranges = np.array(ranges)
+    (folder / "p.mat").write_bytes(mat_file({"GT": path, "TD": ranges, "TL": beacons}))
+    out = folder / "mat"
+    imported("ranges", folder / "p.mat", out=out)
+    assert len(rows_of(out / "observations.csv")) == 300 and rows_of(out / "landmarks.csv")[1]["landmark"] == "7"
+    run("add", "range_scale", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "r.yaml", "--json",
+        folder / "r.json")
+    scale = json.loads((folder / "r.json").read_text())["parameters"]["scale"]
+    assert abs(scale["value"] - 0.05) < 4 * scale["sigma"], scale
+
+    def write(name, header, rows):
+        (folder / name).write_text(header + "\n" + "".join(";".join(repr(float(x)) for x in row) + "\n" for row in rows))
+        return folder / name
+
+    tables = [write("path.csv", "time;x;y;theta", path), write("ranges.csv", "t;anchor;distance", ranges[:, [0, 2, 3]]),
+              write("beacons.csv", "id;x;y", beacons)]
+    imported("ranges", *tables, out=folder / "csv")
+    assert [r["range_m"] for r in rows_of(folder / "csv" / "observations.csv")] == [
+        r["range_m"] for r in rows_of(out / "observations.csv")]
+    mm = ranges.copy()
+    mm[:, 3] *= 1000
+    tables[1] = write("mm.csv", "t;anchor;distance", mm[:, [0, 2, 3]])
+    refused("ranges", *tables, out=folder / "mm", words=["mm.csv:2", "millimetres"])
+    tables[1] = write("ranges.csv", "t;anchor;distance", ranges[:, [0, 2, 3]])
+    tables[2] = write("turned.csv", "id;x;y", beacons[:, [0, 2, 1]])
+    assert "exchanged" in imported("ranges", *tables, out=folder / "turned")
+
+
+def test_trajectories(folder):
+    t = np.arange(500) * 0.02
+    theta = 0.4 * t
+    x, y = np.cos(theta) * 2, np.sin(theta) * 2
+    yaw = theta + np.pi / 2
+    q = np.stack([np.cos(yaw / 2), 0 * t, 0 * t, np.sin(yaw / 2)], axis=1)
+    (folder / "gt.csv").write_text("#timestamp [ns],p_x,p_y,p_z,q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n" + "".join(
+        f"{1403715524907143168 + int(round(a * 1e9))},{b!r},{c!r},1.0,{','.join(map(repr, map(float, d)))}\n"
+        for a, b, c, d in zip(t, x, y, q)))
+    imported("euroc", folder / "gt.csv", out=folder / "euroc")
+    first = rows_of(folder / "euroc" / "poses.csv")[0]
+    assert first["time_s"] == "1403715524.907143168" and abs(float(first["qw"]) - q[0, 0]) < 1e-8
+
+    def tum(name, x, y, yaw):
+        lines = [f"{100 + a:.4f} {b!r} {c!r} 0 0 0 {np.sin(d / 2)!r} {np.cos(d / 2)!r}" for a, b, c, d in zip(t, x, y, yaw)]
+        (folder / name).write_text("# timestamp tx ty tz qx qy qz qw\n" + "\n".join(lines) + "\n")
+        return folder / name
+
+    # An odometry that thinks it went 4 % farther than it did.
+    truth, estimate = tum("truth.txt", x, y, yaw), tum("estimate.txt", 1.04 * x, 1.04 * y, yaw)
+    out = folder / "walk"
+    imported("tum", truth, estimate, out=out)
+    run("add", "odometry_scale", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "o.yaml", "--json",
+        folder / "o.json")
+    found = json.loads((folder / "o.json").read_text())["parameters"]["vx_scale"]
+    assert abs(found["value"] - (1 / 1.04 - 1)) < 1e-3, found
+    tum("mm.txt", 1e6 * x, 1e6 * y, yaw)
+    refused("tum", folder / "mm.txt", out=folder / "mm", words=["mm.txt", "millimetres"])
+    text = truth.read_text().splitlines()
+    text[9] = text[9].rsplit(" ", 1)[0] + " 0.1"
+    (folder / "q.txt").write_text("\n".join(text))
+    refused("tum", folder / "q.txt", out=folder / "q", words=["q.txt:10", "quaternion"])
+
+
+run_tests(globals())
