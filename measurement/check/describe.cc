@@ -164,7 +164,13 @@ SetDescription describe_set(const MeasurementSet& set, const std::optional<Model
            std::none_of(measured.begin(), measured.end(),
                         [&](const std::string& column) { return table.has(column); });
   }();
-  if (kind.behind_camera) text += behind_text(set, kind, model, description);
+  try {
+    if (kind.behind_camera) text += behind_text(set, kind, model, description);
+  } catch (const InputError& error) {
+    // What is odd of the tables may say why.
+    description.errors.emplace_back(error.what());
+    return description;
+  }
   if (is_protocol) {
     text += "  a protocol: nothing is measured yet (seam measure)\n";
     return description;

@@ -254,7 +254,7 @@ void landmarks(const MeasurementSet& set, std::vector<std::string>& found) {
   for (const auto& [of, columns] : {std::pair{ratio, "range_m"}, {1 / ratio, "the places"}}) {
     if (const auto unit = unit_of_ratio(of, 1000, "millimetres", "metres"); !unit.empty())
       found.push_back(
-          fmt::format("{}: ranges are {:.3g} times the distances of the places, and {} in {}",
+          fmt::format("{}: ranges are {:.4g} times the distances of the places: {} in {}",
                       seen.file(), ratio, unit, columns));
   }
   const double as_it_stands = ranges.miss(false), exchanged = ranges.miss(true);
@@ -359,14 +359,16 @@ std::vector<std::string> faults_of_command(const std::vector<double>& command,
   for (int lag = -kMostRows; lag <= kMostRows; ++lag) {
     if (miss(lag) < miss(best)) best = lag;
   }
-  if (best < 0 && miss(best) < 0.7 * miss(0) && miss(best) < 0.7 * miss(-best))
+  // Later it may be: a servo that is late and else ideal.
+  if (best >= 0) return found;
+  if (miss(best) < 1e-6 * span) {
+    found.push_back(
+        fmt::format("the command is the measurement {} rows earlier: is it a copy of it?", -best));
+  } else if (miss(best) < 0.7 * miss(0) && miss(best) < 0.7 * miss(-best)) {
     found.push_back(fmt::format(
         "the measured angle is {} rows ahead of the command: are the two columns exchanged?",
         -best));
-  // A row late is an ideal servo (a sample shows what was commanded before).
-  if (std::abs(best) > 1 && miss(best) < 1e-6 * span)
-    found.push_back(fmt::format("the command is the measurement {} rows {}: is it a copy of it?",
-                                std::abs(best), best < 0 ? "earlier" : "later"));
+  }
   return found;
 }
 
