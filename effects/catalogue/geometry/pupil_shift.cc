@@ -35,7 +35,7 @@ EffectDefinition pupil_shift() {
             // On the axis the quotient's limit is 1.
             constexpr double kOnAxis = 1e-7;
             if (!(r > kOnAxis * distance)) return;
-            p_C.z -= p[0] * (maths::atan2(r, p_C.z) * distance / r - 1);
+            p_C.z -= p[0] * (maths::quick_atan2(r, p_C.z) * distance / r - 1);
             point.visible = p_C.z > 0;
             point.x = point.xd = p_C.x / p_C.z;
             point.y = point.yd = p_C.y / p_C.z;

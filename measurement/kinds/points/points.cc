@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/points/points_gross.h"
 #include "measurement/kinds/points/points_noise.h"
@@ -79,14 +80,15 @@ void PointsProblem::state_noise(const MeasurementSet& set) {
   }
 }
 
-void PointsProblem::place(const Model& model) {
+void PointsProblem::place(const Model& given) {
+  const Model model = with_cameras_placed(given, refitted_unknowns(given), all_groups());
   if (on_path() && data_.rig.knot_s() == 0) choose_knots(model);
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   if (evaluation.valid) place_covariates(data_, evaluation.residual, facts_);
 }
 
 void PointsProblem::check_model(const Model& model) const {
-  effects::Projection(model, data_.camera.width_px, data_.camera.height_px);
+  check_cameras(model);
   if (moves() && effects::target_of(model).has_draws())
     throw InputError(
         "the model draws points of the target or its bending, which are estimated of still views "
@@ -139,7 +141,7 @@ std::vector<char> PointsProblem::find_outliers(const Model& model) const {
 
 // The nearest points in the same image.
 std::vector<int> PointsProblem::neighbours(size_t row) const {
-  std::vector<int> near = data_.rows_of_frame[data_.frame_of_row[row]];
+  std::vector<int> near = data_.rows_of_view[data_.view_of_row[row]];
   std::erase(near, static_cast<int>(row));
   const auto distance2 = [&](int other) {
     const double du = data_.u_px[other] - data_.u_px[row], dv = data_.v_px[other] - data_.v_px[row];
