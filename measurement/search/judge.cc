@@ -38,6 +38,21 @@ bool bounded_at_neutral(const EffectDefinition& effect) {
                      [](const Parameter& p) { return p.min >= p.neutral || p.max <= p.neutral; });
 }
 
+// Whether the fitted values are told at all: none has an error beyond its own size and many times
+// what is typical of it.
+bool is_known(const Assessment& assessment) {
+  constexpr double kManyTimes = 10;
+  for (size_t k = 0; k < assessment.unknowns.size(); ++k) {
+    const Unknown& unknown = assessment.unknowns[k];
+    const Parameter& parameter =
+        assessment.model.find(unknown.effect)->definition->parameters[unknown.parameter];
+    if (assessment.fit.sigma[k] >
+        std::max(std::abs(assessment.fit.value[k]), kManyTimes * parameter.scale))
+      return false;
+  }
+  return true;
+}
+
 // What the model loses without the effect, all else as it is: at least what the effect gained, or
 // else some of that gain is the base's, whose fit had stopped early.
 double loss_without(const Problem& problem, const Candidate& candidate) {
@@ -138,7 +153,10 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   const double tail = chi2_tail(ratio, freedom);
   candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
   // One parameter gains as much as it stands clear of neutral; a gain without is the base's, whose
-  // fit had stopped early.
+  // fit had stopped early. Where the base itself is not known (the focal length of a camera that
+  // sees a board from the front only), no value is clear: whether the gain is lost without it tells
+  // then.
+  const bool lost_tells = candidate.effect->has_neutral && !has_counts(*candidate.effect);
   const bool clear = has_counts(*candidate.effect) || candidate.effect->spread_only ||
                      clear_parameters(candidate.grown, candidate.effect->name) > 0;
   candidate.fall = native_fall(before.held, after.held);
@@ -148,7 +166,7 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   const bool plain = mean && after.error < kPlainlyLess * before.error;
   const bool falls = !mean || before.error <= kMisfit || candidate.fall > 0;
   const bool agreed = after.error <= kMisfit
-                          ? clear || candidate.free.size() > 1
+                          ? clear || candidate.free.size() > 1 || (lost_tells && !is_known(before))
                           : falls && (plain || (clear && candidate.held_z > kAgreedGain));
   // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by
   // as much as noise makes them in one of ten cases at five standard errors, or by what their
@@ -160,7 +178,7 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
       (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
   candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
-  if (candidate.significant && candidate.effect->has_neutral && !has_counts(*candidate.effect))
+  if (candidate.significant && lost_tells)
     candidate.significant =
         loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll;
   if (candidate.significant) {

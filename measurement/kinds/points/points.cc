@@ -60,9 +60,24 @@ std::vector<effects::Lack> lacks_of(const PointsData& data) {
 PointsProblem::PointsProblem(const MeasurementSet& set) : data_(read_points(set, true, facts_)) {
   facts_.fingerprint = set.fingerprint();
   facts_.set.lacks = lacks_of(data_);
+  join_few_views();
   gross_ = gross_errors(data_, facts_);
   state_noise(set);
   state_motion();
+}
+
+// One view of a flat target tells two of a camera's numbers and two views four, so that a camera
+// fitted to one of two says nothing of the other: parts of both are held out in turn.
+void PointsProblem::join_few_views() {
+  constexpr size_t kTooFew = 3;
+  if (data_.rig.type() != Rig::Type::unknown || data_.rows_of_frame.size() >= kTooFew ||
+      facts_.groups.size() < 2)
+    return;
+  facts_.groups = {"all views"};
+  std::fill(facts_.group_of_row.begin(), facts_.group_of_row.end(), 0);
+  facts_.notes.push_back(
+      "two views: parts of both are held out in turn, since a camera fitted to one of them says "
+      "little of the other");
 }
 
 void PointsProblem::state_noise(const MeasurementSet& set) {

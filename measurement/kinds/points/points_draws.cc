@@ -1,6 +1,7 @@
 // Evaluations in which draws of the target (displaced points, bendings of views) are estimated with
 // the model. Of groups that are held out the draws are known from all others.
 #include <algorithm>
+#include <cmath>
 
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
@@ -122,14 +123,14 @@ void PointsProblem::settle_scattered(const FewErrors& scatter, const Model& mode
                                      std::vector<double> last,
                                      std::unique_ptr<TargetAdjustment>& adjustment) const {
   constexpr int kRounds = 8;
-  // Sigmas that change by less move the nuisances by less than matters.
-  constexpr double kSame = 1e-3;
+  // Sigmas that change by less, all together, move the nuisances by less than matters: a point that
+  // half failed takes many rounds to settle, and moves next to nothing.
+  constexpr double kSame = 0.02;
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<double> sigma = counted_sigma(scatter, *adjustment);
-    double changed = last.empty() ? 1 : 0;
-    for (size_t i = 0; i < last.size(); ++i)
-      changed = std::max(changed, std::abs(sigma[i] / last[i] - 1));
-    if (changed < kSame) return;
+    double changed2 = last.empty() ? 1 : 0;
+    for (size_t i = 0; i < last.size(); ++i) changed2 += std::pow(sigma[i] / last[i] - 1, 2);
+    if (changed2 < kSame * kSame) return;
     auto next = adjustment_at(model, groups, known, adjustment->values(), sigma);
     if (!next->fit()) return;
     adjustment = std::move(next), last = sigma;

@@ -43,6 +43,7 @@ class PointsProblem : public Problem {
   const std::vector<Groups>& folds() const override;
 
  private:
+  void join_few_views();
   void state_noise(const MeasurementSet& set);
   std::vector<int> neighbours(size_t row) const override;
   Evaluation blank() const;
