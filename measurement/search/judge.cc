@@ -242,7 +242,12 @@ size_t gather_ties(std::vector<Candidate>& candidates) {
   return count;
 }
 
-// Of equally good ones: fewer parameters, then no bound at neutral.
+// How the distance from the axis is bent every lens has, before any rarer cause of the same image.
+bool of_every_lens(const Candidate& candidate) {
+  return candidate.effect->term == effects::Term::radial;
+}
+
+// Of equally good ones: fewer parameters, then what every lens has, then no bound at neutral.
 void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
   const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(tied);
   const bool at_noise = candidates.front().grown.assessment.error <= kMisfit;
@@ -250,6 +255,7 @@ void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
     const double apart = std::abs(a.total_gain_ll - b.total_gain_ll);
     const size_t of_a = fitted_parameters(a), of_b = fitted_parameters(b);
     if (of_a != of_b && (at_noise || apart < kFewerParametersWidth)) return of_a < of_b;
+    if (at_noise && of_every_lens(a) != of_every_lens(b)) return of_every_lens(a);
     if (apart < kPreferenceWidth)
       return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
     return false;

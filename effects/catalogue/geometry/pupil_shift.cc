@@ -23,6 +23,7 @@ EffectDefinition pupil_shift() {
       .formula = "z - forward_m (theta / sin theta - 1), theta the point's angle from the axis",
       .signature = "radial, unlike at unlike distances",
       .example = "pupil_shift: {forward_m: 0.003}",
+      .needs = {Need::several_views},
       .advice = {{kPoints,
                   {},
                   "A pupil that moves looks like the lens where the target is always as far away: "
