@@ -71,7 +71,7 @@ std::string quoted(const std::string& text) {
 size_t place_of(const EffectDefinition& definition) {
   const auto& all = catalogue();
   for (size_t i = 0; i < all.size(); ++i) {
-    if (all[i]->name == definition.name) return i;
+    if (all[i]->name == plain_name(definition.name)) return i;
   }
   return all.size();
 }

@@ -97,6 +97,11 @@ std::string model_schema() {
          {{"description", "Effects by name: of the catalogue, or with a stage and formulas."},
           {"type", "object"},
           {"properties", effects},
+          {"patternProperties",
+           {{"^[A-Za-z0-9_]+@[A-Za-z0-9_-]+$",
+             {{"description", "An effect of one camera of several, by its name."},
+              {"type", "object"},
+              {"additionalProperties", value_or_map({{"type", "number"}}, true)}}}}},
           {"additionalProperties", formula_schema()}}},
         {"history", history_schema()}}}};
   return schema.dump(1) + "\n";

@@ -16,7 +16,10 @@ const Lack* lack_of(const SetFacts& set, Need need) {
 
 std::vector<Need> needs_of_stage(const EffectDefinition& effect) {
   std::vector<Need> needs;
-  const bool told_without_pose = effect.stage == Stage::geometry || effect.stage == Stage::target;
+  // Where one camera of several is shows beside the others.
+  const bool beside_others = effect.stage == Stage::mount && !camera_of(effect.name).empty();
+  const bool told_without_pose =
+      effect.stage == Stage::geometry || effect.stage == Stage::target || beside_others;
   if (!told_without_pose && (effect.kinds & kPoints) != 0) needs.push_back(Need::known_pose);
   if (effect.stage == Stage::timing) needs.push_back(Need::moving_view);
   if (effect.stage == Stage::locomotion) needs.push_back(Need::moving_body);
@@ -208,6 +211,7 @@ std::string conflict_in(const Model& model) {
     for (const ModelEffect& other : model.effects()) {
       const Term term = other.definition->term;
       if (term == Term::none || definition.replaces_term != term) continue;
+      if (!meet(definition.name, other.definition->name, model)) continue;
       return fmt::format("effect '{}' has no place beside '{}', which replaces it: expected one",
                          other.definition->name, definition.name);
     }
@@ -219,7 +223,8 @@ bool is_excluded(const EffectDefinition& effect, const Model& model) {
   if (!missing_base(effect, model).empty()) return true;
   return effect.term != Term::none &&
          std::any_of(model.effects().begin(), model.effects().end(), [&](const ModelEffect& other) {
-           return other.definition->replaces_term == effect.term;
+           return other.definition->replaces_term == effect.term &&
+                  meet(effect.name, other.definition->name, model);
          });
 }
 
@@ -247,6 +252,8 @@ void remove_replaced(const EffectDefinition& effect, Model& model) {
     const bool term = effect.replaces_term != Term::none && definition.term == effect.replaces_term;
     const bool base = effect.replaces_base != Base::none &&
                       definition.base == effect.replaces_base && definition.parameters.empty();
+    const std::string camera = camera_of(effect.name);
+    if (!camera.empty() && camera != camera_of(definition.name)) continue;
     if (term || base) replaced.push_back(definition.name);
   }
   for (const std::string& name : replaced) model.remove(name);

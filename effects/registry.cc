@@ -1,5 +1,9 @@
 #include "effects/registry.h"
 
+#include <algorithm>
+#include <cctype>
+
+#include "effects/model.h"
 #include "sim_core/base/error.h"
 
 // The order of these lines is the order of composition.
@@ -32,6 +36,7 @@
   X(backlash)                 \
   X(mount_misalignment)       \
   X(mount_offset)             \
+  X(camera_pose)              \
   X(board_scale)              \
   X(board_warp)               \
   X(target_scatter)           \
@@ -118,9 +123,50 @@ const std::vector<std::shared_ptr<const EffectDefinition>>& catalogue() {
   return mutable_catalogue();
 }
 
+namespace {
+
+// What belongs to a camera and its place, and moves means.
+bool may_be_one_cameras(const EffectDefinition& effect) {
+  const bool its_own = effect.stage == Stage::geometry || effect.stage == Stage::mount ||
+                       effect.stage == Stage::timing;
+  return its_own && !effect.spread_only && (effect.kinds & kPoints) != 0;
+}
+
+bool is_cameras_name(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+}
+
+}  // namespace
+
+std::string camera_of(const std::string& effect) {
+  const size_t at = effect.find('@');
+  return at == std::string::npos ? "" : effect.substr(at + 1);
+}
+
+std::string plain_name(const std::string& effect) {
+  return effect.substr(0, effect.find('@'));
+}
+
+bool meet(const std::string& a, const std::string& b, const Model& model) {
+  const std::string of_a = camera_of(a), of_b = camera_of(b);
+  if (of_a == of_b) return true;
+  if (!of_a.empty() && !of_b.empty()) return false;
+  return of_a.empty() ? !model.has(plain_name(a) + "@" + of_b)
+                      : !model.has(plain_name(b) + "@" + of_a);
+}
+
 std::shared_ptr<const EffectDefinition> find_effect(const std::string& name) {
+  const std::string plain = plain_name(name);
   for (const auto& effect : catalogue()) {
-    if (effect->name == name) return effect;
+    if (effect->name != plain) continue;
+    if (plain == name) return effect;
+    if (!may_be_one_cameras(*effect) || !is_cameras_name(camera_of(name))) return nullptr;
+    EffectDefinition own = *effect;
+    own.name = name;
+    own.companions.clear();
+    return std::make_shared<const EffectDefinition>(std::move(own));
   }
   return nullptr;
 }

@@ -83,7 +83,7 @@ ROOMS = {
         "kinds/photometry/likelihood": ["kinds/photometry/stack", "sets", "imaging", "problem"],
         "kinds/photometry": ["kinds", "kinds/photometry/likelihood", "kinds/photometry/stack", "sets", "imaging", "problem", "numerics", "fitting"],
         "kinds/points/target": ["numerics"],
-        "kinds/points/motion": ["numerics"],
+        "kinds/points/motion": ["kinds/points/target", "numerics"],
         "kinds/points": ["kinds", "kinds/points/motion", "kinds/points/target", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "check": ["imaging", "kinds", "sets", "problem", "fitting", "search"],

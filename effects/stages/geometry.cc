@@ -4,6 +4,7 @@
 
 #include "effects/not_a_number.h"
 #include "effects/questions.h"
+#include "effects/registry.h"
 #include "sim_core/base/error.h"
 
 namespace seam::effects {
@@ -20,6 +21,9 @@ Projection::Projection(const Model& model, int width_px, int height_px)
                     lens->definition->name));
   }
   for (const ModelEffect& effect : model.effects()) {
+    if (!camera_of(effect.definition->name).empty())
+      throw InputError(fmt::format("'{}' is one camera's own, expected a model of one camera",
+                                   effect.definition->name));
     if (effect.definition->geometry || effect.definition->image_map) effects_.push_back(effect);
   }
 }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "effects/registry.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/lens_map.h"
 #include "measurement/report/report_plots.h"
@@ -143,7 +144,11 @@ std::string document(const Problem& problem, const ReportHeader& header, const S
   if (stages.after) append_stage(problem, *stages.after, "after", structures, plots);
   const Assessment& shown = stages.after ? *stages.after : *stages.before;
   const Facts& facts = problem.facts();
-  if (facts.width_px > 0 && !shown.unknowns.empty())
+  const auto& effects = shown.model.effects();
+  const bool one_lens = std::all_of(effects.begin(), effects.end(), [](const auto& effect) {
+    return effects::camera_of(effect.definition->name).empty();
+  });
+  if (facts.width_px > 0 && !shown.unknowns.empty() && one_lens)
     plots["lens_error"] = map_json(error_map(shown, facts.width_px, facts.height_px),
                                    stages.after ? "after" : "before", "Standard error");
   if (json target = target_arrows(problem, shown.model); !target.empty())

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "effects/registry.h"
 #include "measurement/numerics/regression.h"
@@ -39,7 +40,8 @@ Model with_effect(Model model, const Prospect& prospect, const std::vector<doubl
 std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
                                         const std::vector<Unknown>& others,
                                         const EffectDefinition& effect, const Groups& groups,
-                                        std::vector<NotTestable>& reasons, double& expected_ll) {
+                                        const Evaluation* near, std::vector<NotTestable>& reasons,
+                                        double& expected_ll) {
   std::vector<size_t> open;
   for (size_t i = 0; i < effect.parameters.size(); ++i) {
     if (effect.parameters[i].integer || effect.parameters[i].stated) continue;
@@ -53,7 +55,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   if (effect.spread_only || open.empty() || !effect.has_neutral) return open;
   std::vector<Unknown> unknowns = others;
   for (const size_t i : open) unknowns.push_back({effect.name, i});
-  const Evaluation here = problem.evaluate(model, groups);
+  const Evaluation here = problem.evaluate(model, groups, near);
   if (!here.valid) return open;
   auto columns = problem.jacobian(model, unknowns, groups, here);
   // What is left of each column is its leverage.
@@ -173,6 +175,26 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
 
 }  // namespace
 
+namespace {
+
+// Cameras of which the model says something of their own.
+std::set<std::string> cameras_named_in(const Model& model) {
+  std::set<std::string> cameras;
+  for (const effects::ModelEffect& effect : model.effects())
+    cameras.insert(effects::camera_of(effect.definition->name));
+  cameras.erase("");
+  return cameras;
+}
+
+// Whether one camera can have the effect beside those that it shares with others.
+bool has_place(const EffectDefinition& effect, Model model) {
+  effects::remove_replaced(effect, model);
+  model.add_neutral(std::make_shared<const EffectDefinition>(effect));
+  return effects::conflict_in(model).empty();
+}
+
+}  // namespace
+
 EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own) {
   EffectList absent;
   const auto consider = [&](const std::shared_ptr<const EffectDefinition>& effect) {
@@ -188,12 +210,29 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
   };
   for (const auto& effect : effects::catalogue()) consider(effect);
   for (const auto& effect : own) consider(effect);
+  for (const std::string& camera : cameras_named_in(model)) {
+    for (const auto& effect : effects::catalogue()) {
+      const auto of_one = effects::find_effect(effect->name + "@" + camera);
+      if (of_one && has_place(*of_one, model)) consider(of_one);
+    }
+  }
   return absent;
+}
+
+std::optional<Evaluation> start_of_prospects(const Problem& problem, const Model& model,
+                                             const Evaluation* near) {
+  if (!problem.is_smooth(model) || problem.screening_groups()) return std::nullopt;
+  Evaluation start = problem.evaluate(model, problem.all_groups(), near);
+  if (!start.valid) return std::nullopt;
+  // Each model beside it has slopes of its own.
+  start.reusable.reset();
+  return start;
 }
 
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
-                                    std::vector<NotTestable>& reasons, bool alone) {
+                                    std::vector<NotTestable>& reasons, bool alone,
+                                    const Evaluation* near) {
   const Model& model = base.assessment.model;
   if (effects::is_excluded(*effect, model)) return std::nullopt;
   if (effect->draws_estimated && base.assessment.error > kUseless) {
@@ -221,7 +260,8 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
   const std::optional<Groups> screening = problem.screening_groups();
   const Groups groups = screening.value_or(problem.all_groups());
   double expected = prospect.expected_ll;
-  prospect.free = testable_parameters(problem, probe, others, *effect, groups, reasons, expected);
+  prospect.free =
+      testable_parameters(problem, probe, others, *effect, groups, near, reasons, expected);
   if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
   if (screening && std::isfinite(expected)) {
     // All groups are expected to gain as these do.
@@ -305,8 +345,10 @@ Looks look_at(const Problem& problem, const Grown& base, const EffectList& effec
   std::vector<std::vector<NotTestable>> reasons(effects.size());
   promising_only =
       problem.is_smooth(base.assessment.model) && (promising_only || problem.screening_groups());
+  const std::optional<Evaluation> near = start_of_prospects(problem, base.assessment.model);
   parallel_for(effects.size(), [&](size_t i) {
-    prospects[i] = prospect_of(problem, base, effects[i], reasons[i], /*alone=*/false);
+    prospects[i] = prospect_of(problem, base, effects[i], reasons[i], /*alone=*/false,
+                               near ? &*near : nullptr);
   });
   Looks looks;
   for (const auto& prospect : prospects) looks.tried += prospect.has_value();

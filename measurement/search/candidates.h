@@ -38,10 +38,17 @@ struct Prospect {
 };
 
 // Nothing where the effect cannot be tested (and says why in `reasons`). The companions of its
-// record come with it unless it is wanted `alone`.
+// record come with it unless it is wanted `alone`. `near` is the base's own evaluation where there
+// is one: with a small effect more, nuisances hardly move.
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
-                                    std::vector<NotTestable>& reasons, bool alone = true);
+                                    std::vector<NotTestable>& reasons, bool alone = true,
+                                    const Evaluation* near = nullptr);
+
+// What prospects beside a model may start from; nothing where they are no steps of Gauss and Newton
+// on all groups.
+std::optional<Evaluation> start_of_prospects(const Problem& problem, const Model& model,
+                                             const Evaluation* near = nullptr);
 
 // Fits a prospect beside the model it was seen with.
 std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,

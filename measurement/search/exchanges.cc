@@ -9,19 +9,19 @@ namespace seam::measurement {
 
 namespace {
 
-std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const std::string& out,
+// What takes the place of another base is exchanged for its like alone: without it the model is
+// none from which a step could tell anything.
+bool may_take_the_place(const EffectDefinition& in, const EffectDefinition& leaving) {
+  return leaving.replaces_base == effects::Base::none ||
+         in.replaces_base == leaving.replaces_base ||
+         (in.term != effects::Term::none && in.term == leaving.replaces_term);
+}
+
+std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const Grown& smaller,
+                               const Score& score, const Evaluation* near,
                                const std::shared_ptr<const EffectDefinition>& in) {
-  // What takes the place of another base is exchanged for its like alone: without it the model is
-  // none from which a step could tell anything.
-  const EffectDefinition& leaving = *grown.assessment.model.find(out)->definition;
-  if (leaving.replaces_base != effects::Base::none && in->replaces_base != leaving.replaces_base &&
-      (in->term == effects::Term::none || in->term != leaving.replaces_term))
-    return std::nullopt;
-  Grown smaller = without(grown, out);
-  const Score score = problem.score(smaller.assessment.model, problem.all_groups());
-  if (score.valid) smaller.assessment.total_ll = score.log_likelihood;
   std::vector<NotTestable> reasons;
-  const auto prospect = prospect_of(problem, smaller, in, reasons);
+  const auto prospect = prospect_of(problem, smaller, in, reasons, /*alone=*/true, near);
   if (!prospect) return std::nullopt;
   if (std::isfinite(prospect->expected_ll)) {
     const double lost = grown.assessment.total_ll - score.log_likelihood;
@@ -34,15 +34,15 @@ std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const
   return std::move(candidate->grown);
 }
 
-// All that an exchange depends on.
-std::vector<double> key_of(const Problem& problem, const Grown& grown, const std::string& out,
-                           const EffectDefinition& in) {
+// All that an exchange depends on but the effects that change places.
+std::vector<double> key_of(const Problem& problem, const Grown& grown,
+                           const std::vector<std::string>& change = {}) {
   std::vector<double> key = {static_cast<double>(problem.times_marked()),
                              grown.assessment.total_ll};
   const auto add = [&](const std::string& text) {
     key.push_back(static_cast<double>(std::hash<std::string>{}(text) >> 12));
   };
-  add(out), add(in.name + "\n" + in.source);
+  for (const std::string& name : change) add(name);
   for (const std::string& name : grown.added) add(name);
   for (const Unknown& unknown : grown.assessment.unknowns)
     add(unknown.effect + "." + std::to_string(unknown.parameter));
@@ -55,11 +55,29 @@ std::vector<double> key_of(const Problem& problem, const Grown& grown, const std
 
 }  // namespace
 
+Exchanges::Without Exchanges::without_it(const Grown& grown, const std::string& out) const {
+  const auto start = started_.of(0, key_of(problem_, grown), [&] {
+    return start_of_prospects(problem_, grown.assessment.model);
+  });
+  Without less{.grown = without(grown, out)};
+  const Model& model = less.grown.assessment.model;
+  if (*start) less.near = start_of_prospects(problem_, model, &**start);
+  less.score =
+      less.near ? score_of(problem_, *less.near) : problem_.score(model, problem_.all_groups());
+  if (less.score.valid) less.grown.assessment.total_ll = less.score.log_likelihood;
+  return less;
+}
+
 std::optional<Grown> Exchanges::with_other(
     const Grown& grown, const std::string& out,
     const std::shared_ptr<const EffectDefinition>& in) const {
-  return *tried_.of(0, key_of(problem_, grown, out, *in),
-                    [&] { return exchanged(problem_, grown, out, in); });
+  if (!may_take_the_place(*in, *grown.assessment.model.find(out)->definition)) return std::nullopt;
+  return *tried_.of(0, key_of(problem_, grown, {out, in->name + "\n" + in->source}), [&] {
+    const auto less =
+        without_.of(0, key_of(problem_, grown, {out}), [&] { return without_it(grown, out); });
+    return exchanged(problem_, grown, less->grown, less->score, less->near ? &*less->near : nullptr,
+                     in);
+  });
 }
 
 }  // namespace seam::measurement

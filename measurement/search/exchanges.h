@@ -23,8 +23,19 @@ class Exchanges {
 
  private:
   static constexpr size_t kKept = 64;
+  static constexpr size_t kKeptWithout = 16;
+
+  // What all exchanges of one effect begin with: the model without it, not fitted again.
+  struct Without {
+    Grown grown;
+    Score score;
+    std::optional<Evaluation> near;
+  };
+  Without without_it(const Grown& grown, const std::string& out) const;
 
   const Problem& problem_;
+  Memo<std::optional<Evaluation>> started_{1, 1};
+  Memo<Without> without_{1, kKeptWithout};
   Memo<std::optional<Grown>> tried_{1, kKept};
 };
 

@@ -38,6 +38,21 @@ bool bounded_at_neutral(const EffectDefinition& effect) {
                      [](const Parameter& p) { return p.min >= p.neutral || p.max <= p.neutral; });
 }
 
+// Whether the fitted values are told at all: none has an error beyond its own size and many times
+// what is typical of it.
+bool is_known(const Assessment& assessment) {
+  constexpr double kManyTimes = 10;
+  for (size_t k = 0; k < assessment.unknowns.size(); ++k) {
+    const Unknown& unknown = assessment.unknowns[k];
+    const Parameter& parameter =
+        assessment.model.find(unknown.effect)->definition->parameters[unknown.parameter];
+    if (assessment.fit.sigma[k] >
+        std::max(std::abs(assessment.fit.value[k]), kManyTimes * parameter.scale))
+      return false;
+  }
+  return true;
+}
+
 // What the model loses without the effect, all else as it is: at least what the effect gained, or
 // else some of that gain is the base's, whose fit had stopped early.
 double loss_without(const Problem& problem, const Candidate& candidate) {
@@ -138,7 +153,10 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   const double tail = chi2_tail(ratio, freedom);
   candidate.p_value = tail <= 1e-299 ? 1e-300 : std::min(1.0, tail * looks);
   // One parameter gains as much as it stands clear of neutral; a gain without is the base's, whose
-  // fit had stopped early.
+  // fit had stopped early. Where the base itself is not known (the focal length of a camera that
+  // sees a board from the front only), no value is clear: whether the gain is lost without it tells
+  // then.
+  const bool lost_tells = candidate.effect->has_neutral && !has_counts(*candidate.effect);
   const bool clear = has_counts(*candidate.effect) || candidate.effect->spread_only ||
                      clear_parameters(candidate.grown, candidate.effect->name) > 0;
   candidate.fall = native_fall(before.held, after.held);
@@ -148,7 +166,7 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   const bool plain = mean && after.error < kPlainlyLess * before.error;
   const bool falls = !mean || before.error <= kMisfit || candidate.fall > 0;
   const bool agreed = after.error <= kMisfit
-                          ? clear || candidate.free.size() > 1
+                          ? clear || candidate.free.size() > 1 || (lost_tells && !is_known(before))
                           : falls && (plain || (clear && candidate.held_z > kAgreedGain));
   // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by
   // as much as noise makes them in one of ten cases at five standard errors, or by what their
@@ -160,7 +178,7 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
       (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
   candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
-  if (candidate.significant && candidate.effect->has_neutral && !has_counts(*candidate.effect))
+  if (candidate.significant && lost_tells)
     candidate.significant =
         loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll;
   if (candidate.significant) {
@@ -224,7 +242,12 @@ size_t gather_ties(std::vector<Candidate>& candidates) {
   return count;
 }
 
-// Of equally good ones: fewer parameters, then no bound at neutral.
+// How the distance from the axis is bent every lens has, before any rarer cause of the same image.
+bool of_every_lens(const Candidate& candidate) {
+  return candidate.effect->term == effects::Term::radial;
+}
+
+// Of equally good ones: fewer parameters, then what every lens has, then no bound at neutral.
 void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
   const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(tied);
   const bool at_noise = candidates.front().grown.assessment.error <= kMisfit;
@@ -232,6 +255,7 @@ void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
     const double apart = std::abs(a.total_gain_ll - b.total_gain_ll);
     const size_t of_a = fitted_parameters(a), of_b = fitted_parameters(b);
     if (of_a != of_b && (at_noise || apart < kFewerParametersWidth)) return of_a < of_b;
+    if (at_noise && of_every_lens(a) != of_every_lens(b)) return of_every_lens(a);
     if (apart < kPreferenceWidth)
       return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);
     return false;

@@ -23,7 +23,7 @@ struct Rate {
 };
 
 struct StudyPlan {
-  std::string kind;       // points, board, joints, odometry, landmarks, photometry, frames.
+  std::string kind;       // points, board, video, joints, odometry, landmarks, photometry, frames.
   std::string effect;     // Hidden in each set; empty: none, so that all findings are false alarms.
   std::string parameter;  // The one that is not neutral; empty: the effect's first.
   // Effects with values, as in a model ("{frame_latency: {latency_s: 0.02}}"): hidden together in

@@ -123,6 +123,49 @@ std::string board(const std::filesystem::path& folder) {
          "{value: -0.05, free: true}}}";
 }
 
+// A video of a board of 8 x 6 corners by a camera moved by hand: its aim and its place wander in
+// waves of up to 1.6 Hz, by 1 rad/s and 0.1 m/s in the mean, which its reader does not know.
+std::string video(const std::filesystem::path& folder) {
+  constexpr double kPeriod_s = 0.04, kEach_s = 0.008;
+  constexpr int kFrames = 24, kWaves = 3;
+  const auto wave = [](uint64_t which, double speed, double t_s) {
+    double sum = 0, speed2 = 0;
+    for (int k = 0; k < kWaves; ++k) {
+      const uint64_t at = which * kWaves + static_cast<uint64_t>(k);
+      const double rate = 2 * std::numbers::pi * between("hand rate", at, 0.4, 1.6),
+                   size = between("hand size", at, 0.5, 1) / rate;
+      sum += size * maths::sin(rate * t_s + between("hand phase", at, 0, 6));
+      speed2 += 0.5 * size * size * rate * rate;
+    }
+    return sum * speed / std::sqrt(speed2);
+  };
+  std::string table = "frame,time_s,point,x_m,y_m,z_m\n",
+              poses = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+  const int last = static_cast<int>((kFrames + 2) * kPeriod_s / kEach_s);
+  for (int i = -last / 8; i <= last; ++i) {
+    const double t_s = kEach_s * i;
+    const Vec3 eye(0.12 + wave(0, 0.1, t_s), 0.08 + wave(1, 0.1, t_s), -0.5 + wave(2, 0.1, t_s));
+    // At half a metre the aim turns by twice what it wanders.
+    const Vec3 at(wave(3, 0.3, t_s), wave(4, 0.3, t_s), 0);
+    poses += pose_row(t_s, eye, at, wave(5, 0.55, t_s));
+  }
+  for (int frame = 0; frame < kFrames; ++frame) {
+    for (int point = 0; point < 48; ++point)
+      table += fmt::format("{},{:.3f},{},{:.4f},{:.4f},0\n", frame, kPeriod_s * frame, point,
+                           0.04 * (point % 8 - 3.5), 0.04 * (point / 8 - 2.5));
+  }
+  write_file_atomically(folder / "poses.csv", poses);
+  write_file_atomically(folder / "points.csv", table);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: points\ntitle: Study of videos\n"
+                        "camera: {width_px: 640, height_px: 480, frame_period_s: 0.04}\n"
+                        "noise: {u_px: 0.2, v_px: 0.2}\ngroup: frame\n"
+                        "files: {points: points.csv, poses: poses.csv}\n"
+                        "rig: {pose: unknown, motion: spline}\n");
+  return "{pinhole: {fx_px: {value: 500, free: true}, fy_px: {value: 500, free: true}, cx_px: "
+         "{value: 319.5, free: true}, cy_px: {value: 239.5, free: true}}}";
+}
+
 // Steps of several heights, swings of several speeds and slow ramps.
 std::string joints(const std::filesystem::path& folder) {
   std::string table = "run,time_s,joint,command_rad\n";
@@ -260,6 +303,7 @@ Model write_study_protocol(const std::string& kind, const std::filesystem::path&
   std::string nominal;
   if (kind == "points") nominal = points(folder);
   if (kind == "board") nominal = board(folder);
+  if (kind == "video") nominal = video(folder);
   if (kind == "joints") nominal = joints(folder);
   if (kind == "odometry") nominal = odometry(folder);
   if (kind == "landmarks") nominal = landmarks(folder);
@@ -267,9 +311,8 @@ Model write_study_protocol(const std::string& kind, const std::filesystem::path&
   if (kind == "frames") nominal = frames(folder);
   if (nominal.empty())
     throw InputError(
-        fmt::format("no study protocol for kind '{}', expected points, board, joints, odometry, "
-                    "landmarks, photometry or "
-                    "frames",
+        fmt::format("no study protocol for kind '{}', expected points, board, video, joints, "
+                    "odometry, landmarks, photometry or frames",
                     kind));
   return Model::from_config(ConfigNode::from_text(
       "format: seam-model/1\nname: nominal\neffects: " + nominal + "\n", "nominal"));

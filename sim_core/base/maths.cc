@@ -27,6 +27,9 @@ double atan(double x) {
 double atan2(double y, double x) {
   return Sleef_cinz_atan2d1_u10purec(y, x);
 }
+double quick_atan2(double y, double x) {
+  return Sleef_cinz_atan2d1_u35purec(y, x);
+}
 double exp(double x) {
   return Sleef_cinz_expd1_u10purec(x);
 }

@@ -19,6 +19,8 @@ double asin(double x);
 double acos(double x);
 double atan(double x);
 double atan2(double y, double x);
+// Within 3.5 ulp, in a third of the time: for lenses, which ask for an angle of each point.
+double quick_atan2(double y, double x);
 double exp(double x);
 double expm1(double x);
 double log(double x);

@@ -88,7 +88,7 @@ void add_study(app::Command app) {
   auto flags = std::make_shared<Flags>();
   command
       .add_option("KIND", flags->plan.kind,
-                  "points, board, joints, odometry, landmarks, photometry or frames")
+                  "points, board, video, joints, odometry, landmarks, photometry or frames")
       .required();
   command.add_option("--seeds", flags->plan.seeds, "How many sets at each size")
       .range(1, 100000)

@@ -31,7 +31,7 @@ EffectDefinition fisheye() {
           [](Values p, ImagePoint& point) {
             const Vec3& ray = point.p_C;
             const double r = std::sqrt(ray.x * ray.x + ray.y * ray.y);
-            const double theta = maths::atan2(r, ray.z);
+            const double theta = maths::quick_atan2(r, ray.z);
             const double t2 = theta * theta;
             const double r_d = theta * (1 + t2 * (p[0] + t2 * (p[1] + t2 * (p[2] + t2 * p[3]))));
             // Where r_d no longer grows with the angle the image folds back: nothing is seen there.

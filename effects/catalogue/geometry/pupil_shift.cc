@@ -23,6 +23,7 @@ EffectDefinition pupil_shift() {
       .formula = "z - forward_m (theta / sin theta - 1), theta the point's angle from the axis",
       .signature = "radial, unlike at unlike distances",
       .example = "pupil_shift: {forward_m: 0.003}",
+      .needs = {Need::several_views},
       .advice = {{kPoints,
                   {},
                   "A pupil that moves looks like the lens where the target is always as far away: "
@@ -35,7 +36,7 @@ EffectDefinition pupil_shift() {
             // On the axis the quotient's limit is 1.
             constexpr double kOnAxis = 1e-7;
             if (!(r > kOnAxis * distance)) return;
-            p_C.z -= p[0] * (maths::atan2(r, p_C.z) * distance / r - 1);
+            p_C.z -= p[0] * (maths::quick_atan2(r, p_C.z) * distance / r - 1);
             point.visible = p_C.z > 0;
             point.x = point.xd = p_C.x / p_C.z;
             point.y = point.yd = p_C.y / p_C.z;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/points/points_gross.h"
 #include "measurement/kinds/points/points_noise.h"
@@ -59,9 +60,24 @@ std::vector<effects::Lack> lacks_of(const PointsData& data) {
 PointsProblem::PointsProblem(const MeasurementSet& set) : data_(read_points(set, true, facts_)) {
   facts_.fingerprint = set.fingerprint();
   facts_.set.lacks = lacks_of(data_);
+  join_few_views();
   gross_ = gross_errors(data_, facts_);
   state_noise(set);
   state_motion();
+}
+
+// One view of a flat target tells two of a camera's numbers and two views four, so that a camera
+// fitted to one of two says nothing of the other: parts of both are held out in turn.
+void PointsProblem::join_few_views() {
+  constexpr size_t kTooFew = 3;
+  if (data_.rig.type() != Rig::Type::unknown || data_.rows_of_frame.size() >= kTooFew ||
+      facts_.groups.size() < 2)
+    return;
+  facts_.groups = {"all views"};
+  std::fill(facts_.group_of_row.begin(), facts_.group_of_row.end(), 0);
+  facts_.notes.push_back(
+      "two views: parts of both are held out in turn, since a camera fitted to one of them says "
+      "little of the other");
 }
 
 void PointsProblem::state_noise(const MeasurementSet& set) {
@@ -79,14 +95,15 @@ void PointsProblem::state_noise(const MeasurementSet& set) {
   }
 }
 
-void PointsProblem::place(const Model& model) {
+void PointsProblem::place(const Model& given) {
+  const Model model = with_cameras_placed(given, refitted_unknowns(given), all_groups());
   if (on_path() && data_.rig.knot_s() == 0) choose_knots(model);
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   if (evaluation.valid) place_covariates(data_, evaluation.residual, facts_);
 }
 
 void PointsProblem::check_model(const Model& model) const {
-  effects::Projection(model, data_.camera.width_px, data_.camera.height_px);
+  check_cameras(model);
   if (moves() && effects::target_of(model).has_draws())
     throw InputError(
         "the model draws points of the target or its bending, which are estimated of still views "
@@ -139,7 +156,7 @@ std::vector<char> PointsProblem::find_outliers(const Model& model) const {
 
 // The nearest points in the same image.
 std::vector<int> PointsProblem::neighbours(size_t row) const {
-  std::vector<int> near = data_.rows_of_frame[data_.frame_of_row[row]];
+  std::vector<int> near = data_.rows_of_view[data_.view_of_row[row]];
   std::erase(near, static_cast<int>(row));
   const auto distance2 = [&](int other) {
     const double du = data_.u_px[other] - data_.u_px[row], dv = data_.v_px[other] - data_.v_px[row];

@@ -13,8 +13,8 @@
 namespace seam::measurement {
 namespace {
 
-const std::vector<std::string> kColumns = {"frame", "time_s", "point", "x_m",
-                                           "y_m",   "z_m",    "u_px",  "v_px"};
+const std::vector<std::string> kColumns = {"frame", "time_s", "point", "x_m",   "y_m",
+                                           "z_m",   "u_px",   "v_px",  "camera"};
 
 Covariate named(const std::string& name, std::vector<double> values,
                 Covariate::Type type = Covariate::Type::smooth) {
@@ -101,6 +101,24 @@ void read_spread(const CsvTable& table, PointsData& data) {
   }
 }
 
+// Cameras on one rig, in the order in which the table names them.
+void read_cameras(const CsvTable& table, PointsData& data) {
+  std::vector<std::string> names = {""};
+  data.camera_of_row.assign(table.rows(), 0);
+  if (table.has("camera"))
+    names.clear(), data.camera_of_row = number_groups(table.texts("camera"), names);
+  for (const std::string& name : names)
+    data.cameras.push_back({name, data.camera.width_px, data.camera.height_px});
+  std::map<std::pair<int, int>, int> views;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    const auto view = views.emplace(std::pair(data.frame_of_row[row], data.camera_of_row[row]),
+                                    static_cast<int>(views.size()));
+    if (view.second) data.rows_of_view.emplace_back();
+    data.view_of_row.push_back(view.first->second);
+    data.rows_of_view[static_cast<size_t>(view.first->second)].push_back(static_cast<int>(row));
+  }
+}
+
 }  // namespace
 
 PointsData read_points(const MeasurementSet& set, bool measured, Facts& facts) {
@@ -129,6 +147,7 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   if (measured) read_spread(table, data);
   data.frame_of_row = number_groups(table.texts("frame"), data.frames);
   data.rows_of_frame.resize(data.frames.size());
+  read_cameras(table, data);
   facts.group_of_row = number_groups(table.texts(set.group), facts.groups);
   std::vector<int> group_of_frame(data.frames.size(), -1);
   for (size_t row = 0; row < table.rows(); ++row) {
@@ -155,7 +174,7 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   if (!set.target.empty()) take_places(set.target, names, data, facts);
   data.target = target_of_rows(names, data.point_of_row, data.p_W, data.frame_of_row);
   facts.time_of_row = data.stamp_s;
-  facts.series_of_row = data.frame_of_row;
+  facts.series_of_row = data.view_of_row;
   facts.tests_neighbours = false;
   if (measured) add_points_covariates(data, table, facts);
   return data;
@@ -217,6 +236,10 @@ void add_points_covariates(const PointsData& data, const CsvTable& table, Facts&
   }
   if (data.rows_of_frame.size() > 1) {
     all.push_back(named("frame", {data.frame_of_row.begin(), data.frame_of_row.end()},
+                        Covariate::Type::category));
+  }
+  if (data.cameras.size() > 1) {
+    all.push_back(named("camera", {data.camera_of_row.begin(), data.camera_of_row.end()},
                         Covariate::Type::category));
   }
   for (const std::string& column : table.extra_numeric_columns(kColumns))

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "measurement/kinds/points/target/cameras.h"
 #include "measurement/kinds/points/target/target_frame.h"
 #include "measurement/problem/problem.h"
 #include "measurement/sets/rig.h"
@@ -14,6 +15,8 @@ namespace seam::measurement {
 struct PointsData {
   Rig rig;
   CameraFacts camera;
+  std::vector<CameraView> cameras;  // One, without a name, where the table has no such column.
+  std::vector<int> camera_of_row;
   std::vector<double> stamp_s;  // By row, since the reference.
   std::vector<Vec3> p_W;        // By the set's plan.
   Target target;
@@ -25,6 +28,9 @@ struct PointsData {
   std::vector<int> frame_of_row;
   std::vector<std::string> frames;  // Their names.
   std::vector<std::vector<int>> rows_of_frame;
+  // What one camera sees in one frame.
+  std::vector<std::vector<int>> rows_of_view;
+  std::vector<int> view_of_row;
 };
 
 // Reads and checks the table; fills what of the facts depends on it alone. `measured` false: a

@@ -1,6 +1,7 @@
 // Evaluations in which draws of the target (displaced points, bendings of views) are estimated with
 // the model. Of groups that are held out the draws are known from all others.
 #include <algorithm>
+#include <cmath>
 
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
@@ -97,6 +98,13 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjustment_at(
 }
 
 std::vector<double> PointsProblem::counted_sigma(const FewErrors& scatter,
+                                                 const TargetAdjustment& adjustment) const {
+  Evaluation here = blank();
+  adjustment.tell_residuals(here);
+  return counted_sigma(scatter, here);
+}
+
+std::vector<double> PointsProblem::counted_sigma(const FewErrors& scatter,
                                                  const Evaluation& evaluation) const {
   std::vector<double> sigma = blank().sigma;
   for (size_t u = 0; u < sigma.size(); u += 2) {
@@ -108,22 +116,21 @@ std::vector<double> PointsProblem::counted_sigma(const FewErrors& scatter,
 }
 
 // Points that may have failed count for less, and how likely they did follows from where the
-// others have them: in turn until neither changes.
+// others have them: in turn until neither changes. `last` has the sigmas that they counted with so
+// far; empty: the stated ones.
 void PointsProblem::settle_scattered(const FewErrors& scatter, const Model& model,
                                      const Groups& groups, const DrawsKnown* known,
+                                     std::vector<double> last,
                                      std::unique_ptr<TargetAdjustment>& adjustment) const {
   constexpr int kRounds = 8;
-  // Sigmas that change by less move the nuisances by less than matters.
-  constexpr double kSame = 1e-3;
-  std::vector<double> last;
+  // Sigmas that change by less, all together, move the nuisances by less than matters: a point that
+  // half failed takes many rounds to settle, and moves next to nothing.
+  constexpr double kSame = 0.02;
   for (int round = 0; round < kRounds; ++round) {
-    Evaluation here = blank();
-    adjustment->tell_residuals(here);
-    const std::vector<double> sigma = counted_sigma(scatter, here);
-    double changed = last.empty() ? 1 : 0;
-    for (size_t i = 0; i < last.size(); ++i)
-      changed = std::max(changed, std::abs(sigma[i] / last[i] - 1));
-    if (changed < kSame) return;
+    const std::vector<double> sigma = counted_sigma(scatter, *adjustment);
+    double changed2 = last.empty() ? 1 : 0;
+    for (size_t i = 0; i < last.size(); ++i) changed2 += std::pow(sigma[i] / last[i] - 1, 2);
+    if (changed2 < kSame * kSame) return;
     auto next = adjustment_at(model, groups, known, adjustment->values(), sigma);
     if (!next->fit()) return;
     adjustment = std::move(next), last = sigma;
@@ -139,10 +146,15 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
       warm && warm->valid && warm->nuisance_values.size() > 12 * data_.rows_of_frame.size();
   const std::vector<double> start =
       warm_draws ? warm->nuisance_values : start_beside(model, groups);
+  const std::optional<FewErrors> scatter = unknown ? scatter_of(model) : std::nullopt;
   std::unique_ptr<TargetAdjustment> adjustment;
+  std::vector<double> sigma;
   bool found = false;
   if (!start.empty()) {
     adjustment = adjustment_at(model, groups, known, start);
+    // Near the end each point counts as it will there.
+    if (scatter) sigma = counted_sigma(*scatter, *adjustment);
+    if (scatter) adjustment = adjustment_at(model, groups, known, start, sigma);
     found = adjustment->fit();
   }
   // Else from poses of their own: linear ones, or refined where these are too far off.
@@ -151,11 +163,12 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
     const Evaluation poses = unknown ? evaluate_unknown(model, groups, warm, refined)
                                      : evaluate_rig(model, groups, warm);
     if (!poses.valid) continue;
+    sigma.clear();
     adjustment = adjustment_at(model, groups, known, poses.nuisance_values);
     found = adjustment->fit();
   }
-  const std::optional<FewErrors> scatter = unknown ? scatter_of(model) : std::nullopt;
-  if (found && scatter) settle_scattered(*scatter, model, groups, known, adjustment);
+  if (found && scatter)
+    settle_scattered(*scatter, model, groups, known, std::move(sigma), adjustment);
   evaluation = blank();
   evaluation.valid = found;
   if (found) {

@@ -208,7 +208,10 @@ bool PointsProblem::DrawsFit::go_down() {
 
 std::optional<Fit> PointsProblem::DrawsFit::run() {
   if (!suits()) return std::nullopt;
-  const Evaluation first = problem_.evaluate(model_, groups_, nullptr);
+  Evaluation near;
+  near.nuisance_values = problem_.start_beside(model_, groups_);
+  const Evaluation first =
+      problem_.evaluate(model_, groups_, near.nuisance_values.empty() ? nullptr : &near);
   if (!first.valid) return std::nullopt;
   values_ = first.nuisance_values;
   if (!go_down()) return std::nullopt;
@@ -241,8 +244,9 @@ Fit PointsProblem::DrawsFit::result(const Evaluation& end) const {
   return fit;
 }
 
-Fit PointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
+Fit PointsProblem::fit(const Model& given, const std::vector<Unknown>& unknowns,
                        const Groups& groups) const {
+  const Model start = with_cameras_placed(given, unknowns, groups);
   if (effects::target_of(start).has_draws() || scatter_of(start)) {
     DrawsFit together(*this, start, unknowns, groups);
     if (auto fit = together.run()) return *std::move(fit);

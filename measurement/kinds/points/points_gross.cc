@@ -175,7 +175,7 @@ void Gross::mirrored(const std::vector<ViewFit>& fits) {
 
 void Gross::by_view() {
   std::vector<ViewFit> fits;
-  for (const std::vector<int>& all : data_.rows_of_frame) {
+  for (const std::vector<int>& all : data_.rows_of_view) {
     std::vector<int> rows;
     std::copy_if(all.begin(), all.end(), std::back_inserter(rows),
                  [&](int row) { return !bad_[row]; });

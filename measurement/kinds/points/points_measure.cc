@@ -82,7 +82,8 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
       for (size_t j = 0; j < errors.size(); ++j) {
         // The logged angle is the true one rounded; the true one lies within half a step of it.
         const auto& log = data.rig.log_times();
-        const double t = predictor.instant(data.stamp_s[row], 0.5 * data.camera.height_px);
+        const double t = predictor.instant(data.stamp_s[row], 0.5 * data.camera.height_px,
+                                           data.camera_of_row[row]);
         const size_t node = std::min<size_t>(
             std::upper_bound(log.begin(), log.end(), t) - log.begin(), log.size() - 1);
         errors[j] = step * (uniform(effects::rounding_stream(stream).child(j), node) - 0.5);
@@ -103,8 +104,8 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
         v += scatter.size * normal(stream.child("scatter"), 2 * row + 1);
       }
     }
-    const bool inside =
-        u > -0.5 && v > -0.5 && u < data.camera.width_px - 0.5 && v < data.camera.height_px - 0.5;
+    const CameraView& view = data.cameras[static_cast<size_t>(data.camera_of_row[row])];
+    const bool inside = u > -0.5 && v > -0.5 && u < view.width_px - 0.5 && v < view.height_px - 0.5;
     if (!point.visible || !inside) continue;
     std::vector<std::string> cells;
     for (const std::string& name : columns) {

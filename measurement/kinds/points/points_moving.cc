@@ -74,7 +74,7 @@ void PointsProblem::choose_knots(const Model& model) {
   for (size_t i = 0; i < facts_.scalars(); ++i)
     chi2 += still.used[i] ? still.whitened[i] * still.whitened[i] : 0;
   RowCamera camera = row_camera(model);
-  camera.line_delay_s = 0;
+  for (RowClock& clock : camera.clocks) clock.line_delay_s = 0;
   for (const double periods : kPeriods) {
     knot_s_ = periods * period_s_;
     const PathLayout layout = layout_of(all);
@@ -129,8 +129,15 @@ PathLayout PointsProblem::layout_of(const Groups& groups) const {
 
 RowCamera PointsProblem::row_camera(const Model& model) const {
   // The path has the frames' own clock: what delays all rows alike belongs to it.
-  return {.projection = {model, data_.camera.width_px, data_.camera.height_px},
-          .line_delay_s = effects::timing_of(model).line_delay_s};
+  RowCamera camera{.cameras = {model, data_.cameras}};
+  double first_s = 0;
+  for (const CameraView& view : data_.cameras) {
+    const effects::Timing timing = effects::timing_of(model_of(model, view.name));
+    const double late_s = timing.row_middle_after_stamp_s(0, 0);
+    if (camera.clocks.empty()) first_s = late_s;
+    camera.clocks.push_back({timing.line_delay_s, late_s - first_s});
+  }
+  return camera;
 }
 
 PathAdjustment PointsProblem::path_adjustment(const Model& model, const Groups& groups,
@@ -147,7 +154,8 @@ PathAdjustment PointsProblem::path_adjustment(const Model& model, const Groups& 
                     .v_px = data_.v_px[row],
                     .sigma_u = sigma_of(row, 0),
                     .sigma_v = sigma_of(row, 1),
-                    .stamp_s = data_.stamp_s[row]});
+                    .stamp_s = data_.stamp_s[row],
+                    .camera = data_.camera_of_row[row]});
   }
   return {layout, std::move(seen)};
 }
@@ -204,12 +212,12 @@ Evaluation PointsProblem::evaluate_moving(const Model& model, const Groups& grou
   evaluation.nuisance_values.assign(12 * frames, 0);
   evaluation.valid = found;
   // Of a view that is read out at once no velocity shows.
-  const bool at_once = !on_path() && camera.line_delay_s == 0;
+  const bool at_once = !on_path() && camera.clocks.front().line_delay_s == 0;
   evaluation.nuisances =
       6 * static_cast<int64_t>(at_once ? layout.stretches().size() : layout.controls());
   for (size_t frame = 0; frame < frames && found; ++frame) {
     if (!layout.takes_part(frame)) continue;
-    const double middle_s = 0.5 * camera.line_delay_s * data_.camera.height_px;
+    const double middle_s = 0.5 * camera.clocks.front().line_delay_s * data_.camera.height_px;
     const PathPoint at = path_at(layout.of_frame(frame), controls, frame_stamp_s_[frame] + middle_s,
                                  /*with_slopes=*/false);
     store_pose({at.R, at.middle_C - at.R * data_.target.middle_W}, frame,

@@ -57,7 +57,7 @@ class ViewsNoise {
 };
 
 ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross) : data_(data) {
-  for (const std::vector<int>& all : data.rows_of_frame) {
+  for (const std::vector<int>& all : data.rows_of_view) {
     View view;
     std::copy_if(all.begin(), all.end(), std::back_inserter(view.rows),
                  [&](int row) { return gross.empty() || !gross[2 * row]; });

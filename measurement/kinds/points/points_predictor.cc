@@ -20,17 +20,19 @@ std::vector<Vec3> places_of_rows(const PointsData& data, const effects::TargetSh
 
 effects::ImagePoint PointsPredictor::image_at(size_t row, const Vec3& p_W, double late_s,
                                               const double* joint_errors) const {
+  const int camera = data_.camera_of_row[row];
+  const auto& [timing, motion, projection] = eyes_[static_cast<size_t>(camera)];
   double v = data_.v_px[row];
-  if (timing_.line_delay_s == 0) {
-    const double t = instant(data_.stamp_s[row], v) + late_s;
-    return projection_.project(motion_.to_camera(t, p_W, joint_errors), t, v);
+  if (timing.line_delay_s == 0) {
+    const double t = instant(data_.stamp_s[row], v, camera) + late_s;
+    return projection.project(motion.to_camera(t, p_W, joint_errors), t, v);
   }
   effects::ImagePoint point;
   constexpr double kSettled_px = 1e-3;
   double previous_v = v, previous_f = 0, f = 0;
   for (int step = 0; step < 30; ++step) {
-    const double t = instant(data_.stamp_s[row], v) + late_s;
-    point = projection_.project(motion_.to_camera(t, p_W, joint_errors), t, v);
+    const double t = instant(data_.stamp_s[row], v, camera) + late_s;
+    point = projection.project(motion.to_camera(t, p_W, joint_errors), t, v);
     if (!point.visible) return point;
     // The row at which the point is seen is the fixed point of v -> image row; secant steps.
     f = point.v - v;
@@ -49,8 +51,11 @@ std::vector<int> lines_behind_camera(const Model& model, const MeasurementSet& s
   const PointsData data = read_points(set, false, facts);
   std::vector<int> lines;
   if (data.rig.type() == Rig::Type::unknown) return lines;
-  const Rig::Motion motion = data.rig.motion(model);
+  std::vector<Rig::Motion> motions;
+  for (const CameraView& view : data.cameras)
+    motions.push_back(data.rig.motion(model_of(model, view.name)));
   for (size_t row = 0; row < data.p_W.size(); ++row) {
+    const Rig::Motion& motion = motions[static_cast<size_t>(data.camera_of_row[row])];
     if (motion.to_camera(data.stamp_s[row], data.p_W[row]).z <= 0)
       lines.push_back(facts.line_of_row[row]);
   }

@@ -18,16 +18,19 @@ std::vector<Vec3> places_of_rows(const PointsData& data, const effects::TargetSh
 class PointsPredictor {
  public:
   PointsPredictor(const PointsData& data, const Model& model)
-      : data_(data),
-        places_W_(places_of_rows(data, effects::target_of(model))),
-        timing_(effects::timing_of(model)),
-        motion_(data.rig.motion(model)),
-        projection_(model, data.camera.width_px, data.camera.height_px) {}
+      : data_(data), places_W_(places_of_rows(data, effects::target_of(model))) {
+    for (const CameraView& view : data.cameras) {
+      const Model own = model_of(model, view.name);
+      eyes_.push_back({effects::timing_of(own), data.rig.motion(own),
+                       effects::Projection(own, view.width_px, view.height_px)});
+    }
+  }
 
-  // Seconds since the reference at which the frame's row is seen.
-  double instant(double stamp_s, double row) const {
-    return timing_.in_lock(stamp_s, data_.rig.cycle_s()) +
-           timing_.row_middle_after_stamp_s(row, stamp_s);
+  // Seconds since the reference at which the frame's row is seen, by this camera.
+  double instant(double stamp_s, double row, int camera = 0) const {
+    const effects::Timing& timing = eyes_[static_cast<size_t>(camera)].timing;
+    return timing.in_lock(stamp_s, data_.rig.cycle_s()) +
+           timing.row_middle_after_stamp_s(row, stamp_s);
   }
 
   // `late_s` and `joint_errors` are small changes for derivatives.
@@ -40,16 +43,19 @@ class PointsPredictor {
                                const double* joint_errors = nullptr) const;
 
   const std::vector<Vec3>& places_W() const { return places_W_; }
-  const effects::Timing& timing() const { return timing_; }
-  const Rig::Motion& motion() const { return motion_; }
-  const effects::Projection& projection() const { return projection_; }
+  // Of the first camera; what is random of them is the same for all.
+  const effects::Timing& timing() const { return eyes_.front().timing; }
+  const Rig::Motion& motion() const { return eyes_.front().motion; }
 
  private:
+  struct Eye {
+    effects::Timing timing;
+    Rig::Motion motion;
+    effects::Projection projection;
+  };
   const PointsData& data_;
   std::vector<Vec3> places_W_;  // By row.
-  effects::Timing timing_;
-  Rig::Motion motion_;
-  effects::Projection projection_;
+  std::vector<Eye> eyes_;       // By camera.
 };
 
 // `seam measure` for this kind (points_measure.cc).

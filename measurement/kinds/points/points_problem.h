@@ -43,6 +43,7 @@ class PointsProblem : public Problem {
   const std::vector<Groups>& folds() const override;
 
  private:
+  void join_few_views();
   void state_noise(const MeasurementSet& set);
   std::vector<int> neighbours(size_t row) const override;
   Evaluation blank() const;
@@ -118,8 +119,10 @@ class PointsProblem : public Problem {
                                                   const std::vector<double>& sigma = {}) const;
   // By scalar: the sigmas with which these residuals count where points may have failed.
   std::vector<double> counted_sigma(const FewErrors& scatter, const Evaluation& evaluation) const;
+  std::vector<double> counted_sigma(const FewErrors& scatter,
+                                    const TargetAdjustment& adjustment) const;
   void settle_scattered(const FewErrors& scatter, const Model& model, const Groups& groups,
-                        const DrawsKnown* known,
+                        const DrawsKnown* known, std::vector<double> last,
                         std::unique_ptr<TargetAdjustment>& adjustment) const;
   // An adjustment of these groups' draws and poses, and what it evaluates to; nothing where none
   // could be found.
@@ -139,6 +142,13 @@ class PointsProblem : public Problem {
                                                   const std::vector<Unknown>& unknowns,
                                                   const Groups& groups,
                                                   const Evaluation& here) const;
+
+  // points_cameras.cc
+  void check_cameras(const Model& model) const;
+  // Where a fit may begin: with the cameras that it shall find at places that the views say.
+  Model with_cameras_placed(const Model& model, const std::vector<Unknown>& unknowns,
+                            const Groups& groups) const;
+  std::vector<std::optional<Pose>> places_by_views(const Model& model, const Groups& groups) const;
 
   // points_remarks.cc
   void remark_on_views(const Evaluation& evaluation, std::vector<std::string>& remarks) const;

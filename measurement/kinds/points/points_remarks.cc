@@ -57,23 +57,30 @@ void PointsProblem::remark_on_views(const Evaluation& evaluation,
 }
 
 void PointsProblem::remark_on_reach(const Model& model, std::vector<std::string>& remarks) const {
-  const effects::Projection projection(model, data_.camera.width_px, data_.camera.height_px);
-  double farthest = 0;
-  std::vector<char> reached(kColumns * kRows, 0);
-  for (size_t row = 0; row < data_.p_W.size(); ++row) {
-    if (!takes_part(row)) continue;
-    const auto ray = projection.unproject(data_.u_px[row], data_.v_px[row], data_.stamp_s[row]);
-    if (ray) farthest = std::max(farthest, std::atan2(std::hypot(ray->x, ray->y), ray->z));
-    const int c = static_cast<int>((data_.u_px[row] + 0.5) / data_.camera.width_px * kColumns);
-    const int r = static_cast<int>((data_.v_px[row] + 0.5) / data_.camera.height_px * kRows);
-    if (c >= 0 && c < kColumns && r >= 0 && r < kRows)
-      reached[static_cast<size_t>(r * kColumns + c)] = 1;
+  const Cameras cameras(model, data_.cameras);
+  for (size_t k = 0; k < data_.cameras.size(); ++k) {
+    const CameraView& view = data_.cameras[k];
+    const auto camera = static_cast<int>(k);
+    double farthest = 0;
+    std::vector<char> reached(kColumns * kRows, 0);
+    for (size_t row = 0; row < data_.p_W.size(); ++row) {
+      if (!takes_part(row) || data_.camera_of_row[row] != camera) continue;
+      const auto ray =
+          cameras.lens(camera).unproject(data_.u_px[row], data_.v_px[row], data_.stamp_s[row]);
+      if (ray) farthest = std::max(farthest, std::atan2(std::hypot(ray->x, ray->y), ray->z));
+      const int c = static_cast<int>((data_.u_px[row] + 0.5) / view.width_px * kColumns);
+      const int r = static_cast<int>((data_.v_px[row] + 0.5) / view.height_px * kRows);
+      if (c >= 0 && c < kColumns && r >= 0 && r < kRows)
+        reached[static_cast<size_t>(r * kColumns + c)] = 1;
+    }
+    const auto cells = std::count(reached.begin(), reached.end(), 1);
+    remarks.push_back(fmt::format(
+        "the points{} reach {:.1f} degrees from the optical axis and {:.0f} % of the image; beyond "
+        "them the lens is extrapolated",
+        data_.cameras.size() > 1 ? " that " + view.name + " sees" : "",
+        farthest * 180 / std::numbers::pi,
+        100.0 * static_cast<double>(cells) / (kColumns * kRows)));
   }
-  const auto cells = std::count(reached.begin(), reached.end(), 1);
-  remarks.push_back(fmt::format(
-      "the points reach {:.1f} degrees from the optical axis and {:.0f} % of the image; beyond "
-      "them the lens is extrapolated",
-      farthest * 180 / std::numbers::pi, 100.0 * static_cast<double>(cells) / (kColumns * kRows)));
 }
 
 std::vector<std::string> PointsProblem::remarks(const Model& model) const {

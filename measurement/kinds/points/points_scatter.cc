@@ -40,7 +40,7 @@ Failure failure_of(const FewErrors& scatter, double u, double v, double sigma_u,
   return {failed, counts(sigma_u), counts(sigma_v)};
 }
 
-bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& projection,
+bool refine_scattered_pose(const FewErrors& scatter, const Cameras& cameras,
                            std::vector<Sighting> seen, bool near, Pose& X_CW) {
   // From where an earlier one ended, weights hardly change.
   const int rounds = near ? 2 : 8;
@@ -55,7 +55,7 @@ bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& 
     };
     for (size_t i = 0; i < seen.size(); ++i) {
       const Sighting& s = stated[i];
-      const effects::ImagePoint point = projection.project(X_CW * s.p_W, s.t_s, s.v_px);
+      const effects::ImagePoint point = cameras.project(X_CW * s.p_W, s.t_s, s.v_px, s.camera);
       if (!point.visible) return false;
       const Failure failure =
           failure_of(scatter, s.u_px - point.u, s.v_px - point.v, s.sigma_u, s.sigma_v);
@@ -63,7 +63,7 @@ bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& 
       weigh(seen[i].sigma_v, failure.sigma_v);
     }
     if (changed < kSame && round > 0) break;
-    if (!refine_pose(projection, seen, X_CW)) return false;
+    if (!refine_pose(cameras, seen, X_CW)) return false;
   }
   return true;
 }

@@ -29,7 +29,7 @@ Failure failure_of(const FewErrors& scatter, double u, double v, double sigma_u,
 
 // Refines a pose under such errors: points that seem to have failed count less (expectation and
 // maximisation in turn). False where it fails.
-bool refine_scattered_pose(const FewErrors& scatter, const effects::Projection& projection,
+bool refine_scattered_pose(const FewErrors& scatter, const Cameras& cameras,
                            std::vector<Sighting> seen, bool near, Pose& X_CW);
 
 }  // namespace seam::measurement

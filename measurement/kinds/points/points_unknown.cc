@@ -33,7 +33,8 @@ std::vector<Sighting> PointsProblem::sightings(int frame, const std::vector<Vec3
                     .v_px = data_.v_px[row],
                     .sigma_u = sigma_of(row, 0),
                     .sigma_v = sigma_of(row, 1),
-                    .t_s = data_.stamp_s[row]});
+                    .t_s = data_.stamp_s[row],
+                    .camera = data_.camera_of_row[row]});
   }
   return seen;
 }
@@ -53,7 +54,7 @@ void PointsProblem::count_as_missed(int frame, Evaluation& evaluation) const {
 
 Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& groups,
                                            const Evaluation* warm, bool refined) const {
-  const effects::Projection projection(model, data_.camera.width_px, data_.camera.height_px);
+  const Cameras cameras(model, data_.cameras);
   const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
   const std::optional<FewErrors> scatter = scatter_of(model);
   Evaluation evaluation = blank();
@@ -67,20 +68,20 @@ Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& gro
     Pose X_CW;
     const bool near = warm && warm->valid && stored_pose(warm->nuisance_values, frame, X_CW);
     bool have =
-        (near && (scatter || refine_pose(projection, seen, X_CW))) ||
-        (initial_pose(projection, seen, X_CW) && (!refined || refine_pose(projection, seen, X_CW)));
-    if (have && scatter) have = refine_scattered_pose(*scatter, projection, seen, near, X_CW);
+        (near && (scatter || refine_pose(cameras, seen, X_CW))) ||
+        (initial_pose(cameras, seen, X_CW) && (!refined || refine_pose(cameras, seen, X_CW)));
+    if (have && scatter) have = refine_scattered_pose(*scatter, cameras, seen, near, X_CW);
     std::vector<double> whitened;
     evaluation.nuisances += 6;
-    if (!have || !pose_residuals(projection, seen, X_CW, whitened, nullptr)) {
+    if (!have || !pose_residuals(cameras, seen, X_CW, whitened, nullptr)) {
       count_as_missed(static_cast<int>(frame), evaluation);
       continue;
     }
     any = true;
     store_pose(X_CW, frame, evaluation.nuisance_values);
     for (const int row : data_.rows_of_frame[frame]) {  // Outliers too: they may come back.
-      const effects::ImagePoint point =
-          projection.project(X_CW * places_W[row], data_.stamp_s[row], data_.v_px[row]);
+      const effects::ImagePoint point = cameras.project(X_CW * places_W[row], data_.stamp_s[row],
+                                                        data_.v_px[row], data_.camera_of_row[row]);
       evaluation.residual[2 * row] = point.visible ? data_.u_px[row] - point.u : 0;
       evaluation.residual[2 * row + 1] = point.visible ? data_.v_px[row] - point.v : 0;
     }
@@ -118,13 +119,13 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     const Evaluation& here) const {
   std::vector<std::vector<double>> columns(unknowns.size(),
                                            std::vector<double>(facts_.scalars(), 0));
-  const effects::Projection projection(model, data_.camera.width_px, data_.camera.height_px);
+  const Cameras cameras(model, data_.cameras);
   const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
   const MovedModels moved(model, unknowns);
-  std::vector<effects::Projection> projections;
+  std::vector<Cameras> moved_cameras;
   std::vector<std::vector<Vec3>> moved_places_W;
   for (const Model& there : moved.models) {
-    projections.emplace_back(there, data_.camera.width_px, data_.camera.height_px);
+    moved_cameras.emplace_back(there, data_.cameras);
     moved_places_W.push_back(places_of_rows(data_, effects::target_of(there)));
   }
   const std::optional<FewErrors> scatter = scatter_of(model);
@@ -137,7 +138,7 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     Pose X_CW;
     if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW)) continue;
     std::vector<double> base, derivatives, there;
-    if (!pose_residuals(projection, seen, X_CW, base, &derivatives)) continue;
+    if (!pose_residuals(cameras, seen, X_CW, base, &derivatives)) continue;
     // Residuals over their sigmas count as they do, or as scattered ones.
     const auto as_counted = [&](auto&& slopes) {
       for (size_t k = 0; k < rows.size() && scatter; ++k) {
@@ -153,7 +154,7 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     const Eigen::MatrixXd basis = column_basis(pose);
     for (size_t p = 0; p < unknowns.size(); ++p) {
       for (size_t k = 0; k < rows.size(); ++k) seen[k].p_W = moved_places_W[p][rows[k]];
-      if (!pose_residuals(projections[p], seen, X_CW, there, nullptr)) continue;
+      if (!pose_residuals(moved_cameras[p], seen, X_CW, there, nullptr)) continue;
       Eigen::VectorXd column(base.size());
       for (size_t k = 0; k < base.size(); ++k) column[k] = (there[k] - base[k]) / moved.steps[p];
       as_counted(column);

@@ -30,7 +30,7 @@ Eigen::Matrix3d as_eigen(const Mat3& m) {
 
 TargetAdjustment::Compiled::Compiled(const PointsData& data, const Model& model)
     : shape(effects::target_of(model)),
-      projection(model, data.camera.width_px, data.camera.height_px),
+      cameras(model, data.cameras),
       places_W(places_of_rows(data, shape)) {
   if (data.rig.type() != Rig::Type::unknown)
     predictor = std::make_shared<const PointsPredictor>(data, model);
@@ -112,8 +112,8 @@ bool TargetAdjustment::see(const Compiled& model, const State& state, size_t row
   const Vec3 p_W = place_W(model, state, row);
   const effects::ImagePoint image =
       unknown_poses_
-          ? model.projection.project(state.X_CW[static_cast<size_t>(data.frame_of_row[row])] * p_W,
-                                     data.stamp_s[row], data.v_px[row])
+          ? model.cameras.project(state.X_CW[static_cast<size_t>(data.frame_of_row[row])] * p_W,
+                                  data.stamp_s[row], data.v_px[row], data.camera_of_row[row])
           : model.predictor->image_at(row, p_W);
   uv = {image.u, image.v};
   return image.visible;
@@ -142,7 +142,8 @@ bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell
   const Pose& X_CW = state.X_CW[frame];
   const Vec3 p = unknown_poses_ ? X_CW * p_W : p_W;
   const auto image_of = [&](const Vec3& at) {
-    return unknown_poses_ ? compiled_.projection.project(at, data.stamp_s[row], data.v_px[row])
+    return unknown_poses_ ? compiled_.cameras.project(at, data.stamp_s[row], data.v_px[row],
+                                                      data.camera_of_row[row])
                           : compiled_.predictor->image_at(row, at);
   };
   const effects::ImagePoint here = image_of(p);

@@ -86,7 +86,7 @@ class TargetAdjustment {
   struct Compiled {
     Compiled(const PointsData& data, const Model& model);
     effects::TargetShape shape;
-    effects::Projection projection;
+    Cameras cameras;
     std::shared_ptr<const PointsPredictor> predictor;  // Of known motion.
     std::vector<Vec3> places_W;                        // By row, without displacements.
   };

@@ -63,14 +63,16 @@ effects::ImagePoint seen_at(const RowCamera& camera, const Stretch& stretch,
                             double& instant_s) {
   constexpr int kSteps = 30;
   constexpr double kExact_px = 1e-6;
+  const RowClock& clock = camera.clocks[static_cast<size_t>(point.camera)];
   effects::ImagePoint image;
   double v = point.v_px, previous_v = v, previous_f = 0;
   for (int step = 0; step < kSteps; ++step) {
-    instant_s = point.stamp_s + camera.line_delay_s * v;
+    instant_s = point.stamp_s + clock.late_s + clock.line_delay_s * v;
     const PathPoint path = path_at(stretch, controls, instant_s, /*with_slopes=*/false);
-    image = camera.projection.project(path.R * point.p_T + path.middle_C, point.stamp_s, v);
+    image =
+        camera.cameras.project(path.R * point.p_T + path.middle_C, point.stamp_s, v, point.camera);
     const double f = image.v - v;
-    if (!image.visible || camera.line_delay_s == 0 || std::abs(f) < kExact_px) break;
+    if (!image.visible || clock.line_delay_s == 0 || std::abs(f) < kExact_px) break;
     const double slope = step == 0 || v == previous_v ? -1 : (f - previous_f) / (v - previous_v);
     previous_v = v, previous_f = f;
     v = std::abs(slope) > 0.1 ? v - f / slope : image.v;
@@ -102,16 +104,18 @@ bool PathAdjustment::look(const RowCamera& camera, const std::vector<Control>& c
   for (int axis = 0; axis < 3; ++axis) {
     Vec3 moved_C = p_C;
     moved_C[axis] += h;
-    const effects::ImagePoint there = camera.projection.project(moved_C, point.stamp_s, here.v);
+    const effects::ImagePoint there =
+        camera.cameras.project(moved_C, point.stamp_s, here.v, point.camera);
     if (!there.visible) return false;
     by_C.col(axis) << (there.u - here.u) / h, (there.v - here.v) / h;
   }
   // A point that moves to another row is seen at another instant.
   const Vec3 rate = glm::cross(path.turning, arm) + path.moving;
   const Vector2d rate_px = by_C * Eigen::Vector3d(rate.x, rate.y, rate.z);
-  const double share = 1 / (1 - camera.line_delay_s * rate_px[1]);
+  const double line_delay_s = camera.clocks[static_cast<size_t>(point.camera)].line_delay_s;
+  const double share = 1 / (1 - line_delay_s * rate_px[1]);
   Eigen::Matrix2d follow;
-  follow << 1, camera.line_delay_s * rate_px[0] * share, 0, share;
+  follow << 1, line_delay_s * rate_px[0] * share, 0, share;
   Eigen::Matrix3d cross;  // d p_C = turn x arm + shift.
   cross << 0, arm.z, -arm.y, -arm.z, 0, arm.x, arm.y, -arm.x, 0;
   const Vector2d weight(1 / point.sigma_u, 1 / point.sigma_v);

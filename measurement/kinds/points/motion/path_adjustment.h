@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "effects/stages/geometry.h"
 #include "measurement/kinds/points/motion/path.h"
+#include "measurement/kinds/points/target/cameras.h"
 
 namespace seam::measurement {
 
@@ -17,12 +17,18 @@ struct PathSighting {
   double u_px = 0, v_px = 0;
   double sigma_u = 1, sigma_v = 1;
   double stamp_s = 0;
+  int camera = 0;
 };
 
-// A lens and the time from one row's exposure to the next one's.
+// The time from one row's exposure to the next one's, and by how much the first one is later than
+// that of the first camera with the same stamp.
+struct RowClock {
+  double line_delay_s = 0, late_s = 0;
+};
+
 struct RowCamera {
-  effects::Projection projection;
-  double line_delay_s = 0;
+  Cameras cameras;
+  std::vector<RowClock> clocks;  // By camera.
 };
 
 class PathAdjustment {

@@ -20,6 +20,9 @@
 namespace seam::measurement {
 namespace {
 
+using testing::Contains;
+using testing::HasSubstr;
+
 constexpr double kFocal_px = 400, kCx_px = 645, kCy_px = 392;
 constexpr double kNoise_px = 0.2;
 
@@ -48,7 +51,8 @@ struct BoardViews {
   double apart_x_m = 0.45, apart_y_m = 0.3;  // How far the views lie from each other.
   uint64_t seed = 11;
   std::vector<int> points;  // That are seen, of 63; empty: all.
-  std::string noise = "";   // A line of measurement.yaml.
+  double tilt_rad = 0.5;
+  std::string noise = "";  // A line of measurement.yaml.
 };
 
 // Views of a board of 9 x 7 corners, turned by up to 30 degrees, all over the image.
@@ -61,7 +65,7 @@ std::filesystem::path board_views(const BoardViews& what) {
     return limit * (2 * uniform({what.seed, 1}, draw++) - 1);
   };
   for (int frame = 0; frame < what.views; ++frame) {
-    const double yaw = within(0.5), pitch = within(0.5), roll = within(0.6);
+    const double yaw = within(what.tilt_rad), pitch = within(what.tilt_rad), roll = within(0.6);
     const double cx = what.apart_x_m * (frame % 4 - 1.5), cy = what.apart_y_m * (frame / 4 - 1.5),
                  cz = 0.45 + within(0.1);
     for (int point = 0; point < 63; ++point) {
@@ -189,6 +193,40 @@ TEST(Boards, FewerObservationsThanUnknownsAreRefused) {
   EXPECT_THAT(
       [&] { compare(*problem, free_pinhole(640, 480)); },
       testing::ThrowsMessage<InputError>(testing::HasSubstr("8 residuals for 10 unknowns")));
+}
+
+// One view of two does not determine a camera, and a camera fitted to it misses the other by
+// hundreds of noise units: of both, parts are held out.
+TEST(Boards, TwoViewsAreHeldOutInParts) {
+  BoardViews two = small("two-views", 21);
+  two.views = 2, two.noise = "noise: {u_px: 0.2, v_px: 0.2}\n";
+  const auto problem = open_problem(board_views(two));
+  EXPECT_THAT(problem->facts().notes, Contains(HasSubstr("two views: parts of both are held out")));
+  const SearchResult result =
+      search(*problem, free_pinhole(640, 480), {}, [](const std::string&) {});
+  EXPECT_LT(result.base.assessment.error, 5);
+  EXPECT_NEAR(result.best.assessment.error, 1, 0.15);
+  EXPECT_FALSE(result.best.assessment.model.has("board_warp"));
+  EXPECT_THAT(problem->remarks(result.best.assessment.model),
+              Contains(HasSubstr("cannot be told from the lens")));
+}
+
+// From the front any focal length will do, so that no value of a lens is clear of neutral; that the
+// lens bends, and by what every lens does, is plain all the same.
+TEST(Boards, AFacingBoardTellsOfTheLensButNotOfTheFocalLength) {
+  BoardViews facing = small("facing", 22);
+  facing.views = 3, facing.tilt_rad = 0, facing.noise = "noise: {u_px: 0.2, v_px: 0.2}\n";
+  const auto problem = open_problem(board_views(facing));
+  const SearchResult result =
+      search(*problem, free_pinhole(640, 480), {}, [](const std::string&) {});
+  ASSERT_FALSE(result.steps.empty());
+  EXPECT_EQ(result.steps.front().effect, "radial_distortion");
+  EXPECT_THAT(problem->remarks(result.best.assessment.model),
+              Contains(HasSubstr("focal length and distance are not separable")));
+  for (const Unknown& unknown : result.best.assessment.unknowns) {
+    const auto* effect = result.best.assessment.model.find(unknown.effect);
+    EXPECT_TRUE(std::isfinite(effect->parameters[unknown.parameter].value)) << unknown.effect;
+  }
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "measurement/kinds/points/target/pose_solver.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "measurement/numerics/damped_step.h"
@@ -149,15 +151,16 @@ constexpr double kNearlyFlat = 0.3, kDeep = 0.03;
 
 }  // namespace
 
-bool initial_pose(const effects::Projection& projection, const std::vector<Sighting>& all,
-                  Pose& X_CW) {
+namespace {
+
+bool initial_pose_of_one(const Cameras& camera, const std::vector<Sighting>& all, Pose& X_CW) {
   // Some of many points are enough to start from, evenly chosen.
   constexpr size_t kEnough = 60;
   std::vector<Sighting> seen;
   for (size_t i = 0; i < std::min(kEnough, all.size()); ++i)
     seen.push_back(all[i * all.size() / std::min(kEnough, all.size())]);
   Rays rays;
-  if (!rays_of(projection, seen, rays)) return false;
+  if (!rays_of(camera.lens(0), seen, rays)) return false;
   const double height = rays.extent[2] / rays.extent[1];
   std::vector<Pose> starts;
   if (height < kNearlyFlat) {
@@ -169,13 +172,34 @@ bool initial_pose(const effects::Projection& projection, const std::vector<Sight
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> residuals;
   for (Pose& start : starts) {
-    if (!refine_pose(projection, seen, start) ||
-        !pose_residuals(projection, seen, start, residuals, nullptr))
+    if (!refine_pose(camera, seen, start) ||
+        !pose_residuals(camera, seen, start, residuals, nullptr))
       continue;
     const double cost = cost_of(residuals);
     if (cost < least) least = cost, X_CW = start;
   }
   return std::isfinite(least);
+}
+
+}  // namespace
+
+bool initial_pose(const Cameras& cameras, const std::vector<Sighting>& all, Pose& X_CW) {
+  std::vector<size_t> counts;
+  for (const Sighting& s : all) {
+    counts.resize(std::max(counts.size(), static_cast<size_t>(s.camera) + 1));
+    ++counts[static_cast<size_t>(s.camera)];
+  }
+  if (counts.size() <= 1) return initial_pose_of_one(cameras, all, X_CW);
+  const auto most =
+      static_cast<int>(std::max_element(counts.begin(), counts.end()) - counts.begin());
+  std::vector<Sighting> seen;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(seen),
+               [&](const Sighting& s) { return s.camera == most; });
+  for (Sighting& s : seen) s.camera = 0;
+  Pose X_KW;
+  if (!initial_pose_of_one(cameras.lens(most), seen, X_KW)) return false;
+  X_CW = cameras.X_KC(most).inverse() * X_KW;
+  return true;
 }
 
 Pose moved_pose(const Pose& X_CW, const Eigen::Matrix<double, 6, 1>& step) {
@@ -200,15 +224,14 @@ void store_pose(const Pose& X_CW, size_t frame, std::vector<double>& values) {
   }
 }
 
-bool pose_residuals(const effects::Projection& projection, const std::vector<Sighting>& seen,
-                    const Pose& X_CW, std::vector<double>& residuals,
-                    std::vector<double>* derivatives) {
+bool pose_residuals(const Cameras& cameras, const std::vector<Sighting>& seen, const Pose& X_CW,
+                    std::vector<double>& residuals, std::vector<double>* derivatives) {
   residuals.resize(2 * seen.size());
   if (derivatives) derivatives->assign(12 * seen.size(), 0);
   for (size_t i = 0; i < seen.size(); ++i) {
     const Sighting& s = seen[i];
     const Vec3 p_C = X_CW * s.p_W;
-    const effects::ImagePoint image = projection.project(p_C, s.t_s, s.v_px);
+    const effects::ImagePoint image = cameras.project(p_C, s.t_s, s.v_px, s.camera);
     if (!image.visible) return false;
     residuals[2 * i] = (s.u_px - image.u) / s.sigma_u;
     residuals[2 * i + 1] = (s.v_px - image.v) / s.sigma_v;
@@ -218,7 +241,7 @@ bool pose_residuals(const effects::Projection& projection, const std::vector<Sig
     for (int axis = 0; axis < 3; ++axis) {
       Vec3 moved_C = p_C;
       moved_C[axis] += h;
-      const effects::ImagePoint there = projection.project(moved_C, s.t_s, s.v_px);
+      const effects::ImagePoint there = cameras.project(moved_C, s.t_s, s.v_px, s.camera);
       if (!there.visible) return false;
       du[axis] = (there.u - image.u) / h;
       dv[axis] = (there.v - image.v) / h;
@@ -239,14 +262,13 @@ bool pose_residuals(const effects::Projection& projection, const std::vector<Sig
   return true;
 }
 
-bool refine_pose(const effects::Projection& projection, const std::vector<Sighting>& seen,
-                 Pose& X_CW) {
+bool refine_pose(const Cameras& cameras, const std::vector<Sighting>& seen, Pose& X_CW) {
   std::vector<double> residuals, derivatives, next;
-  if (!pose_residuals(projection, seen, X_CW, residuals, &derivatives)) return false;
+  if (!pose_residuals(cameras, seen, X_CW, residuals, &derivatives)) return false;
   double cost = cost_of(residuals);
   bool looked = true;  // Residuals and derivatives are those of this pose.
   const auto look = [&] {
-    if (!looked) pose_residuals(projection, seen, X_CW, residuals, &derivatives);
+    if (!looked) pose_residuals(cameras, seen, X_CW, residuals, &derivatives);
     looked = true;
     Parabola here{Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd::Zero(6), {}};
     for (size_t i = 0; i < residuals.size(); ++i) {
@@ -258,7 +280,7 @@ bool refine_pose(const effects::Projection& projection, const std::vector<Sighti
   };
   const auto move = [&](const Eigen::VectorXd& by) {
     const Pose there = moved_pose(X_CW, by);
-    if (!pose_residuals(projection, seen, there, next, nullptr)) return false;
+    if (!pose_residuals(cameras, seen, there, next, nullptr)) return false;
     const double lower = cost_of(next);
     if (!(lower < cost)) return false;
     X_CW = there, cost = lower, looked = false;
