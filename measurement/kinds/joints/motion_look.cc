@@ -14,7 +14,9 @@ namespace seam::measurement {
 namespace {
 
 constexpr size_t kMostInstants = 1500;
-constexpr size_t kMostPieces = 8;  // Of the time over which an acceleration is seen.
+// Into so many pieces the time over which an acceleration is seen is cut: more where a command
+// steps in it.
+constexpr size_t kPieces = 4, kMostPieces = 8;
 
 // Standard error of the second derivative of a parabola through 2 reach + 1 even samples.
 double acceleration_error(double noise_rad, size_t reach, double dt_s) {
@@ -35,6 +37,18 @@ effects::MotorInput input_at(const JointLog& log, size_t row, double after_s, do
           .kp = log.kp[given],
           .voltage = log.voltage[last_before(at_s)],
           .enabled = log.enabled[given] != 0};
+}
+
+// Whether the command makes most of its way from one row to the next, or the drive is switched.
+bool steps_between(const JointLog& log, size_t first, size_t last) {
+  double largest = 0, low = log.command_rad[first], high = low;
+  for (size_t k = first; k < last; ++k) {
+    if (log.enabled[k] != log.enabled[k + 1]) return true;
+    const double next = log.command_rad[k + 1];
+    largest = std::max(largest, std::abs(next - log.command_rad[k]));
+    low = std::min(low, next), high = std::max(high, next);
+  }
+  return largest > 0.5 * (high - low);
 }
 
 double cost_of(const std::vector<double>& misses, double size) {
@@ -77,9 +91,11 @@ void MotionLook::add_instants(const JointLog& log, size_t stride, size_t reach, 
     }
     const Eigen::Vector3d c =
         (powers.transpose() * powers).ldlt().solve(powers.transpose() * angles);
+    const bool steps = steps_between(log, k - reach, k + reach);
     instants_.push_back({.log = &log,
                          .row = k,
                          .reach = reach,
+                         .pieces = std::min(2 * reach, steps ? kMostPieces : kPieces),
                          .q_rad = c[0],
                          .w_radps = c[1] / span_s,
                          .a_radps2 = 2 * c[2] / (span_s * span_s),
@@ -98,10 +114,10 @@ std::vector<double> MotionLook::misses(const Model& model) const {
   for (const Instant& at : instants_) {
     const auto& time_s = at.log->time_s;
     double sum = 0, weights = 0;
-    const size_t pieces = std::min(2 * at.reach, kMostPieces), first = at.row - at.reach;
-    for (size_t piece = 0; piece < pieces; ++piece) {
-      const double from_s = time_s[first + 2 * at.reach * piece / pieces];
-      const double to_s = time_s[first + 2 * at.reach * (piece + 1) / pieces];
+    const size_t first = at.row - at.reach;
+    for (size_t piece = 0; piece < at.pieces; ++piece) {
+      const double from_s = time_s[first + 2 * at.reach * piece / at.pieces];
+      const double to_s = time_s[first + 2 * at.reach * (piece + 1) / at.pieces];
       const double dt_s = 0.5 * (from_s + to_s) - time_s[at.row];
       const double x = dt_s / at.reach_s, inside = std::max(0.0, 1 - x * x);
       const double weight = inside * inside * (to_s - from_s);

@@ -24,6 +24,7 @@ class MotionLook {
   struct Instant {
     const JointLog* log;
     size_t row, reach;  // The acceleration is seen from so many rows before to as many after.
+    size_t pieces;      // Into which that time is cut.
     double q_rad, w_radps, a_radps2;
     double reach_s;     // The same as time, on the mean of both sides.
     double rest_radps;  // Slower counts as at rest.
