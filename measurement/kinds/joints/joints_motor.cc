@@ -266,7 +266,9 @@ std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
   parallel_for(space.size(), [&](size_t at) {
     const Coordinate& c = space[at];
     const double z = c.of(model);
-    double step = kStep * std::max(c.scale, std::abs(z));
+    // Two that act as a product alone must move it alike, or the difference of their differences
+    // would pass for what the data know of each: those above 0 by their bounds move by their size.
+    double step = kStep * (c.min > 0 ? std::abs(z) : std::max(c.scale, std::abs(z)));
     if (z + step > c.max) step = -step;
     Model moved = model;
     c.set(moved, z + step);

@@ -277,6 +277,25 @@ TEST(MotorLogs, ASaturationThatNoRunReachesIsKeptAway) {
   EXPECT_GT(fit.value[0], 500);
 }
 
+// A motor that is nowhere near saturation shows its strength times its gain alone, however small
+// one of them is.
+TEST(MotorLogs, WhatActsAsAProductIsToldAsAProduct) {
+  const JointsProblem problem =
+      MadeSet("motor-product")
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 90000, back_emf_per_s: 6, gain: "
+                            "2e-4}\n"),
+                   13);
+  const Model start = model_of(
+      "  motor_servo: {stall_rad_per_s2: {value: 91000, free: true}, back_emf_per_s: {value: 6, "
+      "free: true}, gain: {value: 2e-4, free: true}}\n");
+  const Fit fit = problem.fit(start, refitted_unknowns(start), problem.all_groups());
+  EXPECT_NEAR(fit.value[0] * fit.value[2], 18, 0.05);
+  EXPECT_NEAR(fit.value[1], 6, 4 * fit.sigma[1]);
+  EXPECT_LT(fit.sigma[1], 0.05);
+  EXPECT_GT(fit.sigma[0], fit.value[0]);
+  EXPECT_GT(fit.sigma[2], fit.value[2]);
+}
+
 // The hash would hold out 1, 4, 5 and 13 of these, all that fall freely among them.
 TEST(MotorLogs, ARunWithoutTorqueTrains) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "motor-third";
