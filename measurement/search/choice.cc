@@ -7,7 +7,8 @@
 
 namespace seam::measurement {
 
-Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& candidates) {
+Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candidate>& candidates) {
+  const bool misses = here.assessment.error > kMisfit;
   while (!candidates.empty() && candidates.front().significant) {
     Candidate& best = candidates.front();
     if (!best.effect->spread_only) return &best;
@@ -16,7 +17,10 @@ Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& c
              (misses && goes_before_spreads(c));
     });
     if (better != candidates.end()) return &*better;
-    if (!misses || !hides_mean(problem, best.grown.assessment)) return &best;
+    const Assessment& spread = best.grown.assessment;
+    if (!misses ||
+        (!hides_mean(problem, spread) && !leads_astray(problem, here.assessment, spread)))
+      return &best;
     best.significant = false;
     const auto end = std::find_if(candidates.begin() + 1, candidates.end(),
                                   [](const Candidate& c) { return !c.significant; });

@@ -10,8 +10,8 @@ namespace seam::measurement {
 
 // The best candidate, unless it is one of spread while one of the mean clearly helps or lowers the
 // residuals themselves: a spread wide enough hides any structure of the mean. One that only does
-// that is no candidate.
-Candidate* choose(const Problem& problem, bool misses, std::vector<Candidate>& candidates);
+// that, or that leads the mean of `here` astray, is no candidate.
+Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candidate>& candidates);
 
 // Whether some parameter of an added effect is so far from neutral that the effect cannot go.
 bool clearly_needed(const Grown& grown, const std::string& name);

@@ -76,6 +76,11 @@ inline constexpr double kMaterial = 0.1;
 // residuals that it calls noise. A judgement.
 inline constexpr double kHiddenMean = 0.25;
 
+// A spread under which free predictions over whole runs miss by so many times as much leads the
+// mean astray: on squares of a robot with wheels a wandering of its way did so by three times,
+// where the true wandering of made walks leaves them as they were. A judgement.
+inline constexpr double kAstray = 1.5;
+
 // More outliers than this share are no gross errors but a model that fails: none is left out. So
 // the word is defined in this project.
 inline constexpr double kMostOutliers = 0.1;

@@ -77,6 +77,17 @@ bool hides_mean(const Problem& problem, const Assessment& with_spread) {
   });
 }
 
+bool leads_astray(const Problem& problem, const Assessment& before, const Assessment& with_spread) {
+  constexpr const char* kWholeRun = "run";  // As FreeError says how far it reaches.
+  const Groups groups = problem.scored_groups();
+  const auto was = problem.free_prediction(before.model, groups);
+  const auto is = problem.free_prediction(with_spread.model, groups);
+  for (size_t i = 0; i < std::min(was.size(), is.size()); ++i) {
+    if (is[i].over == kWholeRun && is[i].rms > kAstray * was[i].rms) return true;
+  }
+  return false;
+}
+
 double noise_units(const Problem& problem, const Assessment& assessment,
                    const Structure& structure) {
   double noise = noise_of(problem.facts(), structure.residual);

@@ -159,10 +159,10 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     const bool first = step == 0 && first_looks != nullptr;
     const bool misses = grown.assessment.error > kMisfit;
     Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true);
-    Candidate* next = choose(problem_, misses, looks.candidates);
+    Candidate* next = choose(problem_, grown, looks.candidates);
     if (!next && !first && misses && problem_.is_smooth(grown.assessment.model)) {
       looks = look(grown, /*promising_only=*/false);
-      next = choose(problem_, misses, looks.candidates);
+      next = choose(problem_, grown, looks.candidates);
     }
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
@@ -211,7 +211,7 @@ std::optional<Grown> Searcher::again(const Grown& earlier, const Looks& first) {
       earlier.assessment.error > kUseless)
     return std::nullopt;
   std::vector<Candidate> candidates = first.candidates;
-  const Candidate* next = choose(problem_, base_.assessment.error > kMisfit, candidates);
+  const Candidate* next = choose(problem_, base_, candidates);
   if (!next || std::find(earlier.added.begin(), earlier.added.end(), next->effect->name) ==
                    earlier.added.end())
     return std::nullopt;

@@ -47,6 +47,9 @@ double pow(double x, double y) {
 }
 
 double wrap_angle(double angle_rad) {
+  // Nearly all are wrapped already; -0 becomes 0 as it does below.
+  constexpr double kInside_rad = 3;
+  if (std::abs(angle_rad) < kInside_rad) return angle_rad + 0.0;
   const double wrapped = angle_rad - 2.0 * kPi * std::ceil((angle_rad - kPi) / (2.0 * kPi));
   return wrapped <= -kPi ? kPi : wrapped;
 }

@@ -14,7 +14,8 @@ EffectDefinition stribeck_friction() {
                       .help = "Further friction at rest, rad/s^2, which a moving joint loses."},
                      {.name = "rad_per_s",
                       .min = 0,
-                      .max = 1e3,
+                      // At more no joint ever loses it: that is Coulomb's.
+                      .max = 30,
                       .scale = 0.1,
                       .help = "Rate at which it has fallen to 1/e, rad/s; 0: only at rest."}},
       .help = "Friction that is larger near rest: the joint sticks, then jumps.",

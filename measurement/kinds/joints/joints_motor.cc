@@ -2,7 +2,9 @@
 // agree with the accelerations seen.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "effects/questions.h"
@@ -16,6 +18,8 @@ namespace seam::measurement {
 namespace {
 
 using Values = std::vector<double>;
+
+constexpr double kBrief_s = 0.3, kLonger_s = 1.2;  // Stretches of a log.
 
 // Every choice of one value list of each effect, one after the other.
 std::vector<Values> combinations(const std::vector<std::vector<Values>>& lists) {
@@ -50,6 +54,68 @@ void take_out(const std::vector<double>& of, std::vector<double>& from,
   for (const size_t i : rows) from[i] -= along / norm * of[i];
 }
 
+// Every two parameters of the motor itself, in either order.
+std::vector<std::pair<size_t, size_t>> pairs_of_motor(const Model& model,
+                                                      const std::vector<Unknown>& unknowns) {
+  const std::string& motor = effects::base_of(model, effects::Base::motor)->definition->name;
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (const Unknown& one : unknowns) {
+    for (const Unknown& other : unknowns) {
+      if (one.effect == motor && other.effect == motor && one.parameter != other.parameter)
+        pairs.emplace_back(one.parameter, other.parameter);
+    }
+  }
+  return pairs;
+}
+
+// The first parameter times this factor and the second over it; none where their bounds forbid it.
+std::optional<Model> traded(const Model& model, std::pair<size_t, size_t> pair, double factor) {
+  const effects::ModelEffect& motor = *effects::base_of(model, effects::Base::motor);
+  Model other = model;
+  for (const auto& [i, by] : {std::pair(pair.first, factor), std::pair(pair.second, 1 / factor)}) {
+    const effects::Parameter& parameter = motor.definition->parameters[i];
+    const double value = by * motor.parameters[i].value;
+    if (!(value > 0) || value < parameter.min || value > parameter.max) return std::nullopt;
+    other.set_value(motor.definition->name, i, value);
+  }
+  return other;
+}
+
+// Where a trade costs nothing one way and much the other way, the model stands at the edge of a
+// saturation that the runs do not reach: others may ask for a little more, so it goes that way.
+Model off_the_edge(const Model& model, const std::vector<Unknown>& unknowns,
+                   const std::function<double(const Model&)>& cost_of) {
+  constexpr double kAway = 2, kSame = 1e-3;
+  const double here = cost_of(model);
+  const auto same = [&](const Model& other) { return cost_of(other) <= (1 + kSame) * here; };
+  for (const auto& pair : pairs_of_motor(model, unknowns)) {
+    const std::optional<Model> away = traded(model, pair, kAway);
+    const std::optional<Model> back = traded(model, pair, 1 / kAway);
+    if (away && back && same(*away) && !same(*back)) return *away;
+  }
+  return model;
+}
+
+// Descends on the accelerations from the model, and from the other side of a saturation: a motor's
+// strength and its controller's gain act as a product, and are told apart only where something
+// saturates; no descent crosses from one side of that to the other.
+double look_around(const MotionLook& look, Model& model, const std::vector<Unknown>& unknowns) {
+  constexpr double kAcross = 8;
+  std::optional<Model> across;
+  double cheapest = std::numeric_limits<double>::infinity();
+  for (const auto& pair : pairs_of_motor(model, unknowns)) {
+    const std::optional<Model> there = traded(model, pair, kAcross);
+    if (!there) continue;
+    const double cost = look.cost(*there);
+    if (cost < cheapest) cheapest = cost, across = there;
+  }
+  double least = look.descend(model, unknowns);
+  if (!across) return least;
+  const double beyond = look.descend(*across, unknowns);
+  if (beyond < least) least = beyond, model = *across;
+  return least;
+}
+
 }  // namespace
 
 std::vector<Values> JointsProblem::starts_together(const Model& model,
@@ -63,6 +129,15 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
   Model base = model;
   effects::remove_replaced(effect, base);
   std::vector<Unknown> unknowns;
+  // What stands in the model already gives way.
+  for (const effects::ModelEffect& other : base.effects()) {
+    if (effects::start_rule(*other.definition, facts_.set.kind).search !=
+        effects::StartSearch::motion)
+      continue;
+    for (size_t i = 0; i < other.parameters.size(); ++i) {
+      if (!other.definition->parameters[i].stated) unknowns.push_back({other.definition->name, i});
+    }
+  }
   for (const auto& definition : moved) {
     lists.push_back(effects::start_rule(*definition, facts_.set.kind).values);
     base.add_neutral(definition);
@@ -84,7 +159,9 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
       for (size_t i = 0; i < definition->parameters.size(); ++i)
         trial.set_value(definition->name, i, begun[c][at++]);
     }
-    found[c].first = look.descend(trial, unknowns);
+    // The coarse look of the motor itself is on all sides already.
+    found[c].first = effect.base == effects::Base::motor ? look.descend(trial, unknowns)
+                                                         : look_around(look, trial, unknowns);
     for (const auto& definition : moved) {
       const auto list = trial.find(definition->name)->values();
       found[c].second.insert(found[c].second.end(), list.begin(), list.end());
@@ -110,21 +187,30 @@ Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& 
     const Evaluation there = evaluate(model, groups, nullptr);
     return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
   };
-  double least = cost_of(start);
-  if (least < kFar) return start;
   std::vector<Unknown> means;
   for (const Unknown& unknown : unknowns) {
     if (!start.find(unknown.effect)->definition->spread_only) means.push_back(unknown);
   }
-  std::vector<char> chosen;
-  for (const JointLog& log : set_.logs) chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
-  Model best = start, here = start;
-  for (const double length_s : {0.3, 1.2}) {
-    here = ShortRuns(set_, chosen, length_s).descend(here, means);
-    const double cost = cost_of(here);
-    if (cost < least) least = cost, best = here;
+  Model best = start;
+  double least = cost_of(start);
+  if (least >= kFar) {
+    std::vector<char> chosen;
+    for (const JointLog& log : set_.logs)
+      chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
+    Model here = start;
+    look_around(MotionLook(set_, chosen, facts_.channels[0].noise), here, means);
+    const ShortRuns brief(set_, chosen, kBrief_s);
+    if (!(brief.cost(here) < brief.cost(start))) here = start;
+    const auto offer = [&] {
+      const double cost = cost_of(here);
+      if (cost < least) least = cost, best = here;
+    };
+    here = brief.descend(here, means);
+    offer();
+    here = ShortRuns(set_, chosen, kLonger_s).descend(here, means);
+    offer();
   }
-  return best;
+  return off_the_edge(best, means, cost_of);
 }
 
 // Logs are independent of each other: all their starts are moved at once.
@@ -180,7 +266,9 @@ std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
   parallel_for(space.size(), [&](size_t at) {
     const Coordinate& c = space[at];
     const double z = c.of(model);
-    double step = kStep * std::max(c.scale, std::abs(z));
+    // Two that act as a product alone must move it alike, or the difference of their differences
+    // would pass for what the data know of each: those above 0 by their bounds move by their size.
+    double step = kStep * (c.min > 0 ? std::abs(z) : std::max(c.scale, std::abs(z)));
     if (z + step > c.max) step = -step;
     Model moved = model;
     c.set(moved, z + step);

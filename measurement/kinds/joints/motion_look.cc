@@ -14,6 +14,9 @@ namespace seam::measurement {
 namespace {
 
 constexpr size_t kMostInstants = 1500;
+// Into so many pieces the time over which an acceleration is seen is cut: more where a command
+// steps in it.
+constexpr size_t kPieces = 4, kMostPieces = 8;
 
 // Standard error of the second derivative of a parabola through 2 reach + 1 even samples.
 double acceleration_error(double noise_rad, size_t reach, double dt_s) {
@@ -34,6 +37,18 @@ effects::MotorInput input_at(const JointLog& log, size_t row, double after_s, do
           .kp = log.kp[given],
           .voltage = log.voltage[last_before(at_s)],
           .enabled = log.enabled[given] != 0};
+}
+
+// Whether the command makes most of its way from one row to the next, or the drive is switched.
+bool steps_between(const JointLog& log, size_t first, size_t last) {
+  double largest = 0, low = log.command_rad[first], high = low;
+  for (size_t k = first; k < last; ++k) {
+    if (log.enabled[k] != log.enabled[k + 1]) return true;
+    const double next = log.command_rad[k + 1];
+    largest = std::max(largest, std::abs(next - log.command_rad[k]));
+    low = std::min(low, next), high = std::max(high, next);
+  }
+  return largest > 0.5 * (high - low);
 }
 
 double cost_of(const std::vector<double>& misses, double size) {
@@ -76,8 +91,11 @@ void MotionLook::add_instants(const JointLog& log, size_t stride, size_t reach, 
     }
     const Eigen::Vector3d c =
         (powers.transpose() * powers).ldlt().solve(powers.transpose() * angles);
+    const bool steps = steps_between(log, k - reach, k + reach);
     instants_.push_back({.log = &log,
                          .row = k,
+                         .reach = reach,
+                         .pieces = std::min(2 * reach, steps ? kMostPieces : kPieces),
                          .q_rad = c[0],
                          .w_radps = c[1] / span_s,
                          .a_radps2 = 2 * c[2] / (span_s * span_s),
@@ -86,23 +104,30 @@ void MotionLook::add_instants(const JointLog& log, size_t stride, size_t reach, 
   }
 }
 
-// The parabola's curvature is a mean of the acceleration over its rows, with the weights 1 - x^2
-// over their reach: three places stand for it.
+// The curvature of a parabola through even samples is a mean of the acceleration, with the weights
+// (1 - x^2)^2 over their reach: the second integral of Legendre's polynomial of degree 2. The
+// commands hold from row to row, so that a step of theirs stands at its place in this mean.
 std::vector<double> MotionLook::misses(const Model& model) const {
   const effects::ServoModel servo = effects::servo_of(model);
   std::vector<double> misses;
   misses.reserve(instants_.size());
   for (const Instant& at : instants_) {
-    double sum = 0;
-    for (const double x : {-0.5, 0.0, 0.5}) {
-      const double dt_s = x * at.reach_s;
+    const auto& time_s = at.log->time_s;
+    double sum = 0, weights = 0;
+    const size_t first = at.row - at.reach;
+    for (size_t piece = 0; piece < at.pieces; ++piece) {
+      const double from_s = time_s[first + 2 * at.reach * piece / at.pieces];
+      const double to_s = time_s[first + 2 * at.reach * (piece + 1) / at.pieces];
+      const double dt_s = 0.5 * (from_s + to_s) - time_s[at.row];
+      const double x = dt_s / at.reach_s, inside = std::max(0.0, 1 - x * x);
+      const double weight = inside * inside * (to_s - from_s);
       const effects::MotorState state{at.q_rad + dt_s * (at.w_radps + 0.5 * dt_s * at.a_radps2),
                                       at.w_radps + dt_s * at.a_radps2};
       const auto input = input_at(*at.log, at.row, dt_s, servo.latency_s);
-      sum += (1 - x * x) / 2.5 *
-             effects::motor_acceleration(servo.torque, input, state, at.rest_radps);
+      weights += weight;
+      sum += weight * effects::motor_acceleration(servo.torque, input, state, at.rest_radps);
     }
-    misses.push_back(at.a_radps2 - sum);
+    misses.push_back(at.a_radps2 - sum / weights);
   }
   return misses;
 }
@@ -155,11 +180,12 @@ double MotionLook::descend(Model& model, const std::vector<Unknown>& unknowns) c
                         .height = [&] { return 0.5 * cost; },
                         .worth = [&] { return Worth{.gain = 1e-4 * cost}; }},
                        {.start = 1e-3, .attempts = 6}, 15);
-  // Comparable between descents: in the unit of the data.
-  double sum = 0;
+  return this->cost(model);
+}
+
+double MotionLook::cost(const Model& model) const {
   constexpr double kUnit_radps2 = 5;
-  for (const double miss : here) sum += std::log1p(miss * miss / (kUnit_radps2 * kUnit_radps2));
-  return sum;
+  return cost_of(misses(model), kUnit_radps2);
 }
 
 }  // namespace seam::measurement

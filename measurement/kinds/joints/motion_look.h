@@ -14,6 +14,8 @@ class MotionLook {
   // Of the logs whose flag is set.
   MotionLook(const JointLogs& set, const std::vector<char>& chosen, double noise_rad);
 
+  // What the model misses, comparable between models: in the unit of the data.
+  double cost(const Model& model) const;
   // Descends from `model` in these parameters. Returns the cost; infinite where nothing moves.
   double descend(Model& model, const std::vector<Unknown>& unknowns) const;
 
@@ -21,9 +23,10 @@ class MotionLook {
   // A place of a log with what is seen of the motion there.
   struct Instant {
     const JointLog* log;
-    size_t row;
+    size_t row, reach;  // The acceleration is seen from so many rows before to as many after.
+    size_t pieces;      // Into which that time is cut.
     double q_rad, w_radps, a_radps2;
-    double reach_s;     // Half the time over which the acceleration was seen.
+    double reach_s;     // The same as time, on the mean of both sides.
     double rest_radps;  // Slower counts as at rest.
   };
 

@@ -220,6 +220,82 @@ TEST(MotorLogs, ASwingInAnotherPhaseIsFoundFromShortStretches) {
   EXPECT_NEAR(fit.value[2], 30, 1);
 }
 
+// A step of the command inside the window of an acceleration looks like a drive that is too weak
+// for it. Here the duty is 0.4 at most.
+TEST(MotorLogs, AStepIsNotTakenForASaturation) {
+  const Model truth = model_of(
+      "  motor_servo: {stall_rad_per_s2: 900, back_emf_per_s: 3, gain: 0.02}\n"
+      "  gravity_torque: {rad_per_s2: 25, level_rad: 0.4}\n");
+  JointsProblem problem = MadeSet("motor-step").made_by(truth, 5);
+  const Model ideal = model_of("  ideal_servo: {}\n");
+  problem.prepare(ideal);
+  const auto motor = effects::find_effect("motor_servo");
+  const auto starts = problem.starts_together(ideal, *motor, effects::companions_of(*motor, ideal));
+  ASSERT_FALSE(starts.empty());
+  const std::vector<double>& best = starts.front();
+  EXPECT_NEAR(best[0] * best[2], 18, 0.2);
+  EXPECT_NEAR(best[1], 3, 0.1);
+  EXPECT_GT(best[0], 18 * 8 * 2.2);
+}
+
+// A motor of 45 rad/s^2 that saturates looks much like one of 400 whose drive is cut off there: no
+// limit helps beside the first, so that motor and limit have to move together.
+TEST(MotorLogs, ATorqueLimitIsFoundBehindADutyThatStoodInForIt) {
+  JointsProblem problem = MadeSet("motor-limit")
+                              .made_by(model_of("  motor_servo: {stall_rad_per_s2: 400, "
+                                                "back_emf_per_s: 4, gain: 0.045}\n"
+                                                "  torque_limit: {rad_per_s2: 42}\n"),
+                                       7);
+  const std::string stand_in =
+      "  motor_servo: {stall_rad_per_s2: {value: 45, free: true}, back_emf_per_s: {value: 2, free: "
+      "true}, gain: {value: 0.4, free: true}}\n";
+  const auto starts =
+      problem.starts_together(model_of(stand_in), *effects::find_effect("torque_limit"), {});
+  ASSERT_FALSE(starts.empty());
+  EXPECT_NEAR(starts.front()[0], 42, 1);
+  const Model start =
+      model_of(stand_in + fmt::format("  torque_limit: {{rad_per_s2: {{value: {}, free: true}}}}\n",
+                                      starts.front()[0]));
+  const Fit fit = problem.fit(start, refitted_unknowns(start), problem.all_groups());
+  EXPECT_NEAR(fit.value[0] * fit.value[2], 18, 0.05);
+  EXPECT_NEAR(fit.value[1], 4, 0.05);
+  EXPECT_NEAR(fit.value[3], 42, 0.1);
+}
+
+// These runs ask for 0.4 of the duty at most. Where a fit leaves a motor that would saturate just
+// above that, other runs would show a saturation that nothing speaks for.
+TEST(MotorLogs, ASaturationThatNoRunReachesIsKeptAway) {
+  const Model truth =
+      model_of("  motor_servo: {stall_rad_per_s2: 900, back_emf_per_s: 6, gain: 0.02}\n");
+  const JointsProblem problem = MadeSet("motor-edge").made_by(truth, 11);
+  const Model start = model_of(
+      "  motor_servo: {stall_rad_per_s2: {value: 300, free: true}, back_emf_per_s: {value: 6, "
+      "free: "
+      "true}, gain: {value: 0.06, free: true}}\n");
+  const Fit fit = problem.fit(start, refitted_unknowns(start), problem.all_groups());
+  EXPECT_NEAR(fit.value[0] * fit.value[2], 18, 0.05);
+  EXPECT_GT(fit.value[0], 500);
+}
+
+// A motor that is nowhere near saturation shows its strength times its gain alone, however small
+// one of them is.
+TEST(MotorLogs, WhatActsAsAProductIsToldAsAProduct) {
+  const JointsProblem problem =
+      MadeSet("motor-product")
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 90000, back_emf_per_s: 6, gain: "
+                            "2e-4}\n"),
+                   13);
+  const Model start = model_of(
+      "  motor_servo: {stall_rad_per_s2: {value: 91000, free: true}, back_emf_per_s: {value: 6, "
+      "free: true}, gain: {value: 2e-4, free: true}}\n");
+  const Fit fit = problem.fit(start, refitted_unknowns(start), problem.all_groups());
+  EXPECT_NEAR(fit.value[0] * fit.value[2], 18, 0.05);
+  EXPECT_NEAR(fit.value[1], 6, 4 * fit.sigma[1]);
+  EXPECT_LT(fit.sigma[1], 0.05);
+  EXPECT_GT(fit.sigma[0], fit.value[0]);
+  EXPECT_GT(fit.sigma[2], fit.value[2]);
+}
+
 // The hash would hold out 1, 4, 5 and 13 of these, all that fall freely among them.
 TEST(MotorLogs, ARunWithoutTorqueTrains) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "motor-third";

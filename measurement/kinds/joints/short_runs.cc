@@ -93,6 +93,12 @@ std::vector<double> ShortRuns::misses(const Model& model) const {
   return misses;
 }
 
+double ShortRuns::cost(const Model& model) const {
+  double sum = 0;
+  for (const double miss : misses(model)) sum += miss * miss;
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
 Model ShortRuns::descend(Model model, const std::vector<Unknown>& unknowns) const {
   const ParameterSpace space(model, unknowns);
   const auto count = static_cast<Eigen::Index>(rows_);

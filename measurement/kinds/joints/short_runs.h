@@ -18,6 +18,9 @@ class ShortRuns {
   // Descends from `model` in these parameters; returns where it ends.
   Model descend(Model model, const std::vector<Unknown>& unknowns) const;
 
+  // Sum of squares; infinite where a prediction is no number.
+  double cost(const Model& model) const;
+
  private:
   void cut(const JointLog& log, double length_s);
   std::vector<double> misses(const Model& model) const;

@@ -139,8 +139,12 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
     const PoseSigmas sigma = pose_sigmas(noise, noise_, run, path);
     const Start start =
         *starts_->of(i, key, [&] { return fit_start(run, run.rows.size(), path, sigma); });
-    if (!noisy) take_start(run, start.pose, path, sigma, evaluation);
-    filter(walk, run, start, *kept, sigma, evaluation);
+    if (noisy) {
+      filter(walk, run, start, *kept, sigma, evaluation);
+    } else {
+      take_start(run, start.pose, path, sigma, evaluation);
+      evaluation.log_det[facts_.group_of_row[run.rows[0]]] += start.log_det;
+    }
     evaluation.nuisances += start.unknowns;
   }
   return evaluation;

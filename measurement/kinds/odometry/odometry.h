@@ -4,6 +4,7 @@
 // whitens them.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <memory>
 #include <optional>
@@ -88,6 +89,8 @@ class OdometryProblem : public Problem {
   struct Start {
     WalkPose pose{};
     int unknowns = 0;  // As many of its numbers as poses tell.
+    // Of the poses' covariance where the first pose tells the start: errors of each pose alone.
+    double log_det = 0;
   };
 
   // A run's path by a model, and the motion to each row from the one before it.
@@ -104,6 +107,8 @@ class OdometryProblem : public Problem {
   void take_start(const WalkRun& run, const WalkPose& start,
                   const std::vector<effects::WalkState>& path, const PoseSigmas& sigma,
                   Evaluation& evaluation) const;
+  double log_det_of(const WalkRun& run, const Eigen::Matrix3d& information,
+                    const PoseSigmas& sigma) const;
   void filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
               const Walked& walked, const PoseSigmas& sigma, Evaluation& evaluation) const;
   // Of a channel of a row; -1 where blank.

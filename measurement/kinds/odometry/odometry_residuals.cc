@@ -11,6 +11,24 @@
 namespace seam::measurement {
 namespace {
 
+// Variance of a number of the start that the first pose does not tell.
+constexpr double kUntold2 = 1e4;
+
+// A logarithm is dear: one for many factors, as many as a double holds.
+class LogOfProduct {
+ public:
+  void times(double factor) {
+    product_ *= factor;
+    if (product_ > 1e-200 && product_ < 1e200) return;
+    sum_ += std::log(product_);
+    product_ = 1;
+  }
+  double log() const { return sum_ + std::log(product_); }
+
+ private:
+  double product_ = 1, sum_ = 0;
+};
+
 // A start from which the run's path leads through this pose.
 WalkPose start_through(const WalkPose& pose, const effects::WalkState& there) {
   const double theta = pose[2] - there.theta_rad;
@@ -55,8 +73,9 @@ OdometryProblem::Start OdometryProblem::fit_start(const WalkRun& run, size_t row
     start.pose = start_through(run.pose[k], path[k]);
     break;
   }
+  Eigen::Matrix3d information;
   for (int step = 0; step < 12; ++step) {
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    information.setZero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     int count = 0;
     const double c = maths::cos(start.pose[2]), s = maths::sin(start.pose[2]);
@@ -88,7 +107,30 @@ OdometryProblem::Start OdometryProblem::fit_start(const WalkRun& run, size_t row
     for (int i = 0; i < 3; ++i) start.pose[i] += move[i];
     if (move.squaredNorm() < 1e-20) break;
   }
+  start.log_det = log_det_of(run, information, sigma);
   return start;
+}
+
+// det S = det R det P det(P^-1 + H' R^-1 H), S the covariance of all poses but the first, whose own
+// is P; the information that all poses have of the start is the last factor's.
+double OdometryProblem::log_det_of(const WalkRun& run, const Eigen::Matrix3d& information,
+                                   const PoseSigmas& sigma) const {
+  Eigen::Matrix3d all = information;
+  LogOfProduct product;
+  for (int i = 0; i < 3; ++i) {
+    if (takes_part(run.rows[0], i)) {
+      product.times(sigma[0][i] * sigma[0][i]);
+    } else {
+      product.times(kUntold2);
+      all(i, i) += 1 / kUntold2;
+    }
+  }
+  for (size_t k = 1; k < run.rows.size(); ++k) {
+    for (int channel = 0; channel < 3; ++channel) {
+      if (takes_part(run.rows[k], channel)) product.times(sigma[k][channel] * sigma[k][channel]);
+    }
+  }
+  return product.log() + std::log(all.determinant());
 }
 
 void OdometryProblem::take_start(const WalkRun& run, const WalkPose& start,
@@ -111,33 +153,33 @@ void OdometryProblem::take_start(const WalkRun& run, const WalkPose& start,
 
 // An extended Kalman filter over the run, one scalar at a time: innovations are white where the
 // model is right. The first pose starts it (a flat prior), so that its own innovations are zero.
-// Without walk noise it is the same least squares as fit_start, and gives only log det S.
+// Without walk noise it is the same least squares as fit_start.
 void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
                              const Start& start, const Walked& walked, const PoseSigmas& sigma,
                              Evaluation& evaluation) const {
   const std::vector<effects::WalkState>& path = walked.path;
-  const bool noisy = walk.xy_sigma > 0 || walk.theta_sigma > 0;
   const double q_xy = walk.xy_sigma * walk.xy_sigma, q_theta = walk.theta_sigma * walk.theta_sigma;
   WalkPose pose = placed(start.pose, path[0]);
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
   for (int i = 0; i < 3; ++i) {
     // A first pose that is blank or gross tells nothing of the start.
     const bool told = takes_part(run.rows[0], i);
-    P(i, i) = told ? sigma[0][i] * sigma[0][i] : 1e4;
+    P(i, i) = told ? sigma[0][i] * sigma[0][i] : kUntold2;
     if (told) pose[i] = run.pose[0][i];
   }
-  double& log_det = evaluation.log_det[facts_.group_of_row[run.rows[0]]];
+  LogOfProduct variances;
   for (size_t k = 0; k < run.rows.size(); ++k) {
     if (k > 0) {
       const auto before = pose;
       pose = placed(pose, walked.steps[k]);
       // P = F P F', F the identity but for what the heading does to x and y.
       const double by_x = -(pose[1] - before[1]), by_y = pose[0] - before[0];
-      P.row(0) += by_x * P.row(2), P.row(1) += by_y * P.row(2);
-      P.col(0) += by_x * P.col(2), P.col(1) += by_y * P.col(2);
       const double metres = path[k].path_m - path[k - 1].path_m;
-      P(0, 0) += q_xy * metres;
-      P(1, 1) += q_xy * metres;
+      const double x_theta = P(0, 2) + by_x * P(2, 2), y_theta = P(1, 2) + by_y * P(2, 2);
+      P(0, 0) += by_x * (P(0, 2) + x_theta) + q_xy * metres;
+      P(1, 1) += by_y * (P(1, 2) + y_theta) + q_xy * metres;
+      P(0, 1) = P(1, 0) += by_x * P(1, 2) + by_y * x_theta;
+      P(0, 2) = P(2, 0) = x_theta, P(1, 2) = P(2, 1) = y_theta;
       P(2, 2) += q_theta * metres;
     }
     for (int channel = 0; channel < 3; ++channel) {
@@ -146,25 +188,21 @@ void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run
       double innovation = run.pose[k][channel] - pose[channel];
       if (channel == 2) innovation = maths::wrap_angle(innovation);
       const double variance = P(channel, channel) + sigma[k][channel] * sigma[k][channel];
-      if (left_out(here)) {
-        if (noisy)
-          evaluation.residual[here] = innovation, evaluation.sigma[here] = std::sqrt(variance);
-        continue;
-      }
-      if (k > 0) log_det += std::log(variance);
-      if (noisy) {
-        evaluation.used[here] = 1;
-        evaluation.residual[here] = k == 0 ? 0 : innovation;
-        evaluation.sigma[here] = std::sqrt(variance);
-        evaluation.whitened[here] = k == 0 ? 0 : innovation / std::sqrt(variance);
-      }
+      const double root = std::sqrt(variance);
+      evaluation.residual[here] = k == 0 && !left_out(here) ? 0 : innovation;
+      evaluation.sigma[here] = root;
+      if (left_out(here)) continue;
+      evaluation.used[here] = 1;
+      evaluation.whitened[here] = k == 0 ? 0 : innovation / root;
       if (k == 0) continue;
-      const Eigen::Vector3d gain = P.col(channel) / variance;
-      for (int i = 0; i < 3; ++i) pose[i] += gain[i] * innovation;
-      P -= gain * P.row(channel);
-      P = 0.5 * (P + P.transpose().eval());
+      variances.times(variance);
+      const Eigen::Vector3d column = P.col(channel);
+      const double share = 1 / variance;
+      for (int i = 0; i < 3; ++i) pose[i] += share * column[i] * innovation;
+      P -= share * (column * column.transpose());
     }
   }
+  evaluation.log_det[facts_.group_of_row[run.rows[0]]] += variances.log();
 }
 
 std::vector<FreeError> OdometryProblem::free_prediction(const Model& model,

@@ -246,7 +246,7 @@ PoseSigmas pose_sigmas(const std::vector<effects::MovingNoise>& noise,
       const double growth = pose.growth(mps, radps);
       for (int channel = 0; channel < 3; ++channel) {
         const double more = growth * (channel == 2 ? pose.theta_sigma_rad : pose.xy_sigma_m);
-        sigmas[k][channel] = std::hypot(sigmas[k][channel], more);
+        sigmas[k][channel] = std::sqrt(sigmas[k][channel] * sigmas[k][channel] + more * more);
       }
     }
   }

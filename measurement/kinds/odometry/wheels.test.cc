@@ -176,6 +176,32 @@ TEST_F(Wheels, GapsOfPosesTakeNoPart) {
   }
 }
 
+// A run without walk noise is least squares in closed form; walk noise that does nothing takes the
+// filter's way to the same likelihood, from a first pose that is blank, too.
+TEST_F(Wheels, TheLikelihoodWithoutWalkNoiseIsThatOfTheFilter) {
+  for (const bool blank : {false, true}) {
+    const fs::path set = made("");
+    rewrite(set, [&](size_t row, std::vector<std::string>& cells) {
+      if (blank && row % 200 == 0) cells[kX].clear(), cells[kTheta].clear();
+      if (row % 200 > 150 && row % 7 == 0) cells[kY].clear();
+    });
+    const auto problem = open_problem(set);
+    for (const char* beside :
+         {", base_scale: {scale: 0}",
+          ", pose_noise: {xy_sigma_m: 0.002, theta_sigma_rad: 0.001, per_mps: 3}"}) {
+      const std::string effects = kBase + beside;
+      const Score alone = problem->score(model_of(effects), problem->all_groups());
+      const Score filtered =
+          problem->score(model_of(effects + ", walk_noise: {xy_sigma: 1e-9, theta_sigma: 1e-9}"),
+                         problem->all_groups());
+      ASSERT_TRUE(alone.valid);
+      EXPECT_EQ(alone.n, filtered.n) << beside;
+      EXPECT_NEAR(alone.log_likelihood, filtered.log_likelihood, 0.02) << beside;
+      EXPECT_NEAR(alone.chi2, filtered.chi2, 0.02) << beside;
+    }
+  }
+}
+
 TEST_F(Wheels, ATrackWithoutHeadingsHasTwoChannels) {
   const fs::path set = made(", base_scale: {scale: 0.05}");
   rewrite(set, [](size_t row, std::vector<std::string>& cells) {
