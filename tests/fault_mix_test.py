@@ -276,8 +276,8 @@ class Mix:
         if self.log_bytes() < SMALLEST_LOG and self.end not in ("finished", "stopped", "aborted"):
             return ""
         done = subprocess.run([SEAM, "replay", "verify", self.log, "--no-frames"], capture_output=True, text=True)
-        if self.end == "stopped" and "the log has no step to compare" in done.stdout:
-            self.end = "stopped before the first step"
+        if self.end not in ("finished", "aborted") and "the log has no step to compare" in done.stdout:
+            self.end += " before the first step"
             return ""
         found = re.search(r"the same: .* up to ([0-9.]+) s", done.stdout)
         self.verified_s = float(found.group(1)) if found else 0

@@ -173,10 +173,6 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
   return best;
 }
 
-}  // namespace
-
-namespace {
-
 // Cameras of which the model says something of their own.
 std::set<std::string> cameras_named_in(const Model& model) {
   std::set<std::string> cameras;

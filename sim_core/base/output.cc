@@ -144,12 +144,26 @@ void OutputFile::write(std::string_view bytes) {
   if (truncate_first_ && ::ftruncate(descriptor_, 0) != 0) fail(errno);
   truncate_first_ = false;
   if (!bytes.empty()) remove_if_empty_ = false;
+  const size_t all = bytes.size();
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) fail(errno);
+    if (written < 0) {
+      const int error = errno;
+      take_back(all - bytes.size());
+      fail(error);
+    }
     bytes.remove_prefix(static_cast<size_t>(written));
   }
+}
+
+// On a full disk half a record would end a log that is whole up to there. What cannot be shortened
+// (a FIFO) keeps it.
+void OutputFile::take_back(size_t bytes) noexcept {
+  const off_t end = ::lseek(descriptor_, 0, SEEK_CUR);
+  if (end < 0 || bytes == 0) return;
+  const off_t before = end - static_cast<off_t>(bytes);
+  if (::ftruncate(descriptor_, before) == 0) ::lseek(descriptor_, before, SEEK_SET);
 }
 
 void OutputFile::commit() {

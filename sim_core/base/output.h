@@ -39,7 +39,8 @@ class OutputFile {
   explicit operator bool() const { return !path_.empty(); }
   const std::filesystem::path& path() const { return path_; }
 
-  // Throws InputError with the operating system's reason (disk full, ...).
+  // Throws InputError with the operating system's reason (disk full, ...); a regular file then ends
+  // where it did before this call.
   void write(std::string_view bytes);
   // What was written is on the disk when it returns. Throws InputError where it is not.
   void sync();
@@ -54,6 +55,7 @@ class OutputFile {
   void open_temporary();
   void sync_folder() const;
   void abandon() noexcept;
+  void take_back(size_t bytes) noexcept;
   [[noreturn]] void fail(int error) const;
 
   std::filesystem::path path_;       // As the user named it.

@@ -1,8 +1,10 @@
 #include "sim_core/base/output.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <csignal>
 #include <fstream>
 
 #include "sim_core/base/error.h"
@@ -97,6 +99,24 @@ TEST_F(Output, AnInputIsNeverWritten) {
     EXPECT_THROW(OutputFile(at(name), {.inputs = {at("log")}, .grows = true}), UsageError) << name;
   }
   EXPECT_EQ(read_file(at("log")), "precious");
+}
+
+TEST_F(Output, WhatHadNoRoomIsTakenBack) {
+  // A limit of this process stands for a disk that is full in the middle of a record.
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old = std::signal(SIGXFSZ, SIG_IGN);
+  OutputFile file(at("log"), {.grows = true});
+  file.write("a whole record");
+  const rlimit full{20, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  EXPECT_THROW(file.write("a record that has no room"), InputError);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old);
+  EXPECT_EQ(read_file(at("log")), "a whole record");
+  file.write(", and another");
+  file.commit();
+  EXPECT_EQ(read_file(at("log")), "a whole record, and another");
 }
 
 TEST_F(Output, AGrowingFileHasOneWriterAndIsNotOverwrittenUnasked) {
