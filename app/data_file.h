@@ -9,4 +9,8 @@ namespace seam::app {
 // is installed, or beside its build folder.
 std::filesystem::path data_file(const std::string& name);
 
+// Whether a path leads to the models and scenarios that came with this program, which anybody may
+// name.
+bool is_our_data(const std::filesystem::path& path);
+
 }  // namespace seam::app

@@ -8,6 +8,14 @@ from importing import HERE, D, K, imported, refused, rows_of, run, run_tests, se
 from ros_bags import Cdr, mcap_file, ros1_bag
 
 
+def assert_walks_short(folder, out):
+    """The robot of these bags gets 5 % less far than it was told."""
+    run("add", "odometry_scale", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "o.yaml", "--json",
+        folder / "o.json")
+    found = json.loads((folder / "o.json").read_text())["parameters"]["vx_scale"]
+    assert abs(found["value"] + 0.05) < 2e-3, found
+
+
 def bag_messages(ros1):
     t, command, measured = servo_log(300)
     joints = []
@@ -50,10 +58,7 @@ def test_ros(folder):
         write(walk)
         out = folder / f"walk-{name[:-5]}-{ros1}"
         imported("ros", folder / name, out=out)
-        run("add", "odometry_scale", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "o.yaml", "--json",
-            folder / "o.json")
-        found = json.loads((folder / "o.json").read_text())["parameters"]["vx_scale"]
-        assert abs(found["value"] + 0.05) < 2e-3, found
+        assert_walks_short(folder, out)
         write(info)
         out = folder / f"info-{name[:-5]}-{ros1}"
         imported("ros", folder / name, out=out)
@@ -98,10 +103,7 @@ def test_transforms(folder):
         (folder / name).write_bytes(write([m for pair in zip(messages, commands) for m in pair]))
         out = folder / f"walk-{ros1}"
         imported("ros", folder / name, out=out)
-        run("add", "odometry_scale", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "o.yaml", "--json",
-            folder / "o.json")
-        found = json.loads((folder / "o.json").read_text())["parameters"]["vx_scale"]
-        assert abs(found["value"] + 0.05) < 2e-3, found
+        assert_walks_short(folder, out)
         (folder / f"tf-{name}").write_bytes(write(messages))
         out = folder / f"poses-{ros1}"
         assert "the poses of /tf:map:base_link" in imported("ros", folder / f"tf-{name}", out=out)

@@ -86,7 +86,7 @@ ROOMS = {
         "kinds/points/motion": ["kinds/points/target", "numerics"],
         "kinds/points": ["kinds", "kinds/points/motion", "kinds/points/target", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
-        "check": ["imaging", "kinds", "sets", "problem", "fitting", "search"],
+        "check": ["numerics", "imaging", "kinds", "sets", "problem", "fitting", "search"],
         "search": ["numerics", "problem", "fitting"],
         "suggest": ["numerics", "problem", "fitting", "search"],
         "report": ["problem", "fitting", "search", "suggest"],

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <limits>
-#include <mutex>
 #include <nlohmann/json.hpp>
 
+#include "app/data_file.h"
 #include "app/predictors/run_helper.h"
 #include "app/sweep/plan/plan.h"
 #include "app/sweep/results.h"
 #include "app/sweep/sweep.h"
 #include "app/trust/program_consent.h"
 #include "sim_core/base/error.h"
-#include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/output.h"
 #include "sim_core/input/file_names.h"
@@ -30,25 +29,11 @@ using measurement::RunTable;
 // Far from one another for all seeds of plans that anybody writes.
 constexpr int64_t kSeedsApart = 1'000'003;
 
-// Whether a path leads to the models and scenarios that belong to SEAM, which anybody may name.
-bool is_ours(const fs::path& path) {
-  std::error_code unknown;
-  const fs::path file = fs::weakly_canonical(path, unknown);
-  for (const char* name : {"models", "scenarios"}) {
-    for (const fs::path& place : {find_shared(name), program_file().parent_path() / ".." / name}) {
-      const fs::path folder = fs::weakly_canonical(place, unknown);
-      const auto [end, at] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-      if (!place.empty() && end == folder.end()) return true;
-    }
-  }
-  return false;
-}
-
 // Files that a document names by any text with a slash, but for programs, which are asked about.
 void refuse_names_outside(const YAML::Node& node, const fs::path& folder, const fs::path& file) {
   if (node.IsScalar() && node.Scalar().find('/') != std::string::npos) {
     const std::string why = why_not_inside(folder, node.Scalar());
-    if (!why.empty() && !is_ours(folder / node.Scalar()))
+    if (!why.empty() && !is_our_data(folder / node.Scalar()))
       throw InputError(fmt::format("{}:{}: {}", file.string(), node.Mark().line + 1, why));
   }
   for (const auto& item : node) {
@@ -68,9 +53,9 @@ SweepPlan plan_of_set(const fs::path& file) {
   const ConfigNode scenario = plan.at("scenario");
   const fs::path named = folder / scenario.text();
   if (const std::string why = why_not_inside(folder, scenario.text());
-      !why.empty() && !is_ours(named))
+      !why.empty() && !is_our_data(named))
     scenario.fail(why);
-  if (fs::exists(named) && !is_ours(named))
+  if (fs::exists(named) && !is_our_data(named))
     refuse_names_outside(ConfigNode::from_file(named).yaml(), named.parent_path(), named);
   return SweepPlan::from_file(file);
 }
@@ -191,10 +176,7 @@ class OutcomeRuns final : public measurement::RunMaker {
 
   uint64_t alike(size_t plan) const override {
     const SweepPlan& made = plans_.at(plan);
-    const YAML::Node seeds = YAML::Load(made.texts().plan)["seeds"];
-    const uint64_t different =
-        seeds ? static_cast<uint64_t>(seeds[1].as<int64_t>() - seeds[0].as<int64_t>() + 1) : 1;
-    return different * made.repetitions();
+    return std::max<uint64_t>(1, made.seeds()) * made.repetitions();
   }
 
   std::map<std::string, std::string> files(size_t plan) const override {
@@ -211,8 +193,7 @@ class OutcomeRuns final : public measurement::RunMaker {
   }
 
   RunTable make(size_t plan, const effects::Model& model, uint64_t draw) override {
-    const YAML::Node root = YAML::Load(plans_.at(plan).texts().plan);
-    if (draw > 0 && !root["seeds"]) {
+    if (draw > 0 && plans_.at(plan).seeds() == 0) {
       throw InputError(
           fmt::format("{}: has no `seeds: [first, last]`, which measured runs need to have others",
                       plans_[plan].texts().name));

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "app/sweep/table.h"
+#include "measurement/numerics/moments.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -17,18 +18,8 @@ namespace {
 
 constexpr double kTail = 0.025;  // On either side.
 
-double mean_of(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-double deviation_of(const std::vector<double>& values) {
-  const double mean = mean_of(values);
-  double sum = 0;
-  for (const double value : values) sum += (value - mean) * (value - mean);
-  return std::sqrt(sum / static_cast<double>(values.size() - 1));
-}
+using measurement::deviation_of;
+using measurement::mean_of;
 
 Estimate mean_estimate(const std::vector<double>& values) {
   const auto n = static_cast<double>(values.size());

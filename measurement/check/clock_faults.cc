@@ -3,6 +3,7 @@
 #include <map>
 
 #include "measurement/check/faults.h"
+#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -12,13 +13,6 @@ using Times = std::vector<int64_t>;
 
 double seconds(int64_t ns) {
   return 1e-9 * static_cast<double>(ns);
-}
-
-int64_t middle_of(Times values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Steps of a log that is sampled at a rate: of its runs and joints, each for itself.
@@ -52,7 +46,7 @@ void look_at(const CsvTable& table, int64_t longest_ns, std::vector<std::string>
   constexpr int64_t kJump = 50;
   const Steps steps = steps_of(table);
   if (steps.ns.size() < 10) return;
-  const int64_t usual = middle_of(steps.ns);
+  const int64_t usual = median_of(steps.ns);
   if (usual > longest_ns || usual < kShortest_ns) {
     const char* unit = usual < kShortest_ns             ? "no seconds"
                        : usual / 1000 <= longest_ns     ? "milliseconds for seconds"

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -21,13 +22,6 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 std::string unit_of_ratio(double ratio, double factor, const char* unit, const char* instead) {
   if (ratio > 0.6 * factor && ratio < 1.6 * factor) return fmt::format("{} for {}", unit, instead);
   return "";
-}
-
-double middle_of(Numbers values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double span_of(const Numbers& values) {
@@ -194,7 +188,7 @@ struct Ranges {
     Numbers misses;
     for (size_t i = 0; i < range.size(); ++i)
       misses.push_back(std::abs(range[i] - distance(i, exchanged)));
-    return middle_of(misses);
+    return median_of(misses);
   }
   double distance(size_t i, bool exchanged) const {
     const double bx = exchanged ? beacon_y[i] : beacon_x[i];
@@ -250,7 +244,7 @@ void landmarks(const MeasurementSet& set, std::vector<std::string>& found) {
     distances.push_back(ranges.distance(i, false));
     if (distances.back() > 0) ratios.push_back(ranges.range[i] / distances.back());
   }
-  const double ratio = middle_of(ratios);
+  const double ratio = median_of(ratios);
   for (const auto& [of, columns] : {std::pair{ratio, "range_m"}, {1 / ratio, "the places"}}) {
     if (const auto unit = unit_of_ratio(of, 1000, "millimetres", "metres"); !unit.empty())
       found.push_back(
@@ -258,7 +252,7 @@ void landmarks(const MeasurementSet& set, std::vector<std::string>& found) {
                       seen.file(), ratio, unit, columns));
   }
   const double as_it_stands = ranges.miss(false), exchanged = ranges.miss(true);
-  if (as_it_stands > 0.1 * middle_of(distances) && 3 * exchanged < as_it_stands)
+  if (as_it_stands > 0.1 * median_of(distances) && 3 * exchanged < as_it_stands)
     found.push_back(fmt::format(
         "{}: ranges miss by {:.3g} m, and by {:.3g} m with x_m and y_m of the landmarks exchanged",
         set.table("landmarks").file(), as_it_stands, exchanged));

@@ -26,7 +26,6 @@ struct RunPlan {
 };
 
 struct RunSpec {
-  std::filesystem::path folder;  // Of the set: plans and scenarios name files in it alone.
   std::vector<RunPlan> plans;
   std::vector<std::string> robots;  // Whose model it is; empty: of all robots.
 };

@@ -8,9 +8,11 @@
 namespace seam::measurement {
 
 // The middle value (the upper of two); 0 for no values.
-inline double median_of(std::vector<double> values) {
+template <class Number = double>
+Number median_of(std::vector<Number> values) {
   if (values.empty()) return 0;
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
   return values[values.size() / 2];
 }
 

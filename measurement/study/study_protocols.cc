@@ -93,6 +93,17 @@ std::string pose_row(double t_s, const Vec3& eye, const Vec3& at, double roll_ra
                      eye.z, q[0], q[1], q[2], q[3]);
 }
 
+// A set of views of a target whose poses its reader does not know; `keys` are those that differ.
+void write_views(const std::filesystem::path& folder, const std::string& poses,
+                 const std::string& points, const std::string& keys) {
+  write_file_atomically(folder / "poses.csv", poses);
+  write_file_atomically(folder / "points.csv", points);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: points\ngroup: frame\n"
+                        "files: {points: points.csv, poses: poses.csv}\n" +
+                            keys);
+}
+
 // A board of 20 x 15 corners before a camera, in 16 views tilted all ways and turned; its reader
 // does not know the poses.
 std::string board(const std::filesystem::path& folder) {
@@ -110,13 +121,9 @@ std::string board(const std::filesystem::path& folder) {
       table += fmt::format("{0},{0},{1},{2:.4f},{3:.4f},0\n", frame, point,
                            0.02 * (point % 20 - 9.5), 0.02 * (point / 20 - 7));
   }
-  write_file_atomically(folder / "poses.csv", poses);
-  write_file_atomically(folder / "points.csv", table);
-  write_file_atomically(folder / "measurement.yaml",
-                        "format: seam-measurement/1\nkind: points\ntitle: Study of boards\n"
-                        "camera: {width_px: 640, height_px: 480}\n"
-                        "noise: {u_px: 0.15, v_px: 0.15}\ngroup: frame\n"
-                        "files: {points: points.csv, poses: poses.csv}\nrig: {pose: unknown}\n");
+  write_views(folder, poses, table,
+              "title: Study of boards\ncamera: {width_px: 640, height_px: 480}\n"
+              "noise: {u_px: 0.15, v_px: 0.15}\nrig: {pose: unknown}\n");
   return "{pinhole: {fx_px: {value: 500, free: true}, fy_px: {value: 500, free: true}, cx_px: "
          "{value: 319.5, free: true}, cy_px: {value: 239.5, free: true}}, radial_distortion: "
          "{kappa: "
@@ -154,14 +161,10 @@ std::string video(const std::filesystem::path& folder) {
       table += fmt::format("{},{:.3f},{},{:.4f},{:.4f},0\n", frame, kPeriod_s * frame, point,
                            0.04 * (point % 8 - 3.5), 0.04 * (point / 8 - 2.5));
   }
-  write_file_atomically(folder / "poses.csv", poses);
-  write_file_atomically(folder / "points.csv", table);
-  write_file_atomically(folder / "measurement.yaml",
-                        "format: seam-measurement/1\nkind: points\ntitle: Study of videos\n"
-                        "camera: {width_px: 640, height_px: 480, frame_period_s: 0.04}\n"
-                        "noise: {u_px: 0.2, v_px: 0.2}\ngroup: frame\n"
-                        "files: {points: points.csv, poses: poses.csv}\n"
-                        "rig: {pose: unknown, motion: spline}\n");
+  write_views(folder, poses, table,
+              "title: Study of videos\n"
+              "camera: {width_px: 640, height_px: 480, frame_period_s: 0.04}\n"
+              "noise: {u_px: 0.2, v_px: 0.2}\nrig: {pose: unknown, motion: spline}\n");
   return "{pinhole: {fx_px: {value: 500, free: true}, fy_px: {value: 500, free: true}, cx_px: "
          "{value: 319.5, free: true}, cy_px: {value: 239.5, free: true}}}";
 }

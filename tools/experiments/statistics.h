@@ -4,11 +4,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "measurement/numerics/moments.h"
+
 namespace seam::tools {
 
-double mean_of(const std::vector<double>& values);
-// Sample standard deviation (n - 1); 0 for fewer than two values.
-double deviation_of(const std::vector<double>& values);
+using measurement::deviation_of;
+using measurement::mean_of;
 double root_mean_square(const std::vector<double>& values);
 double largest(const std::vector<double>& values);
 

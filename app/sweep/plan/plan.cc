@@ -136,6 +136,7 @@ void SweepPlan::read_axes(const ConfigNode& root) {
   }
   if (const auto seeds = root.find("seeds")) {
     axes_.push_back(seed_axis(*seeds));
+    seeds_ = axes_.back().size;
     nodes.push_back(*seeds);
   }
   for (size_t a = 0; a < axes_.size(); ++a) {

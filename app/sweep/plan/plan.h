@@ -49,6 +49,8 @@ class SweepPlan {
   uint64_t runs() const { return runs_; }
   // Names of what varies, in the order of the plan.
   const std::vector<std::string>& parameters() const { return parameters_; }
+  // How many seeds `seeds:` names; 0: the plan has no such line.
+  uint64_t seeds() const { return seeds_; }
   uint64_t repetitions() const { return repetitions_; }
   const Keep& keep() const { return keep_; }
 
@@ -75,6 +77,7 @@ class SweepPlan {
   PlanFiles files_;
   std::optional<ScenarioTree> base_;  // With the changes of `set`.
   std::vector<Axis> axes_;
+  uint64_t seeds_ = 0;
   uint64_t repetitions_ = 1;
   uint64_t runs_ = 1;
   std::vector<std::string> parameters_;

@@ -180,17 +180,22 @@ TEST(MotorLogs, AFitOfWholeRunsFindsWhatMadeThemWithItsErrors) {
   EXPECT_LT(sum2 / count, 2.2);
 }
 
+// Where the look at accelerations lets a motor with its companions begin; empty: nowhere.
+std::vector<double> first_start(JointsProblem& problem) {
+  const Model ideal = model_of("  ideal_servo: {}\n");
+  problem.prepare(ideal);
+  const auto motor = effects::find_effect("motor_servo");
+  const auto starts = problem.starts_together(ideal, *motor, effects::companions_of(*motor, ideal));
+  return starts.empty() ? std::vector<double>() : starts.front();
+}
+
 TEST(MotorLogs, AMotorIsFoundFromTheAccelerationsThatALogShows) {
   const Model truth = model_of(
       "  motor_servo: {stall_rad_per_s2: 150, back_emf_per_s: 9, gain: 0.3}\n"
       "  gravity_torque: {rad_per_s2: 40, level_rad: 0.3}\n");
   JointsProblem problem = MadeSet("motor-starts").made_by(truth, 3);
-  const Model ideal = model_of("  ideal_servo: {}\n");
-  problem.prepare(ideal);
-  const auto motor = effects::find_effect("motor_servo");
-  const auto starts = problem.starts_together(ideal, *motor, effects::companions_of(*motor, ideal));
-  ASSERT_FALSE(starts.empty());
-  const std::vector<double>& best = starts.front();
+  const std::vector<double> best = first_start(problem);
+  ASSERT_FALSE(best.empty());
   ASSERT_EQ(best.size(), 7u);  // Its own five, gravity's two.
   EXPECT_NEAR(best[0] * best[2], 45, 5);
   EXPECT_NEAR(best[1], 9, 2);
@@ -227,12 +232,8 @@ TEST(MotorLogs, AStepIsNotTakenForASaturation) {
       "  motor_servo: {stall_rad_per_s2: 900, back_emf_per_s: 3, gain: 0.02}\n"
       "  gravity_torque: {rad_per_s2: 25, level_rad: 0.4}\n");
   JointsProblem problem = MadeSet("motor-step").made_by(truth, 5);
-  const Model ideal = model_of("  ideal_servo: {}\n");
-  problem.prepare(ideal);
-  const auto motor = effects::find_effect("motor_servo");
-  const auto starts = problem.starts_together(ideal, *motor, effects::companions_of(*motor, ideal));
-  ASSERT_FALSE(starts.empty());
-  const std::vector<double>& best = starts.front();
+  const std::vector<double> best = first_start(problem);
+  ASSERT_FALSE(best.empty());
   EXPECT_NEAR(best[0] * best[2], 18, 0.2);
   EXPECT_NEAR(best[1], 3, 0.1);
   EXPECT_GT(best[0], 18 * 8 * 2.2);

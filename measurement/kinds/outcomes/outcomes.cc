@@ -2,11 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/problem/channel_misfit.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -171,23 +171,17 @@ std::vector<Structure> OutcomesProblem::structure(const Model& model, const Grou
   const Evaluation here = evaluate(model, groups);
   for (size_t channel = 0; channel < facts_.channels.size(); ++channel) {
     const std::string& name = facts_.channels[channel].name;
-    double count = 0, chi2 = 0, square = 0, residual2 = 0;
-    for (size_t i = 0; i < rows_.size(); ++i) {
-      if (!here.used[i] || facts_.channel_of[i] != static_cast<int>(channel)) continue;
-      const double z = here.residual[i] / here.sigma[i];
-      ++count, chi2 += z * z;
-      square += here.sigma[i] * here.sigma[i], residual2 += here.residual[i] * here.residual[i];
-    }
-    if (count == 0) continue;
+    const ChannelMisfit misfit = misfit_of_channel(facts_, here, channel);
+    if (misfit.count == 0) continue;
     const double looks = static_cast<double>(facts_.channels.size());
-    const double p = looks * boost::math::gamma_q(0.5 * count, 0.5 * std::min(chi2, 1200.0));
+    const double p = looks * misfit.p_value();
     const bool told = std::any_of(found.begin(), found.end(),
                                   [&](const Structure& s) { return s.residual == name; });
     if (p < kAlarm && !told) {
       found.push_back({.residual = name,
                        .moment = "mean",
                        .covariate = "scenario",
-                       .strength = std::sqrt(std::max(0.0, residual2 - square) / count),
+                       .strength = misfit.strength(),
                        .p_value = std::max(p, 1e-300)});
     }
   }
@@ -210,14 +204,13 @@ bool OutcomesProblem::acts(const EffectDefinition& effect) const {
   return !effect.spread_only && Problem::acts(effect);
 }
 
-std::optional<Bounds> OutcomesProblem::bounds(const Unknown& unknown) const {
+std::optional<Bounds> OutcomesProblem::bounds(const std::string& effect,
+                                              const std::string& parameter) const {
   if (!settings_.candidates) return std::nullopt;
-  const auto effect = settings_.candidates->find(unknown.effect);
-  if (effect == settings_.candidates->end()) return std::nullopt;
-  const auto definition = effects::find_effect(unknown.effect);
-  if (!definition) return std::nullopt;
-  const auto found = effect->second.find(definition->parameters[unknown.parameter].name);
-  return found == effect->second.end() ? std::nullopt : std::optional(found->second);
+  const auto stated = settings_.candidates->find(effect);
+  if (stated == settings_.candidates->end()) return std::nullopt;
+  const auto found = stated->second.find(parameter);
+  return found == stated->second.end() ? std::nullopt : std::optional(found->second);
 }
 
 std::string OutcomesProblem::not_testable(const Model& model, const EffectDefinition& effect,
@@ -242,7 +235,7 @@ std::vector<std::vector<double>> OutcomesProblem::starts(const Model&,
     for (size_t i = 0; i < effect.parameters.size(); ++i) {
       const effects::Parameter& p = effect.parameters[i];
       if (p.integer) return {};
-      const auto stated = bounds({effect.name, i});
+      const auto stated = bounds(effect.name, p.name);
       const double low = stated ? stated->low : p.min, high = stated ? stated->high : p.max;
       // Slopes are taken over steps that runs show, so that a start may lie near.
       double value = std::isfinite(p.neutral) ? p.neutral + 0.02 * sign * p.scale : 20 * p.scale;

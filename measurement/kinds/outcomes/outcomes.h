@@ -49,7 +49,7 @@ class OutcomesProblem : public Problem {
   std::vector<double> whitened_by(const Model& model, const Groups& groups,
                                   const std::vector<double>& rows) const;
   // The range of a parameter that the set states; nothing: it states none.
-  std::optional<Bounds> bounds(const Unknown& unknown) const;
+  std::optional<Bounds> bounds(const std::string& effect, const std::string& parameter) const;
 
  protected:
   void place(const Model& given) override;

@@ -46,7 +46,6 @@ Covariate category(const std::string& name, const std::vector<std::string>& labe
 
 OutcomeSettings read_settings(const MeasurementSet& set) {
   OutcomeSettings settings;
-  settings.runs.folder = set.folder;
   const ConfigNode scenarios = set.root.at("scenarios");
   for (const std::string& name : scenarios.keys())
     settings.runs.plans.push_back({name, set.inside(scenarios.at(name))});
@@ -90,8 +89,7 @@ std::vector<OutcomeRow> read_outcomes(const CsvTable& table, const RunSpec& spec
     try {
       out.statistic.statistic = RunStatistic::named(statistic[row]);
     } catch (const InputError& error) {
-      throw InputError(fmt::format("{}:{}: column statistic: found '{}', {}", table.file(),
-                                   table.line(row), statistic[row], error.what()));
+      table.fail(row, "statistic", statistic[row], error.what());
     }
     if (!made) {
       out.measured = numbers[row], out.sigma = sigmas[row];

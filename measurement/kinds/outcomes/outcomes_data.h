@@ -14,9 +14,6 @@
 
 namespace seam::measurement {
 
-inline const std::vector<std::string> kOutcomeColumns = {"scenario", "value", "statistic",
-                                                         "measured", "sigma"};
-
 // One measured number.
 struct OutcomeRow {
   size_t plan = 0;

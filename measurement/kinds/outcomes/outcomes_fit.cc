@@ -39,7 +39,7 @@ class OutcomesFit {
         model_(start) {
     for (size_t i = 0; i < space_.size(); ++i) {
       steps_.push_back(kFirstStep * space_[i].scale);
-      const auto stated = problem.bounds(space_[i].unknown);
+      const auto stated = problem.bounds(space_[i].unknown.effect, space_[i].parameter->name);
       if (!stated || space_[i].parameter->fit_reciprocal) continue;
       box_.low[static_cast<Eigen::Index>(i)] = stated->low;
       box_.high[static_cast<Eigen::Index>(i)] = stated->high;
@@ -169,7 +169,7 @@ std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate&
   }
   const double size = std::max(1.0, kShareOfMisfit * size_of(whitened_by(model, groups, missed)));
   const double z = c.of(model);
-  const auto stated = bounds(c.unknown);
+  const auto stated = bounds(c.unknown.effect, c.parameter->name);
   const bool narrowed = stated && !c.parameter->fit_reciprocal;
   const double low = narrowed ? stated->low : c.min, high = narrowed ? stated->high : c.max;
   const double widest = std::min(kLargestStep * c.scale, std::max(high - z, z - low));

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim_core/base/config.h"
+#include "measurement/numerics/moments.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/random.h"
 
@@ -15,19 +15,6 @@ namespace {
 constexpr size_t kDraws = 200;  // Bootstrap: a standard error to 5 %.
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 const std::string kQuantile = "quantile_";
-
-double mean_of(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-double spread_of(const std::vector<double>& values) {
-  const double mean = mean_of(values);
-  double square = 0;
-  for (const double value : values) square += (value - mean) * (value - mean);
-  return values.size() < 2 ? 0 : std::sqrt(square / static_cast<double>(values.size() - 1));
-}
 
 double quantile_of(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
@@ -125,14 +112,14 @@ RunStatistic RunStatistic::named(const std::string& name) {
       return statistic;
   }
   throw InputError(
-      fmt::format("expected mean, spread, rms, min, max, largest, median, rate or quantile_P with "
+      fmt::format("mean, spread, rms, min, max, largest, median, rate or quantile_P with "
                   "P from 0 to 1{}",
                   suggestion_for(name, kPlain)));
 }
 
 double RunStatistic::of(std::vector<double> values) const {
   if (name_ == "mean") return mean_of(values);
-  if (name_ == "spread") return spread_of(values);
+  if (name_ == "spread") return deviation_of(values);
   if (name_ == "min") return *std::min_element(values.begin(), values.end());
   if (name_ == "max") return *std::max_element(values.begin(), values.end());
   if (name_ == "median") return quantile_of(std::move(values), 0.5);

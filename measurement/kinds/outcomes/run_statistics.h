@@ -11,7 +11,7 @@ namespace seam::measurement {
 // rate (the share of runs whose value is not 0), quantile_P (P from 0 to 1, linear between values).
 class RunStatistic {
  public:
-  // Throws InputError for a name that is none.
+  // Throws InputError with the names that there are.
   static RunStatistic named(const std::string& name);
 
   const std::string& name() const { return name_; }

@@ -3,11 +3,11 @@
 #include "measurement/kinds/ranges/ranges.h"
 
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <set>
 
 #include "effects/registry.h"
+#include "measurement/problem/channel_misfit.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -178,17 +178,13 @@ std::vector<Structure> RangesProblem::structure(const Model& model, const Groups
   const Evaluation here = evaluate(model, groups);
   for (size_t channel = 0; channel < facts_.channels.size(); ++channel) {
     const std::string& name = facts_.channels[channel].name;
-    double count = 0, square = 0, chi2 = 0, residual2 = 0;
-    for (size_t i = 0; i < here.used.size(); ++i) {
-      if (!here.used[i] || facts_.channel_of[i] != static_cast<int>(channel)) continue;
-      ++count, square += here.sigma[i] * here.sigma[i];
-      chi2 += here.whitened[i] * here.whitened[i], residual2 += here.residual[i] * here.residual[i];
-    }
-    if (count == 0) continue;
+    const ChannelMisfit misfit = misfit_of_channel(facts_, here, channel);
+    if (misfit.count == 0) continue;
     std::erase_if(found, [&](const Structure& s) {
-      return s.residual == name && count * s.strength * s.strength < kClear * square / count;
+      return s.residual == name &&
+             misfit.count * s.strength * s.strength < kClear * misfit.sigma2 / misfit.count;
     });
-    const double p = boost::math::gamma_q(0.5 * count, 0.5 * std::min(chi2, 1200.0));
+    const double p = misfit.p_value();
     const bool told = std::any_of(found.begin(), found.end(), [&](const Structure& s) {
       return s.residual == name && s.p_value < 1e-3;
     });
@@ -196,7 +192,7 @@ std::vector<Structure> RangesProblem::structure(const Model& model, const Groups
       found.push_back({.residual = name,
                        .moment = "mean",
                        .covariate = "place",
-                       .strength = std::sqrt(std::max(0.0, residual2 - square) / count),
+                       .strength = misfit.strength(),
                        .p_value = std::max(p, 1e-300)});
     }
   }
