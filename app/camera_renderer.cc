@@ -10,24 +10,6 @@
 
 namespace seam::app {
 
-namespace {
-
-// What a model cannot be asked is said with the file that it came from.
-std::unique_ptr<render::Renderer> make_renderer(const RobotSpec& robot, const effects::Model& model,
-                                                const render::RendererOptions& options) {
-  try {
-    return std::make_unique<render::Renderer>(model, static_cast<int>(robot.camera.width_px),
-                                              static_cast<int>(robot.camera.height_px), options);
-  } catch (const InputError& error) {
-    throw InputError(fmt::format(
-        "{}: {}",
-        robot.camera.model_name.empty() ? "robot '" + robot.id + "'" : robot.camera.model_name,
-        error.what()));
-  }
-}
-
-}  // namespace
-
 CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effects::Model>& models,
                                int workers, const render::RendererOptions& options,
                                std::unique_ptr<render::GlDevice> opengl)
@@ -40,10 +22,8 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
   options_.opengl = opengl_.get();
   for (size_t i = 0; i < models.size(); ++i) {
     const RobotSpec& robot = scenario.robots[i];
-    Camera camera;
-    camera.robot = robot.id;
+    Camera camera{.robot = robot.id, .model = models[i], .made = std::make_unique<MadeOnce>()};
     camera.spec = robot.camera;
-    camera.renderer = make_renderer(robot, models[i], options_);
     if (!robot.camera.colour_table_yaml.empty())
       camera.colours = render::ColourTable::from_config(
           ConfigNode::from_text(robot.camera.colour_table_yaml, robot.camera.colour_table_name));
@@ -52,6 +32,28 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
     camera.stream = camera_stream(scenario, robot);
     cameras_.push_back(std::move(camera));
   }
+}
+
+const render::Renderer& CameraRenderer::camera(int robot) const {
+  const Camera& camera = cameras_[robot];
+  const CameraSpec& spec = camera.spec;
+  try {
+    std::call_once(camera.made->once, [&] {
+      camera.made->renderer =
+          std::make_unique<render::Renderer>(camera.model, static_cast<int>(spec.width_px),
+                                             static_cast<int>(spec.height_px), options_);
+    });
+  } catch (const InputError& error) {
+    // What a model cannot be asked is said with the file that it came from.
+    throw InputError(fmt::format(
+        "{}: {}", spec.model_name.empty() ? "robot '" + camera.robot + "'" : spec.model_name,
+        error.what()));
+  }
+  return *camera.made->renderer;
+}
+
+void CameraRenderer::make_cameras() const {
+  for (size_t i = 0; i < cameras_.size(); ++i) camera(static_cast<int>(i));
 }
 
 RowSchedule CameraRenderer::schedule(int robot, uint64_t frame_index, SimTime stamp) {
@@ -77,8 +79,9 @@ void CameraRenderer::detect_colours(int robot, Frame& frame) const {
 
 Frame CameraRenderer::render(int robot, const FrameJob& job, int) {
   const Camera& camera = cameras_[robot];
+  const render::Renderer& renderer = this->camera(robot);
   try {
-    Frame frame = camera.renderer->render(job);
+    Frame frame = renderer.render(job);
     detect_colours(robot, frame);
     return frame;
   } catch (const InputError& error) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -18,7 +19,7 @@ namespace seam::app {
 class CameraRenderer final : public scheduler::FrameRenderer {
  public:
   // `models`: one a robot. `workers`: frames made at once; 0 is one for each core. `opengl` draws
-  // in place of the ray caster where given.
+  // in place of the ray caster where given. A camera is made when it is first used.
   CameraRenderer(const Scenario& scenario, const std::vector<effects::Model>& models,
                  int workers = 0, const render::RendererOptions& options = {},
                  std::unique_ptr<render::GlDevice> opengl = nullptr);
@@ -32,14 +33,22 @@ class CameraRenderer final : public scheduler::FrameRenderer {
   void develop(int robot, Frame& frame) const;
 
   const render::RendererOptions& options() const { return options_; }
-  const render::Renderer& camera(int robot) const { return *cameras_[robot].renderer; }
+  // Throws InputError, naming the model's file, for one that cannot be rendered.
+  const render::Renderer& camera(int robot) const;
+  // Makes all of them now, so that what is wrong is told before a run begins.
+  void make_cameras() const;
 
  private:
   void detect_colours(int robot, Frame& frame) const;
 
+  struct MadeOnce {
+    std::once_flag once;
+    std::unique_ptr<render::Renderer> renderer;
+  };
   struct Camera {
     std::string robot;
-    std::unique_ptr<render::Renderer> renderer;
+    effects::Model model;
+    std::unique_ptr<MadeOnce> made;
     std::optional<render::ColourTable> colours;
     effects::Timing timing;
     Pose X_LC;

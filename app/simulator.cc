@@ -128,6 +128,7 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
   }
   auto renderer = std::make_unique<CameraRenderer>(scenario, models, options.render_workers,
                                                    options.rendering, std::move(opengl));
+  if (!options.cameras_when_used) renderer->make_cameras();
   for (const RobotSpec& robot : scenario.robots) header.robots.push_back(robot.id);
   header.sections = world.section_names();
   return {std::move(scenario), std::move(models), std::move(world),

@@ -26,6 +26,7 @@ struct SimulatorOptions {
   std::string drawing =
       "auto";  // "analytic", "opengl", or "auto": OpenGL where the scene needs it.
   render::RendererOptions rendering;
+  bool cameras_when_used = false;  // A model that cannot be rendered is told with its first frame.
 };
 
 struct Simulator {

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "proto/client_channel.h"
+#include "proto/line_stream.h"
 #include "robot_sdk/from_wire.h"
 #include "seam/v1/simulation.grpc.pb.h"
 
@@ -29,14 +30,15 @@ struct Robot::Implementation {
   bool was_connected = false;
 
   v1::Decision& decision() { return *answer.mutable_decision(); }
-  grpc::Status drive(v1::Simulation::Stub& stub);
-  bool take(const v1::ServerMessage& message,
-            grpc::ClientReaderWriter<v1::ClientMessage, v1::ServerMessage>& stream);
+  // Over a stream of gRPC or a direct line, until it ends.
+  template <class Stream>
+  grpc::Status drive(Stream& stream);
+  template <class Stream>
+  bool take(const v1::ServerMessage& message, Stream& stream);
 };
 
-bool Robot::Implementation::take(
-    const v1::ServerMessage& message,
-    grpc::ClientReaderWriter<v1::ClientMessage, v1::ServerMessage>& stream) {
+template <class Stream>
+bool Robot::Implementation::take(const v1::ServerMessage& message, Stream& stream) {
   switch (message.kind_case()) {
     case v1::ServerMessage::kWelcome:
       welcome = message.welcome();
@@ -67,20 +69,18 @@ bool Robot::Implementation::take(
   return true;
 }
 
-grpc::Status Robot::Implementation::drive(v1::Simulation::Stub& stub) {
-  grpc::ClientContext context;
-  context.set_wait_for_ready(false);
-  const auto stream = stub.Drive(&context);
+template <class Stream>
+grpc::Status Robot::Implementation::drive(Stream& stream) {
   v1::ClientMessage first;
   first.mutable_hello()->set_robot(connection.robot);
   first.mutable_hello()->set_token(connection.token);
   first.mutable_hello()->set_client("seam C++ SDK 1");
   v1::ServerMessage message;
-  if (stream->Write(first))
-    while (stream->Read(&message))
-      if (!take(message, *stream)) break;
-  if (over) stream->WritesDone();
-  return stream->Finish();
+  if (stream.Write(first))
+    while (stream.Read(&message))
+      if (!take(message, stream)) break;
+  if (over) stream.WritesDone();
+  return stream.Finish();
 }
 
 Connection Connection::from(int argc, char** argv) {
@@ -90,8 +90,10 @@ Connection Connection::from(int argc, char** argv) {
     const char* text = std::getenv(variable);
     return text == nullptr ? "" : text;
   };
-  return {value("--address", "SEAM_ADDRESS"), value("--robot", "SEAM_ROBOT"),
-          value("--token", "SEAM_TOKEN"), value("--certs", "SEAM_CERTS")};
+  Connection found{value("--address", "SEAM_ADDRESS"), value("--robot", "SEAM_ROBOT"),
+                   value("--token", "SEAM_TOKEN"), value("--certs", "SEAM_CERTS")};
+  if (value("--address", "").empty()) found.line = value("", "SEAM_LINE");
+  return found;
 }
 
 Robot::Robot(Connection connection) : implementation_(std::make_unique<Implementation>()) {
@@ -140,12 +142,23 @@ int Robot::run() {
     return 1;
   }
   try {
-    const auto stub = v1::Simulation::NewStub(
-        open_channel(self.connection.address, self.connection.certificates));
+    std::unique_ptr<v1::Simulation::Stub> stub;
+    const auto connect = [&] {
+      if (!self.connection.line.empty()) {
+        LineStream line(self.connection.line);
+        return self.drive(line);
+      }
+      if (!stub)
+        stub = v1::Simulation::NewStub(
+            open_channel(self.connection.address, self.connection.certificates));
+      grpc::ClientContext context;
+      context.set_wait_for_ready(false);
+      return self.drive(*stub->Drive(&context));
+    };
     auto last_connected = std::chrono::steady_clock::now();
     while (true) {
       self.was_connected = false;
-      const grpc::Status status = self.drive(*stub);
+      const grpc::Status status = connect();
       if (self.over) return 0;
       const auto now = std::chrono::steady_clock::now();
       if (self.was_connected) last_connected = now;

@@ -136,9 +136,13 @@ struct Connection {
   // plain, which the server accepts on a Unix socket or loopback only.
   std::string certificates;
   double give_up_s = 60;  // Wall time for connecting, and for reconnecting after a lost connection.
+  // A Unix socket of the same server for direct lines (proto/line.h), which make quicker turns than
+  // gRPC does; empty: none.
+  std::string line;
 
   // From --address, --robot, --token, --certs, or else the environment SEAM_ADDRESS, SEAM_ROBOT,
-  // SEAM_TOKEN, SEAM_CERTS (as `seam run` sets it). Other arguments are left alone.
+  // SEAM_TOKEN, SEAM_CERTS (as `seam run` sets it). SEAM_LINE counts where no --address is given.
+  // Other arguments are left alone.
   static Connection from(int argc, char** argv);
 };
 

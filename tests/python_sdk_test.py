@@ -7,6 +7,7 @@ Usage: python_sdk_test.py BUILD_DIR SOURCE_DIR PYTHON [unittest arguments]; PYTH
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -18,6 +19,7 @@ PYTHON = sys.argv[3]
 SEAM = BUILD / "seam"
 GOLDEN = SOURCE / "tests" / "golden" / "fingerprints.json"
 LIMIT_S = 240  # A hang is a failure.
+BY_GRPC = "/usr/bin/env, -u, SEAM_LINE"  # Before a behaviour's program: without a direct line.
 
 PROLOGUE = f"""#!{PYTHON}
 import json, math, os, sys
@@ -170,8 +172,8 @@ robot = seam_sdk.Robot()
 drop = "--drop" in sys.argv
 if drop:  # The stream breaks as a network's does: in the midst of an iteration.
     inner, robot._drive = robot._drive, None
-    def breaking(stub):
-        for seen in inner(stub):
+    def breaking(messages, send):
+        for seen in inner(messages, send):
             yield seen
             if seen.sequence in (3, 4, 9):
                 raise Broken()
@@ -187,9 +189,23 @@ for seen in robot.observations():
 """
         program = self.program(swing)
         whole, _ = self.run_json(self.write(scenario(program)), "--log", self.here / "whole.mcap")
-        broken, _ = self.run_json(self.write(scenario(f"{program}, --drop")), "--log", self.here / "broken.mcap")
-        self.assertEqual(broken["fingerprint"], whole["fingerprint"])
-        self.assertEqual(broken["decisions"], whole["decisions"])
+        for command in (f"{program}, --drop", f"{BY_GRPC}, {program}, --drop"):
+            broken, _ = self.run_json(self.write(scenario(command)), "--force", "--log",
+                                      self.here / "broken.mcap")
+            self.assertEqual(broken["fingerprint"], whole["fingerprint"])
+            self.assertEqual(broken["decisions"], whole["decisions"])
+
+    def test_a_direct_line_and_grpc_give_the_same_bits(self):
+        """Also where an observation, with a frame of 900 kB, has no room in a socket."""
+        found = set()
+        for client in ("head_swing", "head_swing.py"):
+            for by in ("", f"{BY_GRPC}, "):
+                text = scenario(f"{by}{BUILD}/behaviours/{client}", duration_s=0.3)
+                text, changed = re.subn("camera: .*", "camera: {width_px: 640, height_px: 480}", text)
+                self.assertEqual(changed, 1)
+                found.add(self.run_json(self.write(text), "--force", "--log", self.here / "run.mcap")[0]["fingerprint"])
+                self.seam("replay", "verify", self.here / "run.mcap")
+        self.assertEqual(len(found), 1, found)
 
 
 if __name__ == "__main__":

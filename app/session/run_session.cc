@@ -192,6 +192,7 @@ class Session {
   // Of the private socket, which this user alone reaches.
   const ScratchFolder socket_folder_{"run"};
   const std::string socket_ = "unix:" + (socket_folder_.path() / "socket").string();
+  const std::string lines_ = (socket_folder_.path() / "lines").string();
   std::string render_token_;
   std::unique_ptr<scheduler::RemoteRenderer> remote_;
   std::optional<scheduler::Server> server_;
@@ -217,7 +218,10 @@ void Session::serve() {
                                    .supervisor_token = scenario.supervisor_token,
                                    .renderers = remote_.get()};
   if (serving.supervisor_token.empty()) serving.supervisor_token = new_token();
-  if (options_.start_behaviours) serving.addresses.push_back(socket_);
+  if (options_.start_behaviours) {
+    serving.addresses.push_back(socket_);
+    serving.lines = lines_;
+  }
   server_.emplace(serving, scenario, simulator_.world, hub_, control_);
   if (outputs_.tokens)
     outputs_.tokens.fill(token_text(robots_, serving.supervisor_token, render_token_));
@@ -233,8 +237,10 @@ void Session::start_processes() {
       renderers_.start(process);
   for (BehaviourProcess& process : processes_) {
     const auto& robot = robots_[static_cast<size_t>(hub_.robot_number(process.robot))];
-    process.environment.insert(
-        {{"SEAM_ADDRESS", socket_}, {"SEAM_ROBOT", robot.id}, {"SEAM_TOKEN", robot.token}});
+    process.environment.insert({{"SEAM_ADDRESS", socket_},
+                                {"SEAM_LINE", lines_},
+                                {"SEAM_ROBOT", robot.id},
+                                {"SEAM_TOKEN", robot.token}});
     behaviours_.start(process);
   }
 }

@@ -82,8 +82,8 @@ void keep_values(const SweepPlan& plan, const LoggedSummaries& logged, RunRecord
 
 void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, ProgramPrints& prints,
             const OneRunOptions& options, RunRecord& record) {
-  Simulator simulator =
-      make_simulator(std::move(scenario), {.render_workers = options.render_workers});
+  Simulator simulator = make_simulator(
+      std::move(scenario), {.render_workers = options.render_workers, .cameras_when_used = true});
   record.key = key_of(simulator.header.scenario_text, simulator.scenario, makers, prints);
   SessionOptions session{.force = true, .progress = false};
   const std::string name = fmt::format("run_{:06}", record.run);

@@ -5,13 +5,11 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "scheduler/listen/listen_address.h"
@@ -37,6 +35,11 @@ std::string with_port(const std::string& address, int port) {
   return address.substr(0, address.rfind(':') + 1) + std::to_string(port);
 }
 
+std::string refusal_in(Spoken spoken, const std::string& why) {
+  if (spoken == Spoken::tls) return tls_refusal();
+  return spoken == Spoken::line ? line_refusal(why) : http2_refusal(why);
+}
+
 bool lacks_resources(int error) {
   return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
 }
@@ -44,8 +47,7 @@ bool lacks_resources(int error) {
 }  // namespace
 
 AcceptLoop::AcceptLoop(std::vector<Endpoint> endpoints, ConnectionLimits limits, Tell tell)
-    : count_(limits), tell_(std::move(tell)), wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (wake_ < 0) throw InputError(fmt::format("no event descriptor: {}", std::strerror(errno)));
+    : count_(limits), tell_(std::move(tell)) {
   for (Endpoint& endpoint : endpoints) {
     int port = -1;
     std::vector<ListeningSocket> sockets = listen_on(endpoint.address, port);
@@ -57,11 +59,10 @@ AcceptLoop::AcceptLoop(std::vector<Endpoint> endpoints, ConnectionLimits limits,
 
 AcceptLoop::~AcceptLoop() {
   ending_ = true;
-  eventfd_write(wake_, 1);
+  wake_.ring();
   if (thread_.joinable()) thread_.join();
   for (const int connection : parting_) close(connection);
   if (spare_ >= 0) close(spare_);
-  close(wake_);
 }
 
 std::vector<std::string> AcceptLoop::addresses() const {
@@ -94,7 +95,7 @@ void AcceptLoop::run() {
 }
 
 void AcceptLoop::wait() const {
-  std::vector<pollfd> all{{.fd = wake_, .events = POLLIN, .revents = 0}};
+  std::vector<pollfd> all{{.fd = wake_.descriptor(), .events = POLLIN, .revents = 0}};
   for (const Place& place : places_)
     for (const ListeningSocket& listener : place.sockets)
       if (listener.lives()) all.push_back({listener.descriptor(), POLLIN, 0});
@@ -126,8 +127,7 @@ void AcceptLoop::take(const Place& place, const ListeningSocket& listener, int c
 void AcceptLoop::refuse(const Place& place, int connection, const std::string& why) {
   ++refused_;
   refused_why_ = why;
-  const std::string words =
-      place.endpoint.spoken == Spoken::tls ? tls_refusal() : http2_refusal(why);
+  const std::string words = refusal_in(place.endpoint.spoken, why);
   [[maybe_unused]] const ssize_t sent =
       send(connection, words.data(), words.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   // Hanging up at once would take the words back where the client has sent something meanwhile.

@@ -11,11 +11,12 @@
 
 #include "scheduler/listen/connection_count.h"
 #include "scheduler/listen/listening_socket.h"
+#include "scheduler/listen/wake.h"
 
 namespace seam::scheduler {
 
 // What is spoken on a connection, so that a refusal can be in its words.
-enum class Spoken { http2, tls };
+enum class Spoken { http2, tls, line };
 
 struct Endpoint {
   std::string address;
@@ -61,7 +62,7 @@ class AcceptLoop {
   std::vector<Place> places_;
   ConnectionCount count_;
   Tell tell_;
-  int wake_ = -1;   // Readable once the loop is to end.
+  Wake wake_;       // Once the loop is to end.
   int spare_ = -1;  // A descriptor for refusals when there are no others.
   size_t refused_ = 0;
   std::string refused_why_;   // The last.

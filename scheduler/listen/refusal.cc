@@ -1,5 +1,7 @@
 #include "scheduler/listen/refusal.h"
 
+#include "proto/line.h"
+
 namespace seam::scheduler {
 
 std::string http2_refusal(std::string_view why) {
@@ -16,6 +18,11 @@ std::string http2_refusal(std::string_view why) {
 std::string tls_refusal() {
   constexpr char kAlert = 21, kFatal = 2, kAccessDenied = 49;
   return {kAlert, 3, 3, 0, 2, kFatal, kAccessDenied};
+}
+
+std::string line_refusal(std::string_view why) {
+  constexpr int kUnavailable = 14;
+  return line_end(kUnavailable, why);
 }
 
 }  // namespace seam::scheduler

@@ -12,5 +12,7 @@ namespace seam::scheduler {
 std::string http2_refusal(std::string_view why);
 // The fatal alert access_denied before any handshake (RFC 8446, 6.2): no reason can be given there.
 std::string tls_refusal();
+// The end of a direct line (proto/line.h), with the code of one that may be tried again.
+std::string line_refusal(std::string_view why);
 
 }  // namespace seam::scheduler

@@ -1,5 +1,7 @@
 #include "scheduler/server/client_hub.h"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -24,10 +26,7 @@ ClientHub::ClientHub(std::vector<HubRobot> robots, RunControl& control) : contro
     slots_.back().frozen = !robot.expected;
     slots_.back().robot = std::move(robot);
   }
-  control_.set_waker([this] {
-    const std::lock_guard lock(mutex_);
-    changed_.notify_all();
-  });
+  control_.set_waker([this] { changed_.ring(); });
 }
 
 int ClientHub::robot_number(const std::string& id) const {
@@ -67,6 +66,7 @@ void ClientHub::activate(int robot, const ClientConnection& connection) {
   if (slot.connection.get() != &connection) return;
   slot.active = true;
   if (slot.owes) slot.connection->send(slot.pending);
+  if (slot.connection->descriptor() >= 0) changed_.ring();  // The loop is to read it from now on.
 }
 
 void ClientHub::detach(int robot, const ClientConnection& connection) {
@@ -90,7 +90,7 @@ Acceptance ClientHub::answer(int robot, const ClientConnection& connection, uint
   const bool logs_too_much = !slot.budget.spend(now_, decision.debug);
   slot.decision = logs_too_much ? Decision{} : std::move(decision);
   slot.owes = false;
-  if (--owed_ == 0) changed_.notify_all();
+  if (--owed_ == 0 && std::this_thread::get_id() != loop_) changed_.ring();
   return logs_too_much ? Acceptance::logs_too_much : Acceptance::accepted;
 }
 
@@ -112,7 +112,7 @@ void ClientHub::give_up(const std::string& robot, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   slots_[number].gone = true;
   slots_[number].gone_reason = reason;
-  changed_.notify_all();
+  changed_.ring();
 }
 
 void ClientHub::act(std::vector<SupervisorAction> actions) {
@@ -226,11 +226,37 @@ Answer ClientHub::answer_of(Slot& slot) {
   return answer;
 }
 
+// Sleeps until something has changed; serves the connections that are read here.
+void ClientHub::wait(std::unique_lock<std::mutex>& lock,
+                     std::optional<WallClock::time_point> until) {
+  std::vector<std::shared_ptr<ClientConnection>> served;
+  std::vector<pollfd> all{{changed_.descriptor(), POLLIN, 0}};
+  for (const Slot& slot : slots_) {
+    if (!slot.owes || !slot.active || slot.connection->descriptor() < 0) continue;
+    served.push_back(slot.connection);
+    const short writes = slot.connection->wants_to_write() ? POLLOUT : 0;
+    all.push_back({slot.connection->descriptor(), static_cast<short>(POLLIN | writes), 0});
+  }
+  lock.unlock();
+  timespec rest{};
+  if (until) {
+    const auto left = std::max(*until - WallClock::now(), WallClock::duration::zero());
+    rest = {std::chrono::floor<std::chrono::seconds>(left).count(),
+            (left % std::chrono::seconds(1)).count()};
+  }
+  ::ppoll(all.data(), all.size(), until ? &rest : nullptr, nullptr);
+  if (all[0].revents != 0) changed_.clear();
+  for (size_t i = 0; i < served.size(); ++i)
+    if (all[i + 1].revents != 0) served[i]->serve();
+  lock.lock();
+}
+
 std::optional<Turn> ClientHub::decide(
     SimTime now, std::span<const std::shared_ptr<const Observation>> observations) {
   {
     const std::lock_guard lock(mutex_);
     now_ = now;
+    loop_ = std::this_thread::get_id();
     applied_.clear();
   }
   hand_out(observations);
@@ -251,11 +277,9 @@ std::optional<Turn> ClientHub::decide(
     const auto deadline = next_deadline();
     // While something stays wanted (a pause that begins after this instant), look every 10 ms.
     if (control_.wanted())
-      changed_.wait_for(lock, std::chrono::milliseconds(10));
-    else if (deadline)
-      changed_.wait_until(lock, *deadline);
+      wait(lock, WallClock::now() + std::chrono::milliseconds(10));
     else
-      changed_.wait(lock);
+      wait(lock, deadline);
   }
   waited_s_ += std::chrono::duration<double>(WallClock::now() - asked_at_).count();
   Turn turn;

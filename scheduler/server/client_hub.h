@@ -3,12 +3,13 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "scheduler/listen/wake.h"
 #include "scheduler/loop/decision_source.h"
 #include "scheduler/loop/run_control.h"
 #include "scheduler/server/debug_budget.h"
@@ -26,6 +27,14 @@ class ClientConnection {
   virtual void say_goodbye(SimTime time, const std::string& reason) = 0;
   // Another connection with the robot's token took over.
   virtual void drop(const std::string& reason) = 0;
+
+  // A socket from which the hub has decisions read on the loop's thread, which saves a turn the
+  // waking of another; -1: the connection reads by itself.
+  virtual int descriptor() const { return -1; }
+  // What was sent is not written yet, for want of room in the socket.
+  virtual bool wants_to_write() const { return false; }
+  // Reads and writes what can be at once; may call the hub.
+  virtual void serve() {}
 };
 
 struct HubRobot {
@@ -125,9 +134,11 @@ class ClientHub final : public DecisionSource {
   std::optional<WallClock::time_point> next_deadline() const;
   WallClock::time_point deadline_of(const Slot& slot) const;
   Answer answer_of(Slot& slot);
+  void wait(std::unique_lock<std::mutex>& lock, std::optional<WallClock::time_point> until);
 
   mutable std::mutex mutex_;
-  std::condition_variable changed_;
+  Wake changed_;
+  std::thread::id loop_;  // The thread that waits in decide.
   RunControl& control_;
   std::vector<Slot> slots_;
   std::vector<SupervisorAction> actions_;

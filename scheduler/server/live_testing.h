@@ -167,7 +167,10 @@ class LiveRun {
     EXPECT_NE(mkdtemp(pattern.data()), nullptr);
     folder_ = pattern;
     address = "unix:" + folder_.string() + "/s";
-    server_.emplace(ServerOptions{{address}, {}, "boss"}, scenario, world, hub, control);
+    lines = (folder_ / "l").string();
+    server_.emplace(
+        ServerOptions{.addresses = {address}, .supervisor_token = "boss", .lines = lines}, scenario,
+        world, hub, control);
   }
   ~LiveRun() {
     control.stop();
@@ -207,6 +210,7 @@ class LiveRun {
   RunControl control;
   ClientHub hub;
   std::string address;
+  std::string lines;  // Path of the socket for direct lines.
   std::optional<Simulation> simulation;
   EndReason end = EndReason::finished;
 

@@ -12,6 +12,7 @@
 #include "scheduler/listen/accept_loop.h"
 #include "scheduler/listen/descriptors.h"
 #include "scheduler/listen/listen_address.h"
+#include "scheduler/server/direct_lines.h"
 #include "scheduler/server/services.h"
 #include "scheduler/wire/wire.h"
 #include "sim_core/base/error.h"
@@ -25,7 +26,10 @@ using Acceptor = std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>
 }  // namespace
 
 struct Server::Implementation {
+  Implementation(const Scenario& scenario, ClientHub& hub) : sessions{scenario, hub, tries} {}
+
   TokenTries tries;
+  const SessionParts sessions;
   std::unique_ptr<grpc::Service> robots;
   std::unique_ptr<grpc::Service> supervisor;
   std::unique_ptr<grpc::Service> renderers;
@@ -33,6 +37,7 @@ struct Server::Implementation {
   Acceptor plain;
   Acceptor tls;
   std::unique_ptr<grpc::Server> server;
+  std::optional<DirectLines> lines;
   std::optional<AcceptLoop> listeners;
 };
 
@@ -53,6 +58,17 @@ Spoken spoken_at(const ServerOptions& options, const std::string& address) {
         "(`seam certs DIR` makes a test set)",
         address));
   return Spoken::tls;
+}
+
+// Those that were asked for, and direct lines.
+std::vector<Endpoint> endpoints_of(const ServerOptions& options) {
+  std::vector<Endpoint> endpoints;
+  for (const std::string& address : options.addresses) {
+    check_listen_address(address);
+    endpoints.push_back({address, spoken_at(options, address), {}});
+  }
+  if (!options.lines.empty()) endpoints.push_back({"unix:" + options.lines, Spoken::line, {}});
+  return endpoints;
 }
 
 std::shared_ptr<grpc::ServerCredentials> credentials_of(const TlsTexts& texts) {
@@ -112,15 +128,11 @@ void set_limits(grpc::ServerBuilder& builder) {
 
 Server::Server(const ServerOptions& options, const Scenario& scenario, const World& world,
                ClientHub& hub, RunControl& control)
-    : implementation_(std::make_unique<Implementation>()) {
-  std::vector<Endpoint> endpoints;
-  for (const std::string& address : options.addresses) {
-    check_listen_address(address);
-    endpoints.push_back({address, spoken_at(options, address), {}});
-  }
+    : implementation_(std::make_unique<Implementation>(scenario, hub)) {
+  std::vector<Endpoint> endpoints = endpoints_of(options);
   enable_plugins();
   raise_descriptor_limit();
-  implementation_->robots = make_robot_service(scenario, hub, implementation_->tries);
+  implementation_->robots = make_robot_service(implementation_->sessions);
   implementation_->supervisor = make_supervisor_service(world, options.supervisor_token, hub,
                                                         control, implementation_->tries);
   implementation_->renderers = make_render_service(options.renderers, implementation_->tries);
@@ -129,6 +141,11 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
   implementation_->plain = add_acceptor(builder, grpc::InsecureServerCredentials());
   if (options.tls) implementation_->tls = add_acceptor(builder, credentials_of(*options.tls));
   for (Endpoint& endpoint : endpoints) {
+    if (endpoint.spoken == Spoken::line) {
+      auto& lines = implementation_->lines.emplace(implementation_->sessions);
+      endpoint.take = [&lines](int /*listener*/, int connection) { lines.add(connection); };
+      continue;
+    }
     auto& acceptor =
         endpoint.spoken == Spoken::tls ? *implementation_->tls : *implementation_->plain;
     endpoint.take = [&acceptor](int listener, int connection) {
@@ -139,6 +156,7 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
       std::move(endpoints), options.limits.value_or(connection_limits()),
       [&hub](const std::string& what) { hub.note_fault(-1, "connections", what); });
   addresses_ = implementation_->listeners->addresses();
+  addresses_.resize(options.addresses.size());
   builder.RegisterService(implementation_->robots.get());
   builder.RegisterService(implementation_->supervisor.get());
   builder.RegisterService(implementation_->renderers.get());
@@ -150,6 +168,7 @@ Server::Server(const ServerOptions& options, const Scenario& scenario, const Wor
 
 Server::~Server() {
   implementation_->listeners.reset();
+  implementation_->lines.reset();
   if (implementation_->server) {
     implementation_->server->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
     implementation_->server->Wait();

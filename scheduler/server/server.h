@@ -31,6 +31,8 @@ struct ServerOptions {
   std::string supervisor_token;
   RemoteRenderer* renderers = nullptr;     // Where frames are rendered by other processes.
   std::optional<ConnectionLimits> limits;  // None: connection_limits().
+  // The path of a Unix socket for direct lines (proto/line.h); empty: none.
+  std::string lines;
 };
 
 class Server {

@@ -8,13 +8,14 @@
 #include "scheduler/loop/run_control.h"
 #include "scheduler/remote_render/remote_renderer.h"
 #include "scheduler/server/client_hub.h"
+#include "scheduler/server/robot_session.h"
 #include "scheduler/server/token_tries.h"
 #include "sim_core/world/world.h"
 
 namespace seam::scheduler {
 
-std::unique_ptr<grpc::Service> make_robot_service(const Scenario& scenario, ClientHub& hub,
-                                                  TokenTries& tries);
+// The parts outlive the service.
+std::unique_ptr<grpc::Service> make_robot_service(const SessionParts& parts);
 std::unique_ptr<grpc::Service> make_supervisor_service(const World& world, std::string token,
                                                        ClientHub& hub, RunControl& control,
                                                        TokenTries& tries);

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import dataclasses
 import enum
 import os
@@ -15,6 +16,7 @@ import grpc
 from seam.v1 import simulation_pb2 as wire
 from seam.v1 import simulation_pb2_grpc as service
 
+from .line import DirectLine, LineError
 from .observation import Observation, from_wire
 
 _MAX_SERVER_MESSAGE_BYTES = 64 << 20
@@ -71,18 +73,21 @@ class Connection:
     # server accepts on a Unix socket or loopback only.
     certificates: str = ""
     give_up_s: float = 60.0  # Wall time for connecting, and for reconnecting after a lost connection.
+    # A Unix socket of the same server for direct lines, which make quicker turns than gRPC does; empty: none.
+    line: str = ""
 
     @staticmethod
     def from_arguments(arguments: Sequence[str] | None = None) -> Connection:
         """From --address, --robot, --token, --certs, or else SEAM_ADDRESS, SEAM_ROBOT, SEAM_TOKEN, SEAM_CERTS.
 
-        `seam run` sets the environment. Other arguments are left alone.
+        `seam run` sets the environment. SEAM_LINE counts where no --address is given. Other arguments are left alone.
         """
         parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
         for option in ("address", "robot", "token", "certs"):
-            parser.add_argument("--" + option, default=os.environ.get("SEAM_" + option.upper(), ""))
-        found, _ = parser.parse_known_args(arguments)
-        return Connection(found.address, found.robot, found.token, found.certs)
+            parser.add_argument("--" + option)
+        given, _ = parser.parse_known_args(arguments)
+        found = [value or os.environ.get("SEAM_" + name.upper(), "") for name, value in vars(given).items()]
+        return Connection(*found, line="" if given.address else os.environ.get("SEAM_LINE", ""))
 
 
 def _open_channel(connection: Connection) -> grpc.Channel:
@@ -150,15 +155,15 @@ class Robot:
         """
         if not self.connection.address:
             raise SeamError("no server address: give --address, or set SEAM_ADDRESS")
+        drive = self._drive_line if self.connection.line else self._drive_grpc
         with _open_channel(self.connection) as channel:
-            stub = service.SimulationStub(channel)
             last_connected = time.monotonic()
             while True:
                 self._welcome.Clear()
                 try:
-                    yield from self._drive(stub)
+                    yield from drive(channel)
                     return
-                except grpc.RpcError as error:
+                except (grpc.RpcError, LineError) as error:
                     now = time.monotonic()
                     if self._welcome.robot:
                         last_connected = now
@@ -166,34 +171,46 @@ class Robot:
                         raise SeamError(f"{self.name}: {error.details()}") from error
                 time.sleep(0.02)
 
-    def _drive(self, stub: service.SimulationStub) -> Iterator[Observation]:
-        """One stream; returns at the server's Goodbye."""
+    def _drive_grpc(self, channel: grpc.Channel) -> Iterator[Observation]:
         to_server: queue.SimpleQueue[wire.ClientMessage | None] = queue.SimpleQueue()
-        hello = wire.Hello(robot=self.connection.robot, token=self.connection.token, client="seam Python SDK 1")
-        to_server.put(wire.ClientMessage(hello=hello))
-        call = stub.Drive(iter(to_server.get, None))
+        to_server.put(self._hello())
+        call = service.SimulationStub(channel).Drive(iter(to_server.get, None))
         try:
-            for message in call:
-                kind = message.WhichOneof("kind")
-                if kind == "welcome":
-                    self._welcome = message.welcome
-                elif kind == "observation":
-                    sequence = message.observation.sequence
-                    # After a reconnection the pending observation comes again. Where the answer was made but lost on
-                    # the way, it is sent again, not made twice.
-                    if sequence != self._answered:
-                        if self._answered > 0:
-                            self._answer = wire.ClientMessage()
-                        self._answered = self._answer.decision.sequence = sequence
-                        yield from_wire(message.observation)
-                    to_server.put(self._answer)
-                elif kind == "refusal":
-                    self.on_refusal(Refusal(message.refusal.field, message.refusal.message))
-                elif kind == "goodbye":
-                    return
+            yield from self._drive(call, to_server.put)
         finally:
             to_server.put(None)  # Ends the thread that sends.
             call.cancel()  # Where the caller has left in the midst of it.
+
+    def _drive_line(self, _: grpc.Channel) -> Iterator[Observation]:
+        with contextlib.closing(DirectLine(self.connection.line, _MAX_SERVER_MESSAGE_BYTES)) as line:
+            line.send(self._hello())
+            yield from self._drive(line.messages(), line.send)
+
+    def _hello(self) -> wire.ClientMessage:
+        hello = wire.Hello(robot=self.connection.robot, token=self.connection.token, client="seam Python SDK 1")
+        return wire.ClientMessage(hello=hello)
+
+    def _drive(self, messages: Iterable[wire.ServerMessage],
+               send: Callable[[wire.ClientMessage], None]) -> Iterator[Observation]:
+        """One stream; returns at the server's Goodbye."""
+        for message in messages:
+            kind = message.WhichOneof("kind")
+            if kind == "welcome":
+                self._welcome = message.welcome
+            elif kind == "observation":
+                sequence = message.observation.sequence
+                # After a reconnection the pending observation comes again. Where the answer was made but lost on the
+                # way, it is sent again, not made twice.
+                if sequence != self._answered:
+                    if self._answered > 0:
+                        self._answer = wire.ClientMessage()
+                    self._answered = self._answer.decision.sequence = sequence
+                    yield from_wire(message.observation)
+                send(self._answer)
+            elif kind == "refusal":
+                self.on_refusal(Refusal(message.refusal.field, message.refusal.message))
+            elif kind == "goodbye":
+                return
 
     def _print_refusal(self, refusal: Refusal) -> None:
         print(f"{self.name}: refused: {refusal.field}: {refusal.message}", file=sys.stderr)

@@ -1,0 +1,161 @@
+#include "scheduler/server/robot_session.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "scheduler/loop/clock.h"
+#include "scheduler/wire/wire.h"
+
+namespace seam::scheduler {
+
+namespace {
+
+constexpr size_t kMaxClientNameBytes = 200;
+
+}  // namespace
+
+void RobotSession::send(std::shared_ptr<const Observation> observation) {
+  v1::ServerMessage message;
+  observation_to_wire(*observation, *message.mutable_observation());
+  say(std::move(message));
+}
+
+void RobotSession::say_goodbye(SimTime time, const std::string& reason) {
+  v1::ServerMessage message;
+  message.mutable_goodbye()->set_reason(reason);
+  message.mutable_goodbye()->set_time_ns(time.ns());
+  say(std::move(message));
+  hang_up(grpc::Status::OK);
+}
+
+void RobotSession::drop(const std::string& reason) {
+  hang_up({grpc::StatusCode::ABORTED, reason});
+}
+
+void RobotSession::take_message(const v1::ClientMessage& message) {
+  if (has_greeted())
+    take_decision(message);
+  else
+    take_hello(message);
+}
+
+void RobotSession::client_left() {
+  int robot;
+  {
+    const std::lock_guard lock(mutex_);
+    robot = std::exchange(left_, true) ? -1 : robot_;
+  }
+  if (robot >= 0) parts_.hub.detach(robot, *this);
+}
+
+bool RobotSession::has_greeted() {
+  const std::lock_guard lock(mutex_);
+  return robot_ >= 0;
+}
+
+void RobotSession::take_hello(const v1::ClientMessage& message) {
+  if (!message.has_hello())
+    return hang_up({grpc::StatusCode::FAILED_PRECONDITION, "the first message must be a Hello"});
+  const v1::Hello& hello = message.hello();
+  if (hello.client().size() > kMaxClientNameBytes)
+    return hang_up({grpc::StatusCode::INVALID_ARGUMENT,
+                    fmt::format("client: found {} bytes, expected at most {}",
+                                hello.client().size(), kMaxClientNameBytes)});
+  const int number = parts_.hub.robot_number(hello.robot());
+  const std::string tried = fmt::format("robot {}", number);
+  if (number >= 0) {
+    if (const double wait_s = parts_.tries.wait_s(peer_, tried); wait_s > 0) {
+      parts_.hub.note_wrong_hello(number);
+      return hang_up({grpc::StatusCode::UNAVAILABLE, wait_text(wait_s)});
+    }
+  }
+  const auto attached = parts_.hub.attach(hello.robot(), hello.token(), hello.client(), self());
+  switch (attached.result) {
+    case Attachment::unknown_robot:
+      return hang_up({grpc::StatusCode::NOT_FOUND,
+                      fmt::format("robot: no robot '{}' here", hello.robot().substr(0, 100))});
+    case Attachment::wrong_token:
+      parts_.tries.note_wrong(peer_, tried);
+      parts_.hub.note_wrong_hello(number);
+      return hang_up({grpc::StatusCode::UNAUTHENTICATED,
+                      fmt::format("token: not the token of robot '{}'", hello.robot())});
+    case Attachment::ended:
+      return hang_up({grpc::StatusCode::FAILED_PRECONDITION, "the run is over"});
+    case Attachment::accepted:
+      break;
+  }
+  const RobotSpec& robot = parts_.scenario.robots[attached.robot];
+  v1::ServerMessage reply;
+  v1::Welcome& welcome = *reply.mutable_welcome();
+  welcome.set_robot(robot.id);
+  welcome.set_robot_number(static_cast<uint32_t>(attached.robot));
+  welcome.set_decision_latency_ns(robot.behaviour.decision_latency.ns());
+  welcome.set_decision_period_ns(robot.behaviour.clock.period.ns());
+  welcome.set_image_width_px(static_cast<uint32_t>(robot.camera.width_px));
+  welcome.set_image_height_px(static_cast<uint32_t>(robot.camera.height_px));
+  welcome.set_team(robot.team == Team::red ? "red" : "blue");
+  welcome.set_next_sequence(attached.next_sequence);
+  for (size_t j = 0; j < robot.body.joint_count(); ++j)
+    welcome.add_joint_names(robot.body.joint_name(j));
+  bool left;
+  {
+    const std::lock_guard lock(mutex_);
+    robot_ = attached.robot;
+    left = left_;
+  }
+  if (left) return parts_.hub.detach(attached.robot, *this);  // It broke off meanwhile.
+  say(std::move(reply));
+  parts_.hub.activate(attached.robot, *this);
+}
+
+void RobotSession::take_decision(const v1::ClientMessage& message) {
+  if (!message.has_decision()) {
+    const std::string found = message.has_hello() ? "a second hello" : "an empty message";
+    parts_.hub.note_fault(robot_, "refused", found);
+    return refuse(0, {"kind", fmt::format("found {}, expected a decision", found)}, true);
+  }
+  const v1::Decision& wire = message.decision();
+  auto decision = decision_from_wire(wire, parts_.scenario.radio.max_message_bytes);
+  if (auto misfit = unfit_for(parts_.scenario.robots[robot_].body, wire))
+    decision = std::move(*misfit);
+  const FieldError* bad = std::get_if<FieldError>(&decision);
+  // A refused decision counts as an empty one: the match goes on.
+  const Acceptance acceptance = parts_.hub.answer(
+      robot_, *this, wire.sequence(), bad ? Decision{} : std::move(std::get<Decision>(decision)));
+  const uint64_t sequence = wire.sequence();
+  switch (acceptance) {
+    case Acceptance::accepted:
+      if (!bad) return;
+      parts_.hub.note_fault(robot_, "refused", fmt::format("{}: {}", bad->field, bad->message));
+      return refuse(sequence, *bad, false);
+    case Acceptance::logs_too_much:
+      parts_.hub.note_fault(robot_, "refused", "debug: beyond the budget");
+      return refuse(sequence,
+                    {"debug", fmt::format("found more than the budget, expected at most {} bytes "
+                                          "a simulated second",
+                                          DebugBudget::kBytesPerSecond)},
+                    false);
+    case Acceptance::stale:
+      parts_.hub.note_fault(robot_, "stale", fmt::format("sequence {}", sequence));
+      return refuse(sequence, {"sequence", "of an earlier observation"}, true);
+    case Acceptance::duplicate:
+      parts_.hub.note_fault(robot_, "duplicate", fmt::format("sequence {}", sequence));
+      return refuse(sequence, {"sequence", "this observation was answered already"}, false);
+    case Acceptance::future:
+      parts_.hub.note_fault(robot_, "future", fmt::format("sequence {}", sequence));
+      return refuse(sequence, {"sequence", "of an observation that was not sent yet"}, true);
+  }
+}
+
+void RobotSession::refuse(uint64_t sequence, const FieldError& error, bool decision_owed) {
+  v1::ServerMessage message;
+  v1::Refusal& refusal = *message.mutable_refusal();
+  refusal.set_sequence(sequence);
+  refusal.set_field(error.field);
+  refusal.set_message(error.message);
+  refusal.set_decision_owed(decision_owed);
+  say(std::move(message));
+}
+
+}  // namespace seam::scheduler

@@ -1,0 +1,63 @@
+// What a robot's client and the server say to each other, whatever carries it: wire messages become
+// calls of the hub; nothing that a client sends goes anywhere else.
+#pragma once
+
+#include <grpcpp/support/status.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "scheduler/server/client_hub.h"
+#include "scheduler/server/token_tries.h"
+#include "seam/v1/simulation.pb.h"
+
+namespace seam::scheduler {
+
+struct FieldError;
+
+// What all sessions of a run have in common.
+struct SessionParts {
+  const Scenario& scenario;
+  ClientHub& hub;
+  TokenTries& tries;
+};
+
+class RobotSession : public ClientConnection {
+ public:
+  // `peer`: who is at the other end, by whom wrong tokens are counted.
+  RobotSession(const SessionParts& parts, std::string peer)
+      : parts_(parts), peer_(std::move(peer)) {}
+
+  // ---- ClientConnection ----
+  void send(std::shared_ptr<const Observation> observation) override;
+  void say_goodbye(SimTime time, const std::string& reason) override;
+  void drop(const std::string& reason) override;
+
+ protected:
+  // ---- From what carries the messages, one at a time ----
+  void take_message(const v1::ClientMessage& message);
+  // May be called more than once.
+  void client_left();
+  bool has_greeted();
+
+  // ---- To it, from any thread; neither blocks ----
+  virtual void say(v1::ServerMessage message) = 0;
+  // After what was said.
+  virtual void hang_up(const grpc::Status& status) = 0;
+  virtual std::shared_ptr<ClientConnection> self() = 0;
+
+ private:
+  void take_hello(const v1::ClientMessage& message);
+  void take_decision(const v1::ClientMessage& message);
+  void refuse(uint64_t sequence, const FieldError& error, bool decision_owed);
+
+  const SessionParts& parts_;
+  std::string peer_;
+  std::mutex mutex_;
+  int robot_ = -1;  // Once the hello was accepted.
+  bool left_ = false;
+};
+
+}  // namespace seam::scheduler
