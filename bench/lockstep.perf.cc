@@ -1,5 +1,5 @@
-// The lockstep over gRPC: rounds with clients in processes of their own, beside a bare unary call
-// of the same machine in the same run.
+// The lockstep on direct lines and over gRPC: rounds with clients in processes of their own, beside
+// a bare unary call of the same machine in the same run.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 #include <grpcpp/grpcpp.h>
@@ -46,18 +46,22 @@ std::string scenario_yaml(int64_t robots, int64_t decision_ms, Cameras cameras) 
   return yaml;
 }
 
+enum class Way { direct_line, grpc };
+
 // head_swing in a process a robot, as `seam run` has it.
 class Clients {
  public:
-  Clients(const std::string& address, int64_t robots) {
+  Clients(const std::string& address, const std::string& line, int64_t robots) {
     const std::string program = std::string(SEAM_BINARY_DIR) + "/behaviours/head_swing";
     for (int64_t i = 0; i < robots; ++i) {
       const std::string id = fmt::format("r{}", i), token = "token-" + id;
       const pid_t pid = fork();
       if (pid == 0) {
         prctl(PR_SET_PDEATHSIG, SIGKILL);
-        execl(program.c_str(), "head_swing", "--no-frames", "--address", address.c_str(), "--robot",
-              id.c_str(), "--token", token.c_str(), nullptr);
+        setenv("SEAM_ADDRESS", address.c_str(), 1);
+        setenv("SEAM_LINE", line.c_str(), 1);
+        execl(program.c_str(), "head_swing", "--no-frames", "--robot", id.c_str(), "--token",
+              token.c_str(), nullptr);
         _exit(127);
       }
       pids_.push_back(pid);
@@ -87,14 +91,16 @@ class Clients {
 
 // One run that the benchmark's iterations advance piece by piece.
 struct Live {
-  Live(int64_t robots, int64_t decision_ms, Cameras cameras)
+  Live(int64_t robots, int64_t decision_ms, Cameras cameras, Way way)
       : simulator(app::make_simulator(
             Scenario::from_text(scenario_yaml(robots, decision_ms, cameras), "bench.yaml"))),
         hub(hub_robots(simulator.scenario), control),
         address(fmt::format("unix:{}/seam-bench-{}",
                             std::filesystem::temp_directory_path().string(), getpid())),
-        server({{address}, {}, "boss"}, simulator.scenario, simulator.world, hub, control),
-        clients(address, robots),
+        line(address.substr(5) + "-lines"),
+        server({.addresses = {address}, .supervisor_token = "boss", .lines = line},
+               simulator.scenario, simulator.world, hub, control),
+        clients(address, way == Way::direct_line ? line : "", robots),
         simulation({simulator.scenario,
                     simulator.world,
                     hub,
@@ -117,6 +123,7 @@ struct Live {
   scheduler::RunControl control;
   scheduler::ClientHub hub;
   std::string address;
+  std::string line;
   scheduler::Server server;
   Clients clients;
   scheduler::Simulation simulation;
@@ -132,8 +139,8 @@ double server_cpu_s() {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-void run_live(benchmark::State& state, Cameras cameras) {
-  Live live(state.range(0), state.range(1), cameras);
+void run_live(benchmark::State& state, Cameras cameras, Way way = Way::direct_line) {
+  Live live(state.range(0), state.range(1), cameras, way);
   const uint64_t decisions = live.simulation.decisions(), made = live.simulation.frames();
   const double waited_s = live.hub.wall_waiting_s();
   const SimTime start = live.simulation.now();
@@ -161,6 +168,9 @@ void run_live(benchmark::State& state, Cameras cameras) {
 void lockstep(benchmark::State& state) {
   run_live(state, Cameras::none);
 }
+void lockstep_grpc(benchmark::State& state) {
+  run_live(state, Cameras::none, Way::grpc);
+}
 void lockstep_frames(benchmark::State& state) {
   run_live(state, Cameras::ers210);
 }
@@ -174,13 +184,17 @@ BENCHMARK(lockstep)
     ->Args({1, 8})
     ->UseRealTime()
     ->Unit(benchmark::kMicrosecond);
+BENCHMARK(lockstep_grpc)
+    ->ArgsProduct({{1, 8}, {32, 8}})
+    ->UseRealTime()
+    ->Unit(benchmark::kMicrosecond);
 BENCHMARK(lockstep_all_effects)->Args({8, 32})->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(lockstep_frames)
     ->ArgsProduct({{2, 4, 8, 16}, {32}})
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-// The same loop without gRPC: what the simulation itself takes.
+// The same loop without clients: what the simulation itself takes.
 void loop_alone(benchmark::State& state) {
   app::Simulator simulator = app::make_simulator(Scenario::from_text(
       scenario_yaml(state.range(0), state.range(1), Cameras::none), "bench.yaml"));
