@@ -14,8 +14,8 @@
 #include <map>
 
 #include "app/simulator.h"
+#include "scheduler/clients/client_hub.h"
 #include "scheduler/loop/simulation.h"
-#include "scheduler/server/client_hub.h"
 #include "scheduler/server/server.h"
 #include "seam/v1/simulation.grpc.pb.h"
 

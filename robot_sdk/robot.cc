@@ -11,6 +11,7 @@
 #include "proto/client_channel.h"
 #include "proto/line_stream.h"
 #include "robot_sdk/from_wire.h"
+#include "robot_sdk/standby.h"
 #include "seam/v1/simulation.grpc.pb.h"
 
 namespace seam::sdk {
@@ -84,6 +85,7 @@ grpc::Status Robot::Implementation::drive(Stream& stream) {
 }
 
 Connection Connection::from(int argc, char** argv) {
+  stand_by();
   const auto value = [&](const std::string& option, const char* variable) -> std::string {
     for (int i = 1; i + 1 < argc; ++i)
       if (option == argv[i]) return argv[i + 1];

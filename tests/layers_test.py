@@ -69,7 +69,8 @@ ROOMS = {
         "replay": ["loop", "wire", "log"],
         "remote_render": ["loop", "wire"],
         "listen": [],
-        "server": ["loop", "wire", "remote_render", "listen"],
+        "clients": ["loop", "wire", "listen"],
+        "server": ["loop", "wire", "remote_render", "listen", "clients"],
     },
     "measurement": {
         "numerics": [],
@@ -147,8 +148,8 @@ CLOCK_PLACES = {
     "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "app/sweep/sweep_progress.h",
     "app/sweep/sweep_progress.cc", "robot_sdk/robot.cc",
     "scheduler/listen/accept_loop.cc", "scheduler/listen/connection_count.h", "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
-    "scheduler/server/client_hub.h", "scheduler/server/server.cc", "scheduler/server/stream.h",
-    "scheduler/server/token_tries.h",
+    "scheduler/clients/client_hub.h", "scheduler/server/server.cc", "scheduler/server/stream.h",
+    "scheduler/server/direct_lines.h", "scheduler/clients/token_tries.h",
 }
 # Statics that change: what plugins register, a library's own switch, formulas compiled for each thread.
 STATIC = re.compile(r"^\s*(?:static|thread_local)\s+(?!const\b|constexpr\b|inline const)[^()]*(?:=|;|\{)")

@@ -106,6 +106,46 @@ class Sweep(unittest.TestCase):
         found = re.search(r": (\d+) of \d+ runs are finished", done.stdout)
         return int(found[1]) if found else 0
 
+    @unittest.skipUnless((BUILD / "behaviours" / "head_swing.py").exists(), "no Python SDK")
+    def test_behaviours_are_started_once_and_used_again(self):
+        """Each run has a client of its own all the same, whose run is that of a program started for it; one that fails
+        is its own run's fault."""
+        program = self.here / "behaviour.py"
+        program.write_text(f"""#!/usr/bin/python3
+import pathlib, sys
+sys.path.insert(0, {str(BUILD / "python")!r})
+import seam_sdk
+here, count = pathlib.Path({str(self.here)!r}), 0
+(here / "started").open("a").write("x")
+robot = seam_sdk.Robot()
+with (here / "played").open("a") as played:
+    played.write("x")
+if (here / "played").stat().st_size == 3:
+    sys.exit(7)
+for seen in robot.observations():
+    count += 1
+    robot.head(pan_rad=0.1 * count)
+    robot.log_value("count", count)
+""")
+        program.chmod(0o755)
+        (self.here / "swing.yaml").write_text(re.sub(r"command: .*\]", f"command: [{program}]", SWING))
+        (self.here / "plan.yaml").write_text("format: seam-sweep/1\nscenario: swing.yaml\nseeds: [1, 6]\nkeep: {values: [count]}\n")
+        self.seam("sweep", "plan.yaml", "--out", "once.sqlite", "--jobs", 1, code=1)
+        self.assertEqual((self.here / "started").read_text(), "x")
+        rows = self.rows("once.sqlite")
+        self.assertEqual([bool(row["error"]) for row in rows], [False, False, True, False, False, False])
+        self.assertIn("exit code 7", rows[2]["error"])
+        self.seam("sweep", "plan.yaml", "--out", "once.sqlite", "--jobs", 1)  # Mends the one that failed.
+        for row in self.rows("once.sqlite"):
+            self.assertEqual(row["count"], "7")
+            self.seam("run", "swing.yaml", "--set", f"seed={row['seed']}", "--json", "run.json")
+            self.assertEqual(row["fingerprint"], json.loads((self.here / "run.json").read_text())["fingerprint"])
+        for _ in range(100):  # Who stood by ends with the worker.
+            if not (left := behaviours_below(self.scratch)):
+                break
+            time.sleep(0.05)
+        self.assertEqual(left, [])
+
     def start(self, out):
         process = subprocess.Popen([SEAM, "sweep", "plan.yaml", "--out", out, "--jobs", "2"], cwd=self.here,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment())

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "app/session/standbys.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
 #include "sim_core/system/own_files.h"
@@ -125,7 +126,7 @@ BlockedSignals::~BlockedSignals() {
   pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }
 
-void Behaviours::start(const BehaviourProcess& process) {
+pid_t start_program(const BehaviourProcess& process, int inherited) {
   std::vector<std::string> command = process.command;
   std::vector<std::string> environment;
   for (char** entry = environ; *entry != nullptr; ++entry) {
@@ -148,13 +149,26 @@ void Behaviours::start(const BehaviourProcess& process) {
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
     ::signal(SIGPIPE, SIG_DFL);
+    if (inherited >= 0) fcntl(inherited, F_SETFD, 0);
     execve(argv[0], argv.data(), envp.data());
     _exit(127);
   }
-  running_[pid] = process.robot;
+  return pid;
+}
+
+void Behaviours::start(const BehaviourProcess& process) {
+  running_[standbys_ != nullptr ? standbys_->start(process) : start_program(process)] =
+      process.robot;
 }
 
 void Behaviours::reap(const std::function<void(const std::string&, const std::string&)>& ended) {
+  if (standbys_ != nullptr) {
+    for (const auto& [standby, client] : standbys_->take_first_clients()) {
+      auto entry = running_.extract(standby);
+      entry.key() = client;
+      running_.insert(std::move(entry));
+    }
+  }
   for (auto it = running_.begin(); it != running_.end();) {
     int status = 0;
     if (waitpid(it->first, &status, WNOHANG) == it->first) {

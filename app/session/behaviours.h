@@ -40,9 +40,16 @@ class BlockedSignals {
   sigset_t before_;
 };
 
+// Starts the program in a process group of its own, which ends with this process. `inherited`: a
+// descriptor that it gets. Throws InputError where there is no process.
+pid_t start_program(const BehaviourProcess& process, int inherited = -1);
+
+class Standbys;
+
 class Behaviours {
  public:
-  Behaviours() = default;
+  // `standbys`: of a process that makes many runs.
+  explicit Behaviours(Standbys* standbys = nullptr) : standbys_(standbys) {}
   ~Behaviours();  // Ends what still runs: asks (SIGTERM), waits a moment, kills, reaps.
   Behaviours(const Behaviours&) = delete;
   Behaviours& operator=(const Behaviours&) = delete;
@@ -55,6 +62,7 @@ class Behaviours {
   bool any_running() const { return !running_.empty(); }
 
  private:
+  Standbys* standbys_;
   std::map<pid_t, std::string> running_;  // Robot by process.
 };
 

@@ -7,8 +7,8 @@
 #include <mutex>
 #include <thread>
 
+#include "scheduler/clients/client_hub.h"
 #include "scheduler/loop/run_control.h"
-#include "scheduler/server/client_hub.h"
 
 namespace seam::app {
 

@@ -198,7 +198,7 @@ class Session {
   std::optional<scheduler::Server> server_;
   const Closer closer_{control_};
   Behaviours renderers_;
-  Behaviours behaviours_;
+  Behaviours behaviours_{options_.standbys};
   std::atomic<bool> renderer_ended_ = false;
 };
 

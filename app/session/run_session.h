@@ -15,12 +15,14 @@
 #include "app/session/memory_watch.h"
 #include "app/session/remote_rendering.h"
 #include "app/simulator.h"
+#include "scheduler/clients/client_hub.h"
 #include "scheduler/log/recorder.h"
 #include "scheduler/loop/simulation.h"
-#include "scheduler/server/client_hub.h"
 #include "scheduler/server/server.h"
 
 namespace seam::app {
+
+class Standbys;
 
 struct SessionOptions {
   std::string log;       // Empty: none.
@@ -38,6 +40,7 @@ struct SessionOptions {
   RemoteRenderingOptions rendering;
   std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
   bool progress = true;                                      // On a terminal.
+  Standbys* standbys = nullptr;  // Of a process that makes many runs; null: none.
 };
 
 // What a run was made from.

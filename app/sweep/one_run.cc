@@ -85,7 +85,7 @@ void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, Prog
   Simulator simulator = make_simulator(
       std::move(scenario), {.render_workers = options.render_workers, .cameras_when_used = true});
   record.key = key_of(simulator.header.scenario_text, simulator.scenario, makers, prints);
-  SessionOptions session{.force = true, .progress = false};
+  SessionOptions session{.force = true, .progress = false, .standbys = options.standbys};
   const std::string name = fmt::format("run_{:06}", record.run);
   const fs::path log = options.files / (name + ".mcap"), partial = options.files / (name + ".part");
   if (plan.keep().logs) session.log = partial.string();

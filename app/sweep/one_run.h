@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "app/session/standbys.h"
 #include "app/sweep/makers.h"
 #include "app/sweep/plan/plan.h"
 #include "app/sweep/results.h"
@@ -13,6 +14,7 @@ namespace seam::app {
 struct OneRunOptions {
   std::filesystem::path files;  // Where logs and frames go, if the plan keeps them.
   int render_workers = 1;
+  Standbys* standbys = nullptr;  // Behaviours of the process's runs.
 };
 
 // Never throws for what a run's own settings bring about: the record then says what went wrong.

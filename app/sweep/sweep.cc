@@ -21,7 +21,9 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
                        const std::function<void(const RunRecord&)>& done) {
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int workers = jobs > 0 ? jobs : cores;
-  const OneRunOptions options{.files = files, .render_workers = std::max(1, cores / workers)};
+  Standbys standbys;  // Each worker fills its own copy.
+  const OneRunOptions options{
+      .files = files, .render_workers = std::max(1, cores / workers), .standbys = &standbys};
   if (!runs.empty() && (plan.keep().logs || plan.keep().frames)) make_output_folder(files);
   SweepOutcome outcome;
   SweepProgress progress(runs.size());

@@ -17,9 +17,9 @@
 #include <thread>
 #include <vector>
 
+#include "scheduler/clients/client_hub.h"
 #include "scheduler/loop/simulation.h"
 #include "scheduler/loop/testing.h"
-#include "scheduler/server/client_hub.h"
 #include "scheduler/server/server.h"
 #include "scheduler/wire/wire.h"
 #include "seam/v1/simulation.grpc.pb.h"

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "scheduler/server/client_hub.h"
-#include "scheduler/server/token_tries.h"
+#include "scheduler/clients/client_hub.h"
+#include "scheduler/clients/token_tries.h"
 #include "seam/v1/simulation.pb.h"
 
 namespace seam::scheduler {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "scheduler/clients/client_hub.h"
 #include "scheduler/listen/connection_count.h"
 #include "scheduler/loop/run_control.h"
 #include "scheduler/remote_render/remote_renderer.h"
-#include "scheduler/server/client_hub.h"
 #include "sim_core/scenario/scenario.h"
 #include "sim_core/world/world.h"
 

@@ -5,11 +5,11 @@
 
 #include <memory>
 
+#include "scheduler/clients/client_hub.h"
+#include "scheduler/clients/token_tries.h"
 #include "scheduler/loop/run_control.h"
 #include "scheduler/remote_render/remote_renderer.h"
-#include "scheduler/server/client_hub.h"
 #include "scheduler/server/robot_session.h"
-#include "scheduler/server/token_tries.h"
 #include "sim_core/world/world.h"
 
 namespace seam::scheduler {

@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "scheduler/server/client_hub.h"
+#include "scheduler/clients/client_hub.h"
 #include "scheduler/server/server.h"
 #include "scheduler/server/silent_connections.h"
 #include "seam/v1/simulation.grpc.pb.h"

@@ -5,6 +5,7 @@ import argparse
 import contextlib
 import dataclasses
 import enum
+import functools
 import os
 import pathlib
 import queue
@@ -18,6 +19,7 @@ from seam.v1 import simulation_pb2_grpc as service
 
 from .line import DirectLine, LineError
 from .observation import Observation, from_wire
+from .standby import stand_by
 
 _MAX_SERVER_MESSAGE_BYTES = 64 << 20
 _CHANNEL_OPTIONS = (
@@ -82,6 +84,7 @@ class Connection:
 
         `seam run` sets the environment. SEAM_LINE counts where no --address is given. Other arguments are left alone.
         """
+        stand_by()
         parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
         for option in ("address", "robot", "token", "certs"):
             parser.add_argument("--" + option)
@@ -155,13 +158,16 @@ class Robot:
         """
         if not self.connection.address:
             raise SeamError("no server address: give --address, or set SEAM_ADDRESS")
-        drive = self._drive_line if self.connection.line else self._drive_grpc
-        with _open_channel(self.connection) as channel:
+        with contextlib.ExitStack() as kept:
+            if self.connection.line:
+                drive = self._drive_line
+            else:
+                drive = functools.partial(self._drive_grpc, kept.enter_context(_open_channel(self.connection)))
             last_connected = time.monotonic()
             while True:
                 self._welcome.Clear()
                 try:
-                    yield from drive(channel)
+                    yield from drive()
                     return
                 except (grpc.RpcError, LineError) as error:
                     now = time.monotonic()
@@ -181,7 +187,7 @@ class Robot:
             to_server.put(None)  # Ends the thread that sends.
             call.cancel()  # Where the caller has left in the midst of it.
 
-    def _drive_line(self, _: grpc.Channel) -> Iterator[Observation]:
+    def _drive_line(self) -> Iterator[Observation]:
         with contextlib.closing(DirectLine(self.connection.line, _MAX_SERVER_MESSAGE_BYTES)) as line:
             line.send(self._hello())
             yield from self._drive(line.messages(), line.send)

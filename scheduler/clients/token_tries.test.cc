@@ -1,4 +1,4 @@
-#include "scheduler/server/token_tries.h"
+#include "scheduler/clients/token_tries.h"
 
 #include <gmock/gmock.h>
 

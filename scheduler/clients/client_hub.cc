@@ -1,4 +1,4 @@
-#include "scheduler/server/client_hub.h"
+#include "scheduler/clients/client_hub.h"
 
 #include <poll.h>
 

@@ -9,10 +9,10 @@
 #include <thread>
 #include <vector>
 
+#include "scheduler/clients/debug_budget.h"
 #include "scheduler/listen/wake.h"
 #include "scheduler/loop/decision_source.h"
 #include "scheduler/loop/run_control.h"
-#include "scheduler/server/debug_budget.h"
 #include "sim_core/scenario/scenario.h"
 
 namespace seam::scheduler {
