@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/fitting/group_scatter.h"
 #include "measurement/search/compare.h"
+#include "measurement/search/decisions.h"
 #include "measurement/search/told_apart.h"
 #include "sim_core/base/error.h"
 
@@ -72,6 +74,7 @@ AddResult add_effects(Problem& problem, const Model& model, const EffectList& ef
   }
   result.error_after = grown.assessment.error;
   result.model = grown.assessment.model;
+  widen_by_group_scatter(problem, kMisfit, grown.assessment);
   write_sigmas(result.model, grown.assessment.unknowns, grown.assessment.fit);
   for (const auto& effect : effects) {
     result.effect += (result.effect.empty() ? "" : ", ") + effect->name;
@@ -98,6 +101,7 @@ AddResult refit_all(Problem& problem, const Model& model) {
   std::vector<NotTestable> untold;
   unknowns = told_apart(problem, before.base.assessment.model, unknowns, untold);
   Assessment after = assess(problem, before.base.assessment.model, unknowns);
+  widen_by_group_scatter(problem, kMisfit, after);
   AddResult result{.model = after.model,
                    .error_before = before.base.assessment.error,
                    .error_after = after.error,

@@ -5,6 +5,7 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/fitting/group_scatter.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/order.h"
 
@@ -341,6 +342,8 @@ SearchResult Searcher::run() {
     result.verdict = result.steps.empty() ? "adequate" : "missing_effect";
   }
   rank_by_search(problem_, result);
+  widen_by_group_scatter(problem_, kMisfit, result.base.assessment);
+  result.errors_widened = widen_by_group_scatter(problem_, kMisfit, result.best.assessment);
   return result;
 }
 

@@ -35,6 +35,7 @@ struct SearchResult {
   size_t outliers_of_given = 0;        // As many has the model given.
   double outlier_share = 0;            // Above kMostOutliers none is left out.
   std::string verdict;                 // Of diagnose.
+  double errors_widened = 1;  // Those of the best model, at most so much, since groups differ.
 };
 
 using Progress = std::function<void(const std::string&)>;

@@ -79,9 +79,8 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
     float* const place = instance.place;
     place[0] = 0, place[2] = static_cast<float>(page.width), place[1] = low_y, place[3] = high_y;
     if (rays.perspective) {
-      const auto column = [&](float x) {
-        return std::clamp(x * texels - to_x, 0.0f, static_cast<float>(page.width));
-      };
+      const float width = place[2];
+      const auto column = [&](float x) { return std::clamp(x * texels - to_x, 0.0f, width); };
       place[0] = std::floor(column(footprint.x_min)), place[2] = std::ceil(column(footprint.x_max));
       place[1] = std::clamp(view.row_y_min[footprint.first_row] * texels - to_y - 2, low_y, high_y);
       place[3] = std::clamp(view.row_y_max[footprint.last_row] * texels - to_y + 2, low_y, high_y);

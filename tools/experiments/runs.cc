@@ -6,6 +6,7 @@
 #include "app/session/behaviours.h"
 #include "app/session/run_session.h"
 #include "app/session/session_outputs.h"
+#include "app/session/standbys.h"
 #include "app/simulator.h"
 #include "app/sweep/sweep_progress.h"
 #include "app/sweep/workers.h"
@@ -61,10 +62,11 @@ struct MissingRun {
 };
 
 // In a worker: why the run failed; "made" where it did not, nothing where a signal stopped it.
-std::string make_run(const PlannedRun& run, const Paths& paths, int render_workers) {
+std::string make_run(const PlannedRun& run, const Paths& paths, int render_workers,
+                     app::Standbys& standbys) {
   try {
     app::SessionOptions options{
-        .log = paths.partial_log.string(), .force = true, .progress = false};
+        .log = paths.partial_log.string(), .force = true, .progress = false, .standbys = &standbys};
     app::Simulator simulator =
         app::make_simulator(run.scenario, {.render_workers = render_workers});
     app::SessionOutputs outputs(options);
@@ -96,6 +98,7 @@ void make_runs(const std::vector<PlannedRun>& runs, const fs::path& folder, int 
   const auto fail = [&](uint64_t job, const std::string& how) {
     throw InputError(fmt::format("run {} failed: {}", missing[job].run->name, how));
   };
+  app::Standbys standbys;  // Each worker fills its own copy.
   size_t next = 0;
   const app::WorkerCalls calls{
       .next =
@@ -103,7 +106,7 @@ void make_runs(const std::vector<PlannedRun>& runs, const fs::path& folder, int 
       .work =
           [&](uint64_t job) {
             const PlannedRun& run = *missing[job].run;
-            return make_run(run, Paths(folder, run.name), render_workers);
+            return make_run(run, Paths(folder, run.name), render_workers, standbys);
           },
       .done =
           [&](uint64_t job, const std::string& result) {

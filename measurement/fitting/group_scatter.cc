@@ -1,0 +1,108 @@
+#include "measurement/fitting/group_scatter.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/fitting/parameter_space.h"
+
+namespace seam::measurement {
+namespace {
+
+constexpr int kLeastGroups = 4;
+constexpr double kFloor = 1e-9;  // Of the information that a parameter has alone.
+
+Eigen::Index place_of(size_t i) {
+  return static_cast<Eigen::Index>(i);
+}
+
+// What one group says of the parameters.
+struct Word {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd slope;
+};
+
+std::vector<Word> words_of(const Problem& problem, const Model& model,
+                           const std::vector<Unknown>& unknowns, const Groups& groups) {
+  const Evaluation here = problem.evaluate(model, groups);
+  if (!here.valid || here.used.empty()) return {};
+  const auto columns = problem.jacobian(model, unknowns, groups, here);
+  const Eigen::Index count = place_of(unknowns.size());
+  const Word silent{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
+  std::vector<Word> all(groups.size(), silent);
+  Eigen::VectorXd row(count);
+  for (size_t i = 0; i < here.whitened.size(); ++i) {
+    if (!here.used[i]) continue;
+    for (size_t k = 0; k < unknowns.size(); ++k) row[place_of(k)] = columns[k][i];
+    Word& word = all[static_cast<size_t>(problem.facts().group_of(i))];
+    word.information.noalias() += row * row.transpose();
+    word.slope += here.whitened[i] * row;
+  }
+  std::erase_if(all, [](const Word& word) { return word.information.isZero(0); });
+  return all;
+}
+
+// Variances of the parameters; empty where groups cannot tell.
+std::vector<double> sandwich(const std::vector<Word>& words) {
+  if (words.size() < kLeastGroups) return {};
+  Word whole = words.front();
+  for (size_t g = 1; g < words.size(); ++g) {
+    whole.information += words[g].information;
+    whole.slope += words[g].slope;
+  }
+  const Eigen::VectorXd scale =
+      whole.information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * whole.information * scale.asDiagonal();
+  scaled.diagonal().array() += kFloor;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(scaled);
+  const auto count = static_cast<double>(words.size());
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(scale.size());
+  for (const Word& word : words) {
+    // The fit stands where all slopes together vanish, but for what its last step left.
+    const Eigen::VectorXd own = word.slope - whole.slope / count;
+    const Eigen::VectorXd step =
+        scale.asDiagonal() * solver.solve(Eigen::VectorXd(scale.asDiagonal() * own));
+    if (!step.allFinite()) return {};
+    variance += count / (count - 1) * step.cwiseAbs2();
+  }
+  return {variance.begin(), variance.end()};
+}
+
+}  // namespace
+
+double widen_by_group_scatter(const Problem& problem, double adequate, Assessment& assessment) {
+  Fit& fit = assessment.fit;
+  if (!(assessment.error > adequate) || !problem.groups_are_independent(assessment.model)) return 1;
+  const ParameterSpace space(assessment.model, assessment.unknowns);
+  std::vector<Unknown> unknowns;
+  std::vector<size_t> places;
+  for (size_t i = 0; i < space.size(); ++i) {
+    // What stands at a bound, or has no error that could be widened, stays as it is.
+    if (space[i].spread || fit.at_bound[i] || !std::isfinite(fit.value[i]) || !(fit.sigma[i] > 0) ||
+        !std::isfinite(fit.sigma[i]))
+      continue;
+    unknowns.push_back(assessment.unknowns[i]);
+    places.push_back(i);
+  }
+  if (unknowns.empty()) return 1;
+  // Where one part of the groups is held out once for all, the fit has seen the others alone.
+  const Groups seen =
+      problem.folds().size() == 1 ? problem.training_groups() : problem.all_groups();
+  const std::vector<double> variance =
+      sandwich(words_of(problem, assessment.model, unknowns, seen));
+  double widest = 1;
+  for (size_t k = 0; k < variance.size(); ++k) {
+    const double wider = std::sqrt(std::max(0.0, variance[k])) / fit.sigma[places[k]];
+    if (!(wider > 1)) continue;
+    widest = std::max(widest, wider);
+    fit.sigma[places[k]] *= wider;
+    for (size_t i = 0; i < space.size(); ++i) {
+      fit.covariance[places[k] * space.size() + i] *= wider;
+      fit.covariance[i * space.size() + places[k]] *= wider;
+    }
+  }
+  return widest;
+}
+
+}  // namespace seam::measurement

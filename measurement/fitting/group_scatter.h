@@ -1,0 +1,17 @@
+// Errors of estimates where the model misses the noise. What it leaves out is in all residuals of a
+// group alike, so that these are no independent draws, and errors that count them as such are too
+// small: groups then differ in what they say of a parameter by more than their noise. The estimate
+// by clusters (Liang and Zeger 1986) takes the variance of what each group adds to the slopes, and
+// asks nothing of the residuals inside a group.
+#pragma once
+
+#include "measurement/fitting/assess.h"
+
+namespace seam::measurement {
+
+// Widens the fit's errors of parameters of the mean to those of the groups, where these are
+// larger. Nothing changes where the error is at most `adequate`, where groups are not independent
+// and where there are fewer than four. Returns the largest factor, 1 for none.
+double widen_by_group_scatter(const Problem& problem, double adequate, Assessment& assessment);
+
+}  // namespace seam::measurement
