@@ -1,6 +1,7 @@
 #include "app/import/draft/checks.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
@@ -33,6 +34,19 @@ int64_t time_unit_ns(const ImportRequest& request, const std::string& column) {
     }
   }
   return nanoseconds_in("s");
+}
+
+std::string angle_unit_in(const std::string& column) {
+  size_t end = column.size();
+  while (end > 0 && (column[end - 1] == ']' || column[end - 1] == ')')) --end;
+  size_t start = end;
+  while (start > 0 && std::isalpha(static_cast<unsigned char>(column[start - 1])) != 0) --start;
+  if (start == 0) return "";  // The whole name.
+  std::string word = column.substr(start, end - start);
+  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (word == "deg" || word == "degree" || word == "degrees") return "deg";
+  if (word == "rad" || word == "radian" || word == "radians") return "rad";
+  return "";
 }
 
 void check_times(const std::vector<int64_t>& ns, const RowPlace& place,

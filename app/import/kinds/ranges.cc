@@ -146,7 +146,7 @@ void RangesImport::read_csv(const std::filesystem::path& path) {
 
 void RangesImport::read_ranges(const TextTable& table, int time, int beacon, int range) {
   const auto t = static_cast<size_t>(time), r = static_cast<size_t>(range);
-  const int64_t unit = time_unit_ns(request_, table.column_name(t));
+  const int64_t unit = time_unit_ns(request_, table.full_name(t));
   double metres = metres_;
   if (request_.length_unit.empty() && table.column_name(r).ends_with("_mm")) metres = 1e-3;
   for (size_t row = 0; row < table.rows(); ++row)
@@ -164,7 +164,7 @@ void RangesImport::read_beacons(const TextTable& table, int name, int x, int y) 
 
 void RangesImport::read_path(const TextTable& table, int time, int x, int y) {
   const auto t = static_cast<size_t>(time);
-  const int64_t unit = time_unit_ns(request_, table.column_name(t));
+  const int64_t unit = time_unit_ns(request_, table.full_name(t));
   const int theta = column(table, "theta", {"theta_rad", "theta", "yaw", "heading", "yaw_rad"});
   std::vector<double> angles;
   for (size_t row = 0; row < table.rows(); ++row) {
