@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
+#include "measurement/kinds/kinds.h"
+#include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -71,6 +74,44 @@ TEST(WrongSpacing, IsNotToldWhereAnotherCauseExplains) {
   EXPECT_FALSE(board(0.025, 530).told().has_value()) << "another focal length";
   EXPECT_FALSE(board(0.030, 500, Vec3(0.0), false).told().has_value())
       << "a camera that only turns sees no distances";
+}
+
+// The same board as a set, whose rig says where the camera was.
+std::vector<std::string> remarks_on(double real_m) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "spacing";
+  std::filesystem::create_directories(folder);
+  const Seen seen = board(real_m);
+  std::string points = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+  std::string poses = "time_s,x_m,y_m,z_m,qw,qx,qy,qz\n";
+  for (size_t i = 0; i < seen.places.size(); ++i) {
+    const Vec3& p = seen.places[i];
+    points += fmt::format("{0},{0},{1},{2},{3},0,{4:.4f},{5:.4f}\n", i / 30, i % 30, p.x, p.y,
+                          seen.seen[i][0], seen.seen[i][1]);
+    if (i % 30 != 0) continue;
+    const Pose X_WC = seen.cameras[i].inverse();
+    const double half = 0.5 * std::atan2(X_WC.R[2].x, X_WC.R[2].z);  // All turn about y.
+    poses += fmt::format("{},{:.9f},{:.9f},{:.9f},{:.12f},0,{:.12f},0\n", i / 30, X_WC.p.x,
+                         X_WC.p.y, X_WC.p.z, std::cos(half), std::sin(half));
+  }
+  write_file_atomically(folder / "points.csv", points);
+  write_file_atomically(folder / "poses.csv", poses);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: points\ncamera: {width_px: 640, "
+                        "height_px: 480}\nnoise: {u_px: 0.1, v_px: 0.1}\nfiles: {points: "
+                        "points.csv}\nrig: {poses: poses.csv}\n");
+  const auto problem = open_problem(folder);
+  const auto model = Model::from_config(ConfigNode::from_text(
+      "format: seam-model/1\neffects:\n  pinhole: {fx_px: 500, fy_px: 500, cx_px: 320, cy_px: "
+      "240}\n",
+      "model"));
+  problem->prepare(model);
+  return problem->remarks(model);
+}
+
+TEST(WrongSpacing, OfASetIsAdvice) {
+  EXPECT_THAT(remarks_on(0.030), testing::ElementsAre(testing::HasSubstr(
+                                     "is the spacing of the target 0.03 m, not 0.025 m?")));
+  EXPECT_THAT(remarks_on(0.025), testing::IsEmpty());
 }
 
 }  // namespace
