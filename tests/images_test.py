@@ -193,6 +193,26 @@ def test_times(folder, good):
     assert (folder / "t5/points.csv").read_bytes() == (folder / "t3/points.csv").read_bytes()
 
 
+def test_two_cameras(folder, good):
+    """A set has one camera: pictures of two, by their names or folders, are told apart."""
+    words = ["--board", "8x5", "--spacing", "0.03"]
+    named = folder / "pair"
+    for side in ("left", "right"):
+        (folder / side).mkdir()
+    named.mkdir()
+    for i, picture in enumerate(good[:2]):
+        for side in ("left", "right"):
+            shutil.copy(picture, named / f"{side}{i:02d}.png")
+            shutil.copy(picture, folder / side / f"{i:02d}.png")
+    for sources in ([named], [folder / "left", folder / "right"]):
+        said = run("import", "images", *sources, *words, "--out", folder / f"of-{sources[0].name}")
+        assert "of the cameras left, right, by the pictures' names, left" in said and "2 of 2 pictures" in said, said
+    run("import", "images", named, *words, "--camera", "right", "--out", folder / "of-right")
+    assert set(seen_in(folder / "of-right")) == {"right00.png", "right01.png"}
+    said = run("import", "images", named, *words, "--camera", "upwards", "--out", folder / "none", code=1)
+    assert "--camera upwards" in said, said
+
+
 def mosaic_message(ros1, t, picture, order):
     """As a sensor with filters of this order sees it, under warm light, so that neighbours differ, and with blue a pixel
     to the right: taken for red it would move corners three times as far."""
@@ -299,6 +319,7 @@ def main():
         good = test_scatter(folder)
         test_what_is_left_out(folder, good)
         test_times(folder, good)
+        test_two_cameras(folder, good)
         test_bags(folder, good)
         test_the_reader(folder, good)
 

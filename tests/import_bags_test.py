@@ -105,6 +105,12 @@ def test_parts(folder):
                               ("text.mcap", b"no bag at all, but some text\n", ["not an MCAP file"])):
         (folder / name).write_bytes(data)
         refused("ros", folder / name, out=folder / "none", words=[name, *words])
+    # Poses of one topic in two frames make no path.
+    _, walk, _ = bag_messages(False)
+    mixed = [(topic, kind, t, data.replace(b"map", b"usa") if k > 200 and topic == "/odom" else data)
+             for k, (topic, kind, t, data) in enumerate(walk)]
+    (folder / "mixed.mcap").write_bytes(mcap_file(mixed))
+    refused("ros", folder / "mixed.mcap", out=folder / "mixed", words=["/odom: at 105", "'usa'", "'map'", "one frame"])
     # Topics that never spoke are told; a position that is no number is an error.
     t, command, measured = servo_log(60)
     bad = [("/joint_states", "sensor_msgs/JointState", a,

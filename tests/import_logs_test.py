@@ -124,6 +124,14 @@ def test_ranges(folder):
     imported("ranges", *tables, out=folder / "csv")
     assert [r["range_m"] for r in rows_of(folder / "csv" / "observations.csv")] == [
         r["range_m"] for r in rows_of(out / "observations.csv")]
+    # Units in the names of columns, and loggers that write 0 or nan where nothing answered.
+    some = ["time [ms];beacon;range (mm)\n"] + [
+        f"{1000 * t:.3f};{b:.0f};{'0' if i % 50 == 0 else 'nan' if i % 50 == 1 else repr(float(1000 * r))}\n"
+        for i, (t, _, b, r) in enumerate(ranges)]
+    (folder / "named.csv").write_text("".join(some))
+    said = imported("ranges", tables[0], folder / "named.csv", tables[2], out=folder / "named")
+    assert "12 of 300 ranges are blank, nan or 0" in said, said
+    assert len(rows_of(folder / "named" / "observations.csv")) == 288
     mm = ranges.copy()
     mm[:, 3] *= 1000
     tables[1] = write("mm.csv", "t;anchor;distance", mm[:, [0, 2, 3]])

@@ -36,7 +36,7 @@ int64_t time_unit_ns(const ImportRequest& request, const std::string& column) {
   return nanoseconds_in("s");
 }
 
-std::string angle_unit_in(const std::string& column) {
+std::string unit_in(const std::string& column, const std::vector<std::string>& units) {
   size_t end = column.size();
   while (end > 0 && (column[end - 1] == ']' || column[end - 1] == ')')) --end;
   size_t start = end;
@@ -44,9 +44,19 @@ std::string angle_unit_in(const std::string& column) {
   if (start == 0) return "";  // The whole name.
   std::string word = column.substr(start, end - start);
   for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (word == "deg" || word == "degree" || word == "degrees") return "deg";
-  if (word == "rad" || word == "radian" || word == "radians") return "rad";
-  return "";
+  for (const auto& [spelt, unit] :
+       {std::pair{"degree", "deg"}, {"degrees", "deg"}, {"radian", "rad"}, {"radians", "rad"}}) {
+    if (word == spelt) word = unit;
+  }
+  return std::find(units.begin(), units.end(), word) == units.end() ? "" : word;
+}
+
+std::string angle_unit_in(const std::string& column) {
+  return unit_in(column, {"deg", "rad", "mrad"});
+}
+
+std::string length_unit_in(const std::string& column) {
+  return unit_in(column, {"m", "cm", "mm", "um"});
 }
 
 void check_times(const std::vector<int64_t>& ns, const RowPlace& place,

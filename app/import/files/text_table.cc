@@ -34,6 +34,20 @@ std::string lower(std::string_view text) {
   return out;
 }
 
+// A name with underscores for blanks, without a unit at its end.
+std::string without_unit(const std::string& name) {
+  std::string text = lower(name);
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
+  const size_t last = text.rfind('_');
+  if (last == std::string::npos || last == 0) return text;
+  const std::string end = text.substr(last + 1);
+  for (const char* unit : {"s", "ms", "us", "ns", "m", "cm", "mm", "um", "deg", "rad", "px"}) {
+    if (end == unit) return text.substr(0, last);
+  }
+  return text;
+}
+
 // Where a cell ends that begins here; what stands in quotes may hold separators.
 size_t end_of_cell(std::string_view line, size_t start, char separator) {
   const size_t first = line.find_first_not_of(" \t", start);
@@ -280,9 +294,12 @@ std::string TextTable::full_name(size_t column) const {
 }
 
 int TextTable::find(const std::vector<std::string>& names) const {
-  for (const std::string& name : names) {
-    for (size_t i = 0; i < columns_.size(); ++i) {
-      if (lower(columns_[i]) == lower(name)) return static_cast<int>(i);
+  for (const bool as_it_stands : {true, false}) {
+    for (const std::string& name : names) {
+      for (size_t i = 0; i < columns_.size(); ++i) {
+        if ((as_it_stands ? lower(columns_[i]) : without_unit(columns_[i])) == lower(name))
+          return static_cast<int>(i);
+      }
     }
   }
   return -1;

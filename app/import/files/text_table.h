@@ -28,7 +28,8 @@ class TextTable {
   std::string full_name(size_t column) const;
   int line(size_t row) const { return lines_[row]; }
 
-  // The place of the first of these names, without regard to case; -1 where none is there.
+  // The place of the first of these names, -1 where none is there: without regard to case, and
+  // where none is there as it stands, to blanks and a unit at its end.
   int find(const std::vector<std::string>& names) const;
 
   std::string_view cell(size_t row, size_t column) const;
