@@ -1,5 +1,6 @@
 // Whatever bytes stand in a picture (PNG, TIFF), reading it ends in an image or an InputError.
 #include "measurement/imaging/image_file.h"
+
 #include "sim_core/base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
