@@ -101,8 +101,8 @@ void to_radians(std::vector<double>& values, const std::string& quantity, const 
   size_t largest = 0;
   for (size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i]))
-      throw InputError(fmt::format("{}: {}: found '{}', expected a finite angle", place(i),
-                                   quantity, values[i]));
+      throw InputError(fmt::format("{}: {}: found no number, expected a finite angle in each row",
+                                   place(i), quantity));
     if (std::abs(values[i]) > std::abs(values[largest])) largest = i;
   }
   if (values.empty()) return;
