@@ -56,6 +56,8 @@ std::string what_else(const cv::Mat& picture, cv::Size size) {
   const int wide = std::max(size.width, size.height), high = std::min(size.width, size.height);
   if (columns > wide || rows > high)
     return fmt::format("another target: a board of {} x {} corners", columns, rows);
+  if (columns == wide && rows == high)
+    return "part of the target or a smaller one: outer fields leave the picture";
   return fmt::format("part of the target or a smaller one: {} x {} corners", columns, rows);
 }
 

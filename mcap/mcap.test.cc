@@ -43,6 +43,43 @@ std::vector<std::string> all_messages(const Reader& reader) {
   return texts;
 }
 
+std::vector<std::string> visited(const std::string& file, Contents* contents = nullptr) {
+  std::vector<std::string> texts;
+  const Contents found =
+      scan_messages(*memory(file), {}, [&](const Contents& so_far, const Message& message) {
+        texts.push_back(so_far.channels.at(message.channel_id).topic + " " +
+                        std::string(message.data));
+      });
+  if (contents != nullptr) *contents = found;
+  return texts;
+}
+
+TEST(Mcap, MessagesOfOtherWritersNeedNoChunks) {
+  ByteSink sink;
+  sink.raw(kMagic);
+  append(sink, Header{.profile = "ros2", .library = "other"});
+  append(sink, Schema{.id = 1, .name = "a/msg/B", .encoding = "ros2msg", .data = ""});
+  append(sink, Channel{.id = 0, .schema_id = 1, .topic = "/a", .message_encoding = "cdr"});
+  for (uint64_t k = 0; k < 20; ++k)
+    append(sink,
+           Message{.channel_id = 0, .log_time_ns = k, .publish_time_ns = k, .data = "twelve"});
+  ByteSink end;
+  append(end, DataEnd{});
+  append(end, Footer{});
+  const std::string whole = sink.bytes() + end.bytes() + std::string(kMagic);
+  Contents contents;
+  EXPECT_EQ(visited(whole, &contents), std::vector<std::string>(20, "/a twelve"));
+  EXPECT_TRUE(contents.complete);
+  // Cut, all that stands before is there and the cut is told.
+  EXPECT_EQ(visited(sink.bytes().substr(0, sink.bytes().size() - 3), &contents).size(), 19u);
+  ASSERT_EQ(contents.losses.size(), 1u);
+  EXPECT_THAT(contents.losses[0].what, HasSubstr("ends in the middle of a record"));
+  // Chunks are visited once they are whole; our own files hold nothing beside them.
+  EXPECT_EQ(visited(sample_file()).size(), 80u);
+  EXPECT_EQ(visited(sample_file(3, false)).size(), 80u);
+  EXPECT_FALSE(Reader::scan(memory(whole)).contents().losses.empty());
+}
+
 TEST(Mcap, ReadsBackWhatWasWritten) {
   for (const int level : {0, 3}) {
     for (const bool scan : {false, true}) {

@@ -86,4 +86,10 @@ Contents read_summary(const Input& input, const Limits& limits);
 // The contents by a walk over the file. Behind damage it looks for the next chunk whose CRC holds.
 Contents scan_file(const Input& input, const Limits& limits);
 
+// The same for files of any writer, with or without chunks, summary and indexes: calls `visit` for
+// each message in the order of the file, with what is known of the file by then. One record is in
+// memory at a time. A message is visited once all of its chunk was seen to be whole.
+using VisitMessage = std::function<void(const Contents& so_far, const Message&)>;
+Contents scan_messages(const Input& input, const Limits& limits, const VisitMessage& visit);
+
 }  // namespace seam::mcap

@@ -63,8 +63,13 @@ bool same_contents(const Contents& index, const Contents& data) {
 
 class Scanner {
  public:
-  Scanner(const Input& input, const Limits& limits)
-      : input_(input), limits_(limits), search_budget_(16 * input.size() + (uint64_t{64} << 20)) {}
+  // `visit`: null where only the contents are wanted; messages outside of chunks are damage then,
+  // since our own writer makes none.
+  Scanner(const Input& input, const Limits& limits, const VisitMessage* visit)
+      : input_(input),
+        limits_(limits),
+        visit_(visit),
+        search_budget_(16 * input.size() + (uint64_t{64} << 20)) {}
 
   Contents run() {
     if (input_.size() >= kMagic.size() && input_.read(0, kMagic.size()) == kMagic) {
@@ -133,6 +138,10 @@ class Scanner {
       case Opcode::message_index:
         check_message_index(start, length);
         break;
+      case Opcode::message:
+        if (visit_ == nullptr) throw Malformed("a message outside of a chunk");
+        (*visit_)(contents_, decode_message(content_of(start, length, limits_.chunk_bytes)));
+        break;
       case Opcode::attachment: {
         const Attachment attachment =
             decode_attachment(content_of(start, length, limits_.attachment_bytes));
@@ -187,10 +196,16 @@ class Scanner {
     for (const auto& [channel, count] : counts) place.channels.push_back(channel);
     contents_.chunks.push_back(std::move(place));
     expected_indexes_ = std::move(counts);
+    if (visit_ == nullptr) return;
+    for_each_record(records, [&](Opcode opcode, std::string_view record, uint64_t) {
+      if (opcode == Opcode::message) (*visit_)(contents_, decode_message(record));
+    });
   }
 
-  // An index holds nothing that its chunk does not; only its length matters for the way on.
+  // An index holds nothing that its chunk does not; only its length matters for the way on. Other
+  // writers' indexes name channels without messages, and come after other records.
   void check_message_index(uint64_t start, uint64_t length) {
+    if (visit_ != nullptr) return;
     const std::string head = content_of(start, std::min<uint64_t>(length, 2), 2);
     const uint16_t channel = ByteSource(head).number<uint16_t>();
     const auto expected = expected_indexes_.find(channel);
@@ -309,6 +324,7 @@ class Scanner {
 
   const Input& input_;
   const Limits& limits_;
+  const VisitMessage* visit_;
   uint64_t search_budget_;  // Bytes that the search may still unpack.
   uint64_t offset_ = 0;
   bool has_header_ = false;
@@ -319,7 +335,11 @@ class Scanner {
 }  // namespace
 
 Contents scan_file(const Input& input, const Limits& limits) {
-  return Scanner(input, limits).run();
+  return Scanner(input, limits, nullptr).run();
+}
+
+Contents scan_messages(const Input& input, const Limits& limits, const VisitMessage& visit) {
+  return Scanner(input, limits, &visit).run();
 }
 
 }  // namespace seam::mcap

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What `seam export` writes is read by the programs that it is written for, where they are installed
-(python3-opencv, mrcal), and projects a grid as the model does.
+(python3-opencv, mrcal, ROS's camera_calibration_parsers), and projects a grid as the model does.
+`export_test.py path/to/seam CXX`
 
 The model's projection is written out here again, from docs/effects.md, in numpy.
 """
@@ -13,7 +14,8 @@ import tempfile
 import numpy as np
 import yaml
 
-SEAM = sys.argv[1]
+SEAM, CXX = sys.argv[1:3]
+HERE = pathlib.Path(__file__).resolve().parent
 MODEL = """format: seam-model/1
 name: seen
 effects:
@@ -104,6 +106,24 @@ effects:
     print("servos: attributes for a simulator")
 
 
+def ros_reads(folder, path):
+    """Whether ROS's own reader is there; it must find what the model says."""
+    reader = folder / "camera_info_reader"
+    made = subprocess.run([CXX, "-std=c++17", HERE / "camera_info_reader.cc", "-o", reader, "-lcamera_calibration_parsers"],
+                          capture_output=True, text=True)
+    if made.returncode != 0:
+        assert "camera_calibration_parsers" in made.stderr, made.stderr
+        return False
+    size, lens, matrix, coefficients = subprocess.run([reader, path], capture_output=True, text=True,
+                                                      check=True).stdout.splitlines()
+    numbers = [np.array(line.split(), float) for line in (size, matrix, coefficients)]
+    assert numbers[0].tolist() == [178, 144] and lens == "plumb_bob", (size, lens)
+    assert np.allclose(numbers[1], [161.9, 0, 88.5, 0, 162.5, 71.5, 0, 0, 1], atol=1e-6), matrix
+    assert np.allclose(numbers[2], [-0.21, 0.06, 0.003, -0.002, 0.002], atol=1e-6), coefficients
+    print("ros: read by camera_calibration_parsers")
+    return True
+
+
 def main():
     skipped = []
     with tempfile.TemporaryDirectory() as name:
@@ -122,6 +142,8 @@ def main():
         assert info["distortion_model"] == "plumb_bob" and info["image_width"] == 178
         assert np.allclose(info["distortion_coefficients"]["data"],
                            [-0.21, 0.06, 0.003, -0.002, 0.002], atol=1e-6)
+        if not ros_reads(folder, out):
+            skipped.append("libcamera-calibration-parsers-dev")
 
         _, said = export(folder, "kalibr", "camchain.yaml", *SIZE)
         chain = yaml.safe_load((folder / "camchain.yaml").read_text())["cam0"]

@@ -193,6 +193,40 @@ def test_times(folder, good):
     assert (folder / "t5/points.csv").read_bytes() == (folder / "t3/points.csv").read_bytes()
 
 
+def test_two_cameras(folder, good):
+    """A set has one camera: pictures of two, by their names or folders, are told apart."""
+    words = ["--board", "8x5", "--spacing", "0.03"]
+    named = folder / "pair"
+    for side in ("left", "right"):
+        (folder / side).mkdir()
+    named.mkdir()
+    for i, picture in enumerate(good[:2]):
+        for side in ("left", "right"):
+            shutil.copy(picture, named / f"{side}{i:02d}.png")
+            shutil.copy(picture, folder / side / f"{i:02d}.png")
+    for sources in ([named], [folder / "left", folder / "right"]):
+        said = run("import", "images", *sources, *words, "--out", folder / f"of-{sources[0].name}")
+        assert "of the cameras left, right, by the pictures' names, left" in said and "2 of 2 pictures" in said, said
+    run("import", "images", named, *words, "--camera", "right", "--out", folder / "of-right")
+    assert set(seen_in(folder / "of-right")) == {"right00.png", "right01.png"}
+    said = run("import", "images", named, *words, "--camera", "upwards", "--out", folder / "none", code=1)
+    assert "--camera upwards" in said, said
+
+
+def mosaic_message(ros1, t, picture, order):
+    """As a sensor with filters of this order sees it, under warm light, so that neighbours differ, and with blue a pixel
+    to the right: taken for red it would move corners three times as far."""
+    pixels = (np.asarray(Image.open(picture).convert("RGB")) * [1.0, 0.8, 0.4]).astype(np.uint8)
+    pixels[:, 1:, 2] = pixels[:, :-1, 2].copy()
+    mosaic = np.empty(pixels.shape[:2], np.uint8)
+    for place, colour in enumerate(order):
+        rows, columns = slice(place // 2, None, 2), slice(place % 2, None, 2)
+        mosaic[rows, columns] = pixels[rows, columns, "rgb".index(colour)]
+    head = Cdr(ros1).header(t).put("I", HEIGHT, WIDTH).text(f"bayer_{order}8").put("B", 0).put("I", WIDTH)
+    head.put("I", mosaic.size).data += mosaic.tobytes()
+    return "/left/image_raw", "sensor_msgs/Image", t, head.data
+
+
 def test_bags(folder, good):
     """Pictures in bags of both kinds, plain and packed, are those of the files, with the messages' stamps."""
     words = ["--board", "8x5", "--spacing", "0.03"]
@@ -227,30 +261,27 @@ def test_bags(folder, good):
                 assert a == b, (name, topic)
             times = {row["time_s"] for row in csv.DictReader((out / "points.csv").open())}
             assert times == {"100.000000000", "100.050000000", "100.100000000"}, times
-        # A mosaic of colours, and the calibration beside it.
-        raw = []
-        for i, picture in enumerate(good[:3]):
-            # Under warm light, so that neighbours differ.
-            t, pixels = 100 + 0.05 * i, (np.asarray(Image.open(picture).convert("RGB")) * [1.0, 0.8, 0.4]).astype(np.uint8)
-            red, green, blue = pixels[0::2, 1::2, 0].copy(), pixels[:, :, 1], pixels[1::2, 0::2, 2].copy()
-            mosaic = green.copy()
-            mosaic[0::2, 1::2], mosaic[1::2, 0::2] = red, blue
-            head = Cdr(ros1).header(t).put("I", HEIGHT, WIDTH).text("bayer_grbg8").put("B", 0).put("I", WIDTH)
-            head.put("I", mosaic.size).data += mosaic.tobytes()
-            raw.append(("/left/image_raw", "sensor_msgs/Image", t, head.data))
-            for space, focal in (("/left", FOCAL), ("/right", 2 * FOCAL)):
-                info = Cdr(ros1).header(t).put("I", HEIGHT, WIDTH).text("plumb_bob").reals([0.0] * 5)
-                info.put("d", focal, 0, (WIDTH - 1) / 2, 0, focal, (HEIGHT - 1) / 2, 0, 0, 1, *[0] * 21)
-                raw.append((f"{space}/camera_info", "sensor_msgs/CameraInfo", t, info.data))
-        (folder / f"raw-{name}").write_bytes(ros1_bag(raw) if ros1 else mcap_file(raw))
-        out = folder / f"raw-{name}-set"
-        said = run("import", "images", folder / f"raw-{name}", *words, "--out", out)
-        assert "the nominal model is the calibration" in said, said
-        assert f"fx_px: {FOCAL:g}" in (out / "nominal.yaml").read_text()
-        for a, b in zip(seen_in(out).values(), truth["right"]):
-            # Each pixel's neighbours give it two colours of three, so that noise is another.
-            off = np.array([np.subtract(a[p][:2], b[p][:2]) for p in b])
-            assert len(a) == len(b) and off.std() < 0.07 and np.abs(off.mean(0)).max() < 0.03, (name, off.std(), off.mean(0))
+        # Mosaics of colours in each of their orders, and the calibration beside them.
+        for order in ("rggb",) if ros1 else ("rggb", "bggr", "gbrg", "grbg"):
+            raw = []
+            for i, picture in enumerate(good[:3]):
+                t = 100 + 0.05 * i
+                raw.append(mosaic_message(ros1, t, picture, order))
+                for space, focal in (("/left", FOCAL), ("/right", 2 * FOCAL)):
+                    info = Cdr(ros1).header(t).put("I", HEIGHT, WIDTH).text("plumb_bob").reals([0.0] * 5)
+                    info.put("d", focal, 0, (WIDTH - 1) / 2, 0, focal, (HEIGHT - 1) / 2, 0, 0, 1, *[0] * 21)
+                    raw.append((f"{space}/camera_info", "sensor_msgs/CameraInfo", t, info.data))
+            (folder / f"{order}-{name}").write_bytes(ros1_bag(raw) if ros1 else mcap_file(raw))
+            out = folder / f"{order}-{name}-set"
+            said = run("import", "images", folder / f"{order}-{name}", *words, "--out", out)
+            assert "the nominal model is the calibration" in said, said
+            assert f"fx_px: {FOCAL:g}" in (out / "nominal.yaml").read_text()
+            for a, b in zip(seen_in(out).values(), truth["right"]):
+                # Each pixel's neighbours give it two colours of three, so that noise is another; blue has its share.
+                off = np.array([np.subtract(a[p][:2], b[p][:2]) for p in b])
+                share = 0.114 * 0.4 / (0.299 + 0.587 * 0.8 + 0.114 * 0.4)
+                assert len(a) == len(b) and off.std(0).max() < 0.08, (order, off.std(0))
+                assert np.abs(off.mean(0) - [share, 0]).max() < 0.035, (order, off.mean(0))
         said = run("import", "images", folder / name, *words, "--camera", "up", "--out", folder / "none", code=1)
         assert "no such topic of images" in said, said
 
@@ -288,6 +319,7 @@ def main():
         good = test_scatter(folder)
         test_what_is_left_out(folder, good)
         test_times(folder, good)
+        test_two_cameras(folder, good)
         test_bags(folder, good)
         test_the_reader(folder, good)
 

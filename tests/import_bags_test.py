@@ -39,8 +39,9 @@ def bag_messages(ros1):
 
 
 def test_ros(folder):
-    for ros1, name, packing in ((False, "two.mcap", ""), (False, "lz4.mcap", "lz4"), (True, "one.bag", "none"),
-                                (True, "bz2.bag", "bz2"), (True, "lz4.bag", "lz4")):
+    for ros1, name, packing in ((False, "two.mcap", ""), (False, "lz4.mcap", "lz4"), (False, "zstd.mcap", "zstd"),
+                                (False, "direct.mcap", "direct"), (True, "one.bag", "none"), (True, "bz2.bag", "bz2"),
+                                (True, "lz4.bag", "lz4")):
         joints, walk, info = bag_messages(ros1)
 
         def write(messages):
@@ -54,7 +55,12 @@ def test_ros(folder):
         rows = rows_of(out / "joints.csv")
         assert len(rows) == 2 * 299 and {r["joint"] for r in rows} == {"arm", "wrist"}, len(rows)
         (folder / name).write_bytes(data[:len(data) // 2])
-        run("import", "ros", folder / name, "--out", folder / "cut", code=1)
+        if packing == "direct":  # What stands before the cut is whole.
+            said = imported("ros", folder / name, out=folder / "cut")
+            assert "ends in the middle of a record" in said, said
+            assert 250 < len(rows_of(folder / "cut" / "joints.csv")) < 320
+        else:
+            run("import", "ros", folder / name, "--out", folder / "not-cut", code=1)
         write(walk)
         out = folder / f"walk-{name[:-5]}-{ros1}"
         imported("ros", folder / name, out=out)
@@ -74,6 +80,50 @@ def test_dark(folder):
     (folder / "dark.mcap").write_bytes(mcap_file([*joints, black], "lz4"))
     imported("ros", folder / "dark.mcap", out=folder / "dark")
     assert len(rows_of(folder / "dark" / "joints.csv")) == 2 * 299
+
+
+def test_parts(folder):
+    """A recording that was split, and files that are no bags of ROS."""
+    joints, _, _ = bag_messages(False)
+    split = folder / "split"
+    split.mkdir()
+    for k in range(11):  # run_10 stands behind run_9.
+        (split / f"run_{k}.mcap").write_bytes(mcap_file(joints[len(joints) * k // 11:len(joints) * (k + 1) // 11]))
+    (split / "metadata.yaml").write_text("rosbag2_bagfile_information: {}\n")
+    imported("ros", split, out=folder / "whole")
+    (folder / "one.mcap").write_bytes(mcap_file(joints))
+    imported("ros", folder / "one.mcap", out=folder / "one")
+    assert (folder / "whole" / "joints.csv").read_bytes() == (folder / "one" / "joints.csv").read_bytes()
+    (split / "other_0.mcap").write_bytes(b"")
+    refused("ros", split, out=folder / "two", words=["12 bags", "other_0.mcap"])
+    for name, data, words in (("json.mcap", mcap_file(joints, encoding="json"), ["messages are json", "cdr"]),
+                              ("empty.mcap", b"", ["is empty"]),
+                              ("packed.mcap.zstd", b"\x28\xb5\x2f\xfd" + bytes(60), ["unzstd"]),
+                              ("lfs.bag", b"version https://git-lfs.github.com/spec/v1\n", ["Git LFS"]),
+                              ("old.bag", b"#ROSBAG V1.2\n" + bytes(60), ["V1.2", "rosbag migrates"]),
+                              ("sql.db3", b"SQLite format 3\0" + bytes(60), ["ros2 bag convert"]),
+                              ("text.mcap", b"no bag at all, but some text\n", ["not an MCAP file"])):
+        (folder / name).write_bytes(data)
+        refused("ros", folder / name, out=folder / "none", words=[name, *words])
+    # Poses of one topic in two frames make no path.
+    _, walk, _ = bag_messages(False)
+    mixed = [(topic, kind, t, data.replace(b"map", b"usa") if k > 200 and topic == "/odom" else data)
+             for k, (topic, kind, t, data) in enumerate(walk)]
+    (folder / "mixed.mcap").write_bytes(mcap_file(mixed))
+    refused("ros", folder / "mixed.mcap", out=folder / "mixed", words=["/odom: at 105", "'usa'", "'map'", "one frame"])
+    # Topics that never spoke are told; a position that is no number is an error.
+    t, command, measured = servo_log(60)
+    bad = [("/joint_states", "sensor_msgs/JointState", a,
+            Cdr(False).header(a).texts(["arm"]).reals([float("nan") if k == 30 else c]).reals([]).reals([float("nan")]).data)
+           for k, (a, c) in enumerate(zip(t, measured))]
+    told = [("/commands", "std_msgs/Float64MultiArray", a, Cdr(False).put("I", 0, 0).reals([b]).data) for a, b in zip(t, command)]
+    both = [m for pair in zip(told, bad) for m in pair]
+    (folder / "nan.mcap").write_bytes(mcap_file(both))
+    refused("ros", folder / "nan.mcap", out=folder / "nan", words=["joint arm at 0.3", "finite"])
+    good = [m for k, m in enumerate(both) if k // 2 != 30]
+    (folder / "effort.mcap").write_bytes(mcap_file(good))  # Efforts that no encoder tells are NaN by habit.
+    imported("ros", folder / "effort.mcap", out=folder / "effort")
+    assert len(rows_of(folder / "effort" / "joints.csv")) == 59
 
 
 def test_transforms(folder):
@@ -125,6 +175,21 @@ def test_log(folder):
         folder / "m.yaml", "--json", folder / "m.json")
     found = json.loads((folder / "m.json").read_text())["parameters"]["rad_per_s"]
     assert abs(found["value"] - np.radians(300)) < 1e-3, found
+    # A camera without values of its own, which the robot of the scenario draws.
+    camera = folder / "camera.yaml"
+    camera.write_text("format: seam-model/1\nname: seen\neffects:\n  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n"
+                      "  rolling_shutter: {line_delay_s: 2.78e-4}\n  exposure: {exposure_s: 0.005}\n  lens_blur: {sigma_px: 0.8}\n"
+                      "  read_noise: {sigma_dn: 2}\n")
+    run("run", scenario, "--model", camera, "--log", folder / "frames.mcap")
+    # Its frames, with where its camera was and what stood there: the camera that drew them explains them, and no other.
+    said = imported("log", folder / "frames.mcap", "--part", "frames", out=folder / "frames")
+    assert "49 of 49 frames" in said and "not to the last bit" not in said, said
+    assert len(list((folder / "frames/frames").glob("*.png"))) == 49
+    errors = {}
+    for name, model in (("nominal", folder / "frames" / "nominal.yaml"), ("true", camera)):
+        run("compare", "--model", model, "--data", folder / "frames", "--json", folder / "c.json")
+        errors[name] = json.loads((folder / "c.json").read_text())["error"]
+    assert errors["true"] < 1.1 and errors["nominal"] > 3 * errors["true"], errors
     refused("log", folder / "run.mcap", "--part", "odometry", out=folder / "walk", words=["never told to walk"])
     refused("log", folder / "run.mcap", "--camera", "red9", out=folder / "who", words=["red9", "red1"])
 

@@ -88,6 +88,11 @@ def test_opencv(folder):
     (folder / "cv.yaml").write_text(text)
     assert "millimetres" in imported("opencv", folder / "cv.yaml", out=folder / "yaml")
     holds_camera(folder / "yaml")
+    # Later versions write the target beside the corners, a list of points.
+    grid = "".join(f"   - [ {x!r}, {y!r}, {z!r} ]\n" for x, y, z in (1000 * board()).tolist())
+    (folder / "grid.yaml").write_text(storage(views) + "grid_points:\n" + grid)
+    assert "millimetres" in imported("opencv", folder / "grid.yaml", out=folder / "grid")
+    assert rows_of(folder / "grid" / "points.csv") == rows_of(folder / "yaml" / "points.csv")
     (folder / "cv.xml").write_text(as_xml(text))
     imported("opencv", folder / "cv.xml", out=folder / "xml")
     # XML here has the shortest decimals of the same numbers.
@@ -181,6 +186,12 @@ def test_mrcal(folder):
     imported("mrcal", *arguments, out=folder / "vnl")
     assert len(rows_of(folder / "vnl" / "points.csv")) == 100 * n - 1
     holds_camera(folder / "vnl")
+    # Two cameras by their folders.
+    folders = ["# filename x y level"] + [line.replace("frame", f"{side}/frame") for side in ("left", "right") for line in lines[1:]]
+    (folder / "folders.vnl").write_text("\n".join(folders) + "\n")
+    said = imported("mrcal", folder / "folders.vnl", *arguments[1:], out=folder / "left")
+    assert "of the cameras left/, right/ the first" in said, said
+    assert len(rows_of(folder / "left" / "points.csv")) == 100 * n - 1
     # Without a calibration the focal length is told from the views.
     said = imported("mrcal", folder / "corners.vnl", "--size", "640x480", *arguments[2:], out=folder / "free")
     assert "free" in said

@@ -39,6 +39,36 @@ def test_servo(folder):
     rows = rows_of(folder / "sysid" / "joints.csv")
     assert {r["joint"] for r in rows} == {"arm"} and np.allclose([float(r["command_rad"]) for r in rows], command)
 
+    # As spreadsheets of other countries, data loggers and learning robots write the same.
+    truth = [r["measured_rad"] for r in rows_of(folder / "sysid" / "joints.csv")]
+    comma = "\ufeffZeit;Soll [deg];Ist [deg]\r\n" + "".join(
+        f"{a:.3f};{deg(b):.9f};{deg(c):.9f}\r\n".replace(".", ",") for a, b, c in zip(t, command, measured))
+    dates = "timestamp,command,position,note\n" + "".join(
+        f'2024-05-01T12:00:{a:06.3f}+02:00,{b:.9f},{c:.9f},"up, and ""down"""\n' for a, b, c in zip(t, command, measured))
+    tabs = "time [ms]\tgoal position (deg)\tpresent_position_deg\n" + "".join(
+        f"{1000 * a:.1f}\t{deg(b):.9f}\t{deg(c):.9f}\n" for a, b, c in zip(t, command, measured))
+    pairs = "time,arm_cmd,arm_pos,lift_cmd,lift_pos,arm_vel\n" + "".join(
+        f"{a:.3f},{b:.9f},{c:.9f},{2 * b:.9f},{2 * c:.9f},0\n" for a, b, c in zip(t, command, measured))
+    lines = "\n".join(json.dumps({"t": a, "action": [b], "observation.state": [c]}) for a, b, c in zip(t, command, measured))
+    for name, text, more in (("comma.csv", comma, ["--map", "time=Zeit,command=Soll,measured=Ist"]), ("dates.csv", dates, []),
+                             ("tabs.tsv", tabs, []), ("pairs.csv", pairs, []), ("lines.jsonl", lines, [])):
+        (folder / name).write_text(text)
+        out = folder / f"as-{name}"
+        imported("servo", folder / name, *more, out=out)
+        rows = rows_of(out / "joints.csv")
+        first = [r for r in rows if r["joint"] in (rows[0]["joint"], "arm")]
+        assert np.allclose([float(r["measured_rad"]) for r in first], [float(x) for x in truth], atol=1e-8), name
+        assert np.allclose([float(r["time_s"]) - float(first[0]["time_s"]) for r in first], t, atol=1e-6), name
+    assert {r["joint"] for r in rows_of(folder / "as-pairs.csv" / "joints.csv")} == {"arm", "lift"}
+    assert rows_of(folder / "as-dates.csv" / "joints.csv")[0]["time_s"].startswith("1714557600.")
+    for name, text, words in (("wide.csv", "time,command,position\n0,1,2\n".encode("utf-16"), ["UTF-16"]),
+                              ("twice.csv", b"t,command,command,position\n0,1,1,2\n1,2,2,3\n", ["'command' stands twice"]),
+                              ("bare.csv", b"0,1,2\n1,2,3\n", ["expected a header"]),
+                              ("ragged.csv", b"t,command,position\n0,1,2\n1,2\n", [":3:", "2 cells, expected 3"]),
+                              ("binary.csv", b"t,command,position\n\0\0", ["binary"])):
+        (folder / name).write_bytes(text)
+        refused("servo", folder / name, out=folder / "none", words=[name, *words])
+
     def spoilt(name, change, words, *more):
         table = [[f"{a:.4f}", repr(float(b)), repr(float(c))] for a, b, c in zip(t, command, measured)]
         change(table)
@@ -94,6 +124,14 @@ def test_ranges(folder):
     imported("ranges", *tables, out=folder / "csv")
     assert [r["range_m"] for r in rows_of(folder / "csv" / "observations.csv")] == [
         r["range_m"] for r in rows_of(out / "observations.csv")]
+    # Units in the names of columns, and loggers that write 0 or nan where nothing answered.
+    some = ["time [ms];beacon;range (mm)\n"] + [
+        f"{1000 * t:.3f};{b:.0f};{'0' if i % 50 == 0 else 'nan' if i % 50 == 1 else repr(float(1000 * r))}\n"
+        for i, (t, _, b, r) in enumerate(ranges)]
+    (folder / "named.csv").write_text("".join(some))
+    said = imported("ranges", tables[0], folder / "named.csv", tables[2], out=folder / "named")
+    assert "12 of 300 ranges are blank, nan or 0" in said, said
+    assert len(rows_of(folder / "named" / "observations.csv")) == 288
     mm = ranges.copy()
     mm[:, 3] *= 1000
     tables[1] = write("mm.csv", "t;anchor;distance", mm[:, [0, 2, 3]])
@@ -135,6 +173,12 @@ def test_trajectories(folder):
     text[9] = text[9].rsplit(" ", 1)[0] + " 0.1"
     (folder / "q.txt").write_text("\n".join(text))
     refused("tum", folder / "q.txt", out=folder / "q", words=["q.txt:10", "quaternion"])
+    (folder / "kitti.txt").write_text("1 0 0 0 0 1 0 0 0 0 1 0\n" * 9)
+    refused("tum", folder / "kitti.txt", out=folder / "k", words=["12 columns, as KITTI's poses have"])
+    refused("tum", folder / "gt.csv", out=folder / "ns", words=["gt.csv:2", "--time-unit"])
+    text = truth.read_text().splitlines()
+    (folder / "back.txt").write_text("\n".join(text[:40] + text[20:60]))
+    refused("tum", folder / "back.txt", out=folder / "b", words=["back.txt:41", "forwards"])
 
 
 run_tests(globals())

@@ -79,6 +79,16 @@ def test_photometry(folder):
     refused("flats", listed, out=folder / "unknown", words=["0.png", "exposure is not known"])
     (listed / "list.csv").write_text("file,exposure_ms,illumination\n" + "".join(f"{k}.png,{1 + k // 2},1\n" for k in range(4)))
     imported("flats", listed, out=folder / "csv")
+    (listed / "list.csv").write_text("image;exposure time [ms];lux\n" + "".join(f"{k}.png;{1 + k // 2},5;1\n" for k in range(4)))
+    imported("flats", listed, out=folder / "named")
+    assert [float(r["exposure_s"]) for r in rows_of(folder / "named" / "frames.csv")] == [0.0015, 0.0015, 0.0025, 0.0025]
+    bias = folder / "bias"
+    bias.mkdir()
+    for k in range(2):
+        (bias / f"a_bias_{k}.png").write_bytes(png(flat(0, 0), 16))
+        (bias / f"flat_2ms_{k}.png").write_bytes(png(flat(0.002, 1e6), 16))
+    imported("flats", bias, out=folder / "with-bias")
+    assert [float(r["exposure_s"]) for r in rows_of(folder / "with-bias" / "frames.csv")] == [0.002, 0, 0, 0.002]
     bomb = bytearray(png(np.zeros((4, 4), int), 8))
     bomb[16:24] = struct.pack(">II", 60000, 60000)
     bomb[29:33] = struct.pack(">I", zlib.crc32(bytes(bomb[12:29])))

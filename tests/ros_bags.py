@@ -14,6 +14,15 @@ def lz4_frame(data):
     return out.raw[:size]
 
 
+def zstd_frame(data):
+    zstd = ctypes.CDLL("libzstd.so.1")
+    zstd.ZSTD_compressBound.restype = zstd.ZSTD_compress.restype = ctypes.c_size_t
+    most = zstd.ZSTD_compressBound(ctypes.c_size_t(len(data)))
+    out = ctypes.create_string_buffer(most)
+    size = zstd.ZSTD_compress(out, ctypes.c_size_t(most), data, ctypes.c_size_t(len(data)), 3)
+    return out.raw[:size]
+
+
 class Cdr:
     """A message as bytes: little-endian CDR (ROS 2), or the plain form of ROS 1."""
 
@@ -71,7 +80,8 @@ def ros1_bag(messages, compression="none"):
             record({"op": b"\x05", "compression": compression.encode(), "size": struct.pack("<I", len(chunk))}, packed))
 
 
-def mcap_file(messages, compression=""):
+def mcap_file(messages, compression="", encoding="cdr"):
+    """`compression` of its one chunk: none, "lz4", "zstd"; "direct": messages outside of chunks."""
     def record(op, data):
         return bytes([op]) + struct.pack("<Q", len(data)) + data
 
@@ -84,12 +94,14 @@ def mcap_file(messages, compression=""):
     for i, (topic, kind) in enumerate(topics):
         package, name = kind.split("/")
         inside += record(3, struct.pack("<H", i + 1) + text(f"{package}/msg/{name}") + text("ros2msg") + text(""))
-        inside += record(4, struct.pack("<HH", i, i + 1) + text(topic) + text("cdr") + struct.pack("<I", 0))
+        inside += record(4, struct.pack("<HH", i, i + 1) + text(topic) + text(encoding) + struct.pack("<I", 0))
     for number, (topic, kind, t, data) in enumerate(messages):
         ns = int(round(t * 1e9))
         inside += record(5, struct.pack("<HIQQ", topics.index((topic, kind)), number, ns, ns) + data)
     times = [int(round(m[2] * 1e9)) for m in messages]
-    packed = lz4_frame(inside) if compression == "lz4" else inside
+    if compression == "direct":
+        return out + inside + record(15, struct.pack("<I", 0)) + record(2, struct.pack("<QQI", 0, 0, 0)) + b"\x89MCAP0\r\n"
+    packed = {"lz4": lz4_frame, "zstd": zstd_frame}.get(compression, bytes)(inside)
     chunk = struct.pack("<QQQI", min(times), max(times), len(inside), zlib.crc32(inside)) + text(compression)
     out += record(6, chunk + struct.pack("<Q", len(packed)) + packed) + record(15, struct.pack("<I", 0))
     return out + record(2, struct.pack("<QQI", 0, 0, 0)) + b"\x89MCAP0\r\n"

@@ -64,7 +64,8 @@ const std::vector<ImportKind>& import_kinds() {
        .options = {"map", "time-unit"},
        .fill = import_flats},
       {.name = "log",
-       .help = "a replay log of ours: a robot's head joints or walk, with what it was told",
+       .help = "a replay log of ours: a robot's head joints or walk with what it was told, or its "
+               "frames",
        .options = {"camera", "part"},
        .fill = import_log},
   };
@@ -72,13 +73,15 @@ const std::vector<ImportKind>& import_kinds() {
 }
 
 std::string import_set(const ImportKind& kind, const ImportRequest& request,
-                       const std::string& title, const std::filesystem::path& out) {
+                       const std::string& title, const std::filesystem::path& out,
+                       const measurement::Instruments& instruments) {
   std::vector<std::string> names;
   for (const auto& source : request.sources) names.push_back(source.filename().string());
   std::string from = fmt::format(
       "{}", fmt::join(names.begin(), names.begin() + std::min<size_t>(names.size(), 4), ", "));
   if (names.size() > 4) from += fmt::format(" and {} more", names.size() - 4);
   SetDraft draft(out);
+  draft.instruments = instruments;
   kind.fill(request, draft);
   draft.title = title.empty() ? fmt::format("Imported from {} ({})", from, kind.name) : title;
   draft.finish(from);

@@ -18,9 +18,11 @@ struct ImportKind {
 
 const std::vector<ImportKind>& import_kinds();
 
-// Writes the set; returns what was done, for people. Throws InputError with nothing written, or
+// Writes the set; returns what was done, for people. `instruments` are those by which it is checked
+// as the analyses do. Throws InputError with nothing written, or
 // UsageError where the request does not fit the kind.
 std::string import_set(const ImportKind& kind, const ImportRequest& request,
-                       const std::string& title, const std::filesystem::path& out);
+                       const std::string& title, const std::filesystem::path& out,
+                       const measurement::Instruments& instruments);
 
 }  // namespace seam::app

@@ -67,6 +67,26 @@ void look_at(const CsvTable& table, int64_t longest_ns, std::vector<std::string>
         jumps));
 }
 
+// Frames further apart than the camera's period says, by what a unit makes of it.
+void look_at_frames(const CsvTable& table, double period_s, std::vector<std::string>& found) {
+  const Times times = table.times_ns("time_s");
+  Times steps;
+  size_t row = 0;
+  for (size_t i = 1; i < times.size(); ++i) {
+    if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]), row = row ? row : i;
+  }
+  if (steps.size() < 3) return;
+  const double ratio = seconds(*std::min_element(steps.begin(), steps.end())) / period_s;
+  for (const auto& [factor, unit] :
+       {std::pair{1e3, "milliseconds"}, {1e6, "microseconds"}, {1e9, "nanoseconds"}}) {
+    if (ratio > 0.5 * factor && ratio < 50 * factor)
+      found.push_back(fmt::format(
+          "{}:{}: column time_s: frames are {:.4g} s apart where the camera's period is {:.4g} s: "
+          "{} for seconds",
+          table.file(), table.line(row), ratio * period_s, period_s, unit));
+  }
+}
+
 // Whether nearly all of these times lie within those of the log.
 bool covered(const Times& times, int64_t divisor, int64_t begin, int64_t end) {
   const auto inside = std::count_if(times.begin(), times.end(), [&](int64_t t) {
@@ -103,6 +123,8 @@ std::vector<std::string> faults_of_clocks(const MeasurementSet& set) {
       if (table.has("time_s")) look_at(table, longest_ns, found);
     }
     for (const char* seen : {"points", "observations", "frames"}) {
+      if (set.has_file(seen) && set.camera.frame_period_s > 0 && set.table(seen).has("time_s"))
+        look_at_frames(set.table(seen), set.camera.frame_period_s, found);
       for (const char* log : {"joints", "poses"}) {
         if (!set.has_file(seen) || !set.has_file(log)) continue;
         const CsvTable table = set.table(seen), other = set.table(log);

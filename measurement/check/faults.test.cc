@@ -50,13 +50,16 @@ class Faults : public testing::Test {
     return set("joints", "{joints: joints.csv}");
   }
 
-  // A walk on a circle.
-  MeasurementSet walk(double metres, double radians, double v = 1, double omega = 1) const {
+  // A walk on a circle. `side` of y, and of the heading.
+  MeasurementSet walk(double metres, double radians, double v = 1, double omega = 1,
+                      double side = 1, bool exchanged = false) const {
     std::string text = "run,time_s,vx_cmd_mps,vy_cmd_mps,omega_cmd_radps,x_m,y_m,theta_rad\n";
     for (int k = 0; k < 200; ++k) {
       const double t = 0.05 * k, turn = 0.4 * t;
+      const double x = metres * 0.75 * std::sin(turn),
+                   y = side * metres * 0.75 * (1 - std::cos(turn));
       text += fmt::format("1,{:.3f},{},0,{},{:.6f},{:.6f},{:.6f}\n", t, 0.3 * v, 0.4 * omega,
-                          metres * 0.75 * std::sin(turn), metres * 0.75 * (1 - std::cos(turn)),
+                          exchanged ? y : x, exchanged ? x : y,
                           radians * std::remainder(turn, 2 * M_PI));
     }
     write("odometry.csv", text);
@@ -64,7 +67,7 @@ class Faults : public testing::Test {
   }
 
   MeasurementSet beacons(double range_unit, bool exchanged, double bearing_unit,
-                         double time_unit = 1) const {
+                         double time_unit = 1, double heading_unit = 1) const {
     const double places[3][2] = {{-8, 2}, {9, -7}, {3, 12}};
     std::string landmarks = "landmark,x_m,y_m\n", poses = "time_s,x_m,y_m,theta_rad\n",
                 seen = "time_s,landmark,range_m,bearing_rad\n";
@@ -72,30 +75,37 @@ class Faults : public testing::Test {
       landmarks += fmt::format("{},{},{}\n", i, places[i][exchanged], places[i][!exchanged]);
     for (int k = 0; k < 120; ++k) {
       const double t = 0.1 * k, x = 4 * std::cos(t / 3), y = 3 * std::sin(t / 2);
-      poses += fmt::format("{:.3f},{:.6f},{:.6f},0\n", t, x, y);
+      const double theta = 0.3 * t;
+      poses += fmt::format("{:.3f},{:.6f},{:.6f},{:.6f}\n", t, x, y, heading_unit * theta);
       const double dx = places[k % 3][0] - x, dy = places[k % 3][1] - y;
       seen += fmt::format("{:.6f},{},{:.6f},{:.6f}\n", t * time_unit, k % 3,
-                          range_unit * std::hypot(dx, dy), bearing_unit * std::atan2(dy, dx));
+                          range_unit * std::hypot(dx, dy),
+                          bearing_unit * std::remainder(std::atan2(dy, dx) - theta, 2 * M_PI));
     }
     write("landmarks.csv", landmarks), write("poses.csv", poses), write("seen.csv", seen);
     return set("landmarks", "{landmarks: landmarks.csv, poses: poses.csv, observations: seen.csv}");
   }
 
   // A board that is turned a little from view to view; `mirror` and `repeat` spoil one view.
-  MeasurementSet board(int mirror, int repeat) const {
+  MeasurementSet board(int mirror, int repeat, double metres = 1, double seconds = 1,
+                       const char* period = "0.5") const {
     std::string text = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
     for (int frame = 0; frame < 8; ++frame) {
       const double turn = 0.1 * (frame == repeat ? frame - 1 : frame);
       for (int i = 0; i < 12; ++i) {
         const double x = 0.03 * (i % 4), y = 0.03 * (i / 4), seen = frame == mirror ? 0.09 - x : x;
-        text += fmt::format("{0},{0},{1},{2},{3},0,{4:.4f},{5:.4f}\n", frame, i, x, y,
-                            200 + 1000 * (seen * std::cos(turn) - y * std::sin(turn)),
-                            200 + 1000 * (seen * std::sin(turn) + y * std::cos(turn)));
+        text +=
+            fmt::format("{0},{6},{1},{2},{3},0,{4:.4f},{5:.4f}\n", frame, i, metres * x, metres * y,
+                        200 + 1000 * (seen * std::cos(turn) - y * std::sin(turn)),
+                        200 + 1000 * (seen * std::sin(turn) + y * std::cos(turn)), seconds * frame);
       }
     }
     write("points.csv", text);
     return set("points", "{points: points.csv}",
-               "camera: {width_px: 640, height_px: 480}\nrig: {pose: unknown}\n");
+               fmt::format("camera: {{width_px: 640, height_px: 480, frame_period_s: {}}}\n"
+                           "rig: {{pose: unknown}}\n",
+                           period)
+                   .c_str());
   }
 
   const fs::path folder_ =
@@ -112,6 +122,7 @@ TEST_F(Faults, GoodSetsHaveNone) {
   EXPECT_THAT(faults_of_values(beacons(1, false, 1)), IsEmpty());
   EXPECT_THAT(faults_of_clocks(beacons(1, false, 1)), IsEmpty());
   EXPECT_THAT(faults_of_values(board(-1, -1)), IsEmpty());
+  EXPECT_THAT(faults_of_clocks(board(-1, -1)), IsEmpty());
 }
 
 TEST_F(Faults, ACommandThatIsTheMeasurementIsTold) {
@@ -145,6 +156,23 @@ TEST_F(Faults, DegreesInOneColumnAreTold) {
               testing::Contains(HasSubstr("omega_cmd_radps turns 57 times as far")));
   EXPECT_THAT(faults_of_values(beacons(1, false, kDegrees)),
               ElementsAre(HasSubstr("more than a turn: degrees for radians")));
+  EXPECT_THAT(faults_of_values(beacons(1, false, 1, 1, kDegrees)),
+              ElementsAre(HasSubstr("with theta_rad of the poses read as degrees")));
+  // Where all columns of a kind are alike no ratio tells it.
+  const auto both =
+      servo([](int, Sample& s) { s.measured_rad *= kDegrees, s.command_rad *= kDegrees; });
+  EXPECT_THAT(faults_of_values(both), ElementsAre(HasSubstr("turns: degrees for radians?")));
+  EXPECT_THAT(faults_of_values(walk(1, kDegrees, 1, kDegrees)),
+              ElementsAre(HasSubstr("omega_cmd_radps is 22.9183")));
+}
+
+TEST_F(Faults, DegreesOfAHeadAreTold) {
+  write("joints.csv", "time_s,pan_rad\n0,-35\n0.1,0\n0.2,35\n");
+  board(-1, -1);
+  EXPECT_THAT(
+      faults_of_values(set("points", "{points: points.csv, joints: joints.csv}",
+                           "rig: {chain: [{joint: pan, axis: [0, 0, 1]}]}\n")),
+      ElementsAre(HasSubstr("joints.csv: pan_rad spans 70, 11 turns: degrees for radians?")));
 }
 
 TEST_F(Faults, MillimetresAreTold) {
@@ -154,11 +182,24 @@ TEST_F(Faults, MillimetresAreTold) {
               ElementsAre(HasSubstr("vx_cmd_mps and vy_cmd_mps go 1000 times")));
   EXPECT_THAT(faults_of_values(beacons(1000, false, 1)),
               testing::Contains(HasSubstr("millimetres for metres in range_m")));
+  EXPECT_THAT(faults_of_values(board(-1, -1, 1000)),
+              ElementsAre(HasSubstr("are 30 m apart: millimetres for metres?")));
+  write("ranges.csv", "trial,true_m,measured_m\n1,0.5,520\n2,1,990\n3,2,2050\n");
+  EXPECT_THAT(faults_of_values(set("ranges", "{ranges: ranges.csv}")),
+              ElementsAre(HasSubstr("measured_m is 1025 times the other: millimetres for metres")));
 }
 
 TEST_F(Faults, ExchangedAxesAreTold) {
   EXPECT_THAT(faults_of_values(beacons(1, true, 1)),
-              ElementsAre(HasSubstr("with x_m and y_m of the landmarks exchanged")));
+              testing::Contains(HasSubstr("with x_m and y_m of the landmarks exchanged")));
+  EXPECT_THAT(faults_of_values(walk(1, 1, 1, 1, 1, true)),
+              ElementsAre(HasSubstr("with x_m and y_m exchanged")));
+  EXPECT_THAT(faults_of_values(walk(1, 1, 1, 1, -1)),
+              ElementsAre(HasSubstr("with y_m counted to the other side")));
+  EXPECT_THAT(faults_of_values(walk(1, -1, 1, 1, -1)),
+              ElementsAre(HasSubstr("theta_rad turns against omega_cmd_radps")));
+  EXPECT_THAT(faults_of_values(beacons(1, false, -1)),
+              ElementsAre(HasSubstr("bearing_rad counted to the other side (expected: left)")));
 }
 
 TEST_F(Faults, ClocksAreTold) {
@@ -174,6 +215,20 @@ TEST_F(Faults, ClocksAreTold) {
               ElementsAre(HasSubstr("joints.csv:202: the clock jumps by 30.01 s where 0.01 s")));
   EXPECT_THAT(faults_of_clocks(beacons(1, false, 1, 1000)),
               ElementsAre(HasSubstr("where it is read as milliseconds")));
+  EXPECT_THAT(faults_of_clocks(board(-1, -1, 1, 1e3)),
+              ElementsAre(HasSubstr("frames are 1000 s apart where the camera's period is 0.5 s: "
+                                    "milliseconds for seconds")));
+}
+
+TEST_F(Faults, PicturesStoredTwiceAreTold) {
+  for (const char* name : {"a.png", "b.png", "c.png"}) write(name, "one");
+  const char* head = "frame,file,time_s,exposure_s,illumination\n";
+  write("frames.csv", std::string(head) + "0,a.png,0,1,1\n1,b.png,1,1,1\n2,c.png,2,1,1\n");
+  const auto twice = set("photometry", "{frames: frames.csv}");
+  EXPECT_THAT(faults_of_values(twice),
+              ElementsAre(HasSubstr("frames.csv:3: 2 pictures are those before them")));
+  write("b.png", "two");
+  EXPECT_THAT(faults_of_values(twice), IsEmpty());
 }
 
 TEST_F(Faults, ViewsThatRepeatOrAreMirroredAreTold) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "app/predictors/instruments.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
 
@@ -133,8 +134,8 @@ void add_import(app::Command app) {
                      "Inner corners or circles of the target, COLUMNSxROWS");
   command.add_option("--spacing", flags->spacing,
                      "Between the target's corners, in metres or the unit of --length-unit");
-  command.add_option("--part", flags->part, "What of a log: joints or odometry")
-      .one_of({"joints", "odometry"});
+  command.add_option("--part", flags->part, "What of a log: joints, odometry or frames")
+      .one_of({"joints", "odometry", "frames"});
   command.add_option("--size", flags->size, "Of the images, WIDTHxHEIGHT in pixels");
   command.add_option("--camera", flags->camera,
                      "Which camera or robot, where the files hold several");
@@ -151,7 +152,8 @@ void add_import(app::Command app) {
     const app::ImportKind& kind = kind_named(flags->kind);
     check_options(*flags, kind);
     const app::ImportRequest request = request_of(*flags);
-    const std::string told = app::import_set(kind, request, flags->title, flags->out);
+    const std::string told =
+        app::import_set(kind, request, flags->title, flags->out, app::instruments());
     std::printf("%s", told.c_str());
   });
 }

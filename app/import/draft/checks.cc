@@ -1,6 +1,7 @@
 #include "app/import/draft/checks.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 
@@ -33,6 +34,29 @@ int64_t time_unit_ns(const ImportRequest& request, const std::string& column) {
     }
   }
   return nanoseconds_in("s");
+}
+
+std::string unit_in(const std::string& column, const std::vector<std::string>& units) {
+  size_t end = column.size();
+  while (end > 0 && (column[end - 1] == ']' || column[end - 1] == ')')) --end;
+  size_t start = end;
+  while (start > 0 && std::isalpha(static_cast<unsigned char>(column[start - 1])) != 0) --start;
+  if (start == 0) return "";  // The whole name.
+  std::string word = column.substr(start, end - start);
+  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const auto& [spelt, unit] :
+       {std::pair{"degree", "deg"}, {"degrees", "deg"}, {"radian", "rad"}, {"radians", "rad"}}) {
+    if (word == spelt) word = unit;
+  }
+  return std::find(units.begin(), units.end(), word) == units.end() ? "" : word;
+}
+
+std::string angle_unit_in(const std::string& column) {
+  return unit_in(column, {"deg", "rad", "mrad"});
+}
+
+std::string length_unit_in(const std::string& column) {
+  return unit_in(column, {"m", "cm", "mm", "um"});
 }
 
 void check_times(const std::vector<int64_t>& ns, const RowPlace& place,
@@ -77,8 +101,8 @@ void to_radians(std::vector<double>& values, const std::string& quantity, const 
   size_t largest = 0;
   for (size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i]))
-      throw InputError(fmt::format("{}: {}: found '{}', expected a finite angle", place(i),
-                                   quantity, values[i]));
+      throw InputError(fmt::format("{}: {}: found no number, expected a finite angle in each row",
+                                   place(i), quantity));
     if (std::abs(values[i]) > std::abs(values[largest])) largest = i;
   }
   if (values.empty()) return;

@@ -18,6 +18,12 @@ using RowPlace = std::function<std::string(size_t row)>;
 // The user's unit, else that at the end of the column's name (stamp_ms), else seconds.
 int64_t time_unit_ns(const ImportRequest& request, const std::string& column);
 
+// The unit that a column's name has at its end: "angle [deg]", "angle_rad", "range (mm)"; empty
+// where it has none of these.
+std::string unit_in(const std::string& column, const std::vector<std::string>& units);
+std::string angle_unit_in(const std::string& column);
+std::string length_unit_in(const std::string& column);
+
 // Throws where a time is before the one above it, and where the usual step is longer than
 // `most_step_s` or shorter than a microsecond while the user named no unit. Warns of steps that are
 // much longer than the usual one.

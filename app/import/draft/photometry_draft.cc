@@ -1,6 +1,7 @@
 #include "app/import/draft/photometry_draft.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <set>
 
@@ -43,7 +44,8 @@ void PhotometryDraft::add(StackFrame frame, const std::string& name, const std::
     any_bit_ = static_cast<uint16_t>(any_bit_ | sample);
   }
   // Exposures that differ by rounding alone are one.
-  frame.exposure_s = std::stod(fmt::format("{:.9g}", frame.exposure_s));
+  const std::string rounded = fmt::format("{:.9g}", frame.exposure_s);
+  std::from_chars(rounded.data(), rounded.data() + rounded.size(), frame.exposure_s);
   frame.mean_dn = sum / static_cast<double>(count);
   frame.file = name;
   if (frame.illumination == 0) {

@@ -154,7 +154,9 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
     draft.could_not_know(
         "when the views were taken: numbered by seconds, which says nothing of time");
   if (!measured) draft.could_not_know("the noise of the corners: it is estimated");
-  draft.could_not_know("where the camera was: each view's pose is estimated with the model");
+  draft.could_not_know(
+      "where the camera was: each view's pose is estimated with the model, so that a wrong spacing "
+      "of the target scales all distances and shows in no number");
   if (camera != nullptr) {
     draft.effects = effects_of(*camera);
     draft.did("the nominal model is the calibration as it stands, its numbers fixed");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 
@@ -33,7 +34,9 @@ std::string yaml_text(std::string_view text) {
 std::string exact(double value) {
   // Twelve digits where they hold the number, so that 0.1 + 0.2 and the like stay readable.
   std::string text = fmt::format("{:.12g}", value);
-  return std::stod(text) == value ? text : fmt::format("{}", value);
+  double back = 0;
+  std::from_chars(text.data(), text.data() + text.size(), back);
+  return back == value ? text : fmt::format("{}", value);
 }
 
 std::string seconds_text(int64_t ns) {
@@ -120,7 +123,8 @@ std::string SetDraft::by_its_name(std::string text) const {
 void SetDraft::check() {
   const auto set = measurement::MeasurementSet::open(folder_);
   const auto model = effects::Model::from_file(folder_ / "nominal.yaml");
-  const measurement::SetDescription found = measurement::describe_set(set, std::nullopt);
+  const measurement::SetDescription found =
+      measurement::describe_set(set, std::nullopt, instruments);
   if (!found.errors.empty()) throw InputError(found.errors.front());
   for (const std::string& fault : measurement::faults_of_values(set)) warn(by_its_name(fault));
   const measurement::Kind& kind_of_set = measurement::find_kind(kind);
@@ -129,7 +133,7 @@ void SetDraft::check() {
   is_protocol_ = !measured.empty() &&
                  std::none_of(measured.begin(), measured.end(),
                               [&](const std::string& column) { return table.has(column); });
-  if (!is_protocol_) kind_of_set.open(set, {})->check_model(model);
+  if (!is_protocol_) kind_of_set.open(set, instruments)->check_model(model);
 }
 
 void SetDraft::finish(const std::string& came_from) {

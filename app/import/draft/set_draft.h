@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "measurement/imaging/instruments.h"
 #include "measurement/sets/csv.h"
 #include "measurement/sets/set.h"
 
@@ -20,6 +21,9 @@ class SetDraft {
   ~SetDraft();
   SetDraft(const SetDraft&) = delete;
   SetDraft& operator=(const SetDraft&) = delete;
+
+  // By which a set is checked whose kind needs them.
+  measurement::Instruments instruments;
 
   // Of measurement.yaml.
   std::string kind, title, group;
@@ -37,6 +41,8 @@ class SetDraft {
 
   // Sentences for people.
   void did(std::string what) { did_.push_back(std::move(what)); }
+  // In the place of the last one.
+  void did_instead(std::string what) { did_.back() = std::move(what); }
   void could_not_know(std::string what) { unknown_.push_back(std::move(what)); }
   void warn(std::string what) { warnings_.push_back(std::move(what)); }
 

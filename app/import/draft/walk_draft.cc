@@ -29,7 +29,16 @@ std::vector<Vec3> points_around(const std::vector<StampedPose>& poses) {
   return points;
 }
 
-// The unit quaternion (w, x, y, z) of a rotation, by its largest component.
+StampedPose pose_near(const std::vector<StampedPose>& poses, int64_t ns) {
+  const auto after =
+      std::lower_bound(poses.begin(), poses.end(), ns,
+                       [](const StampedPose& pose, int64_t t) { return pose.ns < t; });
+  return after == poses.end() ? poses.back() : *after;
+}
+
+}  // namespace
+
+// By its largest component.
 std::array<double, 4> quaternion_of(const Mat3& R) {
   // m(i, j) is row i, column j.
   const auto m = [&](int i, int j) { return R[j][i]; };
@@ -54,15 +63,6 @@ std::array<double, 4> quaternion_of(const Mat3& R) {
               root};
   }
 }
-
-StampedPose pose_near(const std::vector<StampedPose>& poses, int64_t ns) {
-  const auto after =
-      std::lower_bound(poses.begin(), poses.end(), ns,
-                       [](const StampedPose& pose, int64_t t) { return pose.ns < t; });
-  return after == poses.end() ? poses.back() : *after;
-}
-
-}  // namespace
 
 Mat3 rotation_of(const std::array<double, 4>& q) {
   return rotation_from_quaternion(q[0], q[1], q[2], q[3]);

@@ -29,6 +29,8 @@ struct VelocityCommand {
 };
 
 Mat3 rotation_of(const std::array<double, 4>& q);
+// The unit quaternion (w, x, y, z) of a rotation.
+std::array<double, 4> quaternion_of(const Mat3& R);
 // On the plane z = 0, the heading that of the body's x axis.
 PlanarPose planar(const StampedPose& pose);
 

@@ -24,6 +24,17 @@ std::string lower(std::string text) {
   return text;
 }
 
+// A name without what people write in their own way: blanks for underscores, a unit at the end.
+std::string plain(std::string text) {
+  text = lower(std::move(text));
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == ' ' || c == '-' || c == '/'; }, '_');
+  for (const char* unit : {"_deg", "_rad", "_degrees", "_radians", "_s", "_sec", "_seconds"}) {
+    if (text.ends_with(unit)) return text.substr(0, text.size() - std::string_view(unit).size());
+  }
+  return text;
+}
+
 bool is_list_of(const json& value, bool (json::*is)() const noexcept) {
   return value.is_array() && !value.empty() &&
          std::all_of(value.begin(), value.end(), [&](const json& item) { return (item.*is)(); });
@@ -79,6 +90,7 @@ class JsonSignals {
       if (log_.names.size() >= kMaxSignals)
         throw InputError(fmt::format("{}: more than {} signals", log_.file, kMaxSignals));
       log_.names.push_back(name);
+      log_.full_names.push_back(name);
       log_.values.emplace_back();
     }
     return log_.values[found->second];
@@ -89,6 +101,8 @@ class JsonSignals {
       for (const auto& [key, child] : value.items()) set(name + "." + key, row, child);
     } else if (value.is_array()) {
       for (size_t i = 0; i < value.size(); ++i) set(fmt::format("{}[{}]", name, i), row, value[i]);
+    } else if (int64_t ns = 0; value.is_string() && parse_date_ns(value.get<std::string>(), ns)) {
+      set(name, row, 1e-9 * static_cast<double>(ns));
     } else if (value.is_string()) {
       auto& words = log_.texts[name];
       words.resize(row + 1);
@@ -165,11 +179,35 @@ class JsonSignals {
   std::map<std::string, size_t> place_;
 };
 
+// A list of the objects that stand on a line each (JSON Lines); null where they do not.
+json json_of_lines(const std::string& text, const std::string& name) {
+  json list = json::array();
+  for (size_t start = text.find('{'); start < text.size();) {
+    const size_t end = std::min(text.find('\n', start), text.size());
+    std::string line = text.substr(start, end - start);
+    const size_t last = line.find_last_not_of(" \t\r");
+    line.resize(last == std::string::npos ? 0 : last + 1);
+    start = end + 1;
+    if (line.empty()) continue;
+    if (line.front() != '{' || line.back() != '}' || (list.empty() && end + 1 >= text.size()))
+      return nullptr;
+    list.push_back(
+        json_from_text(line, fmt::format("{}: entry {}", name, list.size()), "an object"));
+  }
+  return list.size() > 1 ? list : json(nullptr);
+}
+
 void read_table(SignalLog& log, std::string text) {
   const TextTable table = TextTable::from_text(std::move(text), log.file);
   if (table.columns().empty())
     throw InputError(fmt::format("{}:{}: found no names of columns, expected a header", log.file,
                                  table.line(0)));
+  for (size_t c = 0; c < table.columns().size(); ++c) {
+    const std::vector<std::string>& all = table.columns();
+    if (std::find(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(c), all[c]) !=
+        all.begin() + static_cast<std::ptrdiff_t>(c))
+      throw InputError(fmt::format("{}: column '{}' stands twice", log.file, all[c]));
+  }
   for (size_t row = 0; row < table.rows(); ++row)
     log.places.push_back(fmt::format("{}:{}", log.file, table.line(row)));
   for (size_t c = 0; c < table.width(); ++c) {
@@ -182,8 +220,10 @@ void read_table(SignalLog& log, std::string text) {
       int64_t exact = 0;
       const std::string text_of_cell = lower(std::string(table.cell(row, c)));
       if (text_of_cell == "true" || text_of_cell == "false") value = text_of_cell == "true" ? 1 : 0;
-      numbers += parse_number(text_of_cell, value) || !std::isnan(value);
-      parse_time_ns(text_of_cell, 1'000'000'000, exact);
+      const bool timed = parse_time_ns(table.cell(row, c), 1'000'000'000, exact);
+      if (!parse_number(text_of_cell, value) && std::isnan(value) && timed)
+        value = 1e-9 * static_cast<double>(exact);
+      numbers += std::isnan(value) ? 0 : 1;
       values.push_back(value), ns.push_back(exact);
       words.emplace_back(table.cell(row, c));
     }
@@ -191,6 +231,7 @@ void read_table(SignalLog& log, std::string text) {
     if (numbers * 2 < table.rows()) log.texts[name] = std::move(words);
     if (numbers == 0) continue;
     log.names.push_back(name);
+    log.full_names.push_back(table.full_name(c));
     log.values.push_back(std::move(values));
     log.exact_ns.push_back(std::move(ns));
   }
@@ -199,9 +240,12 @@ void read_table(SignalLog& log, std::string text) {
 }  // namespace
 
 int SignalLog::find(const std::vector<std::string>& wanted) const {
-  for (const std::string& name : wanted) {
-    for (size_t i = 0; i < names.size(); ++i) {
-      if (lower(names[i]) == lower(name)) return static_cast<int>(i);
+  for (const bool as_it_stands : {true, false}) {
+    for (const std::string& name : wanted) {
+      for (size_t i = 0; i < names.size(); ++i) {
+        if (as_it_stands ? lower(names[i]) == lower(name) : plain(names[i]) == plain(name))
+          return static_cast<int>(i);
+      }
     }
   }
   return -1;
@@ -211,8 +255,8 @@ SignalLog signals_of_text(std::string text, const std::string& name) {
   SignalLog log{.file = name};
   const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && (text[first] == '{' || text[first] == '[')) {
-    const json root = json_from_text(text, name, "a log of signals");
-    JsonSignals(log, root);
+    const json root = json_of_lines(text, name);
+    JsonSignals(log, root.is_null() ? json_from_text(text, name, "a log of signals") : root);
     if (log.rows() == 0 || log.names.empty())
       throw InputError(fmt::format(
           "{}: found no list of samples, expected a list of objects or equally long lists", name));

@@ -11,6 +11,7 @@ namespace seam::app {
 struct SignalLog {
   std::string file;
   std::vector<std::string> names;
+  std::vector<std::string> full_names;         // With the units that stand beside them.
   std::vector<std::vector<double>> values;     // By signal, NaN where a row has none.
   std::vector<std::vector<int64_t>> exact_ns;  // By signal, of seconds: what a double cannot hold.
   std::map<std::string, std::vector<std::string>> texts;  // Signals that are words.
@@ -18,7 +19,8 @@ struct SignalLog {
   std::vector<std::string> places;          // "file:line" or "file: entries[3]" of each row.
 
   size_t rows() const { return places.size(); }
-  // The place of a signal, without regard to case, -1 where none of the names is there.
+  // The place of a signal, -1 where none of the names is there: without regard to case, and where
+  // none is there as it stands, to blanks and a unit at its end (goal position [deg], goal_deg).
   int find(const std::vector<std::string>& names) const;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -33,12 +34,38 @@ std::string lower(std::string_view text) {
   return out;
 }
 
+// A name with underscores for blanks, without a unit at its end.
+std::string without_unit(const std::string& name) {
+  std::string text = lower(name);
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
+  const size_t last = text.rfind('_');
+  if (last == std::string::npos || last == 0) return text;
+  const std::string end = text.substr(last + 1);
+  for (const char* unit : {"s", "ms", "us", "ns", "m", "cm", "mm", "um", "deg", "rad", "px"}) {
+    if (end == unit) return text.substr(0, last);
+  }
+  return text;
+}
+
+// Where a cell ends that begins here; what stands in quotes may hold separators.
+size_t end_of_cell(std::string_view line, size_t start, char separator) {
+  const size_t first = line.find_first_not_of(" \t", start);
+  if (first != std::string_view::npos && line[first] == '"') {
+    size_t quote = line.find('"', first + 1);
+    while (quote != std::string_view::npos && quote + 1 < line.size() && line[quote + 1] == '"')
+      quote = line.find('"', quote + 2);
+    if (quote != std::string_view::npos) start = quote + 1;
+  }
+  return std::min(line.find(separator, start), line.size());
+}
+
 // The words of a line; blanks separate by any number of them.
 std::vector<std::string_view> words_of(std::string_view line, char separator) {
   std::vector<std::string_view> words;
   if (separator != ' ') {
     for (size_t start = 0; start <= line.size() && words.size() <= kMaxColumns;) {
-      const size_t end = std::min(line.find(separator, start), line.size());
+      const size_t end = end_of_cell(line, start, separator);
       words.push_back(unquoted(trimmed(line.substr(start, end - start))));
       start = end + 1;
     }
@@ -55,10 +82,44 @@ std::vector<std::string_view> words_of(std::string_view line, char separator) {
 }
 
 char separator_of(std::string_view line) {
-  for (const char c : {',', ';', '\t'}) {
+  for (const char c : {';', '\t', ','}) {
     if (line.find(c) != std::string_view::npos) return c;
   }
   return ' ';
+}
+
+bool is_digit(char c) {
+  return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+// Programs of some countries write 0,5 for a half, with semicolons or tabulators between cells.
+void put_decimal_points(std::string& text) {
+  const size_t line = text.find_first_not_of("\r\n");
+  if (line == std::string::npos) return;
+  const char separator = separator_of(std::string_view(text).substr(line, text.find('\n', line)));
+  if (separator != ';' && separator != '\t') return;
+  const auto between_digits = [&](size_t at) {
+    return at > 0 && at + 1 < text.size() && is_digit(text[at - 1]) && is_digit(text[at + 1]);
+  };
+  for (size_t at = text.find('.'); at != std::string::npos; at = text.find('.', at + 1)) {
+    if (between_digits(at)) return;
+  }
+  for (size_t at = text.find(','); at != std::string::npos; at = text.find(',', at + 1)) {
+    if (between_digits(at)) text[at] = '.';
+  }
+}
+
+// Digits at `at` and behind them `after`; moves on behind both.
+bool take_number(std::string_view text, size_t& at, size_t digits, char after, int& value) {
+  if (at + digits > text.size()) return false;
+  value = 0;
+  for (const char c : text.substr(at, digits)) {
+    if (!is_digit(c)) return false;
+    value = value * 10 + (c - '0');
+  }
+  at += digits;
+  if (after == 0) return true;
+  return at < text.size() && text[at++] == after;
 }
 
 bool is_header(const std::vector<std::string_view>& words) {
@@ -74,11 +135,56 @@ bool is_header(const std::vector<std::string_view>& words) {
 
 bool parse_number(std::string_view text, double& value) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+  double parsed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), parsed);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(parsed))
+    return false;
+  value = parsed;
+  return true;
+}
+
+bool parse_date_ns(std::string_view text, int64_t& ns) {
+  namespace time = std::chrono;
+  size_t at = 0;
+  int year = 1970, month = 1, day = 1, hour = 0, minute = 0, second = 0, zone_min = 0;
+  if (text.size() > 10 && text[4] == '-') {
+    if (!take_number(text, at, 4, '-', year) || !take_number(text, at, 2, '-', month) ||
+        !take_number(text, at, 2, 0, day) || (text[at] != 'T' && text[at] != ' '))
+      return false;
+    ++at;
+  }
+  if (!take_number(text, at, 2, ':', hour) || !take_number(text, at, 2, ':', minute) ||
+      !take_number(text, at, 2, 0, second))
+    return false;
+  int64_t fraction_ns = 0;
+  if (at < text.size() && (text[at] == '.' || text[at] == ',')) {
+    int64_t unit = 100'000'000;
+    for (++at; at < text.size() && is_digit(text[at]); ++at, unit /= 10)
+      fraction_ns += unit * (text[at] - '0');
+  }
+  if (at < text.size() && (text[at] == '+' || text[at] == '-')) {
+    const int sign = text[at++] == '+' ? 1 : -1;
+    int hours = 0, minutes = 0;
+    if (!take_number(text, at, 2, 0, hours)) return false;
+    if (at < text.size() && text[at] == ':') ++at;
+    if (at < text.size() && !take_number(text, at, 2, 0, minutes)) return false;
+    zone_min = sign * (60 * hours + minutes);
+  } else if (at < text.size() && text[at] == 'Z') {
+    ++at;
+  }
+  const time::year_month_day date{time::year(year), time::month(static_cast<unsigned>(month)),
+                                  time::day(static_cast<unsigned>(day))};
+  const bool holds = at == text.size() && date.ok() && year >= 1900 && year < 2200 && hour < 24 &&
+                     minute < 60 && second <= 60;
+  if (!holds) return false;
+  const int64_t days = time::sys_days(date).time_since_epoch().count();
+  ns =
+      ((days * 24 + hour) * 3600 + 60 * (minute - zone_min) + second) * 1'000'000'000 + fraction_ns;
+  return true;
 }
 
 bool parse_time_ns(std::string_view text, int64_t unit_ns, int64_t& ns) {
+  if (text.find(':') != std::string_view::npos) return parse_date_ns(text, ns);
   constexpr int64_t kMost = std::numeric_limits<int64_t>::max();
   bool plain = !text.empty();
   const bool negative = plain && text.front() == '-';
@@ -118,6 +224,9 @@ TextTable TextTable::read(const std::filesystem::path& path) {
 TextTable TextTable::from_text(std::string text, const std::string& name) {
   TextTable table;
   table.file_ = name;
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw InputError(fmt::format("{}: found text as UTF-16, expected UTF-8: save it so", name));
+  put_decimal_points(text);
   table.text_ = std::make_unique<const std::string>(std::move(text));
   const std::string_view all = *table.text_;
   if (all.find('\0') != std::string_view::npos)
@@ -166,18 +275,31 @@ TextTable TextTable::from_text(std::string text, const std::string& name) {
 }
 
 void TextTable::take_header(const std::vector<std::string>& words) {
-  columns_ = words;
-  // "p_RS_R_x [m]": the unit stands beside the name.
-  for (std::string& name : columns_) {
-    const size_t bracket = name.find(" [");
-    if (bracket != std::string::npos && name.back() == ']') name.resize(bracket);
+  columns_ = full_names_ = words;
+  for (size_t i = 0; i < columns_.size(); ++i) {
+    std::string& name = columns_[i];
+    // "p_RS_R_x [m]", "angle (deg)": the unit stands beside the name.
+    for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}}) {
+      const size_t bracket = name.find(open);
+      if (bracket == std::string::npos || bracket == 0 || name.back() != close) continue;
+      name.resize(name.find_last_not_of(" \t", bracket - 1) + 1);
+    }
+    // The rows' numbers, as tables of statisticians have them.
+    if (name.empty()) name = full_names_[i] = fmt::format("column{}", i + 1);
   }
 }
 
+std::string TextTable::full_name(size_t column) const {
+  return column < full_names_.size() ? full_names_[column] : "";
+}
+
 int TextTable::find(const std::vector<std::string>& names) const {
-  for (const std::string& name : names) {
-    for (size_t i = 0; i < columns_.size(); ++i) {
-      if (lower(columns_[i]) == lower(name)) return static_cast<int>(i);
+  for (const bool as_it_stands : {true, false}) {
+    for (const std::string& name : names) {
+      for (size_t i = 0; i < columns_.size(); ++i) {
+        if ((as_it_stands ? lower(columns_[i]) : without_unit(columns_[i])) == lower(name))
+          return static_cast<int>(i);
+      }
     }
   }
   return -1;
@@ -202,7 +324,8 @@ double TextTable::number_or_blank(size_t row, size_t column) const {
 
 int64_t TextTable::time_ns(size_t row, size_t column, int64_t unit_ns) const {
   int64_t ns = 0;
-  if (!parse_time_ns(cell(row, column), unit_ns, ns)) fail(row, column, "a time");
+  if (!parse_time_ns(cell(row, column), unit_ns, ns))
+    fail(row, column, "a time (in another unit? --time-unit)");
   return ns;
 }
 

@@ -24,9 +24,12 @@ class TextTable {
   // Of the header, or of the last comment above the rows where it has as many words as they have;
   // empty where neither is there.
   const std::vector<std::string>& columns() const { return columns_; }
+  // A column's name with the unit that stands beside it, "time [ms]"; empty where none has names.
+  std::string full_name(size_t column) const;
   int line(size_t row) const { return lines_[row]; }
 
-  // The place of the first of these names, without regard to case; -1 where none is there.
+  // The place of the first of these names, -1 where none is there: without regard to case, and
+  // where none is there as it stands, to blanks and a unit at its end.
   int find(const std::vector<std::string>& names) const;
 
   std::string_view cell(size_t row, size_t column) const;
@@ -45,15 +48,18 @@ class TextTable {
 
   std::string file_;
   std::unique_ptr<const std::string> text_;  // Stays where it is when the table moves.
-  std::vector<std::string> columns_;
+  std::vector<std::string> columns_, full_names_;
   std::vector<std::string_view> cells_;  // Into the text.
   std::vector<int> lines_;
   size_t width_ = 0;
 };
 
-// A plain decimal number and nothing else, finite; false for anything else.
+// A plain decimal number and nothing else, finite; false for anything else, `value` as it was.
 bool parse_number(std::string_view text, double& value);
-// A decimal in units of `unit_ns`; false where it is no number or beyond what 64 bits hold.
+// A decimal in units of `unit_ns`, or a time of the day or of a date (ISO 8601; UTC where it names
+// no zone); false where it is neither or beyond what 64 bits hold.
 bool parse_time_ns(std::string_view text, int64_t unit_ns, int64_t& ns);
+// "2024-05-01T12:00:00.25Z", "2024-05-01 12:00:00", "12:00:00.25"; false for anything else.
+bool parse_date_ns(std::string_view text, int64_t& ns);
 
 }  // namespace seam::app

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "app/import/draft/checks.h"
 #include "app/import/draft/photometry_draft.h"
 #include "app/import/files/fits.h"
 #include "app/import/files/source_file.h"
@@ -107,6 +108,12 @@ class FlatsImport {
     std::sort(flats_.begin(), flats_.end(),
               [](const Flat& a, const Flat& b) { return a.name < b.name; });
     for (const auto& table : tables_) read_table(table);
+    // Others relate to the exposure of the first, so that it cannot be one of no length.
+    const auto exposed = std::find_if(flats_.begin(), flats_.end(), [](const Flat& flat) {
+      return flat.exposure_s ? *flat.exposure_s > 0
+                             : lower(flat.name).find("bias") == std::string::npos;
+    });
+    if (exposed != flats_.end()) std::rotate(flats_.begin(), exposed, std::next(exposed));
     for (Flat& flat : flats_) add(flat);
     stack_.finish(0, request_.sources.front().string());
     for (const auto& [from, count] : said_by_)
@@ -151,9 +158,10 @@ class FlatsImport {
     };
     const int file = column("file", {"file", "filename", "image", "name", "path"});
     const int exposure =
-        column("exposure", {"exposure_s", "exposure", "exposure_time", "exptime", "t_exp",
-                            "exposure_ms", "exposure_us", "exposure_ns", "time"});
-    const int light = column("illumination", {"illumination", "light", "irradiance", "radiance"});
+        column("exposure", {"exposure_s", "exposure", "exposure_time", "exptime", "t_exp", "exp",
+                            "shutter", "integration_time", "time"});
+    const int light =
+        column("illumination", {"illumination", "light", "irradiance", "radiance", "lux"});
     const int photons = column("photons", {"photons", "photons_per_pixel"});
     if (file < 0 || (exposure < 0 && light < 0))
       throw InputError(fmt::format(
@@ -167,7 +175,7 @@ class FlatsImport {
       const auto found = rows.find(flat.path.filename().string());
       if (found == rows.end()) continue;
       if (exposure >= 0) {
-        flat.exposure_s = 1e-9 * exposure_unit(table.column_name(static_cast<size_t>(exposure))) *
+        flat.exposure_s = 1e-9 * exposure_unit(table.full_name(static_cast<size_t>(exposure))) *
                           table.number(found->second, static_cast<size_t>(exposure));
         flat.from = table.file();
       }
@@ -183,11 +191,8 @@ class FlatsImport {
 
   double exposure_unit(const std::string& column) const {
     if (!request_.time_unit.empty()) return static_cast<double>(nanoseconds_in(request_.time_unit));
-    for (const char* unit : {"ms", "us", "ns"}) {
-      if (column.ends_with(std::string("_") + unit))
-        return static_cast<double>(nanoseconds_in(unit));
-    }
-    return 1e9;
+    const std::string unit = unit_in(column, {"s", "ms", "us", "ns"});
+    return static_cast<double>(nanoseconds_in(unit.empty() ? "s" : unit));
   }
 
   void add(Flat& flat) {

@@ -1,11 +1,13 @@
 // `seam import images`: pictures of a calibration target, in which `seam-pictures` finds its
 // points.
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
 #include <map>
+#include <set>
 
 #include "app/import/draft/points_draft.h"
 #include "app/import/draft/target.h"
@@ -49,6 +51,43 @@ bool is_picture(const fs::path& path) {
          kExtensions.end();
 }
 
+// What a picture's path says of its camera: cam0, left, right; empty where it says none.
+std::string camera_in(const fs::path& picture) {
+  for (std::string text :
+       {picture.filename().string(), picture.parent_path().filename().string()}) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const size_t cam = text.find("cam");
+    size_t end = cam == std::string::npos ? text.size() : cam + 3;
+    while (end < text.size() && std::isdigit(static_cast<unsigned char>(text[end])) != 0) ++end;
+    if (cam != std::string::npos && end > cam + 3) return text.substr(cam, end - cam);
+    for (const char* side : {"left", "right"}) {
+      if (text.find(side) != std::string::npos) return side;
+    }
+  }
+  return "";
+}
+
+// A set has one camera: of pictures of several, those of the one that was asked for, else of the
+// first.
+void choose_camera(std::vector<fs::path>& pictures, const std::string& wanted, SetDraft& draft) {
+  std::set<std::string> cameras;
+  for (const fs::path& picture : pictures) cameras.insert(camera_in(picture));
+  const bool several = cameras.size() > 1 && !cameras.contains("");
+  if (wanted.empty() && !several) return;
+  const std::string camera = wanted.empty() ? *cameras.begin() : wanted;
+  const std::string first = pictures.front().string();
+  std::erase_if(pictures, [&](const fs::path& picture) {
+    if (wanted.empty()) return camera_in(picture) != camera;
+    return picture.filename().string().find(wanted) == std::string::npos &&
+           picture.parent_path().filename().string().find(wanted) == std::string::npos;
+  });
+  if (pictures.empty())
+    throw InputError(fmt::format("{}: --camera {}: no picture's name holds it", first, wanted));
+  if (several)
+    draft.did(fmt::format("of the cameras {}, by the pictures' names, {} (--camera)",
+                          fmt::join(cameras, ", "), camera));
+}
+
 Sources sources_of(const ImportRequest& request, SetDraft& draft) {
   Sources found;
   const auto take = [&](const fs::path& path) {
@@ -86,6 +125,7 @@ Sources sources_of(const ImportRequest& request, SetDraft& draft) {
   }
   if (found.pictures.empty())
     throw InputError(fmt::format("{}: found no picture", request.sources.front().string()));
+  if (!found.unpacked) choose_camera(found.pictures, request.camera, draft);
   if (found.pictures.size() > kMostPictures)
     throw InputError(fmt::format("found {} pictures, expected at most {}", found.pictures.size(),
                                  kMostPictures));

@@ -82,7 +82,7 @@ class Corners {
           "{}:1: expected columns time or frame, point (or tag and corner), u and v; say theirs "
           "with --map",
           table.file()));
-    unit_ns_ = time_ < 0 ? 1 : time_unit_ns(request, table.column_name(static_cast<size_t>(time_)));
+    unit_ns_ = time_ < 0 ? 1 : time_unit_ns(request, table.full_name(static_cast<size_t>(time_)));
     // Kalibr's and ROS's stamps are whole nanoseconds.
     if (time_ >= 0 && request.time_unit.empty() &&
         table.cell(0, static_cast<size_t>(time_)).size() >= 18 &&

@@ -1,4 +1,4 @@
-// `seam import log`: the head's joints or the walk of a robot in a replay log of ours.
+// `seam import log`: the head's joints, the walk or the frames of a robot in a replay log of ours.
 #include "scheduler/log/log.h"
 
 #include <fmt/ranges.h>
@@ -10,6 +10,7 @@
 
 #include "app/import/draft/walk_draft.h"
 #include "app/import/kinds/kinds.h"
+#include "app/import/kinds/log_frames.h"
 #include "app/logs/replay_match.h"
 #include "sim_core/base/error.h"
 #include "sim_core/scenario/scenario.h"
@@ -143,15 +144,17 @@ void import_log(const ImportRequest& request, SetDraft& draft) {
   if (found == robots.end() || scenario.robots.size() != robots.size())
     throw InputError(fmt::format("{}: --camera {}: no such robot{}", log.name(), wanted,
                                  suggestion_for(wanted, robots)));
-  RobotLog robot(log, scenario, static_cast<size_t>(found - robots.begin()));
+  const auto place = static_cast<size_t>(found - robots.begin());
+  draft.did(fmt::format("robot {} of scenario {} (--camera, --part joints, odometry or frames)",
+                        wanted, log.header().scenario_name));
+  if (request.part == "frames") return draft_frames(log, place, draft);
+  RobotLog robot(log, scenario, place);
   robot.read();
   if (request.part.empty() ? robot.joint_commands() > 0 : request.part == "joints") {
     robot.draft_joints(draft);
   } else {
     robot.draft_walks(draft);
   }
-  draft.did(fmt::format("robot {} of scenario {} (--camera, --part joints or odometry)", wanted,
-                        log.header().scenario_name));
 }
 
 }  // namespace seam::app

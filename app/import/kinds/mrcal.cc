@@ -73,8 +73,8 @@ CameraModel read_model(const std::filesystem::path& path, SetDraft& draft) {
     found.index = static_cast<size_t>(std::max(0.0, model["icam_intrinsics"].get<double>()));
   if (!found.known_lens)
     draft.warn(
-        fmt::format("{}: {} is no lens of the catalogue: the nominal model has its focal "
-                    "lengths and centre, and they are free",
+        fmt::format("{}: {} is no lens of the catalogue: what it says beside focal lengths "
+                    "and centre is left out",
                     found.file, name));
   return found;
 }
@@ -133,13 +133,26 @@ std::vector<SeenView> views_of_inputs(const CameraModel& model, SetDraft& draft)
   return views;
 }
 
-// The part of a name that tells the camera: frame000-cam1.jpg, left/0001.png.
+// The part of a name that tells the camera: frame000-cam1.jpg.
 std::string camera_in(const std::string& name) {
   const size_t at = name.rfind("cam");
   if (at == std::string::npos) return "";
   size_t end = at + 3;
   while (end < name.size() && (std::isdigit(static_cast<unsigned char>(name[end])) != 0)) ++end;
   return end > at + 3 ? name.substr(at, end - at) : "";
+}
+
+// The cameras of all these pictures: by their names, or by folders that hold pictures of the same
+// names (left/0001.png, right/0001.png).
+std::set<std::string> cameras_of(const std::set<std::string>& pictures) {
+  std::set<std::string> cameras, folders, names;
+  for (const std::string& picture : pictures) {
+    const size_t slash = picture.rfind('/');
+    folders.insert(slash == std::string::npos ? "" : picture.substr(0, slash + 1));
+    names.insert(slash == std::string::npos ? picture : picture.substr(slash + 1));
+    cameras.insert(camera_in(picture));
+  }
+  return cameras.size() == 1 && names.size() < pictures.size() ? folders : cameras;
 }
 
 struct VnlColumns {
@@ -162,9 +175,9 @@ std::vector<SeenView> views_of_corners(const TextTable& table, const ImportReque
   const VnlColumns columns = columns_of(table);
   const bool weights = table.find({"weight"}) >= 0;
   const auto board = board_of(request, table.file());
-  std::set<std::string> cameras;
-  for (size_t row = 0; row < table.rows(); ++row)
-    cameras.insert(camera_in(std::string(table.cell(row, columns.name))));
+  std::set<std::string> pictures;
+  for (size_t row = 0; row < table.rows(); ++row) pictures.emplace(table.cell(row, columns.name));
+  const auto cameras = cameras_of(pictures);
   std::string wanted = request.camera;
   if (wanted.empty() && cameras.size() > 1) {
     wanted = *cameras.begin();
@@ -251,7 +264,10 @@ void import_mrcal(const ImportRequest& request, SetDraft& draft) {
     draft_protocol(model->camera, request, draft);
     draft.could_not_know("what it was calibrated from: the model has no optimization_inputs");
   }
-  if (model && !model->known_lens) draft.effects = free_fisheye(model->camera);
+  if (!model || model->known_lens) return;
+  draft.effects = free_fisheye(model->camera);
+  draft.did_instead(
+      "the nominal model has the file's focal lengths and centre and a fisheye, all free");
 }
 
 }  // namespace seam::app

@@ -114,16 +114,27 @@ std::vector<std::vector<double>> views_in(const ConfigNode& node) {
 // The target's points, those of the file before the request's.
 std::vector<std::vector<Vec3>> targets_of(const Storage& found, const ImportRequest& request,
                                           SetDraft& draft) {
-  const double metres = request.length_unit.empty() ? 1 : metres_in(request.length_unit);
+  double metres = request.length_unit.empty() ? 1 : metres_in(request.length_unit);
+  // The calibration sample's users write millimetres; no square of a board is a metre and a half.
+  const auto in_millimetres = [&](double far_m, const char* what) {
+    if (!request.length_unit.empty() || !(far_m > 1.5)) return;
+    draft.did(
+        fmt::format("{}, {} apart, {} taken for millimetres (--length-unit m where it is not)",
+                    what, exact(far_m), what[0] == 't' ? "are" : "is"));
+    metres = 1e-3;
+  };
   std::vector<std::vector<Vec3>> targets;
   if (request.board_columns > 0 || (!found.target && !found.board_width))
     return {board_of(request, "corners without their target")};
   double spacing = 0;
   if (found.target) {
     auto lists = views_in(*found.target);
-    // One list of points is a matrix of one row, or of a row a point.
-    if (is_matrix(*found.target) && lists.size() > 1 && lists.front().size() == 3)
-      lists = {numbers_in(*found.target)};
+    // One list of points is a matrix of one row, or of a row a point, or a list of points.
+    if (lists.size() > 1 && lists.front().size() == 3) lists = {numbers_in(*found.target)};
+    if (lists.front().size() >= 6) {
+      const auto& p = lists.front();
+      in_millimetres(std::hypot(p[3] - p[0], p[4] - p[1], p[5] - p[2]) * metres, "target's points");
+    }
     for (const auto& list : lists) {
       if (list.size() % 3 != 0 || list.empty())
         found.target->fail(fmt::format("found {} numbers, expected three a point", list.size()));
@@ -138,15 +149,8 @@ std::vector<std::vector<Vec3>> targets_of(const Storage& found, const ImportRequ
   }
   if (!found.board_height || !found.square)
     found.board_width->fail("expected board_height and square_size beside it");
+  in_millimetres(found.square->number() * metres, "square_size");
   spacing = found.square->number() * metres;
-  // The calibration sample's users write millimetres; no square of a board is a metre and a half.
-  if (request.length_unit.empty() && spacing > 1.5) {
-    draft.did(
-        fmt::format("square_size {} is taken for millimetres (--length-unit m where it is "
-                    "not)",
-                    spacing));
-    spacing *= 1e-3;
-  }
   return {board_points(static_cast<int>(found.board_width->integer(2, 1000)),
                        static_cast<int>(found.board_height->integer(2, 1000)), spacing, spacing)};
 }

@@ -40,6 +40,8 @@ class RangesImport {
 
  private:
   void read_mat(const std::filesystem::path& path);
+  double metres_of(const TextTable& table, size_t column) const;
+  void leave_out_blanks();
   void read_csv(const std::filesystem::path& path);
   int column(const TextTable& table, const std::string& quantity,
              std::vector<std::string> usual) const;
@@ -61,8 +63,14 @@ class RangesImport {
 };
 
 std::string beacon_name(double number) {
-  return number == std::floor(number) ? fmt::format("{}", static_cast<int64_t>(number))
-                                      : fmt::format("{}", number);
+  const bool whole = number == std::floor(number) && std::abs(number) < 1e15;
+  return whole ? fmt::format("{}", static_cast<int64_t>(number)) : fmt::format("{}", number);
+}
+
+// 9 in one table is 9.0 in another.
+std::string beacon_name(std::string_view cell) {
+  double number = 0;
+  return parse_number(cell, number) ? beacon_name(number) : std::string(cell);
 }
 
 // Seconds of a MAT-file as nanoseconds.
@@ -144,38 +152,50 @@ void RangesImport::read_csv(const std::filesystem::path& path) {
                   table.file()));
 }
 
+// By the user's word, else by the column's.
+double RangesImport::metres_of(const TextTable& table, size_t column) const {
+  const std::string unit = length_unit_in(table.full_name(column));
+  return request_.length_unit.empty() && !unit.empty() ? metres_in(unit) : metres_;
+}
+
 void RangesImport::read_ranges(const TextTable& table, int time, int beacon, int range) {
   const auto t = static_cast<size_t>(time), r = static_cast<size_t>(range);
-  const int64_t unit = time_unit_ns(request_, table.column_name(t));
-  double metres = metres_;
-  if (request_.length_unit.empty() && table.column_name(r).ends_with("_mm")) metres = 1e-3;
+  const int64_t unit = time_unit_ns(request_, table.full_name(t));
+  const double metres = metres_of(table, r);
   for (size_t row = 0; row < table.rows(); ++row)
-    ranges_.push_back(
-        {table.time_ns(row, t, unit), std::string(table.cell(row, static_cast<size_t>(beacon))),
-         metres * table.number(row, r), fmt::format("{}:{}", table.file(), table.line(row))});
+    ranges_.push_back({table.time_ns(row, t, unit),
+                       beacon_name(table.cell(row, static_cast<size_t>(beacon))),
+                       metres * table.number_or_blank(row, r),
+                       fmt::format("{}:{}", table.file(), table.line(row))});
 }
 
 void RangesImport::read_beacons(const TextTable& table, int name, int x, int y) {
   for (size_t row = 0; row < table.rows(); ++row)
-    beacons_.push_back({std::string(table.cell(row, static_cast<size_t>(name))),
-                        metres_ * table.number(row, static_cast<size_t>(x)),
-                        metres_ * table.number(row, static_cast<size_t>(y))});
+    beacons_.push_back(
+        {beacon_name(table.cell(row, static_cast<size_t>(name))),
+         metres_of(table, static_cast<size_t>(x)) * table.number(row, static_cast<size_t>(x)),
+         metres_of(table, static_cast<size_t>(y)) * table.number(row, static_cast<size_t>(y))});
 }
 
 void RangesImport::read_path(const TextTable& table, int time, int x, int y) {
   const auto t = static_cast<size_t>(time);
-  const int64_t unit = time_unit_ns(request_, table.column_name(t));
+  const int64_t unit = time_unit_ns(request_, table.full_name(t));
   const int theta = column(table, "theta", {"theta_rad", "theta", "yaw", "heading", "yaw_rad"});
   std::vector<double> angles;
   for (size_t row = 0; row < table.rows(); ++row) {
-    path_.push_back({table.time_ns(row, t, unit),
-                     metres_ * table.number(row, static_cast<size_t>(x)),
-                     metres_ * table.number(row, static_cast<size_t>(y))});
+    path_.push_back(
+        {table.time_ns(row, t, unit),
+         metres_of(table, static_cast<size_t>(x)) * table.number(row, static_cast<size_t>(x)),
+         metres_of(table, static_cast<size_t>(y)) * table.number(row, static_cast<size_t>(y))});
     path_places_.push_back(fmt::format("{}:{}", table.file(), table.line(row)));
     if (theta >= 0) angles.push_back(table.number(row, static_cast<size_t>(theta)));
   }
   // A heading that was never wrapped grows beyond any bound: the user alone knows its unit.
-  const double radians = request_.unit.empty() ? 1 : radians_in(request_.unit);
+  const std::string unit_of_name =
+      theta < 0 ? "" : angle_unit_in(table.full_name(static_cast<size_t>(theta)));
+  const double radians = !request_.unit.empty() ? radians_in(request_.unit)
+                         : unit_of_name.empty() ? 1
+                                                : radians_in(unit_of_name);
   for (size_t i = 0; i < angles.size(); ++i)
     path_[path_.size() - angles.size() + i].theta_rad = radians * angles[i];
 }
@@ -311,6 +331,17 @@ void RangesImport::write() {
       "the noise of the ranges, and the height of the beacons: all lies in a plane");
 }
 
+// Where nothing answered, loggers write nothing, nan or 0.
+void RangesImport::leave_out_blanks() {
+  const size_t all = ranges_.size();
+  std::erase_if(ranges_,
+                [](const Range& range) { return range.range_m == 0 || std::isnan(range.range_m); });
+  const size_t blank = all - ranges_.size();
+  if (blank > 0)
+    draft_.did(fmt::format("{} of {} ranges are blank, nan or 0: nothing was measured, left out",
+                           blank, all));
+}
+
 void RangesImport::run() {
   for (const auto& source : request_.sources) {
     if (source.extension() == ".mat") {
@@ -319,6 +350,7 @@ void RangesImport::run() {
       read_csv(source);
     }
   }
+  leave_out_blanks();
   check();
   write();
 }

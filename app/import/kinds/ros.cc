@@ -11,127 +11,11 @@
 #include "app/import/draft/points_draft.h"
 #include "app/import/draft/walk_draft.h"
 #include "app/import/kinds/kinds.h"
-#include "app/import/kinds/ros_transforms.h"
-#include "app/import/pictures/camera_info.h"
+#include "app/import/kinds/ros_data.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
 namespace {
-
-struct JointSampleRow {
-  int64_t log_ns = 0, stamp_ns = 0;
-  std::vector<std::string> names;
-  std::vector<double> positions;
-};
-
-// All that is understood of a bag, by the place of its topic.
-struct BagData {
-  std::vector<BagTopic> topics;
-  std::map<size_t, std::vector<JointSampleRow>> joints;
-  std::map<size_t, std::vector<PoseRow>> odometry, poses;
-  std::map<size_t, std::vector<VelocityCommand>> twists;  // By the time of recording.
-  std::map<size_t, PlainCamera> cameras;
-  RosTransforms transforms;
-};
-
-int64_t stamp_or_log(const RosMessage::Header& header, int64_t log_ns) {
-  return header.stamp_ns != 0 ? header.stamp_ns : log_ns;
-}
-
-class BagReader {
- public:
-  BagReader(BagData& data, SetDraft& draft) : data_(data), draft_(draft) {}
-
-  void take(size_t topic, int64_t log_ns, std::string_view bytes, RosForm form) {
-    const BagTopic& of = data_.topics[topic];
-    const auto reader = kReaders.find(of.type);
-    if (reader == kReaders.end()) return;
-    RosMessage message(bytes, form, of.name);
-    (this->*reader->second)(topic, log_ns, message);
-  }
-
- private:
-  using Read = void (BagReader::*)(size_t, int64_t, RosMessage&);
-  static const std::map<std::string, Read> kReaders;
-
-  void joint_state(size_t topic, int64_t log_ns, RosMessage& message) {
-    const auto header = message.header();
-    auto names = message.texts();
-    auto positions = message.reals();
-    data_.joints[topic].push_back(
-        {log_ns, stamp_or_log(header, log_ns), std::move(names), std::move(positions)});
-  }
-  void joint_trajectory(size_t topic, int64_t log_ns, RosMessage& message) {
-    message.header();
-    auto names = message.texts();
-    if (message.count(16) == 0) return;
-    auto positions = message.reals();
-    data_.joints[topic].push_back({log_ns, log_ns, std::move(names), std::move(positions)});
-  }
-  void numbers(size_t topic, int64_t log_ns, RosMessage& message) {
-    for (uint32_t left = message.count(12); left > 0; --left) {
-      message.text();
-      message.number(), message.number();
-    }
-    message.number();
-    data_.joints[topic].push_back({log_ns, log_ns, {}, message.reals()});
-  }
-  void one_number(size_t topic, int64_t log_ns, RosMessage& message) {
-    data_.joints[topic].push_back({log_ns, log_ns, {}, {message.real()}});
-  }
-  void odometry(size_t topic, int64_t log_ns, RosMessage& message) {
-    const auto header = message.header();
-    message.text();
-    data_.odometry[topic].push_back(
-        {log_ns, pose_in(message, stamp_or_log(header, log_ns), data_.topics[topic].name)});
-  }
-  void pose(size_t topic, int64_t log_ns, RosMessage& message) {
-    const auto header = message.header();
-    data_.poses[topic].push_back(
-        {log_ns, pose_in(message, stamp_or_log(header, log_ns), data_.topics[topic].name)});
-  }
-  void transform(size_t topic, int64_t log_ns, RosMessage& message) {
-    data_.transforms.take_one(message, log_ns, data_.topics[topic].name);
-  }
-  void transforms(size_t topic, int64_t log_ns, RosMessage& message) {
-    data_.transforms.take(message, log_ns, data_.topics[topic].name);
-  }
-  void twist(size_t topic, int64_t log_ns, RosMessage& message) {
-    const Vec3 linear = message.vec3(), angular = message.vec3();
-    if (!std::isfinite(linear.x + linear.y + angular.z))
-      throw InputError(fmt::format("{}: at {} s: found a velocity that is not finite",
-                                   data_.topics[topic].name, seconds_text(log_ns)));
-    data_.twists[topic].push_back({log_ns, linear.x, linear.y, angular.z});
-  }
-  void twist_stamped(size_t topic, int64_t log_ns, RosMessage& message) {
-    message.header();
-    twist(topic, log_ns, message);
-  }
-  void camera_info(size_t topic, int64_t, RosMessage& message) {
-    if (data_.cameras.contains(topic)) return;
-    const auto camera = read_camera_info(message, data_.topics[topic].name, false, draft_);
-    if (camera) data_.cameras[topic] = *camera;
-  }
-
-  BagData& data_;
-  SetDraft& draft_;
-};
-
-const std::map<std::string, BagReader::Read> BagReader::kReaders = {
-    {"sensor_msgs/JointState", &BagReader::joint_state},
-    {"trajectory_msgs/JointTrajectory", &BagReader::joint_trajectory},
-    {"std_msgs/Float64MultiArray", &BagReader::numbers},
-    {"std_msgs/Float64", &BagReader::one_number},
-    {"nav_msgs/Odometry", &BagReader::odometry},
-    {"geometry_msgs/PoseStamped", &BagReader::pose},
-    {"geometry_msgs/PoseWithCovarianceStamped", &BagReader::pose},
-    {"geometry_msgs/TransformStamped", &BagReader::transform},
-    {"tf/tfMessage", &BagReader::transforms},
-    {"tf2_msgs/TFMessage", &BagReader::transforms},
-    {"geometry_msgs/Twist", &BagReader::twist},
-    {"geometry_msgs/TwistStamped", &BagReader::twist_stamped},
-    {"sensor_msgs/CameraInfo", &BagReader::camera_info},
-};
 
 class RosImport {
  public:
@@ -251,6 +135,11 @@ bool RosImport::joints() {
   draft_.did(fmt::format("{} rows: angles of {} under commands of {}, by the times of recording",
                          rows, data_.topics[*measured].name, data_.topics[*command].name));
   draft_.could_not_know("how long messages were on their way: a command acts from the next row on");
+  if (names.size() > 1 && data_.joints[*command].front().names.empty())
+    draft_.could_not_know(fmt::format(
+        "which joint each number of {} is for: it has no names, so they are taken in the order of "
+        "{}: {}",
+        data_.topics[*command].name, data_.topics[*measured].name, fmt::join(names, ", ")));
   return true;
 }
 
@@ -359,11 +248,7 @@ void RosImport::run() {
       request_.sources[0].extension() == ".yaml") {
     return import_opencv(request_, draft_);
   }
-  BagReader reader(data_, draft_);
-  const auto losses = read_bag(request_.sources[0], data_.topics,
-                               [&](size_t topic, int64_t log_ns, std::string_view bytes,
-                                   RosForm form) { reader.take(topic, log_ns, bytes, form); });
-  for (const std::string& loss : losses) draft_.warn(loss);
+  data_ = read_bag_data(request_.sources[0], draft_);
   take_transforms();
   for (const auto& [quantity, topic] : request_.names) {
     std::vector<std::string> names;

@@ -8,42 +8,22 @@
 #include "app/import/draft/checks.h"
 #include "app/import/files/signals.h"
 #include "app/import/kinds/kinds.h"
+#include "app/import/kinds/servo_columns.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
 namespace {
 
 using Names = std::vector<std::string>;
-const Names kTimes = {"time_s",  "time",         "timestamp",    "stamp",   "times",
-                      "t",       "time_ms",      "timestamp_ms", "time_us", "timestamp_us",
-                      "time_ns", "timestamp_ns", "t_ms",         "t_us",    "t_ns"};
-const Names kCommands = {"command_rad",     "command",  "goal_position", "goal",      "target",
-                         "target_position", "setpoint", "desired",       "reference", "ref",
-                         "q_des",           "q_ref",    "ctrl",          "cmd",       "action"};
-const Names kMeasured = {
-    "measured_rad", "measured", "position", "present_position", "actual_position", "pos",
-    "qpos",         "q",        "angle",    "actual",           "feedback",        "encoder",
-    "state"};
-const Names kVoltages = {"voltage_v", "input_volts", "voltage", "present_voltage", "vin"};
-const Names kGains = {"kp", "p_gain", "gain"};
-const Names kEnabled = {"torque_enable", "torque_enabled", "enabled", "enable"};
-
-// One joint's columns in a log.
-struct JointColumns {
-  std::string joint;
-  size_t command = 0, measured = 0;
-};
-
 class ServoImport {
  public:
   ServoImport(const ImportRequest& request, SetDraft& draft) : request_(request), draft_(draft) {}
   void run();
 
  private:
-  size_t signal(const SignalLog& log, const std::string& quantity, const Names& usual) const;
-  std::vector<JointColumns> joints_of(const SignalLog& log) const;
-  std::vector<JointColumns> numbered_joints(const SignalLog& log) const;
-  std::vector<JointColumns> suffixed_joints(const SignalLog& log) const;
+  size_t time_in(const SignalLog& log) const {
+    return servo_signal(request_, log, "time", servo_names().times);
+  }
   void add_log(const SignalLog& log, const std::string& run);
   void add_rows(const SignalLog& log, const std::string& run, const JointColumns& joint,
                 const std::vector<size_t>& rows, size_t time);
@@ -59,73 +39,9 @@ class ServoImport {
   std::map<std::string, Names> called_;  // What they are called in the files.
   std::vector<std::vector<std::string>> rows_;
   std::set<std::string> runs_, joints_;
+  std::set<std::string> named_units_;  // Of angles, where columns say them.
   size_t repeated_ = 0, stale_ = 0;
 };
-
-// The place of a quantity among the signals; throws where neither the map nor habit finds it.
-size_t ServoImport::signal(const SignalLog& log, const std::string& quantity,
-                           const Names& usual) const {
-  const std::string mapped = request_.name_of(quantity);
-  const int found = log.find(mapped.empty() ? usual : Names{mapped});
-  if (found >= 0) return static_cast<size_t>(found);
-  if (!mapped.empty())
-    throw InputError(fmt::format("{}: signal '{}' (--map {}=...) is missing{}", log.file, mapped,
-                                 quantity, suggestion_for(mapped, log.names)));
-  throw InputError(fmt::format("{}: found no signal for '{}' among {}; say which, --map {}=NAME",
-                               log.file, quantity, fmt::join(log.names, ", "), quantity));
-}
-
-// position[0], position[1], ... beside goal_position[0], goal_position[1], ...
-std::vector<JointColumns> ServoImport::numbered_joints(const SignalLog& log) const {
-  const auto first = [&](const std::string& quantity, Names usual) {
-    const std::string mapped = request_.name_of(quantity);
-    if (!mapped.empty()) usual = {mapped};
-    for (const std::string& name : usual) {
-      if (log.find({name + "[0]"}) >= 0) return name;
-    }
-    return std::string();
-  };
-  const std::string command = first("command", kCommands), measured = first("measured", kMeasured);
-  std::vector<JointColumns> joints;
-  if (command.empty() || measured.empty()) return joints;
-  const auto named = log.texts.find("joint_names");
-  for (size_t i = 0;; ++i) {
-    const int c = log.find({fmt::format("{}[{}]", command, i)});
-    const int m = log.find({fmt::format("{}[{}]", measured, i)});
-    if (c < 0 || m < 0) return joints;
-    joints.push_back({named != log.texts.end() && i < named->second.size()
-                          ? named->second[i]
-                          : fmt::format("joint{}", i),
-                      static_cast<size_t>(c), static_cast<size_t>(m)});
-  }
-}
-
-// arm_ctrl beside arm_qpos, as MuJoCo's system identification names them.
-std::vector<JointColumns> ServoImport::suffixed_joints(const SignalLog& log) const {
-  std::vector<JointColumns> joints;
-  for (size_t c = 0; c < log.names.size(); ++c) {
-    const std::string& name = log.names[c];
-    if (!name.ends_with("_ctrl")) continue;
-    const std::string joint = name.substr(0, name.size() - 5);
-    const int m = log.find({joint + "_qpos", joint + "_pos", joint});
-    if (m >= 0) joints.push_back({joint, c, static_cast<size_t>(m)});
-  }
-  return joints;
-}
-
-std::vector<JointColumns> ServoImport::joints_of(const SignalLog& log) const {
-  const bool mapped = !request_.name_of("command").empty() || !request_.name_of("measured").empty();
-  if (!mapped && log.find(kCommands) < 0) {
-    auto joints = suffixed_joints(log);
-    if (!joints.empty()) return joints;
-  }
-  auto joints = numbered_joints(log);
-  if (!joints.empty()) return joints;
-  const std::string named = request_.name_of("joint");
-  const bool column = log.texts.contains(named.empty() ? "joint" : named);
-  return {{column || named.empty() ? "joint" : named, signal(log, "command", kCommands),
-           signal(log, "measured", kMeasured)}};
-}
 
 // What the pair of columns says of itself: a command that is the measurement, or follows it.
 void ServoImport::look_at(const std::vector<double>& command, const std::vector<double>& measured,
@@ -160,7 +76,7 @@ std::string ServoImport::cell(const SignalLog& log, const std::string& column, s
 
 void ServoImport::add_rows(const SignalLog& log, const std::string& run, const JointColumns& joint,
                            const std::vector<size_t>& rows, size_t time) {
-  const int64_t unit = time_unit_ns(request_, log.names[time]);
+  const int64_t unit = time_unit_ns(request_, log.full_names[time]);
   std::vector<int64_t> ns;
   std::vector<double> command, measured;
   std::vector<size_t> kept;
@@ -185,8 +101,14 @@ void ServoImport::add_rows(const SignalLog& log, const std::string& run, const J
     measured.push_back(log.values[joint.measured][row]);
   }
   check_times(ns, place, request_, 0.5, draft_);
-  to_radians(command, log.names[joint.command], place, request_, draft_);
-  to_radians(measured, log.names[joint.measured], place, request_, draft_);
+  const auto in_radians = [&](std::vector<double>& values, size_t column) {
+    ImportRequest own = request_;
+    if (own.unit.empty()) own.unit = angle_unit_in(log.full_names[column]);
+    if (own.unit != request_.unit && own.unit != "rad") named_units_.insert(own.unit);
+    to_radians(values, log.names[column], place, own, draft_);
+  };
+  in_radians(command, joint.command);
+  in_radians(measured, joint.measured);
   look_at(command, measured, place);
   size_t longest = 0, same = 0;
   for (size_t i = 0; i < ns.size(); ++i) {
@@ -210,7 +132,7 @@ std::string plain(std::string text) {
 }
 
 void ServoImport::add_log(const SignalLog& log, const std::string& run) {
-  const size_t time = signal(log, "time", kTimes);
+  const size_t time = time_in(log);
   const std::string of_run = request_.name_of("run").empty() ? "run" : request_.name_of("run");
   const std::string of_joint =
       request_.name_of("joint").empty() ? "joint" : request_.name_of("joint");
@@ -220,7 +142,7 @@ void ServoImport::add_log(const SignalLog& log, const std::string& run) {
     const int at = log.find({name});
     return at < 0 ? "" : exact(log.values[static_cast<size_t>(at)][row]);
   };
-  for (const JointColumns& joint : joints_of(log)) {
+  for (const JointColumns& joint : servo_joints(request_, log)) {
     // In the order in which they first appear.
     std::vector<std::pair<std::pair<std::string, std::string>, std::vector<size_t>>> parts;
     std::map<std::pair<std::string, std::string>, size_t> place;
@@ -253,6 +175,8 @@ void ServoImport::write() {
   draft_.add_table("joints", table);
   draft_.did(fmt::format("{} rows of {} runs of joint {}", rows_.size(), runs_.size(),
                          fmt::join(joints_, ", ")));
+  for (const std::string& unit : named_units_)
+    draft_.did(fmt::format("angles from {} to rad, as their columns are named", unit));
   if (!request_.unit.empty()) draft_.did(fmt::format("angles from {} to rad", request_.unit));
   if (!extra_.empty()) draft_.did(fmt::format("kept beside them: {}", fmt::join(extra_, ", ")));
   if (repeated_ > 0)
@@ -288,14 +212,19 @@ void ServoImport::run() {
     taken.insert(usual.begin(), usual.end());
   };
   for (const SignalLog& log : logs_) {
-    keep("kp", "kp", kGains, log);
-    keep("voltage_v", "voltage", kVoltages, log);
-    keep("torque_enable", "torque_enable", kEnabled, log);
+    keep("kp", "kp", servo_names().gains, log);
+    keep("voltage_v", "voltage", servo_names().voltages, log);
+    keep("torque_enable", "torque_enable", servo_names().enabled, log);
   }
   // All else that has a number in every row.
-  for (const Names& names : {kTimes, kCommands, kMeasured})
+  for (const Names& names : {servo_names().times, servo_names().commands, servo_names().measured})
     taken.insert(names.begin(), names.end());
   for (const auto& [quantity, name] : request_.names) taken.insert(name);
+  for (const SignalLog& log : logs_) {
+    for (const JointColumns& joint : servo_joints(request_, log))
+      taken.insert({log.names[joint.command], log.names[joint.measured]});
+    taken.insert(log.names[time_in(log)]);
+  }
   for (const SignalLog& log : logs_) {
     for (size_t c = 0; c < log.names.size(); ++c) {
       const std::string& name = log.names[c];

@@ -28,6 +28,11 @@ PoseColumns columns_of(const TextTable& table, bool euroc, const ImportRequest& 
     throw InputError(fmt::format(
         "{}:{}: found {} columns, expected 8 or more: {}", table.file(), table.line(0),
         table.width(), euroc ? "ns, x, y, z, qw, qx, qy, qz" : "seconds, x, y, z, qx, qy, qz, qw"));
+  if (table.width() == 12 && table.columns().empty())
+    throw InputError(fmt::format(
+        "{}:{}: found 12 columns, as KITTI's poses have, which say no times: expected {}",
+        table.file(), table.line(0),
+        euroc ? "ns, x, y, z, qw, qx, qy, qz" : "seconds, x, y, z, qx, qy, qz, qw"));
   PoseColumns columns;
   columns.unit_ns = nanoseconds_in(!request.time_unit.empty() ? request.time_unit
                                    : euroc                    ? "ns"

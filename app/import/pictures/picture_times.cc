@@ -113,7 +113,7 @@ void PictureTimes::read_table(const TextTable& table, const ImportRequest& reque
     throw InputError(
         fmt::format("{}:1: expected columns file and time; say theirs with --map", table.file()));
   const auto at = static_cast<size_t>(time);
-  int64_t unit = time_unit_ns(request, table.column_name(at));
+  int64_t unit = time_unit_ns(request, table.full_name(at));
   if (request.time_unit.empty() && table.column_name(at).find("[ns]") != std::string::npos)
     unit = 1;
   for (size_t row = 0; row < table.rows(); ++row) {

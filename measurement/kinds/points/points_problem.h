@@ -153,6 +153,7 @@ class PointsProblem : public Problem {
   // points_remarks.cc
   void remark_on_views(const Evaluation& evaluation, std::vector<std::string>& remarks) const;
   void remark_on_reach(const Model& model, std::vector<std::string>& remarks) const;
+  void remark_on_spacing(const Model& model, std::vector<std::string>& remarks) const;
 
   PointsData data_;
   std::vector<double> frame_stamp_s_;

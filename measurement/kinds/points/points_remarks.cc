@@ -8,6 +8,7 @@
 
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
+#include "measurement/kinds/points/target/spacing.h"
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
@@ -83,9 +84,38 @@ void PointsProblem::remark_on_reach(const Model& model, std::vector<std::string>
   }
 }
 
+// By the model that the user gave: what was added since may have bent to the fault.
+void PointsProblem::remark_on_spacing(const Model& model, std::vector<std::string>& remarks) const {
+  std::vector<size_t> rows;
+  std::vector<Vec3> places;
+  std::vector<ImagePlace> seen;
+  for (size_t row = 0; row < data_.p_W.size(); ++row) {
+    if (data_.p_W[row] != data_.target.plan_W[static_cast<size_t>(data_.point_of_row[row])])
+      return;  // Points that move are no target.
+    rows.push_back(row);
+    places.push_back(data_.p_W[row]);
+    seen.push_back({data_.u_px[row], data_.v_px[row]});
+  }
+  const PointsPredictor predictor(data_, given().effects().empty() ? model : given());
+  const auto told = wrong_spacing(places, seen, [&](size_t i, const Vec3& p_W) {
+    const effects::ImagePoint point = predictor.image_at(rows[i], p_W);
+    return point.visible ? std::optional(ImagePlace{point.u, point.v}) : std::nullopt;
+  });
+  if (!told) return;
+  remarks.push_back(fmt::format(
+      "warning: the points fit {:.3g} times as well where they lie {:.4g} times as far apart as "
+      "points.csv says ({:.3g} px in place of {:.3g}): is the spacing of the target {:.4g} m, not "
+      "{:.4g} m?",
+      told->before_px / told->after_px, told->factor, told->after_px, told->before_px,
+      told->neighbour_m * told->factor, told->neighbour_m));
+}
+
 std::vector<std::string> PointsProblem::remarks(const Model& model) const {
   std::vector<std::string> remarks;
-  if (data_.rig.type() != Rig::Type::unknown) return remarks;
+  if (data_.rig.type() != Rig::Type::unknown) {
+    remark_on_spacing(model, remarks);
+    return remarks;
+  }
   if (!moves())
     remarks.push_back(
         "effects of time (rows read out one after the other, exposure, clocks) are not testable "

@@ -1,0 +1,36 @@
+// What is understood of a bag of ROS, by its topics.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "app/import/bags/ros_bag.h"
+#include "app/import/draft/set_draft.h"
+#include "app/import/draft/walk_draft.h"
+#include "app/import/kinds/ros_transforms.h"
+#include "app/import/pictures/camera_info.h"
+
+namespace seam::app {
+
+struct JointSampleRow {
+  int64_t log_ns = 0, stamp_ns = 0;
+  std::vector<std::string> names;
+  std::vector<double> positions;
+};
+
+// All that is understood of a bag, by the place of its topic.
+struct BagData {
+  std::vector<BagTopic> topics;
+  std::map<size_t, std::vector<JointSampleRow>> joints;
+  std::map<size_t, std::vector<PoseRow>> odometry, poses;
+  std::map<size_t, std::string> frames;                   // In which poses of a topic are.
+  std::map<size_t, std::vector<VelocityCommand>> twists;  // By the time of recording.
+  std::map<size_t, PlainCamera> cameras;
+  RosTransforms transforms;
+};
+
+// Reads a bag; the draft hears of what could not be read. Throws InputError.
+BagData read_bag_data(const std::filesystem::path& bag, SetDraft& draft);
+
+}  // namespace seam::app

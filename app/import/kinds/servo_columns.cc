@@ -1,0 +1,186 @@
+#include "app/import/kinds/servo_columns.h"
+
+#include <fmt/ranges.h>
+
+#include <set>
+
+#include "sim_core/base/error.h"
+
+namespace seam::app {
+namespace {
+
+using Names = std::vector<std::string>;
+
+// position[0], position[1], ... beside goal_position[0], goal_position[1], ...
+std::vector<JointColumns> numbered_joints(const ImportRequest& request, const SignalLog& log) {
+  const auto first = [&](const std::string& quantity, Names usual) {
+    const std::string mapped = request.name_of(quantity);
+    if (!mapped.empty()) usual = {mapped};
+    for (const std::string& name : usual) {
+      if (log.find({name + "[0]"}) >= 0) return name;
+    }
+    return std::string();
+  };
+  const std::string command = first("command", servo_names().commands),
+                    measured = first("measured", servo_names().measured);
+  std::vector<JointColumns> joints;
+  if (command.empty() || measured.empty()) return joints;
+  const auto named = log.texts.find("joint_names");
+  for (size_t i = 0;; ++i) {
+    const int c = log.find({fmt::format("{}[{}]", command, i)});
+    const int m = log.find({fmt::format("{}[{}]", measured, i)});
+    if (c < 0 || m < 0) return joints;
+    joints.push_back({named != log.texts.end() && i < named->second.size()
+                          ? named->second[i]
+                          : fmt::format("joint{}", i),
+                      static_cast<size_t>(c), static_cast<size_t>(m)});
+  }
+}
+
+// What is left of a name without one of these at its end or start; empty where it has none.
+std::string without_end(const std::string& name, const Names& ends) {
+  for (const std::string& end : ends) {
+    if (name.size() > end.size() && name.ends_with(end))
+      return name.substr(0, name.size() - end.size());
+  }
+  return "";
+}
+std::string without_start(const std::string& name, const Names& starts) {
+  for (const std::string& start : starts) {
+    if (name.size() > start.size() && name.starts_with(start)) return name.substr(start.size());
+  }
+  return "";
+}
+
+// arm_ctrl beside arm_qpos, as MuJoCo's system identification names them, and other habits; also
+// action.arm.pos beside observation.state.arm.pos.
+std::vector<JointColumns> suffixed_joints(const SignalLog& log) {
+  static const Names kCommandEnds = {"_ctrl",     "_cmd", "_command", "_goal", "_target",
+                                     "_setpoint", "_des", "_desired", "_ref"};
+  static const Names kMeasuredEnds = {"_qpos",     "_pos",    "_position", "_meas",
+                                      "_measured", "_actual", "_act",      "_state",
+                                      "_present",  "_angle",  "_q"};
+  static const Names kCommandStarts = {"action.",   "cmd_", "command_", "goal_", "target_",
+                                       "setpoint_", "des_", "desired_", "ref_"};
+  static const Names kMeasuredStarts = {
+      "observation.state.", "pos_", "position_", "meas_", "measured_", "actual_",
+      "present_",           "q_",   "state_"};
+  std::vector<JointColumns> joints;
+  std::set<std::string> seen;
+  const auto pair_up = [&](auto without, const Names& commands, const Names& measured) {
+    for (size_t c = 0; c < log.names.size(); ++c) {
+      const std::string joint = without(log.names[c], commands);
+      // Of positions alone.
+      const bool other =
+          joint.find("vel") != std::string::npos || joint.find("torque") != std::string::npos ||
+          joint.find("effort") != std::string::npos || joint.find("current") != std::string::npos;
+      if (joint.empty() || other || seen.contains(joint)) continue;
+      for (size_t m = 0; m < log.names.size(); ++m) {
+        if (m == c || (without(log.names[m], measured) != joint && log.names[m] != joint)) continue;
+        joints.push_back(
+            {without_end(joint, {".pos"}).empty() ? joint : without_end(joint, {".pos"}), c, m});
+        seen.insert(joint);
+        break;
+      }
+    }
+  };
+  pair_up(without_end, kCommandEnds, kMeasuredEnds);
+  pair_up(without_start, kCommandStarts, kMeasuredStarts);
+  return joints;
+}
+
+}  // namespace
+
+const ServoNames& servo_names() {
+  static const ServoNames names = {
+      .times = {"time_s", "time", "timestamp", "stamp", "times", "t", "time_ms", "timestamp_ms",
+                "time_us", "timestamp_us", "time_ns", "timestamp_ns", "t_ms", "t_us", "t_ns"},
+      .commands = {"command_rad",
+                   "command",
+                   "goal_position",
+                   "goal",
+                   "target",
+                   "target_position",
+                   "setpoint",
+                   "desired",
+                   "reference",
+                   "ref",
+                   "q_des",
+                   "q_ref",
+                   "ctrl",
+                   "cmd",
+                   "action",
+                   "desired_position",
+                   "commanded_position",
+                   "command_position",
+                   "position_command",
+                   "position_setpoint",
+                   "target_angle",
+                   "goal_angle",
+                   "position_goal",
+                   "position_target",
+                   "target_pos",
+                   "goal_pos",
+                   "pos_cmd",
+                   "cmd_pos",
+                   "desired_pos"},
+      .measured = {"measured_rad",
+                   "measured",
+                   "position",
+                   "present_position",
+                   "actual_position",
+                   "pos",
+                   "qpos",
+                   "q",
+                   "angle",
+                   "actual",
+                   "feedback",
+                   "encoder",
+                   "state",
+                   "measured_position",
+                   "position_measured",
+                   "position_actual",
+                   "present_angle",
+                   "current_position",
+                   "joint_position",
+                   "motor_position",
+                   "actual_pos",
+                   "present_pos",
+                   "pos_meas",
+                   "actual_angle",
+                   "measured_angle",
+                   "observation.state"},
+      .voltages = {"voltage_v", "input_volts", "voltage", "present_voltage", "vin"},
+      .gains = {"kp", "p_gain", "gain"},
+      .enabled = {"torque_enable", "torque_enabled", "enabled", "enable"}};
+  return names;
+}
+
+size_t servo_signal(const ImportRequest& request, const SignalLog& log, const std::string& quantity,
+                    const Names& usual) {
+  const std::string mapped = request.name_of(quantity);
+  const int found = log.find(mapped.empty() ? usual : Names{mapped});
+  if (found >= 0) return static_cast<size_t>(found);
+  if (!mapped.empty())
+    throw InputError(fmt::format("{}: signal '{}' (--map {}=...) is missing{}", log.file, mapped,
+                                 quantity, suggestion_for(mapped, log.names)));
+  throw InputError(fmt::format("{}: found no signal for '{}' among {}; say which, --map {}=NAME",
+                               log.file, quantity, fmt::join(log.names, ", "), quantity));
+}
+
+std::vector<JointColumns> servo_joints(const ImportRequest& request, const SignalLog& log) {
+  const bool mapped = !request.name_of("command").empty() || !request.name_of("measured").empty();
+  if (!mapped && log.find(servo_names().commands) < 0) {
+    auto joints = suffixed_joints(log);
+    if (!joints.empty()) return joints;
+  }
+  auto joints = numbered_joints(request, log);
+  if (!joints.empty()) return joints;
+  const std::string named = request.name_of("joint");
+  const bool column = log.texts.contains(named.empty() ? "joint" : named);
+  return {{column || named.empty() ? "joint" : named,
+           servo_signal(request, log, "command", servo_names().commands),
+           servo_signal(request, log, "measured", servo_names().measured)}};
+}
+
+}  // namespace seam::app

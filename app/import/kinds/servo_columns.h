@@ -1,0 +1,32 @@
+// Which columns of a servo's log are what: by what the user says, or by habit.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/import/draft/request.h"
+#include "app/import/files/signals.h"
+
+namespace seam::app {
+
+// What people call a quantity, the usual names first.
+struct ServoNames {
+  std::vector<std::string> times, commands, measured, voltages, gains, enabled;
+};
+const ServoNames& servo_names();
+
+// One joint's columns in a log.
+struct JointColumns {
+  std::string joint;
+  size_t command = 0, measured = 0;
+};
+
+// The place of a quantity among the signals; throws InputError where neither the map nor habit
+// finds it.
+size_t servo_signal(const ImportRequest& request, const SignalLog& log, const std::string& quantity,
+                    const std::vector<std::string>& usual);
+
+// Never empty: throws InputError where there is none.
+std::vector<JointColumns> servo_joints(const ImportRequest& request, const SignalLog& log);
+
+}  // namespace seam::app

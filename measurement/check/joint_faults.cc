@@ -1,0 +1,98 @@
+// Faults of servo logs: units of angles, commands that are no commands.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/check/fault_parts.h"
+#include "measurement/check/faults.h"
+
+namespace seam::measurement {
+
+void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
+  const CsvTable table = set.table("joints");
+  if (!has_all(table, {"command_rad", "measured_rad"})) return;
+  const Numbers commands = table.numbers_or_blank("command_rad");
+  const Numbers angles = table.numbers_or_blank("measured_rad");
+  size_t equal = 0, moved = 0;
+  std::map<std::string, std::pair<size_t, std::string>> said;  // By sentence: how often, where.
+  double command_span = 0, angle_span = 0;
+  for (const auto& [name, rows] : rows_by(table, {"run", "joint"})) {
+    Numbers command = at(commands, rows), angle = at(angles, rows);
+    const auto blank = [](double value) { return std::isnan(value); };
+    if (std::any_of(command.begin(), command.end(), blank) ||
+        std::any_of(angle.begin(), angle.end(), blank))
+      continue;
+    for (size_t i = 1; i < rows.size(); ++i) {
+      if (angle[i] == angle[i - 1]) continue;
+      ++moved;
+      equal += command[i] == angle[i] ? 1 : 0;
+    }
+    command_span = std::max(command_span, span_of(command));
+    angle_span = std::max(angle_span, span_of(angle));
+    for (const std::string& sentence : faults_of_command(command, angle)) {
+      auto& [count, where] = said[sentence];
+      if (count++ == 0) where = fmt::format("{} ({})", place(table, rows[0]), name);
+    }
+  }
+  if (moved >= 20 && equal * 10 > moved * 9)
+    found.push_back(fmt::format(
+        "{}: command_rad and measured_rad are equal in {} of {} rows in which the joint moves: the "
+        "command column is really the measurement",
+        table.file(), equal, moved));
+  for (const auto& [sentence, where] : said)
+    found.push_back(fmt::format("{}: {}{}", where.second, sentence,
+                                where.first > 1 ? fmt::format(" ({} runs)", where.first) : ""));
+  // Both alike: no ratio tells it, but no joint of a robot turns so far.
+  constexpr double kMost_rad = 20;
+  if (command_span > kMost_rad && angle_span > kMost_rad)
+    found.push_back(fmt::format(
+        "{}: command_rad and measured_rad span {:.4g} and {:.4g}, {:.0f} turns: degrees for "
+        "radians?",
+        table.file(), command_span, angle_span, angle_span / (2 * std::numbers::pi)));
+  if (command_span == 0 || angle_span == 0) return;
+  for (const auto& [ratio, column] : {std::pair{angle_span / command_span, "measured_rad"},
+                                      {command_span / angle_span, "command_rad"}}) {
+    if (const auto unit = unit_of_ratio(ratio, kDegrees, "degrees", "radians"); !unit.empty())
+      found.push_back(fmt::format("{}: {} spans {:.0f} times as much as the other angle: {}",
+                                  table.file(), column, ratio, unit));
+  }
+}
+
+std::vector<std::string> faults_of_command(const std::vector<double>& command,
+                                           const std::vector<double>& measured) {
+  constexpr int kMostRows = 20;
+  std::vector<std::string> found;
+  const size_t n = command.size();
+  const double span = span_of(command);
+  if (n < 3 * kMostRows || span < 1e-9 || span_of(measured) < 1e-9 || command == measured)
+    return found;
+  // Root mean square of what stays when the command is held against the angle `lag` rows later.
+  const auto miss = [&](int lag) {
+    double sum = 0, mean = 0;
+    size_t count = 0;
+    for (size_t k = kMostRows; k + kMostRows < n; ++k) {
+      const double d = measured[static_cast<size_t>(static_cast<int>(k) + lag)] - command[k];
+      sum += d * d, mean += d, ++count;
+    }
+    const double m = mean / static_cast<double>(count);
+    return std::sqrt(std::max(0.0, sum / static_cast<double>(count) - m * m));
+  };
+  int best = 0;
+  for (int lag = -kMostRows; lag <= kMostRows; ++lag) {
+    if (miss(lag) < miss(best)) best = lag;
+  }
+  // Later it may be: a servo that is late and else ideal.
+  if (best >= 0) return found;
+  if (miss(best) < 1e-6 * span) {
+    found.push_back(
+        fmt::format("the command is the measurement {} rows earlier: is it a copy of it?", -best));
+  } else if (miss(best) < 0.7 * miss(0) && miss(best) < 0.7 * miss(-best)) {
+    found.push_back(fmt::format(
+        "the measured angle is {} rows ahead of the command: are the two columns exchanged?",
+        -best));
+  }
+  return found;
+}
+
+}  // namespace seam::measurement

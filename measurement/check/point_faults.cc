@@ -1,0 +1,113 @@
+// Faults of points in pictures: views stored twice, targets mirrored.
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/check/fault_parts.h"
+#include "measurement/numerics/robust.h"
+
+namespace seam::measurement {
+namespace {
+
+struct View {
+  std::string name;
+  Rows rows;
+};
+
+// The image of a flat target as an affine map: its handedness tells which side is seen.
+double handedness(const Numbers& x, const Numbers& y, const Numbers& u, const Numbers& v,
+                  const Rows& rows) {
+  Eigen::MatrixXd a(rows.size(), 3);
+  Eigen::MatrixXd b(rows.size(), 2);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    a.row(row) << x[rows[i]], y[rows[i]], 1;
+    b.row(row) << u[rows[i]], v[rows[i]];
+  }
+  const Eigen::MatrixXd map = a.colPivHouseholderQr().solve(b);
+  return map(0, 0) * map(1, 1) - map(0, 1) * map(1, 0);
+}
+
+std::vector<View> views_of(const CsvTable& table, const std::string& group) {
+  std::vector<View> views;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    const std::string name(table.cell(row, table.has("frame") ? "frame" : group));
+    if (views.empty() || views.back().name != name) views.push_back({name, {}});
+    views.back().rows.push_back(row);
+  }
+  return views;
+}
+
+// Angles of a rig's joints that no head turns to, and a target whose points stand metres apart.
+void tell_units(const MeasurementSet& set, const CsvTable& table, bool held_before_it,
+                std::vector<std::string>& found) {
+  constexpr double kMost_rad = 20, kMost_m = 1.5;
+  if (set.has_file("joints")) {
+    const CsvTable joints = set.table("joints");
+    for (const std::string& column : joints.extra_numeric_columns({})) {
+      if (!column.ends_with("_rad")) continue;
+      const double span = span_of(joints.numbers(column));
+      if (span > kMost_rad)
+        found.push_back(fmt::format("{}: {} spans {:.4g}, {:.0f} turns: degrees for radians?",
+                                    joints.file(), column, span, span / (2 * std::numbers::pi)));
+    }
+  }
+  if (!held_before_it || table.rows() < 2) return;
+  const Numbers x = table.numbers("x_m"), y = table.numbers("y_m");
+  Numbers steps;
+  for (size_t row = 1; row < table.rows(); ++row) {
+    const double step = std::hypot(x[row] - x[row - 1], y[row] - y[row - 1]);
+    if (step > 0) steps.push_back(step);
+  }
+  if (!steps.empty() && median_of(steps) > kMost_m)
+    found.push_back(
+        fmt::format("{}: neighbouring points of the target are {:.4g} m apart: "
+                    "millimetres for metres?",
+                    table.file(), median_of(steps)));
+}
+
+}  // namespace
+
+void point_faults(const MeasurementSet& set, std::vector<std::string>& found) {
+  constexpr size_t kFewest = 4;
+  const CsvTable table = set.table("points");
+  if (!has_all(table, {"u_px", "v_px", "x_m", "y_m", "z_m", "frame"})) return;
+  const Numbers u = table.numbers("u_px"), v = table.numbers("v_px");
+  const Numbers x = table.numbers("x_m"), y = table.numbers("y_m"), z = table.numbers("z_m");
+  const bool flat = std::all_of(z.begin(), z.end(), [](double value) { return value == 0; });
+  const bool held_before_it = set.root.has("rig") && set.root.at("rig").has("pose");
+  tell_units(set, table, held_before_it, found);
+  const auto views = views_of(table, set.group);
+  size_t mirrored = 0, repeated = 0, looked_at = 0;
+  std::string first_mirrored, first_repeated;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const Rows& rows = views[i].rows;
+    if (rows.size() < kFewest) continue;
+    if (flat && held_before_it) {
+      ++looked_at;
+      if (handedness(x, y, u, v, rows) < 0 && mirrored++ == 0) first_mirrored = views[i].name;
+    }
+    const auto same = [&](size_t a, size_t b) {
+      return u[a] == u[b] && v[a] == v[b] && x[a] == x[b] && y[a] == y[b] && z[a] == z[b];
+    };
+    if (i > 0 &&
+        std::equal(rows.begin(), rows.end(), views[i - 1].rows.begin(), views[i - 1].rows.end(),
+                   same) &&
+        repeated++ == 0)
+      first_repeated = views[i].name;
+  }
+  if (repeated > 0)
+    found.push_back(fmt::format(
+        "{} views repeat the one before to the last digit, the first is {}: a frame that was "
+        "stored twice",
+        repeated, first_repeated));
+  if (mirrored > 0 && mirrored < looked_at)
+    found.push_back(fmt::format(
+        "{} of {} views show the target mirrored against the others, the first is {}: its corners "
+        "are numbered from another end there",
+        mirrored, looked_at, first_mirrored));
+}
+
+}  // namespace seam::measurement
