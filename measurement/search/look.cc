@@ -1,6 +1,6 @@
 // One look at all effects that a model lacks. Where rows are many, each is fitted to a few groups
-// first, and of these fits only those that lead are fitted to all rows: what few groups show
-// nothing of is not material, and what is far behind would not be taken.
+// first: what these show nothing of is not material. Of the others, those are fitted to all rows
+// that the search would take (choice.h).
 #include <algorithm>
 #include <cmath>
 
@@ -77,7 +77,7 @@ class Look {
         if (prospects_[i] && worth[i] && sort_of(*effects_[i]) == sort) fit(i);
       });
     }
-    if (few_) fit_leaders();
+    if (few_) fit_undecided();
     for (size_t i = 0; i < effects_.size(); ++i) {
       looks_.not_testable.insert(looks_.not_testable.end(), reasons_[i].begin(), reasons_[i].end());
       if (found_[i]) looks_.candidates.push_back(std::move(*found_[i]));
@@ -127,31 +127,13 @@ class Look {
     });
   }
 
-  // All rows are asked of those that may come first, or be tied with the first, and of those that
-  // gain something and not yet enough.
-  void fit_leaders() {
-    for (bool again = true; again;) {
-      again = false;
-      const Candidate* best = nullptr;
-      for (const auto& c : found_) {
-        if (c && c->significant &&
-            (!best || c->grown.assessment.total_ll > best->grown.assessment.total_ll))
-          best = &*c;
-      }
-      const double reach = best ? best->grown.assessment.total_ll -
-                                      kTieReach * tie_width(best->grown.assessment.error)
-                                : 0;
-      std::vector<char> open(found_.size(), 0);
-      for (size_t i = 0; i < found_.size(); ++i) {
-        if (!found_[i] || !found_[i]->of_few) continue;
-        open[i] =
-            found_[i]->significant ? found_[i]->most_ll >= reach : found_[i]->total_gain_ll > 0;
-        again = again || open[i];
-      }
-      parallel_for(found_.size(), [&](size_t i) {
-        if (open[i]) ask_all_rows(problem_, base_, here_, looks_.tried, material_, *found_[i]);
-      });
-    }
+  // What gains on all rows where few groups put it, and not yet enough, may gain more there.
+  void fit_undecided() {
+    parallel_for(found_.size(), [&](size_t i) {
+      const bool undecided =
+          found_[i] && found_[i]->of_few && !found_[i]->significant && found_[i]->total_gain_ll > 0;
+      if (undecided) ask_all_rows(problem_, base_, here_, looks_.tried, material_, *found_[i]);
+    });
   }
 
   const Problem& problem_;

@@ -30,10 +30,9 @@ class Searcher {
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
              const Grown* rival = nullptr);
   Looks look(const Grown& grown, bool promising_only, Asked asked);
-  Candidate* choose_of_all_rows(const Grown& grown, Looks& looks);
   EffectList absent(const Model& model, bool moves) const;
   void forward(SearchResult& result, const Grown* earlier);
-  std::optional<Grown> again(const Grown& earlier, const Looks& first);
+  std::optional<Grown> again(const Grown& earlier, Looks& first);
   void begin_with(const Candidate& beginning, SearchResult& result);
   void try_beginnings(SearchResult& result);
   bool misses(const Assessment& assessment) const;
@@ -154,19 +153,6 @@ Looks Searcher::look(const Grown& grown, bool promising_only, Asked asked) {
   return looks;
 }
 
-// What comes first when it is fitted to all rows.
-Candidate* Searcher::choose_of_all_rows(const Grown& grown, Looks& looks) {
-  for (;;) {
-    Candidate* next = choose(problem_, grown, looks.candidates);
-    if (!next || !next->of_few) return next;
-    const Evaluation here =
-        problem_.evaluate_held_out(grown.assessment.model, problem_.scored_groups());
-    ask_all_rows(problem_, grown, here, looks.tried, material_, *next);
-    for (Candidate& candidate : looks.candidates) candidate.indistinguishable_from.clear();
-    rank_candidates(looks.candidates);
-  }
-}
-
 // Adds to a model what helps most, again and again; `traces` are those of the last look. The first
 // may have been had before. Ends early where it falls behind a rival.
 Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
@@ -178,7 +164,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     const bool first = step == 0 && first_looks != nullptr;
     const bool misses = grown.assessment.error > kMisfit;
     Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true, Asked::few_first);
-    Candidate* next = choose_of_all_rows(grown, looks);
+    Candidate* next = choose_by_all_rows(problem_, grown, material_, looks);
     const bool shortened = (!first && problem_.is_smooth(grown.assessment.model)) ||
                            std::any_of(looks.candidates.begin(), looks.candidates.end(),
                                        [](const Candidate& candidate) { return candidate.of_few; });
@@ -230,12 +216,13 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
 
 // With other outliers marked, the way leads where it led before if it begins alike: what was found
 // there is fitted again, and the search goes on from it.
-std::optional<Grown> Searcher::again(const Grown& earlier, const Looks& first) {
+std::optional<Grown> Searcher::again(const Grown& earlier, Looks& first) {
   const bool one_valley = problem_.is_smooth(earlier.assessment.model);
   if (earlier.added.empty() || earlier.assessment.error > (one_valley ? kUseless : kMisfit))
     return std::nullopt;
-  std::vector<Candidate> candidates = first.candidates;
-  const Candidate* next = choose(problem_, base_, candidates);
+  Looks looks = first;
+  const Candidate* next = choose_by_all_rows(problem_, base_, material_, looks);
+  first = looks;
   if (!next || std::find(earlier.added.begin(), earlier.added.end(), next->effect->name) ==
                    earlier.added.end())
     return std::nullopt;
