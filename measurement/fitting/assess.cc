@@ -91,32 +91,36 @@ Score held_in_turn(const Problem& problem, const Fit& whole, const std::vector<U
 
 }  // namespace
 
+Assessment assess_fitted_to(const Problem& problem, const Groups& groups, const Model& model,
+                            const std::vector<Unknown>& unknowns) {
+  Assessment result{.model = model, .unknowns = unknowns};
+  result.fit = fit_on(problem, groups, model, unknowns);
+  result.model = result.fit.model;
+  result.held = problem.score_held_out(result.model, problem.folds()[0]);
+  // One group alone is both trained on and held out, and counts once.
+  const bool sum =
+      problem.groups_are_independent(result.model) && problem.facts().groups.size() > 1;
+  const Score rest =
+      problem.score(result.model, sum ? problem.training_groups() : problem.all_groups());
+  result.total_ll = rest.log_likelihood + (sum ? result.held.log_likelihood : 0);
+  result.valid = result.held.valid && rest.valid && std::isfinite(result.total_ll);
+  result.error = result.held.error();
+  return result;
+}
+
 Assessment assess(const Problem& problem, const Model& model,
                   const std::vector<Unknown>& unknowns) {
+  if (problem.folds().size() == 1 && !cuts_one_group(problem))
+    return assess_fitted_to(problem, problem.training_groups(), model, unknowns);
   Assessment result{.model = model, .unknowns = unknowns};
-  const std::vector<Groups>& folds = problem.folds();
   const Groups all = problem.all_groups();
-  if (folds.size() == 1 && !cuts_one_group(problem)) {
-    const Groups training = problem.training_groups();
-    result.fit = fit_on(problem, training, model, unknowns);
-    result.model = result.fit.model;
-    result.held = problem.score_held_out(result.model, folds[0]);
-    // One group alone is both trained on and held out, and counts once.
-    const bool sum =
-        problem.groups_are_independent(result.model) && problem.facts().groups.size() > 1;
-    const Score rest = problem.score(result.model, sum ? training : all);
-    result.total_ll = rest.log_likelihood + (sum ? result.held.log_likelihood : 0);
-    result.valid = result.held.valid && rest.valid;
-  } else {
-    result.fit = fit_on(problem, all, model, unknowns);
-    result.model = result.fit.model;
-    const Score whole = problem.score(result.model, all);
-    result.total_ll = whole.log_likelihood;
-    result.held = held_in_turn(problem, result.fit, unknowns);
-    result.valid = whole.valid && result.held.valid;
-  }
+  result.fit = fit_on(problem, all, model, unknowns);
+  result.model = result.fit.model;
+  const Score whole = problem.score(result.model, all);
+  result.total_ll = whole.log_likelihood;
+  result.held = held_in_turn(problem, result.fit, unknowns);
+  result.valid = whole.valid && result.held.valid && std::isfinite(result.total_ll);
   result.error = result.held.error();
-  if (!std::isfinite(result.total_ll)) result.valid = false;
   return result;
 }
 

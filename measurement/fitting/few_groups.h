@@ -12,6 +12,12 @@ namespace seam::measurement {
 // save little or a few groups would not stand for all.
 std::optional<Groups> few_of(const Problem& problem, const Model& model, const Groups& groups);
 
+// Some of them again, with so many residuals of each channel that what moves predictions by
+// `material` noise units, root mean square, gains 20 units of likelihood in a channel: what they
+// show nothing of is not material. None where that would save little, and where nothing is small.
+std::optional<Groups> enough_to_tell(const Problem& problem, const Model& model,
+                                     const Groups& groups, double material);
+
 // Of its scale: what a fit to a few groups leaves below this of a spread says nothing of all
 // groups.
 inline constexpr double kNoSpread = 1e-3;

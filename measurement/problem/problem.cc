@@ -174,7 +174,8 @@ std::vector<std::vector<double>> Problem::starts(const Model& model,
                                                  const EffectDefinition& effect) const {
   const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
   if (rule.search == effects::StartSearch::listed) return rule.values;
-  if (rule.search == effects::StartSearch::best_listed) return {likeliest(model, effect, rule)};
+  if (rule.search == effects::StartSearch::best_listed)
+    return {likeliest(model, effect, rule, folds().size() == 1 ? training_groups() : all_groups())};
   std::vector<std::vector<double>> all;
   for (const double sign : {1.0, -1.0}) {
     std::vector<double> start;
@@ -196,9 +197,17 @@ std::vector<std::vector<double>> Problem::starts_together(const Model& model,
   return starts(model, effect);
 }
 
+std::vector<std::vector<double>> Problem::starts_on(const Groups& groups, const Model& model,
+                                                    const EffectDefinition& effect,
+                                                    const EffectList& companions) const {
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  if (rule.search == effects::StartSearch::best_listed)
+    return {likeliest(model, effect, rule, groups)};
+  return starts_together(model, effect, companions);
+}
+
 std::vector<double> Problem::likeliest(const Model& model, const EffectDefinition& effect,
-                                       const effects::StartRule& rule) const {
-  const Groups groups = folds().size() == 1 ? training_groups() : all_groups();
+                                       const effects::StartRule& rule, const Groups& groups) const {
   Model trial = model;
   trial.add_neutral(std::make_shared<EffectDefinition>(effect));
   const Evaluation here = evaluate(model, groups);

@@ -128,9 +128,14 @@ class Problem {
   virtual std::vector<std::vector<double>> starts_together(const Model& model,
                                                            const EffectDefinition& effect,
                                                            const EffectList& companions) const;
-  // The values of a rule that are the likeliest on the training groups, before any fit.
+  // The same for a fit to these groups alone. Default: where likely values are looked for, they are
+  // looked for there; else the starts are those of any fit.
+  virtual std::vector<std::vector<double>> starts_on(const Groups& groups, const Model& model,
+                                                     const EffectDefinition& effect,
+                                                     const EffectList& companions) const;
+  // The values of a rule that are the likeliest on these groups, before any fit.
   std::vector<double> likeliest(const Model& model, const EffectDefinition& effect,
-                                const effects::StartRule& rule) const;
+                                const effects::StartRule& rule, const Groups& groups) const;
   // At how many independent places the starts of an effect looked for the best one (frequencies,
   // counts): so many looks it counts for. Default: its starts where it has counts.
   virtual double looks(const Model& model, const EffectDefinition& effect) const;

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "effects/registry.h"
-#include "measurement/numerics/regression.h"
+#include "measurement/fitting/foretaste.h"
 #include "measurement/numerics/span.h"
 
 namespace seam::measurement {
@@ -103,11 +103,41 @@ Model as_given(Model model, const std::vector<Unknown>& refitted, const Model& g
   return model;
 }
 
+struct Fitted {
+  Grown grown;
+  double most_ll = 0;  // See Candidate.
+};
+
+// Counts are not fitted but tried: the best two go on.
+std::vector<std::vector<double>> best_counts(const Problem& problem, const Grown& base,
+                                             const Prospect& prospect,
+                                             const std::vector<std::vector<double>>& starts) {
+  // Effects of spread do not change which of them fits the mean, and would cost most of the time. A
+  // converter's steps are another thing: what noise leaves of them is all that is seen.
+  Model plain = base.assessment.model;
+  for (const effects::ModelEffect& other : base.assessment.model.effects()) {
+    if (other.definition->spread_only && prospect.effect->stage != effects::Stage::sensor)
+      plain.remove(other.definition->name);
+  }
+  const Groups groups = prospect.few.value_or(problem.all_groups());
+  std::vector<std::pair<double, size_t>> order;
+  for (size_t i = 0; i < starts.size(); ++i) {
+    const Score score = problem.score(with_effect(plain, prospect, starts[i]), groups);
+    order.emplace_back(
+        score.valid ? -score.log_likelihood : std::numeric_limits<double>::infinity(), i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<std::vector<double>> best;
+  for (size_t i = 0; i < std::min(kMostCountsFitted, order.size()); ++i)
+    best.push_back(starts[order[i].second]);
+  return best;
+}
+
 // Fits from each start in turn and keeps the best; later starts only where the first may have
 // been unlucky. An effect that replaces another is far from what was fitted without it, so the fit
 // starts from the given values as well.
-std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
-                                     const Prospect& prospect) {
+std::optional<Fitted> fit_from_starts(const Problem& problem, const Grown& base,
+                                      const Prospect& prospect) {
   const auto& effect = prospect.effect;
   const std::vector<size_t>& open = prospect.free;
   std::vector<std::vector<double>> starts = prospect.starts;
@@ -118,31 +148,11 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
     }
   }
   const bool counts = has_counts(*effect);
-  if (counts && starts.size() > 1) {  // Counts are not fitted but tried: the best two go on.
-    std::vector<std::pair<double, size_t>> order;
-    // Effects of spread do not change which of them fits the mean, and would cost most of the time.
-    // A converter's steps are another thing: what noise leaves of them is all that is seen.
-    Model plain = base.assessment.model;
-    for (const effects::ModelEffect& other : base.assessment.model.effects()) {
-      if (other.definition->spread_only && effect->stage != effects::Stage::sensor)
-        plain.remove(other.definition->name);
-    }
-    for (size_t i = 0; i < starts.size(); ++i) {
-      const Score score =
-          problem.score(with_effect(plain, prospect, starts[i]), problem.all_groups());
-      order.emplace_back(
-          score.valid ? -score.log_likelihood : std::numeric_limits<double>::infinity(), i);
-    }
-    std::sort(order.begin(), order.end());
-    std::vector<std::vector<double>> best;
-    for (size_t i = 0; i < std::min(kMostCountsFitted, order.size()); ++i)
-      best.push_back(starts[order[i].second]);
-    starts = best;
-  }
+  if (counts && starts.size() > 1) starts = best_counts(problem, base, prospect, starts);
   std::vector<Model> bases = {base.assessment.model};
   if (!effect->has_neutral && !base.assessment.unknowns.empty())
     bases.push_back(as_given(bases[0], base.assessment.unknowns, problem.given()));
-  std::optional<Grown> best;
+  std::optional<Fitted> best;
   for (size_t s = 0; s < starts.size() * bases.size(); ++s) {
     const Model start = with_effect(bases[s / starts.size()], prospect, starts[s % starts.size()]);
     std::vector<Unknown> unknowns;
@@ -156,19 +166,25 @@ std::optional<Grown> fit_from_starts(const Problem& problem, const Grown& base,
         if (!parameter.integer && !parameter.stated) unknowns.push_back({companion->name, i});
       }
     }
-    Grown grown{.added = base.added, .assessment = assess(problem, start, unknowns)};
+    Fitted fitted{.grown = {.added = base.added}};
+    Grown& grown = fitted.grown;
+    if (prospect.few) {
+      Foretaste taste = foretaste(problem, *prospect.few, start, unknowns);
+      grown.assessment = std::move(taste.assessment), fitted.most_ll = taste.most_ll;
+    } else {
+      grown.assessment = assess(problem, start, unknowns);
+      fitted.most_ll = grown.assessment.total_ll;
+    }
     std::erase_if(grown.added, [&](const std::string& name) { return !start.has(name); });
     grown.added.push_back(effect->name);
     for (const auto& companion : prospect.companions) grown.added.push_back(companion->name);
     if (!grown.assessment.valid) continue;
-    if (!best || grown.assessment.total_ll > best->assessment.total_ll) best = std::move(grown);
+    if (!best || grown.assessment.total_ll > best->grown.assessment.total_ll)
+      best = std::move(fitted);
     // Two starts are the two directions of a smooth effect, which meet at the same optimum.
-    const bool stuck =
-        std::find(best->assessment.fit.at_bound.begin(), best->assessment.fit.at_bound.end(), 1) !=
-        best->assessment.fit.at_bound.end();
-    if (starts.size() == 2 && !counts && best->assessment.fit.converged && !stuck &&
-        effect->has_neutral)
-      break;
+    const Fit& fit = best->grown.assessment.fit;
+    const bool stuck = std::find(fit.at_bound.begin(), fit.at_bound.end(), 1) != fit.at_bound.end();
+    if (starts.size() == 2 && !counts && fit.converged && !stuck && effect->has_neutral) break;
   }
   return best;
 }
@@ -228,7 +244,7 @@ std::optional<Evaluation> start_of_prospects(const Problem& problem, const Model
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons, bool alone,
-                                    const Evaluation* near) {
+                                    const Evaluation* near, const Groups* few) {
   const Model& model = base.assessment.model;
   if (effects::is_excluded(*effect, model)) return std::nullopt;
   if (effect->draws_estimated && base.assessment.error > kUseless) {
@@ -237,7 +253,8 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
   }
   Prospect prospect{.effect = effect};
   if (!alone) prospect.companions = effects::companions_of(*effect, model);
-  prospect.starts = problem.starts_together(model, *effect, prospect.companions);
+  prospect.starts = few ? problem.starts_on(*few, model, *effect, prospect.companions)
+                        : problem.starts_together(model, *effect, prospect.companions);
   if (prospect.starts.empty()) return std::nullopt;
   const Model probe = with_effect(model, prospect, prospect.starts.front());
   std::vector<Unknown> others;
@@ -253,7 +270,9 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
       return std::nullopt;
     }
   }
-  const std::optional<Groups> screening = problem.screening_groups();
+  // Draws that groups share are told by all of them together.
+  if (few && problem.groups_are_independent(probe)) prospect.few = *few;
+  const std::optional<Groups> screening = few ? std::optional(*few) : problem.screening_groups();
   const Groups groups = screening.value_or(problem.all_groups());
   double expected = prospect.expected_ll;
   prospect.free =
@@ -273,16 +292,18 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
 
 std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
                                       const Prospect& prospect, std::vector<NotTestable>& reasons) {
-  auto grown = fit_from_starts(problem, base, prospect);
-  if (!grown) {
+  auto fitted = fit_from_starts(problem, base, prospect);
+  if (!fitted) {
     reasons.push_back(
         {prospect.effect->name, "", "with it the model predicts no image for some observations"});
     return std::nullopt;
   }
   return Candidate{.effect = prospect.effect,
-                   .grown = std::move(*grown),
+                   .grown = std::move(fitted->grown),
                    .companions = prospect.companions,
-                   .free = prospect.free};
+                   .free = prospect.free,
+                   .of_few = prospect.few.has_value(),
+                   .most_ll = fitted->most_ll};
 }
 
 std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
@@ -302,86 +323,6 @@ Grown without(const Grown& grown, const std::string& out) {
   smaller.assessment = {.model = model, .unknowns = unknowns};
   smaller.assessment.total_ll = -1e300;
   return smaller;
-}
-
-namespace {
-
-// Marks the prospects worth a fit: those that the score test calls significant or nearly so, and of
-// these the best few. What a step of Gauss and Newton cannot judge is always fitted.
-std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
-                                const std::vector<std::optional<Prospect>>& prospects) {
-  const double n = static_cast<double>(std::max<size_t>(1, count_used(problem)));
-  std::vector<char> worth(prospects.size(), 0);
-  std::vector<std::pair<double, size_t>> ranked;
-  for (size_t i = 0; i < prospects.size(); ++i) {
-    if (!prospects[i]) continue;
-    if (!std::isfinite(prospects[i]->expected_ll)) {
-      worth[i] = 1;
-      continue;
-    }
-    const double gain = prospects[i]->expected_ll - base.assessment.total_ll;
-    const double error = base.assessment.error;
-    const double misfit = std::max(1.0, error * error - 2 * gain / n);
-    const double freedom = static_cast<double>(std::max<size_t>(1, prospects[i]->free.size()));
-    const double tail = chi2_tail(kScoreMargin * 2 * std::max(gain, 0.0) / misfit, freedom);
-    if (tail * static_cast<double>(prospects.size()) < kPromising)
-      ranked.emplace_back(-prospects[i]->expected_ll, i);
-  }
-  std::sort(ranked.begin(), ranked.end());
-  if (ranked.size() > kMostFitted) ranked.resize(kMostFitted);
-  for (const auto& [order, i] : ranked) worth[i] = 1;
-  return worth;
-}
-
-}  // namespace
-
-Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects, double material,
-              bool promising_only) {
-  std::vector<std::optional<Prospect>> prospects(effects.size());
-  std::vector<std::vector<NotTestable>> reasons(effects.size());
-  promising_only =
-      problem.is_smooth(base.assessment.model) && (promising_only || problem.screening_groups());
-  const std::optional<Evaluation> near = start_of_prospects(problem, base.assessment.model);
-  parallel_for(effects.size(), [&](size_t i) {
-    prospects[i] = prospect_of(problem, base, effects[i], reasons[i], /*alone=*/false,
-                               near ? &*near : nullptr);
-  });
-  Looks looks;
-  for (const auto& prospect : prospects) looks.tried += prospect.has_value();
-  std::vector<char> worth(effects.size(), 1);
-  if (promising_only) worth = worth_fitting(problem, base, prospects);
-  std::vector<std::optional<Candidate>> found(effects.size());
-  const Evaluation here = problem.evaluate_held_out(base.assessment.model, problem.scored_groups());
-  const auto fit = [&](const auto& chosen) {
-    parallel_for(effects.size(), [&](size_t i) {
-      if (!prospects[i] || !worth[i] || !chosen(*effects[i])) return;
-      found[i] = fit_prospect(problem, base, *prospects[i], reasons[i]);
-      if (found[i]) judge(problem, base, here, looks.tried, material, *found[i]);
-    });
-  };
-  // Effects of the mean first, then draws that are estimated and move predictions, too, then what
-  // only widens them: where one of these clearly helps, the next wait for another look.
-  const auto any_helps = [&] {
-    return std::any_of(found.begin(), found.end(), [](const auto& c) {
-      return c && c->significant && c->held_z > kClearGain && !only_widens(*c->effect);
-    });
-  };
-  const auto sort_of = [](const EffectDefinition& effect) {
-    if (!effect.spread_only) return 0;
-    return effect.draws_estimated ? 1 : effect.errors == effects::Errors::now_and_then ? 3 : 2;
-  };
-  for (const int sort : {0, 1, 2, 3}) {
-    // Single large errors are told by no model that explains nothing.
-    const bool useless = sort == 3 && base.assessment.error > kUseless;
-    if ((promising_only || useless) && any_helps()) break;
-    fit([&](const EffectDefinition& effect) { return sort_of(effect) == sort; });
-  }
-  for (size_t i = 0; i < effects.size(); ++i) {
-    looks.not_testable.insert(looks.not_testable.end(), reasons[i].begin(), reasons[i].end());
-    if (found[i]) looks.candidates.push_back(std::move(*found[i]));
-  }
-  rank_candidates(looks.candidates);
-  return looks;
 }
 
 }  // namespace seam::measurement

@@ -35,15 +35,17 @@ struct Prospect {
   // Total log-likelihood after one step of Gauss and Newton in all unknowns (the score test);
   // infinite where such a step says nothing: spreads, counts, servos, replacements.
   double expected_ll = std::numeric_limits<double>::infinity();
+  std::optional<Groups> few;  // Looked at, and to be fitted, on these groups alone.
 };
 
 // Nothing where the effect cannot be tested (and says why in `reasons`). The companions of its
 // record come with it unless it is wanted `alone`. `near` is the base's own evaluation where there
-// is one: with a small effect more, nuisances hardly move.
+// is one: with a small effect more, nuisances hardly move. Where `few` groups are given, these
+// alone are looked at, and `near` is of them.
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons, bool alone = true,
-                                    const Evaluation* near = nullptr);
+                                    const Evaluation* near = nullptr, const Groups* few = nullptr);
 
 // What prospects beside a model may start from; nothing where they are no steps of Gauss and Newton
 // on all groups.
@@ -66,7 +68,15 @@ Grown without(const Grown& grown, const std::string& out);
 // dear (screening_groups), and where the problem is smooth, those whose score test says that they
 // would not be significant are left out, of the others the best few are fitted, and spreads only
 // where no effect of the mean clearly helps.
+// Where rows are many, few groups may be asked first; what leads, and what gains a little, is
+// fitted to all.
+enum class Asked { all_rows, few_first };
 Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects, double material,
-              bool promising_only = false);
+              bool promising_only = false, Asked asked = Asked::all_rows);
+
+// Fits a candidate of few groups to all rows, and judges it as the look did that tried so many.
+// `here` is the base's evaluation on the scored groups.
+void ask_all_rows(const Problem& problem, const Grown& base, const Evaluation& here, double tried,
+                  double material, Candidate& candidate);
 
 }  // namespace seam::measurement

@@ -29,6 +29,39 @@ Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candida
   return nullptr;
 }
 
+namespace {
+
+// Whether a candidate that few groups were asked of may be tied with another, fitted to all rows.
+bool may_be_tied(const Candidate& few, const Candidate& with) {
+  const double reach = kTieReach * tie_width(with.grown.assessment.error);
+  const double there = with.grown.assessment.total_ll;
+  return few.significant && few.grown.assessment.total_ll <= there + reach &&
+         few.most_ll >= there - reach;
+}
+
+}  // namespace
+
+Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double material,
+                              Looks& looks) {
+  for (;;) {
+    Candidate* next = choose(problem, here, looks.candidates);
+    if (next == nullptr) return nullptr;
+    std::vector<Candidate*> asked;
+    for (Candidate& candidate : looks.candidates) {
+      if (candidate.of_few && (next->of_few ? &candidate == next : may_be_tied(candidate, *next)))
+        asked.push_back(&candidate);
+    }
+    if (asked.empty()) return next;
+    const Evaluation base =
+        problem.evaluate_held_out(here.assessment.model, problem.scored_groups());
+    parallel_for(asked.size(), [&](size_t i) {
+      ask_all_rows(problem, here, base, looks.tried, material, *asked[i]);
+    });
+    for (Candidate& candidate : looks.candidates) candidate.indistinguishable_from.clear();
+    rank_candidates(looks.candidates);
+  }
+}
+
 bool clearly_needed(const Grown& grown, const std::string& name) {
   const Assessment& here = grown.assessment;
   const effects::ModelEffect* effect = here.model.find(name);

@@ -13,6 +13,10 @@ namespace seam::measurement {
 // that, or that leads the mean of `here` astray, is no candidate.
 Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candidate>& candidates);
 
+// The same, it and what may be tied with it fitted to all rows, where a look asked few groups.
+Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double material,
+                              Looks& looks);
+
 // Whether some parameter of an added effect is so far from neutral that the effect cannot go.
 bool clearly_needed(const Grown& grown, const std::string& name);
 

@@ -17,10 +17,25 @@ bool may_take_the_place(const EffectDefinition& in, const EffectDefinition& leav
          (in.term != effects::Term::none && in.term == leaving.replaces_term);
 }
 
+// Whether the exchange is no tie, and far from better, as few groups tell.
+bool is_far_behind(const Problem& problem, const Grown& grown, const Grown& smaller,
+                   const std::shared_ptr<const EffectDefinition>& in) {
+  const auto few = foretasters(problem, smaller.assessment.model, kMaterial);
+  if (!few) return false;
+  std::vector<NotTestable> reasons;
+  const auto prospect =
+      prospect_of(problem, smaller, in, reasons, /*alone=*/true, /*near=*/nullptr, &*few);
+  if (!prospect || !reasons.empty() || !prospect->few) return false;
+  const auto candidate = fit_prospect(problem, smaller, *prospect, reasons);
+  return candidate && candidate->most_ll <
+                          grown.assessment.total_ll - kTieReach * tie_width(grown.assessment.error);
+}
+
 std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const Grown& smaller,
                                const Score& score, const Evaluation* near,
                                const std::shared_ptr<const EffectDefinition>& in) {
   std::vector<NotTestable> reasons;
+  if (is_far_behind(problem, grown, smaller, in)) return std::nullopt;
   const auto prospect = prospect_of(problem, smaller, in, reasons, /*alone=*/true, near);
   if (!prospect) return std::nullopt;
   if (std::isfinite(prospect->expected_ll)) {

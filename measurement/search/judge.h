@@ -24,6 +24,8 @@ struct Candidate {
   Grown grown;               // The model with it.
   EffectList companions;     // Added with it, as one move.
   std::vector<size_t> free;  // Its parameters that were fitted.
+  bool of_few = false;       // Fitted to a few groups alone, and held against all.
+  double most_ll = 0;        // Total log-likelihood that a fit to all rows may reach.
   double gain_ll = 0;        // Held-out log-likelihood gained.
   double total_gain_ll = 0;  // Of training and held-out groups together.
   double held_z = 0;         // gain_ll over its standard error, from the scatter between groups.

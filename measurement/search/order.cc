@@ -79,6 +79,17 @@ bool waits(const EffectDefinition& effect) {
   return effect.draws_estimated || effect.errors == effects::Errors::now_and_then;
 }
 
+// Beside what was given the first look fitted each effect, under the same marks.
+std::optional<Candidate> seen_first(const SearchResult& result, const Grown& grown,
+                                    const std::string& name) {
+  if (!grown.added.empty() || !result.first_is_of_base) return std::nullopt;
+  for (const Candidate& candidate : result.first.candidates) {
+    if (candidate.effect->name == name && candidate.companions.empty() && !candidate.of_few)
+      return candidate;
+  }
+  return std::nullopt;
+}
+
 double moved(const Problem& problem, const Assessment& before, const Assessment& after,
              const EffectDefinition& by) {
   const Evaluation here = problem.evaluate_held_out(before.model, problem.scored_groups());
@@ -123,6 +134,8 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
             return waits(*effect_by_name(name));
           }))
         return;
+      if (effect->companions.empty() && !last) tried[i] = seen_first(result, grown, left[i]);
+      if (tried[i]) return;
       if (effect->companions.empty() && !last)
         tried[i] = try_effect(problem, grown, effect, reasons);
       // Found after another that it replaced, or with others: what was fitted last is the place to

@@ -5,6 +5,7 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/fitting/foretaste.h"
 #include "measurement/fitting/group_scatter.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/order.h"
@@ -29,10 +30,10 @@ class Searcher {
   Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
              const Grown* rival = nullptr);
-  Looks look(const Grown& grown, bool promising_only);
+  Looks look(const Grown& grown, bool promising_only, Asked asked);
   EffectList absent(const Model& model, bool moves) const;
   void forward(SearchResult& result, const Grown* earlier);
-  std::optional<Grown> again(const Grown& earlier, const Looks& first);
+  std::optional<Grown> again(const Grown& earlier, Looks& first);
   void begin_with(const Candidate& beginning, SearchResult& result);
   void try_beginnings(SearchResult& result);
   bool misses(const Assessment& assessment) const;
@@ -73,6 +74,10 @@ bool Searcher::prune(Grown& grown) {
         return;
       if (effects::has_dependents(grown.assessment.model, grown.added[i])) return;
       Grown less = without(grown, grown.added[i]);
+      constexpr double kAnyPrice = 0.5 * kCannotGo * kCannotGo;
+      if (stays_below(problem_, less.assessment.model, less.assessment.unknowns,
+                      grown.assessment.total_ll - kAnyPrice))
+        return;
       less.assessment = assess(problem_, less.assessment.model, less.assessment.unknowns);
       if (less.assessment.valid) smaller[i] = std::move(less);
     });
@@ -142,9 +147,9 @@ EffectList Searcher::absent(const Model& model, bool moves) const {
   return effects;
 }
 
-Looks Searcher::look(const Grown& grown, bool promising_only) {
+Looks Searcher::look(const Grown& grown, bool promising_only, Asked asked) {
   Looks looks = look_at(problem_, grown, absent(grown.assessment.model, /*moves=*/false), material_,
-                        promising_only);
+                        promising_only, asked);
   looks_ = std::max(looks_, looks.tried);
   return looks;
 }
@@ -159,10 +164,13 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     // have promised too little.
     const bool first = step == 0 && first_looks != nullptr;
     const bool misses = grown.assessment.error > kMisfit;
-    Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true);
-    Candidate* next = choose(problem_, grown, looks.candidates);
-    if (!next && !first && misses && problem_.is_smooth(grown.assessment.model)) {
-      looks = look(grown, /*promising_only=*/false);
+    Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true, Asked::few_first);
+    Candidate* next = choose_by_all_rows(problem_, grown, material_, looks);
+    const bool shortened = (!first && problem_.is_smooth(grown.assessment.model)) ||
+                           std::any_of(looks.candidates.begin(), looks.candidates.end(),
+                                       [](const Candidate& candidate) { return candidate.of_few; });
+    if (!next && misses && shortened) {
+      looks = look(grown, /*promising_only=*/false, Asked::all_rows);
       next = choose(problem_, grown, looks.candidates);
     }
     if (first) *first_looks = looks;
@@ -195,6 +203,8 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   progress_("trying again from " + beginning.effect->name);
   std::vector<Candidate> traces;
   Grown other = beginning.grown;
+  if (beginning.of_few)
+    other.assessment = assess(problem_, other.assessment.model, other.assessment.unknowns);
   prune(other);
   other = grow(std::move(other), nullptr, traces);
   if (merit_of(problem_, other) <= merit_of(problem_, result.best)) return;
@@ -207,12 +217,13 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
 
 // With other outliers marked, the way leads where it led before if it begins alike: what was found
 // there is fitted again, and the search goes on from it.
-std::optional<Grown> Searcher::again(const Grown& earlier, const Looks& first) {
-  if (!problem_.is_smooth(earlier.assessment.model) || earlier.added.empty() ||
-      earlier.assessment.error > kUseless)
+std::optional<Grown> Searcher::again(const Grown& earlier, Looks& first) {
+  const bool one_valley = problem_.is_smooth(earlier.assessment.model);
+  if (earlier.added.empty() || earlier.assessment.error > (one_valley ? kUseless : kMisfit))
     return std::nullopt;
-  std::vector<Candidate> candidates = first.candidates;
-  const Candidate* next = choose(problem_, base_, candidates);
+  Looks looks = first;
+  const Candidate* next = choose_by_all_rows(problem_, base_, material_, looks);
+  first = looks;
   if (!next || std::find(earlier.added.begin(), earlier.added.end(), next->effect->name) ==
                    earlier.added.end())
     return std::nullopt;
@@ -229,7 +240,7 @@ std::optional<Grown> Searcher::again(const Grown& earlier, const Looks& first) {
 void Searcher::forward(SearchResult& result, const Grown* earlier) {
   // The first look is what the user sees: every effect is fitted in it.
   progress_("step 1: trying effects");
-  result.first = look(base_, /*promising_only=*/false);
+  result.first = look(base_, /*promising_only=*/false, Asked::few_first);
   std::optional<Grown> found;
   if (earlier != nullptr) found = again(*earlier, result.first);
   if (!found) promising_.clear();
@@ -323,6 +334,7 @@ SearchResult Searcher::run() {
   }
   if (marks_changed) base_ = base();
   result.base = base_;
+  result.first_is_of_base = !marks_changed;
   order_steps(
       problem_, [&](const std::string& name) { return definition(name); }, exchanges_, promising_,
       result);

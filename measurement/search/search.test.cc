@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
+#include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/choice.h"
 #include "measurement/study/study.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -112,6 +115,54 @@ TEST(Search, FewGroupsAddWhatHalvesTheError) {
     EXPECT_LT(result.steps[0].error_after, 0.5 * result.steps[0].error_before) << runs;
     EXPECT_GT(result.best.assessment.error, kMisfit) << runs;
   }
+}
+
+// What few groups say of a look decides what all rows are asked, and nothing else: what leads is
+// the same to the last digit, and what stays behind would have stayed there.
+TEST(Search, AsksAllRowsOfWhatLeads) {
+  const auto protocol = landmark_protocol("landmarks-many-protocol", 0, 260);
+  const auto out = std::filesystem::path(testing::TempDir()) / "landmarks-many";
+  const Model nominal = model_of("{ideal_detector: {}}");
+  measure_set(model_of("{ideal_detector: {}, range_scale: {scale: 0.01}, "
+                       "heading_wander: {sigma_rad: 0.006, tau_s: 1}}"),
+              MeasurementSet::open(protocol), {.seed = 3, .out = out});
+  const auto problem = open_problem(out);
+  const Grown base{.assessment = assess(*problem, nominal, {})};
+  EffectList effects;
+  for (const char* name : {"range_scale", "range_offset", "bearing_scale", "frame_latency",
+                           "clock_drift", "bearing_noise", "range_tail"})
+    effects.push_back(effects::find_effect(name));
+  const auto looks = [&](Asked asked) {
+    return look_at(*problem, base, effects, kMaterial, /*promising_only=*/false, asked);
+  };
+  const Looks of_all = looks(Asked::all_rows);
+  Looks led = looks(Asked::few_first);
+  const Candidate* chosen = choose_by_all_rows(*problem, base, kMaterial, led);
+  ASSERT_NE(chosen, nullptr);
+  EXPECT_FALSE(chosen->of_few);
+  EXPECT_EQ(led.tried, of_all.tried);
+  ASSERT_EQ(led.candidates.size(), of_all.candidates.size());
+  EXPECT_TRUE(led.candidates.front().significant);
+  size_t stayed = 0;
+  for (const Candidate& few : led.candidates) {
+    const auto whole =
+        std::find_if(of_all.candidates.begin(), of_all.candidates.end(),
+                     [&](const Candidate& c) { return c.effect->name == few.effect->name; });
+    ASSERT_NE(whole, of_all.candidates.end());
+    EXPECT_EQ(few.significant, whole->significant) << few.effect->name;
+    if (!few.of_few) {
+      EXPECT_EQ(few.grown.assessment.total_ll, whole->grown.assessment.total_ll);
+      continue;
+    }
+    ++stayed;
+    EXPECT_LE(whole->grown.assessment.total_ll, few.most_ll) << few.effect->name;
+    const double away =
+        std::abs(whole->grown.assessment.total_ll - chosen->grown.assessment.total_ll);
+    EXPECT_TRUE(!whole->significant || away > kTieReach * tie_width(whole->grown.assessment.error));
+  }
+  std::vector<Candidate> candidates = of_all.candidates;
+  EXPECT_EQ(chosen->effect->name, choose(*problem, base, candidates)->effect->name);
+  EXPECT_GE(stayed, 3u);
 }
 
 TEST(Landmarks, UnknownLandmarkIsNamed) {

@@ -10,6 +10,7 @@
 
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/order.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -148,7 +149,10 @@ class Study {
 
   void count(const SearchResult& result, double value, StudyRow& row) const {
     const auto tally = [](Rate& rate, bool hit) { rate.hits += hit, ++rate.trials; };
-    tally(row.alarms, result.verdict != "adequate");
+    // Errors that wander in truth and not in the model are no false alarm where a noise names them.
+    const bool named = plan_.conditions.wander > 0 && explained_by_noises(result);
+    if (plan_.conditions.wander > 0) tally(row.noises, named);
+    tally(row.alarms, result.verdict != "adequate" && !named);
     const auto is_hidden = [&](const std::string& name) {
       return std::find(hidden_.begin(), hidden_.end(), name) != hidden_.end();
     };
@@ -244,6 +248,7 @@ std::string study_json(const StudyPlan& plan, const StudyResult& result) {
     if (!plan.effect.empty() || !plan.hidden.empty())
       entry["first"] = rate(row.first), entry["exact"] = rate(row.exact);
     if (!plan.effect.empty()) entry["covered"] = rate(row.covered);
+    if (row.noises.trials > 0) entry["noises"] = rate(row.noises);
     entry["error"] = number(row.error), entry["error_sigma"] = number(row.error_sigma);
     json["rows"].push_back(std::move(entry));
   }
@@ -270,6 +275,7 @@ std::string study_text(const StudyPlan& plan, const StudyResult& result) {
           std::isfinite(row.size) ? fmt::format(" ({:g} sigma)", row.size) : "",
           percent(row.alarms), percent(row.first), percent(row.exact), percent(row.covered));
     }
+    if (row.noises.trials > 0) text += fmt::format(", the wandering named {}", percent(row.noises));
     text += fmt::format("; final error {:.4f} +- {:.4f}\n", row.error, row.error_sigma);
   }
   return text;

@@ -46,10 +46,11 @@ struct StudyRow {
   double size = 0;   // In standard errors; NaN where the value was given.
   double value = 0;  // Of the parameter.
   int sets = 0;      // Finished: as many as the plan's seeds, unless the study was stopped.
-  Rate alarms;       // Verdict other than adequate.
-  Rate first;        // The effect (one of several) ranks first or is declared tied with the first.
-  Rate exact;        // The search ends with the effects (or declared ties) and no others.
-  Rate adds;         // The search ends with an effect of the mean that is not there.
+  Rate alarms;   // Verdict other than adequate; where errors wander, other than by a noise's name.
+  Rate noises;   // Where errors wander: noises are named, nothing else, and explain all.
+  Rate first;    // The effect (one of several) ranks first or is declared tied with the first.
+  Rate exact;    // The search ends with the effects (or declared ties) and no others.
+  Rate adds;     // The search ends with an effect of the mean that is not there.
   Rate covered;  // True value within two standard errors, where the search ends with the effect.
   double error = 0;        // Mean of the final error.
   double error_sigma = 0;  // Standard error of this mean.

@@ -62,7 +62,15 @@ TEST(Study, SetsLikeRecordings) {
   EXPECT_EQ(quiet.rows.at(0).alarms.hits, 0) << study_text(plan, quiet);
   plan.conditions = {.wander = 2};
   const StudyResult wandering = study(plan, silent);
-  EXPECT_EQ(wandering.rows.at(0).alarms.hits, 2) << study_text(plan, wandering);
+  EXPECT_EQ(wandering.rows.at(0).noises.hits, 2) << study_text(plan, wandering);
+  EXPECT_EQ(wandering.rows.at(0).alarms.hits, 0) << study_text(plan, wandering);
+  EXPECT_EQ(wandering.rows.at(0).adds.hits, 0) << study_text(plan, wandering);
+  EXPECT_NE(study_text(plan, wandering).find("the wandering named 2/2"), std::string::npos);
+  // Half the noise widens the whole by 12 %: a little more than what matters.
+  plan.conditions = {.wander = 0.5};
+  const StudyResult faint = study(plan, silent);
+  EXPECT_EQ(faint.rows.at(0).noises.hits, 1) << study_text(plan, faint);
+  EXPECT_EQ(faint.rows.at(0).alarms.hits, 0) << study_text(plan, faint);
   plan.conditions = {.bursts = true};
   const StudyResult bursts = study(plan, silent);
   EXPECT_NEAR(bursts.rows.at(0).error, 1, 0.2) << study_text(plan, bursts);

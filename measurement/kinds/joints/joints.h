@@ -65,6 +65,9 @@ class JointsProblem : public Problem {
           const Groups& groups) const override;
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
+  std::vector<std::vector<double>> starts_on(const Groups& groups, const Model& model,
+                                             const EffectDefinition& effect,
+                                             const EffectList& companions) const override;
   std::vector<std::vector<double>> starts_together(const Model& model,
                                                    const EffectDefinition& effect,
                                                    const EffectList& companions) const override;
@@ -77,6 +80,9 @@ class JointsProblem : public Problem {
   Groups held_out_third() const override;
 
  private:
+  // `shown` first, and what it likes best on all of `training`.
+  std::vector<std::vector<double>> starts_of(const Model& model, const EffectDefinition& effect,
+                                             Groups shown, const Groups& training) const;
   std::vector<effects::Lack> lacks() const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates();

@@ -91,11 +91,28 @@ std::vector<std::vector<double>> coarse_grid(const EffectDefinition& effect, boo
 
 }  // namespace
 
+std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
+                                                       const EffectDefinition& effect) const {
+  const Groups training = folds().size() == 1 ? training_groups() : all_groups();
+  return starts_of(model, effect, few_of(*this, model, training).value_or(training), training);
+}
+
+std::vector<std::vector<double>> JointsProblem::starts_on(const Groups& groups, const Model& model,
+                                                          const EffectDefinition& effect,
+                                                          const EffectList& companions) const {
+  const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
+  const bool looks = rule.values.empty() && rule.search != effects::StartSearch::motion;
+  return looks ? starts_of(model, effect, few_of(*this, model, groups).value_or(groups), groups)
+               : Problem::starts_on(groups, model, effect, companions);
+}
+
 // A coarse look over the whole range of each servo parameter, on the groups that fits may see: the
 // likelihood has several valleys (a speed limit that never binds, a latency of another row). The
 // best of it comes first, then a small effect, from which other parameters can make way.
-std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
-                                                       const EffectDefinition& effect) const {
+std::vector<std::vector<double>> JointsProblem::starts_of(const Model& model,
+                                                          const EffectDefinition& effect,
+                                                          Groups shown,
+                                                          const Groups& training) const {
   const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
   if (!rule.values.empty()) return Problem::starts(model, effect);
   if (effect.spread_only)
@@ -109,8 +126,6 @@ std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
   const bool wave = rule.search == effects::StartSearch::wave;
   const bool motor = effects::has_base(model, effects::Base::motor);
   const std::vector<std::vector<double>> grid = coarse_grid(effect, wave, motor);
-  const Groups training = folds().size() == 1 ? training_groups() : all_groups();
-  Groups shown = few_of(*this, model, training).value_or(training);
   Model trial = model;
   trial.add_neutral(std::make_shared<EffectDefinition>(effect));
   Evaluation warm = evaluate(model, shown, nullptr);

@@ -1,0 +1,58 @@
+#include "measurement/fitting/foretaste.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measurement/fitting/few_groups.h"
+
+namespace seam::measurement {
+namespace {
+
+// Residuals that take part, of these groups.
+double residuals_of(const Problem& problem, const Groups& groups) {
+  double count = 0;
+  for (size_t i = 0; i < problem.facts().scalars(); ++i)
+    count += groups[problem.facts().group_of(i)] && !problem.left_out(i);
+  return count;
+}
+
+// The best fit to all rows leads the fit to a few by chi-square of the parameters over two, as many
+// times as all rows are more, and as errors are larger than the noise. This is what it hardly ever
+// leads by: one of a million (the Wilson-Hilferty cube).
+double lead_of_all(const Problem& problem, const Groups& few, const Assessment& assessment) {
+  constexpr double kHardlyEver = 4.75;  // Standard deviations.
+  const auto k = static_cast<double>(assessment.unknowns.size());
+  if (k == 0) return 0;
+  const double root = 1 - 2 / (9 * k) + kHardlyEver * std::sqrt(2 / (9 * k));
+  const double chi2 = k * root * root * root;
+  const double times =
+      residuals_of(problem, problem.all_groups()) / std::max(1.0, residuals_of(problem, few));
+  return 0.5 * chi2 * times * std::max(1.0, assessment.error * assessment.error);
+}
+
+}  // namespace
+
+std::optional<Groups> foretasters(const Problem& problem, const Model& model, double material) {
+  if (problem.folds().size() != 1 || problem.facts().groups.size() < kFewGroups ||
+      problem.screening_groups())
+    return std::nullopt;
+  return enough_to_tell(problem, model, problem.training_groups(), material);
+}
+
+Foretaste foretaste(const Problem& problem, const Groups& few, const Model& model,
+                    const std::vector<Unknown>& unknowns) {
+  Foretaste out{.assessment = assess_fitted_to(problem, few, model, unknowns)};
+  out.most_ll = out.assessment.total_ll + lead_of_all(problem, few, out.assessment);
+  return out;
+}
+
+bool stays_below(const Problem& problem, const Model& model, const std::vector<Unknown>& unknowns,
+                 double log_likelihood) {
+  constexpr double kFewRows = 0.1;  // As many as tell of a tenth of the noise.
+  const auto few = foretasters(problem, model, kFewRows);
+  if (!few) return false;
+  const Foretaste taste = foretaste(problem, *few, model, unknowns);
+  return taste.assessment.valid && taste.most_ll < log_likelihood;
+}
+
+}  // namespace seam::measurement
