@@ -74,9 +74,11 @@ Grown part_of(const Problem& problem, const Grown& whole, const std::vector<std:
   return part;
 }
 
-// Draws and single large errors can stand for any misfit while a mean is missing: they come last.
-bool waits(const EffectDefinition& effect) {
-  return effect.draws_estimated || effect.errors == effects::Errors::now_and_then;
+// Draws can stand for any misfit while a mean is missing, and single large errors for draws as
+// well: of those that are left only the lowest turn comes.
+int turn_of(const EffectDefinition& effect) {
+  if (effect.errors == effects::Errors::now_and_then) return 2;
+  return effect.draws_estimated ? 1 : 0;
 }
 
 double moved(const Problem& problem, const Assessment& before, const Assessment& after,
@@ -119,17 +121,20 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
       const auto effect = effect_by_name(left[i]);
       if (effects::is_excluded(*effect, grown.assessment.model)) return;
       const bool last = left.size() == 1;
-      if (waits(*effect) && !std::all_of(left.begin(), left.end(), [&](const std::string& name) {
-            return waits(*effect_by_name(name));
+      if (explained && std::any_of(left.begin(), left.end(), [&](const std::string& name) {
+            return turn_of(*effect_by_name(name)) < turn_of(*effect);
           }))
         return;
       if (effect->companions.empty() && !last)
         tried[i] = try_effect(problem, grown, effect, reasons);
       // Found after another that it replaced, or with others: what was fitted last is the place to
-      // start from.
-      if (tried[i]) return;
+      // start from. A lens of which the given values were far may be told from there alone, too.
+      const bool lens = effect->term == effects::Term::radial;
+      if (tried[i] && !(lens && tried[i]->grown.assessment.error > kUseless)) return;
       Grown part = part_of(problem, result.best, left, together(effect_by_name, left, i));
-      if (part.assessment.valid) tried[i] = Candidate{.grown = std::move(part)};
+      if (part.assessment.valid &&
+          (!tried[i] || part.assessment.total_ll > tried[i]->grown.assessment.total_ll))
+        tried[i] = Candidate{.grown = std::move(part)};
     });
     size_t best = left.size();
     for (size_t i = 0; i < left.size(); ++i) {
