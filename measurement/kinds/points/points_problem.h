@@ -91,6 +91,7 @@ class PointsProblem : public Problem {
                                                    const Evaluation& here) const;
   std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,
                                   std::vector<int>& rows) const;
+  double reach_rad(const Model& model) const;
   void count_as_missed(int frame, Evaluation& evaluation) const;
 
   // points_moving.cc
@@ -113,9 +114,6 @@ class PointsProblem : public Problem {
                                                    const std::vector<Unknown>& unknowns,
                                                    const Groups& groups,
                                                    const Evaluation& here) const;
-
-  // points_lens.cc
-  double reach_rad(const Model& model) const;
 
   // points_draws.cc
   // An adjustment that stands at these numbers (Evaluation::nuisance_values); no sigmas: the stated

@@ -1,10 +1,12 @@
-// One family of lenses in the place of another: it begins where the images are most alike.
-#include <Eigen/Dense>
-#include <cmath>
+#include "measurement/kinds/points/target/lens_like.h"
 
-#include "effects/questions.h"
-#include "effects/registry.h"
-#include "measurement/kinds/points/points_problem.h"
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "effects/stages/geometry.h"
 #include "measurement/numerics/damped_step.h"
 
 namespace seam::measurement {
@@ -38,9 +40,9 @@ std::optional<Eigen::VectorXd> images_of(const effects::Projection& projection,
 }
 
 // The values of `in` with which the rest of the model maps the directions most nearly to `wanted`.
-std::optional<std::vector<double>> nearest_lens(Model rest, const effects::EffectDefinition& in,
-                                                const CameraFacts& camera,
-                                                const std::vector<Vec3>& directions,
+std::optional<std::vector<double>> nearest_lens(effects::Model rest,
+                                                const effects::EffectDefinition& in, int width_px,
+                                                int height_px, const std::vector<Vec3>& directions,
                                                 const Eigen::VectorXd& wanted) {
   std::vector<double> values;
   for (const effects::Parameter& parameter : in.parameters) values.push_back(parameter.neutral);
@@ -49,7 +51,7 @@ std::optional<std::vector<double>> nearest_lens(Model rest, const effects::Effec
     std::vector<effects::ParameterValue> set;
     for (const double value : there) set.push_back({.value = value});
     rest.set(definition, std::move(set));
-    auto images = images_of({rest, camera.width_px, camera.height_px}, directions);
+    auto images = images_of({rest, width_px, height_px}, directions);
     if (images) *images -= wanted;
     return images;
   };
@@ -93,44 +95,21 @@ std::optional<std::vector<double>> nearest_lens(Model rest, const effects::Effec
 
 }  // namespace
 
-// The largest angle from the axis under which the rows that take part are seen, poses being those
-// of this model.
-double PointsProblem::reach_rad(const Model& model) const {
-  const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
-  double most = 0;
-  for (size_t row = 0; row < data_.p_W.size(); ++row) {
-    Pose X_CW;
-    if (!takes_part(row) || !evaluation.valid ||
-        !stored_pose(evaluation.nuisance_values, static_cast<size_t>(data_.frame_of_row[row]),
-                     X_CW))
-      continue;
-    const Vec3 p_C = X_CW * data_.p_W[row];
-    most = std::max(most, std::atan2(std::hypot(p_C.x, p_C.y), p_C.z));
-  }
-  return most;
-}
-
-// What stands in the model's lens already cannot be beside another of its kind: that one begins at
-// the same image.
-std::vector<std::vector<double>> PointsProblem::starts(
-    const Model& model, const effects::EffectDefinition& effect) const {
-  const bool other_lens = effect.term == effects::Term::radial &&
-                          data_.rig.type() == Rig::Type::unknown && !moves() &&
-                          data_.cameras.size() == 1 && effects::is_excluded(effect, model);
-  if (!other_lens) return Problem::starts(model, effect);
-  Model lens, rest;
+std::optional<std::vector<double>> lens_like(const effects::Model& model,
+                                             const effects::EffectDefinition& in, int width_px,
+                                             int height_px, double most_rad) {
+  effects::Model lens, rest;
   for (const effects::ModelEffect& part : model.effects()) {
     if (!part.definition->geometry && !part.definition->image_map &&
         part.definition->base != effects::Base::projection)
       continue;
     lens.set(part.definition, part.parameters);
-    if (part.definition->replaces_term != effect.term) rest.set(part.definition, part.parameters);
+    if (part.definition->replaces_term != in.term) rest.set(part.definition, part.parameters);
   }
-  const std::vector<Vec3> directions = directions_within(reach_rad(model));
-  const auto wanted = images_of({lens, data_.camera.width_px, data_.camera.height_px}, directions);
-  if (!wanted) return {};
-  const auto nearest = nearest_lens(rest, effect, data_.camera, directions, *wanted);
-  return nearest ? std::vector<std::vector<double>>{*nearest} : std::vector<std::vector<double>>{};
+  const std::vector<Vec3> directions = directions_within(most_rad);
+  const auto wanted = images_of({lens, width_px, height_px}, directions);
+  if (!wanted) return std::nullopt;
+  return nearest_lens(rest, in, width_px, height_px, directions, *wanted);
 }
 
 }  // namespace seam::measurement
