@@ -235,7 +235,7 @@ std::unique_ptr<Problem> open_points(const MeasurementSet& set) {
 Kind points_kind() {
   return {.bit = effects::kPoints,
           .observations = {.file = "points",
-                           .keys = {"frame", "time_s", "point"},
+                           .keys = {"frame", "time_s", "camera", "point"},
                            .measured = {"u_px", "v_px"},
                            .in_image = true},
           .open = [](const MeasurementSet& set, const Instruments&) { return open_points(set); },
