@@ -51,11 +51,11 @@ Model line_of(double level, double slope) {
                     {level, slope});
 }
 
-const std::vector<Unknown> kBoth = {{"line", 0}, {"line", 1}};
+const std::vector<Unknown> kLevelAndSlope = {{"line", 0}, {"line", 1}};
 
 // A fit to all groups, of which few are held out in turn; its errors are then widened.
 Assessment widened(const Runs& problem, double& widest) {
-  Assessment found = assess(problem, line_of(0, 0), kBoth);
+  Assessment found = assess(problem, line_of(0, 0), kLevelAndSlope);
   widest = widen_by_group_scatter(problem, kAdequate, found);
   return found;
 }
@@ -121,7 +121,7 @@ TEST(GroupScatter, LeavesErrorsAloneWhereTheModelIsRight) {
       ++wider;  // The noise of 150 rows is taken for a misfit once in a hundred times.
       continue;
     }
-    const Fit plain = problem.fit(found.model, kBoth, problem.all_groups());
+    const Fit plain = problem.fit(found.model, kLevelAndSlope, problem.all_groups());
     EXPECT_NEAR(found.fit.sigma[0], plain.sigma[0], 1e-9);
     EXPECT_NEAR(found.fit.sigma[1], plain.sigma[1], 1e-9);
   }

@@ -31,6 +31,20 @@ bool is_far_behind(const Problem& problem, const Grown& grown, const Grown& smal
                           grown.assessment.total_ll - kTieReach * tie_width(grown.assessment.error);
 }
 
+// Fits an effect from where the kind says that it does what another did: an exchange of lenses.
+std::optional<Grown> from_its_like(const Problem& problem, const Grown& grown, const Grown& smaller,
+                                   const std::shared_ptr<const EffectDefinition>& in) {
+  Prospect prospect{.effect = in, .starts = problem.starts(grown.assessment.model, *in)};
+  if (prospect.starts.empty()) return std::nullopt;
+  for (size_t i = 0; i < in->parameters.size(); ++i) {
+    if (!in->parameters[i].integer && !in->parameters[i].stated) prospect.free.push_back(i);
+  }
+  std::vector<NotTestable> reasons;
+  auto candidate = fit_prospect(problem, smaller, prospect, reasons);
+  if (!candidate) return std::nullopt;
+  return std::move(candidate->grown);
+}
+
 std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const Grown& smaller,
                                const Score& score, const Evaluation* near,
                                const std::shared_ptr<const EffectDefinition>& in) {
@@ -70,6 +84,10 @@ std::vector<double> key_of(const Problem& problem, const Grown& grown,
 
 }  // namespace
 
+bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in) {
+  return in.term == effects::Term::radial && in.term == leaving.replaces_term;
+}
+
 Exchanges::Without Exchanges::without_it(const Grown& grown, const std::string& out) const {
   const auto start = started_.of(0, key_of(problem_, grown), [&] {
     return start_of_prospects(problem_, grown.assessment.model);
@@ -87,7 +105,9 @@ std::optional<Grown> Exchanges::with_other(
     const Grown& grown, const std::string& out,
     const std::shared_ptr<const EffectDefinition>& in) const {
   if (!may_take_the_place(*in, *grown.assessment.model.find(out)->definition)) return std::nullopt;
+  const bool like = stands_for(*grown.assessment.model.find(out)->definition, *in);
   return *tried_.of(0, key_of(problem_, grown, {out, in->name + "\n" + in->source}), [&] {
+    if (like) return from_its_like(problem_, grown, without(grown, out), in);
     const auto less =
         without_.of(0, key_of(problem_, grown, {out}), [&] { return without_it(grown, out); });
     return exchanged(problem_, grown, less->grown, less->score, less->near ? &*less->near : nullptr,

@@ -10,6 +10,9 @@
 
 namespace seam::measurement {
 
+// Whether one lens can take the place of another that no other can stand beside.
+bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in);
+
 // Exchanges of one effect for another, each worked out once: the search asks for them where it
 // would end, and then again which of them tie with its steps.
 class Exchanges {

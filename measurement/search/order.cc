@@ -74,9 +74,11 @@ Grown part_of(const Problem& problem, const Grown& whole, const std::vector<std:
   return part;
 }
 
-// Draws and single large errors can stand for any misfit while a mean is missing: they come last.
-bool waits(const EffectDefinition& effect) {
-  return effect.draws_estimated || effect.errors == effects::Errors::now_and_then;
+// Draws can stand for any misfit while a mean is missing, and single large errors for draws as
+// well: of those that are left only the lowest turn comes.
+int turn_of(const EffectDefinition& effect) {
+  if (effect.errors == effects::Errors::now_and_then) return 2;
+  return effect.draws_estimated ? 1 : 0;
 }
 
 // Beside what was given the first look fitted each effect, under the same marks.
@@ -112,58 +114,10 @@ void take_steps(const Problem& problem, const EffectByName& effect_by_name, Grow
   }
 }
 
-}  // namespace
-
-void order_steps(const Problem& problem, const EffectByName& effect_by_name,
-                 const Exchanges& exchanges, const std::vector<std::string>& promising,
-                 SearchResult& result) {
-  result.steps.clear();
-  const Grown searched = result.best;
-  const bool explained = result.best.assessment.error < kMisfit;
-  Grown grown = result.base;
-  std::vector<std::string> left = result.best.added;
-  while (!left.empty()) {
-    std::vector<std::optional<Candidate>> tried(left.size());
-    // Where they do not explain the set, the order in which the search took them is good enough.
-    parallel_for(explained ? left.size() : 1, [&](size_t i) {
-      std::vector<NotTestable> reasons;
-      const auto effect = effect_by_name(left[i]);
-      if (effects::is_excluded(*effect, grown.assessment.model)) return;
-      const bool last = left.size() == 1;
-      if (waits(*effect) && !std::all_of(left.begin(), left.end(), [&](const std::string& name) {
-            return waits(*effect_by_name(name));
-          }))
-        return;
-      if (effect->companions.empty() && !last) tried[i] = seen_first(result, grown, left[i]);
-      if (tried[i]) return;
-      if (effect->companions.empty() && !last)
-        tried[i] = try_effect(problem, grown, effect, reasons);
-      // Found after another that it replaced, or with others: what was fitted last is the place to
-      // start from.
-      if (tried[i]) return;
-      Grown part = part_of(problem, result.best, left, together(effect_by_name, left, i));
-      if (part.assessment.valid) tried[i] = Candidate{.grown = std::move(part)};
-    });
-    size_t best = left.size();
-    for (size_t i = 0; i < left.size(); ++i) {
-      if (tried[i] && (best == left.size() || tried[i]->grown.assessment.total_ll >
-                                                  tried[best]->grown.assessment.total_ll))
-        best = i;
-    }
-    if (best == left.size()) break;
-    const std::vector<std::string> names = together(effect_by_name, left, best);
-    take_steps(problem, effect_by_name, std::move(tried[best]->grown), names, grown, result);
-    std::erase_if(left, [&](const std::string& name) {
-      return std::find(names.begin(), names.end(), name) != names.end();
-    });
-  }
-  if (grown.assessment.valid && !result.steps.empty() &&
-      grown.assessment.total_ll >= result.best.assessment.total_ll - kSameFit) {
-    result.best = grown;
-  }
-  if (!explained) return;
-  // Which others could stand in the place of each step.
-  std::vector<std::vector<std::string>> ties(result.steps.size());
+// Which others could stand in the place of each step.
+void tell_ties(const EffectByName& effect_by_name, const Exchanges& exchanges,
+               const Grown& searched, const std::vector<std::string>& promising,
+               SearchResult& result) {
   std::vector<std::pair<size_t, std::string>> moves;
   for (size_t s = 0; s < result.steps.size(); ++s) {
     if (effects::has_dependents(result.best.assessment.model, result.steps[s].effect)) continue;
@@ -182,6 +136,61 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
     auto& names = result.steps[moves[m].first].indistinguishable_from;
     if (tied[m] && names.size() < kMostTiesNamed) names.push_back(moves[m].second);
   }
+}
+
+}  // namespace
+
+void order_steps(const Problem& problem, const EffectByName& effect_by_name,
+                 const Exchanges& exchanges, const std::vector<std::string>& promising,
+                 SearchResult& result) {
+  result.steps.clear();
+  const Grown searched = result.best;
+  const bool explained = result.best.assessment.error < kMisfit;
+  Grown grown = result.base;
+  std::vector<std::string> left = result.best.added;
+  while (!left.empty()) {
+    std::vector<std::optional<Candidate>> tried(left.size());
+    // Where they do not explain the set, the order in which the search took them is good enough.
+    parallel_for(explained ? left.size() : 1, [&](size_t i) {
+      std::vector<NotTestable> reasons;
+      const auto effect = effect_by_name(left[i]);
+      if (effects::is_excluded(*effect, grown.assessment.model)) return;
+      const bool last = left.size() == 1;
+      if (explained && std::any_of(left.begin(), left.end(), [&](const std::string& name) {
+            return turn_of(*effect_by_name(name)) < turn_of(*effect);
+          }))
+        return;
+      if (effect->companions.empty() && !last) tried[i] = seen_first(result, grown, left[i]);
+      if (tried[i]) return;
+      if (effect->companions.empty() && !last)
+        tried[i] = try_effect(problem, grown, effect, reasons);
+      // Found after another that it replaced, or with others: what was fitted last is the place to
+      // start from. A lens of which the given values were far may be told from there alone, too.
+      const bool lens = effect->term == effects::Term::radial;
+      if (tried[i] && !(lens && tried[i]->grown.assessment.error > kUseless)) return;
+      Grown part = part_of(problem, result.best, left, together(effect_by_name, left, i));
+      if (part.assessment.valid &&
+          (!tried[i] || part.assessment.total_ll > tried[i]->grown.assessment.total_ll))
+        tried[i] = Candidate{.grown = std::move(part)};
+    });
+    size_t best = left.size();
+    for (size_t i = 0; i < left.size(); ++i) {
+      if (tried[i] && (best == left.size() || tried[i]->grown.assessment.total_ll >
+                                                  tried[best]->grown.assessment.total_ll))
+        best = i;
+    }
+    if (best == left.size()) break;
+    const std::vector<std::string> names = together(effect_by_name, left, best);
+    take_steps(problem, effect_by_name, std::move(tried[best]->grown), names, grown, result);
+    std::erase_if(left, [&](const std::string& name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    });
+  }
+  if (grown.assessment.valid && !result.steps.empty() &&
+      grown.assessment.total_ll >= result.best.assessment.total_ll - kSameFit) {
+    result.best = grown;
+  }
+  if (explained) tell_ties(effect_by_name, exchanges, searched, promising, result);
 }
 
 std::vector<std::string> noises_found(const SearchResult& result) {

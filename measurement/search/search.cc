@@ -63,6 +63,11 @@ std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& 
   return nullptr;
 }
 
+bool has_draws(const Model& model) {
+  return std::any_of(model.effects().begin(), model.effects().end(),
+                     [](const auto& effect) { return effect.definition->draws_estimated; });
+}
+
 // Drops effects that the others have made unnecessary.
 bool Searcher::prune(Grown& grown) {
   bool changed = false;
@@ -91,7 +96,12 @@ bool Searcher::prune(Grown& grown) {
       const Evaluation here =
           problem_.evaluate(smaller[i]->assessment.model, problem_.scored_groups());
       judge(problem_, *smaller[i], here, looks_, material_, back);
-      if (back.significant) continue;
+      // Draws of the target can take the place of its mean without moving a prediction: whether
+      // they do is told by the likelihood of all groups alone.
+      const bool hidden = back.effect->stage == effects::Stage::target &&
+                          !back.effect->spread_only && back.p_value < kCandidateAlarm &&
+                          has_draws(smaller[i]->assessment.model);
+      if (back.significant || hidden) continue;
       if (best == smaller.size() ||
           merit_of(problem_, *smaller[i]) > merit_of(problem_, *smaller[best]))
         best = i;
@@ -106,11 +116,18 @@ bool Searcher::prune(Grown& grown) {
 
 // Exchanges one added effect for another of its sort where the whole becomes clearly better.
 bool Searcher::exchange(Grown& grown) {
-  if (grown.added.size() < 2) return false;
   std::vector<std::pair<size_t, std::string>> moves;
   for (size_t i = 0; i < grown.added.size(); ++i) {
     if (effects::has_dependents(grown.assessment.model, grown.added[i])) continue;
+    // Lenses whose looks failed from far away, too.
+    for (const auto& effect : effects::catalogue()) {
+      if (problem_.acts(*effect) && stands_for(*definition(grown.added[i]), *effect))
+        moves.emplace_back(i, effect->name);
+    }
     for (const std::string& name : promising_) {
+      if (grown.added.size() < 2 ||
+          std::find(moves.begin(), moves.end(), std::pair(i, name)) != moves.end())
+        continue;
       const bool present =
           std::find(grown.added.begin(), grown.added.end(), name) != grown.added.end();
       // A spread in the place of an effect of the mean would hide it; the other way round, the
@@ -127,11 +144,12 @@ bool Searcher::exchange(Grown& grown) {
   double best_merit = merit_of(problem_, grown) + kExchangeGain * tie_width(grown.assessment.error);
   size_t best = moves.size();
   for (size_t m = 0; m < moves.size(); ++m) {
-    if (!tried[m] || tried[m]->assessment.held_ll() < grown.assessment.held_ll()) continue;
-    // Of two that the data cannot tell apart the simpler stays.
-    if (fitted_parameters(*tried[m]) > fitted_parameters(grown) &&
-        cannot_tell(weight_of(*tried[m]), weight_of(grown), grown.assessment.error))
-      continue;
+    if (!tried[m]) continue;
+    // Of two that the data cannot tell apart the simpler stays, or comes.
+    const size_t of_it = fitted_parameters(*tried[m]), of_this = fitted_parameters(grown);
+    const bool tie = cannot_tell(weight_of(*tried[m]), weight_of(grown), grown.assessment.error);
+    const double lost = grown.assessment.held_ll() - tried[m]->assessment.held_ll();
+    if ((tie && of_it > of_this) || lost > (tie && of_it < of_this ? -kUnluckyLoss : 0)) continue;
     const double merit = merit_of(problem_, *tried[m]);
     if (merit > best_merit) best_merit = merit, best = m;
   }

@@ -24,6 +24,10 @@ EffectDefinition rational_lens() {
       .signature = "radial",
       .example = "rational_lens: {k1: 0.4, k2: 0.02, k4: 0.7, k5: 0.1}",
       .term = Term::radial,
+      // Where both polynomials are 1 a change of one is the opposite of the other's.
+      .starts = {{kPoints,
+                  StartSearch::listed,
+                  {{-0.1, 0, 0, 0.1, 0, 0}, {0.1, 0, 0, -0.1, 0, 0}}}},
       .geometry =
           [](Values p, ImagePoint& point) {
             const double r2 = point.x * point.x + point.y * point.y;

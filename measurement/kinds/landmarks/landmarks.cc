@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/fitting/low_rank.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/landmarks/landmark_noise.h"
 #include "measurement/kinds/landmarks/landmark_predictor.h"
+#include "measurement/noise/low_rank.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"

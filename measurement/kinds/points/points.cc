@@ -5,7 +5,6 @@
 #include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/points/points_gross.h"
-#include "measurement/kinds/points/points_noise.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/numerics/robust.h"
@@ -13,6 +12,9 @@
 
 namespace seam::measurement {
 namespace {
+
+// Fewer views tell a lens from their own shapes badly.
+constexpr size_t kFewestViewsOfLens = 3;
 
 size_t median_views(const Target& target) {
   std::vector<size_t> views = target.views;
@@ -93,6 +95,49 @@ void PointsProblem::state_noise(const MeasurementSet& set) {
     if (data_.sigma_px > 0) channel.noise = data_.sigma_px;
     facts_.channels.push_back(channel);
   }
+  if (stated) return;
+  const auto seen = seen_by_wide_camera();
+  if (!seen) return;
+  const auto better = estimate_views_noise(data_, gross_, *seen);
+  if (better[0] * better[1] > estimate[0] * estimate[1]) return;
+  for (size_t c = 0; c < 2; ++c) {
+    if (facts_.channels[c].estimated) facts_.channels[c].noise = better[c];
+  }
+}
+
+// What the most flexible lens leaves of still views. What else the user's model may lack only
+// bends the image a little.
+std::optional<SeenByCamera> PointsProblem::seen_by_wide_camera() const {
+  if (data_.rig.type() != Rig::Type::unknown || moves() || data_.cameras.size() > 1 ||
+      data_.rows_of_frame.size() < kFewestViewsOfLens)
+    return std::nullopt;
+  std::vector<std::vector<int>> taken = data_.rows_of_view;
+  for (std::vector<int>& rows : taken)
+    std::erase_if(rows, [&](int row) { return !takes_part(row); });
+  const auto rough = camera_of_views(data_, taken);
+  if (!rough) return std::nullopt;
+  Model start = rough->model;
+  const Model wide = plain_lens(1, /*wide=*/true, data_.camera.width_px, data_.camera.height_px);
+  std::vector<Unknown> unknowns;
+  for (const effects::ModelEffect& effect : wide.effects()) {
+    if (!start.has(effect.definition->name)) start.set(effect.definition, effect.parameters);
+    for (size_t i = 0; i < effect.parameters.size(); ++i)
+      unknowns.push_back({effect.definition->name, i});
+  }
+  const Fit found = fit(start, unknowns, all_groups());
+  const Evaluation left = evaluate(found.model, all_groups(), nullptr);
+  if (!left.valid) return std::nullopt;
+  SeenByCamera seen{
+      .camera = {.model = found.model,
+                 .projection = {found.model, data_.camera.width_px, data_.camera.height_px}},
+      .residual_px = left.residual};
+  for (const std::vector<int>& rows : data_.rows_of_view) {
+    Pose X_CW;
+    const bool stored = stored_pose(left.nuisance_values,
+                                    static_cast<size_t>(data_.frame_of_row[rows.front()]), X_CW);
+    seen.camera.X_CW.push_back(stored ? std::optional(X_CW) : std::nullopt);
+  }
+  return seen;
 }
 
 void PointsProblem::place(const Model& given) {
@@ -190,7 +235,7 @@ std::unique_ptr<Problem> open_points(const MeasurementSet& set) {
 Kind points_kind() {
   return {.bit = effects::kPoints,
           .observations = {.file = "points",
-                           .keys = {"frame", "time_s", "point"},
+                           .keys = {"frame", "time_s", "camera", "point"},
                            .measured = {"u_px", "v_px"},
                            .in_image = true},
           .open = [](const MeasurementSet& set, const Instruments&) { return open_points(set); },

@@ -26,6 +26,7 @@ Eigen::VectorXd studentised(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) 
 
 // One view's rows beside what a smooth image of the target explains of them.
 struct View {
+  size_t of;  // Among all.
   std::vector<int> rows;
   Eigen::MatrixXd field;        // Orthonormal columns, over the rows' own noise.
   Eigen::VectorXd weight;       // 1 / its spread.
@@ -33,16 +34,26 @@ struct View {
   Eigen::VectorXd leverage[2];  // What field and shifts take of each row.
 };
 
+// Displacements are told of points that so many views show.
+constexpr size_t kSeveral = 4;
+// Polynomials of the whole image, and of what a camera leaves of it.
+constexpr int kDegreeAlone = 8, kDegreeBesideCamera = 3;
+
 // What is seen twice: a smooth image of the target in each view, and a displacement of each point,
 // the same in all views, which a rough camera maps into each. What neither explains is noise.
 class ViewsNoise {
  public:
-  ViewsNoise(const PointsData& data, const std::vector<char>& gross);
+  ViewsNoise(const PointsData& data, const std::vector<char>& gross, int most_degree,
+             const SeenByCamera* seen = nullptr);
   std::array<double, 2> sigma() const;
 
  private:
   using Observed = std::array<Eigen::VectorXd, 2>;  // Of one view, over the rows' spreads.
-  void displace();
+  void displace(const RoughCamera& camera);
+  double observed(int row, int channel) const {
+    if (seen_ != nullptr) return seen_->residual_px[2 * static_cast<size_t>(row) + channel];
+    return (channel ? data_.v_px : data_.u_px)[row];
+  }
   std::array<std::vector<double>, 2> left(std::vector<Observed> all) const;
   std::vector<Observed> measured() const;
   std::vector<Observed> drawn(uint64_t probe) const;
@@ -51,21 +62,26 @@ class ViewsNoise {
   }
 
   const PointsData& data_;
+  const SeenByCamera* seen_;
   std::vector<View> views_;
   std::vector<Eigen::Matrix3d> inverse_;  // By point; 0 where too few views show it.
   bool displaced_ = false;
 };
 
-ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross) : data_(data) {
-  for (const std::vector<int>& all : data.rows_of_view) {
-    View view;
+ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross, int most_degree,
+                       const SeenByCamera* seen)
+    : data_(data), seen_(seen) {
+  for (size_t v = 0; v < data.rows_of_view.size(); ++v) {
+    const std::vector<int>& all = data.rows_of_view[v];
+    View view{.of = v};
+    if (seen != nullptr && !seen->camera.X_CW[v]) continue;
     std::copy_if(all.begin(), all.end(), std::back_inserter(view.rows),
                  [&](int row) { return gross.empty() || !gross[2 * row]; });
     if (view.rows.empty()) continue;
     const BoardField field(data, view.rows);
     if (field.along().empty()) continue;
-    // As flexible as half of the frame's points allow, at most of degree 8.
-    int degree = 8;
+    // As flexible as half of the frame's points allow.
+    int degree = most_degree;
     while (degree > 1 && static_cast<size_t>(field.columns(degree).cols()) * 2 > view.rows.size())
       --degree;
     const Eigen::MatrixXd A = field.columns(degree);
@@ -85,29 +101,25 @@ ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross) :
     throw InputError(
         "measurement.yaml: noise: found none, and no view has points enough to estimate it from "
         "(7 or more), expected for example {u_px: 0.2, v_px: 0.2}");
-  displace();
+  if (views_.size() < kSeveral) return;
+  if (seen != nullptr) {
+    displace(seen->camera);
+    return;
+  }
+  std::vector<std::vector<int>> rows(data.rows_of_view.size());
+  for (const View& view : views_) rows[view.of] = view.rows;
+  if (const auto camera = camera_of_views(data, rows)) displace(*camera);
 }
 
 // Displacements are told from noise where most points are seen in several views.
-void ViewsNoise::displace() {
-  constexpr size_t kSeveral = 4;
-  std::vector<std::vector<Sighting>> seen;
-  for (const View& view : views_) {
-    seen.emplace_back();
-    for (const int row : view.rows)
-      seen.back().push_back(
-          {.p_W = data_.p_W[row], .u_px = data_.u_px[row], .v_px = data_.v_px[row]});
-  }
-  if (views_.size() < kSeveral) return;
-  const auto camera = rough_camera(seen, data_.camera.width_px, data_.camera.height_px);
-  if (!camera) return;
+void ViewsNoise::displace(const RoughCamera& camera) {
   std::vector<size_t> counts(data_.target.names.size(), 0);
   std::vector<Eigen::Matrix3d> normal(counts.size(), Eigen::Matrix3d::Zero());
   for (size_t v = 0; v < views_.size(); ++v) {
     View& view = views_[v];
     for (Eigen::Index i = 0; i < view.weight.size(); ++i) {
       const auto slopes =
-          camera->slopes(v, seen[v][static_cast<size_t>(i)].p_W, data_.target.axes_W);
+          camera.slopes(view.of, data_.p_W[view.rows[static_cast<size_t>(i)]], data_.target.axes_W);
       if (!slopes) continue;
       ++counts[point_of(view, i)];
       for (int c = 0; c < 2; ++c) {
@@ -141,7 +153,7 @@ std::vector<ViewsNoise::Observed> ViewsNoise::measured() const {
     for (int c = 0; c < 2; ++c) {
       y[c].resize(view.weight.size());
       for (Eigen::Index i = 0; i < y[c].size(); ++i)
-        y[c][i] = view.weight[i] * (c ? data_.v_px : data_.u_px)[view.rows[static_cast<size_t>(i)]];
+        y[c][i] = view.weight[i] * observed(view.rows[static_cast<size_t>(i)], c);
     }
   }
   return all;
@@ -285,10 +297,26 @@ std::array<double, 2> noise_by_directions(const PointsData& data) {
 
 }  // namespace
 
+std::optional<RoughCamera> camera_of_views(const PointsData& data,
+                                           const std::vector<std::vector<int>>& rows_of_view) {
+  std::vector<std::vector<Sighting>> seen;
+  for (const std::vector<int>& rows : rows_of_view) {
+    seen.emplace_back();
+    for (const int row : rows)
+      seen.back().push_back({.p_W = data.p_W[row], .u_px = data.u_px[row], .v_px = data.v_px[row]});
+  }
+  return rough_camera(seen, data.camera.width_px, data.camera.height_px);
+}
+
 std::array<double, 2> estimate_points_noise(const PointsData& data,
                                             const std::vector<char>& gross) {
-  return data.rig.type() == Rig::Type::unknown ? ViewsNoise(data, gross).sigma()
+  return data.rig.type() == Rig::Type::unknown ? ViewsNoise(data, gross, kDegreeAlone).sigma()
                                                : noise_by_directions(data);
+}
+
+std::array<double, 2> estimate_views_noise(const PointsData& data, const std::vector<char>& gross,
+                                           const SeenByCamera& seen) {
+  return ViewsNoise(data, gross, kDegreeBesideCamera, &seen).sigma();
 }
 
 }  // namespace seam::measurement

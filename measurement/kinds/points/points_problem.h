@@ -10,6 +10,7 @@
 
 #include "measurement/kinds/points/motion/path_adjustment.h"
 #include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/points_noise.h"
 #include "measurement/kinds/points/points_scatter.h"
 #include "measurement/kinds/points/target/pose_solver.h"
 #include "measurement/kinds/points/target_adjustment.h"
@@ -36,6 +37,8 @@ class PointsProblem : public Problem {
                                             const Groups& groups,
                                             const Evaluation& here) const override;
   bool is_smooth(const Model&) const override { return true; }
+  std::vector<std::vector<double>> starts(const Model& model,
+                                          const EffectDefinition& effect) const override;
   bool groups_are_independent(const Model& model) const override;
   std::vector<std::string> remarks(const Model& model) const override;
   std::vector<PlacedPoint> placed_points(const Model& model) const override;
@@ -45,6 +48,7 @@ class PointsProblem : public Problem {
  private:
   void join_few_views();
   void state_noise(const MeasurementSet& set);
+  std::optional<SeenByCamera> seen_by_wide_camera() const;
   std::vector<int> neighbours(size_t row) const override;
   Evaluation blank() const;
   double sigma_of(size_t row, int channel) const {
@@ -87,6 +91,7 @@ class PointsProblem : public Problem {
                                                    const Evaluation& here) const;
   std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,
                                   std::vector<int>& rows) const;
+  double reach_rad(const Model& model) const;
   void count_as_missed(int frame, Evaluation& evaluation) const;
 
   // points_moving.cc

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/fitting/low_rank.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
+#include "measurement/noise/low_rank.h"
 
 namespace seam::measurement {
 

@@ -3,8 +3,10 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "effects/questions.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
+#include "measurement/kinds/points/target/lens_like.h"
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
@@ -165,6 +167,36 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     }
   }
   return columns;
+}
+
+// The largest angle from the axis under which the rows that take part are seen, poses being those
+// of this model.
+double PointsProblem::reach_rad(const Model& model) const {
+  const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
+  double most = 0;
+  for (size_t row = 0; row < data_.p_W.size(); ++row) {
+    Pose X_CW;
+    if (!takes_part(row) || !evaluation.valid ||
+        !stored_pose(evaluation.nuisance_values, static_cast<size_t>(data_.frame_of_row[row]),
+                     X_CW))
+      continue;
+    const Vec3 p_C = X_CW * data_.p_W[row];
+    most = std::max(most, std::atan2(std::hypot(p_C.x, p_C.y), p_C.z));
+  }
+  return most;
+}
+
+// What stands in the model's lens already cannot be beside another of its kind: that one begins at
+// the same image.
+std::vector<std::vector<double>> PointsProblem::starts(
+    const Model& model, const effects::EffectDefinition& effect) const {
+  const bool other_lens = effect.term == effects::Term::radial &&
+                          data_.rig.type() == Rig::Type::unknown && !moves() &&
+                          data_.cameras.size() == 1 && effects::is_excluded(effect, model);
+  if (!other_lens) return Problem::starts(model, effect);
+  const auto like =
+      lens_like(model, effect, data_.camera.width_px, data_.camera.height_px, reach_rad(model));
+  return like ? std::vector<std::vector<double>>{*like} : std::vector<std::vector<double>>{};
 }
 
 }  // namespace seam::measurement

@@ -43,6 +43,13 @@ Pixel barrel(double x, double y, double z) {
   return {420 * a * bent + 319.5, 420 * b * bent + 239.5};
 }
 
+// A lens of 60 degrees to either side whose edge a quotient of polynomials bends.
+Pixel quotient(double x, double y, double z) {
+  const double a = x / z, b = y / z, r2 = a * a + b * b;
+  const double bent = (1 + 0.5 * r2 + 0.1 * r2 * r2) / (1 + 0.8 * r2 + 0.2 * r2 * r2);
+  return {kFocal_px * a * bent + kCx_px, kFocal_px * b * bent + kCy_px};
+}
+
 struct BoardViews {
   std::string name;
   Pixel (*lens)(double x, double y, double z) = fisheye;
@@ -133,6 +140,21 @@ TEST(Boards, AFisheyeLensIsFoundAndItsStepShown) {
   EXPECT_NEAR(found.find("pinhole")->value("cx_px"), kCx_px, 2);
   for (const double rms_px : result.best.assessment.held.native)
     EXPECT_NEAR(rms_px, kNoise_px, 0.03);
+}
+
+// From the perspective model no fit leads there, and near neutral its two polynomials look alike:
+// it begins at the image of the lens that was found first. The noise is not stated, and a near
+// board is no polynomial of low degree in such a lens.
+TEST(Boards, ARationalLensTakesThePlaceOfTheFisheye) {
+  const auto problem = open_problem(board_views({.name = "rational-board", .lens = quotient}));
+  for (const Channel& channel : problem->facts().channels)
+    EXPECT_NEAR(channel.noise, kNoise_px, 0.1 * kNoise_px) << channel.name;
+  const SearchResult result =
+      search(*problem, free_pinhole(1280, 800), {}, [](const std::string&) {});
+  ASSERT_EQ(result.steps.size(), 1u);
+  EXPECT_EQ(result.steps[0].effect, "rational_lens");
+  EXPECT_LT(result.best.assessment.error, 1.1);
+  EXPECT_NEAR(result.best.assessment.model.find("pinhole")->value("cx_px"), kCx_px, 2);
 }
 
 // Lenses with three and four parameters bend as this one with one does. Which of them gains most is

@@ -19,21 +19,6 @@ constexpr double kFocalLengths[] = {0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8};
 constexpr size_t kChoosing = 6;
 constexpr double kFailed_px = 1e3;
 
-effects::Projection lens(double focal_px, bool wide, int width_px, int height_px) {
-  effects::Model model;
-  for (const auto& effect : effects::catalogue()) {
-    if (effect->base == Base::projection) {
-      model.set(effect, {{.value = focal_px},
-                         {.value = focal_px},
-                         {.value = 0.5 * (width_px - 1)},
-                         {.value = 0.5 * (height_px - 1)}});
-    } else if (wide && effect->replaces_base == Base::projection) {
-      model.set(effect, std::vector<effects::ParameterValue>(effect->parameters.size()));
-    }
-  }
-  return {model, width_px, height_px};
-}
-
 // Median distance between where the points are seen and where the lens's best pose has them.
 double misfit_px(const effects::Projection& projection, const std::vector<Sighting>& seen) {
   Pose X_CW;
@@ -49,25 +34,41 @@ double misfit_px(const effects::Projection& projection, const std::vector<Sighti
 
 }  // namespace
 
+effects::Model plain_lens(double focal_px, bool wide, int width_px, int height_px) {
+  effects::Model model;
+  for (const auto& effect : effects::catalogue()) {
+    if (effect->base == Base::projection) {
+      model.set(effect, {{.value = focal_px},
+                         {.value = focal_px},
+                         {.value = 0.5 * (width_px - 1)},
+                         {.value = 0.5 * (height_px - 1)}});
+    } else if (wide && effect->replaces_base == Base::projection) {
+      model.set(effect, std::vector<effects::ParameterValue>(effect->parameters.size()));
+    }
+  }
+  return model;
+}
+
 std::optional<RoughCamera> rough_camera(const std::vector<std::vector<Sighting>>& views,
                                         int width_px, int height_px) {
-  std::optional<effects::Projection> best;
+  std::optional<effects::Model> best;
   double least = kFailed_px * static_cast<double>(kChoosing);
   for (const bool wide : {false, true}) {
     for (const double focal : kFocalLengths) {
-      const effects::Projection projection = lens(focal * width_px, wide, width_px, height_px);
+      const effects::Model model = plain_lens(focal * width_px, wide, width_px, height_px);
+      const effects::Projection projection(model, width_px, height_px);
       double sum = 0;
       const size_t choosing = std::min(kChoosing, views.size());
       for (size_t i = 0; i < choosing && sum < least; ++i)
         sum += misfit_px(projection, views[i * views.size() / choosing]);
-      if (sum < least) least = sum, best = projection;
+      if (sum < least) least = sum, best = model;
     }
   }
   if (!best) return std::nullopt;
-  RoughCamera camera{.projection = *best};
+  RoughCamera camera{.model = *best, .projection = {*best, width_px, height_px}};
   for (const std::vector<Sighting>& seen : views) {
     Pose X_CW;
-    const bool found = initial_pose(*best, seen, X_CW);
+    const bool found = initial_pose(camera.projection, seen, X_CW);
     camera.X_CW.push_back(found ? std::optional(X_CW) : std::nullopt);
   }
   return camera;

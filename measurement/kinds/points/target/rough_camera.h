@@ -10,6 +10,7 @@
 namespace seam::measurement {
 
 struct RoughCamera {
+  effects::Model model;
   effects::Projection projection;
   std::vector<std::optional<Pose>> X_CW;  // By view; nothing where none was found.
 
@@ -17,6 +18,9 @@ struct RoughCamera {
   std::optional<Eigen::Matrix<double, 2, 3>> slopes(size_t view, const Vec3& p_W,
                                                     const Mat3& axes_W) const;
 };
+
+// A lens of this focal length whose image is centred: perspective, or equidistant where `wide`.
+effects::Model plain_lens(double focal_px, bool wide, int width_px, int height_px);
 
 // The best of a few lenses (perspective and equidistant, of several focal lengths, centred), by the
 // residuals that poses of their own leave of some views. Nothing where no lens finds any pose.

@@ -1,5 +1,5 @@
 // Whitening with common causes against dense linear algebra.
-#include "measurement/fitting/low_rank.h"
+#include "measurement/noise/low_rank.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "measurement/fitting/low_rank.h"
+#include "measurement/noise/low_rank.h"
 
 #include <Eigen/Core>
 #include <cmath>

@@ -1,0 +1,115 @@
+#include "measurement/kinds/points/target/lens_like.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "effects/stages/geometry.h"
+#include "measurement/numerics/damped_step.h"
+
+namespace seam::measurement {
+namespace {
+
+// Directions up to this angle from the axis, to all sides.
+std::vector<Vec3> directions_within(double most_rad) {
+  constexpr int kAngles = 40, kSides = 3;
+  std::vector<Vec3> directions;
+  for (int i = 1; i <= kAngles; ++i) {
+    for (int side = 0; side < kSides; ++side) {
+      const double theta = most_rad * i / kAngles, phi = 2 * std::numbers::pi * side / kSides;
+      directions.emplace_back(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                              std::cos(theta));
+    }
+  }
+  return directions;
+}
+
+// The images of the directions in turn, u then v; nothing where one has none.
+std::optional<Eigen::VectorXd> images_of(const effects::Projection& projection,
+                                         const std::vector<Vec3>& directions) {
+  Eigen::VectorXd images(2 * static_cast<Eigen::Index>(directions.size()));
+  Eigen::Index at = 0;
+  for (const Vec3& direction : directions) {
+    const effects::ImagePoint image = projection.project(direction);
+    if (!image.visible || !std::isfinite(image.u) || !std::isfinite(image.v)) return std::nullopt;
+    images[at++] = image.u, images[at++] = image.v;
+  }
+  return images;
+}
+
+// The values of `in` with which the rest of the model maps the directions most nearly to `wanted`.
+std::optional<std::vector<double>> nearest_lens(effects::Model rest,
+                                                const effects::EffectDefinition& in, int width_px,
+                                                int height_px, const std::vector<Vec3>& directions,
+                                                const Eigen::VectorXd& wanted) {
+  std::vector<double> values;
+  for (const effects::Parameter& parameter : in.parameters) values.push_back(parameter.neutral);
+  const auto definition = std::make_shared<const effects::EffectDefinition>(in);
+  const auto left_at = [&](const std::vector<double>& there) -> std::optional<Eigen::VectorXd> {
+    std::vector<effects::ParameterValue> set;
+    for (const double value : there) set.push_back({.value = value});
+    rest.set(definition, std::move(set));
+    auto images = images_of({rest, width_px, height_px}, directions);
+    if (images) *images -= wanted;
+    return images;
+  };
+  auto here = left_at(values);
+  if (!here) return std::nullopt;
+  constexpr int kMost = 300;
+  constexpr double kStep = 1e-6, kEnough = 1e-6;  // Of a parameter; pixels squared.
+  const auto look = [&] {
+    Eigen::MatrixXd slopes(here->size(), static_cast<Eigen::Index>(values.size()));
+    for (size_t p = 0; p < values.size(); ++p) {
+      std::vector<double> there = values;
+      there[p] += kStep;
+      const auto moved = left_at(there);
+      const auto column = static_cast<Eigen::Index>(p);
+      if (moved)
+        slopes.col(column) = (*moved - *here) / kStep;
+      else
+        slopes.col(column).setZero();
+    }
+    return parabola_of(slopes, *here);
+  };
+  const auto move = [&](const Eigen::VectorXd& by) {
+    std::vector<double> there = values;
+    for (size_t p = 0; p < values.size(); ++p) {
+      const effects::Parameter& parameter = in.parameters[p];
+      there[p] =
+          std::clamp(there[p] + by[static_cast<Eigen::Index>(p)], parameter.min, parameter.max);
+    }
+    const auto moved = left_at(there);
+    if (!moved || !(moved->squaredNorm() < here->squaredNorm())) return false;
+    values = there, here = moved;
+    return true;
+  };
+  descend({.look = look,
+           .move = move,
+           .height = [&] { return 0.5 * here->squaredNorm(); },
+           .worth = [&] { return Worth{.promise = kEnough}; }},
+          {.start = 1e-3, .attempts = 12}, kMost);
+  return values;
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> lens_like(const effects::Model& model,
+                                             const effects::EffectDefinition& in, int width_px,
+                                             int height_px, double most_rad) {
+  effects::Model lens, rest;
+  for (const effects::ModelEffect& part : model.effects()) {
+    if (!part.definition->geometry && !part.definition->image_map &&
+        part.definition->base != effects::Base::projection)
+      continue;
+    lens.set(part.definition, part.parameters);
+    if (part.definition->replaces_term != in.term) rest.set(part.definition, part.parameters);
+  }
+  const std::vector<Vec3> directions = directions_within(most_rad);
+  const auto wanted = images_of({lens, width_px, height_px}, directions);
+  if (!wanted) return std::nullopt;
+  return nearest_lens(rest, in, width_px, height_px, directions, *wanted);
+}
+
+}  // namespace seam::measurement
