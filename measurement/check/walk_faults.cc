@@ -9,19 +9,32 @@
 namespace seam::measurement {
 namespace {
 
+struct Walk {
+  std::map<std::string, Rows> runs;
+  Numbers t, vx, vy, omega;
+  Numbers x, y, theta;  // Not a number where blank.
+
+  explicit Walk(const CsvTable& table)
+      : runs(rows_by(table, {"run"})),
+        t(table.numbers("time_s")),
+        vx(table.numbers("vx_cmd_mps")),
+        vy(table.numbers("vy_cmd_mps")),
+        omega(table.numbers("omega_cmd_radps")),
+        x(table.numbers_or_blank("x_m")),
+        y(table.numbers_or_blank("y_m")),
+        theta(table.numbers_or_blank("theta_rad")) {}
+};
+
 struct Walked {
   double measured_m = 0, commanded_m = 0;
   double measured_rad = 0, commanded_rad = 0;
 };
 
 // How far each run got from its start, and how far its commands would have.
-Walked walked_in(const CsvTable& table) {
-  const Numbers t = table.numbers("time_s"), vx = table.numbers("vx_cmd_mps");
-  const Numbers vy = table.numbers("vy_cmd_mps"), omega = table.numbers("omega_cmd_radps");
-  const Numbers x = table.numbers_or_blank("x_m"), y = table.numbers_or_blank("y_m");
-  const Numbers theta = table.numbers_or_blank("theta_rad");
+Walked walked_in(const Walk& walk) {
+  const auto& [runs, t, vx, vy, omega, x, y, theta] = walk;
   Walked walked;
-  for (const auto& [name, rows] : rows_by(table, {"run"})) {
+  for (const auto& [name, rows] : runs) {
     double px = 0, py = 0, heading = 0, far = 0, turn = 0, far_seen = 0, turn_seen = 0,
            before = NAN;
     double seen = 0;
@@ -62,23 +75,20 @@ struct WalkSteps {
   double turn = 0, turn_commanded = 0;  // Their sums where they agree in sign less where not.
 };
 
-WalkSteps walk_steps_in(const CsvTable& table) {
-  const Numbers t = table.numbers("time_s"), vx = table.numbers("vx_cmd_mps");
-  const Numbers vy = table.numbers("vy_cmd_mps"), omega = table.numbers("omega_cmd_radps");
-  const Numbers x = table.numbers_or_blank("x_m"), y = table.numbers_or_blank("y_m");
-  const Numbers theta = table.numbers_or_blank("theta_rad");
+WalkSteps walk_steps_in(const Walk& walk) {
+  const auto& [runs, t, vx, vy, omega, x, y, theta] = walk;
   WalkSteps steps;
   size_t count = 0;
-  for (const auto& [name, rows] : rows_by(table, {"run"})) {
+  for (const auto& [name, rows] : runs) {
     double forward = 0, left = 0, turn = 0;  // Commanded since the last pose.
-    size_t pose = table.rows();
+    size_t pose = t.size();
     for (const size_t row : rows) {
       if (row != rows[0]) {
         const double dt = t[row] - t[row - 1];
         forward += dt * vx[row - 1], left += dt * vy[row - 1], turn += dt * omega[row - 1];
       }
       if (std::isnan(x[row]) || std::isnan(y[row]) || std::isnan(theta[row])) continue;
-      if (pose < table.rows()) {
+      if (pose < t.size()) {
         const double heading = theta[pose] + 0.5 * turn, c = std::cos(heading),
                      s = std::sin(heading);
         const double dx = x[row] - x[pose], dy = y[row] - y[pose];
@@ -103,9 +113,9 @@ WalkSteps walk_steps_in(const CsvTable& table) {
 }
 
 // Axes exchanged or counted to the other side, by what the commands would have done.
-void tell_axes(const CsvTable& table, std::vector<std::string>& found) {
+void tell_axes(const CsvTable& table, const Walk& walk, std::vector<std::string>& found) {
   constexpr double kBetter = 3;
-  const WalkSteps steps = walk_steps_in(table);
+  const WalkSteps steps = walk_steps_in(walk);
   const bool turned = steps.turn_commanded > 0 && steps.turn < -0.5 * steps.turn_commanded;
   if (turned)
     found.push_back(fmt::format(
@@ -131,7 +141,8 @@ void walk_faults(const MeasurementSet& set, std::vector<std::string>& found) {
   if (!has_all(table, {"time_s", "vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps", "x_m", "y_m",
                        "theta_rad"}))
     return;
-  const Walked walked = walked_in(table);
+  const Walk walk(table);
+  const Walked walked = walked_in(walk);
   const size_t before = found.size();
   const auto tell = [&](double ratio, double factor, const char* columns, const char* verb,
                         const char* unit, const char* instead) {
@@ -151,7 +162,7 @@ void walk_faults(const MeasurementSet& set, std::vector<std::string>& found) {
   }
   // Both alike.
   constexpr double kMost_radps = 20;
-  const Numbers omega = table.numbers("omega_cmd_radps");
+  const Numbers& omega = walk.omega;
   const auto fastest = std::max_element(
       omega.begin(), omega.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
   if (found.size() == before && fastest != omega.end() && std::abs(*fastest) > kMost_radps)
@@ -161,7 +172,7 @@ void walk_faults(const MeasurementSet& set, std::vector<std::string>& found) {
                     place(table, static_cast<size_t>(fastest - omega.begin())), *fastest,
                     std::abs(*fastest) / (2 * std::numbers::pi)));
   // Of wrong units the steps say nothing.
-  if (found.size() == before) tell_axes(table, found);
+  if (found.size() == before) tell_axes(table, walk, found);
 }
 
 }  // namespace seam::measurement

@@ -1,11 +1,11 @@
 #include "measurement/fitting/group_scatter.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "measurement/fitting/parameter_space.h"
+#include "measurement/numerics/curvature.h"
 
 namespace seam::measurement {
 namespace {
@@ -51,18 +51,12 @@ std::vector<double> sandwich(const std::vector<Word>& words) {
     whole.information += words[g].information;
     whole.slope += words[g].slope;
   }
-  const Eigen::VectorXd scale =
-      whole.information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * whole.information * scale.asDiagonal();
-  scaled.diagonal().array() += kFloor;
-  const Eigen::LDLT<Eigen::MatrixXd> solver(scaled);
+  const Eigen::MatrixXd inverse = covariance_of(whole.information, kFloor).matrix;
   const auto count = static_cast<double>(words.size());
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(scale.size());
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(inverse.rows());
   for (const Word& word : words) {
     // The fit stands where all slopes together vanish, but for what its last step left.
-    const Eigen::VectorXd own = word.slope - whole.slope / count;
-    const Eigen::VectorXd step =
-        scale.asDiagonal() * solver.solve(Eigen::VectorXd(scale.asDiagonal() * own));
+    const Eigen::VectorXd step = inverse * (word.slope - whole.slope / count);
     if (!step.allFinite()) return {};
     variance += count / (count - 1) * step.cwiseAbs2();
   }

@@ -160,10 +160,11 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
             return turn_of(*effect_by_name(name)) < turn_of(*effect);
           }))
         return;
-      if (effect->companions.empty() && !last) tried[i] = seen_first(result, grown, left[i]);
-      if (tried[i]) return;
-      if (effect->companions.empty() && !last)
+      if (effect->companions.empty() && !last) {
+        tried[i] = seen_first(result, grown, left[i]);
+        if (tried[i]) return;
         tried[i] = try_effect(problem, grown, effect, reasons);
+      }
       // Found after another that it replaced, or with others: what was fitted last is the place to
       // start from. A lens of which the given values were far may be told from there alone, too.
       const bool lens = effect->term == effects::Term::radial;

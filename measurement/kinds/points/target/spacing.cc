@@ -154,7 +154,7 @@ std::optional<WrongSpacing> wrong_spacing(
     if (found.rms_px < drawn.rms_px) drawn = found;
   }
   WrongSpacing told{.factor = std::exp(drawn.change[3]),
-                    .neighbour_m = neighbour_distance_m(places),
+                    .neighbour_m = 0,
                     .before_px = shifted.rms_px,
                     .after_px = drawn.rms_px};
   const bool explains = std::isfinite(drawn.rms_px) && kGain * drawn.rms_px < shifted.rms_px &&
@@ -163,6 +163,7 @@ std::optional<WrongSpacing> wrong_spacing(
   const bool plausible = std::abs(told.factor - 1) > kLeast && told.factor < kMostFactor &&
                          told.factor > 1 / kMostFactor;
   if (!explains || !plausible) return std::nullopt;
+  told.neighbour_m = neighbour_distance_m(places);
   return told;
 }
 
