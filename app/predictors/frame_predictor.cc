@@ -7,10 +7,12 @@ namespace {
 
 class RenderedFrames final : public measurement::FramePredictor {
  public:
-  RenderedFrames(const effects::Model& model, int width_px, int height_px, SimTime reference)
-      : renderer_(
-            model, width_px, height_px,
-            {.samples_per_pixel = 16, .edge_samples_per_pixel = 512, .reference = reference}) {}
+  RenderedFrames(const effects::Model& model, int width_px, int height_px, SimTime reference,
+                 measurement::Detail detail)
+      : renderer_(model, width_px, height_px,
+                  {.samples_per_pixel = 16,
+                   .edge_samples_per_pixel = detail == measurement::Detail::fine ? 512 : 64,
+                   .reference = reference}) {}
 
   std::vector<float> light(const FrameJob& job) const override {
     const render::LinearImage image = renderer_.render_linear(job);
@@ -26,8 +28,9 @@ class RenderedFrames final : public measurement::FramePredictor {
 }  // namespace
 
 measurement::MakeFramePredictor rendered_frames() {
-  return [](const effects::Model& model, int width_px, int height_px, SimTime reference) {
-    return std::make_unique<RenderedFrames>(model, width_px, height_px, reference);
+  return [](const effects::Model& model, int width_px, int height_px, SimTime reference,
+            measurement::Detail detail) {
+    return std::make_unique<RenderedFrames>(model, width_px, height_px, reference, detail);
   };
 }
 

@@ -18,9 +18,13 @@ class FramePredictor {
   virtual std::vector<float> light(const FrameJob& job) const = 0;
 };
 
+// How many rays an edge is drawn with: `rough` images cost a third, and do to tell large changes
+// apart.
+enum class Detail { fine, rough };
+
 // `reference` is the time from which drift, flicker and formulas of time count. Throws InputError
 // for a model that gives no image.
 using MakeFramePredictor = std::function<std::unique_ptr<FramePredictor>(
-    const effects::Model& model, int width_px, int height_px, SimTime reference)>;
+    const effects::Model& model, int width_px, int height_px, SimTime reference, Detail detail)>;
 
 }  // namespace seam::measurement

@@ -46,9 +46,9 @@ FrameJob FrameProtocol::job(size_t frame, const Model& model, const Rig::Motion&
   return job;
 }
 
-std::vector<LightImage> FrameProtocol::render(const Model& model,
-                                              const std::vector<size_t>& frames) const {
-  const auto frame_predictor = predictor(model);
+std::vector<LightImage> FrameProtocol::render(const Model& model, const std::vector<size_t>& frames,
+                                              Detail detail) const {
+  const auto frame_predictor = predictor(model, detail);
   const Rig::Motion motion = rig_.motion(model);
   std::vector<LightImage> light;
   for (const size_t frame : frames)

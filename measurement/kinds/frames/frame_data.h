@@ -27,11 +27,13 @@ class FrameProtocol {
   const Rig& rig() const { return rig_; }
 
   FrameJob job(size_t frame, const Model& model, const Rig::Motion& motion) const;
-  std::unique_ptr<FramePredictor> predictor(const Model& model) const {
-    return make_predictor_(model, width_px_, height_px_, reference());
+  std::unique_ptr<FramePredictor> predictor(const Model& model,
+                                            Detail detail = Detail::fine) const {
+    return make_predictor_(model, width_px_, height_px_, reference(), detail);
   }
   // Light on the sensor in these frames.
-  std::vector<LightImage> render(const Model& model, const std::vector<size_t>& frames) const;
+  std::vector<LightImage> render(const Model& model, const std::vector<size_t>& frames,
+                                 Detail detail) const;
 
  private:
   MakeFramePredictor make_predictor_;

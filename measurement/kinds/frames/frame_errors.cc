@@ -12,26 +12,26 @@ float smaller_slope(float a, float b) {
   return std::abs(a) < std::abs(b) ? a : b;
 }
 
-// The derivative along one line of `count` samples, `stride` apart: value at one border less that
-// at the other. A border's value is taken from that of its two cells in which the image is
-// smoother.
-void line_slope(const float* in, size_t count, size_t stride, float* out) {
+// The derivatives along `lines` lines that lie side by side, each of `count` samples that are
+// `stride` apart: value at one border of a sample less that at the other. A border's value is taken
+// from that of its two samples in which the image is smoother.
+void line_slopes(const float* in, size_t lines, size_t count, size_t stride, float* out) {
   if (count < 2) return;
-  const auto at = [&](size_t i) { return in[i * stride]; };
-  const auto slope = [&](size_t i) {
-    return i == 0 || i + 1 == count ? 0.0f : smaller_slope(at(i) - at(i - 1), at(i + 1) - at(i));
-  };
-  float slope_here = slope(0), border_before = at(0);
-  for (size_t i = 0; i < count; ++i) {
-    float border = at(i), slope_next = 0;
-    if (i + 1 < count) {
-      slope_next = slope(i + 1);
-      border = std::abs(slope_here) <= std::abs(slope_next) ? at(i) + slope_here / 2
-                                                            : at(i + 1) - slope_next / 2;
+  std::vector<float> slope_here(lines, 0), border_before(in, in + lines);
+  for (size_t i = 0; i < count; ++i, in += stride, out += stride) {
+    const bool last = i + 1 == count, next_is_inner = i + 2 < count;
+    for (size_t k = 0; k < lines; ++k) {
+      float border = in[k], slope_next = 0;
+      if (!last) {
+        const float next = in[k + stride];
+        if (next_is_inner) slope_next = smaller_slope(next - in[k], in[k + 2 * stride] - next);
+        border = std::abs(slope_here[k]) <= std::abs(slope_next) ? in[k] + slope_here[k] / 2
+                                                                 : next - slope_next / 2;
+      }
+      out[k] = border - border_before[k];
+      border_before[k] = border;
+      slope_here[k] = slope_next;
     }
-    out[i * stride] = border - border_before;
-    border_before = border;
-    slope_here = slope_next;
   }
 }
 
@@ -40,11 +40,9 @@ void line_slope(const float* in, size_t count, size_t stride, float* out) {
 ImageSlope image_slope(const std::vector<float>& image, int width_px, int height_px) {
   const auto width = static_cast<size_t>(width_px), height = static_cast<size_t>(height_px);
   ImageSlope slope{std::vector<float>(image.size()), std::vector<float>(image.size())};
-  for (size_t v = 0; v < height; ++v) {
-    for (size_t c = 0; c < 3; ++c)
-      line_slope(&image[v * width * 3 + c], width, 3, &slope.right[v * width * 3 + c]);
-  }
-  for (size_t i = 0; i < width * 3; ++i) line_slope(&image[i], height, width * 3, &slope.down[i]);
+  for (size_t v = 0; v < height; ++v)
+    line_slopes(&image[v * width * 3], 3, width, 3, &slope.right[v * width * 3]);
+  line_slopes(image.data(), width * 3, height, width * 3, slope.down.data());
   return slope;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/timing.h"
@@ -20,10 +21,8 @@ effects::SensorExposure exposure_of(const Model& model, double t_s) {
 FramesProblem::FramesProblem(const MeasurementSet& set, const Instruments& instruments)
     : table_(set.table("frames")),
       protocol_(set, table_, instruments),
-      store_(protocol_.frames(), protocol_.width_px(), protocol_.height_px(),
-             [this](const Model& model, const std::vector<size_t>& frames) {
-               return protocol_.render(model, frames);
-             }) {
+      store_(light_store(Detail::fine)),
+      rough_store_(light_store(Detail::rough)) {
   for (size_t row = 0; row < table_.rows(); ++row) {
     Image image = read_png(set.inside(table_, row, "file"));
     if (image.width_px != protocol_.width_px() || image.height_px != protocol_.height_px() ||
@@ -51,6 +50,13 @@ FramesProblem::FramesProblem(const MeasurementSet& set, const Instruments& instr
     facts_.row_of.insert(facts_.row_of.end(), samples_, static_cast<int>(row));
 }
 
+LightStore FramesProblem::light_store(Detail detail) const {
+  return {protocol_.frames(), protocol_.width_px(), protocol_.height_px(),
+          [this, detail](const Model& model, const std::vector<size_t>& frames) {
+            return protocol_.render(model, frames, detail);
+          }};
+}
+
 std::vector<size_t> FramesProblem::frames_of(const Groups& groups) const {
   std::vector<size_t> frames;
   for (size_t f = 0; f < images_.size(); ++f) {
@@ -61,20 +67,34 @@ std::vector<size_t> FramesProblem::frames_of(const Groups& groups) const {
 
 Evaluation FramesProblem::evaluate(const Model& model, const Groups& groups,
                                    const Evaluation*) const {
-  Evaluation out;
-  const size_t n = facts_.scalars();
-  out.used.assign(n, 0);
-  for (auto* v : {&out.residual, &out.whitened, &out.sigma}) v->assign(n, 0);
-  out.log_det.assign(facts_.groups.size(), 0);
+  return evaluate_with(store_, model, groups);
+}
+
+Evaluation FramesProblem::evaluate_with(const LightStore& store, const Model& model,
+                                        const Groups& groups) const {
   const std::vector<size_t> frames = frames_of(groups);
+  const effects::SensorChain chain = effects::sensor_of(model);
+  Evaluation out = predict(store, model, chain, frames);
+  out.used.assign(facts_.scalars(), 0);
+  out.whitened.assign(facts_.scalars(), 0);
+  out.log_det.assign(facts_.groups.size(), 0);
+  if (out.valid) whiten(chain, frames, out);
+  return out;
+}
+
+// Residuals, and as `sigma` the variances of the sensor alone.
+Evaluation FramesProblem::predict(const LightStore& store, const Model& model,
+                                  const effects::SensorChain& chain,
+                                  const std::vector<size_t>& frames) const {
+  Evaluation out;
+  for (auto* v : {&out.residual, &out.sigma}) v->assign(facts_.scalars(), 0);
   std::vector<LightImage> light;
   try {
-    light = store_.light(model, frames);
+    light = store.light(model, frames);
   } catch (const InputError&) {
     out.valid = false;  // No image: the lens cannot be inverted over it.
     return out;
   }
-  const effects::SensorChain chain = effects::sensor_of(model);
   float low = std::numeric_limits<float>::max(), high = 0;
   for (const LightImage& image : light) {
     const auto [least, most] = std::minmax_element(image->begin(), image->end());
@@ -94,11 +114,9 @@ Evaluation FramesProblem::evaluate(const Model& model, const Groups& groups,
     }
     predict_frame(chain, tables, effects::signal_dn(chain, 1, exposure), frames[k], *light[k], out);
   }
-  whiten(chain, frames, out);
   return out;
 }
 
-// Residuals of a frame and their sigmas from the sensor alone.
 void FramesProblem::predict_frame(const effects::SensorChain& chain,
                                   const std::vector<ResponseTable>& tables, double scale,
                                   size_t frame, const std::vector<float>& light,
@@ -113,7 +131,7 @@ void FramesProblem::predict_frame(const effects::SensorChain& chain,
     const double gain = chain.pixel_gain_sigma * response.gain_slope;
     const double slope2 = response.offset_slope * response.offset_slope;
     out.residual[first + i] = images_[frame][i] - response.mean - hot_mean;
-    out.sigma[first + i] = std::sqrt(response.variance + gain * gain + offset2 * slope2);
+    out.sigma[first + i] = response.variance + gain * gain + offset2 * slope2;
   }
 }
 
@@ -131,7 +149,7 @@ std::vector<ImageSlope> FramesProblem::slopes_of(const std::vector<size_t>& fram
   return slopes;
 }
 
-// Adds the renderers' difference to each sample's sigma, then whitens what samples share.
+// Adds the renderers' difference to each sample's variance, then whitens what samples share.
 void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames,
                            Evaluation& out) const {
   constexpr double shift2 = kRendererShiftPx * kRendererShiftPx;
@@ -139,16 +157,19 @@ void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<
   for (size_t k = 0; k < frames.size(); ++k) {
     const size_t first = frames[k] * samples_;
     double& log_det = out.log_det[facts_.group_of_row[frames[k]]];
+    double product = 1;  // One logarithm for a few variances, of at most 255^2 each.
     for (size_t i = 0; i < samples_; ++i) {
       const double right = slopes[k].right[i], down = slopes[k].down[i];
       double& sigma = out.sigma[first + i];
-      const double variance = sigma * sigma + shift2 * (right * right + down * down);
+      const double variance = sigma + shift2 * (right * right + down * down);
       sigma = std::sqrt(variance);
       if (left_out(first + i)) continue;
       out.used[first + i] = 1;
       out.whitened[first + i] = out.residual[first + i] / sigma;
-      log_det += std::log(variance);
+      product *= variance;
+      if (product > 1e100 || product < 1e-100) log_det += std::log(std::exchange(product, 1.0));
     }
+    log_det += std::log(product);
   }
   const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), chain, frames,
                            std::move(slopes), out);
@@ -179,6 +200,7 @@ double FramesProblem::find_step(const Model& model, const Unknown& unknown,
   const std::vector<size_t> frames = frames_of(groups);
   if (frames.empty()) return 0;
   one[facts_.group_of_row[frames[frames.size() / 2]]] = 1;
+  const std::vector<size_t> chosen = frames_of(one);
   const Evaluation here = evaluate(model, one);
   double h = 0.02 * std::min(parameter.scale, std::max(1.0, std::abs(parameter.scale)));
   double coarse = 0;  // A step that changes much.
@@ -186,7 +208,7 @@ double FramesProblem::find_step(const Model& model, const Unknown& unknown,
     if (value + h > parameter.max) h = -h;
     Model moved = model;
     moved.set_value(unknown.effect, unknown.parameter, value + h);
-    const Evaluation there = evaluate(moved, one);
+    const Evaluation there = predict(store_, moved, effects::sensor_of(moved), chosen);
     if (!there.valid) {
       h *= 0.1;
       continue;
@@ -230,13 +252,13 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model,
     std::vector<double> column(facts_.scalars(), 0);
     Model moved = model;
     moved.set_value(unknown.effect, unknown.parameter, value + h);
-    const Evaluation plus = evaluate(moved, groups);
+    const Evaluation plus = predict(store_, moved, effects::sensor_of(moved), frames);
     // Far from the truth one side will do.
     const bool both = !far && value - h >= parameter.min && value - h <= parameter.max;
     Evaluation minus;
     if (both) {
       moved.set_value(unknown.effect, unknown.parameter, value - h);
-      minus = evaluate(moved, groups);
+      minus = predict(store_, moved, effects::sensor_of(moved), frames);
     }
     const bool central = both && minus.valid;
     for (size_t i = 0; i < column.size() && plus.valid; ++i) {

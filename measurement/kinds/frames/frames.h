@@ -42,10 +42,15 @@ class FramesProblem : public Problem {
   double looks(const Model& model, const EffectDefinition& effect) const override;
 
  private:
+  LightStore light_store(Detail detail) const;
+  Evaluation evaluate_with(const LightStore& store, const Model& model, const Groups& groups) const;
+  Evaluation predict(const LightStore& store, const Model& model, const effects::SensorChain& chain,
+                     const std::vector<size_t>& frames) const;
   // Of flickering lamps: the strongest wave in what this model leaves of the rows
   // (frames_flicker.cc).
   std::vector<double> flicker_start(const Model& model) const;
-  // Of the model with the effect at these values; minus infinity where it predicts no image.
+  // Of the model with the effect at these values, by rough images; minus infinity where it predicts
+  // no image.
   double likelihood(const Model& model, const EffectDefinition& effect,
                     const std::vector<double>& values, const Groups& groups) const;
   std::vector<std::vector<double>> ceiling_start(const Model& model,
@@ -65,7 +70,7 @@ class FramesProblem : public Problem {
 
   CsvTable table_;
   FrameProtocol protocol_;
-  LightStore store_;
+  LightStore store_, rough_store_;
   std::vector<std::vector<uint16_t>> images_;
   size_t samples_ = 0;  // Of a frame.
   mutable std::mutex steps_mutex_;

@@ -68,7 +68,7 @@ double FramesProblem::likelihood(const Model& model, const EffectDefinition& eff
   for (const double value : values) given.push_back({.value = value});
   Model tried = model;
   tried.set(std::make_shared<const EffectDefinition>(effect), std::move(given));
-  const Score score = Problem::score(tried, groups);
+  const Score score = score_of(*this, evaluate_with(rough_store_, tried, groups));
   return score.valid && std::isfinite(score.log_likelihood)
              ? score.log_likelihood
              : -std::numeric_limits<double>::infinity();
@@ -89,7 +89,8 @@ std::vector<std::vector<double>> FramesProblem::ceiling_start(
     if (there > start_value) start_value = there, start = {share * highest};
   }
   // A limit that brings nothing anywhere is none.
-  if (start_value < Problem::score(model, few).log_likelihood + 10) return {};
+  const Score without = score_of(*this, evaluate_with(rough_store_, model, few));
+  if (start_value < without.log_likelihood + 10) return {};
   return {start};
 }
 

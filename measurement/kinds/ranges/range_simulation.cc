@@ -164,7 +164,7 @@ RangeSimulation::RangeSimulation(const MeasurementSet& set, const std::vector<Ba
 
 std::vector<LightImage> RangeSimulation::render(const Model& model,
                                                 const std::vector<size_t>& places) const {
-  const auto predictor = make_predictor_(model, width_px_, height_px_, SimTime());
+  const auto predictor = make_predictor_(model, width_px_, height_px_, SimTime(), Detail::fine);
   const Pose X_LC = effects::mount_of(model);
   FrameJob job;
   // The head rests and so does the ball: every instant shows the same, but for the lamps.

@@ -58,7 +58,7 @@ class FirstPixel final : public RangeDetector {
 class Ranges : public testing::Test {
  protected:
   void SetUp() override {
-    instruments_.render = [](const Model&, int width_px, int height_px, SimTime) {
+    instruments_.render = [](const Model&, int width_px, int height_px, SimTime, Detail) {
       return std::make_unique<GreyCamera>(width_px, height_px);
     };
     instruments_.detect = [](const RangeDetectorSpec& spec) -> std::unique_ptr<RangeDetector> {
