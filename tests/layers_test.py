@@ -81,7 +81,7 @@ ROOMS = {
         "noise": ["numerics", "problem"],
         "kinds": ["sets", "imaging", "problem"],
         "kinds/photometry/stack": ["sets", "imaging", "problem", "numerics"],
-        "kinds/photometry/likelihood": ["kinds/photometry/stack", "sets", "imaging", "problem"],
+        "kinds/photometry/likelihood": ["kinds/photometry/stack", "sets", "imaging", "problem", "numerics"],
         "kinds/photometry": ["kinds", "kinds/photometry/likelihood", "kinds/photometry/stack", "sets", "imaging", "problem", "numerics", "fitting"],
         "kinds/points/target": ["numerics"],
         "kinds/points/motion": ["kinds/points/target", "numerics"],

@@ -1,11 +1,12 @@
 // Faults of points in pictures: views stored twice, targets mirrored.
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "measurement/check/fault_parts.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 
 namespace seam::measurement {
@@ -26,7 +27,7 @@ double handedness(const Numbers& x, const Numbers& y, const Numbers& u, const Nu
     a.row(row) << x[rows[i]], y[rows[i]], 1;
     b.row(row) << u[rows[i]], v[rows[i]];
   }
-  const Eigen::MatrixXd map = a.colPivHouseholderQr().solve(b);
+  const Eigen::MatrixXd map = solve_any_rank(a, b);
   return map(0, 0) * map(1, 1) - map(0, 1) * map(1, 0);
 }
 

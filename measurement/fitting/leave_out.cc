@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "measurement/fitting/parameter_space.h"
+#include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -107,7 +108,7 @@ void LeaveOut::step_means() {
     Eigen::MatrixXd scaled = scale.asDiagonal() * rest * scale.asDiagonal();
     scaled.diagonal().array() += kFloor;
     const Eigen::VectorXd step =
-        scale.asDiagonal() * scaled.ldlt().solve(Eigen::VectorXd(scale.asDiagonal() * slope));
+        scale.asDiagonal() * solve_symmetric(scaled, scale.asDiagonal() * slope);
     if (!step.allFinite()) continue;
     for (size_t k = 0; k < mean_.size(); ++k) steps_(index(mean_[k]), index(p)) = step[index(k)];
     promised_[p] = 0.5 * step.dot(slope);

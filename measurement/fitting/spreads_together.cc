@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/maximise.h"
 
 namespace seam::measurement {
@@ -20,7 +21,7 @@ void take_steps(const SpreadsTogether& before, std::vector<SearchParameter>& par
   const auto n = static_cast<Eigen::Index>(parameters.size());
   const Eigen::MatrixXd covariance =
       Eigen::Map<const Eigen::MatrixXd>(before.covariance.data(), n, n);
-  const Eigen::VectorXd information = covariance.inverse().diagonal();
+  const Eigen::VectorXd information = inverse_of(covariance).diagonal();
   std::vector<double> steps;
   for (Eigen::Index k = 0; k < n; ++k) {
     const double value = before.place[static_cast<Eigen::Index>(before.which[k])];

@@ -31,6 +31,20 @@ bool solve_positive(const MatrixXd& m, const VectorXd& right, VectorXd& x) {
   return true;
 }
 
+MatrixXd solve_square(const MatrixXd& m, const MatrixXd& right, double* log_det) {
+  const Eigen::PartialPivLU<MatrixXd> solver(m);
+  if (log_det) *log_det = solver.matrixLU().diagonal().array().abs().log().sum();
+  return solver.solve(right);
+}
+
+MatrixXd inverse_of(const MatrixXd& m) {
+  return solve_square(m, MatrixXd::Identity(m.rows(), m.cols()));
+}
+
+MatrixXd lower_root(const MatrixXd& m) {
+  return Eigen::LLT<MatrixXd>(m).matrixL();
+}
+
 MatrixXd solve_any_rank(const MatrixXd& m, const MatrixXd& right, Eigen::Index* rank) {
   const Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver(m);
   if (rank) *rank = solver.rank();

@@ -22,6 +22,15 @@ Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& m, const Eigen::VectorXd&
 // The same where m must be positive definite: false, and x untouched, when it is not.
 bool solve_positive(const Eigen::MatrixXd& m, const Eigen::VectorXd& right, Eigen::VectorXd& x);
 
+// Of any square matrix that can be inverted (LU); `log_det` receives the logarithm of the amount of
+// its determinant.
+Eigen::MatrixXd solve_square(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right,
+                             double* log_det = nullptr);
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& m);
+
+// Lower triangle L of L L' = m, m positive definite.
+Eigen::MatrixXd lower_root(const Eigen::MatrixXd& m);
+
 // The least-squares solution of least norm, for a matrix of any rank; `rank` receives the rank
 // found.
 Eigen::MatrixXd solve_any_rank(const Eigen::MatrixXd& m, const Eigen::MatrixXd& right,

@@ -1,11 +1,12 @@
 #include "app/import/draft/points_draft.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
 
+#include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -33,8 +34,7 @@ Eigen::Matrix3d homography(const SeenView& view, double cx, double cy, double sc
     a.row(row + 1) << 0, 0, 0, x, y, 1, -v * x, -v * y, -v;
   }
   const Eigen::MatrixXd squares = a.transpose() * a;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(squares);
-  const Eigen::VectorXd h = solver.eigenvectors().col(0);
+  const Eigen::VectorXd h = measurement::symmetric_eigen(squares).vectors.col(0);
   Eigen::Matrix3d map;
   map << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
   return map;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "measurement/numerics/linear_algebra.h"
+
 namespace seam::app {
 namespace {
 
@@ -48,8 +50,7 @@ Mapped mapped(const SeenView& view) {
     a.row(2 * i + 1) << 0, 0, 0, x, y, 1, -v * x, -v * y, -v;
   }
   const Eigen::MatrixXd squares = a.transpose() * a;
-  const Eigen::VectorXd h =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(squares).eigenvectors().col(0);
+  const Eigen::VectorXd h = measurement::symmetric_eigen(squares).vectors.col(0);
   Mapped result{.left = uv, .Jacobian = {}};
   for (Eigen::Index i = 0; i < rows; ++i) {
     const double x = xy(i, 0), y = xy(i, 1), w = h[6] * x + h[7] * y + h[8];
@@ -62,7 +63,7 @@ Mapped mapped(const SeenView& view) {
   // What a lens bends, as far as the corners can tell it.
   const int degree = rows >= 24 ? 3 : rows >= 14 ? 2 : 1;
   const Eigen::MatrixXd basis = powers(xy, degree);
-  result.left -= basis * basis.colPivHouseholderQr().solve(result.left);
+  result.left -= basis * measurement::solve_any_rank(basis, result.left);
   // A perspective has two more than the straight part of the basis.
   const double taken = static_cast<double>(basis.cols()) + (degree == 1 ? 1 : 0);
   result.freedom = std::max(0.0, static_cast<double>(rows) - taken);

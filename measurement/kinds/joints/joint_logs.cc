@@ -1,5 +1,5 @@
 // Reading servo logs, and predicting them.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include "effects/stages/servo.h"
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
@@ -73,7 +74,7 @@ double rate_at_start(const JointLog& log) {
     powers.row(static_cast<Eigen::Index>(k)) << 1, t, t * t, t * t * t;
     angles[static_cast<Eigen::Index>(k)] = log.measured_rad[k];
   }
-  const Eigen::MatrixXd inverse = (powers.transpose() * powers).inverse();
+  const Eigen::MatrixXd inverse = inverse_of(powers.transpose() * powers);
   const Eigen::VectorXd c = inverse * powers.transpose() * angles;
   const double variance = (powers * c - angles).squaredNorm() / static_cast<double>(n - 4);
   const double rate = c[1] / span, error = std::sqrt(variance * inverse(1, 1)) / span;

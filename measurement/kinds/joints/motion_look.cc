@@ -1,6 +1,6 @@
 #include "measurement/kinds/joints/motion_look.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +8,7 @@
 #include "effects/stages/servo.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/numerics/damped_step.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 
 namespace seam::measurement {
@@ -90,7 +91,7 @@ void MotionLook::add_instants(const JointLog& log, size_t stride, size_t reach, 
       angles[static_cast<Eigen::Index>(j)] = log.measured_rad[k - reach + j];
     }
     const Eigen::Vector3d c =
-        (powers.transpose() * powers).ldlt().solve(powers.transpose() * angles);
+        solve_symmetric(powers.transpose() * powers, powers.transpose() * angles);
     const bool steps = steps_between(log, k - reach, k + reach);
     instants_.push_back({.log = &log,
                          .row = k,

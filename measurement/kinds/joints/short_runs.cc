@@ -1,6 +1,6 @@
 #include "measurement/kinds/joints/short_runs.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +8,7 @@
 #include "measurement/fitting/assess.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/numerics/damped_step.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 
 namespace seam::measurement {
@@ -32,7 +33,8 @@ Seen seen_at(const JointLog& log, size_t k) {
     powers.row(static_cast<Eigen::Index>(i - from)) << 1, t, t * t;
     angles[static_cast<Eigen::Index>(i - from)] = log.measured_rad[i];
   }
-  const Eigen::Vector3d c = (powers.transpose() * powers).ldlt().solve(powers.transpose() * angles);
+  const Eigen::Vector3d c =
+      solve_symmetric(powers.transpose() * powers, powers.transpose() * angles);
   return {c[0], c[1] / span_s};
 }
 

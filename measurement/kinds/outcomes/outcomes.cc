@@ -6,6 +6,7 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/problem/channel_misfit.h"
 #include "sim_core/base/error.h"
 
@@ -113,7 +114,7 @@ std::vector<OutcomesProblem::Block> OutcomesProblem::blocks_of(const Model& mode
         block.rows.push_back(rows[i]), places.push_back(static_cast<Eigen::Index>(i));
       }
       if (places.empty()) continue;
-      block.root = Eigen::MatrixXd(covariance(places, places)).llt().matrixL();
+      block.root = lower_root(covariance(places, places));
       blocks.push_back(std::move(block));
     }
   }

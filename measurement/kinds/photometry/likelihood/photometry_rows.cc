@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "measurement/numerics/linear_algebra.h"
+
 namespace seam::measurement {
 namespace {
 
@@ -15,9 +17,9 @@ void add_effects(const VectorXd& variance, const VectorXd& score, const MatrixXd
                  Quadratic& total) {
   const Index n = variance.size();
   const MatrixXd system = MatrixXd::Identity(n, n) + precision * variance.asDiagonal();
-  const Eigen::PartialPivLU<MatrixXd> factor(system);
-  total.chi2 -= score.dot(variance.asDiagonal() * factor.solve(score));
-  total.log_det += factor.matrixLU().diagonal().array().abs().log().sum();
+  double log_det = 0;
+  total.chi2 -= score.dot(variance.asDiagonal() * VectorXd(solve_square(system, score, &log_det)));
+  total.log_det += log_det;
 }
 
 }  // namespace
@@ -107,9 +109,11 @@ RowOffsets::Information RowOffsets::beside(size_t unit, const VectorXd& k, doubl
   if (k.isZero(0)) return P;
   if (!many_) {
     const auto n = static_cast<Index>(levels_);
-    const Eigen::PartialPivLU<MatrixXd> factor(MatrixXd::Identity(n, n) + P.few * k.asDiagonal());
-    log_det += factor.matrixLU().diagonal().array().abs().log().sum();
-    return {.few = factor.solve(P.few)};
+    double own = 0;
+    const MatrixXd system = MatrixXd::Identity(n, n) + P.few * k.asDiagonal();
+    const MatrixXd few = solve_square(system, P.few, &own);
+    log_det += own;
+    return {.few = few};
   }
   // It keeps its form: D / (1 + D k), U / (1 + D k), (Q^-1 - U' k / (1 + D k) U)^-1.
   const VectorXd less = (1 + P.diagonal.array() * k.array()).inverse();
@@ -137,7 +141,7 @@ std::vector<double> RowOffsets::estimate(size_t unit) const {
     x = b.cwiseQuotient(A) + part * (P.core * inner.inverse() * (part.transpose() * b));
   } else {
     P.few.diagonal() += ridge(VectorXd(P.few.diagonal()));
-    x = P.few.partialPivLu().solve(b);
+    x = solve_square(P.few, b);
   }
   return {x.begin(), x.end()};
 }

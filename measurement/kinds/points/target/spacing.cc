@@ -1,11 +1,12 @@
 #include "measurement/kinds/points/target/spacing.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <tuple>
 
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 
 namespace seam::measurement {
@@ -53,7 +54,7 @@ class Spacing {
         slopes.col(k) = (residuals(beside) - here) / by;
       }
       if (!slopes.allFinite()) return best;
-      const Eigen::VectorXd way = slopes.colPivHouseholderQr().solve(-here);
+      const Eigen::VectorXd way = solve_any_rank(slopes, -here);
       if (!way.allFinite()) return best;
       double share = 1;
       Found next;
@@ -84,7 +85,7 @@ class Spacing {
       a.row(row + 1) << (*place)[1], 0, 1;
       b[row] = seen_[rows_[i]][0], b[row + 1] = seen_[rows_[i]][1];
     }
-    return rms_of(a * a.colPivHouseholderQr().solve(b) - b);
+    return rms_of(a * solve_any_rank(a, b) - b);
   }
 
  private:

@@ -1,0 +1,3 @@
+#include "measurement/numerics/eigen_once.h"
+
+SEAM_EIGEN_ONCE()
