@@ -3,6 +3,9 @@
 // studies' protocol of each kind with an effect of the mean hidden beside a noise. Reading the set
 // is part of it. The baseline, in the same run: to read the set and to score it once by the model
 // given, which no diagnosis can do without (`readings`: as many of it are one diagnosis).
+//
+// `bench_diagnose FOLDER...` has the sets of any size that `scripts/growth.py --keep` made beside
+// them: a folder has the set in data/ and its model in given.yaml.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
@@ -171,11 +174,26 @@ void points(benchmark::State& state) {
 }
 BENCHMARK(points)->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime();
 
+void given_sets(int count, char** folders) {
+  for (int i = 1; i < count; ++i) {
+    const fs::path folder = folders[i];
+    benchmark::RegisterBenchmark(("set/" + folder.filename().string()).c_str(),
+                                 [folder](benchmark::State& state) {
+                                   search_timed(state, folder / "data",
+                                                Model::from_file(folder / "given.yaml"));
+                                 })
+        ->Unit(benchmark::kSecond)
+        ->Iterations(1)
+        ->UseRealTime();
+  }
+}
+
 }  // namespace
 }  // namespace seam::measurement
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   seam::measurement::every_kind();
+  seam::measurement::given_sets(argc, argv);
   benchmark::RunSpecifiedBenchmarks();
 }
