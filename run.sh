@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 scripts/dependencies.sh
-scripts/build.sh
+scripts/build.sh program
 out=out
 mkdir -p "$out"
 if [ $# -gt 0 ]; then
