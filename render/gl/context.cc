@@ -77,16 +77,8 @@ Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create
   if (!context_)
     throw InputError("renderer 'opengl': Mesa makes no off-screen OpenGL 3.3 core context here");
   make_current();
-  gl_.glGenVertexArrays(1, &shapes_);
-  gl_.glBindVertexArray(shapes_);
-  gl_.glGenBuffers(1, &shape_buffer_);
-  gl_.glBindBuffer(GL_ARRAY_BUFFER, shape_buffer_);
-  for (GLuint input = 0; input < sizeof(ShapeInstance) / 16; ++input) {
-    gl_.glEnableVertexAttribArray(input);
-    gl_.glVertexAttribPointer(input, 4, GL_FLOAT, GL_FALSE, sizeof(ShapeInstance),
-                              reinterpret_cast<const void*>(size_t{16} * input));
-    gl_.glVertexAttribDivisor(input, 1);
-  }
+  shapes_ = make_instances(sizeof(ShapeInstance) / 16);
+  faces_ = make_instances(sizeof(FaceInstance) / 16);
   gl_.glGenFramebuffers(1, &frame_);
   gl_.glGenRenderbuffers(1, &colour_);
   gl_.glGenRenderbuffers(1, &depth_);
@@ -95,6 +87,30 @@ Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create
 
 Context::~Context() {
   gl_.destroy_context(context_);
+}
+
+Context::Instances Context::make_instances(int inputs) const {
+  Instances made;
+  gl_.glGenVertexArrays(1, &made.array);
+  gl_.glBindVertexArray(made.array);
+  gl_.glGenBuffers(1, &made.buffer);
+  gl_.glBindBuffer(GL_ARRAY_BUFFER, made.buffer);
+  for (int input = 0; input < inputs; ++input) {
+    const auto place = static_cast<GLuint>(input);
+    gl_.glEnableVertexAttribArray(place);
+    gl_.glVertexAttribPointer(place, 4, GL_FLOAT, GL_FALSE, 16 * inputs,
+                              reinterpret_cast<const void*>(size_t{16} * place));
+    gl_.glVertexAttribDivisor(place, 1);
+  }
+  return made;
+}
+
+void Context::draw_instances(const Instances& buffers, const void* instances, size_t bytes,
+                             size_t count) const {
+  gl_.glBindVertexArray(buffers.array);
+  gl_.glBindBuffer(GL_ARRAY_BUFFER, buffers.buffer);
+  gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), instances, GL_STREAM_DRAW);
+  gl_.glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count));
 }
 
 void Context::make_current() {
@@ -194,25 +210,40 @@ void Context::begin_page(int width, int height, const PageLook& look) {
   gl_.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
+void Context::use(const Program& program, const PageLook& look) const {
+  gl_.glUseProgram(program.id);
+  gl_.glUniform4f(program.target, 2.0f / static_cast<float>(page_width_),
+                  2.0f / static_cast<float>(page_height_), 0, 0);
+  gl_.glUniform1i(program.truth, look.truth ? 1 : 0);
+}
+
+void Context::draw_faces(const std::vector<FaceInstance>& faces, const PageLook& look) {
+  if (faces.empty()) return;
+  if (face_program_.id == 0) {
+    face_program_ =
+        link(kFaceVertex, kFaceFragment, {"centre", "along_a", "along_b", "plane", "look", "ray"});
+  }
+  use(face_program_, look);
+  gl_.glEnable(GL_CLIP_DISTANCE0);
+  gl_.glEnable(GL_CLIP_DISTANCE1);
+  draw_instances(faces_, faces.data(), faces.size() * sizeof(FaceInstance), faces.size());
+  gl_.glDisable(GL_CLIP_DISTANCE0);
+  gl_.glDisable(GL_CLIP_DISTANCE1);
+}
+
 void Context::draw(const PageScene& scene, const PageLook& look) {
+  draw_faces(scene.faces, look);
   for (const auto& [batch, instances] : scene.shapes) {
     if (instances.empty()) continue;
     const Program& program = shape_program(batch);
-    gl_.glUseProgram(program.id);
-    gl_.glUniform4f(program.target, 2.0f / static_cast<float>(page_width_),
-                    2.0f / static_cast<float>(page_height_), 0, 0);
-    gl_.glUniform1i(program.truth, look.truth ? 1 : 0);
+    use(program, look);
     gl_.glUniformMatrix3fv(program.view, 1, GL_FALSE, look.view.data());
     if (batch.texture != 0) {
       gl_.glUniform1i(program.picture, 0);
       meshes_->bind_texture(batch.texture - 1);
     }
-    gl_.glBindVertexArray(shapes_);
-    gl_.glBindBuffer(GL_ARRAY_BUFFER, shape_buffer_);
-    gl_.glBufferData(GL_ARRAY_BUFFER,
-                     static_cast<GLsizeiptr>(instances.size() * sizeof(ShapeInstance)),
-                     instances.data(), GL_STREAM_DRAW);
-    gl_.glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(instances.size()));
+    draw_instances(shapes_, instances.data(), instances.size() * sizeof(ShapeInstance),
+                   instances.size());
   }
   if (scene.meshes.empty()) return;
   if (mesh_program_ == 0) {

@@ -24,6 +24,17 @@ struct ShapeInstance {
   float ray[4];
 };
 
+// A flat face of one colour at one instant: a rectangle, or one of a box's sides. It is drawn as
+// the triangles that it is, so that fragments fall only where it can be seen.
+struct FaceInstance {
+  float centre[4];   // In the view; then the band's first row on the page.
+  float along_a[4];  // From the centre to one side, then the row after the band's last.
+  float along_b[4];  // Then a depth that nothing of it comes below in the band.
+  float plane[4];    // Its product with (x, y, 1) is 1 / depth; then the factor on that.
+  float look[4];     // Light; the identity.
+  float ray[4];      // As ShapeInstance::ray.
+};
+
 // Shapes of one kind and texture; drawn together.
 struct ShapeBatch {
   int kind = 0;          // As seam::Shape counts.
@@ -35,6 +46,7 @@ struct ShapeBatch {
 
 // All that stands on a page.
 struct PageScene {
+  std::vector<FaceInstance> faces;
   std::map<ShapeBatch, std::vector<ShapeInstance>> shapes;
   std::vector<MeshInstance> meshes;
 };
@@ -69,7 +81,16 @@ class Context {
     GLuint id = 0;
     GLint target = -1, truth = -1, view = -1, picture = -1;
   };
+  // Buffers from which instances of `inputs` vectors of four floats are drawn.
+  struct Instances {
+    GLuint array = 0, buffer = 0;
+  };
+  Instances make_instances(int inputs) const;
+  void draw_instances(const Instances& buffers, const void* instances, size_t bytes,
+                      size_t count) const;
+  void use(const Program& program, const PageLook& look) const;
   const Program& shape_program(const ShapeBatch& batch);
+  void draw_faces(const std::vector<FaceInstance>& faces, const PageLook& look);
   Program link(const std::string& vertex, const std::string& fragment,
                const std::vector<const char*>& inputs) const;
   GLuint compile(GLenum kind, const std::string& text) const;
@@ -80,7 +101,9 @@ class Context {
   std::array<uint8_t, 64 * 64 * 4> window_{};  // OSMesa wants one; nothing is drawn there.
   std::unique_ptr<MeshDrawer> meshes_;
   std::map<std::pair<int, bool>, Program> shape_programs_;
-  GLuint shapes_ = 0, shape_buffer_ = 0, mesh_program_ = 0;
+  Instances shapes_, faces_;
+  Program face_program_;
+  GLuint mesh_program_ = 0;
   GLuint frame_ = 0, colour_ = 0, depth_ = 0;
   int width_ = 0, height_ = 0;            // Of the target.
   int page_width_ = 0, page_height_ = 0;  // Of the page in it.

@@ -36,6 +36,56 @@ std::vector<PlaneKey> planes_of(const Primitive& primitive) {
   return planes;
 }
 
+// One face of a rectangle or a box: the one at `side` (-1, 0, 1) times the half edge `axis`.
+void add_face(const CastShape& shape, int axis, float side, const BandPlace& where,
+              FaceInstance face, bool lambert, PageScene& out) {
+  const Mat3& R_CV = where.view.R_CV;
+  const auto in_view = [&](const float* d, int k) {
+    return static_cast<float>(R_CV[k].x * d[0] + R_CV[k].y * d[1] + R_CV[k].z * d[2]);
+  };
+  // The normal looks at the camera.
+  const float towards = shape.origin_O[axis] >= 0 ? 1.0f : -1.0f;
+  const float away = side * shape.size[axis] - shape.origin_O[axis];
+  if (std::abs(away) < 1e-9f) return;
+  const float* const normal = &shape.R_OC[3 * axis];
+  const float* const a = &shape.R_OC[3 * ((axis + 1) % 3)];
+  const float* const b = &shape.R_OC[3 * ((axis + 2) % 3)];
+  for (int k = 0; k < 3; ++k) {
+    face.centre[k] = in_view(shape.centre_C, k) + side * shape.size[axis] * in_view(normal, k);
+    face.along_a[k] = shape.size[(axis + 1) % 3] * in_view(a, k);
+    face.along_b[k] = shape.size[(axis + 2) % 3] * in_view(b, k);
+    face.plane[k] = in_view(normal, k) / away;
+  }
+  // Cut off just before the nearest of it that the band can show: a side that runs past the camera
+  // would have ends so far out that a float places it badly.
+  float nearest = 0;
+  for (int corner = 0; corner < 4; ++corner) {
+    const float u = corner & 1 ? static_cast<float>(where.page.width) : 0.0f;
+    const float v = corner & 2 ? face.along_a[3] : face.centre[3];
+    nearest =
+        std::max(nearest, face.plane[0] * (u + face.ray[0]) * face.ray[2] +
+                              face.plane[1] * (v + face.ray[1]) * face.ray[2] + face.plane[2]);
+  }
+  if (nearest <= 0) return;
+  face.along_b[3] = std::max(0.9f / nearest, kNear);
+  const float factor =
+      lambert ? shape.ambient + std::max(towards * shape.light_O[axis], 0.0f) : 1.0f;
+  for (int k = 0; k < 3; ++k) face.look[k] *= factor;
+  out.faces.push_back(face);
+}
+
+void add_faces(const CastShape& shape, Shape kind, const BandPlace& where, const FaceInstance& face,
+               bool lambert, PageScene& out) {
+  if (kind == Shape::rectangle) return add_face(shape, 2, 0, where, face, lambert, out);
+  // Of a box those that the camera is in front of.
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(shape.origin_O[axis]) > shape.size[axis]) {
+      const float side = shape.origin_O[axis] > 0 ? 1.0f : -1.0f;
+      add_face(shape, axis, side, where, face, lambert, out);
+    }
+  }
+}
+
 }  // namespace
 
 PaintLayers::PaintLayers(const SceneInstant& scene) {
@@ -75,6 +125,19 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
   for (size_t i = 0; i < prepared.shapes.size(); ++i) {
     const CastShape& shape = prepared.shapes[i];
     const Footprint& footprint = prepared.footprints[i];
+    const auto source = static_cast<size_t>(prepared.sources[i]);
+    const auto kind = static_cast<Shape>(prepared.kinds[i]);
+    const uint32_t texture = scene.primitives[source].asset;
+    if (texture == 0 && (kind == Shape::rectangle || kind == Shape::box)) {
+      FaceInstance face{};
+      face.centre[3] = low_y, face.along_a[3] = high_y;
+      face.plane[3] = layers.nearness(scene, source);
+      for (int k = 0; k < 3; ++k) face.look[k] = prepared.colours[i + 1].rgb[k];
+      face.look[3] = static_cast<float>(source + 1);
+      face.ray[0] = to_x, face.ray[1] = to_y, face.ray[2] = 1.0f / texels;
+      add_faces(shape, kind, where, face, lambert, out);
+      continue;
+    }
     ShapeInstance instance{};
     float* const place = instance.place;
     place[0] = 0, place[2] = static_cast<float>(page.width), place[1] = low_y, place[3] = high_y;
@@ -92,12 +155,11 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
       instance.light_and_depth[axis] = lambert ? shape.light_O[axis] : 0.0f;
       instance.look[axis] = prepared.colours[i + 1].rgb[axis];
     }
-    const auto source = static_cast<size_t>(prepared.sources[i]);
     instance.size_and_ambient[3] = lambert ? shape.ambient : 1.0f;
     instance.light_and_depth[3] = layers.nearness(scene, source);
     instance.look[3] = static_cast<float>(source + 1);
     instance.ray[0] = to_x, instance.ray[1] = to_y, instance.ray[2] = 1.0f / texels;
-    out.shapes[{prepared.kinds[i], scene.primitives[source].asset}].push_back(instance);
+    out.shapes[{prepared.kinds[i], texture}].push_back(instance);
   }
 }
 

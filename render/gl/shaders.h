@@ -23,6 +23,41 @@ void main() {
 }
 )";
 
+// One instance is one flat face at one instant: its two triangles, cut off at the rows of its band
+// and before what the band can show of it.
+inline constexpr const char* kFaceVertex = R"(#version 330 core
+in vec4 centre, along_a, along_b;  // With the band's first row, the one after it, the nearest depth.
+in vec4 plane, look, ray;
+uniform vec4 target;  // 2 / width, 2 / height.
+flat out vec4 f_plane, f_look;
+flat out vec3 f_ray;
+out float gl_ClipDistance[2];
+void main() {
+  vec2 side = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1)) * 2.0 - 1.0;
+  vec3 p = centre.xyz + side.x * along_a.xyz + side.y * along_b.xyz;
+  vec2 at = p.xy / ray.z - ray.xy * p.z;
+  gl_Position = vec4(at * target.xy - p.z, p.z - 2.0 * along_b.w, p.z);
+  gl_ClipDistance[0] = at.y - centre.w * p.z;
+  gl_ClipDistance[1] = along_a.w * p.z - at.y;
+  f_plane = plane; f_look = look; f_ray = ray.xyz;
+}
+)";
+
+inline constexpr const char* kFaceFragment = R"(#version 330 core
+flat in vec4 f_plane, f_look;
+flat in vec3 f_ray;
+uniform int truth;
+out vec4 seen;
+const float kNear = 1e-3;
+void main() {
+  vec2 v = (gl_FragCoord.xy + f_ray.xy) * f_ray.z;
+  float nearness = dot(f_plane.xy, v) + f_plane.z;
+  // Greater is nearer; a float keeps its digits all the way to far away.
+  gl_FragDepth = min(kNear * nearness * f_plane.w, 1.0);
+  seen = truth == 1 ? vec4(f_look.w, 1.0 / nearness, 0.0, 1.0) : vec4(f_look.rgb, 1.0);
+}
+)";
+
 // Before each shape's own `bool meet(vec3 o, vec3 d, out float t, out vec3 n)`.
 inline constexpr const char* kShapeFragmentHead = R"(#version 330 core
 flat in vec4 f_x, f_y, f_z, f_size, f_light, f_look, f_ray;
