@@ -213,7 +213,7 @@ void Context::begin_page(int width, int height, const PageLook& look) {
 void Context::use(const Program& program, const PageLook& look) const {
   gl_.glUseProgram(program.id);
   gl_.glUniform4f(program.target, 2.0f / static_cast<float>(page_width_),
-                  2.0f / static_cast<float>(page_height_), 0, 0);
+                  2.0f / static_cast<float>(page_height_), look.shear, 0);
   gl_.glUniform1i(program.truth, look.truth ? 1 : 0);
 }
 
@@ -251,7 +251,7 @@ void Context::draw(const PageScene& scene, const PageLook& look) {
         link(MeshDrawer::vertex_text(), MeshDrawer::fragment_text(), MeshDrawer::inputs()).id;
     meshes_->set_program(mesh_program_);
   }
-  meshes_->draw(scene.meshes, page_width_, page_height_, look.truth);
+  meshes_->draw(scene.meshes, page_width_, page_height_, look.shear, look.truth);
 }
 
 void Context::end_page(std::vector<float>& pixels) {

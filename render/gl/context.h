@@ -55,6 +55,7 @@ struct PageScene {
 struct PageLook {
   bool truth = false;  // Identity and distance along the ray in place of light.
   std::array<float, 4> background{};
+  float shear = 0;              // StripScale::shear.
   std::array<float, 9> view{};  // From the strip's view to the camera's frame, column-major.
 };
 

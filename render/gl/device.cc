@@ -14,10 +14,14 @@ namespace {
 
 constexpr int kMostTexels = 8192;  // Along a target's side.
 
-int samples_along_side(const RendererOptions& options, int instants_a_row) {
-  const int wanted = std::max(options.edge_samples_per_pixel, options.samples_per_pixel);
-  return static_cast<int>(
-      std::ceil(std::sqrt(static_cast<double>(wanted) / std::max(instants_a_row, 1)) - 1e-9));
+// Texels of a pixel at one instant. In their lattice no two see an upright or a level edge at the
+// same place, so half as many see as much as samples that stand in squares.
+gl::StripScale texels_of_a_pixel(const RendererOptions& options, int instants_a_row) {
+  const int samples = std::max(options.edge_samples_per_pixel, options.samples_per_pixel);
+  const int wanted =
+      std::max(1, static_cast<int>(std::ceil(0.6 * samples / std::max(instants_a_row, 1))));
+  const int across = std::max(1, static_cast<int>(std::sqrt(0.5 * wanted)));
+  return {.across = across, .down = (wanted + across - 1) / across};
 }
 
 std::array<float, 9> column_major(const Mat3& R) {
@@ -40,7 +44,7 @@ struct GlDevice::Impl {
                                      const std::vector<float>& texels)>;
   // Draws every page of the instants' strips and shows each.
   void draw_pages(const FrameJob& job, const CameraRays& rays, const SampledInstants& instants,
-                  int samples, gl::PageLook look, const SeePage& see);
+                  gl::StripScale samples, gl::PageLook look, const SeePage& see);
 };
 
 GlDevice::GlDevice(Assets assets) : impl_(std::make_unique<Impl>(std::move(assets))) {
@@ -58,14 +62,15 @@ const std::string& GlDevice::renderer() const {
 }
 
 void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
-                                const SampledInstants& instants, int samples, gl::PageLook look,
-                                const SeePage& see) {
+                                const SampledInstants& instants, gl::StripScale samples,
+                                gl::PageLook look, const SeePage& see) {
   const gl::PaintLayers layers(job.instants.front());
   const gl::ContextPool::Lease context(contexts);
   PreparedInstant prepared;
   std::vector<float> texels;
   for (const gl::StripView& view : gl::views_of(rays)) {
     const gl::StripPlan plan = gl::plan_strip(instants, rays, view, samples, kMostTexels);
+    look.shear = plan.scale.shear;
     look.view = column_major(view.R_CV);
     for (const gl::Page& page : plan.pages) {
       gl::PageScene on_page;
@@ -91,7 +96,7 @@ void GlDevice::integrate_light(const FrameJob& job, const CameraRays& rays,
   for (auto& plane : image.planes) std::fill(plane.begin(), plane.end(), 0.0f);
   gl::PageLook look;
   for (int c = 0; c < 3; ++c) look.background[c] = static_cast<float>(job.background[c]);
-  impl_->draw_pages(job, rays, instants, samples_along_side(options, instants.fewest_a_row()), look,
+  impl_->draw_pages(job, rays, instants, texels_of_a_pixel(options, instants.fewest_a_row()), look,
                     [&](const gl::Page& page, const gl::StripScale& scale,
                         const gl::StripView& view, const std::vector<float>& texels) {
                       gl::gather_light(page, scale, texels, view, instants.schedule(), rays,
@@ -105,7 +110,7 @@ GlDevice::Centres GlDevice::see_centres(const FrameJob& job, const CameraRays& r
   const SampledInstants instants(job, rays, {});
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   Centres seen{std::vector<int32_t>(pixels, -1), std::vector<float>(pixels)};
-  impl_->draw_pages(job, rays, instants, kSamples, {.truth = true},
+  impl_->draw_pages(job, rays, instants, {.across = kSamples, .down = kSamples}, {.truth = true},
                     [&](const gl::Page& page, const gl::StripScale& scale,
                         const gl::StripView& view, const std::vector<float>& texels) {
                       gl::find_centres(page, scale, texels, view, instants.schedule(), rays,

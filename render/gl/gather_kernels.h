@@ -10,7 +10,7 @@ namespace seam::render::gl {
 
 // How a ray's place on the plane z = 1 becomes a texel of the page.
 struct TexelGrid {
-  float texels_per_unit;
+  float u_per_x, u_per_y, v_per_y;
   float offset_u, offset_v;  // So that places on the page are positive.
   int width, height;         // Of the band; samples beyond it take the nearest texel.
 };

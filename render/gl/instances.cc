@@ -36,6 +36,14 @@ std::vector<PlaneKey> planes_of(const Primitive& primitive) {
   return planes;
 }
 
+// From a texel's middle on the page to its place on the grid, and what a texel is on the plane z
+// = 1.
+std::array<float, 4> ray_of(const BandPlace& where) {
+  return {static_cast<float>(where.band.first_x) - where.band.shift_u,
+          static_cast<float>(where.band.first_y - where.band.page_y) - where.band.shift_v,
+          1.0f / where.scale.u_per_unit, 1.0f / where.scale.v_per_unit};
+}
+
 // One face of a rectangle or a box: the one at `side` (-1, 0, 1) times the half edge `axis`.
 void add_face(const CastShape& shape, int axis, float side, const BandPlace& where,
               FaceInstance face, bool lambert, PageScene& out) {
@@ -62,9 +70,10 @@ void add_face(const CastShape& shape, int axis, float side, const BandPlace& whe
   for (int corner = 0; corner < 4; ++corner) {
     const float u = corner & 1 ? static_cast<float>(where.page.width) : 0.0f;
     const float v = corner & 2 ? face.along_a[3] : face.centre[3];
-    nearest =
-        std::max(nearest, face.plane[0] * (u + face.ray[0]) * face.ray[2] +
-                              face.plane[1] * (v + face.ray[1]) * face.ray[2] + face.plane[2]);
+    const float row = v + face.ray[1];
+    nearest = std::max(nearest,
+                       face.plane[0] * (u + face.ray[0] - where.scale.shear * row) * face.ray[2] +
+                           face.plane[1] * row * face.ray[3] + face.plane[2]);
   }
   if (nearest <= 0) return;
   face.along_b[3] = std::max(0.9f / nearest, kNear);
@@ -116,12 +125,9 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
                 const PaintLayers& layers, const BandPlace& where, const CameraRays& rays,
                 bool lambert, PageScene& out) {
   const auto& [band, page, scale, view] = where;
-  const float texels = scale.texels_per_unit;
   const auto low_y = static_cast<float>(band.page_y);
   const auto high_y = static_cast<float>(band.page_y + band.height);
-  // From a texel's middle on the page to its place on the plane z = 1.
-  const float to_x = static_cast<float>(page.first_x) - band.shift_u;
-  const float to_y = static_cast<float>(band.first_y - band.page_y) - band.shift_v;
+  const std::array<float, 4> ray = ray_of(where);
   for (size_t i = 0; i < prepared.shapes.size(); ++i) {
     const CastShape& shape = prepared.shapes[i];
     const Footprint& footprint = prepared.footprints[i];
@@ -134,20 +140,21 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
       face.plane[3] = layers.nearness(scene, source);
       for (int k = 0; k < 3; ++k) face.look[k] = prepared.colours[i + 1].rgb[k];
       face.look[3] = static_cast<float>(source + 1);
-      face.ray[0] = to_x, face.ray[1] = to_y, face.ray[2] = 1.0f / texels;
+      std::copy(ray.begin(), ray.end(), face.ray);
       add_faces(shape, kind, where, face, lambert, out);
       continue;
     }
     ShapeInstance instance{};
     float* const place = instance.place;
-    place[0] = 0, place[2] = static_cast<float>(page.width), place[1] = low_y, place[3] = high_y;
+    place[0] = view.x_min, place[2] = view.x_max, place[1] = low_y, place[3] = high_y;
     if (rays.perspective) {
-      const float width = place[2];
-      const auto column = [&](float x) { return std::clamp(x * texels - to_x, 0.0f, width); };
-      place[0] = std::floor(column(footprint.x_min)), place[2] = std::ceil(column(footprint.x_max));
-      place[1] = std::clamp(view.row_y_min[footprint.first_row] * texels - to_y - 2, low_y, high_y);
-      place[3] = std::clamp(view.row_y_max[footprint.last_row] * texels - to_y + 2, low_y, high_y);
+      const auto row = [&](float y) { return y * scale.v_per_unit - ray[1]; };
+      place[0] = std::max(place[0], footprint.x_min),
+      place[2] = std::min(place[2], footprint.x_max);
+      place[1] = std::max(row(view.row_y_min[footprint.first_row]) - 2, low_y);
+      place[3] = std::min(row(view.row_y_max[footprint.last_row]) + 2, high_y);
     }
+    place[0] = place[0] * scale.u_per_unit - 2, place[2] = place[2] * scale.u_per_unit + 2;
     for (int axis = 0; axis < 3; ++axis) {
       for (int k = 0; k < 3; ++k) instance.R_OC_and_origin[axis][k] = shape.R_OC[3 * axis + k];
       instance.R_OC_and_origin[axis][3] = shape.origin_O[axis];
@@ -158,7 +165,7 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
     instance.size_and_ambient[3] = lambert ? shape.ambient : 1.0f;
     instance.light_and_depth[3] = layers.nearness(scene, source);
     instance.look[3] = static_cast<float>(source + 1);
-    instance.ray[0] = to_x, instance.ray[1] = to_y, instance.ray[2] = 1.0f / texels;
+    std::copy(ray.begin(), ray.end(), instance.ray);
     out.shapes[{prepared.kinds[i], texture}].push_back(instance);
   }
 }
@@ -186,9 +193,7 @@ void add_meshes(const SceneInstant& scene, const BandPlace& where, const CameraR
     }
     instance.light_V[3] = lighting.lambert ? static_cast<float>(lighting.ambient) : 1.0f;
     instance.look[3] = static_cast<float>(source + 1);
-    instance.ray = {static_cast<float>(page.first_x) - band.shift_u,
-                    static_cast<float>(band.first_y - band.page_y) - band.shift_v,
-                    1.0f / scale.texels_per_unit};
+    instance.ray = ray_of(where);
     out.meshes.push_back(instance);
   }
 }

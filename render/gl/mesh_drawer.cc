@@ -10,17 +10,18 @@ in vec3 position;
 in vec3 normal;
 in vec2 at;
 in vec3 colour;
-uniform vec4 target;  // 2 / width, 2 / height.
+uniform vec4 target;  // 2 / width, 2 / height; the stagger.
 uniform mat3 R_VO;
 uniform vec3 p_VO;
-uniform vec3 ray;  // What to add to a texel's place, and what a texel is on the plane z = 1.
+uniform vec4 ray;  // What to add to a texel's place, and what a texel is on the plane z = 1.
 out vec3 f_normal;
 out vec2 f_at;
 out vec3 f_colour;
 const float kNear = 1e-3;
 void main() {
   vec3 p = R_VO * position + p_VO;
-  vec2 place = p.xy / ray.z - ray.xy * p.z;
+  vec2 grid = p.xy / ray.zw;
+  vec2 place = vec2(grid.x + target.z * grid.y, grid.y) - ray.xy * p.z;
   gl_Position = vec4(place * target.xy - p.z, p.z - 2.0 * kNear, p.z);
   f_normal = R_VO * normal;
   f_at = at;
@@ -37,12 +38,14 @@ uniform int truth;
 uniform int textured;
 uniform vec4 light;
 uniform vec4 look;
-uniform vec3 ray;
+uniform vec4 ray;
+uniform vec4 target;
 uniform sampler2D picture;
 out vec4 seen;
 const float kNear = 1e-3;
 void main() {
-  vec3 v = vec3((gl_FragCoord.xy + ray.xy) * ray.z, 1.0);
+  vec2 grid = gl_FragCoord.xy + ray.xy;
+  vec3 v = vec3(vec2(grid.x - target.z * grid.y, grid.y) * ray.zw, 1.0);
   vec3 n = normalize(f_normal);
   if (dot(n, v) > 0.0) n = -n;
   vec3 base = f_colour * look.rgb;
@@ -129,11 +132,11 @@ void MeshDrawer::bind_texture(uint32_t texture) const {
 }
 
 void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int height,
-                      bool truth) const {
+                      float shear, bool truth) const {
   if (instances.empty()) return;
   gl_.glUseProgram(program_);
   gl_.glUniform4f(at_.target, 2.0f / static_cast<float>(width), 2.0f / static_cast<float>(height),
-                  0, 0);
+                  shear, 0);
   gl_.glUniform1i(at_.truth, truth ? 1 : 0);
   gl_.glUniform1i(at_.picture, 0);
   gl_.glActiveTexture(GL_TEXTURE0);
@@ -147,7 +150,8 @@ void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int
     gl_.glUniform4f(at_.light, light[0], light[1], light[2], light[3]);
     const auto& look = instance.look;
     gl_.glUniform4f(at_.look, look[0], look[1], look[2], look[3]);
-    gl_.glUniform3f(at_.ray, instance.ray[0], instance.ray[1], instance.ray[2]);
+    const auto& ray = instance.ray;
+    gl_.glUniform4f(at_.ray, ray[0], ray[1], ray[2], ray[3]);
     gl_.glBindVertexArray(loaded.vertices);
     for (size_t i = 0; i < mesh.parts.size(); ++i) {
       gl_.glUniform1i(at_.textured, loaded.pictures[i] != 0 ? 1 : 0);

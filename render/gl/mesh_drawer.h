@@ -16,7 +16,7 @@ struct MeshInstance {
   std::array<float, 3> p_VO{};
   std::array<float, 4> light_V{};  // Towards the light, times its strength; and the ambient light.
   std::array<float, 4> look{};     // A factor on the mesh's colours; and the identity.
-  std::array<float, 3> ray{};      // As ShapeInstance::ray.
+  std::array<float, 4> ray{};      // As ShapeInstance::ray.
   int first_row = 0, rows = 0;     // Of the page: the band.
 };
 
@@ -27,7 +27,8 @@ class MeshDrawer {
 
   // Of the scene's textures (from 0 on), for shapes.
   void bind_texture(uint32_t texture) const;
-  void draw(const std::vector<MeshInstance>& instances, int width, int height, bool truth) const;
+  void draw(const std::vector<MeshInstance>& instances, int width, int height, float shear,
+            bool truth) const;
   // The names of the vertex shader's inputs, in the order in which they are bound.
   static const std::vector<const char*>& inputs();
   static const char* vertex_text();
