@@ -66,6 +66,11 @@ OSMesaContext create_alike(const Api& gl) {
   return made ? create(gl) : nullptr;
 }
 
+std::string fragment_head(Writes writes) {
+  constexpr const char* kWrites[] = {kWriteLight, kWriteColour, kWriteTruth};
+  return std::string(kVersion) + kWrites[static_cast<int>(writes)];
+}
+
 const char* shape_text(int kind) {
   constexpr const char* kTexts[] = {kRectangle, kSphere, kCylinder, kCapsule, kBox};
   return kTexts[kind];
@@ -162,21 +167,19 @@ Context::Program Context::link(const std::string& vertex, const std::string& fra
     SEAM_CHECK(well, "program: {}", why.data());
   }
   program.target = gl_.glGetUniformLocation(program.id, "target");
-  program.truth = gl_.glGetUniformLocation(program.id, "truth");
-  program.view = gl_.glGetUniformLocation(program.id, "view");
   program.picture = gl_.glGetUniformLocation(program.id, "picture");
   return program;
 }
 
-const Context::Program& Context::shape_program(const ShapeBatch& batch) {
-  Program& program = shape_programs_[{batch.kind, batch.texture != 0}];
+const Context::Program& Context::shape_program(const ShapeBatch& batch, Writes writes) {
+  Program& program = shape_programs_[{batch.kind, batch.texture != 0, writes}];
   if (program.id == 0) {
     const bool box = shape_text(batch.kind) == kBox;
     const char* look = batch.texture == 0 ? kPlain : box ? kTexturedBox : kTexturedRectangle;
-    program =
-        link(kShapeVertex,
-             std::string(kShapeFragmentHead) + shape_text(batch.kind) + look + kShapeFragmentTail,
-             {"place", "row_x", "row_y", "row_z", "size", "light", "look", "ray"});
+    program = link(kShapeVertex,
+                   fragment_head(writes) + kShapeFragmentHead + shape_text(batch.kind) + look +
+                       kShapeFragmentTail,
+                   {"place", "row_x", "row_y", "row_z", "size", "light", "look", "ray"});
   }
   return program;
 }
@@ -214,16 +217,16 @@ void Context::use(const Program& program, const PageLook& look) const {
   gl_.glUseProgram(program.id);
   gl_.glUniform4f(program.target, 2.0f / static_cast<float>(page_width_),
                   2.0f / static_cast<float>(page_height_), look.shear, 0);
-  gl_.glUniform1i(program.truth, look.truth ? 1 : 0);
 }
 
 void Context::draw_faces(const std::vector<FaceInstance>& faces, const PageLook& look) {
   if (faces.empty()) return;
-  if (face_program_.id == 0) {
-    face_program_ =
-        link(kFaceVertex, kFaceFragment, {"centre", "along_a", "along_b", "plane", "look", "ray"});
+  Program& program = face_programs_[look.writes];
+  if (program.id == 0) {
+    program = link(kFaceVertex, fragment_head(look.writes) + kFaceFragment,
+                   {"centre", "along_a", "along_b", "plane", "look", "ray"});
   }
-  use(face_program_, look);
+  use(program, look);
   gl_.glEnable(GL_CLIP_DISTANCE0);
   gl_.glEnable(GL_CLIP_DISTANCE1);
   draw_instances(faces_, faces.data(), faces.size() * sizeof(FaceInstance), faces.size());
@@ -235,9 +238,8 @@ void Context::draw(const PageScene& scene, const PageLook& look) {
   draw_faces(scene.faces, look);
   for (const auto& [batch, instances] : scene.shapes) {
     if (instances.empty()) continue;
-    const Program& program = shape_program(batch);
+    const Program& program = shape_program(batch, look.writes);
     use(program, look);
-    gl_.glUniformMatrix3fv(program.view, 1, GL_FALSE, look.view.data());
     if (batch.texture != 0) {
       gl_.glUniform1i(program.picture, 0);
       meshes_->bind_texture(batch.texture - 1);
@@ -251,7 +253,7 @@ void Context::draw(const PageScene& scene, const PageLook& look) {
         link(MeshDrawer::vertex_text(), MeshDrawer::fragment_text(), MeshDrawer::inputs()).id;
     meshes_->set_program(mesh_program_);
   }
-  meshes_->draw(scene.meshes, page_width_, page_height_, look.shear, look.truth);
+  meshes_->draw(scene.meshes, page_width_, page_height_, look.shear, look.writes == Writes::truth);
 }
 
 void Context::end_page(std::vector<float>& pixels) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "render/gl/api.h"
@@ -17,7 +18,7 @@ namespace seam::render::gl {
 // One shape at one instant, as the vertex shader takes it (shaders.h).
 struct ShapeInstance {
   float place[4];
-  float R_OC_and_origin[3][4];
+  float R_OV_and_origin[3][4];
   float size_and_ambient[4];
   float light_and_depth[4];
   float look[4];
@@ -51,12 +52,15 @@ struct PageScene {
   std::vector<MeshInstance> meshes;
 };
 
+// What fragments write: light that Lambert's law makes of colours, colours as they are, or identity
+// and distance along the ray.
+enum class Writes { light, colour, truth };
+
 // What a page's target is cleared to and how its fragments are written.
 struct PageLook {
-  bool truth = false;  // Identity and distance along the ray in place of light.
+  Writes writes = Writes::colour;
   std::array<float, 4> background{};
-  float shear = 0;              // StripScale::shear.
-  std::array<float, 9> view{};  // From the strip's view to the camera's frame, column-major.
+  float shear = 0;  // StripScale::shear.
 };
 
 class Context {
@@ -80,7 +84,7 @@ class Context {
  private:
   struct Program {
     GLuint id = 0;
-    GLint target = -1, truth = -1, view = -1, picture = -1;
+    GLint target = -1, picture = -1;
   };
   // Buffers from which instances of `inputs` vectors of four floats are drawn.
   struct Instances {
@@ -90,7 +94,7 @@ class Context {
   void draw_instances(const Instances& buffers, const void* instances, size_t bytes,
                       size_t count) const;
   void use(const Program& program, const PageLook& look) const;
-  const Program& shape_program(const ShapeBatch& batch);
+  const Program& shape_program(const ShapeBatch& batch, Writes writes);
   void draw_faces(const std::vector<FaceInstance>& faces, const PageLook& look);
   Program link(const std::string& vertex, const std::string& fragment,
                const std::vector<const char*>& inputs) const;
@@ -101,9 +105,9 @@ class Context {
   OSMesaContext context_ = nullptr;
   std::array<uint8_t, 64 * 64 * 4> window_{};  // OSMesa wants one; nothing is drawn there.
   std::unique_ptr<MeshDrawer> meshes_;
-  std::map<std::pair<int, bool>, Program> shape_programs_;
+  std::map<std::tuple<int, bool, Writes>, Program> shape_programs_;
   Instances shapes_, faces_;
-  Program face_program_;
+  std::map<Writes, Program> face_programs_;
   GLuint mesh_program_ = 0;
   GLuint frame_ = 0, colour_ = 0, depth_ = 0;
   int width_ = 0, height_ = 0;            // Of the target.

@@ -24,12 +24,6 @@ gl::StripScale texels_of_a_pixel(const RendererOptions& options, int instants_a_
   return {.across = across, .down = (wanted + across - 1) / across};
 }
 
-std::array<float, 9> column_major(const Mat3& R) {
-  std::array<float, 9> values;
-  for (int k = 0; k < 9; ++k) values[k] = static_cast<float>(R[k / 3][k % 3]);
-  return values;
-}
-
 }  // namespace
 
 struct GlDevice::Impl {
@@ -71,7 +65,6 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
   for (const gl::StripView& view : gl::views_of(rays)) {
     const gl::StripPlan plan = gl::plan_strip(instants, rays, view, samples, kMostTexels);
     look.shear = plan.scale.shear;
-    look.view = column_major(view.R_CV);
     for (const gl::Page& page : plan.pages) {
       gl::PageScene on_page;
       context->begin_page(page.width, page.height, look);
@@ -95,6 +88,7 @@ void GlDevice::integrate_light(const FrameJob& job, const CameraRays& rays,
   const SampledInstants instants(job, rays, options);
   for (auto& plane : image.planes) std::fill(plane.begin(), plane.end(), 0.0f);
   gl::PageLook look;
+  look.writes = job.lighting.lambert ? gl::Writes::light : gl::Writes::colour;
   for (int c = 0; c < 3; ++c) look.background[c] = static_cast<float>(job.background[c]);
   impl_->draw_pages(job, rays, instants, texels_of_a_pixel(options, instants.fewest_a_row()), look,
                     [&](const gl::Page& page, const gl::StripScale& scale,
@@ -110,7 +104,8 @@ GlDevice::Centres GlDevice::see_centres(const FrameJob& job, const CameraRays& r
   const SampledInstants instants(job, rays, {});
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   Centres seen{std::vector<int32_t>(pixels, -1), std::vector<float>(pixels)};
-  impl_->draw_pages(job, rays, instants, {.across = kSamples, .down = kSamples}, {.truth = true},
+  impl_->draw_pages(job, rays, instants, {.across = kSamples, .down = kSamples},
+                    {.writes = gl::Writes::truth},
                     [&](const gl::Page& page, const gl::StripScale& scale,
                         const gl::StripView& view, const std::vector<float>& texels) {
                       gl::find_centres(page, scale, texels, view, instants.schedule(), rays,

@@ -44,13 +44,16 @@ std::array<float, 4> ray_of(const BandPlace& where) {
           1.0f / where.scale.u_per_unit, 1.0f / where.scale.v_per_unit};
 }
 
+// The component of a direction in the camera's frame along an axis of the view's.
+float along_view(const StripView& view, const float* d, int axis) {
+  const Vec3& along = view.R_CV[axis];
+  return static_cast<float>(along.x * d[0] + along.y * d[1] + along.z * d[2]);
+}
+
 // One face of a rectangle or a box: the one at `side` (-1, 0, 1) times the half edge `axis`.
 void add_face(const CastShape& shape, int axis, float side, const BandPlace& where,
               FaceInstance face, bool lambert, PageScene& out) {
-  const Mat3& R_CV = where.view.R_CV;
-  const auto in_view = [&](const float* d, int k) {
-    return static_cast<float>(R_CV[k].x * d[0] + R_CV[k].y * d[1] + R_CV[k].z * d[2]);
-  };
+  const auto in_view = [&](const float* d, int k) { return along_view(where.view, d, k); };
   // The normal looks at the camera.
   const float towards = shape.origin_O[axis] >= 0 ? 1.0f : -1.0f;
   const float away = side * shape.size[axis] - shape.origin_O[axis];
@@ -156,8 +159,9 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
     }
     place[0] = place[0] * scale.u_per_unit - 2, place[2] = place[2] * scale.u_per_unit + 2;
     for (int axis = 0; axis < 3; ++axis) {
-      for (int k = 0; k < 3; ++k) instance.R_OC_and_origin[axis][k] = shape.R_OC[3 * axis + k];
-      instance.R_OC_and_origin[axis][3] = shape.origin_O[axis];
+      for (int k = 0; k < 3; ++k)
+        instance.R_OV_and_origin[axis][k] = along_view(view, &shape.R_OC[3 * axis], k);
+      instance.R_OV_and_origin[axis][3] = shape.origin_O[axis];
       instance.size_and_ambient[axis] = shape.size[axis];
       instance.light_and_depth[axis] = lambert ? shape.light_O[axis] : 0.0f;
       instance.look[axis] = prepared.colours[i + 1].rgb[axis];

@@ -7,7 +7,7 @@ namespace seam::render::gl {
 // One instance is one shape at one instant: a rectangle of the strip that covers it.
 inline constexpr const char* kShapeVertex = R"(#version 330 core
 in vec4 place;  // First and last column (but for the rows' stagger) and row of the target.
-in vec4 row_x, row_y, row_z;  // R_OC by rows, each with the camera's place in the object's frame.
+in vec4 row_x, row_y, row_z;  // R_OV by rows, each with the camera's place in the object's frame.
 in vec4 size;   // And the ambient light.
 in vec4 light;  // And the factor on the depth.
 in vec4 look;   // Red, green, blue; the identity.
@@ -45,11 +45,10 @@ void main() {
 }
 )";
 
-inline constexpr const char* kFaceFragment = R"(#version 330 core
+inline constexpr const char* kFaceFragment = R"(
 flat in vec4 f_plane, f_look;
 flat in vec4 f_ray;
 uniform vec4 target;
-uniform int truth;
 out vec4 seen;
 const float kNear = 1e-3;
 void main() {
@@ -58,16 +57,24 @@ void main() {
   float nearness = dot(f_plane.xy, v) + f_plane.z;
   // Greater is nearer; a float keeps its digits all the way to far away.
   gl_FragDepth = min(kNear * nearness * f_plane.w, 1.0);
-  seen = truth == 1 ? vec4(f_look.w, 1.0 / nearness, 0.0, 1.0) : vec4(f_look.rgb, 1.0);
+#if defined(TRUTH)
+  seen = vec4(f_look.w, 1.0 / nearness, 0.0, 1.0);
+#else
+  seen = vec4(f_look.rgb, 1.0);
+#endif
 }
 )";
 
+// What a program's fragments write; before all of its text.
+inline constexpr const char* kVersion = "#version 330 core\n";
+inline constexpr const char* kWriteLight = "#define LIGHT\n";  // Shaded by Lambert's law.
+inline constexpr const char* kWriteColour = "#define COLOUR\n";
+inline constexpr const char* kWriteTruth = "#define TRUTH\n";  // Identity and depth.
+
 // Before each shape's own `bool meet(vec3 o, vec3 d, out float t, out vec3 n)`.
-inline constexpr const char* kShapeFragmentHead = R"(#version 330 core
+inline constexpr const char* kShapeFragmentHead = R"(
 flat in vec4 f_x, f_y, f_z, f_size, f_light, f_look, f_ray;
 uniform vec4 target;
-uniform int truth;
-uniform mat3 view;  // From the strip's view to the camera's frame.
 uniform sampler2D picture;
 out vec4 seen;
 const float kNear = 1e-3;
@@ -77,8 +84,7 @@ inline constexpr const char* kShapeFragmentTail = R"(
 void main() {
   vec2 grid = gl_FragCoord.xy + f_ray.xy;
   vec3 v = vec3(vec2(grid.x - target.z * grid.y, grid.y) * f_ray.zw, 1.0);
-  vec3 c = view * v;
-  vec3 d = vec3(dot(f_x.xyz, c), dot(f_y.xyz, c), dot(f_z.xyz, c));
+  vec3 d = vec3(dot(f_x.xyz, v), dot(f_y.xyz, v), dot(f_z.xyz, v));
   vec3 o = vec3(f_x.w, f_y.w, f_z.w);
   float t;
   vec3 n;
@@ -88,8 +94,13 @@ void main() {
   if (!met || !(t > kNear)) discard;
   // Greater is nearer; a float keeps its digits all the way to far away.
   gl_FragDepth = min(kNear / t * f_light.w, 1.0);
-  float factor = f_size.w + max(dot(n, f_light.xyz), 0.0);
-  seen = truth == 1 ? vec4(f_look.w, t, 0.0, 1.0) : vec4(base * factor, 1.0);
+#if defined(TRUTH)
+  seen = vec4(f_look.w, t, 0.0, 1.0);
+#elif defined(LIGHT)
+  seen = vec4(base * (f_size.w + max(dot(n, f_light.xyz), 0.0)), 1.0);
+#else
+  seen = vec4(base, 1.0);
+#endif
 }
 )";
 
