@@ -67,7 +67,7 @@ OSMesaContext create_alike(const Api& gl) {
 }
 
 std::string fragment_head(Writes writes) {
-  constexpr const char* kWrites[] = {kWriteLight, kWriteColour, kWriteTruth};
+  constexpr const char* kWrites[] = {kWriteLight, kWriteColour, kWriteIndex, kWriteTruth};
   return std::string(kVersion) + kWrites[static_cast<int>(writes)];
 }
 
@@ -84,9 +84,11 @@ Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create
   make_current();
   shapes_ = make_instances(sizeof(ShapeInstance) / 16);
   faces_ = make_instances(sizeof(FaceInstance) / 16);
-  gl_.glGenFramebuffers(1, &frame_);
-  gl_.glGenRenderbuffers(1, &colour_);
-  gl_.glGenRenderbuffers(1, &depth_);
+  for (Target* target : {&texels_, &indices_}) {
+    gl_.glGenFramebuffers(1, &target->frame);
+    gl_.glGenRenderbuffers(1, &target->colour);
+    gl_.glGenRenderbuffers(1, &target->depth);
+  }
   meshes_ = std::make_unique<MeshDrawer>(gl_, assets);
 }
 
@@ -184,25 +186,29 @@ const Context::Program& Context::shape_program(const ShapeBatch& batch, Writes w
   return program;
 }
 
-void Context::make_target(int width, int height) {
-  if (width <= width_ && height <= height_) return;
-  width_ = std::max(width, width_), height_ = std::max(height, height_);
-  gl_.glBindRenderbuffer(GL_RENDERBUFFER, colour_);
-  gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, width_, height_);
-  gl_.glBindRenderbuffer(GL_RENDERBUFFER, depth_);
-  gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width_, height_);
-  gl_.glBindFramebuffer(GL_FRAMEBUFFER, frame_);
-  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
-  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+void Context::make_target(Target& target, GLenum format, int width, int height) const {
+  if (width <= target.width && height <= target.height) return;
+  target.width = std::max(width, target.width), target.height = std::max(height, target.height);
+  gl_.glBindRenderbuffer(GL_RENDERBUFFER, target.colour);
+  gl_.glRenderbufferStorage(GL_RENDERBUFFER, format, target.width, target.height);
+  gl_.glBindRenderbuffer(GL_RENDERBUFFER, target.depth);
+  gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, target.width, target.height);
+  gl_.glBindFramebuffer(GL_FRAMEBUFFER, target.frame);
+  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
+                                target.colour);
+  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
   const GLenum status = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  SEAM_CHECK(status == GL_FRAMEBUFFER_COMPLETE, "framebuffer of {}x{}: {}", width_, height_,
-             status);
+  SEAM_CHECK(status == GL_FRAMEBUFFER_COMPLETE, "framebuffer of {}x{}: {}", target.width,
+             target.height, status);
 }
 
 void Context::begin_page(int width, int height, const PageLook& look) {
-  make_target(width, height);
+  const bool index = look.writes == Writes::index;
+  Target& target = index ? indices_ : texels_;
+  make_target(target, index ? GL_R32F : GL_RGBA32F, width, height);
   page_width_ = width, page_height_ = height;
-  gl_.glBindFramebuffer(GL_FRAMEBUFFER, frame_);
+  page_form_ = index ? GL_RED : GL_RGBA;
+  gl_.glBindFramebuffer(GL_FRAMEBUFFER, target.frame);
   gl_.glViewport(0, 0, width, height);
   gl_.glEnable(GL_SCISSOR_TEST);
   gl_.glScissor(0, 0, width, height);
@@ -257,8 +263,9 @@ void Context::draw(const PageScene& scene, const PageLook& look) {
 }
 
 void Context::end_page(std::vector<float>& pixels) {
-  pixels.resize(size_t{4} * page_width_ * page_height_);
-  gl_.glReadPixels(0, 0, page_width_, page_height_, GL_RGBA, GL_FLOAT, pixels.data());
+  const size_t floats = page_form_ == GL_RED ? 1 : 4;
+  pixels.resize(floats * page_width_ * page_height_);
+  gl_.glReadPixels(0, 0, page_width_, page_height_, page_form_, GL_FLOAT, pixels.data());
   const GLenum error = gl_.glGetError();
   SEAM_CHECK(error == GL_NO_ERROR, "OpenGL error {}", error);
 }

@@ -52,9 +52,9 @@ struct PageScene {
   std::vector<MeshInstance> meshes;
 };
 
-// What fragments write: light that Lambert's law makes of colours, colours as they are, or identity
-// and distance along the ray.
-enum class Writes { light, colour, truth };
+// What fragments write: light that Lambert's law makes of colours, colours as they are, their
+// places in a palette (one float a texel in place of four), or identity and distance along the ray.
+enum class Writes { light, colour, index, truth };
 
 // What a page's target is cleared to and how its fragments are written.
 struct PageLook {
@@ -73,7 +73,8 @@ class Context {
   void make_current();
   void release();
 
-  // A page of the strip: `width` x `height` pixels of four floats, row by row, left in `pixels`.
+  // A page of the strip: `width` x `height` texels, row by row, left in `pixels`; four floats each,
+  // or one where places in a palette are written.
   void begin_page(int width, int height, const PageLook& look);
   void draw(const PageScene& scene, const PageLook& look);
   void end_page(std::vector<float>& pixels);
@@ -99,7 +100,11 @@ class Context {
   Program link(const std::string& vertex, const std::string& fragment,
                const std::vector<const char*>& inputs) const;
   GLuint compile(GLenum kind, const std::string& text) const;
-  void make_target(int width, int height);
+  struct Target {
+    GLuint frame = 0, colour = 0, depth = 0;
+    int width = 0, height = 0;
+  };
+  void make_target(Target& target, GLenum format, int width, int height) const;
 
   const Api& gl_;
   OSMesaContext context_ = nullptr;
@@ -109,9 +114,9 @@ class Context {
   Instances shapes_, faces_;
   std::map<Writes, Program> face_programs_;
   GLuint mesh_program_ = 0;
-  GLuint frame_ = 0, colour_ = 0, depth_ = 0;
-  int width_ = 0, height_ = 0;            // Of the target.
-  int page_width_ = 0, page_height_ = 0;  // Of the page in it.
+  Target texels_, indices_;               // Of four floats, and of one.
+  int page_width_ = 0, page_height_ = 0;  // Of the page in one of them.
+  GLenum page_form_ = GL_RGBA;
 };
 
 // The contexts of one process's frames: as many as frames are made at once.

@@ -24,6 +24,21 @@ gl::StripScale texels_of_a_pixel(const RendererOptions& options, int instants_a_
   return {.across = across, .down = (wanted + across - 1) / across};
 }
 
+Colour colour_of(const Rgb& rgb) {
+  return {{static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 0}};
+}
+
+// Whether each surface looks the same all over.
+bool has_one_colour_each(const FrameJob& job) {
+  if (job.lighting.lambert) return false;
+  for (const SceneInstant& instant : job.instants) {
+    for (const Primitive& primitive : instant.primitives) {
+      if (primitive.asset != 0) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 struct GlDevice::Impl {
@@ -38,7 +53,8 @@ struct GlDevice::Impl {
                                      const std::vector<float>& texels)>;
   // Draws every page of the instants' strips and shows each.
   void draw_pages(const FrameJob& job, const CameraRays& rays, const SampledInstants& instants,
-                  gl::StripScale samples, gl::PageLook look, const SeePage& see);
+                  gl::StripScale samples, gl::PageLook look, gl::Palette* palette,
+                  const SeePage& see);
 };
 
 GlDevice::GlDevice(Assets assets) : impl_(std::make_unique<Impl>(std::move(assets))) {
@@ -57,7 +73,7 @@ const std::string& GlDevice::renderer() const {
 
 void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
                                 const SampledInstants& instants, gl::StripScale samples,
-                                gl::PageLook look, const SeePage& see) {
+                                gl::PageLook look, gl::Palette* palette, const SeePage& see) {
   const gl::PaintLayers layers(job.instants.front());
   const gl::ContextPool::Lease context(contexts);
   PreparedInstant prepared;
@@ -72,7 +88,8 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
         instants.with_scene(band.instant, [&](const SceneInstant& scene) {
           prepare(scene, job.lighting, job.background, rays, band.rows, prepared);
           const gl::BandPlace place{band, page, plan.scale, view};
-          gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, on_page);
+          gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, palette,
+                         on_page);
           gl::add_meshes(scene, place, rays, job.lighting, on_page);
         });
       }
@@ -88,13 +105,19 @@ void GlDevice::integrate_light(const FrameJob& job, const CameraRays& rays,
   const SampledInstants instants(job, rays, options);
   for (auto& plane : image.planes) std::fill(plane.begin(), plane.end(), 0.0f);
   gl::PageLook look;
-  look.writes = job.lighting.lambert ? gl::Writes::light : gl::Writes::colour;
-  for (int c = 0; c < 3; ++c) look.background[c] = static_cast<float>(job.background[c]);
+  gl::Palette palette(colour_of(job.background));
+  const bool indexed = has_one_colour_each(job);
+  look.writes = indexed                ? gl::Writes::index
+                : job.lighting.lambert ? gl::Writes::light
+                                       : gl::Writes::colour;
+  for (int c = 0; c < 3 && !indexed; ++c)
+    look.background[c] = static_cast<float>(job.background[c]);
   impl_->draw_pages(job, rays, instants, texels_of_a_pixel(options, instants.fewest_a_row()), look,
+                    indexed ? &palette : nullptr,
                     [&](const gl::Page& page, const gl::StripScale& scale,
                         const gl::StripView& view, const std::vector<float>& texels) {
-                      gl::gather_light(page, scale, texels, view, instants.schedule(), rays,
-                                       options.threads, image);
+                      gl::gather_light(page, scale, texels, indexed ? &palette.colours() : nullptr,
+                                       view, instants.schedule(), rays, options.threads, image);
                     });
 }
 
@@ -105,7 +128,7 @@ GlDevice::Centres GlDevice::see_centres(const FrameJob& job, const CameraRays& r
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   Centres seen{std::vector<int32_t>(pixels, -1), std::vector<float>(pixels)};
   impl_->draw_pages(job, rays, instants, {.across = kSamples, .down = kSamples},
-                    {.writes = gl::Writes::truth},
+                    {.writes = gl::Writes::truth}, nullptr,
                     [&](const gl::Page& page, const gl::StripScale& scale,
                         const gl::StripView& view, const std::vector<float>& texels) {
                       gl::find_centres(page, scale, texels, view, instants.schedule(), rays,

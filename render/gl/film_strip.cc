@@ -83,11 +83,12 @@ int floor_of(float value) {
 // Looks up rows' samples on a page.
 class Gather {
  public:
-  Gather(const Page& page, const StripScale& scale, const float* texels, const StripView& view,
-         const CameraRays& rays)
+  Gather(const Page& page, const StripScale& scale, const float* texels,
+         const std::vector<Colour>* palette, const StripView& view, const CameraRays& rays)
       : page_(page),
         scale_(scale),
         texels_(texels),
+        palette_(palette ? palette->data() : nullptr),
         view_(view),
         rays_(rays),
         found_(rays.columns()),
@@ -124,7 +125,7 @@ class Gather {
             band.height};
   }
   const float* texels_of(const Band& band) const {
-    return texels_ + 4 * static_cast<size_t>(band.page_y) * page_.width;
+    return texels_ + (palette_ ? 1 : 4) * static_cast<size_t>(band.page_y) * page_.width;
   }
 
   void add_flat(const Band& band, int row, size_t channel, float du, float dv) {
@@ -134,10 +135,17 @@ class Gather {
       return RaySlopes{&table.base[k][first], &table.along_u[k][first], &table.along_v[k][first]};
     };
     kernels_.find(slopes(0), slopes(1), du, dv, grid_of(band), rays_.columns(), found_.data());
-    if (colours_apart())
-      kernels_.add_one(texels_of(band) + channel, found_.data(), rays_.columns(), sums_.data());
+    const float* const texels = texels_of(band);
+    const int columns = rays_.columns();
+    if (palette_ && colours_apart())
+      kernels_.add_indexed_one(texels, found_.data(), &palette_->rgb[channel], columns,
+                               sums_.data());
+    else if (palette_)
+      kernels_.add_indexed(texels, found_.data(), palette_, columns, sums_.data());
+    else if (colours_apart())
+      kernels_.add_one(texels + channel, found_.data(), columns, sums_.data());
     else
-      kernels_.add(texels_of(band), found_.data(), rays_.columns(), sums_.data());
+      kernels_.add(texels, found_.data(), columns, sums_.data());
   }
 
   // Of the samples that this side of the cube shows.
@@ -150,9 +158,10 @@ class Gather {
       const OnView at = on_view(view_.R_CV, d);
       const auto u = static_cast<int>(at.x * grid.u_per_x + at.y * grid.u_per_y + grid.offset_u);
       const auto v = static_cast<int>(at.y * grid.v_per_y + grid.offset_v);
+      const size_t texel = static_cast<size_t>(std::clamp(v, 0, grid.height - 1)) * grid.width +
+                           std::clamp(u, 0, grid.width - 1);
       const float* const seen =
-          texels + 4 * (static_cast<size_t>(std::clamp(v, 0, grid.height - 1)) * grid.width +
-                        std::clamp(u, 0, grid.width - 1));
+          palette_ ? palette_[static_cast<int>(texels[texel])].rgb : texels + 4 * texel;
       if (colours_apart())
         sums_[column] += seen[channel];
       else
@@ -178,6 +187,7 @@ class Gather {
   const Page& page_;
   const StripScale& scale_;
   const float* texels_;
+  const Colour* palette_;  // Where texels are places in one.
   const StripView& view_;
   const CameraRays& rays_;
   std::vector<int32_t> found_;
@@ -293,10 +303,11 @@ StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, co
 }
 
 void gather_light(const Page& page, const StripScale& scale, const std::vector<float>& texels,
-                  const StripView& view, const RowSchedule& schedule, const CameraRays& rays,
-                  int threads, LinearImage& image) {
+                  const std::vector<Colour>* palette, const StripView& view,
+                  const RowSchedule& schedule, const CameraRays& rays, int threads,
+                  LinearImage& image) {
   split_over_threads(threads, rays.rows(), [&](int begin, int end) {
-    Gather gather(page, scale, texels.data(), view, rays);
+    Gather gather(page, scale, texels.data(), palette, view, rays);
     for (const Band& band : page.bands) {
       for (int row = std::max(begin, band.rows.first); row < std::min(end, band.rows.last + 1);
            ++row) {

@@ -57,10 +57,12 @@ struct StripPlan {
 StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
                      StripScale samples, int most_texels);
 
-// Adds a page's light, four floats a texel, to the image.
+// Adds a page's light to the image: four floats a texel, or where there is a palette one, a place
+// in it.
 void gather_light(const Page& page, const StripScale& scale, const std::vector<float>& texels,
-                  const StripView& view, const RowSchedule& schedule, const CameraRays& rays,
-                  int threads, LinearImage& image);
+                  const std::vector<Colour>* palette, const StripView& view,
+                  const RowSchedule& schedule, const CameraRays& rays, int threads,
+                  LinearImage& image);
 
 // What the rays through pixels' centres meet on a page that was drawn for the truth: places in the
 // instant's primitives, -1 where nothing is met, and multiples of the ray.

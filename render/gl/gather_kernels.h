@@ -19,6 +19,11 @@ struct GatherKernels {
   // Texels of one sample of each of a row's pixels, at (du, dv) from their centres.
   void (*find)(const RaySlopes& x, const RaySlopes& y, float du, float dv, const TexelGrid& grid,
                int count, int32_t* texels);
+  // Texels that are places in a palette: adds its colours to the pixels' sums, or one part of them.
+  void (*add_indexed)(const float* page, const int32_t* texels, const Colour* palette, int count,
+                      float* sums);
+  void (*add_indexed_one)(const float* page, const int32_t* texels, const float* palette, int count,
+                          float* sums);
   // Adds the texels, four floats each, to the pixels' sums.
   void (*add)(const float* page, const int32_t* texels, int count, float* sums);
   // The same of one of the four floats; the sums are of that one alone.

@@ -124,9 +124,16 @@ float PaintLayers::nearness(const SceneInstant& scene, size_t place) const {
   return static_cast<float>(1 + kLayerNearness * layer.layer);
 }
 
+float Palette::index_of(const Colour& colour) {
+  const auto [found, added] = places_.try_emplace({colour.rgb[0], colour.rgb[1], colour.rgb[2]},
+                                                  static_cast<int>(colours_.size()));
+  if (added) colours_.push_back(colour);
+  return static_cast<float>(found->second);
+}
+
 void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
                 const PaintLayers& layers, const BandPlace& where, const CameraRays& rays,
-                bool lambert, PageScene& out) {
+                bool lambert, Palette* palette, PageScene& out) {
   const auto& [band, page, scale, view] = where;
   const auto low_y = static_cast<float>(band.page_y);
   const auto high_y = static_cast<float>(band.page_y + band.height);
@@ -136,13 +143,15 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
     const Footprint& footprint = prepared.footprints[i];
     const auto source = static_cast<size_t>(prepared.sources[i]);
     const auto kind = static_cast<Shape>(prepared.kinds[i]);
+    const float identity =
+        palette ? palette->index_of(prepared.colours[i + 1]) : static_cast<float>(source + 1);
     const uint32_t texture = scene.primitives[source].asset;
     if (texture == 0 && (kind == Shape::rectangle || kind == Shape::box)) {
       FaceInstance face{};
       face.centre[3] = low_y, face.along_a[3] = high_y;
       face.plane[3] = layers.nearness(scene, source);
       for (int k = 0; k < 3; ++k) face.look[k] = prepared.colours[i + 1].rgb[k];
-      face.look[3] = static_cast<float>(source + 1);
+      face.look[3] = identity;
       std::copy(ray.begin(), ray.end(), face.ray);
       add_faces(shape, kind, where, face, lambert, out);
       continue;
@@ -168,7 +177,7 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
     }
     instance.size_and_ambient[3] = lambert ? shape.ambient : 1.0f;
     instance.light_and_depth[3] = layers.nearness(scene, source);
-    instance.look[3] = static_cast<float>(source + 1);
+    instance.look[3] = identity;
     std::copy(ray.begin(), ray.end(), instance.ray);
     out.shapes[{prepared.kinds[i], texture}].push_back(instance);
   }

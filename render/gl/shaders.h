@@ -27,7 +27,7 @@ void main() {
 // One instance is one flat face at one instant: its two triangles, cut off at the rows of its band
 // and before what the band can show of it.
 inline constexpr const char* kFaceVertex = R"(#version 330 core
-in vec4 centre, along_a, along_b;  // With the band's first row, the one after it, the nearest depth.
+in vec4 centre, along_a, along_b;  // With the band's first row, its end, the nearest depth.
 in vec4 plane, look, ray;
 uniform vec4 target;  // 2 / width, 2 / height; the stagger.
 flat out vec4 f_plane, f_look;
@@ -59,6 +59,8 @@ void main() {
   gl_FragDepth = min(kNear * nearness * f_plane.w, 1.0);
 #if defined(TRUTH)
   seen = vec4(f_look.w, 1.0 / nearness, 0.0, 1.0);
+#elif defined(INDEX)
+  seen = vec4(f_look.w);
 #else
   seen = vec4(f_look.rgb, 1.0);
 #endif
@@ -69,6 +71,7 @@ void main() {
 inline constexpr const char* kVersion = "#version 330 core\n";
 inline constexpr const char* kWriteLight = "#define LIGHT\n";  // Shaded by Lambert's law.
 inline constexpr const char* kWriteColour = "#define COLOUR\n";
+inline constexpr const char* kWriteIndex = "#define INDEX\n";  // Of the colour, one float.
 inline constexpr const char* kWriteTruth = "#define TRUTH\n";  // Identity and depth.
 
 // Before each shape's own `bool meet(vec3 o, vec3 d, out float t, out vec3 n)`.
@@ -96,6 +99,8 @@ void main() {
   gl_FragDepth = min(kNear / t * f_light.w, 1.0);
 #if defined(TRUTH)
   seen = vec4(f_look.w, t, 0.0, 1.0);
+#elif defined(INDEX)
+  seen = vec4(f_look.w);
 #elif defined(LIGHT)
   seen = vec4(base * (f_size.w + max(dot(n, f_light.xyz), 0.0)), 1.0);
 #else
