@@ -65,7 +65,8 @@ struct PageLook {
 
 class Context {
  public:
-  Context(const Api& gl, const Assets& assets);
+  // What is given outlives the context.
+  Context(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& meshes);
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -122,8 +123,9 @@ class Context {
 // The contexts of one process's frames: as many as frames are made at once.
 class ContextPool {
  public:
-  // Both outlive the pool.
-  ContextPool(const Api& gl, const Assets& assets) : gl_(gl), assets_(assets) {}
+  // All of it outlives the pool.
+  ContextPool(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& meshes)
+      : gl_(gl), assets_(assets), meshes_(meshes) {}
 
   // A context that is current on this thread until the lease ends.
   class Lease {
@@ -143,6 +145,7 @@ class ContextPool {
  private:
   const Api& gl_;
   const Assets& assets_;
+  const std::vector<ClusteredMesh>& meshes_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Context>> free_;
 };

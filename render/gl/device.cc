@@ -46,7 +46,8 @@ struct GlDevice::Impl {
 
   const Assets assets;
   const gl::Api& api = gl::Api::load();
-  gl::ContextPool contexts{api, assets};
+  const std::vector<gl::ClusteredMesh> meshes = gl::cluster_meshes(assets);
+  gl::ContextPool contexts{api, assets, meshes};
   std::string version, renderer;
 
   using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&,
@@ -90,7 +91,7 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
           const gl::BandPlace place{band, page, plan.scale, view};
           gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, palette,
                          on_page);
-          gl::add_meshes(scene, place, rays, job.lighting, on_page);
+          gl::add_meshes(scene, meshes, place, rays, job.lighting, on_page);
         });
       }
       context->draw(on_page, look);

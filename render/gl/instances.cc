@@ -44,6 +44,23 @@ std::array<float, 4> ray_of(const BandPlace& where) {
           1.0f / where.scale.u_per_unit, 1.0f / where.scale.v_per_unit};
 }
 
+// Clusters that follow each other are one run.
+std::vector<MeshInstance::Run> runs_seen(const ClusteredMesh& mesh, const Pose& X_CO,
+                                         const CameraRays& rays, RowRange rows) {
+  std::vector<MeshInstance::Run> runs;
+  for (uint32_t part = 0; part < mesh.parts.size(); ++part) {
+    for (const MeshCluster& cluster : mesh.parts[part]) {
+      if (!may_be_seen(X_CO * cluster.centre, cluster.radius, rays, rows)) continue;
+      if (!runs.empty() && runs.back().part == part &&
+          runs.back().first + runs.back().count == cluster.first)
+        runs.back().count += cluster.count;
+      else
+        runs.push_back({part, cluster.first, cluster.count});
+    }
+  }
+  return runs;
+}
+
 // The component of a direction in the camera's frame along an axis of the view's.
 float along_view(const StripView& view, const float* d, int axis) {
   const Vec3& along = view.R_CV[axis];
@@ -183,8 +200,9 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
   }
 }
 
-void add_meshes(const SceneInstant& scene, const BandPlace& where, const CameraRays& rays,
-                const Lighting& lighting, PageScene& out) {
+void add_meshes(const SceneInstant& scene, const std::vector<ClusteredMesh>& meshes,
+                const BandPlace& where, const CameraRays& rays, const Lighting& lighting,
+                PageScene& out) {
   const auto& [band, page, scale, view] = where;
   const Pose X_CW = scene.X_WC.inverse();
   for (size_t source = 0; source < scene.primitives.size(); ++source) {
@@ -192,6 +210,9 @@ void add_meshes(const SceneInstant& scene, const BandPlace& where, const CameraR
     if (primitive.shape != Shape::mesh || primitive.asset == 0) continue;
     const Pose X_CO = X_CW * primitive.X_WO;
     if (!may_be_seen(X_CO.p, primitive.size.x, rays, band.rows)) continue;
+    std::vector<MeshInstance::Run> runs =
+        runs_seen(meshes.at(primitive.asset - 1), X_CO, rays, band.rows);
+    if (runs.empty()) continue;
     const Mat3 R_VC = glm::transpose(view.R_CV);
     const Mat3 R_VO = R_VC * X_CO.R;
     const Vec3 p_VO = R_VC * X_CO.p;
@@ -207,7 +228,8 @@ void add_meshes(const SceneInstant& scene, const BandPlace& where, const CameraR
     instance.light_V[3] = lighting.lambert ? static_cast<float>(lighting.ambient) : 1.0f;
     instance.look[3] = static_cast<float>(source + 1);
     instance.ray = ray_of(where);
-    out.meshes.push_back(instance);
+    instance.runs = std::move(runs);
+    out.meshes.push_back(std::move(instance));
   }
 }
 

@@ -55,7 +55,8 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
                 bool lambert, Palette* palette, PageScene& out);
 
 // The scene's meshes that the band's rows can see.
-void add_meshes(const SceneInstant& scene, const BandPlace& place, const CameraRays& rays,
-                const Lighting& lighting, PageScene& out);
+void add_meshes(const SceneInstant& scene, const std::vector<ClusteredMesh>& meshes,
+                const BandPlace& place, const CameraRays& rays, const Lighting& lighting,
+                PageScene& out);
 
 }  // namespace seam::render::gl

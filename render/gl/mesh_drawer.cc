@@ -69,10 +69,23 @@ const char* MeshDrawer::fragment_text() {
   return kFragment;
 }
 
-MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets) : gl_(gl), assets_(assets) {
+std::vector<ClusteredMesh> cluster_meshes(const Assets& assets) {
+  std::vector<ClusteredMesh> meshes;
+  for (const Mesh& mesh : assets.meshes) {
+    ClusteredMesh& clustered = meshes.emplace_back(ClusteredMesh{mesh.indices, {}});
+    for (const MeshPart& part : mesh.parts)
+      clustered.parts.push_back(make_clusters(mesh, part, clustered.indices));
+  }
+  return meshes;
+}
+
+MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets,
+                       const std::vector<ClusteredMesh>& clustered)
+    : gl_(gl) {
   for (const Texture& texture : assets.textures)
     textures_.push_back(upload(texture.picture, GL_CLAMP_TO_EDGE));
-  for (const Mesh& mesh : assets.meshes) meshes_.push_back(upload(mesh));
+  for (size_t i = 0; i < assets.meshes.size(); ++i)
+    meshes_.push_back(upload(assets.meshes[i], clustered[i].indices));
 }
 
 void MeshDrawer::set_program(GLuint program) {
@@ -97,7 +110,8 @@ GLuint MeshDrawer::upload(const Picture& picture, GLint wrap) const {
   return texture;
 }
 
-MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh) const {
+MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh,
+                                      const std::vector<uint32_t>& indices) const {
   Loaded loaded;
   gl_.glGenVertexArrays(1, &loaded.vertices);
   gl_.glBindVertexArray(loaded.vertices);
@@ -108,8 +122,8 @@ MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh) const {
                    static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(MeshVertex)),
                    mesh.vertices.data(), GL_STATIC_DRAW);
   gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
-  gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * 4),
-                   mesh.indices.data(), GL_STATIC_DRAW);
+  gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * 4),
+                   indices.data(), GL_STATIC_DRAW);
   const std::pair<GLint, size_t> inputs[] = {{3, offsetof(MeshVertex, p)},
                                              {3, offsetof(MeshVertex, n)},
                                              {2, offsetof(MeshVertex, uv)},
@@ -141,7 +155,6 @@ void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int
   gl_.glUniform1i(at_.picture, 0);
   gl_.glActiveTexture(GL_TEXTURE0);
   for (const MeshInstance& instance : instances) {
-    const Mesh& mesh = assets_.meshes.at(instance.mesh);
     const Loaded& loaded = meshes_[instance.mesh];
     gl_.glScissor(0, instance.first_row, width, instance.rows);
     gl_.glUniformMatrix3fv(at_.R_VO, 1, GL_FALSE, instance.R_VO.data());
@@ -153,11 +166,15 @@ void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int
     const auto& ray = instance.ray;
     gl_.glUniform4f(at_.ray, ray[0], ray[1], ray[2], ray[3]);
     gl_.glBindVertexArray(loaded.vertices);
-    for (size_t i = 0; i < mesh.parts.size(); ++i) {
-      gl_.glUniform1i(at_.textured, loaded.pictures[i] != 0 ? 1 : 0);
-      if (loaded.pictures[i] != 0) gl_.glBindTexture(GL_TEXTURE_2D, loaded.pictures[i]);
-      gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(mesh.parts[i].count), GL_UNSIGNED_INT,
-                         reinterpret_cast<const void*>(size_t{4} * mesh.parts[i].first));
+    for (size_t i = 0; i < instance.runs.size(); ++i) {
+      const MeshInstance::Run& run = instance.runs[i];
+      if (i == 0 || run.part != instance.runs[i - 1].part) {
+        const GLuint picture = loaded.pictures[run.part];
+        gl_.glUniform1i(at_.textured, picture != 0 ? 1 : 0);
+        if (picture != 0) gl_.glBindTexture(GL_TEXTURE_2D, picture);
+      }
+      gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(run.count), GL_UNSIGNED_INT,
+                         reinterpret_cast<const void*>(size_t{4} * run.first));
     }
   }
   gl_.glScissor(0, 0, width, height);

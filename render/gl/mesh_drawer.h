@@ -6,6 +6,7 @@
 
 #include "render/assets/assets.h"
 #include "render/gl/api.h"
+#include "render/gl/mesh_clusters.h"
 
 namespace seam::render::gl {
 
@@ -18,12 +19,24 @@ struct MeshInstance {
   std::array<float, 4> look{};     // A factor on the mesh's colours; and the identity.
   std::array<float, 4> ray{};      // As ShapeInstance::ray.
   int first_row = 0, rows = 0;     // Of the page: the band.
+  // Of each part the runs of indices that the band can see: how many, and where.
+  struct Run {
+    uint32_t part, first, count;
+  };
+  std::vector<Run> runs;
 };
+
+// The scene's meshes with their triangles in clusters; made once for all contexts.
+struct ClusteredMesh {
+  std::vector<uint32_t> indices;
+  std::vector<std::vector<MeshCluster>> parts;
+};
+std::vector<ClusteredMesh> cluster_meshes(const Assets& assets);
 
 class MeshDrawer {
  public:
-  // Needs a current context. `assets` outlive the drawer.
-  MeshDrawer(const Api& gl, const Assets& assets);
+  // Needs a current context. What is given outlives the drawer.
+  MeshDrawer(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& clustered);
 
   // Of the scene's textures (from 0 on), for shapes.
   void bind_texture(uint32_t texture) const;
@@ -41,10 +54,9 @@ class MeshDrawer {
     std::vector<GLuint> pictures;  // One for each part; 0: none.
   };
   GLuint upload(const Picture& picture, GLint wrap) const;
-  Loaded upload(const Mesh& mesh) const;
+  Loaded upload(const Mesh& mesh, const std::vector<uint32_t>& indices) const;
 
   const Api& gl_;
-  const Assets& assets_;
   std::vector<Loaded> meshes_;
   std::vector<GLuint> textures_;
   GLuint program_ = 0;
