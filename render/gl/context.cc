@@ -66,11 +66,6 @@ OSMesaContext create_alike(const Api& gl) {
   return made ? create(gl) : nullptr;
 }
 
-std::string fragment_head(Writes writes) {
-  constexpr const char* kWrites[] = {kWriteLight, kWriteColour, kWriteIndex, kWriteTruth};
-  return std::string(kVersion) + kWrites[static_cast<int>(writes)];
-}
-
 const char* shape_text(int kind) {
   constexpr const char* kTexts[] = {kRectangle, kSphere, kCylinder, kCapsule, kBox};
   return kTexts[kind];
@@ -90,7 +85,10 @@ Context::Context(const Api& gl, const Assets& assets, const std::vector<Clustere
     gl_.glGenRenderbuffers(1, &target->colour);
     gl_.glGenRenderbuffers(1, &target->depth);
   }
-  meshes_ = std::make_unique<MeshDrawer>(gl_, assets, meshes);
+  meshes_ = std::make_unique<MeshDrawer>(
+      gl_, assets, meshes,
+      [this](const std::string& vertex, const std::string& fragment,
+             const std::vector<const char*>& inputs) { return link(vertex, fragment, inputs).id; });
 }
 
 Context::~Context() {
@@ -179,8 +177,8 @@ const Context::Program& Context::shape_program(const ShapeBatch& batch, Writes w
   if (program.id == 0) {
     const bool box = shape_text(batch.kind) == kBox;
     const char* look = batch.texture == 0 ? kPlain : box ? kTexturedBox : kTexturedRectangle;
-    program = link(kShapeVertex,
-                   fragment_head(writes) + kShapeFragmentHead + shape_text(batch.kind) + look +
+    program = link(kVersion + std::string(kShapeVertex),
+                   program_head(writes) + kShapeFragmentHead + shape_text(batch.kind) + look +
                        kShapeFragmentTail,
                    {"place", "row_x", "row_y", "row_z", "size", "light", "look", "ray"});
   }
@@ -230,8 +228,9 @@ void Context::draw_faces(const std::vector<FaceInstance>& faces, const PageLook&
   if (faces.empty()) return;
   Program& program = face_programs_[look.writes];
   if (program.id == 0) {
-    program = link(kFaceVertex, fragment_head(look.writes) + kFaceFragment,
-                   {"centre", "along_a", "along_b", "plane", "look", "ray"});
+    program =
+        link(program_head(look.writes) + kFaceVertex, program_head(look.writes) + kFaceFragment,
+             {"centre", "along_a", "along_b", "plane", "look", "ray"});
   }
   use(program, look);
   gl_.glEnable(GL_CLIP_DISTANCE0);
@@ -254,13 +253,7 @@ void Context::draw(const PageScene& scene, const PageLook& look) {
     draw_instances(shapes_, instances.data(), instances.size() * sizeof(ShapeInstance),
                    instances.size());
   }
-  if (scene.meshes.empty()) return;
-  if (mesh_program_ == 0) {
-    mesh_program_ =
-        link(MeshDrawer::vertex_text(), MeshDrawer::fragment_text(), MeshDrawer::inputs()).id;
-    meshes_->set_program(mesh_program_);
-  }
-  meshes_->draw(scene.meshes, page_width_, page_height_, look.shear, look.writes == Writes::truth);
+  meshes_->draw(scene.meshes, page_width_, page_height_, look.shear, look.writes);
 }
 
 void Context::end_page(std::vector<float>& pixels) {

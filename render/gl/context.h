@@ -52,10 +52,6 @@ struct PageScene {
   std::vector<MeshInstance> meshes;
 };
 
-// What fragments write: light that Lambert's law makes of colours, colours as they are, their
-// places in a palette (one float a texel in place of four), or identity and distance along the ray.
-enum class Writes { light, colour, index, truth };
-
 // What a page's target is cleared to and how its fragments are written.
 struct PageLook {
   Writes writes = Writes::colour;
@@ -114,7 +110,6 @@ class Context {
   std::map<std::tuple<int, bool, Writes>, Program> shape_programs_;
   Instances shapes_, faces_;
   std::map<Writes, Program> face_programs_;
-  GLuint mesh_program_ = 0;
   Target texels_, indices_;               // Of four floats, and of one.
   int page_width_ = 0, page_height_ = 0;  // Of the page in one of them.
   GLenum page_form_ = GL_RGBA;

@@ -1,11 +1,12 @@
 #include "render/gl/mesh_drawer.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace seam::render::gl {
 namespace {
 
-constexpr const char* kVertex = R"(#version 330 core
+constexpr const char* kVertex = R"(
 in vec3 position;
 in vec3 normal;
 in vec2 at;
@@ -14,8 +15,12 @@ uniform vec4 target;  // 2 / width, 2 / height; the stagger.
 uniform mat3 R_VO;
 uniform vec3 p_VO;
 uniform vec4 ray;  // What to add to a texel's place, and what a texel is on the plane z = 1.
+#ifdef LIGHT
 out vec3 f_normal;
+#endif
+#ifdef TEXTURED
 out vec2 f_at;
+#endif
 out vec3 f_colour;
 const float kNear = 1e-3;
 void main() {
@@ -23,19 +28,25 @@ void main() {
   vec2 grid = p.xy / ray.zw;
   vec2 place = vec2(grid.x + target.z * grid.y, grid.y) - ray.xy * p.z;
   gl_Position = vec4(place * target.xy - p.z, p.z - 2.0 * kNear, p.z);
+#ifdef LIGHT
   f_normal = R_VO * normal;
+#endif
+#ifdef TEXTURED
   f_at = at;
+#endif
   f_colour = colour;
 }
 )";
 
 // Seen from both sides, as rectangles are: the normal is the one that looks at the camera.
-constexpr const char* kFragment = R"(#version 330 core
+constexpr const char* kFragment = R"(
+#ifdef LIGHT
 in vec3 f_normal;
+#endif
+#ifdef TEXTURED
 in vec2 f_at;
+#endif
 in vec3 f_colour;
-uniform int truth;
-uniform int textured;
 uniform vec4 light;
 uniform vec4 look;
 uniform vec4 ray;
@@ -44,30 +55,27 @@ uniform sampler2D picture;
 out vec4 seen;
 const float kNear = 1e-3;
 void main() {
+  gl_FragDepth = min(kNear * gl_FragCoord.w, 1.0);
+#ifdef TRUTH
+  seen = vec4(look.w, 1.0 / gl_FragCoord.w, 0.0, 1.0);
+#else
+  vec3 base = f_colour * look.rgb;
+#ifdef TEXTURED
+  base *= texture(picture, f_at).rgb;
+#endif
+#ifdef LIGHT
   vec2 grid = gl_FragCoord.xy + ray.xy;
   vec3 v = vec3(vec2(grid.x - target.z * grid.y, grid.y) * ray.zw, 1.0);
   vec3 n = normalize(f_normal);
   if (dot(n, v) > 0.0) n = -n;
-  vec3 base = f_colour * look.rgb;
-  if (textured == 1) base *= texture(picture, f_at).rgb;
-  gl_FragDepth = min(kNear * gl_FragCoord.w, 1.0);
-  float factor = light.w + max(dot(n, light.xyz), 0.0);
-  seen = truth == 1 ? vec4(look.w, 1.0 / gl_FragCoord.w, 0.0, 1.0) : vec4(base * factor, 1.0);
+  base *= light.w + max(dot(n, light.xyz), 0.0);
+#endif
+  seen = vec4(base, 1.0);
+#endif
 }
 )";
 
 }  // namespace
-
-const std::vector<const char*>& MeshDrawer::inputs() {
-  static const std::vector<const char*> names = {"position", "normal", "at", "colour"};
-  return names;
-}
-const char* MeshDrawer::vertex_text() {
-  return kVertex;
-}
-const char* MeshDrawer::fragment_text() {
-  return kFragment;
-}
 
 std::vector<ClusteredMesh> cluster_meshes(const Assets& assets) {
   std::vector<ClusteredMesh> meshes;
@@ -80,19 +88,24 @@ std::vector<ClusteredMesh> cluster_meshes(const Assets& assets) {
 }
 
 MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets,
-                       const std::vector<ClusteredMesh>& clustered)
-    : gl_(gl) {
+                       const std::vector<ClusteredMesh>& clustered, Linker link)
+    : gl_(gl), link_(std::move(link)) {
   for (const Texture& texture : assets.textures)
     textures_.push_back(upload(texture.picture, GL_CLAMP_TO_EDGE));
   for (size_t i = 0; i < assets.meshes.size(); ++i)
     meshes_.push_back(upload(assets.meshes[i], clustered[i].indices));
 }
 
-void MeshDrawer::set_program(GLuint program) {
-  program_ = program;
-  const auto find = [&](const char* name) { return gl_.glGetUniformLocation(program, name); };
-  at_ = {find("target"), find("truth"), find("R_VO"),    find("p_VO"),    find("light"),
-         find("look"),   find("ray"),   find("picture"), find("textured")};
+const MeshDrawer::Program& MeshDrawer::program(Writes writes, bool textured) {
+  Program& made = programs_[{writes, textured}];
+  if (made.id != 0) return made;
+  const std::string head = program_head(writes) + (textured ? "#define TEXTURED\n" : "");
+  made.id = link_(head + kVertex, head + kFragment, {"position", "normal", "at", "colour"});
+  const auto find = [&](const char* name) { return gl_.glGetUniformLocation(made.id, name); };
+  made.target = find("target"), made.R_VO = find("R_VO"), made.p_VO = find("p_VO");
+  made.light = find("light"), made.look = find("look"), made.ray = find("ray");
+  made.picture = find("picture");
+  return made;
 }
 
 GLuint MeshDrawer::upload(const Picture& picture, GLint wrap) const {
@@ -145,36 +158,45 @@ void MeshDrawer::bind_texture(uint32_t texture) const {
   gl_.glBindTexture(GL_TEXTURE_2D, textures_.at(texture));
 }
 
+void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, bool textured,
+                               int width) const {
+  const Loaded& loaded = meshes_[instance.mesh];
+  gl_.glScissor(0, instance.first_row, width, instance.rows);
+  gl_.glUniformMatrix3fv(at.R_VO, 1, GL_FALSE, instance.R_VO.data());
+  gl_.glUniform3f(at.p_VO, instance.p_VO[0], instance.p_VO[1], instance.p_VO[2]);
+  const auto& light = instance.light_V;
+  gl_.glUniform4f(at.light, light[0], light[1], light[2], light[3]);
+  const auto& look = instance.look;
+  gl_.glUniform4f(at.look, look[0], look[1], look[2], look[3]);
+  const auto& ray = instance.ray;
+  gl_.glUniform4f(at.ray, ray[0], ray[1], ray[2], ray[3]);
+  gl_.glBindVertexArray(loaded.vertices);
+  for (const MeshInstance::Run& run : instance.runs) {
+    const GLuint picture = loaded.pictures[run.part];
+    if ((picture != 0) != textured) continue;
+    if (textured) gl_.glBindTexture(GL_TEXTURE_2D, picture);
+    gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(run.count), GL_UNSIGNED_INT,
+                       reinterpret_cast<const void*>(size_t{4} * run.first));
+  }
+}
+
 void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int height,
-                      float shear, bool truth) const {
-  if (instances.empty()) return;
-  gl_.glUseProgram(program_);
-  gl_.glUniform4f(at_.target, 2.0f / static_cast<float>(width), 2.0f / static_cast<float>(height),
-                  shear, 0);
-  gl_.glUniform1i(at_.truth, truth ? 1 : 0);
-  gl_.glUniform1i(at_.picture, 0);
-  gl_.glActiveTexture(GL_TEXTURE0);
-  for (const MeshInstance& instance : instances) {
-    const Loaded& loaded = meshes_[instance.mesh];
-    gl_.glScissor(0, instance.first_row, width, instance.rows);
-    gl_.glUniformMatrix3fv(at_.R_VO, 1, GL_FALSE, instance.R_VO.data());
-    gl_.glUniform3f(at_.p_VO, instance.p_VO[0], instance.p_VO[1], instance.p_VO[2]);
-    const auto& light = instance.light_V;
-    gl_.glUniform4f(at_.light, light[0], light[1], light[2], light[3]);
-    const auto& look = instance.look;
-    gl_.glUniform4f(at_.look, look[0], look[1], look[2], look[3]);
-    const auto& ray = instance.ray;
-    gl_.glUniform4f(at_.ray, ray[0], ray[1], ray[2], ray[3]);
-    gl_.glBindVertexArray(loaded.vertices);
-    for (size_t i = 0; i < instance.runs.size(); ++i) {
-      const MeshInstance::Run& run = instance.runs[i];
-      if (i == 0 || run.part != instance.runs[i - 1].part) {
-        const GLuint picture = loaded.pictures[run.part];
-        gl_.glUniform1i(at_.textured, picture != 0 ? 1 : 0);
-        if (picture != 0) gl_.glBindTexture(GL_TEXTURE_2D, picture);
-      }
-      gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(run.count), GL_UNSIGNED_INT,
-                         reinterpret_cast<const void*>(size_t{4} * run.first));
+                      float shear, Writes writes) {
+  for (const bool textured : {false, true}) {
+    const auto has_some = [&](const MeshInstance& instance) {
+      const auto& pictures = meshes_[instance.mesh].pictures;
+      return std::any_of(pictures.begin(), pictures.end(),
+                         [&](GLuint picture) { return (picture != 0) == textured; });
+    };
+    if (std::none_of(instances.begin(), instances.end(), has_some)) continue;
+    const Program& at = program(writes, textured);
+    gl_.glUseProgram(at.id);
+    gl_.glUniform4f(at.target, 2.0f / static_cast<float>(width), 2.0f / static_cast<float>(height),
+                    shear, 0);
+    gl_.glUniform1i(at.picture, 0);
+    gl_.glActiveTexture(GL_TEXTURE0);
+    for (const MeshInstance& instance : instances) {
+      if (has_some(instance)) draw_instance(at, instance, textured, width);
     }
   }
   gl_.glScissor(0, 0, width, height);

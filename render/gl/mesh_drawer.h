@@ -2,11 +2,15 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "render/assets/assets.h"
 #include "render/gl/api.h"
 #include "render/gl/mesh_clusters.h"
+#include "render/gl/shaders.h"
 
 namespace seam::render::gl {
 
@@ -35,34 +39,39 @@ std::vector<ClusteredMesh> cluster_meshes(const Assets& assets);
 
 class MeshDrawer {
  public:
+  // Makes a program of shaders; the inputs are the vertex shader's, in the order of their places.
+  using Linker = std::function<GLuint(const std::string& vertex, const std::string& fragment,
+                                      const std::vector<const char*>& inputs)>;
   // Needs a current context. What is given outlives the drawer.
-  MeshDrawer(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& clustered);
+  MeshDrawer(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& clustered,
+             Linker link);
 
   // Of the scene's textures (from 0 on), for shapes.
   void bind_texture(uint32_t texture) const;
   void draw(const std::vector<MeshInstance>& instances, int width, int height, float shear,
-            bool truth) const;
-  // The names of the vertex shader's inputs, in the order in which they are bound.
-  static const std::vector<const char*>& inputs();
-  static const char* vertex_text();
-  static const char* fragment_text();
-  void set_program(GLuint program);
+            Writes writes);
 
  private:
   struct Loaded {
     GLuint vertices = 0;
     std::vector<GLuint> pictures;  // One for each part; 0: none.
   };
+  // For what has textures and what has not.
+  struct Program {
+    GLuint id = 0;
+    GLint target = -1, R_VO = -1, p_VO = -1, light = -1, look = -1, ray = -1, picture = -1;
+  };
+  const Program& program(Writes writes, bool textured);
+  void draw_instance(const Program& at, const MeshInstance& instance, bool textured,
+                     int width) const;
   GLuint upload(const Picture& picture, GLint wrap) const;
   Loaded upload(const Mesh& mesh, const std::vector<uint32_t>& indices) const;
 
   const Api& gl_;
   std::vector<Loaded> meshes_;
   std::vector<GLuint> textures_;
-  GLuint program_ = 0;
-  struct {
-    GLint target, truth, R_VO, p_VO, light, look, ray, picture, textured;
-  } at_{};
+  Linker link_;
+  std::map<std::pair<Writes, bool>, Program> programs_;
 };
 
 }  // namespace seam::render::gl

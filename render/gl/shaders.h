@@ -2,10 +2,25 @@
 // rays meet shapes are written anew, so that the ray caster and this renderer check each other.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <string>
+
 namespace seam::render::gl {
 
+// What fragments write: light that Lambert's law makes of colours, colours as they are, their
+// places in a palette (one float a texel in place of four), or identity and distance along the ray.
+enum class Writes { light, colour, index, truth };
+
+// Before all text of a program.
+inline constexpr const char* kVersion = "#version 330 core\n";
+inline std::string program_head(Writes writes) {
+  constexpr const char* kDefined[] = {"LIGHT", "COLOUR", "INDEX", "TRUTH"};
+  return fmt::format("{}#define {}\n", kVersion, kDefined[static_cast<int>(writes)]);
+}
+
 // One instance is one shape at one instant: a rectangle of the strip that covers it.
-inline constexpr const char* kShapeVertex = R"(#version 330 core
+inline constexpr const char* kShapeVertex = R"(
 in vec4 place;  // First and last column (but for the rows' stagger) and row of the target.
 in vec4 row_x, row_y, row_z;  // R_OV by rows, each with the camera's place in the object's frame.
 in vec4 size;   // And the ambient light.
@@ -26,7 +41,7 @@ void main() {
 
 // One instance is one flat face at one instant: its two triangles, cut off at the rows of its band
 // and before what the band can show of it.
-inline constexpr const char* kFaceVertex = R"(#version 330 core
+inline constexpr const char* kFaceVertex = R"(
 in vec4 centre, along_a, along_b;  // With the band's first row, its end, the nearest depth.
 in vec4 plane, look, ray;
 uniform vec4 target;  // 2 / width, 2 / height; the stagger.
@@ -66,13 +81,6 @@ void main() {
 #endif
 }
 )";
-
-// What a program's fragments write; before all of its text.
-inline constexpr const char* kVersion = "#version 330 core\n";
-inline constexpr const char* kWriteLight = "#define LIGHT\n";  // Shaded by Lambert's law.
-inline constexpr const char* kWriteColour = "#define COLOUR\n";
-inline constexpr const char* kWriteIndex = "#define INDEX\n";  // Of the colour, one float.
-inline constexpr const char* kWriteTruth = "#define TRUTH\n";  // Identity and depth.
 
 // Before each shape's own `bool meet(vec3 o, vec3 d, out float t, out vec3 n)`.
 inline constexpr const char* kShapeFragmentHead = R"(
