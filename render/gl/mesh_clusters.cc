@@ -8,7 +8,7 @@ namespace seam::render::gl {
 namespace {
 
 // Fewer would cost more in calls than they save in triangles.
-constexpr size_t kTriangles = 128;
+constexpr size_t kTriangles = 48;
 
 using Triangle = std::array<uint32_t, 3>;
 
