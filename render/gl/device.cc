@@ -29,11 +29,13 @@ Colour colour_of(const Rgb& rgb) {
 }
 
 // Whether each surface looks the same all over.
-bool has_one_colour_each(const FrameJob& job) {
+bool has_one_colour_each(const FrameJob& job, const std::vector<gl::ClusteredMesh>& meshes) {
   if (job.lighting.lambert) return false;
   for (const SceneInstant& instant : job.instants) {
     for (const Primitive& primitive : instant.primitives) {
-      if (primitive.asset != 0) return false;
+      if (primitive.asset == 0) continue;
+      if (primitive.shape != Shape::mesh || !meshes.at(primitive.asset - 1).has_one_colour_each())
+        return false;
     }
   }
   return true;
@@ -91,7 +93,7 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
           const gl::BandPlace place{band, page, plan.scale, view};
           gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, palette,
                          on_page);
-          gl::add_meshes(scene, meshes, place, rays, job.lighting, on_page);
+          gl::add_meshes(scene, meshes, place, rays, job.lighting, palette, on_page);
         });
       }
       context->draw(on_page, look);
@@ -107,7 +109,7 @@ void GlDevice::integrate_light(const FrameJob& job, const CameraRays& rays,
   for (auto& plane : image.planes) std::fill(plane.begin(), plane.end(), 0.0f);
   gl::PageLook look;
   gl::Palette palette(colour_of(job.background));
-  const bool indexed = has_one_colour_each(job);
+  const bool indexed = has_one_colour_each(job, impl_->meshes);
   look.writes = indexed                ? gl::Writes::index
                 : job.lighting.lambert ? gl::Writes::light
                                        : gl::Writes::colour;

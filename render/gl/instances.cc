@@ -49,16 +49,20 @@ std::vector<MeshInstance::Run> runs_seen(const ClusteredMesh& mesh, const Pose& 
                                          const CameraRays& rays, RowRange rows) {
   std::vector<MeshInstance::Run> runs;
   for (uint32_t part = 0; part < mesh.parts.size(); ++part) {
-    for (const MeshCluster& cluster : mesh.parts[part]) {
+    for (const MeshCluster& cluster : mesh.parts[part].clusters) {
       if (!may_be_seen(X_CO * cluster.centre, cluster.radius, rays, rows)) continue;
       if (!runs.empty() && runs.back().part == part &&
           runs.back().first + runs.back().count == cluster.first)
         runs.back().count += cluster.count;
       else
-        runs.push_back({part, cluster.first, cluster.count});
+        runs.push_back({part, cluster.first, cluster.count, 0});
     }
   }
   return runs;
+}
+
+Colour product(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  return {{a[0] * b[0], a[1] * b[1], a[2] * b[2], 0}};
 }
 
 // The component of a direction in the camera's frame along an axis of the view's.
@@ -202,7 +206,7 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
 
 void add_meshes(const SceneInstant& scene, const std::vector<ClusteredMesh>& meshes,
                 const BandPlace& where, const CameraRays& rays, const Lighting& lighting,
-                PageScene& out) {
+                Palette* palette, PageScene& out) {
   const auto& [band, page, scale, view] = where;
   const Pose X_CW = scene.X_WC.inverse();
   for (size_t source = 0; source < scene.primitives.size(); ++source) {
@@ -210,8 +214,8 @@ void add_meshes(const SceneInstant& scene, const std::vector<ClusteredMesh>& mes
     if (primitive.shape != Shape::mesh || primitive.asset == 0) continue;
     const Pose X_CO = X_CW * primitive.X_WO;
     if (!may_be_seen(X_CO.p, primitive.size.x, rays, band.rows)) continue;
-    std::vector<MeshInstance::Run> runs =
-        runs_seen(meshes.at(primitive.asset - 1), X_CO, rays, band.rows);
+    const ClusteredMesh& mesh = meshes.at(primitive.asset - 1);
+    std::vector<MeshInstance::Run> runs = runs_seen(mesh, X_CO, rays, band.rows);
     if (runs.empty()) continue;
     const Mat3 R_VC = glm::transpose(view.R_CV);
     const Mat3 R_VO = R_VC * X_CO.R;
@@ -223,12 +227,16 @@ void add_meshes(const SceneInstant& scene, const std::vector<ClusteredMesh>& mes
     for (int k = 0; k < 3; ++k) {
       instance.p_VO[k] = static_cast<float>(p_VO[k]);
       instance.light_V[k] = lighting.lambert ? static_cast<float>(light[k]) : 0.0f;
-      instance.look[k] = static_cast<float>(primitive.rgb[k]);
+      instance.rgb[k] = static_cast<float>(primitive.rgb[k]);
     }
     instance.light_V[3] = lighting.lambert ? static_cast<float>(lighting.ambient) : 1.0f;
-    instance.look[3] = static_cast<float>(source + 1);
     instance.ray = ray_of(where);
     instance.runs = std::move(runs);
+    for (MeshInstance::Run& run : instance.runs) {
+      const auto& rgb = mesh.parts[run.part].rgb;
+      run.identity = palette && rgb ? palette->index_of(product(*rgb, instance.rgb))
+                                    : static_cast<float>(source + 1);
+    }
     out.meshes.push_back(std::move(instance));
   }
 }

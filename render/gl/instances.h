@@ -57,6 +57,6 @@ void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
 // The scene's meshes that the band's rows can see.
 void add_meshes(const SceneInstant& scene, const std::vector<ClusteredMesh>& meshes,
                 const BandPlace& place, const CameraRays& rays, const Lighting& lighting,
-                PageScene& out);
+                Palette* palette, PageScene& out);
 
 }  // namespace seam::render::gl

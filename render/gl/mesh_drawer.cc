@@ -21,7 +21,9 @@ out vec3 f_normal;
 #ifdef TEXTURED
 out vec2 f_at;
 #endif
+#if defined(LIGHT) || defined(COLOUR)
 out vec3 f_colour;
+#endif
 const float kNear = 1e-3;
 void main() {
   vec3 p = R_VO * position + p_VO;
@@ -34,7 +36,9 @@ void main() {
 #ifdef TEXTURED
   f_at = at;
 #endif
+#if defined(LIGHT) || defined(COLOUR)
   f_colour = colour;
+#endif
 }
 )";
 
@@ -46,7 +50,9 @@ in vec3 f_normal;
 #ifdef TEXTURED
 in vec2 f_at;
 #endif
+#if defined(LIGHT) || defined(COLOUR)
 in vec3 f_colour;
+#endif
 uniform vec4 light;
 uniform vec4 look;
 uniform vec4 ray;
@@ -56,8 +62,10 @@ out vec4 seen;
 const float kNear = 1e-3;
 void main() {
   gl_FragDepth = min(kNear * gl_FragCoord.w, 1.0);
-#ifdef TRUTH
+#if defined(TRUTH)
   seen = vec4(look.w, 1.0 / gl_FragCoord.w, 0.0, 1.0);
+#elif defined(INDEX)
+  seen = vec4(look.w);
 #else
   vec3 base = f_colour * look.rgb;
 #ifdef TEXTURED
@@ -75,14 +83,31 @@ void main() {
 }
 )";
 
+std::optional<std::array<float, 3>> one_colour(const Mesh& mesh, const MeshPart& part) {
+  if (part.picture >= 0 || part.count == 0) return std::nullopt;
+  const auto rgb_of = [&](uint32_t i) {
+    const float* const rgb = mesh.vertices[mesh.indices[part.first + i]].rgb;
+    return std::array<float, 3>{rgb[0], rgb[1], rgb[2]};
+  };
+  for (uint32_t i = 1; i < part.count; ++i) {
+    if (rgb_of(i) != rgb_of(0)) return std::nullopt;
+  }
+  return rgb_of(0);
+}
+
 }  // namespace
+
+bool ClusteredMesh::has_one_colour_each() const {
+  return std::all_of(parts.begin(), parts.end(), [](const Part& part) { return !!part.rgb; });
+}
 
 std::vector<ClusteredMesh> cluster_meshes(const Assets& assets) {
   std::vector<ClusteredMesh> meshes;
   for (const Mesh& mesh : assets.meshes) {
     ClusteredMesh& clustered = meshes.emplace_back(ClusteredMesh{mesh.indices, {}});
     for (const MeshPart& part : mesh.parts)
-      clustered.parts.push_back(make_clusters(mesh, part, clustered.indices));
+      clustered.parts.push_back(
+          {make_clusters(mesh, part, clustered.indices), one_colour(mesh, part)});
   }
   return meshes;
 }
@@ -166,8 +191,6 @@ void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, 
   gl_.glUniform3f(at.p_VO, instance.p_VO[0], instance.p_VO[1], instance.p_VO[2]);
   const auto& light = instance.light_V;
   gl_.glUniform4f(at.light, light[0], light[1], light[2], light[3]);
-  const auto& look = instance.look;
-  gl_.glUniform4f(at.look, look[0], look[1], look[2], look[3]);
   const auto& ray = instance.ray;
   gl_.glUniform4f(at.ray, ray[0], ray[1], ray[2], ray[3]);
   gl_.glBindVertexArray(loaded.vertices);
@@ -175,6 +198,8 @@ void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, 
     const GLuint picture = loaded.pictures[run.part];
     if ((picture != 0) != textured) continue;
     if (textured) gl_.glBindTexture(GL_TEXTURE_2D, picture);
+    if (&run == &instance.runs[0] || run.part != (&run)[-1].part)
+      gl_.glUniform4f(at.look, instance.rgb[0], instance.rgb[1], instance.rgb[2], run.identity);
     gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(run.count), GL_UNSIGNED_INT,
                        reinterpret_cast<const void*>(size_t{4} * run.first));
   }

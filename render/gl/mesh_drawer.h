@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,20 +21,26 @@ struct MeshInstance {
   std::array<float, 9> R_VO{};  // To the strip's view, column-major.
   std::array<float, 3> p_VO{};
   std::array<float, 4> light_V{};  // Towards the light, times its strength; and the ambient light.
-  std::array<float, 4> look{};     // A factor on the mesh's colours; and the identity.
+  std::array<float, 3> rgb{};      // A factor on the mesh's colours.
   std::array<float, 4> ray{};      // As ShapeInstance::ray.
   int first_row = 0, rows = 0;     // Of the page: the band.
   // Of each part the runs of indices that the band can see: how many, and where.
   struct Run {
     uint32_t part, first, count;
+    float identity;
   };
   std::vector<Run> runs;
 };
 
 // The scene's meshes with their triangles in clusters; made once for all contexts.
 struct ClusteredMesh {
+  struct Part {
+    std::vector<MeshCluster> clusters;
+    std::optional<std::array<float, 3>> rgb;  // Where it has one colour all over.
+  };
   std::vector<uint32_t> indices;
-  std::vector<std::vector<MeshCluster>> parts;
+  std::vector<Part> parts;
+  bool has_one_colour_each() const;
 };
 std::vector<ClusteredMesh> cluster_meshes(const Assets& assets);
 
