@@ -74,6 +74,10 @@ const std::string& GlDevice::renderer() const {
   return impl_->renderer;
 }
 
+const Assets& GlDevice::assets() const {
+  return impl_->assets;
+}
+
 void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
                                 const SampledInstants& instants, gl::StripScale samples,
                                 gl::PageLook look, gl::Palette* palette, const SeePage& see) {
