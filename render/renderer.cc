@@ -85,8 +85,8 @@ struct Renderer::Impl {
 
   double seconds(SimTime time) const { return (time - options.reference).s(); }
 
-  // OpenGL takes its samples everywhere, the ray caster many at edges alone. A lens that
-  // blurs by sigma averages those of 4 pi sigma^2 pixels, so that fewer a pixel give the same image.
+  // OpenGL takes its samples everywhere, the ray caster many at edges alone. A lens that blurs by
+  // sigma averages those of 4 pi sigma^2 pixels, so that fewer a pixel give the same image.
   RendererOptions drawn_options() const {
     constexpr double kBlurs_px = 0.7;  // The samples of 6 pixels.
     RendererOptions drawn = options;
