@@ -72,6 +72,22 @@ class Room(unittest.TestCase):
         code, text = seam("replay", "verify", log)
         self.assertEqual((code, "chair.obj" in text, "has changed" in text), (1, True, True), text)
 
+    def test_processes_elsewhere_draw_the_same_bits(self):
+        # They are sent the meshes and the textures: they have none of the scenario's files.
+        swing = self.folder / "scenarios/swing.yaml"
+        swing.write_text(SWING.read_text().replace("duration_s: 2", "duration_s: 0.2"))
+        for scene, drawing in ((self.room, "auto"), (swing, "opengl")):
+            found = []
+            for renderers in (0, 1):
+                code, text = seam("run", scene, "--renderer", drawing, "--renderers", renderers, "--renderer-check", "2",
+                                  "--json", self.folder / "run.json")
+                self.assertEqual(code, 0, text)
+                found.append(json.loads((self.folder / "run.json").read_text()))
+            here, elsewhere = found
+            self.assertGreater(here["frames"], 0)
+            self.assertEqual(elsewhere["rendered_remotely"], here["frames"])
+            self.assertEqual(elsewhere["fingerprint"], here["fingerprint"])
+
     def test_what_cannot_be_drawn_is_refused_by_name(self):
         code, text = seam("frame", self.room, "--robot", "red1", "--at", "0.1", "--renderer", "analytic", "--out",
                           self.folder / "no.png")

@@ -4,24 +4,35 @@
 #include <filesystem>
 #include <thread>
 
+#include "render/assets/assets_bytes.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
 
 namespace {
 
+// One message has them all, and clients take no longer ones than 64 MiB.
+constexpr size_t kMostAssetBytes = size_t{60} << 20;
+
 scheduler::RenderSetup setup_of(const Simulator& simulator) {
   const Scenario& scenario = simulator.scenario;
   const render::RendererOptions& rendering = simulator.renderer->options();
-  // Processes elsewhere have the ray caster alone: this version is none of theirs.
-  scheduler::RenderSetup setup{
-      .version = rendering.opengl ? SEAM_VERSION " with OpenGL" : SEAM_VERSION,
-      .background = simulator.world.background(),
-      .lighting = simulator.world.lighting(),
-      .samples_per_pixel = rendering.samples_per_pixel,
-      .edge_samples_per_pixel = rendering.edge_samples_per_pixel,
-      .max_motion_px = rendering.max_motion_px,
-      .reference = rendering.reference};
+  scheduler::RenderSetup setup{.version = SEAM_VERSION,
+                               .background = simulator.world.background(),
+                               .lighting = simulator.world.lighting(),
+                               .samples_per_pixel = rendering.samples_per_pixel,
+                               .edge_samples_per_pixel = rendering.edge_samples_per_pixel,
+                               .max_motion_px = rendering.max_motion_px,
+                               .reference = rendering.reference};
+  if (rendering.opengl) {
+    setup.opengl = rendering.opengl->version();
+    setup.assets = render::bytes_of(rendering.opengl->assets());
+    if (setup.assets.size() > kMostAssetBytes)
+      throw InputError(fmt::format(
+          "--renderers: meshes and textures of {} bytes, expected at most {} for frames made "
+          "elsewhere",
+          setup.assets.size(), kMostAssetBytes));
+  }
   simulator.world.primitives_at(simulator.world.start(), setup.scene);
   for (const RobotSpec& robot : scenario.robots)
     setup.cameras.push_back({robot.id, static_cast<int>(robot.camera.width_px),
@@ -36,8 +47,6 @@ std::unique_ptr<scheduler::RemoteRenderer> make_remote_renderer(
     const Simulator& simulator, const RemoteRenderingOptions& options,
     const scheduler::RemoteRenderer::TellFault& tell_fault) {
   CameraRenderer& local = *simulator.renderer;
-  if (options.renderers > 0 && local.options().opengl)
-    throw UsageError("--renderers: frames of --renderer opengl are made by the server alone");
   scheduler::RemoteRendererOptions frames = options.frames;
   if (options.policy == "abort") frames.policy = scheduler::RendererPolicy::abort;
   return std::make_unique<scheduler::RemoteRenderer>(
@@ -57,12 +66,20 @@ std::unique_ptr<scheduler::FrameRenderer> make_told_renderer(const scheduler::Re
     robot.camera.model_yaml = camera.model_yaml;
     robot.camera.model_name = camera.model_name;
   }
+  std::unique_ptr<render::GlDevice> opengl;
+  if (!setup.opengl.empty()) {
+    opengl = std::make_unique<render::GlDevice>(render::assets_of(setup.assets));
+    if (opengl->version() != setup.opengl)
+      throw InputError(fmt::format("OpenGL: found {}, expected the server's, {}", opengl->version(),
+                                   setup.opengl));
+  }
   return std::make_unique<CameraRenderer>(
       scenario, models_of(scenario), threads,
       render::RendererOptions{.samples_per_pixel = setup.samples_per_pixel,
                               .edge_samples_per_pixel = setup.edge_samples_per_pixel,
                               .max_motion_px = setup.max_motion_px,
-                              .reference = setup.reference});
+                              .reference = setup.reference},
+      std::move(opengl));
 }
 
 std::vector<BehaviourProcess> render_processes(int count, const std::string& address,

@@ -73,28 +73,50 @@ const char* shape_text(int kind) {
 
 }  // namespace
 
-Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create_alike(gl)) {
+Context::Context(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& meshes)
+    : gl_(gl), context_(create_alike(gl)) {
   if (!context_)
     throw InputError("renderer 'opengl': Mesa makes no off-screen OpenGL 3.3 core context here");
   make_current();
-  gl_.glGenVertexArrays(1, &shapes_);
-  gl_.glBindVertexArray(shapes_);
-  gl_.glGenBuffers(1, &shape_buffer_);
-  gl_.glBindBuffer(GL_ARRAY_BUFFER, shape_buffer_);
-  for (GLuint input = 0; input < sizeof(ShapeInstance) / 16; ++input) {
-    gl_.glEnableVertexAttribArray(input);
-    gl_.glVertexAttribPointer(input, 4, GL_FLOAT, GL_FALSE, sizeof(ShapeInstance),
-                              reinterpret_cast<const void*>(size_t{16} * input));
-    gl_.glVertexAttribDivisor(input, 1);
+  shapes_ = make_instances(sizeof(ShapeInstance) / 16);
+  faces_ = make_instances(sizeof(FaceInstance) / 16);
+  for (Target* target : {&texels_, &indices_}) {
+    gl_.glGenFramebuffers(1, &target->frame);
+    gl_.glGenRenderbuffers(1, &target->colour);
+    gl_.glGenRenderbuffers(1, &target->depth);
   }
-  gl_.glGenFramebuffers(1, &frame_);
-  gl_.glGenRenderbuffers(1, &colour_);
-  gl_.glGenRenderbuffers(1, &depth_);
-  meshes_ = std::make_unique<MeshDrawer>(gl_, assets);
+  meshes_ = std::make_unique<MeshDrawer>(
+      gl_, assets, meshes,
+      [this](const std::string& vertex, const std::string& fragment,
+             const std::vector<const char*>& inputs) { return link(vertex, fragment, inputs).id; });
 }
 
 Context::~Context() {
   gl_.destroy_context(context_);
+}
+
+Context::Instances Context::make_instances(int inputs) const {
+  Instances made;
+  gl_.glGenVertexArrays(1, &made.array);
+  gl_.glBindVertexArray(made.array);
+  gl_.glGenBuffers(1, &made.buffer);
+  gl_.glBindBuffer(GL_ARRAY_BUFFER, made.buffer);
+  for (int input = 0; input < inputs; ++input) {
+    const auto place = static_cast<GLuint>(input);
+    gl_.glEnableVertexAttribArray(place);
+    gl_.glVertexAttribPointer(place, 4, GL_FLOAT, GL_FALSE, 16 * inputs,
+                              reinterpret_cast<const void*>(size_t{16} * place));
+    gl_.glVertexAttribDivisor(place, 1);
+  }
+  return made;
+}
+
+void Context::draw_instances(const Instances& buffers, const void* instances, size_t bytes,
+                             size_t count) const {
+  gl_.glBindVertexArray(buffers.array);
+  gl_.glBindBuffer(GL_ARRAY_BUFFER, buffers.buffer);
+  gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), instances, GL_STREAM_DRAW);
+  gl_.glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count));
 }
 
 void Context::make_current() {
@@ -146,44 +168,46 @@ Context::Program Context::link(const std::string& vertex, const std::string& fra
     SEAM_CHECK(well, "program: {}", why.data());
   }
   program.target = gl_.glGetUniformLocation(program.id, "target");
-  program.truth = gl_.glGetUniformLocation(program.id, "truth");
-  program.view = gl_.glGetUniformLocation(program.id, "view");
   program.picture = gl_.glGetUniformLocation(program.id, "picture");
   return program;
 }
 
-const Context::Program& Context::shape_program(const ShapeBatch& batch) {
-  Program& program = shape_programs_[{batch.kind, batch.texture != 0}];
+const Context::Program& Context::shape_program(const ShapeBatch& batch, Writes writes) {
+  Program& program = shape_programs_[{batch.kind, batch.texture != 0, writes}];
   if (program.id == 0) {
     const bool box = shape_text(batch.kind) == kBox;
     const char* look = batch.texture == 0 ? kPlain : box ? kTexturedBox : kTexturedRectangle;
-    program =
-        link(kShapeVertex,
-             std::string(kShapeFragmentHead) + shape_text(batch.kind) + look + kShapeFragmentTail,
-             {"place", "row_x", "row_y", "row_z", "size", "light", "look", "ray"});
+    program = link(kVersion + std::string(kShapeVertex),
+                   program_head(writes) + kShapeFragmentHead + shape_text(batch.kind) + look +
+                       kShapeFragmentTail,
+                   {"place", "row_x", "row_y", "row_z", "size", "light", "look", "ray"});
   }
   return program;
 }
 
-void Context::make_target(int width, int height) {
-  if (width <= width_ && height <= height_) return;
-  width_ = std::max(width, width_), height_ = std::max(height, height_);
-  gl_.glBindRenderbuffer(GL_RENDERBUFFER, colour_);
-  gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, width_, height_);
-  gl_.glBindRenderbuffer(GL_RENDERBUFFER, depth_);
-  gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width_, height_);
-  gl_.glBindFramebuffer(GL_FRAMEBUFFER, frame_);
-  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
-  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+void Context::make_target(Target& target, GLenum format, int width, int height) const {
+  if (width <= target.width && height <= target.height) return;
+  target.width = std::max(width, target.width), target.height = std::max(height, target.height);
+  gl_.glBindRenderbuffer(GL_RENDERBUFFER, target.colour);
+  gl_.glRenderbufferStorage(GL_RENDERBUFFER, format, target.width, target.height);
+  gl_.glBindRenderbuffer(GL_RENDERBUFFER, target.depth);
+  gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, target.width, target.height);
+  gl_.glBindFramebuffer(GL_FRAMEBUFFER, target.frame);
+  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
+                                target.colour);
+  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
   const GLenum status = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  SEAM_CHECK(status == GL_FRAMEBUFFER_COMPLETE, "framebuffer of {}x{}: {}", width_, height_,
-             status);
+  SEAM_CHECK(status == GL_FRAMEBUFFER_COMPLETE, "framebuffer of {}x{}: {}", target.width,
+             target.height, status);
 }
 
 void Context::begin_page(int width, int height, const PageLook& look) {
-  make_target(width, height);
+  const bool index = look.writes == Writes::index;
+  Target& target = index ? indices_ : texels_;
+  make_target(target, index ? GL_R32F : GL_RGBA32F, width, height);
   page_width_ = width, page_height_ = height;
-  gl_.glBindFramebuffer(GL_FRAMEBUFFER, frame_);
+  page_form_ = index ? GL_RED : GL_RGBA;
+  gl_.glBindFramebuffer(GL_FRAMEBUFFER, target.frame);
   gl_.glViewport(0, 0, width, height);
   gl_.glEnable(GL_SCISSOR_TEST);
   gl_.glScissor(0, 0, width, height);
@@ -194,38 +218,48 @@ void Context::begin_page(int width, int height, const PageLook& look) {
   gl_.glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
+void Context::use(const Program& program, const PageLook& look) const {
+  gl_.glUseProgram(program.id);
+  gl_.glUniform4f(program.target, 2.0f / static_cast<float>(page_width_),
+                  2.0f / static_cast<float>(page_height_), look.shear, 0);
+}
+
+void Context::draw_faces(const std::vector<FaceInstance>& faces, const PageLook& look) {
+  if (faces.empty()) return;
+  Program& program = face_programs_[look.writes];
+  if (program.id == 0) {
+    program =
+        link(program_head(look.writes) + kFaceVertex, program_head(look.writes) + kFaceFragment,
+             {"centre", "along_a", "along_b", "plane", "look", "ray"});
+  }
+  use(program, look);
+  gl_.glEnable(GL_CLIP_DISTANCE0);
+  gl_.glEnable(GL_CLIP_DISTANCE1);
+  draw_instances(faces_, faces.data(), faces.size() * sizeof(FaceInstance), faces.size());
+  gl_.glDisable(GL_CLIP_DISTANCE0);
+  gl_.glDisable(GL_CLIP_DISTANCE1);
+}
+
 void Context::draw(const PageScene& scene, const PageLook& look) {
+  draw_faces(scene.faces, look);
   for (const auto& [batch, instances] : scene.shapes) {
     if (instances.empty()) continue;
-    const Program& program = shape_program(batch);
-    gl_.glUseProgram(program.id);
-    gl_.glUniform4f(program.target, 2.0f / static_cast<float>(page_width_),
-                    2.0f / static_cast<float>(page_height_), 0, 0);
-    gl_.glUniform1i(program.truth, look.truth ? 1 : 0);
-    gl_.glUniformMatrix3fv(program.view, 1, GL_FALSE, look.view.data());
+    const Program& program = shape_program(batch, look.writes);
+    use(program, look);
     if (batch.texture != 0) {
       gl_.glUniform1i(program.picture, 0);
       meshes_->bind_texture(batch.texture - 1);
     }
-    gl_.glBindVertexArray(shapes_);
-    gl_.glBindBuffer(GL_ARRAY_BUFFER, shape_buffer_);
-    gl_.glBufferData(GL_ARRAY_BUFFER,
-                     static_cast<GLsizeiptr>(instances.size() * sizeof(ShapeInstance)),
-                     instances.data(), GL_STREAM_DRAW);
-    gl_.glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(instances.size()));
+    draw_instances(shapes_, instances.data(), instances.size() * sizeof(ShapeInstance),
+                   instances.size());
   }
-  if (scene.meshes.empty()) return;
-  if (mesh_program_ == 0) {
-    mesh_program_ =
-        link(MeshDrawer::vertex_text(), MeshDrawer::fragment_text(), MeshDrawer::inputs()).id;
-    meshes_->set_program(mesh_program_);
-  }
-  meshes_->draw(scene.meshes, page_width_, page_height_, look.truth);
+  meshes_->draw(scene.meshes, page_width_, page_height_, look.shear, look.writes);
 }
 
 void Context::end_page(std::vector<float>& pixels) {
-  pixels.resize(size_t{4} * page_width_ * page_height_);
-  gl_.glReadPixels(0, 0, page_width_, page_height_, GL_RGBA, GL_FLOAT, pixels.data());
+  const size_t floats = page_form_ == GL_RED ? 1 : 4;
+  pixels.resize(floats * page_width_ * page_height_);
+  gl_.glReadPixels(0, 0, page_width_, page_height_, page_form_, GL_FLOAT, pixels.data());
   const GLenum error = gl_.glGetError();
   SEAM_CHECK(error == GL_NO_ERROR, "OpenGL error {}", error);
 }
@@ -234,7 +268,7 @@ ContextPool::Lease::Lease(ContextPool& pool) : pool_(pool) {
   {
     const std::lock_guard lock(pool.mutex_);
     if (pool.free_.empty()) {
-      context_ = std::make_unique<Context>(pool.gl_, pool.assets_);
+      context_ = std::make_unique<Context>(pool.gl_, pool.assets_, pool.meshes_);
       return;
     }
     context_ = std::move(pool.free_.back());

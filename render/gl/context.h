@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "render/gl/api.h"
@@ -17,11 +18,22 @@ namespace seam::render::gl {
 // One shape at one instant, as the vertex shader takes it (shaders.h).
 struct ShapeInstance {
   float place[4];
-  float R_OC_and_origin[3][4];
+  float R_OV_and_origin[3][4];
   float size_and_ambient[4];
   float light_and_depth[4];
   float look[4];
   float ray[4];
+};
+
+// A flat face of one colour at one instant: a rectangle, or one of a box's sides. It is drawn as
+// the triangles that it is, so that fragments fall only where it can be seen.
+struct FaceInstance {
+  float centre[4];   // In the view; then the band's first row on the page.
+  float along_a[4];  // From the centre to one side, then the row after the band's last.
+  float along_b[4];  // Then a depth that nothing of it comes below in the band.
+  float plane[4];    // Its product with (x, y, 1) is 1 / depth; then the factor on that.
+  float look[4];     // Light; the identity.
+  float ray[4];      // As ShapeInstance::ray.
 };
 
 // Shapes of one kind and texture; drawn together.
@@ -35,20 +47,22 @@ struct ShapeBatch {
 
 // All that stands on a page.
 struct PageScene {
+  std::vector<FaceInstance> faces;
   std::map<ShapeBatch, std::vector<ShapeInstance>> shapes;
   std::vector<MeshInstance> meshes;
 };
 
 // What a page's target is cleared to and how its fragments are written.
 struct PageLook {
-  bool truth = false;  // Identity and distance along the ray in place of light.
+  Writes writes = Writes::colour;
   std::array<float, 4> background{};
-  std::array<float, 9> view{};  // From the strip's view to the camera's frame, column-major.
+  float shear = 0;  // StripScale::shear.
 };
 
 class Context {
  public:
-  Context(const Api& gl, const Assets& assets);
+  // What is given outlives the context.
+  Context(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& meshes);
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -56,7 +70,8 @@ class Context {
   void make_current();
   void release();
 
-  // A page of the strip: `width` x `height` pixels of four floats, row by row, left in `pixels`.
+  // A page of the strip: `width` x `height` texels, row by row, left in `pixels`; four floats each,
+  // or one where places in a palette are written.
   void begin_page(int width, int height, const PageLook& look);
   void draw(const PageScene& scene, const PageLook& look);
   void end_page(std::vector<float>& pixels);
@@ -67,30 +82,45 @@ class Context {
  private:
   struct Program {
     GLuint id = 0;
-    GLint target = -1, truth = -1, view = -1, picture = -1;
+    GLint target = -1, picture = -1;
   };
-  const Program& shape_program(const ShapeBatch& batch);
+  // Buffers from which instances of `inputs` vectors of four floats are drawn.
+  struct Instances {
+    GLuint array = 0, buffer = 0;
+  };
+  Instances make_instances(int inputs) const;
+  void draw_instances(const Instances& buffers, const void* instances, size_t bytes,
+                      size_t count) const;
+  void use(const Program& program, const PageLook& look) const;
+  const Program& shape_program(const ShapeBatch& batch, Writes writes);
+  void draw_faces(const std::vector<FaceInstance>& faces, const PageLook& look);
   Program link(const std::string& vertex, const std::string& fragment,
                const std::vector<const char*>& inputs) const;
   GLuint compile(GLenum kind, const std::string& text) const;
-  void make_target(int width, int height);
+  struct Target {
+    GLuint frame = 0, colour = 0, depth = 0;
+    int width = 0, height = 0;
+  };
+  void make_target(Target& target, GLenum format, int width, int height) const;
 
   const Api& gl_;
   OSMesaContext context_ = nullptr;
   std::array<uint8_t, 64 * 64 * 4> window_{};  // OSMesa wants one; nothing is drawn there.
   std::unique_ptr<MeshDrawer> meshes_;
-  std::map<std::pair<int, bool>, Program> shape_programs_;
-  GLuint shapes_ = 0, shape_buffer_ = 0, mesh_program_ = 0;
-  GLuint frame_ = 0, colour_ = 0, depth_ = 0;
-  int width_ = 0, height_ = 0;            // Of the target.
-  int page_width_ = 0, page_height_ = 0;  // Of the page in it.
+  std::map<std::tuple<int, bool, Writes>, Program> shape_programs_;
+  Instances shapes_, faces_;
+  std::map<Writes, Program> face_programs_;
+  Target texels_, indices_;               // Of four floats, and of one.
+  int page_width_ = 0, page_height_ = 0;  // Of the page in one of them.
+  GLenum page_form_ = GL_RGBA;
 };
 
 // The contexts of one process's frames: as many as frames are made at once.
 class ContextPool {
  public:
-  // Both outlive the pool.
-  ContextPool(const Api& gl, const Assets& assets) : gl_(gl), assets_(assets) {}
+  // All of it outlives the pool.
+  ContextPool(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& meshes)
+      : gl_(gl), assets_(assets), meshes_(meshes) {}
 
   // A context that is current on this thread until the lease ends.
   class Lease {
@@ -110,6 +140,7 @@ class ContextPool {
  private:
   const Api& gl_;
   const Assets& assets_;
+  const std::vector<ClusteredMesh>& meshes_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Context>> free_;
 };

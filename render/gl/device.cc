@@ -14,16 +14,31 @@ namespace {
 
 constexpr int kMostTexels = 8192;  // Along a target's side.
 
-int samples_along_side(const RendererOptions& options, int instants_a_row) {
-  const int wanted = std::max(options.edge_samples_per_pixel, options.samples_per_pixel);
-  return static_cast<int>(
-      std::ceil(std::sqrt(static_cast<double>(wanted) / std::max(instants_a_row, 1)) - 1e-9));
+// Texels of a pixel at one instant. In their lattice no two see an upright or a level edge at the
+// same place, so half as many see as much as samples that stand in squares.
+gl::StripScale texels_of_a_pixel(const RendererOptions& options, int instants_a_row) {
+  const int samples = std::max(options.edge_samples_per_pixel, options.samples_per_pixel);
+  const int wanted =
+      std::max(1, static_cast<int>(std::ceil(0.6 * samples / std::max(instants_a_row, 1))));
+  const int across = std::max(1, static_cast<int>(std::sqrt(0.5 * wanted)));
+  return {.across = across, .down = (wanted + across - 1) / across};
 }
 
-std::array<float, 9> column_major(const Mat3& R) {
-  std::array<float, 9> values;
-  for (int k = 0; k < 9; ++k) values[k] = static_cast<float>(R[k / 3][k % 3]);
-  return values;
+Colour colour_of(const Rgb& rgb) {
+  return {{static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 0}};
+}
+
+// Whether each surface looks the same all over.
+bool has_one_colour_each(const FrameJob& job, const std::vector<gl::ClusteredMesh>& meshes) {
+  if (job.lighting.lambert) return false;
+  for (const SceneInstant& instant : job.instants) {
+    for (const Primitive& primitive : instant.primitives) {
+      if (primitive.asset == 0) continue;
+      if (primitive.shape != Shape::mesh || !meshes.at(primitive.asset - 1).has_one_colour_each())
+        return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
@@ -33,14 +48,16 @@ struct GlDevice::Impl {
 
   const Assets assets;
   const gl::Api& api = gl::Api::load();
-  gl::ContextPool contexts{api, assets};
+  const std::vector<gl::ClusteredMesh> meshes = gl::cluster_meshes(assets);
+  gl::ContextPool contexts{api, assets, meshes};
   std::string version, renderer;
 
   using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&,
                                      const std::vector<float>& texels)>;
   // Draws every page of the instants' strips and shows each.
   void draw_pages(const FrameJob& job, const CameraRays& rays, const SampledInstants& instants,
-                  int samples, gl::PageLook look, const SeePage& see);
+                  gl::StripScale samples, gl::PageLook look, gl::Palette* palette,
+                  const SeePage& see);
 };
 
 GlDevice::GlDevice(Assets assets) : impl_(std::make_unique<Impl>(std::move(assets))) {
@@ -57,16 +74,20 @@ const std::string& GlDevice::renderer() const {
   return impl_->renderer;
 }
 
+const Assets& GlDevice::assets() const {
+  return impl_->assets;
+}
+
 void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
-                                const SampledInstants& instants, int samples, gl::PageLook look,
-                                const SeePage& see) {
+                                const SampledInstants& instants, gl::StripScale samples,
+                                gl::PageLook look, gl::Palette* palette, const SeePage& see) {
   const gl::PaintLayers layers(job.instants.front());
   const gl::ContextPool::Lease context(contexts);
   PreparedInstant prepared;
   std::vector<float> texels;
   for (const gl::StripView& view : gl::views_of(rays)) {
     const gl::StripPlan plan = gl::plan_strip(instants, rays, view, samples, kMostTexels);
-    look.view = column_major(view.R_CV);
+    look.shear = plan.scale.shear;
     for (const gl::Page& page : plan.pages) {
       gl::PageScene on_page;
       context->begin_page(page.width, page.height, look);
@@ -74,8 +95,9 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
         instants.with_scene(band.instant, [&](const SceneInstant& scene) {
           prepare(scene, job.lighting, job.background, rays, band.rows, prepared);
           const gl::BandPlace place{band, page, plan.scale, view};
-          gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, on_page);
-          gl::add_meshes(scene, place, rays, job.lighting, on_page);
+          gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, palette,
+                         on_page);
+          gl::add_meshes(scene, meshes, place, rays, job.lighting, palette, on_page);
         });
       }
       context->draw(on_page, look);
@@ -90,12 +112,19 @@ void GlDevice::integrate_light(const FrameJob& job, const CameraRays& rays,
   const SampledInstants instants(job, rays, options);
   for (auto& plane : image.planes) std::fill(plane.begin(), plane.end(), 0.0f);
   gl::PageLook look;
-  for (int c = 0; c < 3; ++c) look.background[c] = static_cast<float>(job.background[c]);
-  impl_->draw_pages(job, rays, instants, samples_along_side(options, instants.fewest_a_row()), look,
+  gl::Palette palette(colour_of(job.background));
+  const bool indexed = has_one_colour_each(job, impl_->meshes);
+  look.writes = indexed                ? gl::Writes::index
+                : job.lighting.lambert ? gl::Writes::light
+                                       : gl::Writes::colour;
+  for (int c = 0; c < 3 && !indexed; ++c)
+    look.background[c] = static_cast<float>(job.background[c]);
+  impl_->draw_pages(job, rays, instants, texels_of_a_pixel(options, instants.fewest_a_row()), look,
+                    indexed ? &palette : nullptr,
                     [&](const gl::Page& page, const gl::StripScale& scale,
                         const gl::StripView& view, const std::vector<float>& texels) {
-                      gl::gather_light(page, scale, texels, view, instants.schedule(), rays,
-                                       options.threads, image);
+                      gl::gather_light(page, scale, texels, indexed ? &palette.colours() : nullptr,
+                                       view, instants.schedule(), rays, options.threads, image);
                     });
 }
 
@@ -105,7 +134,8 @@ GlDevice::Centres GlDevice::see_centres(const FrameJob& job, const CameraRays& r
   const SampledInstants instants(job, rays, {});
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   Centres seen{std::vector<int32_t>(pixels, -1), std::vector<float>(pixels)};
-  impl_->draw_pages(job, rays, instants, kSamples, {.truth = true},
+  impl_->draw_pages(job, rays, instants, {.across = kSamples, .down = kSamples},
+                    {.writes = gl::Writes::truth}, nullptr,
                     [&](const gl::Page& page, const gl::StripScale& scale,
                         const gl::StripView& view, const std::vector<float>& texels) {
                       gl::find_centres(page, scale, texels, view, instants.schedule(), rays,

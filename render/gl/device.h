@@ -26,6 +26,8 @@ class GlDevice {
   const std::string& version() const;
   const std::string& renderer() const;
 
+  const Assets& assets() const;
+
   // As integrate_light of the ray caster; may be called from several threads at once.
   void integrate_light(const FrameJob& job, const CameraRays& rays, const RendererOptions& options,
                        LinearImage& image) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "render/cast/parallel.h"
 #include "render/gl/gather_kernels.h"
@@ -82,42 +83,49 @@ int floor_of(float value) {
 // Looks up rows' samples on a page.
 class Gather {
  public:
-  Gather(const Page& page, const StripScale& scale, const float* texels, const StripView& view,
-         const CameraRays& rays)
+  Gather(const Page& page, const StripScale& scale, const float* texels,
+         const std::vector<Colour>* palette, const StripView& view, const CameraRays& rays)
       : page_(page),
         scale_(scale),
         texels_(texels),
+        palette_(palette ? palette->data() : nullptr),
         view_(view),
         rays_(rays),
         found_(rays.columns()),
         sums_(4 * static_cast<size_t>(rays.columns())) {}
 
   void add_row(const Band& band, int row, float weight, LinearImage& image) {
-    const float step = 1.0f / static_cast<float>(scale_.samples);
+    const float step_u = 1.0f / static_cast<float>(scale_.across);
+    const float step_v = 1.0f / static_cast<float>(scale_.down);
     for (size_t channel = 0; channel < rays_.tables.size(); ++channel) {
       std::fill(sums_.begin(), sums_.end(), 0.0f);
-      for (int b = 0; b < scale_.samples; ++b) {
-        const float dv = (static_cast<float>(b) + 0.5f) * step - 0.5f;
-        for (int a = 0; a < scale_.samples; ++a) {
-          const float du = (static_cast<float>(a) + 0.5f) * step - 0.5f;
+      for (int b = 0; b < scale_.down; ++b) {
+        const float dv = (static_cast<float>(b) + 0.5f) * step_v - 0.5f;
+        for (int a = 0; a < scale_.across; ++a) {
+          const float du = (static_cast<float>(a) + 0.5f) * step_u - 0.5f;
           if (rays_.perspective)
             add_flat(band, row, channel, du, dv);
           else
             add_side(band, row, channel, du, dv);
         }
       }
-      put(row, channel, weight * step * step, image);
+      put(row, channel, weight * step_u * step_v, image);
     }
   }
 
  private:
   bool colours_apart() const { return rays_.tables.size() > 1; }
   TexelGrid grid_of(const Band& band) const {
-    return {scale_.texels_per_unit, band.shift_u - static_cast<float>(page_.first_x),
-            band.shift_v - static_cast<float>(band.first_y), page_.width, band.height};
+    return {scale_.u_per_unit,
+            scale_.shear * scale_.v_per_unit,
+            scale_.v_per_unit,
+            band.shift_u - static_cast<float>(band.first_x),
+            band.shift_v - static_cast<float>(band.first_y),
+            page_.width,
+            band.height};
   }
   const float* texels_of(const Band& band) const {
-    return texels_ + 4 * static_cast<size_t>(band.page_y) * page_.width;
+    return texels_ + (palette_ ? 1 : 4) * static_cast<size_t>(band.page_y) * page_.width;
   }
 
   void add_flat(const Band& band, int row, size_t channel, float du, float dv) {
@@ -127,10 +135,17 @@ class Gather {
       return RaySlopes{&table.base[k][first], &table.along_u[k][first], &table.along_v[k][first]};
     };
     kernels_.find(slopes(0), slopes(1), du, dv, grid_of(band), rays_.columns(), found_.data());
-    if (colours_apart())
-      kernels_.add_one(texels_of(band) + channel, found_.data(), rays_.columns(), sums_.data());
+    const float* const texels = texels_of(band);
+    const int columns = rays_.columns();
+    if (palette_ && colours_apart())
+      kernels_.add_indexed_one(texels, found_.data(), &palette_->rgb[channel], columns,
+                               sums_.data());
+    else if (palette_)
+      kernels_.add_indexed(texels, found_.data(), palette_, columns, sums_.data());
+    else if (colours_apart())
+      kernels_.add_one(texels + channel, found_.data(), columns, sums_.data());
     else
-      kernels_.add(texels_of(band), found_.data(), rays_.columns(), sums_.data());
+      kernels_.add(texels, found_.data(), columns, sums_.data());
   }
 
   // Of the samples that this side of the cube shows.
@@ -141,11 +156,12 @@ class Gather {
       const Vec3f d = ray_at(rays_.tables[channel], rays_.at(row) + column, du, dv);
       if (side_of(d) != view_.side) continue;
       const OnView at = on_view(view_.R_CV, d);
-      const auto u = static_cast<int>(at.x * grid.texels_per_unit + grid.offset_u);
-      const auto v = static_cast<int>(at.y * grid.texels_per_unit + grid.offset_v);
+      const auto u = static_cast<int>(at.x * grid.u_per_x + at.y * grid.u_per_y + grid.offset_u);
+      const auto v = static_cast<int>(at.y * grid.v_per_y + grid.offset_v);
+      const size_t texel = static_cast<size_t>(std::clamp(v, 0, grid.height - 1)) * grid.width +
+                           std::clamp(u, 0, grid.width - 1);
       const float* const seen =
-          texels + 4 * (static_cast<size_t>(std::clamp(v, 0, grid.height - 1)) * grid.width +
-                        std::clamp(u, 0, grid.width - 1));
+          palette_ ? palette_[static_cast<int>(texels[texel])].rgb : texels + 4 * texel;
       if (colours_apart())
         sums_[column] += seen[channel];
       else
@@ -171,30 +187,63 @@ class Gather {
   const Page& page_;
   const StripScale& scale_;
   const float* texels_;
+  const Colour* palette_;  // Where texels are places in one.
   const StripView& view_;
   const CameraRays& rays_;
   std::vector<int32_t> found_;
   std::vector<float> sums_;
 };
 
-int texels_across(const StripView& view, float scale) {
-  return floor_of(view.x_max * scale) - floor_of(view.x_min * scale) + 4;
+// By what part of a column to stagger rows, of which a pixel has so many: near the golden ratio's,
+// and so that each row stands at another place.
+float stagger(int rows) {
+  int best = 1;
+  for (int k = 1; k < rows; ++k) {
+    const double golden = 0.381966 * rows;
+    if (std::gcd(k, rows) == 1 && std::abs(k - golden) < std::abs(best - golden)) best = k;
+  }
+  return static_cast<float>(best) / static_cast<float>(rows);
 }
 
-// So fine that a pixel gets its samples, and no finer than targets can be.
-StripScale scale_of(const CameraRays& rays, const StripView& view, int samples, int most_texels) {
-  for (; samples > 0; --samples) {
-    const auto scale = static_cast<float>(samples * rays.focal_px);
-    const float low = *std::min_element(view.row_y_min.begin(), view.row_y_min.end());
-    const float high = *std::max_element(view.row_y_max.begin(), view.row_y_max.end());
-    if ((view.x_max - view.x_min) * scale + 8 < static_cast<float>(most_texels) &&
-        (high - low) * scale + 8 < static_cast<float>(most_texels))
-      return {samples, scale};
+// As fine as asked, or as targets can be.
+StripScale scale_of(const CameraRays& rays, const StripView& view, StripScale samples,
+                    int most_texels) {
+  const auto focal = static_cast<float>(rays.focal_px);
+  const float low = *std::min_element(view.row_y_min.begin(), view.row_y_min.end());
+  const float high = *std::max_element(view.row_y_max.begin(), view.row_y_max.end());
+  const auto room = static_cast<float>(most_texels - 8);
+  for (;;) {
+    StripScale scale{samples.across, samples.down};
+    scale.u_per_unit = focal * static_cast<float>(scale.across);
+    scale.v_per_unit = focal * static_cast<float>(scale.down);
+    scale.shear = stagger(scale.down);
+    const float wide = (view.x_max - view.x_min) * scale.u_per_unit +
+                       (high - low) * scale.v_per_unit * scale.shear;
+    const bool too_wide = wide > room, too_high = (high - low) * scale.v_per_unit > room;
+    if (!too_wide && !too_high) return scale;
+    if ((too_wide && samples.across == 1) || (too_high && samples.down == 1)) break;
+    if (too_wide) --samples.across;
+    if (too_high) --samples.down;
   }
   throw InputError(
       fmt::format("renderer 'opengl': an image of {}x{} pixels behind this lens is larger than "
                   "OpenGL's targets of {} texels; take --renderer analytic or a smaller image",
                   rays.width_px, rays.height_px, most_texels));
+}
+
+// Where a band stands on the grid; false if the view sees nothing of it. Returns its width.
+bool place_band(const StripView& view, const StripScale& scale, Band& band, int& width) {
+  float low = 1e30f, high = -1e30f;
+  for (int row = band.rows.first; row <= band.rows.last; ++row) {
+    low = std::min(low, view.row_y_min[row]), high = std::max(high, view.row_y_max[row]);
+  }
+  if (high < low) return false;
+  low *= scale.v_per_unit, high *= scale.v_per_unit;
+  band.first_y = floor_of(low) - 1;
+  band.height = floor_of(high) + 3 - band.first_y;
+  band.first_x = floor_of(view.x_min * scale.u_per_unit + scale.shear * low) - 1;
+  width = floor_of(view.x_max * scale.u_per_unit + scale.shear * high) + 3 - band.first_x;
+  return true;
 }
 
 }  // namespace
@@ -217,33 +266,33 @@ std::vector<StripView> views_of(const CameraRays& rays) {
 }
 
 StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
-                     int samples, int most_texels) {
+                     StripScale samples, int most_texels) {
   StripPlan plan{.scale = scale_of(rays, view, samples, most_texels), .pages = {}};
-  const float scale = plan.scale.texels_per_unit;
-  const int width = texels_across(view, scale);
   const int period = std::max(instants.fewest_a_row(), 1);
   const std::vector<int> order = SamplePattern::scattered_order(period);
-  Page page{.first_x = floor_of(view.x_min * scale) - 1, .width = width, .bands = {}};
+  std::vector<Band> bands;
+  int width = 0;
+  for (int k = 0; k < instants.count(); ++k) {
+    Band band{.instant = k, .rows = instants.rows_of(k)};
+    // The instants of a row see the texels' grid at places spread evenly between the columns of its
+    // lattice, and over a row: a rank-1 lattice with the golden ratio's fraction, in scattered
+    // order, for an edge that moves in step with the grid would always be seen from the same side.
+    const int place = order[k % period];
+    const float part = 1.0f / static_cast<float>(period);
+    band.shift_u = (static_cast<float>(place) + 0.5f) * part / static_cast<float>(plan.scale.down);
+    const float golden = static_cast<float>(place) * 0.618034f + 0.5f * part;
+    band.shift_v = golden - std::floor(golden);
+    int needed = 0;
+    if (!place_band(view, plan.scale, band, needed)) continue;
+    width = std::max(width, needed);
+    bands.push_back(band);
+  }
+  Page page{.width = width, .bands = {}};
   const auto finish = [&] {
     if (!page.bands.empty()) plan.pages.push_back(page);
     page.bands.clear(), page.height = 0;
   };
-  for (int k = 0; k < instants.count(); ++k) {
-    Band band{.instant = k, .rows = instants.rows_of(k)};
-    float low = 1e30f, high = -1e30f;
-    for (int row = band.rows.first; row <= band.rows.last; ++row) {
-      low = std::min(low, view.row_y_min[row]), high = std::max(high, view.row_y_max[row]);
-    }
-    if (high < low) continue;
-    // The instants of a row see the texels' grid at places spread evenly over a texel: a rank-1
-    // lattice with the golden ratio's fraction, in scattered order, for an edge that moves in step
-    // with the grid would always be seen from the same side.
-    const int place = order[k % period];
-    band.shift_u = (static_cast<float>(place) + 0.5f) / static_cast<float>(period);
-    const float golden = static_cast<float>(place) * 0.618034f + 0.5f / static_cast<float>(period);
-    band.shift_v = golden - std::floor(golden);
-    band.first_y = floor_of(low * scale) - 1;
-    band.height = floor_of(high * scale) + 3 - band.first_y;
+  for (Band& band : bands) {
     if (page.height > 0 && (page.height + band.height) * width > kPageTexels) finish();
     band.page_y = page.height;
     page.height += band.height;
@@ -254,10 +303,11 @@ StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, co
 }
 
 void gather_light(const Page& page, const StripScale& scale, const std::vector<float>& texels,
-                  const StripView& view, const RowSchedule& schedule, const CameraRays& rays,
-                  int threads, LinearImage& image) {
+                  const std::vector<Colour>* palette, const StripView& view,
+                  const RowSchedule& schedule, const CameraRays& rays, int threads,
+                  LinearImage& image) {
   split_over_threads(threads, rays.rows(), [&](int begin, int end) {
-    Gather gather(page, scale, texels.data(), view, rays);
+    Gather gather(page, scale, texels.data(), palette, view, rays);
     for (const Band& band : page.bands) {
       for (int row = std::max(begin, band.rows.first); row < std::min(end, band.rows.last + 1);
            ++row) {
@@ -283,8 +333,10 @@ void find_centres(const Page& page, const StripScale& scale, const std::vector<f
         const Vec3f d = ray_at(green, ray, 0, 0);
         if (!rays.perspective && side_of(d) != view.side) continue;
         const OnView at = on_view(view.R_CV, d);
-        const int u = floor_of(at.x * scale.texels_per_unit + band.shift_u) - page.first_x;
-        const int v = floor_of(at.y * scale.texels_per_unit + band.shift_v) - band.first_y;
+        const float along_v = at.y * scale.v_per_unit;
+        const int u =
+            floor_of(at.x * scale.u_per_unit + scale.shear * along_v + band.shift_u) - band.first_x;
+        const int v = floor_of(along_v + band.shift_v) - band.first_y;
         const size_t texel =
             static_cast<size_t>(band.page_y + std::clamp(v, 0, band.height - 1)) * page.width +
             std::clamp(u, 0, page.width - 1);

@@ -24,23 +24,25 @@ struct StripView {
 
 std::vector<StripView> views_of(const CameraRays& rays);
 
-// How many texels there are.
+// The grid of texels. Its rows are staggered, each by another part of a texel, so that the samples
+// of a pixel stand in a lattice: each sees an upright edge, and a level one, at another place.
 struct StripScale {
-  int samples = 1;            // Of a pixel, along each of its sides.
-  float texels_per_unit = 1;  // Of x and y on the plane z = 1.
+  int across = 1, down = 1;  // Texels of a pixel.
+  float u_per_unit = 1;      // Texels of x and y on the plane z = 1.
+  float v_per_unit = 1;
+  float shear = 0;  // Columns by which each row stands further.
 };
 
 struct Band {
   int instant = 0;
-  RowRange rows;    // Of rays.
-  int first_y = 0;  // The band's first row, on the grid of all the view's texels.
+  RowRange rows;                 // Of rays.
+  int first_x = 0, first_y = 0;  // The band's first texel, on the grid of all the view's.
   int height = 0;
   int page_y = 0;
   float shift_u = 0, shift_v = 0;  // Of the grid, texels: each instant has another.
 };
 
 struct Page {
-  int first_x = 0;  // Its first column, on the grid of all the view's texels.
   int width = 0, height = 0;
   std::vector<Band> bands;
 };
@@ -50,14 +52,17 @@ struct StripPlan {
   std::vector<Page> pages;
 };
 
-// Throws InputError where the image is too large for a target of `most_texels` a side.
+// `samples` has the texels of a pixel. Throws InputError where the image is too large for a target
+// of `most_texels` a side.
 StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
-                     int samples, int most_texels);
+                     StripScale samples, int most_texels);
 
-// Adds a page's light, four floats a texel, to the image.
+// Adds a page's light to the image: four floats a texel, or where there is a palette one, a place
+// in it.
 void gather_light(const Page& page, const StripScale& scale, const std::vector<float>& texels,
-                  const StripView& view, const RowSchedule& schedule, const CameraRays& rays,
-                  int threads, LinearImage& image);
+                  const std::vector<Colour>* palette, const StripView& view,
+                  const RowSchedule& schedule, const CameraRays& rays, int threads,
+                  LinearImage& image);
 
 // What the rays through pixels' centres meet on a page that was drawn for the truth: places in the
 // instant's primitives, -1 where nothing is met, and multiples of the ray.

@@ -1,82 +1,136 @@
 #include "render/gl/mesh_drawer.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace seam::render::gl {
 namespace {
 
-constexpr const char* kVertex = R"(#version 330 core
+constexpr const char* kVertex = R"(
 in vec3 position;
 in vec3 normal;
 in vec2 at;
 in vec3 colour;
-uniform vec4 target;  // 2 / width, 2 / height.
+uniform vec4 target;  // 2 / width, 2 / height; the stagger.
 uniform mat3 R_VO;
 uniform vec3 p_VO;
-uniform vec3 ray;  // What to add to a texel's place, and what a texel is on the plane z = 1.
+uniform vec4 ray;  // What to add to a texel's place, and what a texel is on the plane z = 1.
+#ifdef LIGHT
 out vec3 f_normal;
+#endif
+#ifdef TEXTURED
 out vec2 f_at;
+#endif
+#if defined(LIGHT) || defined(COLOUR)
 out vec3 f_colour;
+#endif
 const float kNear = 1e-3;
 void main() {
   vec3 p = R_VO * position + p_VO;
-  vec2 place = p.xy / ray.z - ray.xy * p.z;
+  vec2 grid = p.xy / ray.zw;
+  vec2 place = vec2(grid.x + target.z * grid.y, grid.y) - ray.xy * p.z;
   gl_Position = vec4(place * target.xy - p.z, p.z - 2.0 * kNear, p.z);
+#ifdef LIGHT
   f_normal = R_VO * normal;
+#endif
+#ifdef TEXTURED
   f_at = at;
+#endif
+#if defined(LIGHT) || defined(COLOUR)
   f_colour = colour;
+#endif
 }
 )";
 
 // Seen from both sides, as rectangles are: the normal is the one that looks at the camera.
-constexpr const char* kFragment = R"(#version 330 core
+constexpr const char* kFragment = R"(
+#ifdef LIGHT
 in vec3 f_normal;
+#endif
+#ifdef TEXTURED
 in vec2 f_at;
+#endif
+#if defined(LIGHT) || defined(COLOUR)
 in vec3 f_colour;
-uniform int truth;
-uniform int textured;
+#endif
 uniform vec4 light;
 uniform vec4 look;
-uniform vec3 ray;
+uniform vec4 ray;
+uniform vec4 target;
 uniform sampler2D picture;
 out vec4 seen;
 const float kNear = 1e-3;
 void main() {
-  vec3 v = vec3((gl_FragCoord.xy + ray.xy) * ray.z, 1.0);
+  gl_FragDepth = min(kNear * gl_FragCoord.w, 1.0);
+#if defined(TRUTH)
+  seen = vec4(look.w, 1.0 / gl_FragCoord.w, 0.0, 1.0);
+#elif defined(INDEX)
+  seen = vec4(look.w);
+#else
+  vec3 base = f_colour * look.rgb;
+#ifdef TEXTURED
+  base *= texture(picture, f_at).rgb;
+#endif
+#ifdef LIGHT
+  vec2 grid = gl_FragCoord.xy + ray.xy;
+  vec3 v = vec3(vec2(grid.x - target.z * grid.y, grid.y) * ray.zw, 1.0);
   vec3 n = normalize(f_normal);
   if (dot(n, v) > 0.0) n = -n;
-  vec3 base = f_colour * look.rgb;
-  if (textured == 1) base *= texture(picture, f_at).rgb;
-  gl_FragDepth = min(kNear * gl_FragCoord.w, 1.0);
-  float factor = light.w + max(dot(n, light.xyz), 0.0);
-  seen = truth == 1 ? vec4(look.w, 1.0 / gl_FragCoord.w, 0.0, 1.0) : vec4(base * factor, 1.0);
+  base *= light.w + max(dot(n, light.xyz), 0.0);
+#endif
+  seen = vec4(base, 1.0);
+#endif
 }
 )";
 
+std::optional<std::array<float, 3>> one_colour(const Mesh& mesh, const MeshPart& part) {
+  if (part.picture >= 0 || part.count == 0) return std::nullopt;
+  const auto rgb_of = [&](uint32_t i) {
+    const float* const rgb = mesh.vertices[mesh.indices[part.first + i]].rgb;
+    return std::array<float, 3>{rgb[0], rgb[1], rgb[2]};
+  };
+  for (uint32_t i = 1; i < part.count; ++i) {
+    if (rgb_of(i) != rgb_of(0)) return std::nullopt;
+  }
+  return rgb_of(0);
+}
+
 }  // namespace
 
-const std::vector<const char*>& MeshDrawer::inputs() {
-  static const std::vector<const char*> names = {"position", "normal", "at", "colour"};
-  return names;
-}
-const char* MeshDrawer::vertex_text() {
-  return kVertex;
-}
-const char* MeshDrawer::fragment_text() {
-  return kFragment;
+bool ClusteredMesh::has_one_colour_each() const {
+  return std::all_of(parts.begin(), parts.end(), [](const Part& part) { return !!part.rgb; });
 }
 
-MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets) : gl_(gl), assets_(assets) {
+std::vector<ClusteredMesh> cluster_meshes(const Assets& assets) {
+  std::vector<ClusteredMesh> meshes;
+  for (const Mesh& mesh : assets.meshes) {
+    ClusteredMesh& clustered = meshes.emplace_back(ClusteredMesh{mesh.indices, {}});
+    for (const MeshPart& part : mesh.parts)
+      clustered.parts.push_back(
+          {make_clusters(mesh, part, clustered.indices), one_colour(mesh, part)});
+  }
+  return meshes;
+}
+
+MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets,
+                       const std::vector<ClusteredMesh>& clustered, Linker link)
+    : gl_(gl), link_(std::move(link)) {
   for (const Texture& texture : assets.textures)
     textures_.push_back(upload(texture.picture, GL_CLAMP_TO_EDGE));
-  for (const Mesh& mesh : assets.meshes) meshes_.push_back(upload(mesh));
+  for (size_t i = 0; i < assets.meshes.size(); ++i)
+    meshes_.push_back(upload(assets.meshes[i], clustered[i].indices));
 }
 
-void MeshDrawer::set_program(GLuint program) {
-  program_ = program;
-  const auto find = [&](const char* name) { return gl_.glGetUniformLocation(program, name); };
-  at_ = {find("target"), find("truth"), find("R_VO"),    find("p_VO"),    find("light"),
-         find("look"),   find("ray"),   find("picture"), find("textured")};
+const MeshDrawer::Program& MeshDrawer::program(Writes writes, bool textured) {
+  Program& made = programs_[{writes, textured}];
+  if (made.id != 0) return made;
+  const std::string head = program_head(writes) + (textured ? "#define TEXTURED\n" : "");
+  made.id = link_(head + kVertex, head + kFragment, {"position", "normal", "at", "colour"});
+  const auto find = [&](const char* name) { return gl_.glGetUniformLocation(made.id, name); };
+  made.target = find("target"), made.R_VO = find("R_VO"), made.p_VO = find("p_VO");
+  made.light = find("light"), made.look = find("look"), made.ray = find("ray");
+  made.picture = find("picture");
+  return made;
 }
 
 GLuint MeshDrawer::upload(const Picture& picture, GLint wrap) const {
@@ -94,7 +148,8 @@ GLuint MeshDrawer::upload(const Picture& picture, GLint wrap) const {
   return texture;
 }
 
-MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh) const {
+MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh,
+                                      const std::vector<uint32_t>& indices) const {
   Loaded loaded;
   gl_.glGenVertexArrays(1, &loaded.vertices);
   gl_.glBindVertexArray(loaded.vertices);
@@ -105,8 +160,8 @@ MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh) const {
                    static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(MeshVertex)),
                    mesh.vertices.data(), GL_STATIC_DRAW);
   gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
-  gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * 4),
-                   mesh.indices.data(), GL_STATIC_DRAW);
+  gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * 4),
+                   indices.data(), GL_STATIC_DRAW);
   const std::pair<GLint, size_t> inputs[] = {{3, offsetof(MeshVertex, p)},
                                              {3, offsetof(MeshVertex, n)},
                                              {2, offsetof(MeshVertex, uv)},
@@ -128,32 +183,45 @@ void MeshDrawer::bind_texture(uint32_t texture) const {
   gl_.glBindTexture(GL_TEXTURE_2D, textures_.at(texture));
 }
 
+void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, bool textured,
+                               int width) const {
+  const Loaded& loaded = meshes_[instance.mesh];
+  gl_.glScissor(0, instance.first_row, width, instance.rows);
+  gl_.glUniformMatrix3fv(at.R_VO, 1, GL_FALSE, instance.R_VO.data());
+  gl_.glUniform3f(at.p_VO, instance.p_VO[0], instance.p_VO[1], instance.p_VO[2]);
+  const auto& light = instance.light_V;
+  gl_.glUniform4f(at.light, light[0], light[1], light[2], light[3]);
+  const auto& ray = instance.ray;
+  gl_.glUniform4f(at.ray, ray[0], ray[1], ray[2], ray[3]);
+  gl_.glBindVertexArray(loaded.vertices);
+  for (const MeshInstance::Run& run : instance.runs) {
+    const GLuint picture = loaded.pictures[run.part];
+    if ((picture != 0) != textured) continue;
+    if (textured) gl_.glBindTexture(GL_TEXTURE_2D, picture);
+    if (&run == &instance.runs[0] || run.part != (&run)[-1].part)
+      gl_.glUniform4f(at.look, instance.rgb[0], instance.rgb[1], instance.rgb[2], run.identity);
+    gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(run.count), GL_UNSIGNED_INT,
+                       reinterpret_cast<const void*>(size_t{4} * run.first));
+  }
+}
+
 void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int height,
-                      bool truth) const {
-  if (instances.empty()) return;
-  gl_.glUseProgram(program_);
-  gl_.glUniform4f(at_.target, 2.0f / static_cast<float>(width), 2.0f / static_cast<float>(height),
-                  0, 0);
-  gl_.glUniform1i(at_.truth, truth ? 1 : 0);
-  gl_.glUniform1i(at_.picture, 0);
-  gl_.glActiveTexture(GL_TEXTURE0);
-  for (const MeshInstance& instance : instances) {
-    const Mesh& mesh = assets_.meshes.at(instance.mesh);
-    const Loaded& loaded = meshes_[instance.mesh];
-    gl_.glScissor(0, instance.first_row, width, instance.rows);
-    gl_.glUniformMatrix3fv(at_.R_VO, 1, GL_FALSE, instance.R_VO.data());
-    gl_.glUniform3f(at_.p_VO, instance.p_VO[0], instance.p_VO[1], instance.p_VO[2]);
-    const auto& light = instance.light_V;
-    gl_.glUniform4f(at_.light, light[0], light[1], light[2], light[3]);
-    const auto& look = instance.look;
-    gl_.glUniform4f(at_.look, look[0], look[1], look[2], look[3]);
-    gl_.glUniform3f(at_.ray, instance.ray[0], instance.ray[1], instance.ray[2]);
-    gl_.glBindVertexArray(loaded.vertices);
-    for (size_t i = 0; i < mesh.parts.size(); ++i) {
-      gl_.glUniform1i(at_.textured, loaded.pictures[i] != 0 ? 1 : 0);
-      if (loaded.pictures[i] != 0) gl_.glBindTexture(GL_TEXTURE_2D, loaded.pictures[i]);
-      gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(mesh.parts[i].count), GL_UNSIGNED_INT,
-                         reinterpret_cast<const void*>(size_t{4} * mesh.parts[i].first));
+                      float shear, Writes writes) {
+  for (const bool textured : {false, true}) {
+    const auto has_some = [&](const MeshInstance& instance) {
+      const auto& pictures = meshes_[instance.mesh].pictures;
+      return std::any_of(pictures.begin(), pictures.end(),
+                         [&](GLuint picture) { return (picture != 0) == textured; });
+    };
+    if (std::none_of(instances.begin(), instances.end(), has_some)) continue;
+    const Program& at = program(writes, textured);
+    gl_.glUseProgram(at.id);
+    gl_.glUniform4f(at.target, 2.0f / static_cast<float>(width), 2.0f / static_cast<float>(height),
+                    shear, 0);
+    gl_.glUniform1i(at.picture, 0);
+    gl_.glActiveTexture(GL_TEXTURE0);
+    for (const MeshInstance& instance : instances) {
+      if (has_some(instance)) draw_instance(at, instance, textured, width);
     }
   }
   gl_.glScissor(0, 0, width, height);

@@ -2,10 +2,16 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "render/assets/assets.h"
 #include "render/gl/api.h"
+#include "render/gl/mesh_clusters.h"
+#include "render/gl/shaders.h"
 
 namespace seam::render::gl {
 
@@ -15,41 +21,64 @@ struct MeshInstance {
   std::array<float, 9> R_VO{};  // To the strip's view, column-major.
   std::array<float, 3> p_VO{};
   std::array<float, 4> light_V{};  // Towards the light, times its strength; and the ambient light.
-  std::array<float, 4> look{};     // A factor on the mesh's colours; and the identity.
-  std::array<float, 3> ray{};      // As ShapeInstance::ray.
+  std::array<float, 3> rgb{};      // A factor on the mesh's colours.
+  std::array<float, 4> ray{};      // As ShapeInstance::ray.
   int first_row = 0, rows = 0;     // Of the page: the band.
+  // Of each part the runs of indices that the band can see: how many, and where.
+  struct Run {
+    uint32_t part, first, count;
+    float identity;
+  };
+  std::vector<Run> runs;
 };
+
+// The scene's meshes with their triangles in clusters; made once for all contexts.
+struct ClusteredMesh {
+  struct Part {
+    std::vector<MeshCluster> clusters;
+    std::optional<std::array<float, 3>> rgb;  // Where it has one colour all over.
+  };
+  std::vector<uint32_t> indices;
+  std::vector<Part> parts;
+  bool has_one_colour_each() const;
+};
+std::vector<ClusteredMesh> cluster_meshes(const Assets& assets);
 
 class MeshDrawer {
  public:
-  // Needs a current context. `assets` outlive the drawer.
-  MeshDrawer(const Api& gl, const Assets& assets);
+  // Makes a program of shaders; the inputs are the vertex shader's, in the order of their places.
+  using Linker = std::function<GLuint(const std::string& vertex, const std::string& fragment,
+                                      const std::vector<const char*>& inputs)>;
+  // Needs a current context. What is given outlives the drawer.
+  MeshDrawer(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& clustered,
+             Linker link);
 
   // Of the scene's textures (from 0 on), for shapes.
   void bind_texture(uint32_t texture) const;
-  void draw(const std::vector<MeshInstance>& instances, int width, int height, bool truth) const;
-  // The names of the vertex shader's inputs, in the order in which they are bound.
-  static const std::vector<const char*>& inputs();
-  static const char* vertex_text();
-  static const char* fragment_text();
-  void set_program(GLuint program);
+  void draw(const std::vector<MeshInstance>& instances, int width, int height, float shear,
+            Writes writes);
 
  private:
   struct Loaded {
     GLuint vertices = 0;
     std::vector<GLuint> pictures;  // One for each part; 0: none.
   };
+  // For what has textures and what has not.
+  struct Program {
+    GLuint id = 0;
+    GLint target = -1, R_VO = -1, p_VO = -1, light = -1, look = -1, ray = -1, picture = -1;
+  };
+  const Program& program(Writes writes, bool textured);
+  void draw_instance(const Program& at, const MeshInstance& instance, bool textured,
+                     int width) const;
   GLuint upload(const Picture& picture, GLint wrap) const;
-  Loaded upload(const Mesh& mesh) const;
+  Loaded upload(const Mesh& mesh, const std::vector<uint32_t>& indices) const;
 
   const Api& gl_;
-  const Assets& assets_;
   std::vector<Loaded> meshes_;
   std::vector<GLuint> textures_;
-  GLuint program_ = 0;
-  struct {
-    GLint target, truth, R_VO, p_VO, light, look, ray, picture, textured;
-  } at_{};
+  Linker link_;
+  std::map<std::pair<Writes, bool>, Program> programs_;
 };
 
 }  // namespace seam::render::gl

@@ -149,6 +149,36 @@ TEST_F(Files, AMeshInMotionAgreesWithEveryTriangleAlone) {
   }
 }
 
+// Surfaces of one colour each are drawn otherwise: as places in a palette. The mesh is cut by a
+// rectangle, and its triangles are in several clusters.
+TEST_F(Files, AMeshOfOneColourAPartAgrees) {
+  put("ring.mtl", "newmtl look\nKd 0.9 0.8 0.7\nnewmtl other\nKd 0.2 0.1 0.6\n");
+  std::string text = ring_obj(14, 6);
+  text.insert(text.find("\nf ", text.size() * 7 / 8) + 1, "usemtl other\n");
+  Assets assets;
+  assets.meshes.push_back(read_mesh(put("ring.obj", text), 1));
+  ASSERT_EQ(assets.meshes[0].parts.size(), 2u);
+  ASSERT_TRUE(assets.meshes[0].pictures.empty());
+  const MovingScene scene{
+      [](double t) { return head_camera(0.3, 2.0 * (t - 0.02), -0.1, 0.05); },
+      [&](double t) {
+        return std::vector<Primitive>{
+            {.shape = Shape::rectangle,
+             .X_WO = {rotation_zyx(1.3, 0.2, -1.2), {0.8, t, 0.2}},
+             .size = {0.7, 0.3, 0},
+             .rgb = {0.4, 0.5, 0.1}},
+            {.shape = Shape::mesh,
+             .X_WO = {rotation_zyx(0.5, 0.4 + 6 * t, 0.2), {0.8, 0.05 - t, 0.2}},
+             .size = Vec3(assets.meshes[0].radius_m),
+             .rgb = {1, 0.9, 0.8},
+             .asset = 1}};
+      }};
+  const Difference found =
+      against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
+  EXPECT_LE(found.mean, 0.3);
+  EXPECT_GE(found.within_6, 0.999);
+}
+
 TEST_F(Files, ATexturedRectangleAgrees) {
   write_png(folder_ / "waves.png", waves(32));
   Assets assets;

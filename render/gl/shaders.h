@@ -2,32 +2,90 @@
 // rays meet shapes are written anew, so that the ray caster and this renderer check each other.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <string>
+
 namespace seam::render::gl {
 
+// What fragments write: light that Lambert's law makes of colours, colours as they are, their
+// places in a palette (one float a texel in place of four), or identity and distance along the ray.
+enum class Writes { light, colour, index, truth };
+
+// Before all text of a program.
+inline constexpr const char* kVersion = "#version 330 core\n";
+inline std::string program_head(Writes writes) {
+  constexpr const char* kDefined[] = {"LIGHT", "COLOUR", "INDEX", "TRUTH"};
+  return fmt::format("{}#define {}\n", kVersion, kDefined[static_cast<int>(writes)]);
+}
+
 // One instance is one shape at one instant: a rectangle of the strip that covers it.
-inline constexpr const char* kShapeVertex = R"(#version 330 core
-in vec4 place;  // First and last column and row, pixels of the target.
-in vec4 row_x, row_y, row_z;  // R_OC by rows, each with the camera's place in the object's frame.
+inline constexpr const char* kShapeVertex = R"(
+in vec4 place;  // First and last column (but for the rows' stagger) and row of the target.
+in vec4 row_x, row_y, row_z;  // R_OV by rows, each with the camera's place in the object's frame.
 in vec4 size;   // And the ambient light.
 in vec4 light;  // And the factor on the depth.
 in vec4 look;   // Red, green, blue; the identity.
-in vec4 ray;    // What to add to a fragment's place, and what a pixel is on the plane z = 1.
-uniform vec4 target;  // 2 / width, 2 / height.
+in vec4 ray;    // What to add to a fragment's place, and what a texel is on the plane z = 1.
+uniform vec4 target;  // 2 / width, 2 / height; the stagger.
 flat out vec4 f_x, f_y, f_z, f_size, f_light, f_look, f_ray;
 void main() {
   vec2 corner = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1));
   vec2 at = mix(place.xy, place.zw, corner);
+  at.x += target.z * (at.y + ray.y) - ray.x;
   gl_Position = vec4(at * target.xy - 1.0, 0.0, 1.0);
   f_x = row_x; f_y = row_y; f_z = row_z;
   f_size = size; f_light = light; f_look = look; f_ray = ray;
 }
 )";
 
+// One instance is one flat face at one instant: its two triangles, cut off at the rows of its band
+// and before what the band can show of it.
+inline constexpr const char* kFaceVertex = R"(
+in vec4 centre, along_a, along_b;  // With the band's first row, its end, the nearest depth.
+in vec4 plane, look, ray;
+uniform vec4 target;  // 2 / width, 2 / height; the stagger.
+flat out vec4 f_plane, f_look;
+flat out vec4 f_ray;
+out float gl_ClipDistance[2];
+void main() {
+  vec2 side = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1)) * 2.0 - 1.0;
+  vec3 p = centre.xyz + side.x * along_a.xyz + side.y * along_b.xyz;
+  vec2 grid = p.xy / ray.zw;
+  vec2 at = vec2(grid.x + target.z * grid.y, grid.y) - ray.xy * p.z;
+  gl_Position = vec4(at * target.xy - p.z, p.z - 2.0 * along_b.w, p.z);
+  gl_ClipDistance[0] = at.y - centre.w * p.z;
+  gl_ClipDistance[1] = along_a.w * p.z - at.y;
+  f_plane = plane; f_look = look; f_ray = ray;
+}
+)";
+
+inline constexpr const char* kFaceFragment = R"(
+flat in vec4 f_plane, f_look;
+flat in vec4 f_ray;
+uniform vec4 target;
+out vec4 seen;
+const float kNear = 1e-3;
+void main() {
+  vec2 grid = gl_FragCoord.xy + f_ray.xy;
+  vec2 v = vec2(grid.x - target.z * grid.y, grid.y) * f_ray.zw;
+  float nearness = dot(f_plane.xy, v) + f_plane.z;
+  // Greater is nearer; a float keeps its digits all the way to far away.
+  gl_FragDepth = min(kNear * nearness * f_plane.w, 1.0);
+#if defined(TRUTH)
+  seen = vec4(f_look.w, 1.0 / nearness, 0.0, 1.0);
+#elif defined(INDEX)
+  seen = vec4(f_look.w);
+#else
+  seen = vec4(f_look.rgb, 1.0);
+#endif
+}
+)";
+
 // Before each shape's own `bool meet(vec3 o, vec3 d, out float t, out vec3 n)`.
-inline constexpr const char* kShapeFragmentHead = R"(#version 330 core
+inline constexpr const char* kShapeFragmentHead = R"(
 flat in vec4 f_x, f_y, f_z, f_size, f_light, f_look, f_ray;
-uniform int truth;
-uniform mat3 view;  // From the strip's view to the camera's frame.
+uniform vec4 target;
 uniform sampler2D picture;
 out vec4 seen;
 const float kNear = 1e-3;
@@ -35,9 +93,9 @@ const float kNear = 1e-3;
 
 inline constexpr const char* kShapeFragmentTail = R"(
 void main() {
-  vec3 v = vec3((gl_FragCoord.xy + f_ray.xy) * f_ray.z, 1.0);
-  vec3 c = view * v;
-  vec3 d = vec3(dot(f_x.xyz, c), dot(f_y.xyz, c), dot(f_z.xyz, c));
+  vec2 grid = gl_FragCoord.xy + f_ray.xy;
+  vec3 v = vec3(vec2(grid.x - target.z * grid.y, grid.y) * f_ray.zw, 1.0);
+  vec3 d = vec3(dot(f_x.xyz, v), dot(f_y.xyz, v), dot(f_z.xyz, v));
   vec3 o = vec3(f_x.w, f_y.w, f_z.w);
   float t;
   vec3 n;
@@ -47,8 +105,15 @@ void main() {
   if (!met || !(t > kNear)) discard;
   // Greater is nearer; a float keeps its digits all the way to far away.
   gl_FragDepth = min(kNear / t * f_light.w, 1.0);
-  float factor = f_size.w + max(dot(n, f_light.xyz), 0.0);
-  seen = truth == 1 ? vec4(f_look.w, t, 0.0, 1.0) : vec4(base * factor, 1.0);
+#if defined(TRUTH)
+  seen = vec4(f_look.w, t, 0.0, 1.0);
+#elif defined(INDEX)
+  seen = vec4(f_look.w);
+#elif defined(LIGHT)
+  seen = vec4(base * (f_size.w + max(dot(n, f_light.xyz), 0.0)), 1.0);
+#else
+  seen = vec4(base, 1.0);
+#endif
 }
 )";
 

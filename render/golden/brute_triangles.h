@@ -81,9 +81,9 @@ inline void meet_mesh(const Mesh& mesh, const Primitive& primitive, const Vec3& 
   }
 }
 
-// A rectangle with a texture: the picture's upper edge towards +y.
-inline void meet_picture(const Picture& picture, const Primitive& primitive, const Vec3& from,
-                         const Vec3& toward, TriangleHit& best) {
+// A rectangle, with a texture or without: the picture's upper edge towards +y.
+inline void meet_rectangle(const Picture* picture, const Primitive& primitive, const Vec3& from,
+                           const Vec3& toward, TriangleHit& best) {
   const Pose X_OW = primitive.X_WO.inverse();
   const Vec3 o = X_OW * from, d = X_OW.R * toward;
   const double t = -o.z / d.z;
@@ -93,7 +93,9 @@ inline void meet_picture(const Picture& picture, const Primitive& primitive, con
     return;
   best.t = t;
   best.normal = (o.z > 0 ? 1.0 : -1.0) * primitive.X_WO.R[2];
-  best.rgb = texel(picture, p.x / primitive.size.x + 0.5, 0.5 - p.y / primitive.size.y, false);
+  best.rgb =
+      picture ? texel(*picture, p.x / primitive.size.x + 0.5, 0.5 - p.y / primitive.size.y, false)
+              : Rgb{1, 1, 1};
   for (int a = 0; a < 3; ++a) best.rgb[a] *= primitive.rgb[a];
 }
 
@@ -104,8 +106,9 @@ inline Rgb radiance_of(const BruteScene& scene, const std::vector<Primitive>& pr
     if (primitive.shape == Shape::mesh)
       meet_mesh(scene.assets.meshes[primitive.asset - 1], primitive, from, toward, best);
     else
-      meet_picture(scene.assets.textures[primitive.asset - 1].picture, primitive, from, toward,
-                   best);
+      meet_rectangle(
+          primitive.asset == 0 ? nullptr : &scene.assets.textures[primitive.asset - 1].picture,
+          primitive, from, toward, best);
   }
   if (best.t > 1e29) return scene.background;
   if (!scene.lighting.lambert) return best.rgb;

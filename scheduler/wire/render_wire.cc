@@ -53,7 +53,7 @@ bool same_bits(const Value& a, const Value& b) {
 
 bool same_part(const Primitive& a, const Primitive& b) {
   return a.shape == b.shape && a.label == b.label && a.object_id == b.object_id &&
-         same_bits(a.size, b.size) && same_bits(a.rgb, b.rgb);
+         a.asset == b.asset && same_bits(a.size, b.size) && same_bits(a.rgb, b.rgb);
 }
 
 // ---- Primitives ----
@@ -65,10 +65,11 @@ void primitive_to_wire(const Primitive& primitive, v1::ScenePrimitive& wire) {
   add_pose(primitive.X_WO, *wire.mutable_pose());
   add_all(primitive.size, *wire.mutable_size());
   add_all(primitive.rgb, *wire.mutable_rgb());
+  wire.set_asset(primitive.asset);
 }
 
 Primitive primitive_from_wire(const v1::ScenePrimitive& wire) {
-  if (wire.shape() > static_cast<uint32_t>(Shape::box))
+  if (wire.shape() > static_cast<uint32_t>(Shape::mesh))
     throw InputError(fmt::format("shape: found {}, expected a known one", wire.shape()));
   if (wire.label() > static_cast<uint32_t>(Label::other))
     throw InputError(fmt::format("label: found {}, expected a known one", wire.label()));
@@ -78,7 +79,8 @@ Primitive primitive_from_wire(const v1::ScenePrimitive& wire) {
           .object_id = static_cast<uint16_t>(wire.object_id()),
           .X_WO = pose_at(wire.pose(), 0),
           .size = three<Vec3>("size", wire.size()),
-          .rgb = three<Rgb>("rgb", wire.rgb())};
+          .rgb = three<Rgb>("rgb", wire.rgb()),
+          .asset = wire.asset()};
 }
 
 void instant_to_wire(const std::vector<Primitive>& before, const SceneInstant& instant,
@@ -185,6 +187,8 @@ void setup_to_wire(const RenderSetup& setup, v1::RenderSetup& wire) {
   wire.set_edge_samples_per_pixel(static_cast<uint32_t>(setup.edge_samples_per_pixel));
   wire.set_max_motion_px(setup.max_motion_px);
   wire.set_reference_ns(setup.reference.ns());
+  wire.set_opengl(setup.opengl);
+  wire.set_assets(setup.assets);
 }
 
 RenderSetup setup_from_wire(const v1::RenderSetup& wire) {
@@ -205,6 +209,8 @@ RenderSetup setup_from_wire(const v1::RenderSetup& wire) {
   setup.edge_samples_per_pixel = static_cast<int>(wire.edge_samples_per_pixel());
   setup.max_motion_px = wire.max_motion_px();
   setup.reference = SimTime::from_ns(wire.reference_ns());
+  setup.opengl = wire.opengl();
+  setup.assets = wire.assets();
   return setup;
 }
 

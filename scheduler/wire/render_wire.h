@@ -34,6 +34,8 @@ struct RenderSetup {
   int edge_samples_per_pixel = 0;
   double max_motion_px = 0;
   SimTime reference;
+  std::string opengl;  // Mesa's version where OpenGL draws.
+  std::string assets;  // Then the scene's meshes and textures; the renderer's own bytes.
 };
 
 void setup_to_wire(const RenderSetup& setup, v1::RenderSetup& wire);

@@ -21,6 +21,7 @@ constexpr const char* kMissing =
 
 struct GlDevice::Impl {
   std::string nothing;
+  Assets none;
 };
 
 GlDevice::GlDevice(Assets) {
@@ -33,6 +34,9 @@ const std::string& GlDevice::version() const {
 }
 const std::string& GlDevice::renderer() const {
   return impl_->nothing;
+}
+const Assets& GlDevice::assets() const {
+  return impl_->none;
 }
 void GlDevice::integrate_light(const FrameJob&, const CameraRays&, const RendererOptions&,
                                LinearImage&) const {}

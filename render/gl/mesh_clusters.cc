@@ -1,0 +1,88 @@
+#include "render/gl/mesh_clusters.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace seam::render::gl {
+namespace {
+
+// Fewer would cost more in calls than they save in triangles.
+constexpr size_t kTriangles = 48;
+
+using Triangle = std::array<uint32_t, 3>;
+
+Vec3 place_of(const Mesh& mesh, uint32_t vertex) {
+  const float* const p = mesh.vertices[vertex].p;
+  return {p[0], p[1], p[2]};
+}
+
+// Thrice the middle.
+Vec3 middle(const Mesh& mesh, const Triangle& triangle) {
+  return place_of(mesh, triangle[0]) + place_of(mesh, triangle[1]) + place_of(mesh, triangle[2]);
+}
+
+MeshCluster cluster_of(const Mesh& mesh, const std::vector<Triangle>& triangles, size_t begin,
+                       size_t end) {
+  Vec3 low(1e30), high(-1e30);
+  for (size_t i = begin; i < end; ++i) {
+    for (const uint32_t vertex : triangles[i])
+      low = glm::min(low, place_of(mesh, vertex)), high = glm::max(high, place_of(mesh, vertex));
+  }
+  MeshCluster cluster{.count = static_cast<uint32_t>(3 * (end - begin)),
+                      .centre = 0.5 * (low + high)};
+  for (size_t i = begin; i < end; ++i) {
+    for (const uint32_t vertex : triangles[i]) {
+      const Vec3 away = place_of(mesh, vertex) - cluster.centre;
+      cluster.radius = std::max(cluster.radius, std::sqrt(glm::dot(away, away)));
+    }
+  }
+  return cluster;
+}
+
+// Halves along the longest side until groups are small. The order of what lies on one side is the
+// library's own, but the same each time.
+void split(const Mesh& mesh, std::vector<Triangle>& triangles, size_t begin, size_t end,
+           std::vector<MeshCluster>& out) {
+  if (end - begin <= kTriangles) {
+    out.push_back(cluster_of(mesh, triangles, begin, end));
+    return;
+  }
+  Vec3 low(1e30), high(-1e30);
+  for (size_t i = begin; i < end; ++i) {
+    const Vec3 at = middle(mesh, triangles[i]);
+    low = glm::min(low, at), high = glm::max(high, at);
+  }
+  const Vec3 side = high - low;
+  const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
+  const size_t half = begin + (end - begin) / 2;
+  const auto first = triangles.begin();
+  std::nth_element(first + static_cast<ptrdiff_t>(begin), first + static_cast<ptrdiff_t>(half),
+                   first + static_cast<ptrdiff_t>(end), [&](const Triangle& a, const Triangle& b) {
+                     const double at_a = middle(mesh, a)[axis], at_b = middle(mesh, b)[axis];
+                     return at_a != at_b ? at_a < at_b : a < b;
+                   });
+  split(mesh, triangles, begin, half, out);
+  split(mesh, triangles, half, end, out);
+}
+
+}  // namespace
+
+std::vector<MeshCluster> make_clusters(const Mesh& mesh, const MeshPart& part,
+                                       std::vector<uint32_t>& indices) {
+  std::vector<Triangle> triangles(part.count / 3);
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    for (size_t k = 0; k < 3; ++k) triangles[i][k] = indices[part.first + 3 * i + k];
+  }
+  std::vector<MeshCluster> clusters;
+  if (triangles.empty()) return clusters;
+  split(mesh, triangles, 0, triangles.size(), clusters);
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    for (size_t k = 0; k < 3; ++k) indices[part.first + 3 * i + k] = triangles[i][k];
+  }
+  uint32_t first = part.first;
+  for (MeshCluster& cluster : clusters) cluster.first = first, first += cluster.count;
+  return clusters;
+}
+
+}  // namespace seam::render::gl
