@@ -53,6 +53,14 @@ bool is_known(const Assessment& assessment) {
   return true;
 }
 
+double limit_of(const Assessment& assessment) {
+  return limit_at_noise(static_cast<double>(std::max<int64_t>(1, assessment.held.n)));
+}
+
+bool is_at_noise(const Assessment& assessment) {
+  return assessment.error <= limit_of(assessment);
+}
+
 // What the model loses without the effect, all else as it is: at least what the effect gained, or
 // else some of that gain is the base's, whose fit had stopped early.
 double loss_without(const Problem& problem, const Candidate& candidate) {
@@ -147,7 +155,9 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   }
   looks *= problem.looks(before.model, *candidate.effect);
   // Where the model misses more than the noise, likelihood ratios are worth less in proportion.
-  const double misfit = std::max(1.0, after.error * after.error);
+  // A few numbers scatter more by themselves, which is no misfit.
+  const double limit = limit_of(after), excess = after.error * kMisfit / limit;
+  const double misfit = std::max(1.0, excess * excess);
   const double ratio = 2 * candidate.total_gain_ll / misfit;
   const double freedom = static_cast<double>(std::max<size_t>(1, fitted_parameters(candidate)));
   const double tail = chi2_tail(ratio, freedom);
@@ -164,15 +174,15 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   // value be clear, unless the gain is plain; and residuals fall in their own units.
   const bool mean = !only_widens(*candidate.effect);
   const bool plain = mean && after.error < kPlainlyLess * before.error;
-  const bool falls = !mean || before.error <= kMisfit || candidate.fall > 0;
-  const bool agreed = after.error <= kMisfit
+  const bool falls = !mean || before.error <= limit || candidate.fall > 0;
+  const bool agreed = after.error <= limit
                           ? clear || candidate.free.size() > 1 || (lost_tells && !is_known(before))
                           : falls && (plain || (clear && candidate.held_z > kAgreedGain));
   // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by
   // as much as noise makes them in one of ten cases at five standard errors, or by what their
   // scatter does in one of ten.
   const bool beyond_doubt =
-      candidate.p_value < kBeyondDoubt * kCandidateAlarm && after.error < kMisfit;
+      candidate.p_value < kBeyondDoubt * kCandidateAlarm && after.error < limit;
   const bool held_out_agree =
       candidate.gain_ll > 0 ||
       (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
@@ -221,7 +231,7 @@ size_t gather_ties(std::vector<Candidate>& candidates) {
   size_t count = 1;
   const auto joins = [&](const Candidate& c) {
     if (!c.significant) return false;
-    if (error > kMisfit)
+    if (error > limit_of(candidates.front().grown.assessment))
       return best_merit - c.merit < width && std::abs(best.total_ll - c.total_gain_ll) < width;
     if (std::abs(best.total_ll - c.total_gain_ll) > kTieReach * width) return false;
     return std::any_of(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count),
@@ -250,7 +260,7 @@ bool of_every_lens(const Candidate& candidate) {
 // Of equally good ones: fewer parameters, then what every lens has, then no bound at neutral.
 void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
   const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(tied);
-  const bool at_noise = candidates.front().grown.assessment.error <= kMisfit;
+  const bool at_noise = is_at_noise(candidates.front().grown.assessment);
   std::stable_sort(candidates.begin(), end, [&](const Candidate& a, const Candidate& b) {
     const double apart = std::abs(a.total_gain_ll - b.total_gain_ll);
     const size_t of_a = fitted_parameters(a), of_b = fitted_parameters(b);
@@ -278,7 +288,7 @@ void rank_candidates(std::vector<Candidate>& candidates) {
   if (candidates.empty() || !candidates.front().significant) return;
   const size_t tied = gather_ties(candidates);
   simplest_first(candidates, tied);
-  const bool at_noise = candidates.front().grown.assessment.error <= kMisfit;
+  const bool at_noise = is_at_noise(candidates.front().grown.assessment);
   for (size_t i = 0; i < candidates.size(); ++i) {
     Candidate& candidate = candidates[i];
     if (!candidate.significant) continue;

@@ -18,13 +18,12 @@ double movement_of_gain(double gain, int64_t observations, bool spread_only) {
   return std::sqrt(spread_only ? each : 2 * each);
 }
 
-// So far from 1 a root mean square of n values at the noise is not by chance.
+}  // namespace
+
 double limit_at_noise(double n) {
   constexpr double kSigmas = 3;
   return std::max(kMisfit, 1 + kSigmas / std::sqrt(2 * n));
 }
-
-}  // namespace
 
 Change change_by(const Problem& problem, const Evaluation& here, const Assessment& before,
                  const Assessment& after, bool spread_only) {

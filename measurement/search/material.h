@@ -27,6 +27,10 @@ struct Change {
 Change change_by(const Problem& problem, const Evaluation& here, const Assessment& before,
                  const Assessment& after, bool spread_only);
 
+// So far from 1 a root mean square of n values at the noise is not by chance: kMisfit, and more
+// where they are few.
+double limit_at_noise(double n);
+
 // By which share held-out residuals fall in their own units, the mean over observations: what an
 // effect of the mean gains whatever the noise is. Negative where they grow.
 double native_fall(const Score& before, const Score& after);

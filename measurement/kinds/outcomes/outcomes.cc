@@ -6,6 +6,7 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/kinds/outcomes/scatter_of_runs.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/problem/channel_misfit.h"
 #include "sim_core/base/error.h"
@@ -22,10 +23,10 @@ bool any_in(const std::vector<size_t>& rows, const Facts& facts, const Groups& g
 // runs say of that is taken the less, the more numbers there are.
 Eigen::MatrixXd covariance_of_measured(const ScenarioPrediction& prediction,
                                        const std::vector<double>& sigma) {
-  const Eigen::MatrixXd& own = prediction.statistics.covariance;
+  const Eigen::MatrixXd& own = prediction.scatter;
   const Eigen::Index count = own.rows();
-  const double trust =
-      static_cast<double>(prediction.runs) / static_cast<double>(prediction.runs + sigma.size());
+  const double trust = static_cast<double>(prediction.told_by) /
+                       static_cast<double>(prediction.told_by + sigma.size());
   Eigen::MatrixXd out(count, count);
   for (Eigen::Index a = 0; a < count; ++a) {
     for (Eigen::Index b = 0; b < count; ++b) {
@@ -62,10 +63,13 @@ void OutcomesProblem::place(const Model& given) {
     const std::vector<size_t>& rows = predictor_->rows_of_plan()[plan];
     if (rows.empty()) continue;
     const RunPlan& named = settings_.runs.plans[plan];
-    const auto prediction = predictor_->predict(plan, given);
+    const bool learnt = predictor_->learn_scatter(plan, given);
+    const auto prediction = learnt ? predictor_->predict(plan, given) : nullptr;
     if (!prediction) {
-      throw InputError(fmt::format("{}: its {} runs are more than most_runs: {} in the set allows",
-                                   named.file.string(), runs_->runs(plan), settings_.most_runs));
+      throw InputError(fmt::format(
+          "{}: its {} runs are more than most_runs: {} in the set allows", named.file.string(),
+          runs_->runs(plan) * (1 + further_tables(settings_.runs, *runs_, plan)),
+          settings_.most_runs));
     }
     for (size_t i = 0; i < rows.size(); ++i) {
       if (std::isfinite(prediction->statistics.value[i])) continue;
@@ -231,14 +235,15 @@ std::vector<std::vector<double>> OutcomesProblem::starts(const Model&,
   const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
   if (rule.search == effects::StartSearch::listed) return rule.values;
   std::vector<std::vector<double>> all;
-  for (const double sign : {1.0, -1.0}) {
+  for (const double sign : {0.0, -1.0}) {
     std::vector<double> start;
     for (size_t i = 0; i < effect.parameters.size(); ++i) {
       const effects::Parameter& p = effect.parameters[i];
       if (p.integer) return {};
       const auto stated = bounds(effect.name, p.name);
       const double low = stated ? stated->low : p.min, high = stated ? stated->high : p.max;
-      // Slopes are taken over steps that runs show, so that a start may lie near.
+      // Slopes are taken over steps that runs show: a start may be the neutral value itself, whose
+      // runs are there already.
       double value = std::isfinite(p.neutral) ? p.neutral + 0.02 * sign * p.scale : 20 * p.scale;
       if (value < low || value > high) value = p.neutral - 0.02 * sign * p.scale;
       start.push_back(std::clamp(value, low, high));

@@ -28,6 +28,12 @@ double size_of(const std::vector<double>& whitened) {
   return std::sqrt(square / std::max(1.0, count));
 }
 
+// Steps are rounded to powers of two: sets that were measured by one protocol share their runs.
+double on_grid(double h, double scale) {
+  const double unit = kFirstStep * scale;
+  return unit * std::exp2(std::round(std::log2(h / unit)));
+}
+
 class OutcomesFit {
  public:
   OutcomesFit(const OutcomesProblem& problem, const Model& start,
@@ -177,7 +183,7 @@ std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate&
   const double neutral = c.parameter->fit_reciprocal ? 0 : c.parameter->neutral;
   const bool away_is_up = z >= neutral;
   std::vector<double> column;
-  h = std::min(h, widest);
+  h = std::min(on_grid(h, c.scale), widest);
   for (int attempt = 0; attempt < kAttempts && h > 0; ++attempt) {
     const bool up = away_is_up ? z + h <= high : z - h < low;
     const double to = std::clamp(up ? z + h : z - h, low, high);
@@ -194,7 +200,8 @@ std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate&
     const bool farther = noticed < kLeast && h < widest;
     if (!farther && noticed < kMost) break;
     if (attempt + 1 == kAttempts) break;
-    h = noticed > 0 ? std::clamp(h / noticed, 0.05 * h, std::min(10 * h, widest)) : widest;
+    h = noticed > 0 ? on_grid(std::clamp(h / noticed, 0.05 * h, 10 * h), c.scale) : widest;
+    h = std::min(h, widest);
   }
   return column;
 }

@@ -1,9 +1,11 @@
-// Makes a set of outcomes: the statistics of runs with this model, with errors from their number.
+// Makes a set of outcomes: the statistics of runs with this model, with the errors that so many
+// runs have.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "measurement/kinds/outcomes/outcomes.h"
+#include "measurement/kinds/outcomes/scatter_of_runs.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 
@@ -42,11 +44,13 @@ void measure_outcomes(const Model& truth, const MeasurementSet& protocol,
     if (wanted.empty()) continue;
     const RunTable made = runs->make(plan, truth, draw);
     const StatisticsOfRuns statistics = statistics_of(made.runs, runs->alike(plan), wanted);
+    const Scatter scatter =
+        scatter_of(settings.runs, *runs, plan, truth, made, wanted, /*stream=*/1);
     for (size_t i = 0; i < places.size(); ++i) {
       const size_t row = places[i];
       const auto k = static_cast<Eigen::Index>(i);
       measured[row] = statistics.value[i];
-      sigma[row] = told_sigma(made, wanted[i].column, statistics.covariance(k, k));
+      sigma[row] = told_sigma(made, wanted[i].column, scatter.covariance(k, k));
       if (!std::isfinite(measured[row])) {
         throw InputError(fmt::format(
             "{}:{}: with model '{}' fewer than half of the runs give this value{}{}", table.file(),

@@ -45,9 +45,9 @@ double least_variance_of_rate(double rate, double runs) {
 // that came out.
 class DrawnAgain {
  public:
-  DrawnAgain(const std::vector<std::vector<double>>& runs, size_t stratum,
+  DrawnAgain(const std::vector<std::vector<double>>& runs, size_t stratum, size_t drawn,
              const std::vector<char>& smooth)
-      : runs_(runs), stratum_(stratum), smooth_(smooth) {
+      : runs_(runs), stratum_(stratum), drawn_(drawn), smooth_(smooth) {
     for (size_t first = 0; first < runs.size(); first += stratum) {
       std::vector<double>& means = means_.emplace_back();
       const size_t end = std::min(first + stratum, runs.size());
@@ -60,12 +60,12 @@ class DrawnAgain {
     }
   }
 
-  // Into a table of the same size.
+  // A table with so many runs of each stratum as are drawn.
   void draw(uint64_t number, std::vector<std::vector<double>>& out) const {
     static const RandomStream kStream = RandomStream{.seed = 0x5EA3}.child("outcomes");
     const RandomStream stream = kStream.child(number);
-    for (size_t i = 0; i < runs_.size(); ++i) {
-      const size_t first = i / stratum_ * stratum_;
+    for (size_t i = 0; i < out.size(); ++i) {
+      const size_t first = i / drawn_ * stratum_;
       const size_t size = std::min(stratum_, runs_.size() - first);
       const double n = static_cast<double>(size);
       // The rule of thumb for a normal density; few runs hide some of their variance.
@@ -78,7 +78,7 @@ class DrawnAgain {
       };
       const auto sign = [&](size_t k) { return (bits[k] & 1) != 0 ? 1.0 : -1.0; };
       for (size_t c = 0; c < smooth_.size(); ++c) {
-        const double base = run(0)[c], mean = means_[i / stratum_][c];
+        const double base = run(0)[c], mean = means_[i / drawn_][c];
         out[i][c] = base;
         if (!smooth_[c]) continue;
         double by = 0;
@@ -91,7 +91,7 @@ class DrawnAgain {
 
  private:
   const std::vector<std::vector<double>>& runs_;
-  size_t stratum_;
+  size_t stratum_, drawn_;
   const std::vector<char>& smooth_;         // By column.
   std::vector<std::vector<double>> means_;  // By stratum and column.
 };
@@ -140,38 +140,46 @@ double RunStatistic::of(std::vector<double> values) const {
 
 StatisticsOfRuns statistics_of(const std::vector<std::vector<double>>& runs, size_t alike,
                                const std::vector<ColumnStatistic>& wanted) {
-  const auto n = static_cast<Eigen::Index>(wanted.size());
   StatisticsOfRuns out;
   for (const ColumnStatistic& w : wanted) out.value.push_back(value_of(runs, w));
-  out.covariance = Eigen::MatrixXd::Zero(n, n);
-  if (runs.size() < 2) return out;
-  std::vector<char> all(runs.front().size(), 1), none(runs.front().size(), 0);
   const size_t stratum = alike < 2 ? runs.size() : alike;
-  const DrawnAgain smooth(runs, stratum, all), plain(runs, stratum, none);
+  out.covariance = covariance_of(runs, stratum, stratum, wanted);
+  return out;
+}
+
+Eigen::MatrixXd covariance_of(const std::vector<std::vector<double>>& runs, size_t alike,
+                              size_t drawn, const std::vector<ColumnStatistic>& wanted) {
+  const auto n = static_cast<Eigen::Index>(wanted.size());
+  if (runs.size() < 2) return Eigen::MatrixXd::Zero(n, n);
+  const std::vector<char> all(runs.front().size(), 1), none(runs.front().size(), 0);
+  const DrawnAgain smooth(runs, alike, drawn, all), plain(runs, alike, drawn, none);
   const bool any_rate = std::any_of(wanted.begin(), wanted.end(),
                                     [](const auto& w) { return w.statistic.is_rate(); });
-  std::vector<std::vector<double>> moved = runs, kept = runs;
+  const size_t of_table = runs.size() / alike * drawn;
+  std::vector<std::vector<double>> moved(of_table, runs.front()), kept = moved;
   Eigen::MatrixXd draws(static_cast<Eigen::Index>(kDraws), n);
+  std::vector<double> values;
+  for (const ColumnStatistic& w : wanted) values.push_back(value_of(runs, w));
   for (size_t draw = 0; draw < kDraws; ++draw) {
     smooth.draw(draw, moved);
     if (any_rate) plain.draw(draw, kept);
     for (size_t k = 0; k < wanted.size(); ++k) {
       const double value = value_of(wanted[k].statistic.is_rate() ? kept : moved, wanted[k]);
       draws(static_cast<Eigen::Index>(draw), static_cast<Eigen::Index>(k)) =
-          std::isfinite(value) ? value : out.value[k];
+          std::isfinite(value) ? value : values[k];
     }
   }
   const Eigen::MatrixXd centred = draws.rowwise() - draws.colwise().mean();
-  out.covariance = centred.transpose() * centred / static_cast<double>(kDraws - 1);
+  Eigen::MatrixXd covariance = centred.transpose() * centred / static_cast<double>(kDraws - 1);
   for (size_t k = 0; k < wanted.size(); ++k) {
     if (!wanted[k].statistic.is_rate()) continue;
-    double& variance = out.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k));
+    double& variance = covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k));
     const double hidden =
-        static_cast<double>(stratum) / static_cast<double>(std::max<size_t>(stratum, 2) - 1);
+        static_cast<double>(alike) / static_cast<double>(std::max<size_t>(alike, 2) - 1);
     variance = std::max(hidden * variance,
-                        least_variance_of_rate(out.value[k], static_cast<double>(runs.size())));
+                        least_variance_of_rate(values[k], static_cast<double>(of_table)));
   }
-  return out;
+  return covariance;
 }
 
 }  // namespace seam::measurement

@@ -45,4 +45,9 @@ struct StatisticsOfRuns {
 StatisticsOfRuns statistics_of(const std::vector<std::vector<double>>& runs, size_t alike,
                                const std::vector<ColumnStatistic>& wanted);
 
+// The covariance of statistics over tables with `drawn` runs of each setting, from a table that has
+// `alike` of each: more runs than one table has tell its errors better.
+Eigen::MatrixXd covariance_of(const std::vector<std::vector<double>>& runs, size_t alike,
+                              size_t drawn, const std::vector<ColumnStatistic>& wanted);
+
 }  // namespace seam::measurement
