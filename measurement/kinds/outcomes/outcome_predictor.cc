@@ -46,25 +46,24 @@ OutcomePredictor::OutcomePredictor(const OutcomeSettings& settings, RunMaker& ru
 }
 
 bool OutcomePredictor::learn_scatter(size_t plan, const effects::Model& given) {
-  const uint64_t cost = runs_.runs(plan) * (1 + further_tables(spec_, runs_, plan));
+  const uint64_t further = runs_.runs(plan) * further_tables(spec_, runs_, plan);
   const std::lock_guard lock(mutex_);
-  if (made_ + cost > most_) {
+  if (made_ + runs_.runs(plan) + further > most_) {
     spent_ = true;
     return false;
   }
-  // The first table is kept where runs are, and made but once; it counts when it is predicted.
-  made_ += cost - runs_.runs(plan);
+  made_ += further;  // The first table counts when it is asked for.
   const effects::Model model = without_neutral(given);
-  const RunTable table = runs_.make(plan, model, /*draw=*/0);
+  RunTable table = runs_.make(plan, model, /*draw=*/0);
   const StatisticsOfRuns of_table = statistics_of(table.runs, runs_.alike(plan), wanted_[plan]);
-  given_[plan] = {scatter_of(spec_, runs_, plan, model, table, wanted_[plan], /*stream=*/0),
-                  of_table.covariance};
+  Scatter scatter = scatter_of(spec_, runs_, plan, model, table, wanted_[plan], /*stream=*/0);
+  given_[plan] = {std::move(scatter), of_table.covariance, std::move(table), key_of(plan, model)};
   return true;
 }
 
 std::shared_ptr<const ScenarioPrediction> OutcomePredictor::predict(
-    size_t plan, const effects::Model& given) const {
-  const effects::Model model = without_neutral(given);
+    size_t plan, const effects::Model& asked) const {
+  const effects::Model model = without_neutral(asked);
   const std::string key = key_of(plan, model);
   const std::lock_guard lock(mutex_);
   if (const auto found = known_.find(key); found != known_.end()) return found->second;
@@ -74,14 +73,15 @@ std::shared_ptr<const ScenarioPrediction> OutcomePredictor::predict(
     return nullptr;
   }
   made_ += cost;
-  RunTable table = runs_.make(plan, model, /*draw=*/0);
+  const auto& given = given_[plan];
+  RunTable table = given && given->key == key ? given->table : runs_.make(plan, model, /*draw=*/0);
   ScenarioPrediction made{.statistics = statistics_of(table.runs, runs_.alike(plan), wanted_[plan]),
                           .runs = table.runs.size(),
                           .told_by = table.runs.size(),
                           .first_error = std::move(table.first_error)};
   Eigen::MatrixXd& covariance = made.statistics.covariance;
   made.scatter = covariance;
-  if (const auto& given = given_[plan]) {
+  if (given) {
     // Equal seeds: the given model, known from more runs, tells how far these runs lie off.
     const Scatter& scatter = given->scatter;
     made.scatter = scatter_beside(scatter.covariance, given->by_table, covariance, made.runs);

@@ -33,7 +33,7 @@ class OutcomePredictor {
   bool learn_scatter(size_t plan, const effects::Model& given);
 
   // Null where the budget of runs is used up. Thread-safe; equal models give equal bits.
-  std::shared_ptr<const ScenarioPrediction> predict(size_t plan, const effects::Model& given) const;
+  std::shared_ptr<const ScenarioPrediction> predict(size_t plan, const effects::Model& asked) const;
 
   // Rows of the set by scenario.
   const std::vector<std::vector<size_t>>& rows_of_plan() const { return rows_of_plan_; }
@@ -45,7 +45,9 @@ class OutcomePredictor {
   // Of the given model.
   struct Reference {
     Scatter scatter;
-    Eigen::MatrixXd by_table;  // Its covariance from the runs of one table.
+    Eigen::MatrixXd by_table;  // Its covariance from the runs of one table,
+    RunTable table;            // this one, by the plan's own seeds,
+    std::string key;           // and what it depends on.
   };
 
   RunSpec spec_;
