@@ -19,19 +19,24 @@ bool any_in(const std::vector<size_t>& rows, const Facts& facts, const Groups& g
                      [&](size_t row) { return groups[facts.group_of_row[row]] != 0; });
 }
 
-// Numbers that were measured in the same runs vary together as those of simulated runs do. What few
-// runs say of that is taken the less, the more numbers there are.
+// Numbers that were measured in the same runs vary together as those of simulated runs do, as far
+// as runs scatter by what was measured: the rest of an error (a tape's) is each number's own. What
+// few runs say of that is taken the less, the more numbers there are.
 Eigen::MatrixXd covariance_of_measured(const ScenarioPrediction& prediction,
                                        const std::vector<double>& sigma) {
   const Eigen::MatrixXd& own = prediction.scatter;
   const Eigen::Index count = own.rows();
   const double trust = static_cast<double>(prediction.told_by) /
                        static_cast<double>(prediction.told_by + sigma.size());
+  const auto share = [&](Eigen::Index i) {
+    return std::min(1.0, std::sqrt(own(i, i)) / sigma[static_cast<size_t>(i)]);
+  };
   Eigen::MatrixXd out(count, count);
   for (Eigen::Index a = 0; a < count; ++a) {
     for (Eigen::Index b = 0; b < count; ++b) {
       const double scale = std::sqrt(own(a, a) * own(b, b));
-      const double correlation = a == b ? 1 : scale > 0 ? trust * own(a, b) / scale : 0;
+      const double shared = share(a) * share(b);
+      const double correlation = a == b ? 1 : scale > 0 ? trust * shared * own(a, b) / scale : 0;
       out(a, b) = correlation * sigma[static_cast<size_t>(a)] * sigma[static_cast<size_t>(b)];
     }
   }
