@@ -38,8 +38,9 @@ class LeaveOut {
         steps_(Eigen::MatrixXd::Zero(index(unknowns.size()), index(parts_.size()))) {
     for (size_t i = 0; i < unknowns.size(); ++i) {
       if (space_[i].spread) spreads_.push_back(i);
-      // What stands at its bound stays there.
-      if (!space_[i].spread && !whole.at_bound[i]) mean_.push_back(i);
+      // What stands at its bound stays there, and what nobody asked for.
+      const bool waits = space_[i].parameter->on_demand && whole.sigma[i] == 0;
+      if (!space_[i].spread && !whole.at_bound[i] && !waits) mean_.push_back(i);
     }
   }
 

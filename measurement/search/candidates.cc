@@ -207,6 +207,11 @@ bool has_place(const EffectDefinition& effect, Model model) {
 
 }  // namespace
 
+bool has_draws(const Model& model) {
+  return std::any_of(model.effects().begin(), model.effects().end(),
+                     [](const auto& effect) { return effect.definition->draws_estimated; });
+}
+
 EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own) {
   EffectList absent;
   const auto consider = [&](const std::shared_ptr<const EffectDefinition>& effect) {
@@ -311,6 +316,25 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
                                     std::vector<NotTestable>& reasons) {
   const auto prospect = prospect_of(problem, base, effect, reasons);
   return prospect ? fit_prospect(problem, base, *prospect, reasons) : std::nullopt;
+}
+
+std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
+                                         const EffectList& own) {
+  const Model& model = base.assessment.model;
+  EffectList dependents = absent_effects(problem, model, own);
+  std::erase_if(dependents, [](const auto& effect) {
+    return effect->needs_base == effects::Base::none || effect->spread_only;
+  });
+  if (dependents.empty()) return std::nullopt;
+  Prospect prospect{.effect = dependents.front()};
+  prospect.companions.assign(dependents.begin() + 1, dependents.end());
+  prospect.starts = problem.starts_together(model, *prospect.effect, prospect.companions);
+  for (size_t i = 0; i < prospect.effect->parameters.size(); ++i) {
+    const Parameter& parameter = prospect.effect->parameters[i];
+    if (!parameter.integer && !parameter.stated) prospect.free.push_back(i);
+  }
+  std::vector<NotTestable> reasons;
+  return fit_prospect(problem, base, prospect, reasons);
 }
 
 Grown without(const Grown& grown, const std::string& out) {

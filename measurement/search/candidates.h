@@ -26,6 +26,9 @@ struct Looks {
 // The effects of the catalogue that act on this set, and the user's own, less those in the model.
 EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own);
 
+// Whether some effect of the model draws numbers that are estimated with it.
+bool has_draws(const Model& model);
+
 // What one linearisation says of an effect beside a model, before anything is fitted.
 struct Prospect {
   std::shared_ptr<const EffectDefinition> effect;
@@ -60,6 +63,12 @@ std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
 std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons);
+
+// All effects that act only beside a base that the model has, at once: loads and frictions of a
+// motor hide each other, so that steps one by one may lead astray where all together do not.
+// Nothing where it lacks none.
+std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
+                                         const EffectList& own);
 
 // A model less one of its added effects, not fitted again.
 Grown without(const Grown& grown, const std::string& out);

@@ -1,8 +1,10 @@
 #include "measurement/search/exchanges.h"
 
+#include <algorithm>
 #include <cmath>
-#include <vector>
 
+#include "effects/questions.h"
+#include "effects/registry.h"
 #include "measurement/search/decisions.h"
 
 namespace seam::measurement {
@@ -83,6 +85,32 @@ std::vector<double> key_of(const Problem& problem, const Grown& grown,
 }
 
 }  // namespace
+
+std::vector<std::pair<size_t, std::string>> possible_exchanges(
+    const Problem& problem, const Grown& grown, const std::vector<std::string>& promising,
+    const EffectByName& effect_by_name) {
+  std::vector<std::pair<size_t, std::string>> moves;
+  const auto& added = grown.added;
+  for (size_t i = 0; i < added.size(); ++i) {
+    if (effects::has_dependents(grown.assessment.model, added[i])) continue;
+    // Lenses whose looks failed from far away, too.
+    for (const auto& effect : effects::catalogue()) {
+      if (problem.acts(*effect) && stands_for(*effect_by_name(added[i]), *effect))
+        moves.emplace_back(i, effect->name);
+    }
+    for (const std::string& name : promising) {
+      if (added.size() < 2 ||
+          std::find(moves.begin(), moves.end(), std::pair(i, name)) != moves.end())
+        continue;
+      const bool present = std::find(added.begin(), added.end(), name) != added.end();
+      // A spread in the place of an effect of the mean would hide it; the other way round, the
+      // effect of the mean is added first and then the spread is dropped.
+      if (!present && effect_by_name(name)->spread_only == effect_by_name(added[i])->spread_only)
+        moves.emplace_back(i, name);
+    }
+  }
+  return moves;
+}
 
 bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in) {
   return in.term == effects::Term::radial && in.term == leaving.replaces_term;

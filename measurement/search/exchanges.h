@@ -1,9 +1,12 @@
 // One added effect in the place of another.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "measurement/problem/memo.h"
 #include "measurement/search/candidates.h"
@@ -12,6 +15,16 @@ namespace seam::measurement {
 
 // Whether one lens can take the place of another that no other can stand beside.
 bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in);
+
+// By name, among the catalogue's and the user's own.
+using EffectByName =
+    std::function<std::shared_ptr<const EffectDefinition>(const std::string& name)>;
+
+// Which added effect (by its place) might go for which other: lenses for lenses, and all for those
+// that were significant in some look.
+std::vector<std::pair<size_t, std::string>> possible_exchanges(
+    const Problem& problem, const Grown& grown, const std::vector<std::string>& promising,
+    const EffectByName& effect_by_name);
 
 // Exchanges of one effect for another, each worked out once: the search asks for them where it
 // would end, and then again which of them tie with its steps.

@@ -1,8 +1,6 @@
 // What a whole search found, in order: its steps, and the candidates beside the model given.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,9 +8,6 @@
 #include "measurement/search/search.h"
 
 namespace seam::measurement {
-
-using EffectByName =
-    std::function<std::shared_ptr<const EffectDefinition>(const std::string& name)>;
 
 // The steps from the base to the best model, in the order in which each effect helps most, with
 // those of the promising effects that could stand in the place of each.

@@ -9,6 +9,7 @@
 #include "measurement/fitting/group_scatter.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/order.h"
+#include "measurement/search/told_apart.h"
 
 namespace seam::measurement {
 namespace {
@@ -39,6 +40,8 @@ class Searcher {
   bool misses(const Assessment& assessment) const;
   Looks look_at_moves() const;
   void begin_with_moves(const Looks& moves, SearchResult& result);
+  void begin_with_dependents(const Grown& base, SearchResult& result);
+  bool widens(const Grown& grown) const;
   void join(Looks moves, Looks& first) const;
   bool prune(Grown& grown);
   bool exchange(Grown& grown);
@@ -52,6 +55,7 @@ class Searcher {
   const Exchanges exchanges_;
   Grown base_;
   double looks_ = 1;
+  Looks moves_;                         // Had in the last round that looked at any.
   std::vector<std::string> promising_;  // Significant in some look, best first.
 };
 
@@ -63,13 +67,9 @@ std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& 
   return nullptr;
 }
 
-bool has_draws(const Model& model) {
-  return std::any_of(model.effects().begin(), model.effects().end(),
-                     [](const auto& effect) { return effect.definition->draws_estimated; });
-}
-
 // Drops effects that the others have made unnecessary.
 bool Searcher::prune(Grown& grown) {
+  constexpr double kAnyPrice = 0.5 * kCannotGo * kCannotGo;
   bool changed = false;
   for (bool again = true; again && grown.added.size() > 1;) {
     again = false;
@@ -79,7 +79,6 @@ bool Searcher::prune(Grown& grown) {
         return;
       if (effects::has_dependents(grown.assessment.model, grown.added[i])) return;
       Grown less = without(grown, grown.added[i]);
-      constexpr double kAnyPrice = 0.5 * kCannotGo * kCannotGo;
       if (stays_below(problem_, less.assessment.model, less.assessment.unknowns,
                       grown.assessment.total_ll - kAnyPrice))
         return;
@@ -101,7 +100,10 @@ bool Searcher::prune(Grown& grown) {
       const bool hidden = back.effect->stage == effects::Stage::target &&
                           !back.effect->spread_only && back.p_value < kCandidateAlarm &&
                           has_draws(smaller[i]->assessment.model);
-      if (back.significant || hidden) continue;
+      // A smaller model that a fit brought to a wrong place says nothing.
+      const bool lost =
+          grown.assessment.error < kMisfit && back.gain_ll > 0 && back.total_gain_ll > kAnyPrice;
+      if (back.significant || hidden || lost) continue;
       if (best == smaller.size() ||
           merit_of(problem_, *smaller[i]) > merit_of(problem_, *smaller[best]))
         best = i;
@@ -116,26 +118,8 @@ bool Searcher::prune(Grown& grown) {
 
 // Exchanges one added effect for another of its sort where the whole becomes clearly better.
 bool Searcher::exchange(Grown& grown) {
-  std::vector<std::pair<size_t, std::string>> moves;
-  for (size_t i = 0; i < grown.added.size(); ++i) {
-    if (effects::has_dependents(grown.assessment.model, grown.added[i])) continue;
-    // Lenses whose looks failed from far away, too.
-    for (const auto& effect : effects::catalogue()) {
-      if (problem_.acts(*effect) && stands_for(*definition(grown.added[i]), *effect))
-        moves.emplace_back(i, effect->name);
-    }
-    for (const std::string& name : promising_) {
-      if (grown.added.size() < 2 ||
-          std::find(moves.begin(), moves.end(), std::pair(i, name)) != moves.end())
-        continue;
-      const bool present =
-          std::find(grown.added.begin(), grown.added.end(), name) != grown.added.end();
-      // A spread in the place of an effect of the mean would hide it; the other way round, the
-      // effect of the mean is added first and then the spread is dropped.
-      if (!present && definition(name)->spread_only == definition(grown.added[i])->spread_only)
-        moves.emplace_back(i, name);
-    }
-  }
+  const auto moves = possible_exchanges(problem_, grown, promising_,
+                                        [&](const std::string& name) { return definition(name); });
   std::vector<std::optional<Grown>> tried(moves.size());
   parallel_for(moves.size(), [&](size_t m) {
     tried[m] =
@@ -223,7 +207,7 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   Grown other = beginning.grown;
   if (beginning.of_few)
     other.assessment = assess(problem_, other.assessment.model, other.assessment.unknowns);
-  prune(other);
+  if (prune(other)) other = less_untold(problem_, std::move(other));
   other = grow(std::move(other), nullptr, traces);
   if (merit_of(problem_, other) <= merit_of(problem_, result.best)) return;
   // One that helped no held-out group by itself must do so with what came to it.
@@ -239,12 +223,17 @@ std::optional<Grown> Searcher::again(const Grown& earlier, Looks& first) {
   const bool one_valley = problem_.is_smooth(earlier.assessment.model);
   if (earlier.added.empty() || earlier.assessment.error > (one_valley ? kUseless : kMisfit))
     return std::nullopt;
-  Looks looks = first;
-  const Candidate* next = choose_by_all_rows(problem_, base_, material_, looks);
-  first = looks;
-  if (!next || std::find(earlier.added.begin(), earlier.added.end(), next->effect->name) ==
-                   earlier.added.end())
-    return std::nullopt;
+  const bool moved =
+      std::any_of(earlier.added.begin(), earlier.added.end(),
+                  [&](const std::string& name) { return !definition(name)->companions.empty(); });
+  if (!moved || !all_useless(base_, first)) {
+    Looks looks = first;
+    const Candidate* next = choose_by_all_rows(problem_, base_, material_, looks);
+    first = looks;
+    if (!next || std::find(earlier.added.begin(), earlier.added.end(), next->effect->name) ==
+                     earlier.added.end())
+      return std::nullopt;
+  }
   Grown grown = earlier;
   grown.assessment = assess(problem_, earlier.assessment.model, earlier.assessment.unknowns);
   if (!grown.assessment.valid) return std::nullopt;
@@ -264,8 +253,8 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   if (!found) promising_.clear();
   result.best = base_;
   const bool moves_first = !found && all_useless(base_, result.first);
-  Looks moves;
-  if (moves_first) begin_with_moves(moves = look_at_moves(), result);
+  if (!found) moves_ = {};
+  if (moves_first) begin_with_moves(moves_ = look_at_moves(), result);
   std::vector<Candidate> traces;
   Grown alone = found ? grow(*std::move(found), nullptr, traces)
                       : grow(base_, &result.first, traces, moves_first ? &result.best : nullptr);
@@ -275,8 +264,8 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   }
   if (problem_.effects_imitate()) try_beginnings(result);
   if (!moves_first && misses(result.best.assessment))
-    begin_with_moves(moves = look_at_moves(), result);
-  join(std::move(moves), result.first);
+    begin_with_moves(moves_ = look_at_moves(), result);
+  join(moves_, result.first);
 }
 
 bool Searcher::misses(const Assessment& assessment) const {
@@ -298,8 +287,29 @@ void Searcher::begin_with_moves(const Looks& moves, SearchResult& result) {
   for (const Candidate& candidate : moves.candidates) {
     const bool fits =
         candidate.p_value < kCandidateAlarm && candidate.merit > merit_of(problem_, base_);
-    if (candidate.significant || fits) begin_with(candidate, result);
+    if (!candidate.significant && !fits) continue;
+    begin_with_dependents(candidate.grown, result);
+    if (misses(result.best.assessment) || widens(result.best)) begin_with(candidate, result);
   }
+}
+
+// Whether a spread was added.
+bool Searcher::widens(const Grown& grown) const {
+  return std::any_of(grown.added.begin(), grown.added.end(),
+                     [&](const std::string& name) { return definition(name)->spread_only; });
+}
+
+// What stays of all at once is what the rest cannot stand in for.
+void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
+  if (!misses(base.assessment)) return;
+  const auto all = with_dependents(problem_, base, own_);
+  // Where all of them leave far more than the noise, something else is missing.
+  if (!all || all->grown.assessment.error > kUseless) return;
+  // Those that go again may be as good as one that stays.
+  for (const std::string& name : all->grown.added) {
+    if (!base.assessment.model.has(name)) promising_.push_back(name);
+  }
+  begin_with(*all, result);
 }
 
 void Searcher::join(Looks moves, Looks& first) const {

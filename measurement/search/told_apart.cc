@@ -80,4 +80,33 @@ std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
   return told;
 }
 
+Grown less_untold(const Problem& problem, Grown grown) {
+  constexpr double kNothing = 2;  // In units of the misfit: what one needless number gains.
+  for (const std::string& name : grown.added) {
+    const EffectDefinition& effect = *grown.assessment.model.find(name)->definition;
+    const auto of_it = [&](const Unknown& unknown) { return unknown.effect == name; };
+    if (!effect.has_neutral) continue;
+    for (size_t i = effect.parameters.size(); i-- > 0;) {
+      const Assessment& here = grown.assessment;
+      const auto& all = here.unknowns;
+      const auto at = std::find_if(all.begin(), all.end(), [&](const Unknown& unknown) {
+        return of_it(unknown) && unknown.parameter == i;
+      });
+      if (at == all.end() || std::count_if(all.begin(), all.end(), of_it) < 2) continue;
+      const auto place = static_cast<size_t>(at - all.begin());
+      const double neutral = effect.parameters[i].neutral, sigma = here.fit.sigma[place];
+      if (!(sigma > std::abs(here.fit.value[place] - neutral))) continue;
+      Model model = here.model;
+      model.set_value(name, i, neutral);
+      std::vector<Unknown> rest = all;
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(place));
+      Assessment less = assess(problem, model, rest);
+      const double unit = std::max(1.0, here.error * here.error);
+      if (less.valid && less.total_ll > here.total_ll - kNothing * unit)
+        grown.assessment = std::move(less);
+    }
+  }
+  return grown;
+}
+
 }  // namespace seam::measurement

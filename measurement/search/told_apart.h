@@ -15,4 +15,8 @@ std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
                                 const std::vector<Unknown>& unknowns,
                                 std::vector<NotTestable>& untold);
 
+// Of effects with several parameters those that are no further from neutral than their error, and
+// without which nothing is lost, are back at neutral: shares of friction that do the same, say.
+Grown less_untold(const Problem& problem, Grown grown);
+
 }  // namespace seam::measurement

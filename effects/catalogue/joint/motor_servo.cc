@@ -38,8 +38,11 @@ std::vector<Parameter> motor_parameters() {
            .min = 0,
            .max = 1e3,
            .scale = 1e-3,
-           .help = "Duty for each rad/s against the motion, seconds: the controller's own damping.",
-           .stated = true},
+           .help =
+               "Duty for each rad/s against the motion, seconds: the controller's own damping. "
+               "Where nothing saturates it is back-EMF by another name, so it stays at 0 unless "
+               "the data ask for it.",
+           .on_demand = true},
           {.name = "max_duty",
            .neutral = 1,
            .min = 1e-3,

@@ -41,6 +41,13 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
 // column.
 std::vector<std::string> notes_of_joint_logs(const CsvTable& table);
 
+// Whether a fit may move the parameter from the beginning: not what is stated, nor what waits until
+// the data ask for it.
+bool is_open(const effects::ModelEffect& effect, size_t i);
+
+// Models whose drive is cut off about where this one's is, by what else can do so.
+std::vector<Model> cut_off_otherwise(const Model& model, const std::vector<Unknown>& unknowns);
+
 // What the model says the log shows at each row, for a joint whose log shows `start_rad` at rest
 // until the first command acts. A motor that begins in motion is under its first command already.
 std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, const JointLog& log,
@@ -111,6 +118,9 @@ class JointsProblem : public Problem {
   // Takes out of derivatives of the whitened residuals what the starts of logs can do about them.
   void take_out_starts(const Model& model, const Groups& groups, const Evaluation& here,
                        std::vector<std::vector<double>>& columns) const;
+  Fit polished(Fit fit, const std::vector<Unknown>& unknowns, const Groups& groups) const;
+  Fit fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
+                const Groups& groups) const;
   // Where a fit of a motor to whole runs begins: a model that misses by far is fitted to short
   // stretches first.
   Model near_start(const Model& start, const std::vector<Unknown>& unknowns,

@@ -40,7 +40,7 @@ void tell_once(Fit& fit, const std::vector<Unknown>& unknowns) {
 Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                        const Groups& groups) const {
   Fit fit = effects::has_base(start, effects::Base::motor)
-                ? Problem::fit(near_start(start, unknowns, groups), unknowns, groups)
+                ? fit_motor(start, unknowns, groups)
                 : wide_fit(*this, start, unknowns, groups);
   tell_once(fit, unknowns);
   return fit;

@@ -1,5 +1,4 @@
-// Fits of servos with torque: whole runs are simulated, smooth in all parameters, from starts that
-// agree with the accelerations seen.
+// Where fits of servos with torque begin: at what agrees with the accelerations seen.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -19,10 +18,24 @@ namespace {
 
 using Values = std::vector<double>;
 
+constexpr size_t kMostChoices = 24;
 constexpr double kBrief_s = 0.3, kLonger_s = 1.2;  // Stretches of a log.
 
-// Every choice of one value list of each effect, one after the other.
+// Every choice of one value list of each effect, one after the other; where these are too many, the
+// first of each, the second of each, and so on.
 std::vector<Values> combinations(const std::vector<std::vector<Values>>& lists) {
+  size_t choices = 1, longest = 0;
+  for (const auto& list : lists) choices *= list.size(), longest = std::max(longest, list.size());
+  if (lists.size() > 2 && choices > kMostChoices) {
+    std::vector<Values> some(longest);
+    for (size_t i = 0; i < longest; ++i) {
+      for (const auto& list : lists) {
+        const Values& tail = list[i * list.size() / longest];
+        some[i].insert(some[i].end(), tail.begin(), tail.end());
+      }
+    }
+    return some;
+  }
   std::vector<Values> all = {{}};
   for (const auto& list : lists) {
     std::vector<Values> longer;
@@ -43,15 +56,6 @@ bool differs(const Values& a, const Values& b) {
     if (std::abs(a[i] - b[i]) > kOther * std::max(std::abs(a[i]), std::abs(b[i]))) return true;
   }
   return false;
-}
-
-// Takes out of a list, over the rows where `part` says so, what a column makes of it.
-void take_out(const std::vector<double>& of, std::vector<double>& from,
-              const std::vector<size_t>& rows) {
-  double along = 0, norm = 0;
-  for (const size_t i : rows) along += of[i] * from[i], norm += of[i] * of[i];
-  if (!(norm > 0)) return;
-  for (const size_t i : rows) from[i] -= along / norm * of[i];
 }
 
 // Every two parameters of the motor itself, in either order.
@@ -96,27 +100,93 @@ Model off_the_edge(const Model& model, const std::vector<Unknown>& unknowns,
   return model;
 }
 
+// The model, and with other values of each limit among the unknowns: a limit that is far too low or
+// never binds has no slope that leads to its value.
+std::vector<Model> with_limits(const Model& model, const std::vector<Unknown>& unknowns) {
+  constexpr double kLeast = 0.1, kMost = 300, kNext = 1.3;  // In units of its scale.
+  std::vector<Model> models = {model};
+  for (const Unknown& unknown : unknowns) {
+    const effects::Parameter& parameter =
+        model.find(unknown.effect)->definition->parameters[unknown.parameter];
+    if (!parameter.fit_reciprocal) continue;
+    for (double size = kLeast; size < kMost; size *= kNext) {
+      models.push_back(model);
+      models.back().set_value(unknown.effect, unknown.parameter, size * parameter.scale);
+    }
+  }
+  return models;
+}
+
+struct Side {
+  Model model;
+  double cost;
+};
+
 // Descends on the accelerations from the model, and from the other side of a saturation: a motor's
 // strength and its controller's gain act as a product, and are told apart only where something
 // saturates; no descent crosses from one side of that to the other.
-double look_around(const MotionLook& look, Model& model, const std::vector<Unknown>& unknowns) {
+std::vector<Side> both_sides(const MotionLook& look, const Model& model,
+                             const std::vector<Unknown>& unknowns) {
   constexpr double kAcross = 8;
   std::optional<Model> across;
   double cheapest = std::numeric_limits<double>::infinity();
   for (const auto& pair : pairs_of_motor(model, unknowns)) {
     const std::optional<Model> there = traded(model, pair, kAcross);
     if (!there) continue;
-    const double cost = look.cost(*there);
-    if (cost < cheapest) cheapest = cost, across = there;
+    for (Model& limited : with_limits(*there, unknowns)) {
+      const double cost = look.cost(limited);
+      if (cost < cheapest) cheapest = cost, across = std::move(limited);
+    }
   }
-  double least = look.descend(model, unknowns);
-  if (!across) return least;
-  const double beyond = look.descend(*across, unknowns);
-  if (beyond < least) least = beyond, model = *across;
-  return least;
+  std::vector<Side> sides = {{model, 0}};
+  if (across) sides.push_back({*across, 0});
+  for (Side& side : sides) side.cost = look.descend(side.model, unknowns);
+  return sides;
+}
+
+// The side that agrees best with accelerations, where short stretches say that it is better than
+// the start, and the one that agrees best with these, where it is another.
+std::vector<Model> worth_descending(const Model& start, const std::vector<Side>& sides,
+                                    const ShortRuns& brief) {
+  const auto seen = std::min_element(sides.begin(), sides.end(),
+                                     [](const Side& a, const Side& b) { return a.cost < b.cost; });
+  const Model* closest = &start;
+  double lowest = brief.cost(start);
+  std::vector<Model> worth = {brief.cost(seen->model) < lowest ? seen->model : start};
+  for (const Side& side : sides) {
+    const double cost = brief.cost(side.model);
+    if (cost < lowest) lowest = cost, closest = &side.model;
+  }
+  const bool other = closest != &seen->model && closest != &start;
+  if (other) worth.push_back(*closest);
+  return worth;
 }
 
 }  // namespace
+
+// A drive is cut off by a limit, or by a duty that saturates: the same at rest, and a valley apart,
+// since back-EMF acts outside the one and inside the other.
+std::vector<Model> cut_off_otherwise(const Model& model, const std::vector<Unknown>& unknowns) {
+  constexpr double kFarFromSaturation = 8;
+  std::vector<Model> others;
+  for (const Unknown& unknown : unknowns) {
+    const effects::ModelEffect& effect = *model.find(unknown.effect);
+    const effects::Parameter& parameter = effect.definition->parameters[unknown.parameter];
+    if (!parameter.fit_reciprocal) continue;
+    const double limit = effect.parameters[unknown.parameter].value;
+    for (const auto& pair : pairs_of_motor(model, unknowns)) {
+      const double strength =
+          effects::base_of(model, effects::Base::motor)->parameters[pair.first].value;
+      const double by = limit < strength ? limit / strength : kFarFromSaturation;
+      std::optional<Model> other = traded(model, pair, by);
+      if (!other) continue;
+      other->set_value(unknown.effect, unknown.parameter,
+                       limit < strength ? parameter.neutral : strength);
+      others.push_back(std::move(*other));
+    }
+  }
+  return others;
+}
 
 std::vector<Values> JointsProblem::starts_together(const Model& model,
                                                    const EffectDefinition& effect,
@@ -135,14 +205,14 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
         effects::StartSearch::motion)
       continue;
     for (size_t i = 0; i < other.parameters.size(); ++i) {
-      if (!other.definition->parameters[i].stated) unknowns.push_back({other.definition->name, i});
+      if (is_open(other, i)) unknowns.push_back({other.definition->name, i});
     }
   }
   for (const auto& definition : moved) {
     lists.push_back(effects::start_rule(*definition, facts_.set.kind).values);
     base.add_neutral(definition);
     for (size_t i = 0; i < definition->parameters.size(); ++i) {
-      if (!definition->parameters[i].stated) unknowns.push_back({definition->name, i});
+      if (is_open(*base.find(definition->name), i)) unknowns.push_back({definition->name, i});
     }
   }
   const Groups training = folds().size() == 1 ? training_groups() : all_groups();
@@ -160,8 +230,14 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
         trial.set_value(definition->name, i, begun[c][at++]);
     }
     // The coarse look of the motor itself is on all sides already.
-    found[c].first = effect.base == effects::Base::motor ? look.descend(trial, unknowns)
-                                                         : look_around(look, trial, unknowns);
+    if (effect.base == effects::Base::motor) {
+      found[c].first = look.descend(trial, unknowns);
+    } else {
+      std::vector<Side> sides = both_sides(look, trial, unknowns);
+      Side& best = *std::min_element(sides.begin(), sides.end(),
+                                     [](const Side& a, const Side& b) { return a.cost < b.cost; });
+      found[c].first = best.cost, trial = std::move(best.model);
+    }
     for (const auto& definition : moved) {
       const auto list = trial.find(definition->name)->values();
       found[c].second.insert(found[c].second.end(), list.begin(), list.end());
@@ -197,90 +273,18 @@ Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& 
     std::vector<char> chosen;
     for (const JointLog& log : set_.logs)
       chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
-    Model here = start;
-    look_around(MotionLook(set_, chosen, facts_.channels[0].noise), here, means);
-    const ShortRuns brief(set_, chosen, kBrief_s);
-    if (!(brief.cost(here) < brief.cost(start))) here = start;
-    const auto offer = [&] {
-      const double cost = cost_of(here);
-      if (cost < least) least = cost, best = here;
-    };
-    here = brief.descend(here, means);
-    offer();
-    here = ShortRuns(set_, chosen, kLonger_s).descend(here, means);
-    offer();
+    const ShortRuns brief(set_, chosen, kBrief_s), longer(set_, chosen, kLonger_s);
+    const MotionLook look(set_, chosen, facts_.channels[0].noise);
+    for (const Model& side : worth_descending(start, both_sides(look, start, means), brief)) {
+      Model here = side;
+      for (const ShortRuns* stretches : {&brief, &longer}) {
+        here = stretches->descend(here, means);
+        const double cost = cost_of(here);
+        if (cost < least) least = cost, best = here;
+      }
+    }
   }
   return off_the_edge(best, means, cost_of);
-}
-
-// Logs are independent of each other: all their starts are moved at once.
-void JointsProblem::take_out_starts(const Model& model, const Groups& groups,
-                                    const Evaluation& here, std::vector<Values>& columns) const {
-  const double by_rad = here.sigma.empty() ? 0 : facts_.channels[0].noise, by_radps = 0.01;
-  const auto slope = [&](double rad, double radps) {
-    Evaluation moved;
-    moved.nuisance_values = here.nuisance_values, moved.reusable = here.reusable;
-    size_t place = 0;
-    for (const JointLog& log : set_.logs) {
-      if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
-      moved.nuisance_values.at(place) += rad;
-      if (unknowns_of_start(model, log) > 1) moved.nuisance_values.at(place + 1) += radps;
-      place += 2;
-    }
-    const Evaluation there = evaluate(model, groups, &moved);
-    Values column(facts_.scalars(), 0);
-    for (size_t i = 0; i < column.size(); ++i) {
-      if (here.used[i] && there.valid) column[i] = there.whitened[i] - here.whitened[i];
-    }
-    return column;
-  };
-  const Values by_angle = slope(by_rad, 0);
-  const bool any_rate = std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) {
-    return unknowns_of_start(model, log) > 1;
-  });
-  Values by_rate = any_rate ? slope(0, by_radps) : Values();
-  size_t place = 0;
-  for (const JointLog& log : set_.logs) {
-    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
-    const double offset_rad = here.nuisance_values.at(place);
-    place += 2;
-    // A start that is held near where it was measured is not free.
-    if (std::abs(offset_rad) >= kFarthestStart * here.sigma[log.rows[0]]) continue;
-    if (any_rate) take_out(by_angle, by_rate, log.rows);
-    for (Values& column : columns) {
-      take_out(by_angle, column, log.rows);
-      if (any_rate) take_out(by_rate, column, log.rows);
-    }
-  }
-}
-
-// One-sided differences with the starts of the logs as they are; what these could do about a column
-// is taken out of it, so that errors know of them.
-std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
-                                                  const std::vector<Unknown>& unknowns,
-                                                  const Groups& groups,
-                                                  const Evaluation& here) const {
-  constexpr double kStep = 1e-3;  // Of the parameter's size.
-  const ParameterSpace space(model, unknowns);
-  std::vector<Values> columns(space.size(), Values(facts_.scalars(), 0));
-  parallel_for(space.size(), [&](size_t at) {
-    const Coordinate& c = space[at];
-    const double z = c.of(model);
-    // Two that act as a product alone must move it alike, or the difference of their differences
-    // would pass for what the data know of each: those above 0 by their bounds move by their size.
-    double step = kStep * (c.min > 0 ? std::abs(z) : std::max(c.scale, std::abs(z)));
-    if (z + step > c.max) step = -step;
-    Model moved = model;
-    c.set(moved, z + step);
-    const Evaluation there = evaluate(moved, groups, &here);
-    const double slope = std::isfinite(c.slope(z)) ? c.slope(z) : 1;
-    for (size_t i = 0; i < columns[at].size(); ++i) {
-      if (here.used[i] && there.valid)
-        columns[at][i] = (there.whitened[i] - here.whitened[i]) / (step * slope);
-    }
-  });
-  take_out_starts(model, groups, here, columns);
-  return columns;
 }
 
 }  // namespace seam::measurement

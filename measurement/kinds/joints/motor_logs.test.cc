@@ -263,6 +263,51 @@ TEST(MotorLogs, ATorqueLimitIsFoundBehindADutyThatStoodInForIt) {
   EXPECT_NEAR(fit.value[3], 42, 0.1);
 }
 
+// A controller's own damping counts inside the duty, back-EMF outside it: where the duty saturates
+// they differ, and the damping is asked for; else it stays at 0 and back-EMF tells of both.
+TEST(MotorLogs, DampingComesWhereTheDataAskForIt) {
+  const std::string start =
+      "  motor_servo: {stall_rad_per_s2: {value: 150, free: true}, back_emf_per_s: {value: 8, "
+      "free: "
+      "true}, gain: {value: 0.2, free: true}, damping_s: {value: 0, free: true}}\n";
+  const auto fit_of = [&](const char* truth) {
+    const JointsProblem problem = MadeSet("motor-damping").made_by(model_of(truth), 21);
+    const Model given = model_of(start);
+    return problem.fit(given, refitted_unknowns(given), problem.all_groups());
+  };
+  const Fit saturating = fit_of(
+      "  motor_servo: {stall_rad_per_s2: 40, back_emf_per_s: 4, gain: 0.4, damping_s: 0.005}\n");
+  EXPECT_NEAR(saturating.value[1], 4, 4 * saturating.sigma[1]);
+  EXPECT_NEAR(saturating.value[3], 0.005, 4 * saturating.sigma[3]);
+  EXPECT_LT(saturating.sigma[3], 0.0005);
+  const Fit calm = fit_of(
+      "  motor_servo: {stall_rad_per_s2: 4000, back_emf_per_s: 4, gain: 0.012, damping_s: "
+      "0.002}\n");
+  EXPECT_EQ(calm.value[3], 0);
+  EXPECT_EQ(calm.sigma[3], 0);
+  EXPECT_NEAR(calm.value[1], 4 + 4000 * 0.002, 0.05);
+}
+
+// The drive is cut off at 40 by the duty in one set and by a limit in the other: a fit that begins
+// on the wrong side ends on the right one.
+TEST(MotorLogs, ASaturationIsNotALimit) {
+  const JointsProblem problem =
+      MadeSet("motor-cut")
+          .made_by(
+              model_of("  motor_servo: {stall_rad_per_s2: 40, back_emf_per_s: 5, gain: 0.4}\n"), 8);
+  const Model start = model_of(
+      "  motor_servo: {stall_rad_per_s2: {value: 320, free: true}, back_emf_per_s: {value: 5, "
+      "free: true}, gain: {value: 0.05, free: true}}\n"
+      "  torque_limit: {rad_per_s2: {value: 40, free: true}}\n");
+  const auto unknowns = refitted_unknowns(start);
+  const auto others = cut_off_otherwise(start, unknowns);
+  ASSERT_FALSE(others.empty());
+  const Fit fit = problem.fit(start, unknowns, problem.all_groups());
+  EXPECT_NEAR(fit.value[0], 40, 0.1);
+  EXPECT_NEAR(fit.value[1], 5, 0.1);
+  EXPECT_NEAR(fit.value[2], 0.4, 0.002);
+}
+
 // These runs ask for 0.4 of the duty at most. Where a fit leaves a motor that would saturate just
 // above that, other runs would show a saturation that nothing speaks for.
 TEST(MotorLogs, ASaturationThatNoRunReachesIsKeptAway) {

@@ -1,8 +1,11 @@
 #include "measurement/kinds/points/target_adjustment.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "measurement/fitting/assess.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/target/pose_solver.h"
 
@@ -195,30 +198,60 @@ double TargetAdjustment::prior_cost(const State& state) const {
   return 0.5 * sum;
 }
 
-double TargetAdjustment::cost(const State& state) const {
+// The frame's sum of squares.
+double TargetAdjustment::square(const State& state, size_t frame) const {
   double sum = 0;
-  for (size_t frame = 0; frame < state.X_CW.size(); ++frame) {
-    if (!given_.frames[frame]) continue;
+  size_t k = 0;
+  for (const int r : given_.data.rows_of_frame[frame]) {
+    const auto row = static_cast<size_t>(r);
+    if (!given_.rows[row]) continue;
+    Vector2d uv;
+    if (!see(compiled_, state, row, uv)) return std::numeric_limits<double>::infinity();
+    Vector2d left(given_.data.u_px[row] - uv[0], given_.data.v_px[row] - uv[1]);
+    const Index first = has_flex() ? 1 : 0;
+    for (Index which = first; which < state.extra[frame].size(); ++which) {
+      for (int c = 0; c < 2; ++c)
+        left[c] -= cause(frame, k, c, which - first) * state.extra[frame][which];
+    }
+    for (int c = 0; c < 2; ++c) {
+      const double z = left[c] / given_.sigma[2 * row + static_cast<size_t>(c)];
+      sum += z * z;
+    }
+    ++k;
+  }
+  return sum;
+}
+
+double TargetAdjustment::cost(const State& state) const {
+  std::vector<double> squares(state.X_CW.size(), 0);
+  parallel_for(squares.size(), [&](size_t frame) {
+    if (given_.frames[frame]) squares[frame] = square(state, frame);
+  });
+  return 0.5 * std::accumulate(squares.begin(), squares.end(), 0.0) + prior_cost(state);
+}
+
+// Looks at all used rows, each frame's in order.
+bool TargetAdjustment::look_at_rows() {
+  std::vector<size_t> first = {0};
+  for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) {
+    const std::vector<int>& rows = given_.data.rows_of_frame[frame];
+    const auto used = std::count_if(rows.begin(), rows.end(),
+                                    [&](int row) { return given_.rows[static_cast<size_t>(row)]; });
+    first.push_back(first.back() + (given_.frames[frame] ? static_cast<size_t>(used) : 0));
+  }
+  cells_.resize(first.back());
+  std::vector<char> seen(state_.X_CW.size(), 1);
+  parallel_for(seen.size(), [&](size_t frame) {
+    if (!given_.frames[frame]) return;
     size_t k = 0;
     for (const int r : given_.data.rows_of_frame[frame]) {
       const auto row = static_cast<size_t>(r);
-      if (!given_.rows[row]) continue;
-      Vector2d uv;
-      if (!see(compiled_, state, row, uv)) return std::numeric_limits<double>::infinity();
-      Vector2d left(given_.data.u_px[row] - uv[0], given_.data.v_px[row] - uv[1]);
-      const Index first = has_flex() ? 1 : 0;
-      for (Index which = first; which < state.extra[frame].size(); ++which) {
-        for (int c = 0; c < 2; ++c)
-          left[c] -= cause(frame, k, c, which - first) * state.extra[frame][which];
-      }
-      for (int c = 0; c < 2; ++c) {
-        const double z = left[c] / given_.sigma[2 * row + static_cast<size_t>(c)];
-        sum += z * z;
-      }
+      if (!given_.rows[row] || !seen[frame]) continue;
+      seen[frame] = look(state_, row, k, cells_[first[frame] + k]);
       ++k;
     }
-  }
-  return 0.5 * sum + prior_cost(state);
+  });
+  return std::find(seen.begin(), seen.end(), 0) == seen.end();
 }
 
 // The normal equations where it stands, and their right sides (minus the gradient).
@@ -229,16 +262,14 @@ bool TargetAdjustment::build(MatrixXd& by_views, MatrixXd& by_points) {
   blocks_ = std::make_unique<PairedBlocks>(sizes, points);
   by_views = MatrixXd::Zero(blocks_->view_unknowns(), 1);
   by_points = MatrixXd::Zero(blocks_->point_unknowns(), 1);
-  cells_.clear();
-  cells_.reserve(given_.data.p_W.size());
+  if (!look_at_rows()) return false;
+  auto next = cells_.begin();
   for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) {
     if (!given_.frames[frame]) continue;
-    size_t k = 0;
     for (const int r : given_.data.rows_of_frame[frame]) {
       const auto row = static_cast<size_t>(r);
       if (!given_.rows[row]) continue;
-      Cell& cell = cells_.emplace_back();
-      if (!look(state_, row, k++, cell)) return false;
+      const Cell& cell = *next++;
       const auto point = static_cast<size_t>(given_.data.point_of_row[row]);
       blocks_->add(frame, point, cell.by_view, cell.by_point);
       by_views.middleRows(blocks_->view_at(frame), sizes[frame]) -=

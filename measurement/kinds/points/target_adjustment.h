@@ -110,7 +110,9 @@ class TargetAdjustment {
   double cause(size_t frame, size_t k, int channel, Eigen::Index which) const;
   std::vector<size_t> used_rows() const;
   Eigen::Vector2d left_over(size_t row, const Cell& cell, const Evaluation& evaluation) const;
+  double square(const State& state, size_t frame) const;
   double cost(const State& state) const;
+  bool look_at_rows();
   double prior_cost(const State& state) const;
   bool build(Eigen::MatrixXd& by_views, Eigen::MatrixXd& by_points);
   std::vector<double> values_of(const State& state) const;

@@ -2,6 +2,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "measurement/fitting/assess.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/target_adjustment.h"
 
@@ -128,17 +129,16 @@ std::vector<std::vector<double>> TargetAdjustment::columns(const std::vector<Mod
   };
   std::vector<Vector2d> base(used.size());
   for (size_t k = 0; k < used.size(); ++k) see(compiled_, state_, used[k], base[k]);
-  for (Index p = 0; p < count; ++p) {
-    const Compiled there(given_.data, moved[static_cast<size_t>(p)]);
+  parallel_for(moved.size(), [&](size_t p) {
+    const Compiled there(given_.data, moved[p]);
     for (size_t k = 0; k < used.size(); ++k) {
       Vector2d uv;
       if (!see(there, state_, used[k], uv)) continue;
       for (int c = 0; c < 2; ++c)
-        slopes(2 * static_cast<Index>(k) + c, p) =
-            -(uv[c] - base[k][c]) /
-            (steps[static_cast<size_t>(p)] * given_.sigma[2 * used[k] + static_cast<size_t>(c)]);
+        slopes(2 * static_cast<Index>(k) + c, static_cast<Index>(p)) =
+            -(uv[c] - base[k][c]) / (steps[p] * given_.sigma[2 * used[k] + static_cast<size_t>(c)]);
     }
-  }
+  });
   for (size_t k = 0; k < used.size(); ++k) {
     const auto rows = slopes.middleRows<2>(2 * static_cast<Index>(k));
     views.block(blocks_->view_at(frame_of(k)), 0, cells_[k].by_view.cols(), count) +=

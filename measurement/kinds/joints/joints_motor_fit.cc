@@ -1,0 +1,217 @@
+// Fits of servos with torque: whole runs are simulated, nearly smooth in all parameters.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "effects/questions.h"
+#include "measurement/fitting/assess.h"
+#include "measurement/fitting/parameter_space.h"
+#include "measurement/kinds/joints/joints.h"
+
+namespace seam::measurement {
+namespace {
+
+using Values = std::vector<double>;
+
+// Takes out of a list, over the rows where `part` says so, what a column makes of it.
+void take_out(const std::vector<double>& of, std::vector<double>& from,
+              const std::vector<size_t>& rows) {
+  double along = 0, norm = 0;
+  for (const size_t i : rows) along += of[i] * from[i], norm += of[i] * of[i];
+  if (!(norm > 0)) return;
+  for (const size_t i : rows) from[i] -= along / norm * of[i];
+}
+
+// Principal axes of the errors of what moves the mean, in coordinates, each one error long.
+std::vector<Eigen::VectorXd> axes_of(const Fit& fit, const ParameterSpace& space) {
+  const Eigen::VectorXd place = space.place(fit.model);
+  std::vector<Eigen::Index> known;
+  for (size_t i = 0; i < space.size(); ++i) {
+    const double slope = space[i].slope(place[static_cast<Eigen::Index>(i)]);
+    const bool told = std::isfinite(fit.sigma[i]) && fit.sigma[i] > 0 && std::isfinite(slope);
+    if (told && slope != 0 && !space[i].spread) known.push_back(static_cast<Eigen::Index>(i));
+  }
+  const auto count = static_cast<Eigen::Index>(known.size());
+  Eigen::MatrixXd correlation(count, count);
+  const auto size = static_cast<Eigen::Index>(space.size());
+  for (Eigen::Index a = 0; a < count; ++a) {
+    for (Eigen::Index b = 0; b < count; ++b)
+      correlation(a, b) =
+          fit.covariance[static_cast<size_t>(known[a] * size + known[b])] /
+          (fit.sigma[static_cast<size_t>(known[a])] * fit.sigma[static_cast<size_t>(known[b])]);
+  }
+  std::vector<Eigen::VectorXd> axes;
+  if (count == 0 || !correlation.allFinite()) return axes;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Eigen::VectorXd axis = Eigen::VectorXd::Zero(size);
+    const double length = std::sqrt(std::max(0.0, solver.eigenvalues()[k]));
+    for (Eigen::Index a = 0; a < count; ++a) {
+      const auto i = static_cast<size_t>(known[a]);
+      axis[known[a]] =
+          length * solver.eigenvectors()(a, k) * fit.sigma[i] / space[i].slope(place[known[a]]);
+    }
+    axes.push_back(std::move(axis));
+  }
+  return axes;
+}
+
+}  // namespace
+
+bool is_open(const effects::ModelEffect& effect, size_t i) {
+  const effects::Parameter& parameter = effect.definition->parameters[i];
+  const bool waits = parameter.on_demand && effect.parameters[i].value == parameter.neutral;
+  return !waits && (!parameter.stated || effect.parameters[i].refitted());
+}
+
+// A joint that sticks a moment longer or shorter makes the likelihood rough where slopes see it
+// smooth: steps along the axes of what the fit holds for possible find better places.
+Fit JointsProblem::polished(Fit fit, const std::vector<Unknown>& unknowns,
+                            const Groups& groups) const {
+  constexpr double kNear = 3, kWorth = 1;
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
+    const ParameterSpace space(fit.model, unknowns);
+    const auto axes = axes_of(fit, space);
+    const Evaluation found = evaluate(fit.model, groups, nullptr);
+    const double misfit = found.valid ? misfit_of(*this, found) : kNear;
+    if (axes.empty() || !(misfit < kNear)) return fit;
+    Model best = fit.model;
+    double most = score_of(*this, found).log_likelihood;
+    const double before = most;
+    for (const double width : {4.0, 1.0}) {
+      for (const Eigen::VectorXd& axis : axes) {
+        for (const double by : {width, -width}) {
+          const Model there = space.moved(best, by * axis);
+          const Score score = score_of(*this, evaluate(there, groups, nullptr));
+          if (!score.valid || !(score.log_likelihood > most)) continue;
+          most = score.log_likelihood, best = there;
+          break;
+        }
+      }
+    }
+    if (most - before < kWorth * misfit * misfit) return fit;
+    fit = Problem::fit(best, unknowns, groups);
+  }
+  return fit;
+}
+
+// What the data must ask for waits until all else is fitted, and comes where it gains what chance
+// gives once in a thousand sets. Far from the noise it would only stand in for what is missing.
+Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
+                             const Groups& groups) const {
+  constexpr double kAskedFor = 5.4, kFar = 100, kNear = 10, kAtNoise = 1.03;
+  std::vector<Unknown> first;
+  std::vector<size_t> place;  // Of these among all.
+  for (size_t i = 0; i < unknowns.size(); ++i) {
+    if (!is_open(*start.find(unknowns[i].effect), unknowns[i].parameter)) continue;
+    first.push_back(unknowns[i]), place.push_back(i);
+  }
+  Fit fit = polished(Problem::fit(near_start(start, first, groups), first, groups), first, groups);
+  const auto misfit_at = [&](const Model& model) {
+    const Evaluation there = evaluate(model, groups, nullptr);
+    return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
+  };
+  double misfit = misfit_at(fit.model);
+  if (misfit > kAtNoise && misfit < kFar) {
+    const Model* nearest = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    const std::vector<Model> others = cut_off_otherwise(fit.model, first);
+    for (const Model& other : others) {
+      const double there = misfit_at(other);
+      if (there < least) least = there, nearest = &other;
+    }
+    if (nearest != nullptr) {
+      Fit other = polished(Problem::fit(*nearest, first, groups), first, groups);
+      if (other.log_likelihood > fit.log_likelihood)
+        fit = std::move(other), misfit = misfit_at(fit.model);
+    }
+  }
+  if (first.size() == unknowns.size()) return fit;
+  if (misfit > kAtNoise && misfit < kNear) {
+    Fit all = polished(Problem::fit(fit.model, unknowns, groups), unknowns, groups);
+    if (all.log_likelihood - fit.log_likelihood > kAskedFor * misfit * misfit) return all;
+  }
+  const ParameterSpace space(fit.model, unknowns);
+  Fit told = space.fit_at(fit.model, space.place(fit.model), fit.log_likelihood, fit.converged);
+  told.sigma.assign(unknowns.size(), 0);
+  for (size_t i = 0; i < place.size(); ++i) {
+    told.sigma[place[i]] = fit.sigma[i], told.at_bound[place[i]] = fit.at_bound[i];
+    for (size_t k = 0; k < place.size(); ++k)
+      told.covariance[place[i] * unknowns.size() + place[k]] = fit.covariance[i * first.size() + k];
+  }
+  return told;
+}
+
+// Logs are independent of each other: all their starts are moved at once.
+void JointsProblem::take_out_starts(const Model& model, const Groups& groups,
+                                    const Evaluation& here, std::vector<Values>& columns) const {
+  const double by_rad = here.sigma.empty() ? 0 : facts_.channels[0].noise, by_radps = 0.01;
+  const auto slope = [&](double rad, double radps) {
+    Evaluation moved;
+    moved.nuisance_values = here.nuisance_values, moved.reusable = here.reusable;
+    size_t place = 0;
+    for (const JointLog& log : set_.logs) {
+      if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
+      moved.nuisance_values.at(place) += rad;
+      if (unknowns_of_start(model, log) > 1) moved.nuisance_values.at(place + 1) += radps;
+      place += 2;
+    }
+    const Evaluation there = evaluate(model, groups, &moved);
+    Values column(facts_.scalars(), 0);
+    for (size_t i = 0; i < column.size(); ++i) {
+      if (here.used[i] && there.valid) column[i] = there.whitened[i] - here.whitened[i];
+    }
+    return column;
+  };
+  const Values by_angle = slope(by_rad, 0);
+  const bool any_rate = std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) {
+    return unknowns_of_start(model, log) > 1;
+  });
+  Values by_rate = any_rate ? slope(0, by_radps) : Values();
+  size_t place = 0;
+  for (const JointLog& log : set_.logs) {
+    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
+    const double offset_rad = here.nuisance_values.at(place);
+    place += 2;
+    // A start that is held near where it was measured is not free.
+    if (std::abs(offset_rad) >= kFarthestStart * here.sigma[log.rows[0]]) continue;
+    if (any_rate) take_out(by_angle, by_rate, log.rows);
+    for (Values& column : columns) {
+      take_out(by_angle, column, log.rows);
+      if (any_rate) take_out(by_rate, column, log.rows);
+    }
+  }
+}
+
+// One-sided differences with the starts of the logs as they are; what these could do about a column
+// is taken out of it, so that errors know of them.
+std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
+                                                  const std::vector<Unknown>& unknowns,
+                                                  const Groups& groups,
+                                                  const Evaluation& here) const {
+  constexpr double kStep = 1e-3;  // Of the parameter's size.
+  const ParameterSpace space(model, unknowns);
+  std::vector<Values> columns(space.size(), Values(facts_.scalars(), 0));
+  parallel_for(space.size(), [&](size_t at) {
+    const Coordinate& c = space[at];
+    const double z = c.of(model);
+    // Two that act as a product alone must move it alike, or the difference of their differences
+    // would pass for what the data know of each: those above 0 by their bounds move by their size.
+    double step = kStep * (c.min > 0 ? std::abs(z) : std::max(c.scale, std::abs(z)));
+    if (z + step > c.max) step = -step;
+    Model moved = model;
+    c.set(moved, z + step);
+    const Evaluation there = evaluate(moved, groups, &here);
+    const double slope = std::isfinite(c.slope(z)) ? c.slope(z) : 1;
+    for (size_t i = 0; i < columns[at].size(); ++i) {
+      if (here.used[i] && there.valid)
+        columns[at][i] = (there.whitened[i] - here.whitened[i]) / (step * slope);
+    }
+  });
+  take_out_starts(model, groups, here, columns);
+  return columns;
+}
+
+}  // namespace seam::measurement
