@@ -14,42 +14,42 @@ std::vector<std::vector<double>> coarse_look() {
 }
 
 std::vector<Parameter> motor_parameters() {
-  return {{.name = "stall_rad_per_s2",
-           .min = 1e-2,
-           .max = 1e6,
-           .scale = 1,
-           .help = "Angular acceleration at full duty and at rest, rad/s^2: the motor's stall "
-                   "torque over the inertia of joint and load.",
-           .required = true},
-          {.name = "back_emf_per_s",
-           .min = 0,
-           .max = 1e4,
-           .scale = 1,
-           .help = "Deceleration for each rad/s while the drive is on, 1/s: what the turning "
-                   "motor takes from its supply."},
-          {.name = "gain",
-           .min = 1e-7,
-           .max = 1e5,
-           .scale = 1e-3,
-           .help = "Duty (1: the whole supply) for each radian of error and unit of `kp`, the "
-                   "column of the log; without that column for each radian.",
-           .required = true},
-          {.name = "damping_s",
-           .min = 0,
-           .max = 1e3,
-           .scale = 1e-3,
-           .help =
-               "Duty for each rad/s against the motion, seconds: the controller's own damping. "
+  return {
+      {.name = "stall_rad_per_s2",
+       .min = 1e-2,
+       .max = 1e6,
+       .scale = 1,
+       .help = "Angular acceleration at full duty and at rest, rad/s^2: the motor's stall "
+               "torque over the inertia of joint and load.",
+       .required = true},
+      {.name = "back_emf_per_s",
+       .min = 0,
+       .max = 1e4,
+       .scale = 1,
+       .help = "Deceleration for each rad/s while the drive is on, 1/s: what the turning "
+               "motor takes from its supply."},
+      {.name = "gain",
+       .min = 1e-7,
+       .max = 1e5,
+       .scale = 1e-3,
+       .help = "Duty (1: the whole supply) for each radian of error and unit of `kp`, the "
+               "column of the log; without that column for each radian.",
+       .required = true},
+      {.name = "damping_s",
+       .min = 0,
+       .max = 1e3,
+       .scale = 1e-3,
+       .help = "Duty for each rad/s against the motion, seconds: the controller's own damping. "
                "Where nothing saturates it is back-EMF by another name, so it stays at 0 unless "
                "the data ask for it.",
-           .on_demand = true},
-          {.name = "max_duty",
-           .neutral = 1,
-           .min = 1e-3,
-           .max = 1,
-           .scale = 0.1,
-           .help = "Largest duty that the controller asks for.",
-           .stated = true}};
+       .on_demand = true},
+      {.name = "max_duty",
+       .neutral = 1,
+       .min = 1e-3,
+       .max = 1,
+       .scale = 0.1,
+       .help = "Largest duty that the controller asks for.",
+       .stated = true}};
 }
 
 std::vector<Proof> motor_proof() {
