@@ -104,6 +104,62 @@ class Room(unittest.TestCase):
         self.refused("scale")
 
 
+class Set(unittest.TestCase):
+    """Frames of a scene with a mesh and textures, held against a model."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.protocol = self.folder / "protocol"
+        self.protocol.mkdir()
+        for name in ("chair.obj", "chair.mtl", "bricks.png", "planks.jpg"):
+            shutil.copy(SOURCE / "scenarios/room" / name, self.protocol)
+        (self.protocol / "joints.csv").write_text("time_s,pan_rad\n0,-0.4\n0.5,0.4\n1,-0.4\n")
+        (self.protocol / "frames.csv").write_text("frame,file,time_s\n0,frames/0.png,0.2\n1,frames/1.png,0.7\n")
+        (self.protocol / "measurement.yaml").write_text(
+            "format: seam-measurement/1\nkind: frames\ntitle: A room\ngroup: frame\nscene: scene.yaml\n"
+            "camera: {width_px: 89, height_px: 72, frame_period_s: 0.04}\n"
+            "files: {frames: frames.csv, joints: joints.csv}\n"
+            "rig: {chain: [{translate_m: [0, 0, 0.3]}, {joint: pan, axis: [0, 0, 1]}]}\n")
+        self.scene("")
+
+    def scene(self, more):
+        (self.protocol / "scene.yaml").write_text(
+            "format: seam-scene/1\nbackground_rgb: [0.3, 0.4, 0.5]\nobjects:\n"
+            "  - {shape: rectangle, centre_m: [1, 0, 0], size_m: [6, 6], texture: planks.jpg}\n"
+            "  - {shape: box, centre_m: [1.5, 0.4, 0.2], size_m: [0.3, 0.3, 0.4], texture: bricks.png}\n"
+            "  - {shape: mesh, file: chair.obj, pose: {x_m: 1.2, y_m: -0.3, yaw_rad: 0.5}}\n" + more)
+
+    def model(self, name, more):
+        path = self.folder / f"{name}.yaml"
+        path.write_text("format: seam-model/1\nname: m\neffects:\n  pinhole: {fx_px: 81, fy_px: 81, cx_px: 44, cy_px: 35.5}\n"
+                        f"  exposure: {{exposure_s: 0.005}}\n  read_noise: {{sigma_dn: 1.5}}\n{more}")
+        return path
+
+    def error(self, model):
+        code, text = seam("compare", "--model", model, "--data", self.folder / "data", "--json", self.folder / "out.json")
+        self.assertEqual(code, 0, text)
+        return json.loads((self.folder / "out.json").read_text())["error"]
+
+    def test_a_set_of_a_room_is_made_and_held_against_models(self):
+        truth = self.model("truth", "  rolling_shutter: {line_delay_s: 0.0004}\n")
+        code, text = seam("measure", "--model", truth, "--protocol", self.protocol, "--seed", "1", "--out", self.folder / "data")
+        self.assertEqual(code, 0, text)
+        self.assertTrue((self.folder / "data/chair.mtl").is_file())
+        self.assertAlmostEqual(self.error(truth), 1, delta=0.05)
+        self.assertGreater(self.error(self.model("still", "")), 2)
+
+    def test_files_outside_the_sets_folder_are_refused(self):
+        for more, part in (("  - {shape: mesh, file: ../chair.obj}\n", "chair.obj"),
+                           ("  - {shape: mesh, file: {name: passwd, folder: /etc}}\n", "in the scene's folder"),
+                           ("  - {shape: mesh, file: none.obj}\n", "none.obj")):
+            self.scene(more)
+            code, text = seam("measure", "--model", self.model("truth", ""), "--protocol", self.protocol, "--seed", "1",
+                              "--out", self.folder / "no")
+            self.assertEqual(code, 1, text)
+            self.assertIn(part, text)
+            self.assertEqual(list((self.folder / "no").glob("*")), [])
+
+
 class Shapes(unittest.TestCase):
     def test_both_renderers_make_nearly_the_same_frame(self):
         with tempfile.TemporaryDirectory() as folder:

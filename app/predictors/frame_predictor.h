@@ -1,10 +1,11 @@
-// The renderer as measurement sets of whole images need it.
+// The renderers as measurement sets of whole images need them: the ray caster, or OpenGL for scenes
+// with meshes or textures.
 #pragma once
 
 #include "measurement/imaging/frame_predictor.h"
 
 namespace seam::app {
 
-measurement::MakeFramePredictor rendered_frames();
+measurement::OpenFrameRenderer rendered_frames();
 
 }  // namespace seam::app

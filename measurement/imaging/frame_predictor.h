@@ -7,6 +7,7 @@
 
 #include "effects/model.h"
 #include "sim_core/scene/frame.h"
+#include "sim_core/scene/scene_file.h"
 
 namespace seam::measurement {
 
@@ -26,5 +27,9 @@ enum class Detail { fine, rough };
 // for a model that gives no image.
 using MakeFramePredictor = std::function<std::unique_ptr<FramePredictor>(
     const effects::Model& model, int width_px, int height_px, SimTime reference, Detail detail)>;
+
+// For a scene whose objects name these files, which are read once. Throws InputError for files that
+// cannot be had.
+using OpenFrameRenderer = std::function<MakeFramePredictor(const SceneFiles& files)>;
 
 }  // namespace seam::measurement

@@ -14,7 +14,7 @@ namespace seam::measurement {
 
 // Parts may be missing: sets that need them are then refused with the reason.
 struct Instruments {
-  MakeFramePredictor render;
+  OpenFrameRenderer render;
   MakeRangeDetector detect;
   std::vector<std::string> detectors;  // The behaviours that `detect` knows.
   OpenRuns runs;

@@ -1,9 +1,12 @@
 #include "sim_core/scene/scene_file.h"
 
 #include <glm/geometric.hpp>
+#include <map>
+#include <utility>
 
 #include "sim_core/base/error.h"
 #include "sim_core/input/config_table.h"
+#include "sim_core/input/shown_text.h"
 #include "sim_core/scene/board.h"
 #include "sim_core/scene/placement.h"
 
@@ -15,7 +18,7 @@ struct MovingPrimitive {
   Vec3 velocity_mps{0.0};
 };
 
-class FileScene final : public SceneSource {
+class ReadScene final : public FileScene {
  public:
   Rgb background() const override { return background_; }
   Lighting lighting() const override { return lighting_; }
@@ -26,9 +29,12 @@ class FileScene final : public SceneSource {
     }
   }
 
+  const SceneFiles& files() const override { return files_; }
+
   Rgb background_{0, 0, 0};
   Lighting lighting_;
   std::vector<MovingPrimitive> objects_;
+  SceneFiles files_;
 };
 
 // The frame of a rectangle: z along the normal, x horizontal (along world x for an upright normal).
@@ -51,13 +57,15 @@ struct SceneObject {
   double yaw_rad = 0;
   Rgb rgb{0, 0, 0};
   Vec3 velocity_mps{0.0};
-  Placement pose;  // Of a board.
+  Placement pose;  // Of a board or mesh.
   BoardSpec board;
+  SceneFiles::MeshFile mesh;
+  FileName texture;
 };
 
-const std::vector<std::string> kShapes = {"rectangle", "sphere",  "cylinder",
-                                          "box",       "capsule", "board"};
-enum : size_t { kRectangle, kSphere, kCylinder, kBox, kCapsule, kBoard };
+const std::vector<std::string> kShapes = {"rectangle", "sphere", "cylinder", "box",
+                                          "capsule",   "board",  "mesh"};
+enum : size_t { kRectangle, kSphere, kCylinder, kBox, kCapsule, kBoard, kMesh };
 constexpr size_t kMaxObjects = 65535;
 constexpr size_t kMaxParts = 200'000;  // Of all objects: boards have many.
 
@@ -81,6 +89,20 @@ void describe_length(ConfigTable& table, ConfigKey key, double& length_m) {
                 fmt::format("found {}, expected more than 0 metres", length_m));
 }
 
+// What the objects of a scene name beside it; `all` keys for a schema.
+void describe_files(ConfigTable& table, SceneObject& object, bool all) {
+  if (all || object.shape == kMesh) {
+    table.file_name(
+        {"file", "Of a mesh: a glTF, OBJ, STL or COLLADA file in the scene's folder.", !all},
+        object.mesh.file);
+    table.number({"scale", "Of a mesh: metres for a unit of its file."}, object.mesh.scale,
+                 {1e-6, 1e6});
+  }
+  if (all || object.shape == kRectangle || object.shape == kBox)
+    table.file_name({"texture", "Of a rectangle or box: a PNG or JPEG file in the scene's folder."},
+                    object.texture);
+}
+
 void describe_object(ConfigTable& table, SceneObject& object) {
   table.choice({"shape", "Its shape.", true}, object.shape, kShapes);
   const bool all = table.names_alternatives(), always = !all;
@@ -91,9 +113,11 @@ void describe_object(ConfigTable& table, SceneObject& object) {
   if (is(kCylinder) || is(kCapsule))
     table.vec3({"base_m", "Of a cylinder or capsule: the middle of its base at time 0, m.", always},
                object.place_m);
-  if (is(kBoard))
-    table.object({"pose", "Of a board: where its middle is at time 0 and how it is turned."},
-                 [&](ConfigTable& pose) { describe(pose, object.pose); });
+  if (is(kBoard) || is(kMesh))
+    table.object(
+        {"pose",
+         "Of a board or mesh: where its middle or origin is at time 0 and how it is turned."},
+        [&](ConfigTable& pose) { describe(pose, object.pose); });
   if (is(kRectangle) || is(kBox))
     table.sizes({"size_m", "Of a rectangle its two sides, of a box its three edges, m.", always},
                 object.size_m, object.shape == kRectangle ? 2 : 3);
@@ -108,14 +132,54 @@ void describe_object(ConfigTable& table, SceneObject& object) {
   if (is(kBox))
     table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, {-1e3, 1e3});
   if (is(kBoard)) describe(table, object.board);
-  if (all || object.shape != kBoard)
-    describe_rgb(table, {"rgb", "Linear radiance, red, green, blue.", always}, object.rgb);
+  describe_files(table, object, all);
+  if (all || object.shape != kBoard) {
+    const bool coloured = object.shape == kMesh || !object.texture.name.empty();
+    if (coloured) object.rgb = {1, 1, 1};
+    describe_rgb(table,
+                 {"rgb",
+                  "Linear radiance, red, green, blue; of a mesh or texture a factor on its own "
+                  "colours, 1 where not given.",
+                  always && !coloured},
+                 object.rgb);
+  }
   table.vec3({"velocity_mps", "How it moves from its place at time 0, m/s."}, object.velocity_mps);
 }
 
-std::vector<Primitive> primitives_of(const SceneObject& object, uint16_t id) {
+// Gives each file that objects name its place among those of its sort, from 1 on.
+class FilePlaces {
+ public:
+  explicit FilePlaces(SceneFiles& files) : files_(files) {}
+
+  uint32_t of(const SceneObject& object) {
+    if (object.shape == kMesh)
+      return place(meshes_, {object.mesh.file.name, object.mesh.scale}, object.mesh, files_.meshes);
+    if (object.texture.name.empty()) return 0;
+    return place(textures_, {object.texture.name, 1}, object.texture, files_.textures);
+  }
+
+ private:
+  using Known = std::map<std::pair<std::string, double>, uint32_t>;
+
+  template <typename File>
+  static uint32_t place(Known& known, const Known::key_type& key, const File& file,
+                        std::vector<File>& files) {
+    uint32_t& at = known[key];
+    if (at == 0) {
+      files.push_back(file);
+      at = static_cast<uint32_t>(files.size());
+    }
+    return at;
+  }
+
+  SceneFiles& files_;
+  Known meshes_, textures_;
+};
+
+std::vector<Primitive> primitives_of(const SceneObject& object, uint16_t id, FilePlaces& places) {
   if (object.shape == kBoard) return board_primitives(object.board, object.pose.pose(), id);
   Primitive primitive;
+  primitive.asset = places.of(object);
   primitive.object_id = id;
   primitive.rgb = object.rgb;
   primitive.X_WO.p = object.place_m;
@@ -133,6 +197,10 @@ std::vector<Primitive> primitives_of(const SceneObject& object, uint16_t id) {
     case kCapsule:
       primitive.shape = object.shape == kCylinder ? Shape::cylinder : Shape::capsule;
       primitive.size = {object.radius_m, object.radius_m, object.height_m};
+      break;
+    case kMesh:
+      primitive.shape = Shape::mesh;
+      primitive.X_WO = object.pose.pose();
       break;
     default:
       primitive.shape = Shape::box;
@@ -179,22 +247,38 @@ void describe_scene(ConfigTable& table, SceneFile& scene) {
       [&](ConfigTable& object, size_t i) { describe_object(object, scene.objects[i]); });
 }
 
+// Logs name folders with their files; sets come from anywhere, and what they name stays in theirs.
+void check_folders(const ConfigNode& root, const SceneFiles& files) {
+  const std::string own =
+      std::filesystem::absolute(std::filesystem::path(root.file())).parent_path().string();
+  const auto check = [&](const FileName& file) {
+    if (file.folder != own)
+      root.fail(fmt::format("the file '{}' is looked for in {}, expected one in the scene's folder",
+                            shown(file.name), shown(file.folder)));
+  };
+  for (const SceneFiles::MeshFile& mesh : files.meshes) check(mesh.file);
+  for (const FileName& texture : files.textures) check(texture);
+}
+
 }  // namespace
 
-std::unique_ptr<SceneSource> read_scene(const ConfigNode& root) {
+std::unique_ptr<FileScene> read_scene(const ConfigNode& root) {
   root.at("format");
   SceneFile file;
   read_config(root, [&](ConfigTable& table) { describe_scene(table, file); });
-  auto scene = std::make_unique<FileScene>();
+  auto scene = std::make_unique<ReadScene>();
   scene->background_ = file.background;
   scene->lighting_ = file.lighting;
   if (file.has_light) scene->lighting_.direction_W = glm::normalize(file.lighting.direction_W);
+  FilePlaces places(scene->files_);
   for (size_t i = 0; i < file.objects.size(); ++i) {
-    for (const Primitive& part : primitives_of(file.objects[i], static_cast<uint16_t>(i + 1)))
+    for (const Primitive& part :
+         primitives_of(file.objects[i], static_cast<uint16_t>(i + 1), places))
       scene->objects_.push_back({part, file.objects[i].velocity_mps});
     if (scene->objects_.size() > kMaxParts)
       root.fail(fmt::format("found boards of more than {} parts in all", kMaxParts));
   }
+  check_folders(root, scene->files_);
   return scene;
 }
 
@@ -203,7 +287,7 @@ std::string scene_schema() {
   return config_schema("SEAM scene", [&](ConfigTable& table) { describe_scene(table, scene); });
 }
 
-std::unique_ptr<SceneSource> read_scene(const std::filesystem::path& path) {
+std::unique_ptr<FileScene> read_scene(const std::filesystem::path& path) {
   return read_scene(ConfigNode::from_file(path));
 }
 

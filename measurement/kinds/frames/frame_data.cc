@@ -9,11 +9,8 @@ namespace seam::measurement {
 
 FrameProtocol::FrameProtocol(const MeasurementSet& set, const CsvTable& table,
                              const Instruments& instruments)
-    : make_predictor_(instruments.render),
-      width_px_(set.camera.width_px),
-      height_px_(set.camera.height_px),
-      rig_(Rig::from_set(set)) {
-  if (!make_predictor_)
+    : width_px_(set.camera.width_px), height_px_(set.camera.height_px), rig_(Rig::from_set(set)) {
+  if (!instruments.render)
     throw InputError("sets of kind frames need a renderer, which this program does not have");
   if (width_px_ == 0)
     set.root.fail("camera: is missing: a set of frames needs width_px and height_px");
@@ -25,6 +22,7 @@ FrameProtocol::FrameProtocol(const MeasurementSet& set, const CsvTable& table,
   if (table.rows() == 0)
     throw InputError(fmt::format("{}: no frames, expected at least one", table.file()));
   scene_ = read_scene(set.inside(set.root.at("scene")));
+  make_predictor_ = instruments.render(scene_->files());
   for (const int64_t ns : table.times_ns("time_s")) stamps_.push_back(SimTime::from_ns(ns));
 }
 

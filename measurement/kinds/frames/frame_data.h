@@ -10,7 +10,7 @@
 #include "measurement/problem/problem.h"
 #include "measurement/sets/rig.h"
 #include "measurement/sets/set.h"
-#include "sim_core/scene/scene.h"
+#include "sim_core/scene/scene_file.h"
 
 namespace seam::measurement {
 
@@ -25,6 +25,7 @@ class FrameProtocol {
   SimTime stamp(size_t frame) const { return stamps_[frame]; }
   SimTime reference() const { return SimTime::from_ns(rig_.reference_ns()); }
   const Rig& rig() const { return rig_; }
+  const SceneFiles& scene_files() const { return scene_->files(); }
 
   FrameJob job(size_t frame, const Model& model, const Rig::Motion& motion) const;
   std::unique_ptr<FramePredictor> predictor(const Model& model,
@@ -39,7 +40,7 @@ class FrameProtocol {
   MakeFramePredictor make_predictor_;
   int width_px_, height_px_;
   Rig rig_;
-  std::unique_ptr<SceneSource> scene_;
+  std::unique_ptr<FileScene> scene_;
   std::vector<SimTime> stamps_;
 };
 

@@ -8,13 +8,41 @@
 
 namespace seam::measurement {
 
+namespace {
+
+// The scene with the files that it names, and what lies beside a mesh of a format that names files
+// itself.
+void copy_scene(const std::filesystem::path& out, const MeasurementSet& protocol,
+                const SceneFiles& files) {
+  namespace fs = std::filesystem;
+  copy_into(out, protocol, protocol.root.at("scene").text());
+  const auto copy = [&](const fs::path& file) {
+    copy_into(out, protocol, fs::relative(file, protocol.folder).string());
+  };
+  for (const FileName& texture : files.textures) copy(fs::path(texture.folder) / texture.name);
+  for (const SceneFiles::MeshFile& mesh : files.meshes) {
+    const fs::path file = fs::path(mesh.file.folder) / mesh.file.name;
+    copy(file);
+    const std::string sort = file.extension().string();
+    if (sort == ".stl" || sort == ".glb") continue;
+    for (const auto& beside : fs::directory_iterator(file.parent_path())) {
+      if (!beside.is_regular_file() || beside.is_symlink()) continue;
+      const std::string part = beside.path().extension().string();
+      if (part == ".mtl" || part == ".bin" || part == ".png" || part == ".jpg" || part == ".jpeg")
+        copy(beside.path());
+    }
+  }
+}
+
+}  // namespace
+
 void measure_frames(const Model& truth, const MeasurementSet& protocol,
                     const MeasureOptions& options, const Instruments& instruments) {
   const CsvTable table = protocol.table("frames");
   const FrameProtocol frames(protocol, table, instruments);
   const auto files = table.texts("file");
   copy_protocol(protocol, options.out, {});
-  copy_into(options.out, protocol, protocol.root.at("scene").text());
+  copy_scene(options.out, protocol, frames.scene_files());
   const effects::SensorChain chain = effects::sensor_of(truth);
   const RandomStream camera = RandomStream{.seed = options.seed}.child("frames");
   const auto pattern =

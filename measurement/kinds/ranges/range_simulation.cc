@@ -123,8 +123,7 @@ double variance_of_spread(double variance, double fourth, double n) {
 
 RangeSimulation::RangeSimulation(const MeasurementSet& set, const std::vector<BallPlace>& places,
                                  const Instruments& instruments)
-    : make_predictor_(instruments.render),
-      width_px_(set.camera.width_px > 0 ? set.camera.width_px : 178),
+    : width_px_(set.camera.width_px > 0 ? set.camera.width_px : 178),
       height_px_(set.camera.height_px > 0 ? set.camera.height_px : 144),
       places_(places) {
   if (!instruments.render || !instruments.detect) {
@@ -148,6 +147,7 @@ RangeSimulation::RangeSimulation(const MeasurementSet& set, const std::vector<Ba
   if (!std::filesystem::exists(scene_file))
     file.fail(fmt::format("no file {}, expected one of format seam-scene/1", scene_file.string()));
   const auto scene = read_scene(scene_file);
+  make_predictor_ = instruments.render(scene->files());
   background_ = scene->background(), lighting_ = scene->lighting();
   scene->primitives_at(SimTime(), primitives_);
   const auto ball = std::find_if(primitives_.begin(), primitives_.end(),

@@ -58,8 +58,10 @@ class FirstPixel final : public RangeDetector {
 class Ranges : public testing::Test {
  protected:
   void SetUp() override {
-    instruments_.render = [](const Model&, int width_px, int height_px, SimTime, Detail) {
-      return std::make_unique<GreyCamera>(width_px, height_px);
+    instruments_.render = [](const SceneFiles&) {
+      return [](const Model&, int width_px, int height_px, SimTime, Detail) {
+        return std::make_unique<GreyCamera>(width_px, height_px);
+      };
     };
     instruments_.detect = [](const RangeDetectorSpec& spec) -> std::unique_ptr<RangeDetector> {
       if (spec.name != "first_pixel") return nullptr;
