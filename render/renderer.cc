@@ -9,6 +9,7 @@
 #include "effects/stages/optics.h"
 #include "effects/stages/sensor/sensor.h"
 #include "render/cast/light_integrator.h"
+#include "render/cast/ray_store.h"
 #include "render/colour/colour_space.h"
 #include "render/filter/camera_filter.h"
 #include "render/filter/optics_filter.h"
@@ -62,7 +63,7 @@ struct Renderer::Impl {
   effects::SensorChain sensor;
   CameraFilter filter;
   bool moving_lens;  // The geometry depends on time: tables are made for each frame.
-  CameraRays rays;
+  std::shared_ptr<const CameraRays> rays;
   mutable std::mutex patterns_mutex;
   mutable std::map<std::pair<uint64_t, uint64_t>, std::unique_ptr<effects::FixedPattern>> patterns;
 
@@ -77,10 +78,19 @@ struct Renderer::Impl {
         sensor(effects::sensor_of(m)),
         filter(optics, gain_field, width, height),
         moving_lens(geometry_varies_with_time(projection)),
-        rays(make_camera_rays(projection, subject(), filter.border_px(), 0)) {}
+        rays(find_rays()) {}
 
   std::string subject() const {
     return fmt::format("model '{}': {}", model.name(), geometry_keys(model));
+  }
+
+  std::shared_ptr<const CameraRays> find_rays() const {
+    const auto make = [&] {
+      return make_camera_rays(projection, subject(), filter.border_px(), 0);
+    };
+    if (!options.ray_store) return std::make_shared<const CameraRays>(make());
+    return options.ray_store->get(fmt::format("{}border {}", projection.key(), filter.border_px()),
+                                  make);
   }
 
   double seconds(SimTime time) const { return (time - options.reference).s(); }
@@ -102,7 +112,7 @@ struct Renderer::Impl {
       own = make_camera_rays(projection, subject(), filter.border_px(),
                              seconds(job.schedule.rows[height_px / 2].start));
     }
-    const CameraRays& used = moving_lens ? own : rays;
+    const CameraRays& used = moving_lens ? own : *rays;
     LinearImage image{.width_px = used.columns(), .height_px = used.rows()};
     for (auto& plane : image.planes)
       plane.resize(static_cast<size_t>(image.width_px) * image.height_px);
@@ -141,7 +151,7 @@ struct Renderer::Impl {
   // Light on the sensor, interleaved.
   std::vector<float> illumination(const FrameJob& job) const {
     std::vector<float> light;
-    filter.apply(bordered_scene(job), row_motion(job, rays, optics.blur_sigma_px),
+    filter.apply(bordered_scene(job), row_motion(job, *rays, optics.blur_sigma_px),
                  lamp_factors(job), light);
     return light;
   }
@@ -153,7 +163,7 @@ struct Renderer::Impl {
     LinearImage image = without_border(bordered, filter.border_px());
     see("scene", image);
     if (filter.border_px() > 0) {
-      image = filter.blurred(bordered, row_motion(job, rays, optics.blur_sigma_px));
+      image = filter.blurred(bordered, row_motion(job, *rays, optics.blur_sigma_px));
       see("blur", image);
     }
     if (effects::lamps_flicker(model)) {
@@ -237,7 +247,7 @@ Frame Renderer::render(const FrameJob& job) const {
 }
 
 GroundTruth Renderer::ground_truth(const FrameJob& job) const {
-  return make_ground_truth(job, impl_->rays, impl_->projection, impl_->options.opengl);
+  return make_ground_truth(job, *impl_->rays, impl_->projection, impl_->options.opengl);
 }
 
 std::vector<StageImage> Renderer::stages(const FrameJob& job) const {

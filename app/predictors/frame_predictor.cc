@@ -1,5 +1,6 @@
 #include "app/predictors/frame_predictor.h"
 
+#include "render/cast/ray_store.h"
 #include "render/gl/device.h"
 #include "render/renderer.h"
 
@@ -11,13 +12,14 @@ using Device = std::shared_ptr<const render::GlDevice>;
 class RenderedFrames final : public measurement::FramePredictor {
  public:
   RenderedFrames(const effects::Model& model, int width_px, int height_px, SimTime reference,
-                 measurement::Detail detail, Device opengl)
+                 measurement::Detail detail, Device opengl, std::shared_ptr<render::RayStore> rays)
       : opengl_(std::move(opengl)),
         renderer_(model, width_px, height_px,
                   {.samples_per_pixel = 16,
                    .edge_samples_per_pixel = detail == measurement::Detail::fine ? 512 : 64,
                    .reference = reference,
-                   .opengl = opengl_.get()}) {}
+                   .opengl = opengl_.get(),
+                   .ray_store = std::move(rays)}) {}
 
   std::vector<float> light(const FrameJob& job) const override {
     const render::LinearImage image = renderer_.render_linear(opengl_ ? with_sizes(job) : job);
@@ -56,10 +58,11 @@ Device device_of(const SceneFiles& files) {
 
 measurement::OpenFrameRenderer rendered_frames() {
   return [](const SceneFiles& files) {
-    return [opengl = device_of(files)](const effects::Model& model, int width_px, int height_px,
-                                       SimTime reference, measurement::Detail detail) {
-      return std::make_unique<RenderedFrames>(model, width_px, height_px, reference, detail,
-                                              opengl);
+    return [opengl = device_of(files), rays = std::make_shared<render::RayStore>()](
+               const effects::Model& model, int width_px, int height_px, SimTime reference,
+               measurement::Detail detail) {
+      return std::make_unique<RenderedFrames>(model, width_px, height_px, reference, detail, opengl,
+                                              rays);
     };
   };
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "effects/exact_key.h"
 #include "effects/not_a_number.h"
 #include "effects/questions.h"
 #include "effects/registry.h"
@@ -26,6 +27,12 @@ Projection::Projection(const Model& model, int width_px, int height_px)
                                    effect.definition->name));
     if (effect.definition->geometry || effect.definition->image_map) effects_.push_back(effect);
   }
+}
+
+std::string Projection::key() const {
+  std::string key = fmt::format("{}x{};", width_px_, height_px_);
+  for (const ModelEffect& effect : effects_) key += exact_key(effect);
+  return key;
 }
 
 ImagePoint Projection::before_formulas(const Vec3& p_C, double t_s, double row, int channel) const {

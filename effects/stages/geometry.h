@@ -41,6 +41,10 @@ class Projection {
   // to about (u, v); returns where that is not why there is no ray.
   void check_at(double u, double v, double t_s, int channel) const;
 
+  // Projections of the same key, within a search, map every point alike: what acts, with its exact
+  // values, and the image's size.
+  std::string key() const;
+
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
 

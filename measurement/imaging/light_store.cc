@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "effects/exact_key.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -12,10 +13,8 @@ std::string light_key(const effects::Model& model) {
   std::string key;
   for (const effects::ModelEffect& effect : model.effects()) {
     const effects::Stage stage = effect.definition->stage;
-    if (stage == effects::Stage::sensor || stage == effects::Stage::detector) continue;
-    key += effect.definition->name;
-    for (const double value : effect.values()) key += fmt::format(",{:a}", value);
-    key += ';';
+    if (stage != effects::Stage::sensor && stage != effects::Stage::detector)
+      key += effects::exact_key(effect);
   }
   return key;
 }

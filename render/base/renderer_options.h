@@ -1,11 +1,14 @@
 // How finely light is sampled.
 #pragma once
 
+#include <memory>
+
 #include "sim_core/base/time.h"
 
 namespace seam::render {
 
 class GlDevice;
+class RayStore;
 
 struct RendererOptions {
   // At least so many samples fall on a pixel, spread over its square and its row's instants.
@@ -22,6 +25,8 @@ struct RendererOptions {
   SimTime reference;
   // Draws in place of the ray caster where given; outlives the renderers that use it.
   const GlDevice* opengl = nullptr;
+  // Renderers that are given the same one find the rays of equal cameras once.
+  std::shared_ptr<RayStore> ray_store;
 };
 
 }  // namespace seam::render

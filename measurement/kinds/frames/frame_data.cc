@@ -2,6 +2,7 @@
 
 #include "effects/stages/row_schedule.h"
 #include "effects/stages/timing.h"
+#include "measurement/fitting/assess.h"
 #include "sim_core/base/error.h"
 #include "sim_core/scene/scene_file.h"
 
@@ -48,10 +49,11 @@ std::vector<LightImage> FrameProtocol::render(const Model& model, const std::vec
                                               Detail detail) const {
   const auto frame_predictor = predictor(model, detail);
   const Rig::Motion motion = rig_.motion(model);
-  std::vector<LightImage> light;
-  for (const size_t frame : frames)
-    light.push_back(std::make_shared<const std::vector<float>>(
-        frame_predictor->light(job(frame, model, motion))));
+  std::vector<LightImage> light(frames.size());
+  parallel_for(frames.size(), [&](size_t k) {
+    light[k] = std::make_shared<const std::vector<float>>(
+        frame_predictor->light(job(frames[k], model, motion)));
+  });
   return light;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace seam::measurement {
@@ -66,6 +67,14 @@ std::vector<float> steepest_nearby(const ImageSlope& slope, int width_px, int he
   spread_along(width_px, height_px, 3, row);
   spread_along(height_px, width_px, row, 3);
   return square;
+}
+
+double mean_square(const Evaluation& evaluation) {
+  double sum = 0, count = 0;
+  for (size_t i = 0; i < evaluation.used.size(); ++i) {
+    if (evaluation.used[i]) sum += evaluation.whitened[i] * evaluation.whitened[i], count += 1;
+  }
+  return evaluation.valid && count > 0 ? sum / count : std::numeric_limits<double>::infinity();
 }
 
 FrameErrors::FrameErrors(int width_px, int height_px, const effects::SensorChain& chain,

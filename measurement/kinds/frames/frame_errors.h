@@ -24,6 +24,9 @@ ImageSlope image_slope(const std::vector<float>& image, int width_px, int height
 // By sample: the largest squared slope among its neighbours and itself.
 std::vector<float> steepest_nearby(const ImageSlope& slope, int width_px, int height_px);
 
+// Of whitened samples: about 1 where a model is right, infinite where it gives no image.
+double mean_square(const Evaluation& evaluation);
+
 // Whitens the samples of some frames. A sample that is left out has value 0 and stays so in effect.
 class FrameErrors {
  public:

@@ -236,11 +236,7 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model,
                                                          const Groups& groups,
                                                          const Evaluation& here) const {
   std::vector<std::vector<double>> columns;
-  double chi2 = 0, count = 0;
-  for (size_t i = 0; i < here.used.size(); ++i) {
-    if (here.used[i]) chi2 += here.whitened[i] * here.whitened[i], count += 1;
-  }
-  const bool far = chi2 > 2 * count;
+  const bool far = mean_square(here) > 2;
   const std::vector<size_t> frames = frames_of(groups);
   const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), effects::sensor_of(model),
                            frames, slopes_of(frames, here), here);

@@ -65,6 +65,8 @@ class FramesProblem : public Problem {
                                     const Evaluation& here) const;
   void whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames,
               Evaluation& out) const;
+  Fit fit_anew(const Model& start, const std::vector<Unknown>& unknowns,
+               const Groups& groups) const;
   double find_step(const Model& model, const Unknown& unknown, const Groups& groups) const;
   double step_of(const Model& model, const Unknown& unknown, const Groups& groups) const;
 
@@ -75,6 +77,8 @@ class FramesProblem : public Problem {
   size_t samples_ = 0;  // Of a frame.
   mutable std::mutex steps_mutex_;
   mutable std::map<std::string, double> steps_;  // Of differences, by parameter.
+  mutable std::mutex fits_mutex_;
+  mutable std::map<std::string, Fit> fits_;
 };
 
 // `seam measure` for this kind (frames_measure.cc).

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/exact_key.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/frames/frames.h"
 #include "measurement/numerics/damped_step.h"
@@ -27,6 +28,15 @@ class FrameFit {
         here_(problem.evaluate(start, groups)) {
     likelihood_ = likelihood(here_);
     for (size_t i = 0; i < unknowns.size(); ++i) (space_[i].spread ? spread_ : mean_).push_back(i);
+  }
+
+  // By more than the noise again.
+  bool is_far() const { return here_.valid && mean_square(here_) > 2; }
+
+  // Steps alone, as far as they lead: where the fit to all frames may begin.
+  Model end_of_steps() {
+    for (int round = 0; round < 8 && here_.valid && step();) ++round;
+    return model_;
   }
 
   Fit run() {
@@ -180,7 +190,31 @@ class FrameFit {
 
 Fit FramesProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                        const Groups& groups) const {
-  return FrameFit(*this, start, unknowns, groups).run();
+  // Looks and exchanges ask for some fits again.
+  std::string key(groups.begin(), groups.end());
+  for (const effects::ModelEffect& effect : start.effects()) key += effects::exact_key(effect);
+  for (const Unknown& unknown : unknowns)
+    key += fmt::format("{}.{};", unknown.effect, unknown.parameter);
+  {
+    const std::scoped_lock lock(fits_mutex_);
+    if (const auto known = fits_.find(key); known != fits_.end()) return known->second;
+  }
+  const Fit fit = fit_anew(start, unknowns, groups);
+  const std::scoped_lock lock(fits_mutex_);
+  return fits_.try_emplace(key, fit).first->second;
+}
+
+Fit FramesProblem::fit_anew(const Model& start, const std::vector<Unknown>& unknowns,
+                            const Groups& groups) const {
+  FrameFit fit(*this, start, unknowns, groups);
+  const std::vector<size_t> frames = frames_of(groups);
+  if (frames.size() < 4 || !fit.is_far()) return fit.run();
+  // Two frames show the way; what all say beyond is a last step or two.
+  Groups few(groups.size(), 0);
+  for (const size_t quarter : {1, 3})
+    few[facts_.group_of_row[frames[quarter * frames.size() / 4]]] = 1;
+  const Model near = FrameFit(*this, start, unknowns, few).end_of_steps();
+  return FrameFit(*this, near, unknowns, groups).run();
 }
 
 }  // namespace seam::measurement

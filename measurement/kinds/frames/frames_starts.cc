@@ -25,6 +25,9 @@ std::vector<double> beside_neutral(const EffectDefinition& effect) {
   return start;
 }
 
+// Of the noise's variance.
+constexpr double kLittleLeft = 1.02;
+
 }  // namespace
 
 std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
@@ -44,8 +47,10 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
   if (effect.spread_only) return {start};
   if (rule.search == StartSearch::frequency) return {flicker_start(model)};
   if (rule.search == StartSearch::ceiling) return ceiling_start(model, effect);
-  // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried.
+  // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried,
+  // unless so little is left of the misfit that no large one can be missing.
   const Groups few = some_training_frames(2);
+  if (mean_square(evaluate(model, few)) < kLittleLeft) return {start};
   std::vector<double> best = start;
   double best_value = likelihood(model, effect, start, few) + 10;
   for (size_t i = 0; i < start.size(); ++i) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/exact_key.h"
 #include "effects/questions.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "measurement/kinds/photometry/photometry_smooth.h"
@@ -25,10 +26,7 @@ bool is_logarithmic(const EffectDefinition& effect, const effects::Parameter& pa
 std::string PhotometryProblem::optimum_key(const Model& model, const std::vector<Unknown>& unknowns,
                                            const Groups& groups) const {
   std::string key(groups.begin(), groups.end());
-  for (const effects::ModelEffect& effect : model.effects()) {
-    key += effect.definition->name;
-    for (const double value : effect.values()) key += fmt::format(",{:a}", value);
-  }
+  for (const effects::ModelEffect& effect : model.effects()) key += effects::exact_key(effect);
   for (const Unknown& unknown : unknowns)
     key += fmt::format(";{}.{}", unknown.effect, unknown.parameter);
   return key;

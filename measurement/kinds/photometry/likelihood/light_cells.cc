@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "effects/exact_key.h"
 #include "effects/stages/optics.h"
 #include "measurement/kinds/photometry/likelihood/photometry_cells.h"
 
@@ -31,9 +32,7 @@ std::string light_key(const PhotometrySums& sums, const effects::Model& model) {
   if (wave.amplitude_dn > 0)
     key += fmt::format(";{:a},{:a},{:a};", wave.period_px, wave.angle_rad, wave.phase_rad);
   for (const effects::ModelEffect& effect : model.effects()) {
-    if (!effect.definition->gain && !effect.definition->optics) continue;
-    key += effect.definition->name;
-    for (const double value : effect.values()) key += fmt::format(",{:a}", value);
+    if (effect.definition->gain || effect.definition->optics) key += effects::exact_key(effect);
   }
   return key;
 }
