@@ -3,6 +3,7 @@
 // that the search would take (choice.h).
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "measurement/fitting/foretaste.h"
 #include "measurement/numerics/regression.h"
@@ -47,6 +48,16 @@ int sort_of(const EffectDefinition& effect) {
   return effect.draws_estimated ? 1 : effect.errors == effects::Errors::now_and_then ? 3 : 2;
 }
 
+// Those with the most to fit first, so that no processor waits for a last long fit.
+std::vector<size_t> dearest_first(const EffectList& effects) {
+  std::vector<size_t> order(effects.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return effects[a]->parameters.size() > effects[b]->parameters.size();
+  });
+  return order;
+}
+
 class Look {
  public:
   Look(const Problem& problem, const Grown& base, const EffectList& effects, double material,
@@ -54,6 +65,7 @@ class Look {
       : problem_(problem),
         base_(base),
         effects_(effects),
+        order_(dearest_first(effects)),
         material_(material),
         promising_only_(problem.is_smooth(base.assessment.model) &&
                         (promising_only || problem.screening_groups())),
@@ -73,7 +85,7 @@ class Look {
       // Single large errors are told by no model that explains nothing.
       const bool useless = sort == kSorts - 1 && base_.assessment.error > kUseless;
       if ((promising_only_ || useless) && any_helps()) break;
-      parallel_for(effects_.size(), [&](size_t i) {
+      for_all_effects([&](size_t i) {
         if (prospects_[i] && worth[i] && sort_of(*effects_[i]) == sort) fit(i);
       });
     }
@@ -87,6 +99,10 @@ class Look {
   }
 
  private:
+  void for_all_effects(const std::function<void(size_t)>& job) const {
+    parallel_for(order_.size(), [&](size_t k) { job(order_[k]); });
+  }
+
   std::optional<Evaluation> near_on(const std::optional<Groups>& groups) const {
     if (!groups) return start_of_prospects(problem_, base_.assessment.model);
     if (!problem_.is_smooth(base_.assessment.model)) return std::nullopt;
@@ -102,11 +118,10 @@ class Look {
       prospects_[i] =
           prospect_of(problem_, base_, effects_[i], reasons_[i], /*alone=*/false, from, few);
     };
-    parallel_for(effects_.size(),
-                 [&](size_t i) { see(i, near ? &*near : nullptr, few_ ? &*few_ : nullptr); });
+    for_all_effects([&](size_t i) { see(i, near ? &*near : nullptr, few_ ? &*few_ : nullptr); });
     // What few groups cannot see, all may.
     if (few_) {
-      parallel_for(effects_.size(), [&](size_t i) {
+      for_all_effects([&](size_t i) {
         const bool shares = prospects_[i] && !prospects_[i]->few;
         if (reasons_[i].empty() && !shares) return;
         reasons_[i].clear();
@@ -129,7 +144,7 @@ class Look {
 
   // What gains on all rows where few groups put it, and not yet enough, may gain more there.
   void fit_undecided() {
-    parallel_for(found_.size(), [&](size_t i) {
+    for_all_effects([&](size_t i) {
       const bool undecided =
           found_[i] && found_[i]->of_few && !found_[i]->significant && found_[i]->total_gain_ll > 0;
       if (undecided) ask_all_rows(problem_, base_, here_, looks_.tried, material_, *found_[i]);
@@ -139,6 +154,7 @@ class Look {
   const Problem& problem_;
   const Grown& base_;
   const EffectList& effects_;
+  const std::vector<size_t> order_;
   const double material_;
   const bool promising_only_;
   const std::optional<Groups> few_;

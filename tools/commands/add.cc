@@ -46,7 +46,7 @@ void add_add(app::Command app) {
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
     outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result) +
                      measurement::target_text(*problem, result.model),
-                 measurement::add_json(*problem, result, "seam-add/1"));
+                 [&] { return measurement::add_json(*problem, result, "seam-add/1"); });
   });
 }
 
@@ -67,7 +67,7 @@ void add_fit(app::Command app) {
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
     outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result) +
                      measurement::target_text(*problem, result.model),
-                 measurement::add_json(*problem, result, "seam-fit/1"));
+                 [&] { return measurement::add_json(*problem, result, "seam-fit/1"); });
   });
 }
 

@@ -79,9 +79,9 @@ AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& 
   target = OutputFile(flags.target_out, rules);
 }
 
-void AnalysisOutputs::tell(const std::string& text, const std::string& json_text) {
+void AnalysisOutputs::tell(const std::string& text, const std::function<std::string()>& make_json) {
   std::fputs(shown_lines(text).c_str(), stdout);
-  json.fill(json_text);
+  if (json) json.fill(make_json());
 }
 
 measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags) {

@@ -1,6 +1,7 @@
 // What the analysis commands (compare, diagnose, add, fit, discover) share.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -54,8 +55,8 @@ std::string with_doubts(const std::string& text, const AnalysisFlags& flags,
 // told at once. `out` is a model or effect that the command makes.
 struct AnalysisOutputs {
   explicit AnalysisOutputs(const AnalysisFlags& flags, const std::string& out = "");
-  // Prints the text; writes the JSON where the user asked for it.
-  void tell(const std::string& text, const std::string& json);
+  // Prints the text; writes the JSON, which may be long to make, where the user asked for it.
+  void tell(const std::string& text, const std::function<std::string()>& make_json);
 
   OutputFile json;
   OutputFile report;

@@ -17,7 +17,7 @@ void compare_with_data(const AnalysisFlags& flags) {
   const auto result = measurement::compare(*problem, model, flags.material);
   outputs.tell(with_doubts(measurement::compare_text(*problem, result), flags, model,
                            result.base.assessment.error),
-               measurement::compare_json(*problem, result));
+               [&] { return measurement::compare_json(*problem, result); });
   if (outputs.report) {
     measurement::write_report(
         outputs.report,
@@ -33,7 +33,7 @@ void compare_models(const AnalysisFlags& flags, const std::vector<std::string>& 
   const auto map = measurement::difference_map(read_model(files[0]), read_model(files[1]),
                                                set.camera.width_px, set.camera.height_px);
   outputs.tell(measurement::models_text(map, files[0], files[1]),
-               measurement::models_json(map, files[0], files[1]));
+               [&] { return measurement::models_json(map, files[0], files[1]); });
   if (outputs.report) {
     const measurement::ReportHeader header{
         .command = fmt::format("seam compare --models {} {} --data {} --report {}", files[0],

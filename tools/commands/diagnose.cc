@@ -58,7 +58,7 @@ void add_diagnose(app::Command app) {
       text += told(suggestion, result, *suggested);
       if (suggestion) outputs.out.fill(suggestion->yaml);
     }
-    outputs.tell(text, measurement::diagnose_json(*problem, result, suggestion));
+    outputs.tell(text, [&] { return measurement::diagnose_json(*problem, result, suggestion); });
     if (outputs.report) {
       measurement::write_report(
           outputs.report,
