@@ -65,6 +65,8 @@ SCENARIOS = {
              "made": {"walked_m": "sqrt(x_m^2 + y_m^2) - distance_m", "aside_m": "bearing_rad * distance_m + y_m"}},
 }
 SEEDS = 4
+# What numbers are read off with besides: a tape, and a protractor.
+READ_TO = {"m": 2e-3, "rad": 3e-3}
 # What the sets list as candidates; the ball's place stands beside them, as a setting of the scenario.
 CANDIDATES = """
   focal_length_error: {fy_scale: [-0.2, 0.2]}
@@ -109,10 +111,10 @@ def numbers_of(name):
 def write_protocol(folder):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    rows = ["scenario,value,statistic,measured,sigma"]
+    rows = ["scenario,value,statistic,measured,sigma,reading_sigma"]
     for name, settings in SCENARIOS.items():
         (folder / f"{name}.yaml").write_text(plan(settings))
-        rows += [f"{name},{value},mean,," for value in numbers_of(name)]
+        rows += [f"{name},{value},mean,,,{READ_TO['rad' if value.endswith('_rad') else 'm']}" for value in numbers_of(name)]
     (folder / "outcomes.csv").write_text("\n".join(rows) + "\n")
     scenario = (ROOT / "scenarios/ball_distance.yaml").read_text().replace("../models/", "models/")
     (folder / "scenario.yaml").write_text(scenario)
