@@ -143,6 +143,20 @@ class Outcomes(unittest.TestCase):
         self.assertIn("--run-programs", done.stderr)
         self.assertFalse(marker.exists())
 
+    def test_a_set_that_cannot_be_made_leaves_nothing(self):
+        plan = (self.protocol / "near.yaml").read_text()
+        self.write("protocol/near.yaml", plan.replace("seeds: [1, 2]\n", ""))
+        out = self.folder / "made"
+        command = ["measure", "--model", self.nominal, "--protocol", self.protocol, "--out", out]
+        done = seam(*command)
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn("seeds: [first, last]", done.stderr)
+        self.assertFalse(out.exists())
+        out.mkdir()
+        self.write("made/of_mine.txt", "mine\n")
+        self.assertEqual(seam(*command).returncode, 1)
+        self.assertEqual([file.name for file in out.iterdir()], ["of_mine.txt"])
+
     def test_names_stay_in_the_folder(self):
         self.write("elsewhere.yaml", (SOURCE / "scenarios/ball_distance.yaml").read_text())
         self.describe(scenario="../elsewhere.yaml")

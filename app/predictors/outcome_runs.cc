@@ -119,11 +119,10 @@ void add_record(const RunRecord& record, size_t columns, Json& runs, std::string
 
 // In the helper process: makes the runs of a request. Throws where it was interrupted.
 std::string make_table(const std::vector<SweepPlan>& plans, const fs::path& kept,
-                       const std::string& request) {
+                       ProgramPrints& prints, const std::string& request) {
   const Json asked = Json::parse(request);
   const SweepPlan plan =
       changed_plan(plans.at(asked.at("plan")), asked.at("changes"), asked.at("draw"));
-  ProgramPrints prints;
   const Makers makers = makers_of(plan, prints);
   const size_t columns = plan.keep().columns().size();
   Json runs = Json::array();
@@ -136,12 +135,12 @@ std::string make_table(const std::vector<SweepPlan>& plans, const fs::path& kept
   if (kept.empty()) {
     std::vector<uint64_t> all(plan.runs());
     for (uint64_t i = 0; i < all.size(); ++i) all[i] = i;
-    outcome = make_runs(plan, all, makers, 0, {}, take);
+    outcome = make_runs(plan, all, makers, 0, {}, take, prints);
   } else {
     make_output_folder(kept);
     ResultsFile results = ResultsFile::for_writing(kept / (to_hex(plan.fingerprint()) + ".sqlite"),
                                                    plan, makers, Shard{});
-    outcome = make_missing_runs(results, 0);
+    outcome = make_missing_runs(results, 0, prints);
     if (!outcome.interrupted) results.each(take);
     results.close();
   }
@@ -164,9 +163,10 @@ class OutcomeRuns final : public measurement::RunMaker {
       programs.insert(programs.end(), foreign.begin(), foreign.end());
     }
     require_consent(programs, options.run_programs);
-    helper_.emplace([this, kept = options.kept](const std::string& request) {
-      return make_table(plans_, kept, request);
-    });
+    helper_.emplace(
+        [this, kept = options.kept, prints = ProgramPrints()](const std::string& request) mutable {
+          return make_table(plans_, kept, prints, request);
+        });
   }
 
   std::vector<std::string> columns(size_t plan) const override {

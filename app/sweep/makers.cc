@@ -60,8 +60,8 @@ std::string ProgramPrints::of(const std::vector<std::string>& command, const std
 }
 
 Makers makers_of(const SweepPlan& plan, ProgramPrints& prints) {
-  std::string program = print_of_text(read_file("/proc/self/exe"));
-  for (const std::string& plugin : plugins()) program += print_of_text(read_file(plugin));
+  std::string program = prints.print_of("/proc/self/exe");
+  for (const std::string& plugin : plugins()) program += prints.print_of(plugin);
   std::string behaviours;
   for (const auto& [command, robot] : plan.commands()) behaviours += prints.of(command, robot);
   return {SEAM_VERSION, print_of_text(program), print_of_text(behaviours)};

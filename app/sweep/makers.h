@@ -10,14 +10,14 @@
 
 namespace seam::app {
 
-// Fingerprints of the files that commands name, read once each.
+// Fingerprints of programs and of the files that commands name, read once each.
 class ProgramPrints {
  public:
   // Of the program and of all arguments that are files (a script, a table).
   std::string of(const std::vector<std::string>& command, const std::string& robot);
+  const std::string& print_of(const std::string& file);
 
  private:
-  const std::string& print_of(const std::string& file);
   std::map<std::string, std::string> prints_;
 };
 

@@ -133,7 +133,7 @@ ResultsFile::~ResultsFile() = default;
 
 ResultsFile ResultsFile::for_reading(const fs::path& file) {
   ResultsFile results(file, std::make_unique<Database>(file, Database::Mode::read));
-  results.read_head();
+  results.read_head(/*known=*/nullptr);
   return results;
 }
 
@@ -148,17 +148,18 @@ ResultsFile ResultsFile::for_writing(const fs::path& file, const SweepPlan& plan
   results.lock_ = std::move(lock);
   const bool has_tables =
       std::get<int64_t>(results.database_->value("SELECT count(*) FROM sqlite_master")) != 0;
-  if (has_tables) results.read_head();  // Before anything of another program's file is changed.
+  if (has_tables)
+    results.read_head(&plan);  // Before anything of another program's file is changed.
   // A process that dies loses nothing that was committed; of a computer that does, the last few
   // runs may have to be made again.
   results.database_->value("PRAGMA journal_mode = WAL");
   results.database_->execute("PRAGMA synchronous = NORMAL");
   if (!has_tables) {
     results.create(plan, makers, shard);
-    results.read_head();
+    results.read_head(&plan);
   }
   const std::string where = file.string();
-  if (results.plan().fingerprint() != plan.fingerprint())
+  if (results.plan().texts() != plan.texts() && results.plan().fingerprint() != plan.fingerprint())
     throw InputError(fmt::format(
         "{}: holds the results of another plan ({}), or this one, its scenario or a file that they "
         "name has changed since: give another --out, or the plan as it was",
@@ -209,7 +210,7 @@ void ResultsFile::create(const SweepPlan& plan, const Makers& makers, const Shar
   transaction.commit();
 }
 
-void ResultsFile::read_head() {
+void ResultsFile::read_head(const SweepPlan* known) {
   const bool ours =
       std::get<int64_t>(database_->value("SELECT count(*) FROM sqlite_master WHERE name IN "
                                          "('meta', 'files', 'runs')")) == 3;
@@ -222,7 +223,11 @@ void ResultsFile::read_head() {
   PlanTexts texts{get("plan_name"), get("plan"), get("scenario_name"), get("scenario"), {}};
   database_->query("SELECT name, text FROM files", {},
                    [&](const SqlRow& row) { texts.files[text_of(row[0])] = text_of(row[1]); });
-  plan_.emplace(SweepPlan::from_texts(texts));
+  if (known != nullptr && known->texts() == texts) {
+    plan_.emplace(*known);
+  } else {
+    plan_.emplace(SweepPlan::from_texts(texts));
+  }
   makers_ = {get("version"), get("program"), get("behaviours")};
   shard_ = shard_from_text(get("shard"));
 }

@@ -93,7 +93,8 @@ class ResultsFile {
  private:
   ResultsFile(std::filesystem::path path, std::unique_ptr<Database> database);
   void create(const SweepPlan& plan, const Makers& makers, const Shard& shard);
-  void read_head();
+  // A plan that is known need not be worked out again.
+  void read_head(const SweepPlan* known);
   std::vector<std::string> columns() const;
 
   // Held as long as the file is written; released after the database is closed.

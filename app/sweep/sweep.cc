@@ -18,7 +18,7 @@ fs::path run_files(const fs::path& results) {
 
 SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
                        const Makers& makers, int jobs, const fs::path& files,
-                       const std::function<void(const RunRecord&)>& done) {
+                       const std::function<void(const RunRecord&)>& done, ProgramPrints prints) {
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int workers = jobs > 0 ? jobs : cores;
   Standbys standbys;  // Each worker fills its own copy.
@@ -27,7 +27,6 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
   if (!runs.empty() && (plan.keep().logs || plan.keep().frames)) make_output_folder(files);
   SweepOutcome outcome;
   SweepProgress progress(runs.size());
-  ProgramPrints prints;
   size_t next = 0;
   const auto take = [&](const RunRecord& record) {
     ++outcome.made;
@@ -51,14 +50,15 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
   return outcome;
 }
 
-SweepOutcome make_missing_runs(ResultsFile& results, int jobs) {
+SweepOutcome make_missing_runs(ResultsFile& results, int jobs, ProgramPrints prints) {
   const std::vector<bool> finished = results.finished();
   std::vector<uint64_t> runs;
   for (uint64_t run = 0; run < finished.size(); ++run) {
     if (!finished[run] && results.shard().has(run)) runs.push_back(run);
   }
-  return make_runs(results.plan(), runs, results.makers(), jobs, run_files(results.path()),
-                   [&](const RunRecord& record) { results.add(record); });
+  return make_runs(
+      results.plan(), runs, results.makers(), jobs, run_files(results.path()),
+      [&](const RunRecord& record) { results.add(record); }, std::move(prints));
 }
 
 }  // namespace seam::app

@@ -212,6 +212,14 @@ bool has_draws(const Model& model) {
                      [](const auto& effect) { return effect.definition->draws_estimated; });
 }
 
+std::shared_ptr<const EffectDefinition> as_tried(
+    const Problem& problem, const std::shared_ptr<const EffectDefinition>& effect) {
+  if (problem.facts().set.kind != effects::kOutcomes || !effect->spread_only) return effect;
+  EffectDefinition tried = *effect;
+  tried.spread_only = false;
+  return std::make_shared<const EffectDefinition>(std::move(tried));
+}
+
 EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own) {
   EffectList absent;
   const auto consider = [&](const std::shared_ptr<const EffectDefinition>& effect) {
@@ -223,7 +231,7 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
     if (required && rule.search == effects::StartSearch::slope) return;
     if (!problem.acts(*effect)) return;
     if (effects::is_excluded(*effect, model)) return;
-    absent.push_back(effect);
+    absent.push_back(as_tried(problem, effect));
   };
   for (const auto& effect : effects::catalogue()) consider(effect);
   for (const auto& effect : own) consider(effect);

@@ -23,6 +23,11 @@ struct Looks {
   double tried = 0;  // Effects that were looked at, for the correction of p-values.
 };
 
+// The effect as a set of this kind sees it: noises move statistics of whole runs, and are there
+// looked for as everything else is that moves predictions.
+std::shared_ptr<const EffectDefinition> as_tried(
+    const Problem& problem, const std::shared_ptr<const EffectDefinition>& effect);
+
 // The effects of the catalogue that act on this set, and the user's own, less those in the model.
 EffectList absent_effects(const Problem& problem, const Model& model, const EffectList& own);
 

@@ -111,6 +111,9 @@ inline constexpr double kFewerParametersWidth = 2;
 inline constexpr double kPreferenceWidth = 0.5;
 // How many others are named beside a tied effect: more would hide the point. A judgement.
 inline constexpr size_t kMostTiesNamed = 3;
+// Where fewer numbers than this are held out, one that they deny is named beside an equal that they
+// do not: an error of 30 numbers is good to an eighth. A judgement.
+inline constexpr int kFewHeldOut = 30;
 // An exchange of one effect for another must gain this share of a tie's width: less is within what
 // two fits of one model differ by, and the search would go round in circles. A judgement.
 inline constexpr double kExchangeGain = 0.25;

@@ -57,6 +57,15 @@ double limit_of(const Assessment& assessment) {
   return limit_at_noise(static_cast<double>(std::max<int64_t>(1, assessment.held.n)));
 }
 
+// What is left of the noise: on held-out groups, or, where these are a handful of numbers, on all
+// where that is less. What one group alone shows is found by no fit to the others.
+double error_left(const Problem& problem, const Assessment& after) {
+  if (after.held.n >= kFewHeldOut) return after.error;
+  const Score all = problem.score(after.model, problem.all_groups());
+  const double free = static_cast<double>(all.n) - static_cast<double>(after.unknowns.size());
+  return all.valid && free > 0 ? std::min(after.error, std::sqrt(all.chi2 / free)) : after.error;
+}
+
 bool is_at_noise(const Assessment& assessment) {
   return assessment.error <= limit_of(assessment);
 }
@@ -156,7 +165,8 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   looks *= problem.looks(before.model, *candidate.effect);
   // Where the model misses more than the noise, likelihood ratios are worth less in proportion.
   // A few numbers scatter more by themselves, which is no misfit.
-  const double limit = limit_of(after), excess = after.error * kMisfit / limit;
+  const double left = error_left(problem, after);
+  const double limit = limit_of(after), excess = left * kMisfit / limit;
   const double misfit = std::max(1.0, excess * excess);
   const double ratio = 2 * candidate.total_gain_ll / misfit;
   const double freedom = static_cast<double>(std::max<size_t>(1, fitted_parameters(candidate)));
@@ -175,14 +185,13 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   const bool mean = !only_widens(*candidate.effect);
   const bool plain = mean && after.error < kPlainlyLess * before.error;
   const bool falls = !mean || before.error <= limit || candidate.fall > 0;
-  const bool agreed = after.error <= limit
+  const bool agreed = left <= limit
                           ? clear || candidate.free.size() > 1 || (lost_tells && !is_known(before))
                           : falls && (plain || (clear && candidate.held_z > kAgreedGain));
   // Held-out groups must agree. Where all groups together leave no doubt, they may be unlucky: by
   // as much as noise makes them in one of ten cases at five standard errors, or by what their
   // scatter does in one of ten.
-  const bool beyond_doubt =
-      candidate.p_value < kBeyondDoubt * kCandidateAlarm && after.error < limit;
+  const bool beyond_doubt = candidate.p_value < kBeyondDoubt * kCandidateAlarm && left < limit;
   const bool held_out_agree =
       candidate.gain_ll > 0 ||
       (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
@@ -274,6 +283,17 @@ void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
 
 }  // namespace
 
+namespace {
+
+// Whether these data may prefer this one: it explains as much as any that is significant where all
+// rows count, and so few are held out that their verdict is luck.
+bool may_be_equal(const Candidate& candidate) {
+  const bool few = candidate.grown.assessment.held.n < kFewHeldOut;
+  return candidate.significant || (few && !candidate.trace && candidate.p_value < kCandidateAlarm);
+}
+
+}  // namespace
+
 void rank_candidates(std::vector<Candidate>& candidates) {
   // While nothing explains the set by far, training groups can be fitted by what is wrong
   // elsewhere.
@@ -295,7 +315,7 @@ void rank_candidates(std::vector<Candidate>& candidates) {
     const double error = candidate.grown.assessment.error;
     for (size_t k = 0; k < candidates.size(); ++k) {
       const Candidate& other = candidates[k];
-      if (k == i || !other.significant) continue;
+      if (k == i || !may_be_equal(other)) continue;
       const bool in_class = at_noise && i < tied && k < tied;
       const bool pair =
           std::abs(other.total_gain_ll - candidate.total_gain_ll) < tie_width(error) &&

@@ -60,7 +60,7 @@ class Searcher {
 };
 
 std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& name) const {
-  if (auto found = effects::find_effect(name)) return found;
+  if (auto found = effects::find_effect(name)) return as_tried(problem_, found);
   for (const auto& effect : own_) {
     if (effect->name == name) return effect;
   }

@@ -1,4 +1,7 @@
 // `seam measure`: makes the measurement set that a model would give.
+#include <filesystem>
+#include <system_error>
+
 #include "app/predictors/instruments.h"
 #include "measurement/kinds/kinds.h"
 #include "sim_core/base/output.h"
@@ -6,6 +9,32 @@
 #include "tools/commands/analysis.h"
 
 namespace seam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The folder of a set, which goes again where the set is not made.
+class FolderOfSet {
+ public:
+  explicit FolderOfSet(fs::path folder) : folder_(std::move(folder)) {
+    std::error_code unknown;
+    was_there_ = fs::exists(folder_, unknown);
+    make_output_folder(folder_);
+  }
+  ~FolderOfSet() {
+    std::error_code unknown;
+    if (!is_made_ && !was_there_) fs::remove_all(folder_, unknown);
+  }
+  FolderOfSet(const FolderOfSet&) = delete;
+  FolderOfSet& operator=(const FolderOfSet&) = delete;
+  void is_made() { is_made_ = true; }
+
+ private:
+  fs::path folder_;
+  bool was_there_ = true, is_made_ = false;
+};
+
+}  // namespace
 
 void add_measure(app::Command app) {
   app::Command command =
@@ -28,12 +57,13 @@ void add_measure(app::Command app) {
   command.footer(
       "Example: seam measure --model truth.yaml --protocol sets/points-a --seed 1 --out made");
   command.callback([flags] {
-    make_output_folder(flags->out);
     const effects::Model truth = read_model(flags->model);
     const auto protocol = measurement::MeasurementSet::open(flags->protocol);
+    FolderOfSet folder(flags->out);
     measurement::measure_set(
         truth, protocol, {.seed = flags->seed, .noise = flags->noise == "on", .out = flags->out},
         app::instruments(flags->runs));
+    folder.is_made();
     std::printf("%s\n", flags->out.c_str());
   });
 }

@@ -209,18 +209,35 @@ RunSettings SweepPlan::settings(uint64_t run) const {
   return settings;
 }
 
+// `seeds:` is the axis that stands last and thus varies fastest but for repetitions.
+uint64_t SweepPlan::with_first_seed(uint64_t run) const {
+  const uint64_t of_seeds = std::max<uint64_t>(1, seeds_) * repetitions_;
+  return run / of_seeds * of_seeds;
+}
+
+Scenario SweepPlan::worked_out(uint64_t run, const RunSettings& settings,
+                               const Known& known) const {
+  // Nothing else of a scenario depends on its seed.
+  if (const auto alike = known.find(with_first_seed(run)); seeds_ > 0 && alike != known.end()) {
+    Scenario scenario = alike->second;
+    scenario.seed = std::stoll(settings.values.back().text);
+    return scenario;
+  }
+  ScenarioTree tree(*base_);
+  size_t at = 0;
+  for (const Axis& axis : axes_) {
+    for (const SweepParameter& parameter : axis.parameters) {
+      const WrittenValue value = content(settings.values[at++], parameter.takes_file);
+      for (const std::string& path : parameter.paths) tree.set(path, value);
+    }
+  }
+  return tree.scenario();
+}
+
 Scenario SweepPlan::scenario(uint64_t run) const {
   const RunSettings settings = this->settings(run);
   try {
-    ScenarioTree tree(*base_);
-    size_t at = 0;
-    for (const Axis& axis : axes_) {
-      for (const SweepParameter& parameter : axis.parameters) {
-        const WrittenValue value = content(settings.values[at++], parameter.takes_file);
-        for (const std::string& path : parameter.paths) tree.set(path, value);
-      }
-    }
-    Scenario scenario = tree.scenario();
+    Scenario scenario = worked_out(run, settings, *known_);
     scenario.seed = repeated_seed(scenario.seed, settings.repetition);
     return scenario;
   } catch (const InputError& error) {
@@ -241,6 +258,11 @@ void SweepPlan::try_some_runs() {
   }
   for (const uint64_t run : tried) {
     const Scenario scenario = this->scenario(run);
+    if (seeds_ > 0 && run == with_first_seed(run)) {
+      Known known = *known_;
+      known.emplace(run, scenario);
+      known_ = std::make_shared<const Known>(std::move(known));
+    }
     try {
       models_of(scenario);
     } catch (const InputError& error) {

@@ -24,6 +24,7 @@ struct PlanTexts {
   std::string scenario_name;  // As the plan names it.
   std::string scenario;       // One document, with the files that it names and without tokens.
   std::map<std::string, std::string> files;  // Tables and models that the plan names.
+  bool operator==(const PlanTexts&) const = default;
 };
 
 // The settings of one run, as they stand in tables.
@@ -63,6 +64,8 @@ class SweepPlan {
   const std::map<std::vector<std::string>, std::string>& commands() const { return commands_; }
 
  private:
+  using Known = std::map<uint64_t, Scenario>;  // By run.
+
   SweepPlan(PlanTexts texts, PlanFiles files);
   void read(const ConfigNode& root);
   void read_changes(const ConfigNode& root);
@@ -70,6 +73,8 @@ class SweepPlan {
   void count_runs(const ConfigNode& root);
   void name_columns(const ConfigNode& root);
   void try_some_runs();
+  Scenario worked_out(uint64_t run, const RunSettings& settings, const Known& known) const;
+  uint64_t with_first_seed(uint64_t run) const;
   // A plain value that names a file as the file's text.
   WrittenValue content(const WrittenValue& value, bool takes_file) const;
 
@@ -83,6 +88,8 @@ class SweepPlan {
   std::vector<std::string> parameters_;
   Keep keep_;
   std::map<std::vector<std::string>, std::string> commands_;
+  // Runs that were worked out, shared by copies.
+  std::shared_ptr<const Known> known_ = std::make_shared<const Known>();
 };
 
 }  // namespace seam::app

@@ -36,6 +36,19 @@ vary:
   EXPECT_EQ(models_of(scenario)[0].find("rolling_shutter")->value("line_delay_s"), 1e-4);
 }
 
+// `seeds:` takes a short way, the same settings under `vary` the long one.
+TEST(SweepPlan, RunsThatDifferByTheirSeedAreThoseOfTheLongWay) {
+  const std::string places = "{path: \"robots[0].pose.x_m\", values: [-0.5, 0.25]}";
+  const SweepPlan quick =
+      PlanFolder("vary: [" + places + "]\nseeds: [4, 6]\nrepetitions: 2").plan();
+  const SweepPlan thorough =
+      PlanFolder("vary: [" + places + ", {path: seed, range: [4, 6]}]\nrepetitions: 2").plan();
+  ASSERT_EQ(quick.runs(), 12);
+  ASSERT_EQ(thorough.runs(), 12);
+  for (uint64_t run = 0; run < 12; ++run)
+    EXPECT_EQ(quick.scenario(run).to_yaml(), thorough.scenario(run).to_yaml()) << run;
+}
+
 TEST(SweepPlan, RangesHoldTheirLastValue) {
   const auto last = [](const std::string& range) {
     const SweepPlan plan =

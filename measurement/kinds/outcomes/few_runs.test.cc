@@ -11,7 +11,7 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/locomotion.h"
 #include "measurement/kinds/outcomes/outcomes.h"
-#include "measurement/search/search.h"
+#include "measurement/kinds/outcomes/outcomes_testing.h"
 
 namespace seam::measurement::few_runs {
 namespace {
@@ -169,20 +169,12 @@ class OutcomesOfFewRuns : public testing::Test {
   std::string folder_;
 };
 
-bool named(const SearchResult& result, const std::string& effect) {
-  const auto& candidates = result.first.candidates;
-  if (candidates.empty() || !candidates.front().significant) return false;
-  const auto& tied = candidates.front().indistinguishable_from;
-  return candidates.front().effect->name == effect ||
-         std::find(tied.begin(), tied.end(), effect) != tied.end();
-}
-
 TEST_F(OutcomesOfFewRuns, HiddenEffectIsFirstOrTied) {
   size_t right = 0, all = 0;
   for (uint64_t seed = 0; seed < 5; ++seed) {
     for (const Hidden& hidden : kHidden) {
       const SearchResult result = searched(made(with(hidden, 5), seed));
-      const bool found = named(result, hidden.effect);
+      const bool found = is_named(result, hidden.effect);
       right += found, ++all;
       if (found) continue;
       std::string told = fmt::format("{} {}: error {:.2f} ->", hidden.effect, hidden.parameter,

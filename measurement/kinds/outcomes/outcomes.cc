@@ -43,6 +43,13 @@ Eigen::MatrixXd covariance_of_measured(const ScenarioPrediction& prediction,
   return out;
 }
 
+bool tells_scatter(const std::vector<OutcomeRow>& rows) {
+  return std::any_of(rows.begin(), rows.end(), [](const OutcomeRow& row) {
+    const std::string& name = row.statistic.statistic.name();
+    return name != "mean" && name != "median";
+  });
+}
+
 }  // namespace
 
 std::unique_ptr<RunMaker> open_runs(const MeasurementSet& set, const OutcomeSettings& settings,
@@ -209,9 +216,11 @@ void OutcomesProblem::check_model(const Model& model) const {
 
 bool OutcomesProblem::acts(const EffectDefinition& effect) const {
   const bool own = !effect.source.empty();  // Given beside the set, to be tried.
-  if (settings_.candidates && !own && !settings_.candidates->contains(effect.name)) return false;
-  // What only spreads measurements has no likelihood of its own here: it moves statistics.
-  return !effect.spread_only && Problem::acts(effect);
+  const bool named = settings_.candidates && settings_.candidates->contains(effect.name);
+  if (settings_.candidates && !own && !named) return false;
+  // What nobody named is tried where it shows: noises in how statistics scatter, hardly in means.
+  const bool shows = !effect.spread_only || named || tells_scatter(rows_);
+  return shows && Problem::acts(effect);
 }
 
 std::optional<Bounds> OutcomesProblem::bounds(const std::string& effect,

@@ -3,7 +3,7 @@
 // A prediction is made of finitely many runs, whose own scatter stands in the covariance beside the
 // errors of what was measured. Every model is run with the same seeds (common random numbers), so
 // that differences between models are known far better than either. Noises of the simulated robot
-// change predictions here as any other effect does, but are no candidates of their own.
+// change predictions here as any other effect does.
 #pragma once
 
 #include <memory>

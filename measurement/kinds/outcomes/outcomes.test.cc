@@ -12,8 +12,9 @@
 
 #include "effects/registry.h"
 #include "effects/stages/geometry.h"
-#include "measurement/search/search.h"
+#include "measurement/kinds/outcomes/outcomes_testing.h"
 #include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
 
 namespace seam::measurement {
 namespace {
@@ -54,24 +55,30 @@ class BallRuns final : public RunMaker {
       const double left_m = (static_cast<double>(place) / (kPlaces - 1) - 0.5) * 0.8 * ahead_m;
       const RandomStream noise =
           RandomStream{.seed = draw}.child(scenario).child("ball").child(run);
-      table.runs.push_back(measured(projection, X_LC, {ahead_m, left_m, -kHeight_m}, noise));
+      table.runs.push_back(
+          measured(projection, X_LC, {ahead_m, left_m, -kHeight_m}, noise_px(model), noise));
     }
     return table;
   }
 
  private:
+  static double noise_px(const Model& model) {
+    const effects::ModelEffect* read_noise = model.find("read_noise");
+    return read_noise == nullptr ? 0.3 : std::hypot(0.3, 0.2 * read_noise->parameters[0].value);
+  }
   static std::vector<double> measured(const effects::Projection& projection, const Pose& X_LC,
-                                      const Vec3& p_L, RandomStream noise) {
+                                      const Vec3& p_L, double noise_px, RandomStream noise) {
     const Vec3 p_C = X_LC.inverse() * p_L;
     const effects::ImagePoint image = projection.project(p_C);
     const effects::ImagePoint rim = projection.project(p_C + Vec3(kRadius_m, 0, 0));
     if (!image.visible || !rim.visible) return {std::nan(""), std::nan(""), std::nan("")};
-    const double u = image.u + 0.3 * normal(noise, 0), v = image.v + 0.3 * normal(noise, 1);
+    const double u = image.u + noise_px * normal(noise, 0);
+    const double v = image.v + noise_px * normal(noise, 1);
     const double ahead_m = kHeight_m * kFocus_px / (v - kMiddle_v);
     const double left_m = -ahead_m * (u - kMiddle_u) / kFocus_px;
     return {std::hypot(ahead_m, left_m) - std::hypot(p_L.x, p_L.y),
             std::atan2(left_m, ahead_m) - std::atan2(p_L.y, p_L.x),
-            rim.u - image.u - kFocus_px * kRadius_m / p_L.x + 0.3 * normal(noise, 2)};
+            rim.u - image.u - kFocus_px * kRadius_m / p_L.x + noise_px * normal(noise, 2)};
   }
   size_t scenarios_;
 };
@@ -159,21 +166,13 @@ constexpr Hidden kHidden[] = {
     {"tangential_distortion", 1, -0.008}, {"mount_offset", 2, 0.004},
 };
 
-bool named(const SearchResult& result, const std::string& effect) {
-  const auto& candidates = result.first.candidates;
-  if (candidates.empty() || !candidates.front().significant) return false;
-  const auto& tied = candidates.front().indistinguishable_from;
-  return candidates.front().effect->name == effect ||
-         std::find(tied.begin(), tied.end(), effect) != tied.end();
-}
-
 TEST_F(Outcomes, HiddenEffectIsFirstOrTied) {
   size_t right = 0;
   for (size_t i = 0; i < std::size(kHidden); ++i) {
     const Hidden& hidden = kHidden[i];
     const SearchResult result =
         searched(made(with(hidden.effect, hidden.parameter, hidden.value), i));
-    const bool found = named(result, hidden.effect);
+    const bool found = is_named(result, hidden.effect);
     right += found;
     std::string told = fmt::format("{} {} = {}: error {:.2f} ->", hidden.effect, hidden.parameter,
                                    hidden.value, result.base.assessment.error);
@@ -225,6 +224,52 @@ TEST_F(Outcomes, EstimatesLieWithinTheirErrors) {
   EXPECT_LT(square, 2);
 }
 
+TEST_F(Outcomes, NoisesAreFoundByHowStatisticsScatter) {
+  constexpr double kTruth_dn = 2;  // Two thirds more scatter.
+  std::string text = read_file(folder_ + "/measurement.yaml");
+  text.replace(text.find("candidates: {"), 13, "candidates: {read_noise: , ");
+  write("measurement.yaml", text);
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    const SearchResult result = searched(made(with("read_noise", 0, kTruth_dn), seed));
+    ASSERT_TRUE(is_named(result, "read_noise")) << seed;
+    const effects::ModelEffect* found = result.best.assessment.model.find("read_noise");
+    ASSERT_NE(found, nullptr);
+    EXPECT_NEAR(found->parameters[0].value, kTruth_dn, 0.5) << seed;
+  }
+  for (uint64_t seed = 4; seed < 12; ++seed)
+    EXPECT_FALSE(is_named(searched(made(camera(), seed)), "read_noise")) << seed;
+}
+
+TEST_F(Outcomes, NoisesThatNobodyNamedAreTriedWhereTheyShow) {
+  const auto tries_noise = [&](const std::string& statistic) {
+    write("outcomes.csv",
+          "scenario,value,statistic,measured,sigma\nnear,width_error_px," + statistic + ",1,1\n");
+    std::string text = read_file(folder_ + "/measurement.yaml");
+    if (const size_t at = text.find("candidates"); at != std::string::npos) text.resize(at);
+    write("measurement.yaml", text);
+    const OutcomesProblem problem(MeasurementSet::open(folder_), instruments_);
+    return problem.acts(*effects::find_effect("read_noise"));
+  };
+  EXPECT_FALSE(tries_noise("mean"));
+  EXPECT_TRUE(tries_noise("spread"));
+  EXPECT_TRUE(tries_noise("rate"));
+}
+
+TEST_F(Outcomes, WhatIsReadOffHasItsOwnError) {
+  write("outcomes.csv",
+        "scenario,value,statistic,measured,sigma,reading_sigma\n"
+        "near,width_error_px,mean,,,5\nnear,width_error_px,spread,,,\n");
+  double square = 0;
+  constexpr int kSets = 40;
+  for (uint64_t seed = 0; seed < kSets; ++seed) {
+    const CsvTable table = MeasurementSet::open(made(camera(), seed)).table("outcomes");
+    EXPECT_NEAR(table.numbers("sigma")[0], 5, 0.1);
+    EXPECT_LT(table.numbers("sigma")[1], 0.2);
+    square += std::pow(table.numbers("measured")[0] / 5, 2) / kSets;
+  }
+  EXPECT_NEAR(square, 1, 0.6);
+}
+
 TEST_F(Outcomes, BudgetIsKept) {
   const std::string set = made(with("mount_misalignment", 0, 0.004), 1);
   std::ofstream(set + "/measurement.yaml", std::ios::app) << "most_runs: 1000\n";
@@ -248,6 +293,10 @@ TEST_F(Outcomes, BadSetsAreToldWithTheirPlace) {
   EXPECT_THAT(why_refused(), HasSubstr("outcomes.csv:2: column statistic"));
   write("outcomes.csv", head_row + "near,distance_error_m,mean,1,0\n");
   EXPECT_THAT(why_refused(), HasSubstr("outcomes.csv:2: column sigma"));
+  write("outcomes.csv",
+        "scenario,value,statistic,measured,sigma,reading_sigma\n"
+        "near,distance_error_m,mean,1,1,-2\n");
+  EXPECT_THAT(why_refused(), HasSubstr("outcomes.csv:2: column reading_sigma"));
   write("outcomes.csv", head_row);
   EXPECT_THAT(why_refused(), HasSubstr("no rows"));
 }

@@ -9,6 +9,8 @@
 namespace seam::measurement {
 namespace {
 
+constexpr const char* kReadingColumn = "reading_sigma";
+
 std::map<std::string, Bounds> read_bounds(const effects::EffectDefinition& effect,
                                           const ConfigNode& node) {
   std::map<std::string, Bounds> bounds;
@@ -79,6 +81,8 @@ std::vector<OutcomeRow> read_outcomes(const CsvTable& table, const RunSpec& spec
                                  statistic = table.texts("statistic");
   std::vector<double> numbers, sigmas;
   if (!made) numbers = table.numbers("measured"), sigmas = table.numbers("sigma");
+  std::vector<double> readings(table.rows(), 0);
+  if (table.has(kReadingColumn)) readings = table.numbers_or_blank(kReadingColumn);
   std::vector<std::string> plans;
   for (const RunPlan& plan : spec.plans) plans.push_back(plan.name);
   std::vector<OutcomeRow> rows;
@@ -91,6 +95,9 @@ std::vector<OutcomeRow> read_outcomes(const CsvTable& table, const RunSpec& spec
     } catch (const InputError& error) {
       table.fail(row, "statistic", statistic[row], error.what());
     }
+    if (std::isfinite(readings[row])) out.reading = readings[row];
+    if (out.reading < 0)
+      table.fail(row, kReadingColumn, table.cell(row, kReadingColumn), "an error of 0 or more");
     if (!made) {
       out.measured = numbers[row], out.sigma = sigmas[row];
       if (!(out.sigma > 0))

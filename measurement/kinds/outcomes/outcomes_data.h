@@ -20,6 +20,7 @@ struct OutcomeRow {
   ColumnStatistic statistic;
   double measured = 0;
   double sigma = 0;
+  double reading = 0;  // Of `sigma`, what reading it off adds to what runs scatter by.
 };
 
 // A range in which a fit of a candidate's parameter stays.

@@ -165,7 +165,7 @@ std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate&
                                            const Groups& groups, double& h) const {
   // Of the errors, or of a misfit beyond them: a change that is seen and still near. What runs give
   // is a staircase where pixels decide; its trend shows over steps like those that are to be made.
-  constexpr double kLeast = 0.3, kMost = 3, kShareOfMisfit = 0.3;
+  constexpr double kLeast = 0.5, kMost = 2, kShareOfMisfit = 1;
   constexpr int kAttempts = 3;
   std::vector<double> here, there;
   if (!predict(model, groups, here)) return {};

@@ -8,13 +8,15 @@
 #include "measurement/kinds/outcomes/scatter_of_runs.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {
 
-// A statistic that is the same in all runs was still read off something: a thousandth of what the
-// runs' values are.
-double told_sigma(const RunTable& made, size_t column, double variance) {
+// A statistic that is the same in all runs was still read off something: where the set does not say
+// how well, to a thousandth of what the runs' values are.
+double told_sigma(const RunTable& made, size_t column, double variance, double reading) {
+  if (reading > 0) return std::hypot(std::sqrt(variance), reading);
   constexpr double kReading = 1e-3;
   double square = 0, count = 0;
   for (const std::vector<double>& run : made.runs) {
@@ -34,6 +36,7 @@ void measure_outcomes(const Model& truth, const MeasurementSet& protocol,
   const CsvTable table = protocol.table("outcomes");
   const auto rows = read_outcomes(table, settings.runs, *runs, Measured::to_be_made);
   const uint64_t draw = options.noise ? options.seed + 1 : 0;
+  const RandomStream reading = RandomStream{.seed = options.seed}.child("reading");
   std::vector<double> measured(rows.size()), sigma(rows.size());
   for (size_t plan = 0; plan < settings.runs.plans.size(); ++plan) {
     std::vector<ColumnStatistic> wanted;
@@ -50,7 +53,8 @@ void measure_outcomes(const Model& truth, const MeasurementSet& protocol,
       const size_t row = places[i];
       const auto k = static_cast<Eigen::Index>(i);
       measured[row] = statistics.value[i];
-      sigma[row] = told_sigma(made, wanted[i].column, scatter.covariance(k, k));
+      sigma[row] = told_sigma(made, wanted[i].column, scatter.covariance(k, k), rows[row].reading);
+      if (options.noise) measured[row] += rows[row].reading * normal(reading, row);
       if (!std::isfinite(measured[row])) {
         throw InputError(fmt::format(
             "{}:{}: with model '{}' fewer than half of the runs give this value{}{}", table.file(),
