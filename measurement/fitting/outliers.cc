@@ -64,8 +64,10 @@ std::vector<char> Problem::find_outliers(const Model& model) const {
     }
   }
   std::vector<double> limit;
+  // Where sigmas hold large errors, those of most values are smaller.
+  const double least = evaluation.deviance.empty() ? 1 : 0;
   for (const auto& values : by_channel)
-    limit.push_back(kSigmas * std::max(1.0, robust_sigma(values)));
+    limit.push_back(kSigmas * std::max(least, robust_sigma(values)));
   const auto is_large = [&](size_t i) {
     return std::abs(deviation[i]) > limit[static_cast<size_t>(facts_.channel_of[i])];
   };
@@ -75,8 +77,7 @@ std::vector<char> Problem::find_outliers(const Model& model) const {
   const bool expected = !evaluation.deviance.empty() && large >= kFewLarge;
   std::vector<char> bad_row(facts_.rows(), 0);
   for (size_t i = 0; i < n; ++i) {
-    if (expected && evaluation.deviance[i] <= limit[static_cast<size_t>(facts_.channel_of[i])])
-      continue;
+    if (expected && evaluation.deviance[i] <= kSigmas) continue;
     if (is_large(i)) bad_row[facts_.row_of[i]] = 1;
   }
   for (size_t i = 0; i < n; ++i) outlier[i] = bad_row[facts_.row_of[i]];
