@@ -90,4 +90,11 @@ std::vector<Model> damped_otherwise(const Model& model) {
   return others;
 }
 
+bool keeps_back_emf(const Model& model) {
+  constexpr double kLeastShare = 0.1;
+  const TorqueModel motor = effects::servo_of(model).torque;
+  const double inside_per_s = motor.damping_s * motor.stall_rad_per_s2;
+  return motor.back_emf_per_s >= kLeastShare * (inside_per_s + motor.back_emf_per_s);
+}
+
 }  // namespace seam::measurement

@@ -19,4 +19,8 @@ std::vector<effects::Model> damped_otherwise(const effects::Model& model);
 // on. None where the model has no such two.
 std::optional<effects::Model> damped_alike(const effects::Model& model);
 
+// Whether a fit left the motor a share of the drag. One whose controller has it all is a motor with
+// back-EMF behind a limit of torque, by another name.
+bool keeps_back_emf(const effects::Model& model);
+
 }  // namespace seam::measurement

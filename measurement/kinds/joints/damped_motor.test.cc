@@ -58,6 +58,9 @@ TEST(DampedMotor, SharesOfTheDragMoveAlikeWhereNothingSaturates) {
     for (size_t k = 0; k < plain.size(); ++k) EXPECT_NEAR(angles[k], plain[k], 1e-6) << k;
     EXPECT_GT(other.find("motor_servo")->values()[3], 0);
   }
+  EXPECT_TRUE(keeps_back_emf(motor));
+  EXPECT_FALSE(keeps_back_emf(motor_model(
+      "  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 1, gain: 0.2, damping_s: 0.03}\n")));
   EXPECT_TRUE(damped_otherwise(motor_model("  ideal_servo: {}\n")).empty());
 }
 

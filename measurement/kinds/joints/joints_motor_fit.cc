@@ -211,7 +211,7 @@ Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unk
     const Model& from = damped ? *damped : fit.model;
     Fit all = polished(Problem::fit(from, unknowns, groups), unknowns, groups);
     const double gained = all.log_likelihood - fit.log_likelihood;
-    const bool asked_for = gained > kAskedFor * misfit * misfit;
+    const bool asked_for = gained > kAskedFor * misfit * misfit && keeps_back_emf(all.model);
     if (asked_for && (near || misfit_at(all.model) < kMuchLess * misfit)) return all;
   }
   return with_waiting(fit, first, unknowns);
