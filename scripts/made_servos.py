@@ -145,16 +145,22 @@ def judged(truth, found):
     return "wrong" if missing else "tie" if tied else "right"
 
 
-def one_set(binary, sort, number, folder):
+def make(binary, sort, number, folder):
+    """A servo's set by `seam measure`, and what is hidden in it."""
     draw = random.Random(f"{sort} {number}")
     truth = truth_of(sort, draw)
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
     protocol(folder / "protocol", sort, draw)
     (folder / "truth.yaml").write_text(model_text(truth))
     (folder / "nominal.yaml").write_text("format: seam-model/1\nname: nominal\neffects: {ideal_servo: {}}\n")
     seam(binary, "measure", "--model", folder / "truth.yaml", "--protocol", folder / "protocol", "--seed", str(number),
          "--out", folder / "data")
+    return truth
+
+
+def one_set(binary, sort, number, folder, make_set, deviations_of):
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    truth = make_set(binary, sort, number, folder)
     begin = time.time()
     text = seam(binary, "discover", "--model", folder / "nominal.yaml", "--data", folder / "data", "--out",
                 folder / "found.yaml", "--json", folder / "found.json")
@@ -168,13 +174,14 @@ def one_set(binary, sort, number, folder):
     if verdict == "wrong":
         print("              found " + " ".join(
             f"{step['effect']} ({step['error_after']:.4g})" for step in found["steps"]), flush=True)
-    return verdict, found["error"], deviations(truth, values) if verdict == "right" else []
+    return verdict, found["error"], deviations_of(truth, values) if verdict == "right" else []
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def search_all(summary, sorts, make_set, deviations_of):
+    """Makes sets and searches them as the command line says, and prints the table."""
+    parser = argparse.ArgumentParser(description=summary)
     parser.add_argument("seam", type=pathlib.Path)
-    parser.add_argument("--sort", action="append", choices=SORTS)
+    parser.add_argument("--sort", action="append", choices=sorts)
     parser.add_argument("--sets", type=int, default=20)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--keep", type=pathlib.Path, help="a folder for all sets, their truth and what was found")
@@ -184,8 +191,8 @@ def main():
     rows, every, good, sets = [], [], 0, 0
     with tempfile.TemporaryDirectory() as scratch:
         folder = options.keep or pathlib.Path(scratch)
-        for sort in options.sort or SORTS:
-            results = [one_set(binary, sort, number, folder / f"{sort}-{number}")
+        for sort in options.sort or sorts:
+            results = [one_set(binary, sort, number, folder / f"{sort}-{number}", make_set, deviations_of)
                        for number in range(options.first, options.first + options.sets)]
             counts = [sum(verdict == name for verdict, _, _ in results) for name in ("right", "tie", "wrong")]
             off = [deviation for _, _, list_of in results for deviation in list_of]
@@ -201,4 +208,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(search_all(__doc__.splitlines()[0], SORTS, make, deviations))

@@ -178,6 +178,8 @@ SetDescription describe_set(const MeasurementSet& set, const std::optional<Model
   try {
     const auto problem = kind.open(set, instruments);
     text += groups_text(*problem, set.group) + noise_text(problem->facts());
+    for (const std::string& note : problem->facts().notes)
+      text += fmt::format("  note         {}\n", note);
     if (model) {
       problem->check_model(*model);
       problem->prepare(*model);

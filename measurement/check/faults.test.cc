@@ -202,6 +202,15 @@ TEST_F(Faults, ExchangedAxesAreTold) {
               ElementsAre(HasSubstr("bearing_rad counted to the other side (expected: left)")));
 }
 
+TEST_F(Faults, ABeaconThatNobodyPlacedIsTold) {
+  const MeasurementSet good = beacons(1, false, 1);
+  EXPECT_THAT(faults_of_values(good), IsEmpty());
+  write("landmarks.csv", "landmark,x_m,y_m\n0,-8,2\n1,0,0\n2,3,12\n");
+  EXPECT_THAT(faults_of_values(good),
+              ElementsAre(HasSubstr("landmarks.csv:3: landmark 1 stands at 0, 0 and its ranges "
+                                    "miss by")));
+}
+
 TEST_F(Faults, ClocksAreTold) {
   for (const auto& [unit, name] : {std::pair{1e3, "10 s apart: milliseconds for seconds"},
                                    {1e6, "microseconds for seconds"},

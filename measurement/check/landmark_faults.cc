@@ -14,6 +14,7 @@ struct Ranges {
   Numbers range, bearing;  // Not a number where blank.
   Numbers x, y, theta;     // Where the robot was.
   Numbers beacon_x, beacon_y;
+  Rows beacon;  // Its row in the table of places.
 
   // The median of | range - distance |, with x and y of the beacons as they stand or exchanged.
   double miss(bool exchanged) const {
@@ -70,6 +71,7 @@ Ranges ranges_of(const MeasurementSet& set, const CsvTable& seen) {
     found.theta.push_back(ptheta[*next]);
     found.x.push_back(px[*next]), found.y.push_back(py[*next]);
     found.beacon_x.push_back(bx[known->second]), found.beacon_y.push_back(by[known->second]);
+    found.beacon.push_back(known->second);
   }
   return found;
 }
@@ -98,6 +100,30 @@ void tell_bearings(const Ranges& ranges, const MeasurementSet& set,
                                 set.table("observations").file(), as_it_stands, miss,
                                 reading.text));
     return;
+  }
+}
+
+// A landmark at the origin whose ranges miss by far more than those of all others: nobody measured
+// where it stands.
+void tell_placeholders(const Ranges& ranges, const CsvTable& places,
+                       std::vector<std::string>& found) {
+  constexpr double kFarther = 10;
+  const Numbers x = places.numbers("x_m"), y = places.numbers("y_m");
+  for (size_t row = 0; row < places.rows(); ++row) {
+    if (x[row] != 0 || y[row] != 0) continue;
+    Numbers own, others;
+    for (size_t i = 0; i < ranges.range.size(); ++i) {
+      if (std::isnan(ranges.range[i])) continue;
+      (ranges.beacon[i] == row ? own : others)
+          .push_back(std::abs(ranges.range[i] - ranges.distance(i, false)));
+    }
+    if (own.size() < kFewest || others.size() < kFewest) continue;
+    const double miss = median_of(own), usual = median_of(others);
+    if (miss < kFarther * usual) continue;
+    found.push_back(fmt::format(
+        "{}: landmark {} stands at 0, 0 and its ranges miss by {:.3g} m, those of the others by "
+        "{:.3g} m: a placeholder for a place that was not measured?",
+        place(places, row), places.cell(row, "landmark"), miss, usual));
   }
 }
 
@@ -131,6 +157,7 @@ void landmark_faults(const MeasurementSet& set, std::vector<std::string>& found)
           fmt::format("{}: ranges are {:.4g} times the distances of the places: {} in {}",
                       seen.file(), ratio, unit, columns));
   }
+  tell_placeholders(ranges, set.table("landmarks"), found);
   const double as_it_stands = ranges.miss(false), exchanged = ranges.miss(true);
   if (as_it_stands > 0.1 * median_of(distances) && 3 * exchanged < as_it_stands)
     found.push_back(fmt::format(

@@ -356,8 +356,9 @@ SearchResult Searcher::run() {
         round > 0 ? std::optional(std::move(result.best)) : std::nullopt;
     forward(result, earlier ? &*earlier : nullptr);
     // Outliers are those of the best model; with others the search is run again. A model that
-    // explains nothing has none to tell.
-    marks_changed = result.best.assessment.error <= kUseless &&
+    // explains nothing has none to tell; they may be what a better one still misses.
+    const double error = result.best.assessment.error, before = base_.assessment.error;
+    marks_changed = (error <= kUseless || (error <= kPoor && kMuchBetter * error <= before)) &&
                     mark_outliers(problem_, result.best.assessment.model, result);
   }
   if (marks_changed) base_ = base();

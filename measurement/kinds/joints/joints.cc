@@ -8,6 +8,7 @@
 #include "effects/questions.h"
 #include "effects/stages/noise.h"
 #include "effects/stages/servo.h"
+#include "measurement/kinds/joints/stiffness.h"
 #include "measurement/kinds/series_facts.h"
 #include "measurement/noise/hidden_errors.h"
 #include "measurement/numerics/linear_algebra.h"
@@ -52,6 +53,8 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   predictions_.emplace(set_.logs.size());
   describe(set, table);
   facts_.notes = notes_of_joint_logs(table);
+  const std::string stiffness = note_of_stiffness(table, set_, facts_.channels[0].noise);
+  if (!stiffness.empty()) facts_.notes.push_back(stiffness);
   add_covariates();
   look_for_steps();
   facts_.set.lacks = lacks();

@@ -121,6 +121,9 @@ class JointsProblem : public Problem {
   Fit polished(Fit fit, const std::vector<Unknown>& unknowns, const Groups& groups) const;
   Fit fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
                 const Groups& groups) const;
+  std::optional<Model> worth_damping(const Fit& fit, const std::vector<Unknown>& first,
+                                     const std::vector<Unknown>& unknowns,
+                                     const Groups& groups) const;
   // Where a fit of a motor to whole runs begins: a model that misses by far is fitted to short
   // stretches first.
   Model near_start(const Model& start, const std::vector<Unknown>& unknowns,

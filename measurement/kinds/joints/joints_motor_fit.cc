@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "effects/questions.h"
 #include "measurement/fitting/assess.h"
 #include "measurement/fitting/parameter_space.h"
+#include "measurement/kinds/joints/damped_motor.h"
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/kinds/joints/motion_look.h"
+#include "measurement/kinds/joints/short_runs.h"
 
 namespace seam::measurement {
 namespace {
@@ -57,6 +61,38 @@ std::vector<Eigen::VectorXd> axes_of(const Fit& fit, const ParameterSpace& space
   return axes;
 }
 
+// A fit of some unknowns as one of all, of which the others stay where they are.
+Fit with_waiting(const Fit& fit, const std::vector<Unknown>& some,
+                 const std::vector<Unknown>& unknowns) {
+  std::vector<size_t> place;  // Of these among all.
+  for (size_t i = 0, next = 0; i < unknowns.size() && next < some.size(); ++i) {
+    if (unknowns[i].effect == some[next].effect && unknowns[i].parameter == some[next].parameter)
+      place.push_back(i), ++next;
+  }
+  const ParameterSpace space(fit.model, unknowns);
+  Fit told = space.fit_at(fit.model, space.place(fit.model), fit.log_likelihood, fit.converged);
+  told.sigma.assign(unknowns.size(), 0);
+  for (size_t i = 0; i < place.size(); ++i) {
+    told.sigma[place[i]] = fit.sigma[i], told.at_bound[place[i]] = fit.at_bound[i];
+    for (size_t k = 0; k < place.size(); ++k)
+      told.covariance[place[i] * unknowns.size() + place[k]] = fit.covariance[i * some.size() + k];
+  }
+  return told;
+}
+
+// The unknowns of effects that change something.
+std::vector<Unknown> acting(const Model& model, const std::vector<Unknown>& unknowns) {
+  std::vector<Unknown> some;
+  for (const Unknown& unknown : unknowns) {
+    const effects::ModelEffect& effect = *model.find(unknown.effect);
+    bool idle = effect.definition->has_neutral;
+    for (size_t i = 0; i < effect.parameters.size(); ++i)
+      idle = idle && effect.parameters[i].value == effect.definition->parameters[i].neutral;
+    if (!idle) some.push_back(unknown);
+  }
+  return some;
+}
+
 }  // namespace
 
 bool is_open(const effects::ModelEffect& effect, size_t i) {
@@ -97,16 +133,50 @@ Fit JointsProblem::polished(Fit fit, const std::vector<Unknown>& unknowns,
   return fit;
 }
 
+// A model with the controller's own damping that is the better beginning, by short stretches of the
+// log after a descent on its accelerations.
+std::optional<Model> JointsProblem::worth_damping(const Fit& fit, const std::vector<Unknown>& first,
+                                                  const std::vector<Unknown>& unknowns,
+                                                  const Groups& groups) const {
+  constexpr double kBetter = 0.9, kStretch_s = 0.3, kMoves = 1e-3;
+  const std::vector<Model> others = damped_otherwise(fit.model);
+  if (others.empty()) return std::nullopt;
+  const auto misfit_at = [&](const Model& model) {
+    const Evaluation there = evaluate(model, groups, nullptr);
+    return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
+  };
+  const double here = misfit_at(fit.model);
+  std::vector<double> there;
+  for (const Model& other : others) there.push_back(misfit_at(other));
+  // Where nothing saturates damping is back-EMF by another name.
+  if (std::all_of(there.begin(), there.end(),
+                  [&](double misfit) { return std::abs(misfit - here) < kMoves * here; }))
+    return std::nullopt;
+  std::vector<char> chosen;
+  for (const JointLog& log : set_.logs) chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
+  const MotionLook look(set_, chosen, facts_.channels[0].noise);
+  const ShortRuns brief(set_, chosen, kStretch_s);
+  Model plain = fit.model;
+  look.descend(plain, first);
+  double least = kBetter * std::min(brief.cost(plain), brief.cost(fit.model));
+  std::optional<Model> best;
+  for (Model other : others) {
+    look.descend(other, unknowns);
+    const double cost = brief.cost(other);
+    if (cost < least) least = cost, best = std::move(other);
+  }
+  return best;
+}
+
 // What the data must ask for waits until all else is fitted, and comes where it gains what chance
 // gives once in a thousand sets. Far from the noise it would only stand in for what is missing.
 Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
                              const Groups& groups) const {
-  constexpr double kAskedFor = 5.4, kFar = 100, kNear = 10, kAtNoise = 1.03;
+  constexpr double kAskedFor = 5.4, kFar = 100, kNear = 10, kAtNoise = 1.03, kMuchLess = 0.5;
+  constexpr double kSame = 1.0001;
   std::vector<Unknown> first;
-  std::vector<size_t> place;  // Of these among all.
-  for (size_t i = 0; i < unknowns.size(); ++i) {
-    if (!is_open(*start.find(unknowns[i].effect), unknowns[i].parameter)) continue;
-    first.push_back(unknowns[i]), place.push_back(i);
+  for (const Unknown& unknown : unknowns) {
+    if (is_open(*start.find(unknown.effect), unknown.parameter)) first.push_back(unknown);
   }
   Fit fit = polished(Problem::fit(near_start(start, first, groups), first, groups), first, groups);
   const auto misfit_at = [&](const Model& model) {
@@ -128,20 +198,23 @@ Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unk
         fit = std::move(other), misfit = misfit_at(fit.model);
     }
   }
+  // A limit and viscous friction beside it say nothing that the controller's damping does not.
+  if (const auto same = damped_alike(fit.model); same && misfit_at(*same) < kSame * misfit) {
+    const std::vector<Unknown> some = acting(*same, unknowns);
+    return with_waiting(polished(Problem::fit(*same, some, groups), some, groups), some, unknowns);
+  }
   if (first.size() == unknowns.size()) return fit;
-  if (misfit > kAtNoise && misfit < kNear) {
-    Fit all = polished(Problem::fit(fit.model, unknowns, groups), unknowns, groups);
-    if (all.log_likelihood - fit.log_likelihood > kAskedFor * misfit * misfit) return all;
+  const bool near = misfit > kAtNoise && misfit < kNear;
+  std::optional<Model> damped;
+  if (misfit < kFar) damped = worth_damping(fit, first, unknowns, groups);
+  if (near || damped) {
+    const Model& from = damped ? *damped : fit.model;
+    Fit all = polished(Problem::fit(from, unknowns, groups), unknowns, groups);
+    const double gained = all.log_likelihood - fit.log_likelihood;
+    const bool asked_for = gained > kAskedFor * misfit * misfit && keeps_back_emf(all.model);
+    if (asked_for && (near || misfit_at(all.model) < kMuchLess * misfit)) return all;
   }
-  const ParameterSpace space(fit.model, unknowns);
-  Fit told = space.fit_at(fit.model, space.place(fit.model), fit.log_likelihood, fit.converged);
-  told.sigma.assign(unknowns.size(), 0);
-  for (size_t i = 0; i < place.size(); ++i) {
-    told.sigma[place[i]] = fit.sigma[i], told.at_bound[place[i]] = fit.at_bound[i];
-    for (size_t k = 0; k < place.size(); ++k)
-      told.covariance[place[i] * unknowns.size() + place[k]] = fit.covariance[i * first.size() + k];
-  }
-  return told;
+  return with_waiting(fit, first, unknowns);
 }
 
 // Logs are independent of each other: all their starts are moved at once.

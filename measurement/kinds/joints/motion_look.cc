@@ -60,27 +60,18 @@ double cost_of(const std::vector<double>& misses, double size) {
 
 }  // namespace
 
-MotionLook::MotionLook(const JointLogs& set, const std::vector<char>& chosen, double noise_rad) {
-  size_t rows = 0;
-  for (size_t i = 0; i < set.logs.size(); ++i) rows += chosen[i] ? set.logs[i].rows.size() : 0;
-  const size_t stride = std::max<size_t>(1, rows / kMostInstants);
-  for (size_t i = 0; i < set.logs.size(); ++i) {
-    const JointLog& log = set.logs[i];
-    if (!chosen[i] || log.time_s.size() < 8) continue;
-    std::vector<double> steps, turns;
-    for (size_t k = 1; k < log.time_s.size(); ++k)
-      steps.push_back(log.time_s[k] - log.time_s[k - 1]);
-    const double dt_s = median_of(steps);
-    // As short as the noise allows: over more rows what happens between them is lost.
-    size_t reach = 2;
-    constexpr double kGoodEnough_radps2 = 2;
-    while (reach < 12 && acceleration_error(noise_rad, reach, dt_s) > kGoodEnough_radps2) ++reach;
-    add_instants(log, stride, reach, noise_rad);
-  }
-}
-
-void MotionLook::add_instants(const JointLog& log, size_t stride, size_t reach, double noise_rad) {
-  const size_t n = log.time_s.size(), width = 2 * reach + 1;
+std::vector<SeenMotion> seen_motion(const JointLog& log, size_t stride, double noise_rad) {
+  std::vector<SeenMotion> seen;
+  const size_t n = log.time_s.size();
+  if (n < 8) return seen;
+  std::vector<double> steps;
+  for (size_t k = 1; k < n; ++k) steps.push_back(log.time_s[k] - log.time_s[k - 1]);
+  const double dt_s = median_of(steps);
+  // Over more rows what happens between them is lost.
+  size_t reach = 2;
+  constexpr double kGoodEnough_radps2 = 2;
+  while (reach < 12 && acceleration_error(noise_rad, reach, dt_s) > kGoodEnough_radps2) ++reach;
+  const size_t width = 2 * reach + 1;
   Eigen::MatrixXd powers(width, 3);
   Eigen::VectorXd angles(width);
   for (size_t k = reach; k + reach < n; k += stride) {
@@ -92,16 +83,28 @@ void MotionLook::add_instants(const JointLog& log, size_t stride, size_t reach, 
     }
     const Eigen::Vector3d c =
         solve_symmetric(powers.transpose() * powers, powers.transpose() * angles);
-    const bool steps = steps_between(log, k - reach, k + reach);
-    instants_.push_back({.log = &log,
-                         .row = k,
-                         .reach = reach,
-                         .pieces = std::min(2 * reach, steps ? kMostPieces : kPieces),
-                         .q_rad = c[0],
-                         .w_radps = c[1] / span_s,
-                         .a_radps2 = 2 * c[2] / (span_s * span_s),
-                         .reach_s = span_s,
-                         .rest_radps = 4 * noise_rad / span_s});
+    seen.push_back({.row = k,
+                    .reach = reach,
+                    .q_rad = c[0],
+                    .w_radps = c[1] / span_s,
+                    .a_radps2 = 2 * c[2] / (span_s * span_s),
+                    .reach_s = span_s,
+                    .rest_radps = 4 * noise_rad / span_s});
+  }
+  return seen;
+}
+
+MotionLook::MotionLook(const JointLogs& set, const std::vector<char>& chosen, double noise_rad) {
+  size_t rows = 0;
+  for (size_t i = 0; i < set.logs.size(); ++i) rows += chosen[i] ? set.logs[i].rows.size() : 0;
+  const size_t stride = std::max<size_t>(1, rows / kMostInstants);
+  for (size_t i = 0; i < set.logs.size(); ++i) {
+    if (!chosen[i]) continue;
+    const JointLog& log = set.logs[i];
+    for (const SeenMotion& at : seen_motion(log, stride, noise_rad)) {
+      const bool steps = steps_between(log, at.row - at.reach, at.row + at.reach);
+      instants_.push_back({at, &log, std::min(2 * at.reach, steps ? kMostPieces : kPieces)});
+    }
   }
 }
 

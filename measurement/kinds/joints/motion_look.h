@@ -9,6 +9,18 @@
 
 namespace seam::measurement {
 
+// A row of a log with what is seen of the motion there: a parabola through `reach` rows on either
+// side.
+struct SeenMotion {
+  size_t row, reach;
+  double q_rad, w_radps, a_radps2;
+  double reach_s;     // The reach as time, on the mean of both sides.
+  double rest_radps;  // Slower counts as at rest.
+};
+
+// At each `stride`-th row of a log. The reach is as short as the noise allows.
+std::vector<SeenMotion> seen_motion(const JointLog& log, size_t stride, double noise_rad);
+
 class MotionLook {
  public:
   // Of the logs whose flag is set.
@@ -20,17 +32,11 @@ class MotionLook {
   double descend(Model& model, const std::vector<Unknown>& unknowns) const;
 
  private:
-  // A place of a log with what is seen of the motion there.
-  struct Instant {
+  struct Instant : SeenMotion {
     const JointLog* log;
-    size_t row, reach;  // The acceleration is seen from so many rows before to as many after.
-    size_t pieces;      // Into which that time is cut.
-    double q_rad, w_radps, a_radps2;
-    double reach_s;     // The same as time, on the mean of both sides.
-    double rest_radps;  // Slower counts as at rest.
+    size_t pieces;  // Into which the time of the reach is cut.
   };
 
-  void add_instants(const JointLog& log, size_t stride, size_t reach, double noise_rad);
   std::vector<double> misses(const Model& model) const;
 
   std::vector<Instant> instants_;

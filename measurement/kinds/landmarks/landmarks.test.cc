@@ -308,5 +308,27 @@ TEST_F(LandmarkSets, BadInputIsSaidWithItsPlace) {
   EXPECT_THAT(error(set), HasSubstr("map.csv:3: column x_m: found '', expected a finite number"));
 }
 
+// A model of ranges that are too long now and then expects such errors, unless they are so few that
+// they tell no distribution.
+TEST_F(LandmarkSets, FewGrossRangesAreNoTail) {
+  const auto left_out_of = [&](size_t each) {
+    const fs::path set = made("range_scale: {scale: 0.03}");
+    rewrite(set, [&](size_t row, std::vector<std::string>& cells) {
+      if (row % each == 3) cells[kRange] = fmt::format("{:.4f}", std::stod(cells[kRange]) + 3);
+    });
+    const auto problem = open_problem(set);
+    const Model model =
+        model_of("range_scale: {scale: 0.03}, range_tail: {fraction: 0.05, scale_m: 3}");
+    problem->prepare(model);
+    std::vector<int> rows;
+    const std::vector<char> out = problem->find_outliers(model);
+    for (size_t i = 0; i < out.size(); i += 2)
+      if (out[i]) rows.push_back(problem->facts().row_of[i]);
+    return rows;
+  };
+  EXPECT_EQ(left_out_of(60), (std::vector<int>{3, 63, 123, 183}));
+  EXPECT_TRUE(left_out_of(10).empty());
+}
+
 }  // namespace
 }  // namespace seam::measurement

@@ -296,6 +296,21 @@ TEST_F(Wheels, CountersThatAreNoDifferencesAreRefused) {
     EXPECT_THAT(error(set), HasSubstr("drive.csv:201: column left_ticks: found '"));
     EXPECT_THAT(error(set), HasSubstr("counters that go on. Write each row less the row before"));
   }
+  // One wheel alone, whose counter began before the log.
+  for (const size_t wheel : {0, 1}) {
+    const fs::path set = made("");
+    int sum = 7000, found = 0;
+    rewrite(set, [&](size_t row, std::vector<std::string>& cells) {
+      sum += std::stoi(cells[kLeft + wheel]);
+      cells[kLeft + wheel] = std::to_string(sum);
+      if (row == 199) found = sum;
+    });
+    EXPECT_THAT(error(set), HasSubstr(fmt::format("drive.csv:201: column {}: found '{}'",
+                                                  kTickColumns[wheel], found)));
+    EXPECT_THAT(error(set), HasSubstr(fmt::format("as {} has; here the body moves as the "
+                                                  "differences of rows say: a counter that goes on",
+                                                  kTickColumns[1 - wheel])));
+  }
   const auto with = [&](int ticks) {
     const fs::path set = made("");
     rewrite(set, [&](size_t row, std::vector<std::string>& cells) {

@@ -182,6 +182,15 @@ void note_bits(const PhotometryData& data, Facts& facts) {
 }
 
 void note_lights(const CsvTable& table, PhotometryData& data, Facts& facts) {
+  if (const auto odd = odd_frames(data); !odd.empty()) {
+    const OddFrame& first = odd.front();
+    facts.notes.push_back(fmt::format(
+        "{}:{}: this frame is {:.4g} DN above dark, that of line {} with the same light and "
+        "exposure {:.4g} ({} frames are so): exposure_s or illumination is not its own, unless the "
+        "lamp flickers",
+        table.file(), table.line(first.frame), first.above_dark, table.line(first.other),
+        first.as_the_level, odd.size()));
+  }
   for (const WrongLight& wrong : wrong_lights(data)) {
     PhotometryLevel& level = data.levels[wrong.level];
     facts.notes.push_back(fmt::format(

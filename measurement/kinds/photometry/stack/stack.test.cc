@@ -186,6 +186,72 @@ TEST(PhotometryStack, LevelsWhoseLightIsWrongAreNamed) {
   EXPECT_TRUE(none.notes.empty()) << none.notes.front();
 }
 
+// Means of levels alone: `light` is what each really had, `response` what the camera makes of it.
+PhotometryData levels_of(const std::vector<double>& stated, const std::vector<double>& light,
+                         const std::function<double(double)>& response) {
+  PhotometryData data{.width_px = 100, .height_px = 100};
+  data.levels.push_back({.illumination = 0, .exposure_s = 0.001});
+  data.levels.back().whole = {.mean = 20, .temporal_variance = 4};
+  for (size_t i = 0; i < stated.size(); ++i) {
+    data.levels.push_back(
+        {.illumination = 1, .exposure_s = stated[i], .exposure_ratio = 1000 * stated[i]});
+    const double dn = response(light[i]);
+    data.levels.back().whole = {.mean = 20 + dn, .temporal_variance = 4 + 0.3 * dn};
+  }
+  return data;
+}
+
+std::vector<size_t> named(const PhotometryData& data) {
+  std::vector<size_t> levels;
+  for (const WrongLight& wrong : wrong_lights(data)) levels.push_back(wrong.level - 1);
+  std::sort(levels.begin(), levels.end());
+  return levels;
+}
+
+TEST(PhotometryStack, SeveralExposuresThatDoNotMatchTheirLevelsAreNamed) {
+  std::ranlux48_base random(7);
+  std::normal_distribution<double> gauss;
+  const auto cubic = [](double x) { return 3000 * x * (1 - 0.06 * x + 0.03 * x * x); };
+  for (const size_t count : {9, 12, 30}) {
+    std::vector<double> stated, light;
+    for (size_t i = 1; i <= count; ++i) {
+      stated.push_back(static_cast<double>(i) / static_cast<double>(count));
+      light.push_back(stated.back() * (1 + 2e-4 * gauss(random)));
+    }
+    EXPECT_TRUE(named(levels_of(stated, light, cubic)).empty()) << count;
+    auto off = light;
+    off[3] *= 1.02, off[6] *= 0.97;
+    EXPECT_EQ(named(levels_of(stated, off, cubic)), (std::vector<size_t>{3, 6})) << count;
+    auto exchanged = stated;
+    std::swap(exchanged[2], exchanged[5]);
+    EXPECT_EQ(named(levels_of(exchanged, light, cubic)), (std::vector<size_t>{2, 5})) << count;
+    auto milliseconds = stated;
+    milliseconds[4] *= 1000;
+    const auto wrong = wrong_lights(levels_of(milliseconds, light, cubic));
+    ASSERT_EQ(wrong.size(), 1u) << count;
+    EXPECT_EQ(wrong[0].level, 5u);
+    EXPECT_NEAR(wrong[0].ratio, 0.001, 0.00002);
+  }
+}
+
+TEST(PhotometryStack, AFrameThatIsNoneOfItsLevelIsNamed) {
+  Folder folder("odd");
+  const auto off = [](size_t row) { return row == 4 ? 0.6 : 1.0; };
+  std::vector<Row> rows = series(6);
+  // Two pairs more of the fifth exposure, one of them with the light of the third.
+  rows.insert(rows.begin() + 4, {{0.005, 1, 12000, ""}, {0.005, 1, 12000, ""}});
+  folder.write({}, rows, ", bits: 12", off);
+  Facts facts;
+  folder.read(facts);
+  std::string notes;
+  for (const std::string& note : facts.notes) notes += note + "\n";
+  EXPECT_NE(notes.find("frames.csv:10: this frame is 1080 DN above dark"), std::string::npos)
+      << notes;
+  EXPECT_NE(notes.find("(2 frames are so): exposure_s or illumination is not its own"),
+            std::string::npos)
+      << notes;
+}
+
 TEST(PhotometryStack, ExposuresThatDoNotMatchTheirLevelAreRefused) {
   Folder folder("level");
   folder.write({}, {{0.001, 1, 2400, "a"}, {0.002, 1, 4800, "a"}}, ", bits: 12");

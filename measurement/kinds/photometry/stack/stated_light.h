@@ -18,4 +18,13 @@ struct WrongLight {
 // nothing is said of few levels or where the others, too, scatter.
 std::vector<WrongLight> wrong_lights(const PhotometryData& data);
 
+struct OddFrame {
+  size_t frame, other;              // One as its level mostly is.
+  double above_dark, as_the_level;  // DN.
+};
+
+// Frames that had another light than the rest of their level by far: what is stated of one of them
+// is not its own, unless the lamp flickers.
+std::vector<OddFrame> odd_frames(const PhotometryData& data);
+
 }  // namespace seam::measurement

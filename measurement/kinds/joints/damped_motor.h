@@ -1,0 +1,26 @@
+// A motor's drag may sit behind its saturation (back-EMF, viscous friction) or before it (the
+// damping of its own controller, or back-EMF within a limit of torque): the same while nothing
+// saturates, and a valley apart where something does.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "effects/model.h"
+
+namespace seam::measurement {
+
+// The model with shares of its drag moved into the controller, whose duty cuts off the drive where
+// the model did. Empty where it has no motor, or no drag.
+std::vector<effects::Model> damped_otherwise(const effects::Model& model);
+
+// Back-EMF within a limit of torque and viscous friction outside it, as the damping of a controller
+// whose duty saturates there and the motor's own back-EMF: the same motion as long as the torque is
+// on. None where the model has no such two.
+std::optional<effects::Model> damped_alike(const effects::Model& model);
+
+// Whether a fit left the motor a share of the drag. One whose controller has it all is a motor with
+// back-EMF behind a limit of torque, by another name.
+bool keeps_back_emf(const effects::Model& model);
+
+}  // namespace seam::measurement

@@ -1,0 +1,68 @@
+// Drag before and behind a saturation: what moves alike, and that fits end with the fewer effects.
+#include "measurement/kinds/joints/damped_motor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "measurement/kinds/joints/joints.h"
+
+namespace seam::measurement {
+namespace {
+
+effects::Model motor_model(const std::string& effects) {
+  return effects::Model::from_config(
+      ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
+}
+
+// Steps to and fro that ask for more than the duty gives.
+JointLogs steps() {
+  std::string rows = "run,time_s,joint,command_rad,measured_rad\n";
+  for (int k = 0; k < 200; ++k)
+    rows += fmt::format("0,{:.2f},arm,{},0\n", 0.01 * k, k / 50 % 2 == 0 ? 0.8 : -0.6);
+  return read_joint_logs(CsvTable::from_text(rows, "joints.csv"), "run", true);
+}
+
+TEST(DampedMotor, ALimitWithViscousFrictionMovesAsADampedControllerDoes) {
+  const effects::Model limited = motor_model(
+      "  motor_servo: {stall_rad_per_s2: 700, back_emf_per_s: 8, gain: 0.5}\n"
+      "  viscous_friction: {per_s: 5}\n"
+      "  torque_limit: {rad_per_s2: 60}\n");
+  const auto damped = damped_alike(limited);
+  ASSERT_TRUE(damped);
+  const auto motor = damped->find("motor_servo")->values();
+  EXPECT_NEAR(motor[0], 60, 1e-9);
+  EXPECT_NEAR(motor[1], 5, 1e-9);
+  EXPECT_NEAR(motor[2], 0.5 * 700 / 60, 1e-9);
+  EXPECT_NEAR(motor[3], 8.0 / 60, 1e-9);
+  EXPECT_EQ(damped->find("viscous_friction")->values()[0], 0);
+  EXPECT_TRUE(std::isinf(damped->find("torque_limit")->values()[0]));
+  const JointLogs set = steps();
+  const auto one = predict_joint_log(limited, set, set.logs[0], 0);
+  const auto other = predict_joint_log(*damped, set, set.logs[0], 0);
+  for (size_t k = 0; k < one.size(); ++k) EXPECT_NEAR(one[k], other[k], 1e-6) << k;
+  EXPECT_FALSE(damped_alike(
+      motor_model("  motor_servo: {stall_rad_per_s2: 700, back_emf_per_s: 8, gain: 0.5}\n"
+                  "  torque_limit: {rad_per_s2: 60}\n")));
+}
+
+TEST(DampedMotor, SharesOfTheDragMoveAlikeWhereNothingSaturates) {
+  const effects::Model motor =
+      motor_model("  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 12, gain: 0.2}\n");
+  const JointLogs set = steps();
+  const auto plain = predict_joint_log(motor, set, set.logs[0], 0);
+  const auto others = damped_otherwise(motor);
+  ASSERT_EQ(others.size(), 3u);
+  for (const effects::Model& other : others) {
+    const auto angles = predict_joint_log(other, set, set.logs[0], 0);
+    for (size_t k = 0; k < plain.size(); ++k) EXPECT_NEAR(angles[k], plain[k], 1e-6) << k;
+    EXPECT_GT(other.find("motor_servo")->values()[3], 0);
+  }
+  EXPECT_TRUE(keeps_back_emf(motor));
+  EXPECT_FALSE(keeps_back_emf(motor_model(
+      "  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 1, gain: 0.2, damping_s: 0.03}\n")));
+  EXPECT_TRUE(damped_otherwise(motor_model("  ideal_servo: {}\n")).empty());
+}
+
+}  // namespace
+}  // namespace seam::measurement
