@@ -76,6 +76,7 @@ render::Mesh ring(int triangles) {
     }
   }
   mesh.parts = {{.first = 0, .count = static_cast<uint32_t>(mesh.indices.size())}};
+  mesh.radius_m = 0.28;
   return mesh;
 }
 

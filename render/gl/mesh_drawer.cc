@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "render/gl/closed_mesh.h"
+
 namespace seam::render::gl {
 namespace {
 
@@ -105,6 +107,7 @@ std::vector<ClusteredMesh> cluster_meshes(const Assets& assets) {
   std::vector<ClusteredMesh> meshes;
   for (const Mesh& mesh : assets.meshes) {
     ClusteredMesh& clustered = meshes.emplace_back(ClusteredMesh{mesh.indices, {}});
+    clustered.turn = turn_seen_from_outside(mesh);
     for (const MeshPart& part : mesh.parts)
       clustered.parts.push_back(
           {make_clusters(mesh, part, clustered.indices), one_colour(mesh, part)});
@@ -183,8 +186,18 @@ void MeshDrawer::bind_texture(uint32_t texture) const {
   gl_.glBindTexture(GL_TEXTURE_2D, textures_.at(texture));
 }
 
+void MeshDrawer::draw_runs(const std::vector<MeshInstance::Run>& runs, size_t begin, size_t end) {
+  counts_.clear(), places_.clear();
+  for (size_t i = begin; i < end; ++i) {
+    counts_.push_back(static_cast<GLsizei>(runs[i].count));
+    places_.push_back(reinterpret_cast<const void*>(size_t{4} * runs[i].first));
+  }
+  gl_.glMultiDrawElements(GL_TRIANGLES, counts_.data(), GL_UNSIGNED_INT, places_.data(),
+                          static_cast<GLsizei>(counts_.size()));
+}
+
 void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, bool textured,
-                               int width) const {
+                               int width) {
   const Loaded& loaded = meshes_[instance.mesh];
   gl_.glScissor(0, instance.first_row, width, instance.rows);
   gl_.glUniformMatrix3fv(at.R_VO, 1, GL_FALSE, instance.R_VO.data());
@@ -194,14 +207,22 @@ void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, 
   const auto& ray = instance.ray;
   gl_.glUniform4f(at.ray, ray[0], ray[1], ray[2], ray[3]);
   gl_.glBindVertexArray(loaded.vertices);
-  for (const MeshInstance::Run& run : instance.runs) {
-    const GLuint picture = loaded.pictures[run.part];
+  if (instance.turn == 0) {
+    gl_.glDisable(GL_CULL_FACE);
+  } else {
+    gl_.glEnable(GL_CULL_FACE);
+    // The image's rows run down, those of the target up.
+    gl_.glFrontFace(instance.turn > 0 ? GL_CW : GL_CCW);
+  }
+  const std::vector<MeshInstance::Run>& runs = instance.runs;
+  for (size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+    while (end < runs.size() && runs[end].part == runs[begin].part) ++end;
+    const GLuint picture = loaded.pictures[runs[begin].part];
     if ((picture != 0) != textured) continue;
     if (textured) gl_.glBindTexture(GL_TEXTURE_2D, picture);
-    if (&run == &instance.runs[0] || run.part != (&run)[-1].part)
-      gl_.glUniform4f(at.look, instance.rgb[0], instance.rgb[1], instance.rgb[2], run.identity);
-    gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(run.count), GL_UNSIGNED_INT,
-                       reinterpret_cast<const void*>(size_t{4} * run.first));
+    gl_.glUniform4f(at.look, instance.rgb[0], instance.rgb[1], instance.rgb[2],
+                    runs[begin].identity);
+    draw_runs(runs, begin, end);
   }
 }
 
@@ -224,6 +245,7 @@ void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int
       if (has_some(instance)) draw_instance(at, instance, textured, width);
     }
   }
+  gl_.glDisable(GL_CULL_FACE);
   gl_.glScissor(0, 0, width, height);
 }
 

@@ -24,6 +24,7 @@ struct MeshInstance {
   std::array<float, 3> rgb{};      // A factor on the mesh's colours.
   std::array<float, 4> ray{};      // As ShapeInstance::ray.
   int first_row = 0, rows = 0;     // Of the page: the band.
+  int turn = 0;  // 1, -1: only triangles that run counter-clockwise or clockwise are seen.
   // Of each part the runs of indices that the band can see: how many, and where.
   struct Run {
     uint32_t part, first, count;
@@ -40,6 +41,7 @@ struct ClusteredMesh {
   };
   std::vector<uint32_t> indices;
   std::vector<Part> parts;
+  int turn = 0;  // As turn_seen_from_outside.
   bool has_one_colour_each() const;
 };
 std::vector<ClusteredMesh> cluster_meshes(const Assets& assets);
@@ -69,8 +71,8 @@ class MeshDrawer {
     GLint target = -1, R_VO = -1, p_VO = -1, light = -1, look = -1, ray = -1, picture = -1;
   };
   const Program& program(Writes writes, bool textured);
-  void draw_instance(const Program& at, const MeshInstance& instance, bool textured,
-                     int width) const;
+  void draw_runs(const std::vector<MeshInstance::Run>& runs, size_t begin, size_t end);
+  void draw_instance(const Program& at, const MeshInstance& instance, bool textured, int width);
   GLuint upload(const Picture& picture, GLint wrap) const;
   Loaded upload(const Mesh& mesh, const std::vector<uint32_t>& indices) const;
 
@@ -79,6 +81,9 @@ class MeshDrawer {
   std::vector<GLuint> textures_;
   Linker link_;
   std::map<std::pair<Writes, bool>, Program> programs_;
+  // Of one call.
+  std::vector<GLsizei> counts_;
+  std::vector<const void*> places_;
 };
 
 }  // namespace seam::render::gl

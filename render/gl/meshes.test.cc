@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "render/gl/closed_mesh.h"
 #include "render/gl/device.h"
 #include "render/golden/brute_triangles.h"
 #include "render/renderer.h"
@@ -55,13 +56,15 @@ Image waves(int size) {
   return image;
 }
 
-// A ring of quads with a texture around it.
-std::string ring_obj(int around, int tube) {
+// A ring of quads with a texture around it. Where it is closed, its last corners are its first;
+// else they are apart by rounding, and its far sides are drawn too.
+std::string ring_obj(int around, int tube, bool closed) {
   std::string text = "mtllib ring.mtl\nusemtl look\n";
   std::string faces;
   for (int a = 0; a <= around; ++a) {
     for (int b = 0; b <= tube; ++b) {
-      const double s = 6.283185307179586 * a / around, t = 6.283185307179586 * b / tube;
+      const double s = 6.283185307179586 * (closed ? a % around : a) / around;
+      const double t = 6.283185307179586 * (closed ? b % tube : b) / tube;
       text += fmt::format("v {} {} {}\n", (0.2 + 0.08 * std::cos(t)) * std::cos(s),
                           (0.2 + 0.08 * std::cos(t)) * std::sin(s), 0.08 * std::sin(t));
       text += fmt::format("vt {} {}\n", 2.0 * a / around, 1.0 * b / tube);
@@ -126,11 +129,12 @@ Difference against_brute_force(const MovingScene& scene, const Assets& assets, d
 TEST_F(Files, AMeshInMotionAgreesWithEveryTriangleAlone) {
   write_png(folder_ / "waves.png", waves(64));
   put("ring.mtl", "newmtl look\nKd 0.9 0.8 0.7\nmap_Kd waves.png\n");
-  Assets assets;
-  assets.meshes.push_back(read_mesh(put("ring.obj", ring_obj(10, 5)), 1));
-  EXPECT_EQ(assets.meshes[0].indices.size(), 3u * 2 * 10 * 5);
-  ASSERT_EQ(assets.meshes[0].pictures.size(), 1u);
   for (const bool lambert : {false, true}) {
+    Assets assets;
+    assets.meshes.push_back(read_mesh(put("ring.obj", ring_obj(10, 5, lambert)), 1));
+    EXPECT_EQ(assets.meshes[0].indices.size(), 3u * 2 * 10 * 5);
+    EXPECT_EQ(gl::turn_seen_from_outside(assets.meshes[0]), lambert ? 1 : 0);
+    ASSERT_EQ(assets.meshes[0].pictures.size(), 1u);
     MovingScene scene{[](double t) { return head_camera(0.3, 2.0 * (t - 0.02), -0.1, 0.05); },
                       [&](double t) {
                         return std::vector<Primitive>{
@@ -153,7 +157,7 @@ TEST_F(Files, AMeshInMotionAgreesWithEveryTriangleAlone) {
 // rectangle, and its triangles are in several clusters.
 TEST_F(Files, AMeshOfOneColourAPartAgrees) {
   put("ring.mtl", "newmtl look\nKd 0.9 0.8 0.7\nnewmtl other\nKd 0.2 0.1 0.6\n");
-  std::string text = ring_obj(14, 6);
+  std::string text = ring_obj(14, 6, true);
   text.insert(text.find("\nf ", text.size() * 7 / 8) + 1, "usemtl other\n");
   Assets assets;
   assets.meshes.push_back(read_mesh(put("ring.obj", text), 1));
