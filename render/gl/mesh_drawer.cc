@@ -17,7 +17,9 @@ uniform vec4 target;  // 2 / width, 2 / height; the stagger.
 uniform mat3 R_VO;
 uniform vec3 p_VO;
 uniform vec4 ray;  // What to add to a texel's place, and what a texel is on the plane z = 1.
-#ifdef LIGHT
+#if defined(LIGHT) && defined(FLAT)
+out vec3 f_place;
+#elif defined(LIGHT)
 out vec3 f_normal;
 #endif
 #ifdef TEXTURED
@@ -32,7 +34,9 @@ void main() {
   vec2 grid = p.xy / ray.zw;
   vec2 place = vec2(grid.x + target.z * grid.y, grid.y) - ray.xy * p.z;
   gl_Position = vec4(place * target.xy - p.z, p.z - 2.0 * kNear, p.z);
-#ifdef LIGHT
+#if defined(LIGHT) && defined(FLAT)
+  f_place = p;
+#elif defined(LIGHT)
   f_normal = R_VO * normal;
 #endif
 #ifdef TEXTURED
@@ -46,7 +50,9 @@ void main() {
 
 // Seen from both sides, as rectangles are: the normal is the one that looks at the camera.
 constexpr const char* kFragment = R"(
-#ifdef LIGHT
+#if defined(LIGHT) && defined(FLAT)
+in vec3 f_place;
+#elif defined(LIGHT)
 in vec3 f_normal;
 #endif
 #ifdef TEXTURED
@@ -76,7 +82,11 @@ void main() {
 #ifdef LIGHT
   vec2 grid = gl_FragCoord.xy + ray.xy;
   vec3 v = vec3(vec2(grid.x - target.z * grid.y, grid.y) * ray.zw, 1.0);
+#ifdef FLAT
+  vec3 n = normalize(cross(dFdx(f_place), dFdy(f_place)));
+#else
   vec3 n = normalize(f_normal);
+#endif
   if (dot(n, v) > 0.0) n = -n;
   base *= light.w + max(dot(n, light.xyz), 0.0);
 #endif
@@ -124,10 +134,11 @@ MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets,
     meshes_.push_back(upload(assets.meshes[i], clustered[i].indices));
 }
 
-const MeshDrawer::Program& MeshDrawer::program(Writes writes, bool textured) {
-  Program& made = programs_[{writes, textured}];
+const MeshDrawer::Program& MeshDrawer::program(Writes writes, Form form) {
+  Program& made = programs_[{writes, form}];
   if (made.id != 0) return made;
-  const std::string head = program_head(writes) + (textured ? "#define TEXTURED\n" : "");
+  const std::string head = program_head(writes) + (form.textured ? "#define TEXTURED\n" : "") +
+                           (form.flat ? "#define FLAT\n" : "");
   made.id = link_(head + kVertex, head + kFragment, {"position", "normal", "at", "colour"});
   const auto find = [&](const char* name) { return gl_.glGetUniformLocation(made.id, name); };
   made.target = find("target"), made.R_VO = find("R_VO"), made.p_VO = find("p_VO");
@@ -177,7 +188,8 @@ MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh,
   std::vector<GLuint> pictures;
   for (const Picture& picture : mesh.pictures) pictures.push_back(upload(picture, GL_REPEAT));
   for (const MeshPart& part : mesh.parts)
-    loaded.pictures.push_back(part.picture < 0 ? 0 : pictures[part.picture]);
+    loaded.parts.push_back({{.textured = part.picture >= 0, .flat = part.flat != 0},
+                            part.picture < 0 ? 0 : pictures[part.picture]});
   return loaded;
 }
 
@@ -196,7 +208,7 @@ void MeshDrawer::draw_runs(const std::vector<MeshInstance::Run>& runs, size_t be
                           static_cast<GLsizei>(counts_.size()));
 }
 
-void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, bool textured,
+void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, Form form,
                                int width) {
   const Loaded& loaded = meshes_[instance.mesh];
   gl_.glScissor(0, instance.first_row, width, instance.rows);
@@ -217,9 +229,9 @@ void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, 
   const std::vector<MeshInstance::Run>& runs = instance.runs;
   for (size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
     while (end < runs.size() && runs[end].part == runs[begin].part) ++end;
-    const GLuint picture = loaded.pictures[runs[begin].part];
-    if ((picture != 0) != textured) continue;
-    if (textured) gl_.glBindTexture(GL_TEXTURE_2D, picture);
+    const Loaded::Part& part = loaded.parts[runs[begin].part];
+    if (part.form != form) continue;
+    if (form.textured) gl_.glBindTexture(GL_TEXTURE_2D, part.picture);
     gl_.glUniform4f(at.look, instance.rgb[0], instance.rgb[1], instance.rgb[2],
                     runs[begin].identity);
     draw_runs(runs, begin, end);
@@ -228,21 +240,21 @@ void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, 
 
 void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int height,
                       float shear, Writes writes) {
-  for (const bool textured : {false, true}) {
+  for (const Form form : {Form{false, false}, {false, true}, {true, false}, {true, true}}) {
     const auto has_some = [&](const MeshInstance& instance) {
-      const auto& pictures = meshes_[instance.mesh].pictures;
-      return std::any_of(pictures.begin(), pictures.end(),
-                         [&](GLuint picture) { return (picture != 0) == textured; });
+      const auto& parts = meshes_[instance.mesh].parts;
+      return std::any_of(parts.begin(), parts.end(),
+                         [&](const Loaded::Part& part) { return part.form == form; });
     };
     if (std::none_of(instances.begin(), instances.end(), has_some)) continue;
-    const Program& at = program(writes, textured);
+    const Program& at = program(writes, form);
     gl_.glUseProgram(at.id);
     gl_.glUniform4f(at.target, 2.0f / static_cast<float>(width), 2.0f / static_cast<float>(height),
                     shear, 0);
     gl_.glUniform1i(at.picture, 0);
     gl_.glActiveTexture(GL_TEXTURE0);
     for (const MeshInstance& instance : instances) {
-      if (has_some(instance)) draw_instance(at, instance, textured, width);
+      if (has_some(instance)) draw_instance(at, instance, form, width);
     }
   }
   gl_.glDisable(GL_CULL_FACE);

@@ -61,18 +61,26 @@ class MeshDrawer {
             Writes writes);
 
  private:
+  // What parts of one program have in common.
+  struct Form {
+    bool textured, flat;
+    auto operator<=>(const Form&) const = default;
+  };
   struct Loaded {
     GLuint vertices = 0;
-    std::vector<GLuint> pictures;  // One for each part; 0: none.
+    struct Part {
+      Form form;
+      GLuint picture;  // 0: none.
+    };
+    std::vector<Part> parts;
   };
-  // For what has textures and what has not.
   struct Program {
     GLuint id = 0;
     GLint target = -1, R_VO = -1, p_VO = -1, light = -1, look = -1, ray = -1, picture = -1;
   };
-  const Program& program(Writes writes, bool textured);
+  const Program& program(Writes writes, Form form);
   void draw_runs(const std::vector<MeshInstance::Run>& runs, size_t begin, size_t end);
-  void draw_instance(const Program& at, const MeshInstance& instance, bool textured, int width);
+  void draw_instance(const Program& at, const MeshInstance& instance, Form form, int width);
   GLuint upload(const Picture& picture, GLint wrap) const;
   Loaded upload(const Mesh& mesh, const std::vector<uint32_t>& indices) const;
 
@@ -80,7 +88,7 @@ class MeshDrawer {
   std::vector<Loaded> meshes_;
   std::vector<GLuint> textures_;
   Linker link_;
-  std::map<std::pair<Writes, bool>, Program> programs_;
+  std::map<std::pair<Writes, Form>, Program> programs_;
   // Of one call.
   std::vector<GLsizei> counts_;
   std::vector<const void*> places_;

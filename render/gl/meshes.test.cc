@@ -153,6 +153,50 @@ TEST_F(Files, AMeshInMotionAgreesWithEveryTriangleAlone) {
   }
 }
 
+// The same with light that falls on plain faces, of which STL files repeat each corner: these
+// become one, and the faces keep their own normals.
+TEST_F(Files, AMeshOfFlatFacesAgrees) {
+  constexpr int kAround = 12, kTube = 6;
+  std::string stl = "solid ring\n";
+  const auto corner = [&](int a, int b) {
+    const double s = 6.283185307179586 * (a % kAround) / kAround;
+    const double t = 6.283185307179586 * (b % kTube) / kTube;
+    return fmt::format("vertex {} {} {}\n", (0.2 + 0.08 * std::cos(t)) * std::cos(s),
+                       (0.2 + 0.08 * std::cos(t)) * std::sin(s), 0.08 * std::sin(t));
+  };
+  for (int face = 0; face < kAround * kTube * 2; ++face) {
+    const int a = face / 2 / kTube, b = face / 2 % kTube;
+    // Some writers leave the normals at zero.
+    stl += "facet normal 0 0 0\nouter loop\n" + corner(a, b) +
+           (face % 2 == 0 ? corner(a + 1, b) + corner(a + 1, b + 1)
+                          : corner(a + 1, b + 1) + corner(a, b + 1)) +
+           "endloop\nendfacet\n";
+  }
+  Assets assets;
+  assets.meshes.push_back(read_mesh(put("ring.stl", stl + "endsolid ring\n"), 1));
+  const Mesh& mesh = assets.meshes[0];
+  ASSERT_EQ(mesh.parts.size(), 1u);
+  EXPECT_EQ(mesh.parts[0].flat, 1);
+  EXPECT_EQ(mesh.vertices.size(), static_cast<size_t>(kAround * kTube));
+  EXPECT_EQ(mesh.indices.size(), static_cast<size_t>(3 * 2 * kAround * kTube));
+  EXPECT_EQ(gl::turn_seen_from_outside(mesh), 1);
+  MovingScene scene{[](double t) { return head_camera(0.3, 2.0 * (t - 0.02), -0.1, 0.05); },
+                    [&](double t) {
+                      return std::vector<Primitive>{
+                          {.shape = Shape::mesh,
+                           .X_WO = {rotation_zyx(0.5, 0.4 + 6 * t, 0.2), {0.8, 0.05 - t, 0.2}},
+                           .size = Vec3(mesh.radius_m),
+                           .rgb = {0.9, 0.5, 0.7},
+                           .asset = 1}};
+                    }};
+  scene.lighting = {
+      .lambert = true, .direction_W = Vec3(-0.6, 0.0, 0.8), .ambient = 0.3, .diffuse = 0.7};
+  const Difference found =
+      against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
+  EXPECT_LE(found.mean, 0.3);
+  EXPECT_GE(found.within_6, 0.999);
+}
+
 // Surfaces of one colour each are drawn otherwise: as places in a palette. The mesh is cut by a
 // rectangle, and its triangles are in several clusters.
 TEST_F(Files, AMeshOfOneColourAPartAgrees) {
