@@ -64,11 +64,13 @@ MeshCluster cluster_of(const Mesh& mesh, const std::vector<Triangle>& triangles,
   return cluster;
 }
 
-// Halves along the longest side until groups are small. The order of what lies on one side is the
-// library's own, but the same each time.
+// Halves along the longest side until groups are small; these are in one order whatever was given,
+// so that a mesh sent elsewhere in its clusters' order is drawn there in the same.
 void split(const Mesh& mesh, std::vector<Triangle>& triangles, size_t begin, size_t end,
            std::vector<MeshCluster>& out) {
   if (end - begin <= kTriangles) {
+    std::sort(triangles.begin() + static_cast<ptrdiff_t>(begin),
+              triangles.begin() + static_cast<ptrdiff_t>(end));
     out.push_back(cluster_of(mesh, triangles, begin, end));
     return;
   }

@@ -1,7 +1,7 @@
 #include "render/gl/mesh_drawer.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <iterator>
 
 #include "render/gl/closed_mesh.h"
 
@@ -113,25 +113,22 @@ bool ClusteredMesh::has_one_colour_each() const {
   return std::all_of(parts.begin(), parts.end(), [](const Part& part) { return !!part.rgb; });
 }
 
-std::vector<ClusteredMesh> cluster_meshes(const Assets& assets) {
+std::vector<ClusteredMesh> cluster_meshes(Assets& assets) {
   std::vector<ClusteredMesh> meshes;
-  for (const Mesh& mesh : assets.meshes) {
-    ClusteredMesh& clustered = meshes.emplace_back(ClusteredMesh{mesh.indices, {}});
+  for (Mesh& mesh : assets.meshes) {
+    ClusteredMesh& clustered = meshes.emplace_back();
     clustered.turn = turn_seen_from_outside(mesh);
     for (const MeshPart& part : mesh.parts)
-      clustered.parts.push_back(
-          {make_clusters(mesh, part, clustered.indices), one_colour(mesh, part)});
+      clustered.parts.push_back({make_clusters(mesh, part, mesh.indices), one_colour(mesh, part)});
   }
   return meshes;
 }
 
-MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets,
-                       const std::vector<ClusteredMesh>& clustered, Linker link)
-    : gl_(gl), link_(std::move(link)) {
+MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets, Linker link)
+    : gl_(gl), assets_(assets), link_(std::move(link)) {
   for (const Texture& texture : assets.textures)
     textures_.push_back(upload(texture.picture, GL_CLAMP_TO_EDGE));
-  for (size_t i = 0; i < assets.meshes.size(); ++i)
-    meshes_.push_back(upload(assets.meshes[i], clustered[i].indices));
+  for (const Mesh& mesh : assets.meshes) meshes_.push_back(upload(mesh));
 }
 
 const MeshDrawer::Program& MeshDrawer::program(Writes writes, Form form) {
@@ -162,35 +159,62 @@ GLuint MeshDrawer::upload(const Picture& picture, GLint wrap) const {
   return texture;
 }
 
-MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh,
-                                      const std::vector<uint32_t>& indices) const {
+void MeshDrawer::set_inputs(const std::vector<float>& values, std::span<const Input> inputs) const {
+  GLsizei floats = 0;
+  for (const Input& input : inputs) floats += input.floats;
+  GLuint buffer = 0;
+  gl_.glGenBuffers(1, &buffer);
+  gl_.glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(4 * values.size()), values.data(),
+                   GL_STATIC_DRAW);
+  size_t at = 0;
+  for (const Input& input : inputs) {
+    gl_.glEnableVertexAttribArray(input.place);
+    gl_.glVertexAttribPointer(input.place, input.floats, GL_FLOAT, GL_FALSE, 4 * floats,
+                              reinterpret_cast<const void*>(at));
+    at += size_t{4} * static_cast<size_t>(input.floats);
+  }
+}
+
+MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh) const {
   Loaded loaded;
   gl_.glGenVertexArrays(1, &loaded.vertices);
   gl_.glBindVertexArray(loaded.vertices);
-  GLuint buffers[2];
-  gl_.glGenBuffers(2, buffers);
-  gl_.glBindBuffer(GL_ARRAY_BUFFER, buffers[0]);
-  gl_.glBufferData(GL_ARRAY_BUFFER,
-                   static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(MeshVertex)),
-                   mesh.vertices.data(), GL_STATIC_DRAW);
-  gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
-  gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * 4),
-                   indices.data(), GL_STATIC_DRAW);
-  const std::pair<GLint, size_t> inputs[] = {{3, offsetof(MeshVertex, p)},
-                                             {3, offsetof(MeshVertex, n)},
-                                             {2, offsetof(MeshVertex, uv)},
-                                             {3, offsetof(MeshVertex, rgb)}};
-  for (GLuint i = 0; i < 4; ++i) {
-    gl_.glEnableVertexAttribArray(i);
-    gl_.glVertexAttribPointer(i, inputs[i].first, GL_FLOAT, GL_FALSE, sizeof(MeshVertex),
-                              reinterpret_cast<const void*>(inputs[i].second));
-  }
+  std::vector<float> places;
+  places.reserve(3 * mesh.vertices.size());
+  for (const MeshVertex& vertex : mesh.vertices)
+    places.insert(places.end(), std::begin(vertex.p), std::end(vertex.p));
+  constexpr Input kPlaces[] = {{0, 3}};
+  set_inputs(places, kPlaces);
+  GLuint indices = 0;
+  gl_.glGenBuffers(1, &indices);
+  gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
+  gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * 4),
+                   mesh.indices.data(), GL_STATIC_DRAW);
   std::vector<GLuint> pictures;
   for (const Picture& picture : mesh.pictures) pictures.push_back(upload(picture, GL_REPEAT));
   for (const MeshPart& part : mesh.parts)
     loaded.parts.push_back({{.textured = part.picture >= 0, .flat = part.flat != 0},
                             part.picture < 0 ? 0 : pictures[part.picture]});
   return loaded;
+}
+
+// Frames that hold places in a palette, and the truth, need none of it.
+void MeshDrawer::upload_looks(size_t place) {
+  Loaded& loaded = meshes_[place];
+  if (loaded.has_looks) return;
+  loaded.has_looks = true;
+  const std::vector<MeshVertex>& vertices = assets_.meshes[place].vertices;
+  std::vector<float> looks;
+  looks.reserve(8 * vertices.size());
+  for (const MeshVertex& vertex : vertices) {
+    looks.insert(looks.end(), std::begin(vertex.n), std::end(vertex.n));
+    looks.insert(looks.end(), std::begin(vertex.uv), std::end(vertex.uv));
+    looks.insert(looks.end(), std::begin(vertex.rgb), std::end(vertex.rgb));
+  }
+  gl_.glBindVertexArray(loaded.vertices);
+  constexpr Input kLooks[] = {{1, 3}, {2, 2}, {3, 3}};
+  set_inputs(looks, kLooks);
 }
 
 void MeshDrawer::bind_texture(uint32_t texture) const {
@@ -240,6 +264,9 @@ void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, 
 
 void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int height,
                       float shear, Writes writes) {
+  if (writes == Writes::light || writes == Writes::colour) {
+    for (const MeshInstance& instance : instances) upload_looks(instance.mesh);
+  }
   for (const Form form : {Form{false, false}, {false, true}, {true, false}, {true, true}}) {
     const auto has_some = [&](const MeshInstance& instance) {
       const auto& parts = meshes_[instance.mesh].parts;
