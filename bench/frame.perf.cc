@@ -58,6 +58,7 @@ render::Mesh ring(int triangles) {
   const auto tube = static_cast<uint32_t>(std::sqrt(triangles / 8.0));
   const uint32_t around = 4 * tube;
   render::Mesh mesh;
+  mesh.vertices.reserve(size_t{around} * tube), mesh.indices.reserve(size_t{6} * around * tube);
   for (uint32_t a = 0; a < around; ++a) {
     for (uint32_t b = 0; b < tube; ++b) {
       const double s = 6.283185307179586 * a / around, t = 6.283185307179586 * b / tube;
