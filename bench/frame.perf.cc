@@ -1,6 +1,7 @@
 // Frames: one instant without effects against the whole chain; the names are those of the project's
 // benchmark list. Times are of one frame; frame_full_parallel is wall time over all frames made.
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
 #include <cmath>
 #include <thread>
@@ -57,6 +58,7 @@ render::Mesh ring(int triangles) {
   const auto tube = static_cast<uint32_t>(std::sqrt(triangles / 8.0));
   const uint32_t around = 4 * tube;
   render::Mesh mesh;
+  mesh.vertices.reserve(size_t{around} * tube), mesh.indices.reserve(size_t{6} * around * tube);
   for (uint32_t a = 0; a < around; ++a) {
     for (uint32_t b = 0; b < tube; ++b) {
       const double s = 6.283185307179586 * a / around, t = 6.283185307179586 * b / tube;
@@ -76,6 +78,7 @@ render::Mesh ring(int triangles) {
     }
   }
   mesh.parts = {{.first = 0, .count = static_cast<uint32_t>(mesh.indices.size())}};
+  mesh.radius_m = 0.28;
   return mesh;
 }
 
@@ -165,6 +168,43 @@ BENCHMARK(frame_opengl)
     ->Arg(0)
     ->Arg(8'000)
     ->Arg(100'000)
+    ->Unit(benchmark::kMillisecond);
+
+// What a million triangles take: the process's memory at its highest, all of it.
+void frame_opengl_memory(benchmark::State& state) {
+  draw(state, 1'000'000);
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  state.counters["peak_mib"] = static_cast<double>(usage.ru_maxrss) / 1024;
+}
+BENCHMARK(frame_opengl_memory)
+    ->Name("frame_opengl/178x144/million")
+    ->Iterations(2)
+    ->Unit(benchmark::kMillisecond);
+
+// Frames of two contexts at once against those of one: wall time for as many frames each.
+void frame_opengl_contexts(benchmark::State& state) {
+  const effects::Model model = model_scaled("ers210_full.yaml", 1);
+  const std::vector<FrameJob> jobs = match_jobs(model, 144, 8, kFrames);
+  const render::GlDevice device(render::Assets{});
+  const render::Renderer renderer(model, 178, 144, {.opengl = &device});
+  const auto contexts = static_cast<size_t>(state.range(0));
+  for (auto _ : state) {
+    std::vector<std::jthread> threads;
+    for (size_t context = 0; context < contexts; ++context) {
+      threads.emplace_back([&] {
+        for (const FrameJob& job : jobs) benchmark::DoNotOptimize(renderer.render(job).fingerprint);
+      });
+    }
+  }
+  state.counters["frames_per_s"] = benchmark::Counter(
+      static_cast<double>(contexts * kFrames), benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(frame_opengl_contexts)
+    ->Name("frame_opengl/178x144/contexts")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
 // The camera's filter on a finished pinhole image: distortion, blur 5x5, vignetting, noise, 8 bits.

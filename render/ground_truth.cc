@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "render/cast/scene_motion.h"
 #include "render/gl/device.h"
 #include "sim_core/base/error.h"
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Frames have the same bits with 1 and 2 threads, 128-, 256- and 512-bit vectors, on other CPU models
-# (qemu-user), with gcc and clang, at -O0 to -O3. Slow: part of `./test.sh --all`.
+# (qemu-user), with gcc and clang, at -O0 to -O3; those that OpenGL draws, which belong to a version of Mesa, are
+# compared with this machine's own. Slow: part of `./test.sh --all`.
 # Usage: scripts/bits_matrix.sh [--quick]   (--quick: without other compilers)
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -23,6 +24,15 @@ for threads in 1 2 3; do check "$threads threads" "$program" "$threads"; done
 for bits in 128 256 512; do check "$bits-bit vectors" env SEAM_VECTOR_BITS=$bits "$program"; done
 if command -v qemu-x86_64 >/dev/null; then
   for cpu in Nehalem Haswell EPYC-Rome; do check "qemu $cpu" qemu-x86_64 -cpu "$cpu" "$program"; done
+  if "$program" opengl >build/opengl_frames.txt; then
+    golden=build/opengl_frames.txt
+    for cpu in Nehalem SandyBridge Haswell Skylake-Client EPYC; do
+      check "OpenGL, qemu $cpu" qemu-x86_64 -cpu "$cpu" "$program" opengl
+    done
+    golden=render/golden/golden_frames.txt
+  else
+    echo "skipped: this build draws nothing by OpenGL"
+  fi
 else
   echo "skipped: qemu-x86_64 is not installed (package qemu-user)"
 fi

@@ -3,7 +3,6 @@
 part of one, another one, a blur; times; files of strangers. `images_test.py path/to/seam`
 """
 import csv
-import ctypes
 import pathlib
 import shutil
 import struct
@@ -17,7 +16,7 @@ from PIL import Image
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from ros_bags import Cdr, mcap_file, ros1_bag  # noqa: E402
-from target_pictures import AprilGrid, Charuco, Chessboard, Circles, draw, projected, views  # noqa: E402
+from target_pictures import AprilGrid, Charuco, Chessboard, Circles, draw, projected, tag_bits, views  # noqa: E402
 
 SEAM = pathlib.Path(sys.argv[1]).resolve()
 WIDTH, HEIGHT, FOCAL = 480, 360, 450
@@ -27,20 +26,6 @@ def run(*arguments, code=0, seam=SEAM):
     done = subprocess.run([seam, *map(str, arguments)], capture_output=True, text=True, timeout=120)
     assert done.returncode == code, (arguments, done.returncode, done.stdout, done.stderr)
     return done.stdout + done.stderr
-
-
-def tag_bits(number):
-    """Of tag36h11 with its dark border, a row a list, from the library's own picture."""
-    library = ctypes.CDLL("libapriltag.so.3")
-
-    class Picture(ctypes.Structure):
-        _fields_ = [("width", ctypes.c_int32), ("height", ctypes.c_int32), ("stride", ctypes.c_int32),
-                    ("bytes", ctypes.POINTER(ctypes.c_uint8))]
-    library.tag36h11_create.restype = ctypes.c_void_p
-    library.apriltag_to_image.restype = ctypes.POINTER(Picture)
-    library.apriltag_to_image.argtypes = [ctypes.c_void_p, ctypes.c_uint32]
-    p = library.apriltag_to_image(library.tag36h11_create(), number).contents
-    return [[p.bytes[y * p.stride + x] for x in range(1, p.width - 1)] for y in range(1, p.height - 1)]
 
 
 def yaml(folder, name, **values):

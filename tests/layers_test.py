@@ -60,7 +60,7 @@ ROOMS = {
         "gl/absent": ["gl", "assets"],
         ".": ["base", "cast", "filter", "colour", "gl"],
         "pictures": ["base", "."],
-        "golden": ["base", "."],
+        "golden": ["base", ".", "gl"],
     },
     "scheduler": {
         "loop": [],

@@ -65,6 +65,14 @@ class Room(unittest.TestCase):
         self.assertEqual(versions["renderer"], "opengl")
         self.assertIn("Mesa", versions["opengl"])
         self.assertIn("llvmpipe", versions["opengl_renderer"])
+        # Frames that the run may not have asked for are the same bits too.
+        code, text = seam("replay", "frames", log, "--robot", "red1", "--from", "0.05", "--to", "0.13", "--out", self.folder / "eyes")
+        self.assertEqual(code, 0, text)
+        drawn = {path.name: path.read_bytes() for path in (self.folder / "eyes").glob("*.png")}
+        self.frame("--out", self.folder / "at.png")
+        self.assertEqual(sorted(drawn), ["red1_000002.png", "red1_000003.png"])
+        at = np.array(Image.open(self.folder / "at.png"))
+        self.assertTrue((np.array(Image.open(self.folder / "eyes/red1_000003.png")) == at).all())
         code, text = seam("replay", "verify", log)
         self.assertEqual((code, "the same" in text), (0, True), text)
         with open(self.folder / "scenarios/room/chair.obj", "a") as chair:

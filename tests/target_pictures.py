@@ -1,4 +1,5 @@
 """Calibration targets as scenes of rectangles and discs, drawn by `seam measure`: every corner's place is known."""
+import ctypes
 import math
 
 import numpy as np
@@ -6,6 +7,20 @@ import numpy as np
 # Of DICT_4X4_50, the first seventeen: rows of bits, the dark ones 0.
 ARUCO_4X4 = [0xB532, 0x0F9A, 0x332D, 0x9946, 0x549E, 0x79CD, 0x9E2E, 0xC4F2, 0xFEDA, 0xCF56, 0xF991]
 DARK, LIGHT = 0.05, 0.8
+
+
+def tag_bits(number):
+    """Of tag36h11 with its dark border, a row a list, from the library's own picture."""
+    library = ctypes.CDLL("libapriltag.so.3")
+
+    class Picture(ctypes.Structure):
+        _fields_ = [("width", ctypes.c_int32), ("height", ctypes.c_int32), ("stride", ctypes.c_int32),
+                    ("bytes", ctypes.POINTER(ctypes.c_uint8))]
+    library.tag36h11_create.restype = ctypes.c_void_p
+    library.apriltag_to_image.restype = ctypes.POINTER(Picture)
+    library.apriltag_to_image.argtypes = [ctypes.c_void_p, ctypes.c_uint32]
+    p = library.apriltag_to_image(library.tag36h11_create(), number).contents
+    return [[p.bytes[y * p.stride + x] for x in range(1, p.width - 1)] for y in range(1, p.height - 1)]
 
 
 def rectangle(x0, y0, x1, y1, z, value):

@@ -1,5 +1,6 @@
 #include "app/predictors/frame_predictor.h"
 
+#include "app/asset_reader.h"
 #include "render/cast/ray_store.h"
 #include "render/gl/device.h"
 #include "render/renderer.h"
@@ -46,12 +47,11 @@ class RenderedFrames final : public measurement::FramePredictor {
 
 Device device_of(const SceneFiles& files) {
   if (files.empty()) return nullptr;
-  render::Assets assets;
-  for (const SceneFiles::MeshFile& mesh : files.meshes)
-    assets.meshes.push_back(render::read_mesh(mesh.file, mesh.scale));
-  for (const FileName& texture : files.textures)
-    assets.textures.push_back(render::read_texture(texture));
-  return std::make_shared<const render::GlDevice>(std::move(assets));
+  // In the order of the files, of which each is there once: places are those of the scene.
+  AssetReader reader;
+  for (SceneFiles::MeshFile mesh : files.meshes) reader.mesh(mesh.file, mesh.scale);
+  for (FileName texture : files.textures) reader.texture(texture);
+  return std::make_shared<const render::GlDevice>(reader.take());
 }
 
 }  // namespace

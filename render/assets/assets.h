@@ -29,6 +29,7 @@ struct MeshVertex {
 struct MeshPart {
   uint32_t first = 0, count = 0;  // Indices.
   int32_t picture = -1;           // Into Mesh::pictures; -1: none.
+  int32_t flat = 0;               // 1: each face has its plane's normal, whatever its corners say.
 };
 
 struct Mesh {

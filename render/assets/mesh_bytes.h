@@ -78,6 +78,10 @@ class ByteReader {
   size_t at_ = 0;
 };
 
+// Finds the parts whose faces are flat and lets these share corners: STL files repeat each corner
+// for each face.
+void join_flat_faces(ReadMesh& mesh);
+
 // Reads the file by Assimp; runs in the process of its own.
 ReadMesh import_mesh(const std::filesystem::path& folder, const std::string& name);
 

@@ -172,7 +172,8 @@ MeshVertex vertex_of(const aiMesh& mesh, unsigned i, const aiColor4D& colour, bo
   put(mesh.mVertices[i], y_is_up, vertex.p);
   aiVector3D normal = mesh.mNormals ? mesh.mNormals[i] : aiVector3D(0, 0, 0);
   const float length = normal.Length();
-  normal = finite(normal) && length > 1e-12f ? normal / length : aiVector3D(0, 0, 1);
+  // Zero is no normal: the face's own is taken, or upwards where others have one.
+  normal = finite(normal) && length > 1e-12f ? normal / length : aiVector3D(0, 0, 0);
   put(normal, y_is_up, vertex.n);
   if (mesh.mTextureCoords[0]) {
     vertex.uv[0] = mesh.mTextureCoords[0][i].x, vertex.uv[1] = mesh.mTextureCoords[0][i].y;
@@ -235,6 +236,7 @@ ReadMesh import_mesh(const fs::path& folder, const std::string& name) {
   for (unsigned m = 0; m < scene->mNumMeshes; ++m)
     add_part(*scene->mMeshes[m], materials, y_is_up, out);
   if (out.indices.empty()) throw InputError("found no triangles");
+  join_flat_faces(out);
   out.files = inside.opened;
   return out;
 }

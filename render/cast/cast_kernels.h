@@ -82,6 +82,8 @@ struct CastKernels {
                   const int32_t* first_id, const float* first_factor, float weight, Colour* sum);
   // differs[i]: not 0 where one of the rows of signatures has another at i than the first row.
   void (*find_varying)(const uint32_t* signatures, int rows, int count, uint32_t* differs);
+  // near[i]: not 0 where differs[i] or its neighbour in the row is not.
+  void (*widen)(const uint32_t* differs, int count, uint32_t* near);
   // Columns where a signature is not its neighbours' or `differs` is not 0: returns how many.
   // place[i] = `each` times those before column i, up to i = count.
   int (*find_edges)(const uint32_t* signature, const uint32_t* differs, int count, int each,

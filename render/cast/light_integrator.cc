@@ -5,6 +5,7 @@
 
 #include "effects/stages/row_schedule.h"
 #include "render/cast/parallel.h"
+#include "render/cast/scene_motion.h"
 #include "sim_core/base/error.h"
 
 namespace seam::render {
@@ -23,19 +24,24 @@ int fewest_instants(const RowSchedule& schedule) {
   return static_cast<int>(fewest);
 }
 
-// How many instants a row needs so that nothing moves further than allowed between two.
-int instants_wanted(const FrameJob& job, const CameraRays& rays, const RendererOptions& options) {
-  const int given = fewest_instants(job.schedule);
+// From one instant of a row to its next, in times of that between instants k and k + 1.
+double row_step(const FrameJob& job, size_t k) {
   const SimDuration exposure = job.schedule.rows[0].end - job.schedule.rows[0].start;
-  if (given < 2 || job.instants.size() < 2 || exposure.ns() == 0) return given;
+  const double step_ns = static_cast<double>(exposure.ns()) / fewest_instants(job.schedule);
+  const double span_ns =
+      static_cast<double>((job.instants[k + 1].time - job.instants[k].time).ns());
+  return span_ns > 0 ? step_ns / span_ns : 0;
+}
+
+// How many instants a row needs so that nothing moves further than allowed between two; motion(k):
+// how far it moves from the job's instant k to the next, pixels.
+template <typename Motion>
+int instants_wanted(const FrameJob& job, const RendererOptions& options, const Motion& motion) {
+  const int given = fewest_instants(job.schedule);
+  if (given < 2) return given;
   double fastest_px = 0;  // In the time between two instants of a row.
-  const double step_ns = static_cast<double>(exposure.ns()) / given;
-  for (size_t k = 0; k + 1 < job.instants.size(); ++k) {
-    const double span_ns =
-        static_cast<double>((job.instants[k + 1].time - job.instants[k].time).ns());
-    const double motion = image_motion_px(job.instants[k], job.instants[k + 1], rays.focal_px);
-    if (span_ns > 0) fastest_px = std::max(fastest_px, motion * step_ns / span_ns);
-  }
+  for (size_t k = 0; k + 1 < job.instants.size(); ++k)
+    fastest_px = std::max(fastest_px, motion(k) * row_step(job, k));
   const double factor = std::ceil(fastest_px / options.max_motion_px - 1e-9);
   if (!(factor > 1)) return given;
   return static_cast<int>(std::min<double>(factor * given, std::max(kMaxRefinedInstants, given)));
@@ -69,18 +75,22 @@ SceneInstant scene_at(const FrameJob& job, SimTime time) {
 
 }  // namespace
 
-SampledInstants::SampledInstants(const FrameJob& job, const CameraRays& rays,
-                                 const RendererOptions& options)
+SampledInstants::SampledInstants(const FrameJob& job, const CameraRays& rays, int a_row)
     : job_(job) {
   SEAM_CHECK(job.instants.size() == job.schedule.instants.size() && !job.instants.empty(), "{} {}",
              job.instants.size(), job.schedule.instants.size());
   SEAM_CHECK(static_cast<int>(job.schedule.rows.size()) == rays.height_px, "{}",
              job.schedule.rows.size());
-  const int wanted = instants_wanted(job, rays, options);
-  refined_ = wanted > fewest_instants(job.schedule);
-  schedule_ = refined_ ? effects::schedule_of_windows(job.schedule.rows, wanted) : job.schedule;
+  refined_ = a_row > fewest_instants(job.schedule);
+  schedule_ = refined_ ? effects::schedule_of_windows(job.schedule.rows, a_row) : job.schedule;
   rows_ = rows_that_see(schedule_, rays);
 }
+
+SampledInstants::SampledInstants(const FrameJob& job, const CameraRays& rays,
+                                 const RendererOptions& options)
+    : SampledInstants(job, rays, instants_wanted(job, options, [&](size_t k) {
+                        return image_motion_px(job.instants[k], job.instants[k + 1], rays.focal_px);
+                      })) {}
 
 int SampledInstants::fewest_a_row() const {
   return fewest_instants(schedule_);
@@ -93,20 +103,45 @@ void SampledInstants::with_scene(int k, const std::function<void(const SceneInst
     see(job_.instants[k]);
 }
 
+namespace {
+
+// Calls see(k, scene) for each instant.
+template <typename See>
+void prepare_scenes(const FrameJob& job, const CameraRays& rays, int threads, SamplingPlan& plan,
+                    const See& see) {
+  plan.scenes.resize(plan.instants.count());
+  split_over_threads(threads, plan.instants.count(), [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      plan.instants.with_scene(k, [&](const SceneInstant& scene) {
+        prepare(scene, job.lighting, job.background, rays, plan.instants.rows_of(k),
+                plan.scenes[k]);
+      });
+      see(k);
+    }
+  });
+}
+
+}  // namespace
+
 SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,
                            const RendererOptions& options) {
-  SamplingPlan plan{.instants = SampledInstants(job, rays, options), .scenes = {}};
-  plan.scenes.resize(plan.instants.count());
-  split_over_threads(options.threads, static_cast<int>(plan.scenes.size()),
-                     [&](int begin, int end) {
-                       for (int k = begin; k < end; ++k) {
-                         plan.instants.with_scene(k, [&](const SceneInstant& scene) {
-                           prepare(scene, job.lighting, job.background, rays,
-                                   plan.instants.rows_of(k), plan.scenes[k]);
-                         });
-                       }
-                     });
-  return plan;
+  // Most frames need no instants but their own. These are prepared, and how far things move is
+  // bounded, in one go over the scenes, which are more than the caches near the processor hold.
+  SamplingPlan plan{.instants = SampledInstants(job, rays, 0), .scenes = {}};
+  std::vector<double> motion_px(job.instants.size());
+  prepare_scenes(job, rays, options.threads, plan, [&](int k) {
+    if (k == 0) return;
+    const SceneInstant &before = job.instants[k - 1], &here = job.instants[k];
+    double& motion = motion_px[k - 1];
+    motion = image_motion_bound_px(before, here, rays.focal_px);
+    if (motion * row_step(job, k - 1) > options.max_motion_px)
+      motion = image_motion_px(before, here, rays.focal_px);
+  });
+  const int wanted = instants_wanted(job, options, [&](size_t k) { return motion_px[k]; });
+  if (wanted == plan.instants.fewest_a_row()) return plan;
+  SamplingPlan refined{.instants = SampledInstants(job, rays, wanted), .scenes = {}};
+  prepare_scenes(job, rays, options.threads, refined, [](int) {});
+  return refined;
 }
 
 void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const FrameJob& job,

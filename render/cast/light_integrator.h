@@ -15,6 +15,8 @@ namespace seam::render {
 class SampledInstants {
  public:
   SampledInstants(const FrameJob& job, const CameraRays& rays, const RendererOptions& options);
+  // At least so many a row, and no fewer than the job has.
+  SampledInstants(const FrameJob& job, const CameraRays& rays, int a_row);
 
   const RowSchedule& schedule() const { return schedule_; }
   int count() const { return static_cast<int>(schedule_.instants.size()); }

@@ -18,30 +18,6 @@ struct Bounds {
   static Bounds everything() { return {-1e30, 1e30, -1e30, 1e30}; }
 };
 
-Vec3 bounding_centre(const Primitive& primitive) {
-  const bool stands = primitive.shape == Shape::cylinder || primitive.shape == Shape::capsule;
-  return {0, 0, stands ? 0.5 * primitive.size.z : 0};
-}
-
-double bounding_radius(const Primitive& primitive) {
-  const Vec3& size = primitive.size;
-  switch (primitive.shape) {
-    case Shape::rectangle:
-      return 0.5 * std::sqrt(size.x * size.x + size.y * size.y);
-    case Shape::sphere:
-      return size.x;
-    case Shape::cylinder:
-      return std::sqrt(size.x * size.x + 0.25 * size.z * size.z);
-    case Shape::capsule:
-      return size.x + 0.5 * size.z;
-    case Shape::box:
-      return 0.5 * std::sqrt(glm::dot(size, size));
-    case Shape::mesh:
-      return size.x;
-  }
-  return 0;
-}
-
 // A radius of at least the bounding sphere's, without a root.
 double loose_radius(const Primitive& primitive) {
   const Vec3& size = primitive.size;
@@ -116,8 +92,13 @@ void add_edge(const Vec3& p, const Vec3& q, Bounds& bounds, std::vector<OutlineE
   const double px = p.x / p.z, py = p.y / p.z, qx = q.x / q.z, qy = q.y / q.z;
   bounds.add(px, py), bounds.add(qx, qy);
   OutlineEdge edge{static_cast<float>(px), static_cast<float>(py), static_cast<float>(qx),
-                   static_cast<float>(qy)};
+                   static_cast<float>(qy), 0.0f};
   if (edge.y0 > edge.y1) std::swap(edge.x0, edge.x1), std::swap(edge.y0, edge.y1);
+  const float dy = edge.y1 - edge.y0;
+  if (dy > 1e-12f)
+    edge.slope = (edge.x1 - edge.x0) / dy;
+  else
+    edge.y1 = edge.y0;
   edges.push_back(edge);
 }
 
@@ -185,8 +166,26 @@ Bounds box_bounds(const Pose& X_CO, const Vec3& half, std::vector<OutlineEdge>& 
   return bounds;
 }
 
-Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, std::vector<OutlineEdge>& edges) {
+// Of a capsule, its sweep too where both its balls are in front of the camera.
+Bounds capsule_bounds(const Vec3& foot_C, const Vec3& top_C, double radius,
+                      std::vector<Sweep>& sweeps) {
+  const Bounds foot = sphere_bounds(foot_C, radius), top = sphere_bounds(top_C, radius);
+  Bounds both = foot;
+  both.add(top);
+  if (both.x_max < 1e30) {
+    const auto pair = [](float(&to)[2], double first, double last) {
+      to[0] = static_cast<float>(first), to[1] = static_cast<float>(last);
+    };
+    Sweep& sweep = sweeps.emplace_back();
+    pair(sweep.x_min, foot.x_min, top.x_min), pair(sweep.x_max, foot.x_max, top.x_max);
+    pair(sweep.y_min, foot.y_min, top.y_min), pair(sweep.y_max, foot.y_max, top.y_max);
+  }
+  return both;
+}
+
+Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, PreparedInstant& out) {
   const Vec3& size = primitive.size;
+  std::vector<OutlineEdge>& edges = out.outline_edges;
   switch (primitive.shape) {
     case Shape::rectangle:
       return rectangle_bounds(X_CO, size, edges);
@@ -194,11 +193,8 @@ Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, std::vector<Outli
       return sphere_bounds(X_CO.p, size.x);
     case Shape::cylinder:
       return corner_bounds(X_CO, {-size.x, -size.x, 0}, {size.x, size.x, size.z});
-    case Shape::capsule: {
-      Bounds bounds = sphere_bounds(X_CO.p, size.x);
-      bounds.add(sphere_bounds(X_CO * Vec3(0, 0, size.z), size.x));
-      return bounds;
-    }
+    case Shape::capsule:
+      return capsule_bounds(X_CO.p, X_CO.p + size.z * X_CO.R[2], size.x, out.sweeps);
     case Shape::box:
       return box_bounds(X_CO, 0.5 * size, edges);
     case Shape::mesh:
@@ -264,47 +260,31 @@ uint32_t signature_of(const Primitive& primitive, size_t source, const Lighting&
   return mixed | 1u;
 }
 
-double angle_between(const Mat3& a, const Mat3& b) {
-  // |R_a - R_b| (Frobenius) is sqrt(8) sin(angle / 2); the arc is at most pi/2 times its chord.
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) sum += glm::dot(a[k] - b[k], a[k] - b[k]);
-  const double chord = std::sqrt(sum / 2);
-  return chord < 0.5 ? chord * 1.011 : chord * 1.571;
-}
-
-Pose between(const Pose& a, const Pose& b, double fraction) {
-  Pose pose{a.R, a.p + fraction * (b.p - a.p)};
-  if (a.R == b.R) return pose;
-  Vec3 x = a.R[0] + fraction * (b.R[0] - a.R[0]);
-  Vec3 y = a.R[1] + fraction * (b.R[1] - a.R[1]);
-  x /= std::sqrt(glm::dot(x, x));
-  y -= glm::dot(x, y) * x;
-  y /= std::sqrt(glm::dot(y, y));
-  pose.R = Mat3(x, y, glm::cross(x, y));
-  return pose;
-}
-
-// Calls f(from, to) for each primitive of both instants. They come in the same order, but what
-// stands behind the camera may be left out of either, whole objects at a time
-// (World::primitives_at).
-template <typename F>
-void for_each_pair(const std::vector<Primitive>& a, const std::vector<Primitive>& b, F&& f) {
-  for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {
-    if (a[i].object_id == b[j].object_id && a[i].shape == b[j].shape) {
-      f(i++, j++);
-      continue;
-    }
-    size_t found = j;
-    while (found < b.size() && b[found].object_id != a[i].object_id) ++found;
-    if (found < b.size() && found > j) {
-      j = found;
-    } else {
-      ++i;
-    }
-  }
-}
-
 }  // namespace
+
+Vec3 bounding_centre(const Primitive& primitive) {
+  const bool stands = primitive.shape == Shape::cylinder || primitive.shape == Shape::capsule;
+  return {0, 0, stands ? 0.5 * primitive.size.z : 0};
+}
+
+double bounding_radius(const Primitive& primitive) {
+  const Vec3& size = primitive.size;
+  switch (primitive.shape) {
+    case Shape::rectangle:
+      return 0.5 * std::sqrt(size.x * size.x + size.y * size.y);
+    case Shape::sphere:
+      return size.x;
+    case Shape::cylinder:
+      return std::sqrt(size.x * size.x + 0.25 * size.z * size.z);
+    case Shape::capsule:
+      return size.x + 0.5 * size.z;
+    case Shape::box:
+      return 0.5 * std::sqrt(glm::dot(size, size));
+    case Shape::mesh:
+      return size.x;
+  }
+  return 0;
+}
 
 bool may_be_seen(const Vec3& centre_C, double radius, const CameraRays& rays, RowRange rows) {
   return !outside_view(centre_C, radius, rays, rows);
@@ -312,13 +292,13 @@ bool may_be_seen(const Vec3& centre_C, double radius, const CameraRays& rays, Ro
 
 void PreparedInstant::clear() {
   shapes.clear(), kinds.clear(), footprints.clear(), colours.clear(), signatures.clear();
-  sources.clear(), outline_edges.clear();
+  sources.clear(), outline_edges.clear(), sweeps.clear();
 }
 
 void PreparedInstant::reserve(size_t primitives) {
   shapes.reserve(primitives), kinds.reserve(primitives), footprints.reserve(primitives);
   colours.reserve(primitives + 1), signatures.reserve(primitives + 1), sources.reserve(primitives);
-  outline_edges.reserve(4 * primitives);
+  outline_edges.reserve(4 * primitives), sweeps.reserve(primitives);
 }
 
 void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
@@ -339,15 +319,17 @@ void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& b
       continue;
     }
     const Pose X_CO = X_CW * primitive.X_WO;
-    const size_t first_edge = out.outline_edges.size();
-    Footprint footprint = footprint_of(bounds_of(primitive, X_CO, out.outline_edges), rays, rows);
+    const size_t first_edge = out.outline_edges.size(), sweep = out.sweeps.size();
+    Footprint footprint = footprint_of(bounds_of(primitive, X_CO, out), rays, rows);
     if (footprint.last_row < footprint.first_row) {
-      out.outline_edges.resize(first_edge);
+      out.outline_edges.resize(first_edge), out.sweeps.resize(sweep);
       continue;
     }
-    footprint.first_edge = static_cast<int>(first_edge);
-    footprint.edges =
-        rays.perspective ? static_cast<int>(out.outline_edges.size() - first_edge) : 0;
+    if (rays.perspective) {
+      footprint.first_edge = static_cast<int>(first_edge);
+      footprint.edges = static_cast<int>(out.outline_edges.size() - first_edge);
+      if (out.sweeps.size() > sweep) footprint.sweep = static_cast<int>(sweep);
+    }
     CastShape shape = cast_shape(primitive, X_CO, light_C, lighting);
     shape.id = static_cast<int32_t>(out.shapes.size());
     out.shapes.push_back(shape);
@@ -357,42 +339,6 @@ void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& b
     out.signatures.push_back(signature_of(primitive, source, lighting));
     out.sources.push_back(static_cast<int>(source));
   }
-}
-
-SceneInstant interpolate(const SceneInstant& a, const SceneInstant& b, SimTime time) {
-  const double span = static_cast<double>((b.time - a.time).ns());
-  const double fraction = span == 0 ? 0 : static_cast<double>((time - a.time).ns()) / span;
-  SceneInstant scene = fraction < 0.5 ? a : b;
-  scene.time = time;
-  scene.X_WC = between(a.X_WC, b.X_WC, fraction);
-  // A primitive that exists at one of the instants alone stays as the nearer instant has it.
-  for_each_pair(a.primitives, b.primitives, [&](size_t from, size_t to) {
-    scene.primitives[fraction < 0.5 ? from : to].X_WO =
-        between(a.primitives[from].X_WO, b.primitives[to].X_WO, fraction);
-  });
-  return scene;
-}
-
-double image_motion_px(const SceneInstant& a, const SceneInstant& b, double focal_px) {
-  const double turned = angle_between(a.X_WC.R, b.X_WC.R);
-  const Vec3 camera_step = b.X_WC.p - a.X_WC.p;
-  // Nothing is seen closer than this: the robot's own nose is.
-  constexpr double kNearest_m = 0.1;
-  double shifted = std::sqrt(glm::dot(camera_step, camera_step)) / kNearest_m;
-  for_each_pair(a.primitives, b.primitives, [&](size_t from, size_t to) {
-    const Pose& X_WA = a.primitives[from].X_WO;
-    const Pose& X_WB = b.primitives[to].X_WO;
-    if (X_WA.p == X_WB.p && X_WA.R == X_WB.R) return;
-    const Vec3 centre_O = bounding_centre(a.primitives[from]);
-    const double radius = bounding_radius(a.primitives[from]);
-    const Vec3 step = X_WB * centre_O - X_WA * centre_O - camera_step;
-    const Vec3 from_camera = X_WA * centre_O - a.X_WC.p;
-    const double distance =
-        std::max(std::sqrt(glm::dot(from_camera, from_camera)) - radius, kNearest_m);
-    const double moved = std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * radius;
-    shifted = std::max(shifted, moved / distance);
-  });
-  return focal_px * (turned + shifted);
 }
 
 }  // namespace seam::render

@@ -10,13 +10,21 @@
 
 namespace seam::render {
 
-// An edge of a primitive's straight outline on the plane z = 1, from the smaller to the greater y.
+// An edge of a primitive's straight outline on the plane z = 1, from the smaller to the greater y,
+// and its x for each y.
 struct OutlineEdge {
-  float x0, y0, x1, y1;
+  float x0, y0, x1, y1, slope;
+};
+
+// The way of an upright rectangle on the plane z = 1 that moves evenly and holds, at its start and
+// end, the images of a capsule's two balls: all of the capsule is seen along it.
+struct Sweep {
+  float x_min[2], x_max[2], y_min[2], y_max[2];
 };
 
 // Where a primitive can be seen: rows [first_row, last_row] of the camera's rays, and in these its
-// x (on the plane z = 1) within [x_min, x_max], or tighter inside its outline, if it has one.
+// x (on the plane z = 1) within [x_min, x_max], or tighter inside its outline or along its sweep,
+// if it has one.
 struct Footprint {
   int first_row = 0;
   int last_row = -1;
@@ -24,6 +32,7 @@ struct Footprint {
   float x_max = 0;
   int first_edge = 0;
   int edges = 0;
+  int sweep = -1;
 };
 
 struct PreparedInstant {
@@ -37,6 +46,7 @@ struct PreparedInstant {
   std::vector<uint32_t> signatures;
   std::vector<int> sources;  // Places in SceneInstant::primitives.
   std::vector<OutlineEdge> outline_edges;
+  std::vector<Sweep> sweeps;
 
   void clear();
   void reserve(size_t primitives);
@@ -55,12 +65,8 @@ bool may_be_seen(const Vec3& centre_C, double radius, const CameraRays& rays, Ro
 void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
              const CameraRays& rays, RowRange rows, PreparedInstant& out);
 
-// The scene at `time` between (or a little beyond) two instants: poses are interpolated, which is
-// exact for constant velocities and good to the third power of the angle turned in between.
-SceneInstant interpolate(const SceneInstant& a, const SceneInstant& b, SimTime time);
-
-// An upper bound of how far any visible point moves in the image from a to b, pixels; focal_px is
-// the greatest number of pixels per unit of x or y.
-double image_motion_px(const SceneInstant& a, const SceneInstant& b, double focal_px);
+// A ball about a primitive, in its own frame.
+Vec3 bounding_centre(const Primitive& primitive);
+double bounding_radius(const Primitive& primitive);
 
 }  // namespace seam::render

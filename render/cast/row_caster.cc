@@ -11,8 +11,6 @@ constexpr double kColumnU = 0.8566748838545029, kColumnV = 0.6287067210378087;
 constexpr double kRowU = 0.7338918566271260, kRowV = 0.5385972572236101;
 // Shades that differ by more than this meet at an edge.
 constexpr float kShadeStep = 0.03f;
-// A sliver of something in a pixel is often met by the rays of a pixel so near in the row alone.
-constexpr int kSliver = 1;
 // Samples of one pixel: the same in two dimensions.
 constexpr double kSampleU = 0.7548776662466927, kSampleV = 0.5698402909980532;
 
@@ -24,13 +22,35 @@ float fraction(double value) {
 // x where the edge crosses the strip [y_min, y_max], added to [low, high].
 void widen(const OutlineEdge& edge, float y_min, float y_max, float& low, float& high) {
   if (edge.y1 < y_min || edge.y0 > y_max) return;
-  const float dy = edge.y1 - edge.y0;
-  const float slope = dy > 1e-12f ? (edge.x1 - edge.x0) / dy : 0.0f;
-  const float first =
-      edge.y0 < y_min && dy > 1e-12f ? edge.x0 + (y_min - edge.y0) * slope : edge.x0;
-  const float last = edge.y1 > y_max && dy > 1e-12f ? edge.x0 + (y_max - edge.y0) * slope : edge.x1;
+  const float first = edge.y0 < y_min ? edge.x0 + (y_min - edge.y0) * edge.slope : edge.x0;
+  const float last = edge.y1 > y_max ? edge.x0 + (y_max - edge.y0) * edge.slope : edge.x1;
   low = std::min(low, std::min(first, last));
   high = std::max(high, std::max(first, last));
+}
+
+// x where the sweep crosses the strip [y_min, y_max]; false where it does not.
+bool crossing(const Sweep& sweep, float y_min, float y_max, float& low, float& high) {
+  constexpr float kSlack = 1e-4f;
+  float first = 0.0f, last = 1.0f;  // The part of the way on which the rectangle meets the strip.
+  const auto keep_below = [&](float from, float to, float limit) {
+    const float way = to - from;
+    if (std::abs(way) < 1e-7f) {
+      if (std::min(from, to) > limit + kSlack) last = -1.0f;
+    } else if (way > 0) {
+      last = std::min(last, (limit - from) / way);
+    } else {
+      first = std::max(first, (limit - from) / way);
+    }
+  };
+  keep_below(sweep.y_min[0], sweep.y_min[1], y_max + kSlack);
+  keep_below(-sweep.y_max[0], -sweep.y_max[1], kSlack - y_min);
+  if (first > last) return false;
+  const auto at = [](const float(&ends)[2], float part) {
+    return ends[0] + part * (ends[1] - ends[0]);
+  };
+  low = std::min(at(sweep.x_min, first), at(sweep.x_min, last));
+  high = std::max(at(sweep.x_max, first), at(sweep.x_max, last));
+  return true;
 }
 
 }  // namespace
@@ -122,6 +142,9 @@ void RowCaster::find_spans(int row, const PreparedInstant& scene) {
       }
       low = std::max(low - 1e-4f, footprint.x_min), high = std::min(high + 1e-4f, footprint.x_max);
       if (low > high) continue;
+    } else if (footprint.sweep >= 0) {
+      if (!crossing(scene.sweeps[footprint.sweep], y_min, y_max, low, high)) continue;
+      low = std::max(low - 1e-4f, footprint.x_min), high = std::min(high + 1e-4f, footprint.x_max);
     }
     int first, last;
     rays_.columns_between(row, low, high, first, last);
@@ -198,17 +221,6 @@ void RowCaster::find_varying(int samples) {
   }
 }
 
-void RowCaster::widen_varying() {
-  for (int column = 0; column < columns_; ++column) {
-    uint32_t near = 0;
-    for (int other = std::max(0, column - kSliver);
-         other <= std::min(columns_ - 1, column + kSliver); ++other) {
-      near |= varying_[other];
-    }
-    near_varying_[column] = near;
-  }
-}
-
 void RowCaster::refine(int row, const RowSample& sample, int sample_index) {
   const size_t place = static_cast<size_t>(sample_index) * columns_;
   const int each = edge_samples_;
@@ -238,7 +250,8 @@ const std::vector<Colour>& RowCaster::cast_row(int row, std::span<const RowSampl
   first_look(row, samples);
   if (edge_samples_ < 2) return sums_;
   find_varying(static_cast<int>(samples.size()));
-  widen_varying();
+  // A sliver of something in a pixel is often met by the rays of its neighbours in the row alone.
+  kernels_.widen(varying_.data(), columns_, near_varying_.data());
   for (size_t s = 0; s < samples.size(); ++s) refine(row, samples[s], static_cast<int>(s));
   return sums_;
 }

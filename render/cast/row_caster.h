@@ -76,7 +76,6 @@ class RowCaster {
             Batch& batch);
   void first_look(int row, std::span<const RowSample> samples);
   void find_varying(int samples);
-  void widen_varying();
   void refine(int row, const RowSample& sample, int sample_index);
   void collect_slopes(int row);
 

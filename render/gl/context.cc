@@ -73,8 +73,7 @@ const char* shape_text(int kind) {
 
 }  // namespace
 
-Context::Context(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& meshes)
-    : gl_(gl), context_(create_alike(gl)) {
+Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create_alike(gl)) {
   if (!context_)
     throw InputError("renderer 'opengl': Mesa makes no off-screen OpenGL 3.3 core context here");
   make_current();
@@ -86,7 +85,7 @@ Context::Context(const Api& gl, const Assets& assets, const std::vector<Clustere
     gl_.glGenRenderbuffers(1, &target->depth);
   }
   meshes_ = std::make_unique<MeshDrawer>(
-      gl_, assets, meshes,
+      gl_, assets,
       [this](const std::string& vertex, const std::string& fragment,
              const std::vector<const char*>& inputs) { return link(vertex, fragment, inputs).id; });
 }
@@ -268,7 +267,7 @@ ContextPool::Lease::Lease(ContextPool& pool) : pool_(pool) {
   {
     const std::lock_guard lock(pool.mutex_);
     if (pool.free_.empty()) {
-      context_ = std::make_unique<Context>(pool.gl_, pool.assets_, pool.meshes_);
+      context_ = std::make_unique<Context>(pool.gl_, pool.assets_);
       return;
     }
     context_ = std::move(pool.free_.back());

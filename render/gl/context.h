@@ -62,7 +62,7 @@ struct PageLook {
 class Context {
  public:
   // What is given outlives the context.
-  Context(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& meshes);
+  Context(const Api& gl, const Assets& assets);
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
@@ -119,8 +119,7 @@ class Context {
 class ContextPool {
  public:
   // All of it outlives the pool.
-  ContextPool(const Api& gl, const Assets& assets, const std::vector<ClusteredMesh>& meshes)
-      : gl_(gl), assets_(assets), meshes_(meshes) {}
+  ContextPool(const Api& gl, const Assets& assets) : gl_(gl), assets_(assets) {}
 
   // A context that is current on this thread until the lease ends.
   class Lease {
@@ -140,7 +139,6 @@ class ContextPool {
  private:
   const Api& gl_;
   const Assets& assets_;
-  const std::vector<ClusteredMesh>& meshes_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Context>> free_;
 };

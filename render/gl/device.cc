@@ -46,10 +46,10 @@ bool has_one_colour_each(const FrameJob& job, const std::vector<gl::ClusteredMes
 struct GlDevice::Impl {
   explicit Impl(Assets given) : assets(std::move(given)) {}
 
-  const Assets assets;
+  Assets assets;
   const gl::Api& api = gl::Api::load();
   const std::vector<gl::ClusteredMesh> meshes = gl::cluster_meshes(assets);
-  gl::ContextPool contexts{api, assets, meshes};
+  gl::ContextPool contexts{api, assets};
   std::string version, renderer;
 
   using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&,

@@ -44,12 +44,14 @@ std::array<float, 4> ray_of(const BandPlace& where) {
           1.0f / where.scale.u_per_unit, 1.0f / where.scale.v_per_unit};
 }
 
-// Clusters that follow each other are one run.
-std::vector<MeshInstance::Run> runs_seen(const ClusteredMesh& mesh, const Pose& X_CO,
+// Clusters that follow each other are one run. With a turn, those that look away are left out.
+std::vector<MeshInstance::Run> runs_seen(const ClusteredMesh& mesh, const Pose& X_CO, int turn,
                                          const CameraRays& rays, RowRange rows) {
+  const Vec3 camera_O = X_CO.inverse().p;
   std::vector<MeshInstance::Run> runs;
   for (uint32_t part = 0; part < mesh.parts.size(); ++part) {
     for (const MeshCluster& cluster : mesh.parts[part].clusters) {
+      if (turn != 0 && cluster.looks_away(camera_O, turn)) continue;
       if (!may_be_seen(X_CO * cluster.centre, cluster.radius, rays, rows)) continue;
       if (!runs.empty() && runs.back().part == part &&
           runs.back().first + runs.back().count == cluster.first)
@@ -215,14 +217,18 @@ void add_meshes(const SceneInstant& scene, const std::vector<ClusteredMesh>& mes
     const Pose X_CO = X_CW * primitive.X_WO;
     if (!may_be_seen(X_CO.p, primitive.size.x, rays, band.rows)) continue;
     const ClusteredMesh& mesh = meshes.at(primitive.asset - 1);
-    std::vector<MeshInstance::Run> runs = runs_seen(mesh, X_CO, rays, band.rows);
+    // Cut open by the lens in front of it, a closed mesh shows its far sides.
+    const bool outside =
+        glm::dot(X_CO.p, X_CO.p) > (primitive.size.x + 0.01) * (primitive.size.x + 0.01);
+    const int turn = outside ? mesh.turn : 0;
+    std::vector<MeshInstance::Run> runs = runs_seen(mesh, X_CO, turn, rays, band.rows);
     if (runs.empty()) continue;
     const Mat3 R_VC = glm::transpose(view.R_CV);
     const Mat3 R_VO = R_VC * X_CO.R;
     const Vec3 p_VO = R_VC * X_CO.p;
     const Vec3 light = lighting.diffuse * (R_VC * (X_CW.R * lighting.direction_W));
     MeshInstance instance{
-        .mesh = primitive.asset - 1, .first_row = band.page_y, .rows = band.height};
+        .mesh = primitive.asset - 1, .first_row = band.page_y, .rows = band.height, .turn = turn};
     for (int k = 0; k < 9; ++k) instance.R_VO[k] = static_cast<float>(R_VO[k / 3][k % 3]);
     for (int k = 0; k < 3; ++k) {
       instance.p_VO[k] = static_cast<float>(p_VO[k]);

@@ -22,6 +22,29 @@ Vec3 middle(const Mesh& mesh, const Triangle& triangle) {
   return place_of(mesh, triangle[0]) + place_of(mesh, triangle[1]) + place_of(mesh, triangle[2]);
 }
 
+// Of what has no area the normal does not matter.
+void add_cone(const Mesh& mesh, const std::vector<Triangle>& triangles, size_t begin, size_t end,
+              MeshCluster& cluster) {
+  const auto normal_of = [&](const Triangle& t) {
+    const Vec3 a = place_of(mesh, t[0]);
+    const Vec3 n = glm::cross(place_of(mesh, t[1]) - a, place_of(mesh, t[2]) - a);
+    const double length = std::sqrt(glm::dot(n, n));
+    return length > 0 ? n / length : Vec3(0.0);
+  };
+  Vec3 sum(0.0);
+  for (size_t i = begin; i < end; ++i) sum += normal_of(triangles[i]);
+  const double length = std::sqrt(glm::dot(sum, sum));
+  if (!(length > 0)) return;
+  cluster.normal = sum / length;
+  double least = 1;
+  for (size_t i = begin; i < end; ++i) {
+    const Vec3 n = normal_of(triangles[i]);
+    if (n != Vec3(0.0)) least = std::min(least, glm::dot(n, cluster.normal));
+  }
+  constexpr double kRounding = 1e-6;
+  if (least > 0.01) cluster.spread = std::sqrt(std::max(0.0, 1 - least * least)) + kRounding;
+}
+
 MeshCluster cluster_of(const Mesh& mesh, const std::vector<Triangle>& triangles, size_t begin,
                        size_t end) {
   Vec3 low(1e30), high(-1e30);
@@ -37,14 +60,17 @@ MeshCluster cluster_of(const Mesh& mesh, const std::vector<Triangle>& triangles,
       cluster.radius = std::max(cluster.radius, std::sqrt(glm::dot(away, away)));
     }
   }
+  add_cone(mesh, triangles, begin, end, cluster);
   return cluster;
 }
 
-// Halves along the longest side until groups are small. The order of what lies on one side is the
-// library's own, but the same each time.
+// Halves along the longest side until groups are small; these are in one order whatever was given,
+// so that a mesh sent elsewhere in its clusters' order is drawn there in the same.
 void split(const Mesh& mesh, std::vector<Triangle>& triangles, size_t begin, size_t end,
            std::vector<MeshCluster>& out) {
   if (end - begin <= kTriangles) {
+    std::sort(triangles.begin() + static_cast<ptrdiff_t>(begin),
+              triangles.begin() + static_cast<ptrdiff_t>(end));
     out.push_back(cluster_of(mesh, triangles, begin, end));
     return;
   }
@@ -67,6 +93,12 @@ void split(const Mesh& mesh, std::vector<Triangle>& triangles, size_t begin, siz
 }
 
 }  // namespace
+
+bool MeshCluster::looks_away(const Vec3& camera, int turn) const {
+  // The way to any point of the ball turns from that to its centre by asin(radius / distance).
+  const Vec3 way = centre - camera;
+  return turn * glm::dot(normal, way) > spread * std::sqrt(glm::dot(way, way)) + radius;
+}
 
 std::vector<MeshCluster> make_clusters(const Mesh& mesh, const MeshPart& part,
                                        std::vector<uint32_t>& indices) {

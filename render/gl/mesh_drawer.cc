@@ -1,7 +1,9 @@
 #include "render/gl/mesh_drawer.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <iterator>
+
+#include "render/gl/closed_mesh.h"
 
 namespace seam::render::gl {
 namespace {
@@ -15,7 +17,9 @@ uniform vec4 target;  // 2 / width, 2 / height; the stagger.
 uniform mat3 R_VO;
 uniform vec3 p_VO;
 uniform vec4 ray;  // What to add to a texel's place, and what a texel is on the plane z = 1.
-#ifdef LIGHT
+#if defined(LIGHT) && defined(FLAT)
+out vec3 f_place;
+#elif defined(LIGHT)
 out vec3 f_normal;
 #endif
 #ifdef TEXTURED
@@ -30,7 +34,9 @@ void main() {
   vec2 grid = p.xy / ray.zw;
   vec2 place = vec2(grid.x + target.z * grid.y, grid.y) - ray.xy * p.z;
   gl_Position = vec4(place * target.xy - p.z, p.z - 2.0 * kNear, p.z);
-#ifdef LIGHT
+#if defined(LIGHT) && defined(FLAT)
+  f_place = p;
+#elif defined(LIGHT)
   f_normal = R_VO * normal;
 #endif
 #ifdef TEXTURED
@@ -44,7 +50,9 @@ void main() {
 
 // Seen from both sides, as rectangles are: the normal is the one that looks at the camera.
 constexpr const char* kFragment = R"(
-#ifdef LIGHT
+#if defined(LIGHT) && defined(FLAT)
+in vec3 f_place;
+#elif defined(LIGHT)
 in vec3 f_normal;
 #endif
 #ifdef TEXTURED
@@ -74,7 +82,11 @@ void main() {
 #ifdef LIGHT
   vec2 grid = gl_FragCoord.xy + ray.xy;
   vec3 v = vec3(vec2(grid.x - target.z * grid.y, grid.y) * ray.zw, 1.0);
+#ifdef FLAT
+  vec3 n = normalize(cross(dFdx(f_place), dFdy(f_place)));
+#else
   vec3 n = normalize(f_normal);
+#endif
   if (dot(n, v) > 0.0) n = -n;
   base *= light.w + max(dot(n, light.xyz), 0.0);
 #endif
@@ -101,30 +113,29 @@ bool ClusteredMesh::has_one_colour_each() const {
   return std::all_of(parts.begin(), parts.end(), [](const Part& part) { return !!part.rgb; });
 }
 
-std::vector<ClusteredMesh> cluster_meshes(const Assets& assets) {
+std::vector<ClusteredMesh> cluster_meshes(Assets& assets) {
   std::vector<ClusteredMesh> meshes;
-  for (const Mesh& mesh : assets.meshes) {
-    ClusteredMesh& clustered = meshes.emplace_back(ClusteredMesh{mesh.indices, {}});
+  for (Mesh& mesh : assets.meshes) {
+    ClusteredMesh& clustered = meshes.emplace_back();
+    clustered.turn = turn_seen_from_outside(mesh);
     for (const MeshPart& part : mesh.parts)
-      clustered.parts.push_back(
-          {make_clusters(mesh, part, clustered.indices), one_colour(mesh, part)});
+      clustered.parts.push_back({make_clusters(mesh, part, mesh.indices), one_colour(mesh, part)});
   }
   return meshes;
 }
 
-MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets,
-                       const std::vector<ClusteredMesh>& clustered, Linker link)
-    : gl_(gl), link_(std::move(link)) {
+MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets, Linker link)
+    : gl_(gl), assets_(assets), link_(std::move(link)) {
   for (const Texture& texture : assets.textures)
     textures_.push_back(upload(texture.picture, GL_CLAMP_TO_EDGE));
-  for (size_t i = 0; i < assets.meshes.size(); ++i)
-    meshes_.push_back(upload(assets.meshes[i], clustered[i].indices));
+  for (const Mesh& mesh : assets.meshes) meshes_.push_back(upload(mesh));
 }
 
-const MeshDrawer::Program& MeshDrawer::program(Writes writes, bool textured) {
-  Program& made = programs_[{writes, textured}];
+const MeshDrawer::Program& MeshDrawer::program(Writes writes, Form form) {
+  Program& made = programs_[{writes, form}];
   if (made.id != 0) return made;
-  const std::string head = program_head(writes) + (textured ? "#define TEXTURED\n" : "");
+  const std::string head = program_head(writes) + (form.textured ? "#define TEXTURED\n" : "") +
+                           (form.flat ? "#define FLAT\n" : "");
   made.id = link_(head + kVertex, head + kFragment, {"position", "normal", "at", "colour"});
   const auto find = [&](const char* name) { return gl_.glGetUniformLocation(made.id, name); };
   made.target = find("target"), made.R_VO = find("R_VO"), made.p_VO = find("p_VO");
@@ -148,34 +159,62 @@ GLuint MeshDrawer::upload(const Picture& picture, GLint wrap) const {
   return texture;
 }
 
-MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh,
-                                      const std::vector<uint32_t>& indices) const {
+void MeshDrawer::set_inputs(const std::vector<float>& values, std::span<const Input> inputs) const {
+  GLsizei floats = 0;
+  for (const Input& input : inputs) floats += input.floats;
+  GLuint buffer = 0;
+  gl_.glGenBuffers(1, &buffer);
+  gl_.glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(4 * values.size()), values.data(),
+                   GL_STATIC_DRAW);
+  size_t at = 0;
+  for (const Input& input : inputs) {
+    gl_.glEnableVertexAttribArray(input.place);
+    gl_.glVertexAttribPointer(input.place, input.floats, GL_FLOAT, GL_FALSE, 4 * floats,
+                              reinterpret_cast<const void*>(at));
+    at += size_t{4} * static_cast<size_t>(input.floats);
+  }
+}
+
+MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh) const {
   Loaded loaded;
   gl_.glGenVertexArrays(1, &loaded.vertices);
   gl_.glBindVertexArray(loaded.vertices);
-  GLuint buffers[2];
-  gl_.glGenBuffers(2, buffers);
-  gl_.glBindBuffer(GL_ARRAY_BUFFER, buffers[0]);
-  gl_.glBufferData(GL_ARRAY_BUFFER,
-                   static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(MeshVertex)),
-                   mesh.vertices.data(), GL_STATIC_DRAW);
-  gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
-  gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * 4),
-                   indices.data(), GL_STATIC_DRAW);
-  const std::pair<GLint, size_t> inputs[] = {{3, offsetof(MeshVertex, p)},
-                                             {3, offsetof(MeshVertex, n)},
-                                             {2, offsetof(MeshVertex, uv)},
-                                             {3, offsetof(MeshVertex, rgb)}};
-  for (GLuint i = 0; i < 4; ++i) {
-    gl_.glEnableVertexAttribArray(i);
-    gl_.glVertexAttribPointer(i, inputs[i].first, GL_FLOAT, GL_FALSE, sizeof(MeshVertex),
-                              reinterpret_cast<const void*>(inputs[i].second));
-  }
+  std::vector<float> places;
+  places.reserve(3 * mesh.vertices.size());
+  for (const MeshVertex& vertex : mesh.vertices)
+    places.insert(places.end(), std::begin(vertex.p), std::end(vertex.p));
+  constexpr Input kPlaces[] = {{0, 3}};
+  set_inputs(places, kPlaces);
+  GLuint indices = 0;
+  gl_.glGenBuffers(1, &indices);
+  gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
+  gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * 4),
+                   mesh.indices.data(), GL_STATIC_DRAW);
   std::vector<GLuint> pictures;
   for (const Picture& picture : mesh.pictures) pictures.push_back(upload(picture, GL_REPEAT));
   for (const MeshPart& part : mesh.parts)
-    loaded.pictures.push_back(part.picture < 0 ? 0 : pictures[part.picture]);
+    loaded.parts.push_back({{.textured = part.picture >= 0, .flat = part.flat != 0},
+                            part.picture < 0 ? 0 : pictures[part.picture]});
   return loaded;
+}
+
+// Frames that hold places in a palette, and the truth, need none of it.
+void MeshDrawer::upload_looks(size_t place) {
+  Loaded& loaded = meshes_[place];
+  if (loaded.has_looks) return;
+  loaded.has_looks = true;
+  const std::vector<MeshVertex>& vertices = assets_.meshes[place].vertices;
+  std::vector<float> looks;
+  looks.reserve(8 * vertices.size());
+  for (const MeshVertex& vertex : vertices) {
+    looks.insert(looks.end(), std::begin(vertex.n), std::end(vertex.n));
+    looks.insert(looks.end(), std::begin(vertex.uv), std::end(vertex.uv));
+    looks.insert(looks.end(), std::begin(vertex.rgb), std::end(vertex.rgb));
+  }
+  gl_.glBindVertexArray(loaded.vertices);
+  constexpr Input kLooks[] = {{1, 3}, {2, 2}, {3, 3}};
+  set_inputs(looks, kLooks);
 }
 
 void MeshDrawer::bind_texture(uint32_t texture) const {
@@ -183,8 +222,18 @@ void MeshDrawer::bind_texture(uint32_t texture) const {
   gl_.glBindTexture(GL_TEXTURE_2D, textures_.at(texture));
 }
 
-void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, bool textured,
-                               int width) const {
+void MeshDrawer::draw_runs(const std::vector<MeshInstance::Run>& runs, size_t begin, size_t end) {
+  counts_.clear(), places_.clear();
+  for (size_t i = begin; i < end; ++i) {
+    counts_.push_back(static_cast<GLsizei>(runs[i].count));
+    places_.push_back(reinterpret_cast<const void*>(size_t{4} * runs[i].first));
+  }
+  gl_.glMultiDrawElements(GL_TRIANGLES, counts_.data(), GL_UNSIGNED_INT, places_.data(),
+                          static_cast<GLsizei>(counts_.size()));
+}
+
+void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, Form form,
+                               int width) {
   const Loaded& loaded = meshes_[instance.mesh];
   gl_.glScissor(0, instance.first_row, width, instance.rows);
   gl_.glUniformMatrix3fv(at.R_VO, 1, GL_FALSE, instance.R_VO.data());
@@ -194,36 +243,48 @@ void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, 
   const auto& ray = instance.ray;
   gl_.glUniform4f(at.ray, ray[0], ray[1], ray[2], ray[3]);
   gl_.glBindVertexArray(loaded.vertices);
-  for (const MeshInstance::Run& run : instance.runs) {
-    const GLuint picture = loaded.pictures[run.part];
-    if ((picture != 0) != textured) continue;
-    if (textured) gl_.glBindTexture(GL_TEXTURE_2D, picture);
-    if (&run == &instance.runs[0] || run.part != (&run)[-1].part)
-      gl_.glUniform4f(at.look, instance.rgb[0], instance.rgb[1], instance.rgb[2], run.identity);
-    gl_.glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(run.count), GL_UNSIGNED_INT,
-                       reinterpret_cast<const void*>(size_t{4} * run.first));
+  if (instance.turn == 0) {
+    gl_.glDisable(GL_CULL_FACE);
+  } else {
+    gl_.glEnable(GL_CULL_FACE);
+    // The image's rows run down, those of the target up.
+    gl_.glFrontFace(instance.turn > 0 ? GL_CW : GL_CCW);
+  }
+  const std::vector<MeshInstance::Run>& runs = instance.runs;
+  for (size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+    while (end < runs.size() && runs[end].part == runs[begin].part) ++end;
+    const Loaded::Part& part = loaded.parts[runs[begin].part];
+    if (part.form != form) continue;
+    if (form.textured) gl_.glBindTexture(GL_TEXTURE_2D, part.picture);
+    gl_.glUniform4f(at.look, instance.rgb[0], instance.rgb[1], instance.rgb[2],
+                    runs[begin].identity);
+    draw_runs(runs, begin, end);
   }
 }
 
 void MeshDrawer::draw(const std::vector<MeshInstance>& instances, int width, int height,
                       float shear, Writes writes) {
-  for (const bool textured : {false, true}) {
+  if (writes == Writes::light || writes == Writes::colour) {
+    for (const MeshInstance& instance : instances) upload_looks(instance.mesh);
+  }
+  for (const Form form : {Form{false, false}, {false, true}, {true, false}, {true, true}}) {
     const auto has_some = [&](const MeshInstance& instance) {
-      const auto& pictures = meshes_[instance.mesh].pictures;
-      return std::any_of(pictures.begin(), pictures.end(),
-                         [&](GLuint picture) { return (picture != 0) == textured; });
+      const auto& parts = meshes_[instance.mesh].parts;
+      return std::any_of(parts.begin(), parts.end(),
+                         [&](const Loaded::Part& part) { return part.form == form; });
     };
     if (std::none_of(instances.begin(), instances.end(), has_some)) continue;
-    const Program& at = program(writes, textured);
+    const Program& at = program(writes, form);
     gl_.glUseProgram(at.id);
     gl_.glUniform4f(at.target, 2.0f / static_cast<float>(width), 2.0f / static_cast<float>(height),
                     shear, 0);
     gl_.glUniform1i(at.picture, 0);
     gl_.glActiveTexture(GL_TEXTURE0);
     for (const MeshInstance& instance : instances) {
-      if (has_some(instance)) draw_instance(at, instance, textured, width);
+      if (has_some(instance)) draw_instance(at, instance, form, width);
     }
   }
+  gl_.glDisable(GL_CULL_FACE);
   gl_.glScissor(0, 0, width, height);
 }
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "render/gl/closed_mesh.h"
 #include "render/gl/device.h"
 #include "render/golden/brute_triangles.h"
 #include "render/renderer.h"
@@ -55,13 +56,15 @@ Image waves(int size) {
   return image;
 }
 
-// A ring of quads with a texture around it.
-std::string ring_obj(int around, int tube) {
+// A ring of quads with a texture around it. Where it is closed, its last corners are its first;
+// else they are apart by rounding, and its far sides are drawn too.
+std::string ring_obj(int around, int tube, bool closed) {
   std::string text = "mtllib ring.mtl\nusemtl look\n";
   std::string faces;
   for (int a = 0; a <= around; ++a) {
     for (int b = 0; b <= tube; ++b) {
-      const double s = 6.283185307179586 * a / around, t = 6.283185307179586 * b / tube;
+      const double s = 6.283185307179586 * (closed ? a % around : a) / around;
+      const double t = 6.283185307179586 * (closed ? b % tube : b) / tube;
       text += fmt::format("v {} {} {}\n", (0.2 + 0.08 * std::cos(t)) * std::cos(s),
                           (0.2 + 0.08 * std::cos(t)) * std::sin(s), 0.08 * std::sin(t));
       text += fmt::format("vt {} {}\n", 2.0 * a / around, 1.0 * b / tube);
@@ -126,11 +129,12 @@ Difference against_brute_force(const MovingScene& scene, const Assets& assets, d
 TEST_F(Files, AMeshInMotionAgreesWithEveryTriangleAlone) {
   write_png(folder_ / "waves.png", waves(64));
   put("ring.mtl", "newmtl look\nKd 0.9 0.8 0.7\nmap_Kd waves.png\n");
-  Assets assets;
-  assets.meshes.push_back(read_mesh(put("ring.obj", ring_obj(10, 5)), 1));
-  EXPECT_EQ(assets.meshes[0].indices.size(), 3u * 2 * 10 * 5);
-  ASSERT_EQ(assets.meshes[0].pictures.size(), 1u);
   for (const bool lambert : {false, true}) {
+    Assets assets;
+    assets.meshes.push_back(read_mesh(put("ring.obj", ring_obj(10, 5, lambert)), 1));
+    EXPECT_EQ(assets.meshes[0].indices.size(), 3u * 2 * 10 * 5);
+    EXPECT_EQ(gl::turn_seen_from_outside(assets.meshes[0]), lambert ? 1 : 0);
+    ASSERT_EQ(assets.meshes[0].pictures.size(), 1u);
     MovingScene scene{[](double t) { return head_camera(0.3, 2.0 * (t - 0.02), -0.1, 0.05); },
                       [&](double t) {
                         return std::vector<Primitive>{
@@ -149,11 +153,55 @@ TEST_F(Files, AMeshInMotionAgreesWithEveryTriangleAlone) {
   }
 }
 
+// The same with light that falls on plain faces, of which STL files repeat each corner: these
+// become one, and the faces keep their own normals.
+TEST_F(Files, AMeshOfFlatFacesAgrees) {
+  constexpr int kAround = 12, kTube = 6;
+  std::string stl = "solid ring\n";
+  const auto corner = [&](int a, int b) {
+    const double s = 6.283185307179586 * (a % kAround) / kAround;
+    const double t = 6.283185307179586 * (b % kTube) / kTube;
+    return fmt::format("vertex {} {} {}\n", (0.2 + 0.08 * std::cos(t)) * std::cos(s),
+                       (0.2 + 0.08 * std::cos(t)) * std::sin(s), 0.08 * std::sin(t));
+  };
+  for (int face = 0; face < kAround * kTube * 2; ++face) {
+    const int a = face / 2 / kTube, b = face / 2 % kTube;
+    // Some writers leave the normals at zero.
+    stl += "facet normal 0 0 0\nouter loop\n" + corner(a, b) +
+           (face % 2 == 0 ? corner(a + 1, b) + corner(a + 1, b + 1)
+                          : corner(a + 1, b + 1) + corner(a, b + 1)) +
+           "endloop\nendfacet\n";
+  }
+  Assets assets;
+  assets.meshes.push_back(read_mesh(put("ring.stl", stl + "endsolid ring\n"), 1));
+  const Mesh& mesh = assets.meshes[0];
+  ASSERT_EQ(mesh.parts.size(), 1u);
+  EXPECT_EQ(mesh.parts[0].flat, 1);
+  EXPECT_EQ(mesh.vertices.size(), static_cast<size_t>(kAround * kTube));
+  EXPECT_EQ(mesh.indices.size(), static_cast<size_t>(3 * 2 * kAround * kTube));
+  EXPECT_EQ(gl::turn_seen_from_outside(mesh), 1);
+  MovingScene scene{[](double t) { return head_camera(0.3, 2.0 * (t - 0.02), -0.1, 0.05); },
+                    [&](double t) {
+                      return std::vector<Primitive>{
+                          {.shape = Shape::mesh,
+                           .X_WO = {rotation_zyx(0.5, 0.4 + 6 * t, 0.2), {0.8, 0.05 - t, 0.2}},
+                           .size = Vec3(mesh.radius_m),
+                           .rgb = {0.9, 0.5, 0.7},
+                           .asset = 1}};
+                    }};
+  scene.lighting = {
+      .lambert = true, .direction_W = Vec3(-0.6, 0.0, 0.8), .ambient = 0.3, .diffuse = 0.7};
+  const Difference found =
+      against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
+  EXPECT_LE(found.mean, 0.3);
+  EXPECT_GE(found.within_6, 0.999);
+}
+
 // Surfaces of one colour each are drawn otherwise: as places in a palette. The mesh is cut by a
 // rectangle, and its triangles are in several clusters.
 TEST_F(Files, AMeshOfOneColourAPartAgrees) {
   put("ring.mtl", "newmtl look\nKd 0.9 0.8 0.7\nnewmtl other\nKd 0.2 0.1 0.6\n");
-  std::string text = ring_obj(14, 6);
+  std::string text = ring_obj(14, 6, true);
   text.insert(text.find("\nf ", text.size() * 7 / 8) + 1, "usemtl other\n");
   Assets assets;
   assets.meshes.push_back(read_mesh(put("ring.obj", text), 1));

@@ -74,6 +74,7 @@ inline void meet_mesh(const Mesh& mesh, const Primitive& primitive, const Vec3& 
       const Rgb look =
           part.picture < 0 ? Rgb{1, 1, 1} : texel(mesh.pictures[part.picture], u, v, true);
       for (int a = 0; a < 3; ++a) best.rgb[a] *= look[a] * primitive.rgb[a];
+      if (part.flat != 0) normal = glm::cross(e1, e2);
       normal = primitive.X_WO.R * (normal / std::sqrt(glm::dot(normal, normal)));
       best.normal = glm::dot(normal, toward) > 0 ? -normal : normal;
       best.t = t;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "effects/stages/row_schedule.h"
+#include "render/gl/device.h"
 #include "render/renderer.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/maths.h"
@@ -73,6 +74,46 @@ GoldenFrame golden_frame(const char* name, const std::string& effects, const Lig
   return {name, model, job};
 }
 
+// A ring of triangles, a quarter of them with a picture.
+Mesh ring() {
+  constexpr uint32_t kAround = 24, kTube = 12;
+  Mesh mesh;
+  for (uint32_t a = 0; a <= kAround; ++a) {
+    for (uint32_t b = 0; b <= kTube; ++b) {
+      const double s = 2 * maths::kPi * (a % kAround) / kAround;
+      const double t = 2 * maths::kPi * (b % kTube) / kTube;
+      const Vec3 n(maths::cos(t) * maths::cos(s), maths::cos(t) * maths::sin(s), maths::sin(t));
+      const Vec3 p = Vec3(0.15 * maths::cos(s), 0.15 * maths::sin(s), 0) + 0.05 * n;
+      MeshVertex vertex{};
+      for (int k = 0; k < 3; ++k) {
+        vertex.p[k] = static_cast<float>(p[k]), vertex.n[k] = static_cast<float>(n[k]);
+        vertex.rgb[k] = 0.9f - 0.2f * static_cast<float>(k);
+      }
+      vertex.uv[0] = 2 * static_cast<float>(a) / kAround,
+      vertex.uv[1] = static_cast<float>(b) / kTube;
+      mesh.vertices.push_back(vertex);
+      if (a == kAround || b == kTube) continue;
+      const uint32_t i = a * (kTube + 1) + b, j = i + kTube + 1;
+      for (const uint32_t index : {i, j, j + 1, i, j + 1, i + 1}) mesh.indices.push_back(index);
+    }
+  }
+  const auto all = static_cast<uint32_t>(mesh.indices.size()), quarter = all / 12 * 3;
+  mesh.parts = {{.first = 0, .count = quarter, .picture = 0},
+                {.first = quarter, .count = all - quarter}};
+  mesh.radius_m = 0.21;
+  return mesh;
+}
+
+Picture waves() {
+  constexpr int kSide = 48;
+  Picture picture{.width_px = kSide, .height_px = kSide, .rgb = {}};
+  for (int i = 0; i < kSide * kSide; ++i) {
+    for (const int part : {i % kSide * 5, i / kSide * 5, (i % kSide) * (i / kSide) % 256})
+      picture.rgb.push_back(static_cast<uint8_t>(part));
+  }
+  return picture;
+}
+
 }  // namespace
 
 std::vector<GoldenFrame> golden_frames() {
@@ -86,6 +127,35 @@ std::string golden_frame_lines(int threads) {
   std::string lines;
   for (const GoldenFrame& golden : golden_frames()) {
     const Frame frame = Renderer(golden.model, 178, 144, {.threads = threads}).render(golden.job);
+    lines += fmt::format("{} {}\n", golden.name, to_hex(frame.fingerprint));
+  }
+  return lines;
+}
+
+std::string opengl_frame_lines() {
+  Assets assets;
+  assets.textures.push_back({waves(), ""});
+  assets.meshes.push_back(ring());
+  assets.meshes[0].pictures.push_back(waves());
+  const GlDevice device(std::move(assets));
+  std::vector<GoldenFrame> frames = golden_frames();
+  for (const bool lambert : {false, true}) {
+    GoldenFrame meshes = frames[lambert ? 1 : 2];
+    meshes.name = lambert ? "meshes-lambert" : "meshes";
+    for (SceneInstant& instant : meshes.job.instants) {
+      const double turned = 3 * instant.time.s();
+      instant.primitives[0].asset = 1;
+      instant.primitives.push_back({.shape = Shape::mesh,
+                                    .X_WO = {rotation_zyx(0.5, 0.3, turned), {0.9, 0.2, 0.2}},
+                                    .size = Vec3(0.21),
+                                    .rgb = {1, 1, 1},
+                                    .asset = 1});
+    }
+    frames.push_back(meshes);
+  }
+  std::string lines = fmt::format("{}\n", device.version());
+  for (const GoldenFrame& golden : frames) {
+    const Frame frame = Renderer(golden.model, 178, 144, {.opengl = &device}).render(golden.job);
     lines += fmt::format("{} {}\n", golden.name, to_hex(frame.fingerprint));
   }
   return lines;

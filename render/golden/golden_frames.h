@@ -19,5 +19,7 @@ std::vector<GoldenFrame> golden_frames();
 
 // "name fingerprint" lines; `threads` may split each frame.
 std::string golden_frame_lines(int threads);
+// The version of OpenGL, then the same frames drawn by it, and two with meshes and textures.
+std::string opengl_frame_lines();
 
 }  // namespace seam::render

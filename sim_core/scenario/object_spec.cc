@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim_core/scene/drawn_files.h"
+
 namespace seam {
 namespace {
 
@@ -66,13 +68,7 @@ void describe_size(ConfigTable& table, const Keys& keys, ObjectSpec& object) {
     table.vec3({"normal", "Of a rectangle; (0, 0, 1) where not given."}, object.normal);
   if (keys.of({box}))
     table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, kTurn);
-  if (keys.of({mesh})) {
-    table.file_name(
-        {"file", "Of a mesh: a glTF, OBJ, STL or COLLADA file in the scenario's folder.",
-         keys.always()},
-        object.mesh);
-    table.number({"scale", "Of a mesh: metres for a unit of its file."}, object.scale, kLengths);
-  }
+  if (keys.of({mesh})) describe_mesh_file(table, keys.always(), object.mesh, object.scale);
 }
 
 }  // namespace
@@ -92,11 +88,7 @@ void describe(ConfigTable& table, ObjectSpec& object) {
   table.vec3(
       {"velocity_mps", "It is at the stated place at time 0 and moves at this velocity, m/s."},
       object.velocity_mps);
-  if (keys.of({rectangle, box})) {
-    table.file_name(
-        {"texture", "Of a rectangle or box: a PNG or JPEG file in the scenario's folder."},
-        object.texture);
-  }
+  if (keys.of({rectangle, box})) describe_texture(table, object.texture);
   if (keys.of({board})) describe(table, object.board);
   if (keys.of({rectangle, sphere, cylinder, capsule, box, mesh})) {
     const bool coloured = keys.of({mesh}) || !object.texture.name.empty();

@@ -1,13 +1,12 @@
 #include "sim_core/scene/scene_file.h"
 
 #include <glm/geometric.hpp>
-#include <map>
-#include <utility>
 
 #include "sim_core/base/error.h"
 #include "sim_core/input/config_table.h"
 #include "sim_core/input/shown_text.h"
 #include "sim_core/scene/board.h"
+#include "sim_core/scene/drawn_files.h"
 #include "sim_core/scene/placement.h"
 
 namespace seam {
@@ -89,20 +88,6 @@ void describe_length(ConfigTable& table, ConfigKey key, double& length_m) {
                 fmt::format("found {}, expected more than 0 metres", length_m));
 }
 
-// What the objects of a scene name beside it; `all` keys for a schema.
-void describe_files(ConfigTable& table, SceneObject& object, bool all) {
-  if (all || object.shape == kMesh) {
-    table.file_name(
-        {"file", "Of a mesh: a glTF, OBJ, STL or COLLADA file in the scene's folder.", !all},
-        object.mesh.file);
-    table.number({"scale", "Of a mesh: metres for a unit of its file."}, object.mesh.scale,
-                 {1e-6, 1e6});
-  }
-  if (all || object.shape == kRectangle || object.shape == kBox)
-    table.file_name({"texture", "Of a rectangle or box: a PNG or JPEG file in the scene's folder."},
-                    object.texture);
-}
-
 void describe_object(ConfigTable& table, SceneObject& object) {
   table.choice({"shape", "Its shape.", true}, object.shape, kShapes);
   const bool all = table.names_alternatives(), always = !all;
@@ -132,7 +117,8 @@ void describe_object(ConfigTable& table, SceneObject& object) {
   if (is(kBox))
     table.number({"yaw_rad", "Of a box: turn about z, rad."}, object.yaw_rad, {-1e3, 1e3});
   if (is(kBoard)) describe(table, object.board);
-  describe_files(table, object, all);
+  if (is(kMesh)) describe_mesh_file(table, always, object.mesh.file, object.mesh.scale);
+  if (is(kRectangle) || is(kBox)) describe_texture(table, object.texture);
   if (all || object.shape != kBoard) {
     const bool coloured = object.shape == kMesh || !object.texture.name.empty();
     if (coloured) object.rgb = {1, 1, 1};
@@ -146,37 +132,30 @@ void describe_object(ConfigTable& table, SceneObject& object) {
   table.vec3({"velocity_mps", "How it moves from its place at time 0, m/s."}, object.velocity_mps);
 }
 
-// Gives each file that objects name its place among those of its sort, from 1 on.
-class FilePlaces {
+// Where the files that objects name stand among the scene's.
+class PlacesOfFiles {
  public:
-  explicit FilePlaces(SceneFiles& files) : files_(files) {}
+  explicit PlacesOfFiles(SceneFiles& files) : files_(files) {}
 
   uint32_t of(const SceneObject& object) {
-    if (object.shape == kMesh)
-      return place(meshes_, {object.mesh.file.name, object.mesh.scale}, object.mesh, files_.meshes);
+    if (object.shape == kMesh) {
+      const auto [place, is_new] = meshes_.of(object.mesh.file, object.mesh.scale);
+      if (is_new) files_.meshes.push_back(object.mesh);
+      return place;
+    }
     if (object.texture.name.empty()) return 0;
-    return place(textures_, {object.texture.name, 1}, object.texture, files_.textures);
+    const auto [place, is_new] = textures_.of(object.texture);
+    if (is_new) files_.textures.push_back(object.texture);
+    return place;
   }
 
  private:
-  using Known = std::map<std::pair<std::string, double>, uint32_t>;
-
-  template <typename File>
-  static uint32_t place(Known& known, const Known::key_type& key, const File& file,
-                        std::vector<File>& files) {
-    uint32_t& at = known[key];
-    if (at == 0) {
-      files.push_back(file);
-      at = static_cast<uint32_t>(files.size());
-    }
-    return at;
-  }
-
   SceneFiles& files_;
-  Known meshes_, textures_;
+  FilePlaces meshes_, textures_;
 };
 
-std::vector<Primitive> primitives_of(const SceneObject& object, uint16_t id, FilePlaces& places) {
+std::vector<Primitive> primitives_of(const SceneObject& object, uint16_t id,
+                                     PlacesOfFiles& places) {
   if (object.shape == kBoard) return board_primitives(object.board, object.pose.pose(), id);
   Primitive primitive;
   primitive.asset = places.of(object);
@@ -270,7 +249,7 @@ std::unique_ptr<FileScene> read_scene(const ConfigNode& root) {
   scene->background_ = file.background;
   scene->lighting_ = file.lighting;
   if (file.has_light) scene->lighting_.direction_W = glm::normalize(file.lighting.direction_W);
-  FilePlaces places(scene->files_);
+  PlacesOfFiles places(scene->files_);
   for (size_t i = 0; i < file.objects.size(); ++i) {
     for (const Primitive& part :
          primitives_of(file.objects[i], static_cast<uint16_t>(i + 1), places))

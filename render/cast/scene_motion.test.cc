@@ -1,5 +1,5 @@
 // Scenes between two instants, of which one may lack what stands behind the camera.
-#include "render/cast/prepared_scene.h"
+#include "render/cast/scene_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -58,6 +58,33 @@ TEST(SceneBetweenInstants, WhatBothHaveMovesAllTheSame) {
     const double moved = between.primitives[i].X_WO.p.y - before.primitives[i].X_WO.p.y;
     EXPECT_NEAR(moved, before.primitives[i].object_id == 5 ? 0 : 0.4 * kMoved_m, 1e-12) << i;
   }
+}
+
+// Random objects that move and turn at random, near and far: the quick bound is never the smaller.
+TEST(SceneBetweenInstants, TheQuickBoundHoldsTheOther) {
+  int close = 0;
+  for (uint64_t trial = 0; trial < 400; ++trial) {
+    const auto draw = [&](uint64_t k, double low, double high) {
+      return low + (high - low) * uniform({.seed = 4, .stream = trial}, k);
+    };
+    Primitive primitive{.shape = static_cast<Shape>(trial % 5), .rgb = {1, 1, 1}};
+    primitive.size = {draw(0, 0.01, 0.5), draw(1, 0.01, 0.5), draw(2, 0.01, 0.5)};
+    primitive.X_WO = {rotation_zyx(draw(3, -3, 3), draw(4, -1, 1), draw(5, -3, 3)),
+                      {draw(6, 0.2, 4), draw(7, -2, 2), draw(8, -0.5, 0.5)}};
+    SceneInstant from{.time = SimTime(), .X_WC = head_camera(0.2, 0, 0, 0)};
+    SceneInstant to{.time = SimTime::from_s(0.001),
+                    .X_WC = head_camera(0.2, 0, draw(9, 0, 0.01), 0)};
+    from.primitives = {primitive};
+    const double turn = trial % 3 == 0 ? 0 : 0.1;
+    primitive.X_WO.p += Vec3(draw(10, 0, 0.01), draw(11, 0, 0.01), draw(12, 0, 0.01));
+    primitive.X_WO.R = primitive.X_WO.R * rotation_zyx(draw(13, 0, turn), 0, draw(14, 0, turn));
+    to.primitives = {primitive};
+    const double exact = image_motion_px(from, to, kFocal_px);
+    const double bound = image_motion_bound_px(from, to, kFocal_px);
+    EXPECT_GE(bound, exact) << trial;
+    close += bound < 8 * exact;
+  }
+  EXPECT_GT(close, 300);
 }
 
 }  // namespace
