@@ -39,7 +39,6 @@ std::vector<int> Problem::neighbours(size_t row) const {
 
 std::vector<char> Problem::find_outliers(const Model& model) const {
   constexpr double kSigmas = 6;
-  constexpr int kFewLarge = 10;  // Fewer tell no distribution of large errors: they are gross ones.
   const Evaluation evaluation = evaluate(model, all_groups());
   const size_t n = facts_.scalars();
   std::vector<char> outlier(n, 0);
@@ -60,25 +59,18 @@ std::vector<char> Problem::find_outliers(const Model& model) const {
       }
       const double middle = around.size() < 3 ? 0 : median_of(around);
       deviation[i] = (evaluation.residual[i] - middle) / evaluation.sigma[i];
+      // Where the model has a few large errors, it says itself which it does not expect.
+      if (!evaluation.deviance.empty())
+        deviation[i] = std::min(std::abs(deviation[i]), evaluation.deviance[i]);
       by_channel[facts_.channel_of[i]].push_back(deviation[i]);
     }
   }
   std::vector<double> limit;
-  // Where sigmas hold large errors, those of most values are smaller.
-  const double least = evaluation.deviance.empty() ? 1 : 0;
   for (const auto& values : by_channel)
-    limit.push_back(kSigmas * std::max(least, robust_sigma(values)));
-  const auto is_large = [&](size_t i) {
-    return std::abs(deviation[i]) > limit[static_cast<size_t>(facts_.channel_of[i])];
-  };
-  int large = 0;
-  for (size_t i = 0; i < n; ++i) large += is_large(i);
-  // Where the model has large errors now and then, it says itself which it does not expect.
-  const bool expected = !evaluation.deviance.empty() && large >= kFewLarge;
+    limit.push_back(kSigmas * std::max(1.0, robust_sigma(values)));
   std::vector<char> bad_row(facts_.rows(), 0);
   for (size_t i = 0; i < n; ++i) {
-    if (expected && evaluation.deviance[i] <= kSigmas) continue;
-    if (is_large(i)) bad_row[facts_.row_of[i]] = 1;
+    if (std::abs(deviation[i]) > limit[facts_.channel_of[i]]) bad_row[facts_.row_of[i]] = 1;
   }
   for (size_t i = 0; i < n; ++i) outlier[i] = bad_row[facts_.row_of[i]];
   return outlier;

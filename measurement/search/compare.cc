@@ -6,6 +6,23 @@
 
 namespace seam::measurement {
 
+Model judge_of_outliers(const Problem& problem, const Model& given, const Model& best) {
+  constexpr long kFewLarge = 10;
+  Model without = best;
+  for (const effects::ModelEffect& effect : best.effects()) {
+    const std::string& name = effect.definition->name;
+    if (effect.definition->errors == effects::Errors::now_and_then && given.find(name) == nullptr)
+      without.remove(name);
+  }
+  if (without.effects().size() == best.effects().size()) return best;
+  const std::vector<char> outliers = problem.find_outliers(without);
+  std::vector<char> rows(problem.facts().rows(), 0);
+  for (size_t i = 0; i < outliers.size(); ++i) {
+    if (outliers[i]) rows[problem.facts().row_of[i]] = 1;
+  }
+  return std::count(rows.begin(), rows.end(), 1) < kFewLarge ? without : best;
+}
+
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {
   std::vector<char> outliers = problem.find_outliers(model);
   const size_t count = static_cast<size_t>(std::count(outliers.begin(), outliers.end(), 1));

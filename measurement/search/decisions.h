@@ -26,8 +26,12 @@ inline constexpr double kMisfit = 1.15;
 // A model with an error above this explains nothing yet: its outliers mean nothing, and training
 // groups can be fitted by what is wrong elsewhere. A judgement.
 inline constexpr double kUseless = 10;
-// Up to this error a model that is so many times better than the given one explains something.
+// Up to this error a model that is so many times better than the given one explains something, and
+// has outliers; they may be what a better one still misses.
 inline constexpr double kPoor = 40, kMuchBetter = 4;
+inline bool explains_something(double error, double given) {
+  return error <= kUseless || (error <= kPoor && kMuchBetter * error <= given);
+}
 
 // Standard errors from neutral at which a parameter counts as needed, and pays the full price of
 // its model: p = 0.012, about what 0.5 log n asks of one parameter at n = 1,000. A judgement.

@@ -355,11 +355,11 @@ SearchResult Searcher::run() {
     const std::optional<Grown> earlier =
         round > 0 ? std::optional(std::move(result.best)) : std::nullopt;
     forward(result, earlier ? &*earlier : nullptr);
-    // Outliers are those of the best model; with others the search is run again. A model that
-    // explains nothing has none to tell; they may be what a better one still misses.
-    const double error = result.best.assessment.error, before = base_.assessment.error;
-    marks_changed = (error <= kUseless || (error <= kPoor && kMuchBetter * error <= before)) &&
-                    mark_outliers(problem_, result.best.assessment.model, result);
+    // Outliers are those of the best model; with others the search is run again.
+    const Assessment& best = result.best.assessment;
+    marks_changed =
+        explains_something(best.error, base_.assessment.error) &&
+        mark_outliers(problem_, judge_of_outliers(problem_, model_, best.model), result);
   }
   if (marks_changed) base_ = base();
   result.base = base_;

@@ -45,6 +45,11 @@ using Progress = std::function<void(const std::string&)>;
 SearchResult search(Problem& problem, const Model& model, const EffectList& own,
                     const Progress& progress, double material = kMaterial);
 
+// The model that says what an outlier is: the best one, without the large errors now and then that
+// a search gave it where fewer than ten rows have such. So few tell no distribution: they are
+// gross.
+Model judge_of_outliers(const Problem& problem, const Model& given, const Model& best);
+
 // Marks outliers under this model; returns whether the marks changed.
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result);
 

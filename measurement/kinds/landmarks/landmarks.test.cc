@@ -11,6 +11,7 @@
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/candidates.h"
+#include "measurement/search/search.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 
@@ -308,26 +309,23 @@ TEST_F(LandmarkSets, BadInputIsSaidWithItsPlace) {
   EXPECT_THAT(error(set), HasSubstr("map.csv:3: column x_m: found '', expected a finite number"));
 }
 
-// A model of ranges that are too long now and then expects such errors, unless they are so few that
-// they tell no distribution.
+// Ranges that are too long now and then have a distribution, unless they are too few to tell one.
 TEST_F(LandmarkSets, FewGrossRangesAreNoTail) {
-  const auto left_out_of = [&](size_t each) {
+  const auto found_with_one_of = [&](size_t each) {
     const fs::path set = made("range_scale: {scale: 0.03}");
     rewrite(set, [&](size_t row, std::vector<std::string>& cells) {
       if (row % each == 3) cells[kRange] = fmt::format("{:.4f}", std::stod(cells[kRange]) + 3);
     });
-    const auto problem = open_problem(set);
-    const Model model =
-        model_of("range_scale: {scale: 0.03}, range_tail: {fraction: 0.05, scale_m: 3}");
-    problem->prepare(model);
-    std::vector<int> rows;
-    const std::vector<char> out = problem->find_outliers(model);
-    for (size_t i = 0; i < out.size(); i += 2)
-      if (out[i]) rows.push_back(problem->facts().row_of[i]);
-    return rows;
+    return search(*open_problem(set), model_of("range_scale: {scale: 0.03}"), {},
+                  [](const auto&) {});
   };
-  EXPECT_EQ(left_out_of(60), (std::vector<int>{3, 63, 123, 183}));
-  EXPECT_TRUE(left_out_of(10).empty());
+  const SearchResult few = found_with_one_of(60);
+  EXPECT_EQ(few.outliers.size(), 8);  // Range and bearing of four rows.
+  EXPECT_TRUE(few.steps.empty());
+  const SearchResult many = found_with_one_of(10);
+  EXPECT_TRUE(many.outliers.empty());
+  ASSERT_EQ(many.steps.size(), 1);
+  EXPECT_EQ(many.steps[0].effect, "range_tail");
 }
 
 }  // namespace
