@@ -146,14 +146,21 @@ void disturb_set(const Conditions& conditions, uint64_t seed, const std::filesys
     values.push_back(std::move(column));
   }
   if (conditions.bursts) {
+    std::vector<char> distance;  // Columns in which nothing is below 0: there, errors leave it so.
+    for (const std::vector<double>& column : values)
+      distance.push_back(
+          std::none_of(column.begin(), column.end(), [](double v) { return v < 0; }));
     for (size_t s = 0; s < rows.series.size(); ++s) {
       for (size_t k = 0; k + kBurstRows < rows.series[s].size(); ++k) {
         const uint64_t draw = 100'000 * s + k;
         if (uniform(stream.child("burst"), draw) > kBurstShare / kBurstRows) continue;
         const double side = uniform(stream.child("side"), draw) < 0.5 ? -1 : 1;
         for (int row = 0; row < kBurstRows; ++row) {
-          for (size_t c = 0; c < names.size(); ++c)
-            values[c][rows.series[s][k + row]] += side * kBurstNoises * set.noise_of(names[c]);
+          for (size_t c = 0; c < names.size(); ++c) {
+            double& value = values[c][rows.series[s][k + row]];
+            value += side * kBurstNoises * set.noise_of(names[c]);
+            if (distance[c]) value = std::abs(value);
+          }
         }
       }
     }
