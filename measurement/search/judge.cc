@@ -281,10 +281,6 @@ void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
   });
 }
 
-}  // namespace
-
-namespace {
-
 // Whether these data may prefer this one: it explains as much as any that is significant where all
 // rows count, and so few are held out that their verdict is luck.
 bool may_be_equal(const Candidate& candidate) {
