@@ -207,6 +207,9 @@ def camera(_, sort, number, folder):
         for i in range(len(fixed)):
             along = i % width * math.cos(wave["angle_rad"]) + i // width * math.sin(wave["angle_rad"])
             fixed[i] += wave["amplitude_dn"] * math.sin(2 * math.pi * along / wave["period_px"] + wave["phase_rad"])
+    # No dark frame is cut off at 0.
+    dark = max(dark, 5 * math.hypot(read, truth.get("row_noise", {}).get("sigma_dn", 0),
+                                    truth.get("pixel_offset_spread", {}).get("sigma_dn", 0)))
     unit = 10 ** draw.uniform(-4, 4)  # In which the lamp's light is stated.
     full = 0.92 * (top - dark) / (1 + max(0, cubic["k2"]))
     row_sigma = truth.get("row_noise", {}).get("sigma_dn", 0)

@@ -98,45 +98,55 @@ std::shared_ptr<const PhotometrySums> PhotometryProblem::rough_sums(const Model&
   return rough_;
 }
 
-// A spread wide enough hides any misfit of the mean. Where the last unknowns' effect does, it is
-// given what the data say of it beside the misfit, and the others are fitted to that.
+// A spread wide enough hides any misfit of the mean. Where the last unknowns' effect does, or one
+// that was added earlier does beside it, it is given what the data say of it beside the misfit, and
+// the others are fitted to that. The given model's own noise stays free.
 Fit PhotometryProblem::without_misfit(const Fit& fit, const Model& start,
                                       const std::vector<Unknown>& unknowns,
                                       const Groups& groups) const {
   const std::string candidate = unknowns.back().effect;
   Model base = start;
   base.remove(candidate);
-  std::vector<Unknown> others, spreads;
+  std::vector<Unknown> spreads;
   for (const Unknown& unknown : unknowns) {
-    if (unknown.effect != candidate) others.push_back(unknown);
     if (start.find(unknown.effect)->definition->spread_only) spreads.push_back(unknown);
   }
-  const size_t own = unknowns.size() - others.size();
-  const auto rough = rough_sums(base, groups);
-  const Fit plain = fit_to(small_view_of(*rough), start, spreads);
-  bool same = true;
+  const Fit plain = fit_to(small_view_of(*rough_sums(base, groups)), start, spreads);
   Model model = fit.model;
-  for (size_t k = 0; k < own; ++k) {
-    const double honest = plain.value[spreads.size() - own + k];
-    const double sigma = plain.sigma[spreads.size() - own + k];
-    const double joint = fit.value[others.size() + k];
-    const double apart = std::abs(joint - honest);
-    same = same && !(apart > 0.25 * std::abs(honest) && apart > 5 * sigma);
-    model.set_value(candidate, unknowns[others.size() + k].parameter, honest);
+  std::vector<Unknown> others;
+  std::vector<size_t> place, held, told;  // Among all unknowns; what is held, among spreads.
+  for (size_t i = 0, spread = 0; i < unknowns.size(); ++i) {
+    const effects::ModelEffect& effect = *start.find(unknowns[i].effect);
+    bool hides = false;
+    if (effect.definition->spread_only) {
+      const double honest = plain.value[spread], apart = std::abs(fit.value[i] - honest);
+      const bool added =
+          unknowns[i].effect == candidate || !effect.parameters[unknowns[i].parameter].free;
+      hides = added && apart > 0.25 * std::abs(honest) && apart > 5 * plain.sigma[spread];
+      if (hides) {
+        model.set_value(unknowns[i].effect, unknowns[i].parameter, honest);
+        held.push_back(i), told.push_back(spread);
+      }
+      ++spread;
+    }
+    if (!hides) others.push_back(unknowns[i]), place.push_back(i);
   }
-  if (same) return fit;
-  Fit beside = fit_all(model, others, groups);
+  if (held.empty()) return fit;
+  const Fit beside = fit_all(model, others, groups);
   Fit out = beside;
   const size_t n = unknowns.size();
+  out.value.assign(n, 0), out.sigma.assign(n, 0), out.at_bound.assign(n, 0);
   out.covariance.assign(n * n, 0);
   for (size_t i = 0; i < others.size(); ++i) {
+    out.value[place[i]] = beside.value[i], out.sigma[place[i]] = beside.sigma[i];
+    out.at_bound[place[i]] = beside.at_bound[i];
     for (size_t k = 0; k < others.size(); ++k)
-      out.covariance[i * n + k] = beside.covariance[i * others.size() + k];
+      out.covariance[place[i] * n + place[k]] = beside.covariance[i * others.size() + k];
   }
-  for (size_t k = 0; k < own; ++k) {
-    const size_t from = spreads.size() - own + k, at = others.size() + k;
-    out.value.push_back(plain.value[from]), out.sigma.push_back(plain.sigma[from]);
-    out.at_bound.push_back(plain.at_bound[from]);
+  for (size_t k = 0; k < held.size(); ++k) {
+    const size_t at = held[k], from = told[k];
+    out.value[at] = plain.value[from], out.sigma[at] = plain.sigma[from];
+    out.at_bound[at] = plain.at_bound[from];
     out.covariance[at * n + at] = plain.sigma[from] * plain.sigma[from];
   }
   return out;
@@ -213,12 +223,27 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
     for (size_t i = 0; i < unknowns.size(); ++i)
       model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
   };
-  const Maximum maximum = maximise(
-      [&](const std::vector<double>& values) {
-        set_all(values);
-        return log_likelihood(view, model);
-      },
-      parameters);
+  const auto likelihood = [&](const std::vector<double>& values) {
+    set_all(values);
+    return log_likelihood(view, model);
+  };
+  Maximum maximum = maximise(likelihood, parameters);
+  // Where a long bent valley leaves errors beyond reason, another try has steps that fit where the
+  // first one ended.
+  const auto is_unsure = [&] {
+    for (size_t i = 0; i < unknowns.size(); ++i) {
+      const double scale =
+          model.find(unknowns[i].effect)->definition->parameters[unknowns[i].parameter].scale;
+      if (std::isfinite(maximum.sigma[i]) &&
+          maximum.sigma[i] > 10 * std::max(std::abs(maximum.value[i]), scale))
+        return true;
+    }
+    return false;
+  };
+  for (int more = 0; more < 2 && is_unsure(); ++more) {
+    for (size_t i = 0; i < parameters.size(); ++i) parameters[i].start = maximum.value[i];
+    maximum = maximise(likelihood, parameters);
+  }
   set_all(maximum.value);
   return {.model = model,
           .value = maximum.value,

@@ -93,6 +93,24 @@ TEST(PhotometryPairs, BothAtOnceAreBothFound) {
   }
 }
 
+// A bent response, and noises beside it: none of them grows to cover what the mean lacks, neither
+// when it is added nor when another is added after it.
+TEST(PhotometryPairs, NoSpreadCoversABentResponse) {
+  const std::string free =
+      "linear_response: {gain_dn: {value: 250, free: true}, black_dn: {value: 20, free: true}}, "
+      "read_noise: {sigma_dn: {value: 0.5, free: true}}";
+  const SearchResult result =
+      found("bent", free,
+            "row_noise: {sigma_dn: 4}, pixel_gain_spread: {sigma: 0.015}, shot_noise: "
+            "{electrons_per_dn: 20}, response_cubic: {k2: -0.3, k3: 0}",
+            {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}, 4);
+  EXPECT_EQ(result.steps.size(), 4u) << steps_of(result);
+  const Model& model = result.best.assessment.model;
+  ASSERT_NE(model.find("row_noise"), nullptr) << steps_of(result);
+  EXPECT_NEAR(model.find("row_noise")->value("sigma_dn"), 4, 0.4);
+  EXPECT_NEAR(model.find("linear_response")->value("black_dn"), 20, 1);
+}
+
 // The first candidate or its declared ties hold both.
 void expect_tie(const SearchResult& result, const std::string& a, const std::string& b) {
   ASSERT_FALSE(result.first.candidates.empty());
