@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "effects/exact_key.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/frames/frames.h"
 #include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/maximise.h"
+#include "measurement/problem/fit_key.h"
 
 namespace seam::measurement {
 namespace {
@@ -191,10 +191,7 @@ class FrameFit {
 Fit FramesProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                        const Groups& groups) const {
   // Looks and exchanges ask for some fits again.
-  std::string key(groups.begin(), groups.end());
-  for (const effects::ModelEffect& effect : start.effects()) key += effects::exact_key(effect);
-  for (const Unknown& unknown : unknowns)
-    key += fmt::format("{}.{};", unknown.effect, unknown.parameter);
+  const std::string key = fit_key(start, unknowns, groups);
   {
     const std::scoped_lock lock(fits_mutex_);
     if (const auto known = fits_.find(key); known != fits_.end()) return known->second;

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "effects/exact_key.h"
 #include "effects/questions.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "measurement/kinds/photometry/photometry_smooth.h"
 #include "measurement/numerics/maximise.h"
+#include "measurement/problem/fit_key.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 
@@ -22,16 +22,6 @@ bool is_logarithmic(const EffectDefinition& effect, const effects::Parameter& pa
 
 }  // namespace
 
-// What a fit on these groups left at its optimum: the model's values and which of them were sought.
-std::string PhotometryProblem::optimum_key(const Model& model, const std::vector<Unknown>& unknowns,
-                                           const Groups& groups) const {
-  std::string key(groups.begin(), groups.end());
-  for (const effects::ModelEffect& effect : model.effects()) key += effects::exact_key(effect);
-  for (const Unknown& unknown : unknowns)
-    key += fmt::format(";{}.{}", unknown.effect, unknown.parameter);
-  return key;
-}
-
 Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                            const Groups& groups) const {
   // A candidate beside parameters that are at their optimum already: if it gains nothing alone, the
@@ -45,7 +35,7 @@ Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unkno
   bool beside = false;
   if (!others.empty()) {
     const std::scoped_lock lock(mutex_);
-    const std::string key = optimum_key(without, others, groups);
+    const std::string key = fit_key(without, others, groups);
     beside = std::find(optima_.begin(), optima_.end(), key) != optima_.end();
   }
   Fit fit;
@@ -65,7 +55,7 @@ Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unkno
   if (!enough) {
     const std::scoped_lock lock(mutex_);
     if (optima_.size() > 200) optima_.clear();
-    optima_.push_back(optimum_key(fit.model, unknowns, groups));
+    optima_.push_back(fit_key(fit.model, unknowns, groups));
   }
   return fit;
 }
@@ -74,7 +64,7 @@ Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unkno
 // fixed patterns show, whatever the mean lacks.
 std::shared_ptr<const PhotometrySums> PhotometryProblem::rough_sums(const Model& model,
                                                                     const Groups& groups) const {
-  const std::string key = optimum_key(model, {}, groups);
+  const std::string key = fit_key(model, {}, groups);
   const std::scoped_lock lock(rough_mutex_);
   if (rough_ && rough_key_ == key) return rough_;
   const bool small = small_ != nullptr;

@@ -54,8 +54,6 @@ class PhotometryProblem : public Problem {
                                const std::vector<Unknown>& unknowns) const;
   Fit widened(const Fit& alone, const Model& start, const std::vector<Unknown>& unknowns,
               size_t fixed) const;
-  std::string optimum_key(const Model& model, const std::vector<Unknown>& unknowns,
-                          const Groups& groups) const;
 
   PhotometryData data_;
   std::unique_ptr<const PhotometryData> small_;  // Of large images: a smaller sensor of them.
