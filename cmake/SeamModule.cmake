@@ -19,6 +19,11 @@ if(SEAM_SANITIZE)
   endif()
 endif()
 
+# The compiler gives memory back rarely: a tenth of its time, for half a gigabyte.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options("SHELL:--param ggc-min-heapsize=524288" "SHELL:--param ggc-min-expand=200")
+endif()
+
 find_program(SEAM_MOLD mold)
 if(SEAM_MOLD)
   add_link_options(-fuse-ld=mold)

@@ -10,6 +10,7 @@ Usage: hidden_outcomes.py SEAM OUT [--only NAME...] [--sigmas 5]
 import argparse
 import csv
 import json
+import math
 import pathlib
 import re
 import shutil
@@ -186,14 +187,23 @@ class Study:
         return max(abs(a - b) / sigma for a, (b, sigma) in zip(self.means(hidden, value), self.plain))
 
     def sized(self, hidden):
+        """A size near that by which some number is changed as wanted: where counts of pixels jump, the nearest that was met."""
         neutral = 1 if hidden[1] == "gamma" else 0
-        by = hidden[2] - neutral
-        for _ in range(4):
+        by, below, above, met = hidden[2] - neutral, None, None, []
+        for _ in range(8):
             sigmas = self.size_of(hidden, neutral + by)
+            met.append((abs(math.log(max(sigmas, 0.1) / self.wanted)), neutral + by, sigmas))
             if abs(sigmas - self.wanted) < 0.15 * self.wanted:
                 break
-            by = float(f"{by * min(4, max(0.25, self.wanted / max(sigmas, 0.1))):.3g}")
-        return neutral + by, sigmas
+            if sigmas < self.wanted:
+                below = by
+            else:
+                above = by
+            step = by * min(4, max(0.25, self.wanted / max(sigmas, 0.1)))
+            if below is not None and above is not None and not min(below, above) < step < max(below, above):
+                step = (below + above) / 2
+            by = float(f"{step:.3g}")
+        return min(met)[1:]
 
     def told(self, model, name, seed):
         self.measured(model, name, "--seed", seed)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim_core/base/maths.h"
 #include "sim_core/input/config_table.h"
 
 namespace seam::render {
@@ -39,6 +40,11 @@ struct Mesh {
   std::vector<Picture> pictures;
   double radius_m = 0;      // No vertex is farther from the origin.
   std::string fingerprint;  // Of the files.
+
+  Vec3 place_of(uint32_t vertex) const {
+    const float* const p = vertices[vertex].p;
+    return {p[0], p[1], p[2]};
+  }
 };
 
 struct Texture {

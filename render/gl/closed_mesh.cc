@@ -13,11 +13,6 @@ namespace {
 
 using Triangle = std::array<uint32_t, 3>;
 
-Vec3 place_of(const Mesh& mesh, uint32_t vertex) {
-  const float* const p = mesh.vertices[vertex].p;
-  return {p[0], p[1], p[2]};
-}
-
 // For each vertex the first one at its place: files repeat corners whose normals differ.
 std::vector<uint32_t> first_at_place(const Mesh& mesh) {
   std::vector<uint32_t> order(mesh.vertices.size()), first(mesh.vertices.size());
@@ -83,7 +78,7 @@ std::vector<double> volumes(const Mesh& mesh, const std::vector<Triangle>& trian
   }
   std::vector<double> of_piece(mesh.vertices.size());
   for (const Triangle& t : triangles) {
-    const Vec3 a = place_of(mesh, t[0]), b = place_of(mesh, t[1]), c = place_of(mesh, t[2]);
+    const Vec3 a = mesh.place_of(t[0]), b = mesh.place_of(t[1]), c = mesh.place_of(t[2]);
     of_piece[find(t[0])] += glm::dot(a, glm::cross(b, c));
   }
   std::erase(of_piece, 0.0);
@@ -99,7 +94,7 @@ int first_met(const Mesh& mesh, const std::vector<Triangle>& triangles, int axis
   for (const Triangle& t : triangles) {
     Vec3 p[3];
     double side[3];
-    for (size_t k = 0; k < 3; ++k) p[k] = place_of(mesh, t[k]);
+    for (size_t k = 0; k < 3; ++k) p[k] = mesh.place_of(t[k]);
     for (size_t k = 0; k < 3; ++k) {
       const Vec3 &from = p[(k + 1) % 3], &to = p[(k + 2) % 3];
       side[k] = (to[u] - from[u]) * (b - from[v]) - (to[v] - from[v]) * (a - from[u]);

@@ -12,22 +12,17 @@ constexpr size_t kTriangles = 48;
 
 using Triangle = std::array<uint32_t, 3>;
 
-Vec3 place_of(const Mesh& mesh, uint32_t vertex) {
-  const float* const p = mesh.vertices[vertex].p;
-  return {p[0], p[1], p[2]};
-}
-
 // Thrice the middle.
 Vec3 middle(const Mesh& mesh, const Triangle& triangle) {
-  return place_of(mesh, triangle[0]) + place_of(mesh, triangle[1]) + place_of(mesh, triangle[2]);
+  return mesh.place_of(triangle[0]) + mesh.place_of(triangle[1]) + mesh.place_of(triangle[2]);
 }
 
 // Of what has no area the normal does not matter.
 void add_cone(const Mesh& mesh, const std::vector<Triangle>& triangles, size_t begin, size_t end,
               MeshCluster& cluster) {
   const auto normal_of = [&](const Triangle& t) {
-    const Vec3 a = place_of(mesh, t[0]);
-    const Vec3 n = glm::cross(place_of(mesh, t[1]) - a, place_of(mesh, t[2]) - a);
+    const Vec3 a = mesh.place_of(t[0]);
+    const Vec3 n = glm::cross(mesh.place_of(t[1]) - a, mesh.place_of(t[2]) - a);
     const double length = std::sqrt(glm::dot(n, n));
     return length > 0 ? n / length : Vec3(0.0);
   };
@@ -50,13 +45,13 @@ MeshCluster cluster_of(const Mesh& mesh, const std::vector<Triangle>& triangles,
   Vec3 low(1e30), high(-1e30);
   for (size_t i = begin; i < end; ++i) {
     for (const uint32_t vertex : triangles[i])
-      low = glm::min(low, place_of(mesh, vertex)), high = glm::max(high, place_of(mesh, vertex));
+      low = glm::min(low, mesh.place_of(vertex)), high = glm::max(high, mesh.place_of(vertex));
   }
   MeshCluster cluster{.count = static_cast<uint32_t>(3 * (end - begin)),
                       .centre = 0.5 * (low + high)};
   for (size_t i = begin; i < end; ++i) {
     for (const uint32_t vertex : triangles[i]) {
-      const Vec3 away = place_of(mesh, vertex) - cluster.centre;
+      const Vec3 away = mesh.place_of(vertex) - cluster.centre;
       cluster.radius = std::max(cluster.radius, std::sqrt(glm::dot(away, away)));
     }
   }

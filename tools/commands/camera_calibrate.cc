@@ -17,7 +17,7 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct CalibrateSettings {
   std::string model;
   std::string out;
   uint64_t seed = 1;
@@ -36,7 +36,7 @@ std::filesystem::path folder_for(const std::filesystem::path& folder) {
 
 // The head swings its pan over +-60 degrees in 1.3 s and its tilt a little in 2.1 s: rates, angles
 // and image places come in all combinations.
-void write_room(const std::filesystem::path& folder, const Settings& settings) {
+void write_room(const std::filesystem::path& folder, const CalibrateSettings& settings) {
   constexpr double kStart_s = 0.2, kPeriod_s = 0.04, kJointPeriod_s = 0.008;
   const double end_s = kStart_s + settings.frames * kPeriod_s + 0.4;
   std::string joints = "time_s,tilt_rad,pan_rad\n";
@@ -77,7 +77,7 @@ void write_room(const std::filesystem::path& folder, const Settings& settings) {
 
 // Darks first, half of them with four times the exposure (dark current shows there alone), then
 // levels of even light, each several times.
-void write_flat_fields(const std::filesystem::path& folder, const Settings& settings) {
+void write_flat_fields(const std::filesystem::path& folder, const CalibrateSettings& settings) {
   std::string frames = "frame,file,time_s,exposure_s,illumination\n";
   int frame = 0;
   const auto shoot = [&](double exposure_s, double illumination) {
@@ -132,7 +132,7 @@ class Unfinished {
   std::filesystem::path path_;
 };
 
-void run(const Settings& settings) {
+void calibrate(const CalibrateSettings& settings) {
   const effects::Model truth = read_model(settings.model);
   const std::filesystem::path out = settings.out;
   const Unfinished made(out);
@@ -155,7 +155,7 @@ void run(const Settings& settings) {
 void add_camera_calibrate(app::Command app) {
   app::Command command = app.add_subcommand(
       "camera-calibrate", "Makes the measurement sets that calibrate a camera's model");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<CalibrateSettings>();
   command.add_option("--model", settings->model, "The true camera, a seam-model/1 file").required();
   command
       .add_option("--out", settings->out,
@@ -189,7 +189,7 @@ void add_camera_calibrate(app::Command app) {
       "--points 40\n"
       "  seam discover --model models/ideal_camera.yaml --data calibration/room --out "
       "calibrated.yaml");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { calibrate(*settings); });
 }
 
 }  // namespace seam::tools

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Settings {
+struct CheckSettings {
   std::string path;
   std::string model;
 };
@@ -156,7 +156,7 @@ void check_log(const std::string& path) {
 }
 
 // All errors are listed, then the exit code says whether there are any.
-void check_set(const Settings& settings) {
+void check_set(const CheckSettings& settings) {
   const auto set = measurement::MeasurementSet::open(settings.path);
   std::optional<effects::Model> model;
   if (!settings.model.empty()) model = effects::Model::from_file(settings.model);
@@ -171,7 +171,7 @@ void check_set(const Settings& settings) {
   if (!description.errors.empty()) throw ExitCode{1};
 }
 
-void check(const Settings& settings) {
+void check(const CheckSettings& settings) {
   if (is_log(settings.path)) return check_log(settings.path);
   if (fs::is_directory(settings.path)) return check_set(settings);
   const ConfigNode root = ConfigNode::from_file(settings.path);
@@ -201,7 +201,7 @@ void add_check(app::Command app) {
       "check",
       "Validates any file of ours and says what it holds: a scenario, model, measurement set, "
       "scene, field, robot, colour table, plan of a sweep or log");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<CheckSettings>();
   command.add_option("PATH", settings->path, "The file, or the folder of a measurement set")
       .required();
   command.add_option("--model", settings->model,

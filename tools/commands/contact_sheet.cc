@@ -17,7 +17,7 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct SheetSettings {
   std::vector<std::string> folders;
   std::string out;
   int count = 4;
@@ -136,7 +136,7 @@ render::Panel panel_of(const std::string& name, const FilmedFrame& frame, int en
   return {fmt::format("{}: {}", name, motion), render::enlarged(read_png(frame.file), enlarge)};
 }
 
-std::vector<render::Panel> panels_of(const std::string& folder, const Settings& settings) {
+std::vector<render::Panel> panels_of(const std::string& folder, const SheetSettings& settings) {
   std::vector<FilmedFrame> frames = read_frames(folder);
   std::vector<render::Panel> panels;
   if (settings.by_robot) {
@@ -174,7 +174,7 @@ std::vector<render::Panel> panels_of(const std::string& folder, const Settings& 
 void add_contact_sheet(app::Command app) {
   app::Command command =
       app.add_subcommand("contact-sheet", "Frames of several runs on one sheet, one row a run");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<SheetSettings>();
   command.add_option("DIR", settings->folders, "Folders that `seam run --frames` wrote").required();
   command.add_option("--out", settings->out, "The sheet, a PNG file").required();
   command.add_flag("--by-robot", settings->by_robot, "One frame of each robot, in rows of --count");

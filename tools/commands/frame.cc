@@ -16,7 +16,7 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct FrameSettings {
   std::string scenario;
   std::string robot;
   double at_s = 0;
@@ -28,7 +28,7 @@ struct Settings {
 
 // The given table, else the field's own beside the scenario, else one made from this frame's
 // labels.
-render::ColourTable table_for(const Settings& settings, const Frame& frame,
+render::ColourTable table_for(const FrameSettings& settings, const Frame& frame,
                               const render::GroundTruth& truth) {
   if (!settings.table.empty()) return render::ColourTable::from_file(settings.table);
   const auto beside =
@@ -49,7 +49,7 @@ double longest_flow(const render::GroundTruth& truth) {
 }
 
 // Writes DIR/NN_name.png for each stage and kind of ground truth, and DIR/contact_sheet.png.
-void write_stages(const Settings& settings, const FrameJob& job, const Frame& frame,
+void write_stages(const FrameSettings& settings, const FrameJob& job, const Frame& frame,
                   const render::Renderer& camera) {
   const render::GroundTruth truth = camera.ground_truth(job);
   std::vector<render::Panel> panels;
@@ -74,7 +74,7 @@ void write_stages(const Settings& settings, const FrameJob& job, const Frame& fr
             render::contact_sheet(panels, 3));
 }
 
-void run(const Settings& settings) {
+void render_frame(const FrameSettings& settings) {
   const SimTime at = SimTime::from_s(settings.at_s);
   OutputFile out(settings.out, {.inputs = {settings.scenario}});
   if (!settings.stages.empty()) make_output_folder(settings.stages);
@@ -103,7 +103,7 @@ void run(const Settings& settings) {
 void add_frame(app::Command app) {
   app::Command command =
       app.add_subcommand("frame", "One frame of a robot's camera, with every stage of its making");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<FrameSettings>();
   command.add_option("SCENARIO", settings->scenario, "A seam-scenario/1 file").required();
   command.add_option("--robot", settings->robot, "Whose camera").required();
   command
@@ -123,7 +123,7 @@ void add_frame(app::Command app) {
   command.footer(
       "Example: seam frame scenarios/head_swing.yaml --robot red1 --at 0.5 --stages stages --out "
       "frame.png");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { render_frame(*settings); });
 }
 
 }  // namespace seam::tools

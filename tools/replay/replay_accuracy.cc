@@ -19,7 +19,7 @@ constexpr std::array kKinds = {Kind::position_m, Kind::heading_rad, Kind::ball_d
                                Kind::ball_bearing_rad};
 constexpr double kBands_m[] = {0, 0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 6.0};
 
-struct Settings {
+struct AccuracySettings {
   std::string file;
   std::string json;
   double from_s = 0;
@@ -74,7 +74,7 @@ bool in_band(const app::EstimateError& error, size_t band) {
          error.truth_m < kBands_m[band + 1];
 }
 
-void run(const Settings& settings) {
+void tell_accuracy(const AccuracySettings& settings) {
   OutputFile out(settings.json, {.inputs = {settings.file}});
   const scheduler::Log log = scheduler::Log::open(settings.file);
   const std::vector<std::string>& robots = log.header().robots;
@@ -123,7 +123,7 @@ void add_replay_accuracy(app::Command replay) {
       "accuracy",
       "The clients' own estimates of their pose and of the ball, which they log as values,\n"
       "against the truth");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<AccuracySettings>();
   command.add_option("F", settings->file, "The log").required();
   command
       .add_option("--from", settings->from_s, "Leaves out what comes before this simulated second")
@@ -133,7 +133,7 @@ void add_replay_accuracy(app::Command replay) {
       "Values that count: x_m, y_m, theta_rad (on the field), ball_distance_m, ball_bearing_rad "
       "(from\n"
       "the body). Example: seam replay accuracy match.mcap --from 5");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { tell_accuracy(*settings); });
 }
 
 }  // namespace seam::tools

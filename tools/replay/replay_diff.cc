@@ -13,13 +13,13 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct DiffSettings {
   std::string a;
   std::string b;
   std::string json;
 };
 
-void run(const Settings& settings) {
+void tell_difference(const DiffSettings& settings) {
   OutputFile json(settings.json, {.inputs = {settings.a, settings.b}});
   const scheduler::Log a = scheduler::Log::open(settings.a);
   const scheduler::Log b = scheduler::Log::open(settings.b);
@@ -32,12 +32,12 @@ void run(const Settings& settings) {
 void add(app::Command parent) {
   app::Command command = parent.add_subcommand(
       "diff", "The first difference of two runs by time, section and field, and how it spreads");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<DiffSettings>();
   command.add_option("A", settings->a, "A log").required();
   command.add_option("B", settings->b, "Another log").required();
   command.add_option("--json", settings->json, "Write the result as seam-diff/1 to this file");
   command.footer("Exit code 0: equal; 1: they differ.\nExample: seam diff monday.mcap today.mcap");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { tell_difference(*settings); });
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using scheduler::Answer;
 
-struct Settings {
+struct ExportSettings {
   std::string file;
   std::string out;
 };
@@ -171,7 +171,7 @@ class Exporter {
   CsvFile poses_, ball_, steps_, decisions_, joints_, debug_, frames_, events_;
 };
 
-void run(const Settings& settings) {
+void export_log(const ExportSettings& settings) {
   make_output_folder(settings.out);
   const scheduler::Log log = scheduler::Log::open(settings.file);
   Exporter exporter(log, settings.out);
@@ -195,11 +195,11 @@ void run(const Settings& settings) {
 void add_replay_export(app::Command replay) {
   app::Command command = replay.add_subcommand(
       "export", "Writes poses, decisions, frames and events as CSV, and the pictures of the log");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<ExportSettings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--out", settings->out, "Folder to write to").required();
   command.footer("Example: seam replay export match.mcap --out match");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { export_log(*settings); });
 }
 
 }  // namespace seam::tools

@@ -12,7 +12,7 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct FramesSettings {
   std::string file;
   std::string robot;
   std::string out;
@@ -22,7 +22,7 @@ struct Settings {
   bool force = false;
 };
 
-void run(const Settings& settings) {
+void write_frames(const FramesSettings& settings) {
   const scheduler::Log log = scheduler::Log::open(settings.file);
   app::ReplayMatch match(log, {.models = settings.models});
   const int robot = match.robot(settings.robot);
@@ -48,7 +48,7 @@ void add_replay_frames(app::Command replay) {
       "frames",
       "Renders every frame of a robot's camera clock, also those that the run did not ask "
       "for");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<FramesSettings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--robot", settings->robot, "Whose camera").required();
   command.add_option("--out", settings->out, "Folder for ROBOT_NNNNNN.png and frames.csv")
@@ -62,7 +62,7 @@ void add_replay_frames(app::Command replay) {
   command.add_flag("--force", settings->force, "Replaces the frames that the folder holds");
   command.footer(
       "Example: seam replay frames match.mcap --robot red1 --from 10 --to 12 --out eyes");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { write_frames(*settings); });
 }
 
 }  // namespace seam::tools

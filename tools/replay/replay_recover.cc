@@ -12,7 +12,7 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct RecoverSettings {
   std::string file;
   std::string out;
   std::string json;
@@ -62,7 +62,7 @@ void tell(const scheduler::Recovery& recovery) {
   }
 }
 
-void run(const Settings& settings) {
+void recover(const RecoverSettings& settings) {
   const OutputRules rules{.inputs = {settings.file}};
   OutputFile json(settings.json, rules);
   // Renamed when it is whole, so that nobody takes half of it for a whole log.
@@ -84,14 +84,14 @@ void run(const Settings& settings) {
 void add_replay_recover(app::Command replay) {
   app::Command command =
       replay.add_subcommand("recover", "Writes a whole log from a damaged or unfinished one");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<RecoverSettings>();
   command.add_option("F", settings->file, "The damaged log").required();
   command.add_option("--out", settings->out, "The log to write").required();
   command.add_option("--json", settings->json, "Write what was read and lost to this file");
   command.footer(
       "Exit code 0: nothing was lost; 3: something was; 1: nothing could be read.\n"
       "Example: seam replay recover damaged.mcap --out whole.mcap");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { recover(*settings); });
 }
 
 }  // namespace seam::tools

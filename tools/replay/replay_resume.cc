@@ -18,14 +18,14 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct ResumeSettings {
   std::string file;
   bool run_programs = false;
   app::SessionOptions session;
   app::SimulatorOptions simulator;
 };
 
-int resume(const Settings& settings) {
+int resume(const ResumeSettings& settings) {
   app::SessionOutputs outputs(settings.session);
   const scheduler::Log log = scheduler::Log::open(settings.file);
   if (log.end() && log.end()->reason == scheduler::EndReason::finished) {
@@ -74,7 +74,7 @@ void add_replay_resume(app::Command replay) {
       "resume",
       "Goes on from a log with the scenario's behaviours, to the same end as a run that "
       "was not interrupted");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<ResumeSettings>();
   command.add_option("F", settings->file, "The log, whole or of a killed run").required();
   command.add_option("--log", settings->session.log, "The log of the whole run, a new file")
       .required();

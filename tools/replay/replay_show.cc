@@ -14,7 +14,7 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct ShowSettings {
   std::string file;
   std::optional<double> at_s;
   std::string robot;  // Empty: all.
@@ -158,7 +158,7 @@ void print_events(const scheduler::Log& log) {
   }
 }
 
-void run(const Settings& settings) {
+void show(const ShowSettings& settings) {
   if (!settings.robot.empty() && !settings.at_s)
     throw UsageError("--robot: expected --at too, for whose state is shown");
   OutputFile out(settings.json, {.inputs = {settings.file}});
@@ -185,14 +185,14 @@ void run(const Settings& settings) {
 void add_replay_show(app::Command replay) {
   app::Command command =
       replay.add_subcommand("show", "What a log holds, or the whole state at a time");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<ShowSettings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--at", settings->at_s, "Simulated seconds: show the state at this time")
       .range(-1e9, 9e9);
   command.add_option("--robot", settings->robot, "Of the state, this robot's part alone");
   command.add_option("--json", settings->json, "Write the same to this file");
   command.footer("Example: seam replay show match.mcap --at 12.5");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { show(*settings); });
 }
 
 }  // namespace seam::tools

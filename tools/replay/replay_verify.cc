@@ -16,7 +16,7 @@ namespace {
 
 using scheduler::Divergence;
 
-struct Settings {
+struct VerifySettings {
   std::string file;
   std::string json;
   std::string key;  // Public; empty: the log need not be signed.
@@ -35,7 +35,7 @@ Outcome damaged(std::string what) {
 }
 
 // What is wrong with the file is a result here, not a failure of the command.
-Outcome verify(const Settings& settings) {
+Outcome verify(const VerifySettings& settings) {
   try {
     if (!settings.key.empty()) {
       const std::string why =
@@ -97,7 +97,7 @@ void tell_same(const std::string& file, const scheduler::Verification& found) {
   }
 }
 
-void run(const Settings& settings) {
+void verify_log(const VerifySettings& settings) {
   OutputFile json(settings.json, {.inputs = {settings.file}});
   const Outcome outcome = verify(settings);
   if (json) write_json(json, outcome);
@@ -122,7 +122,7 @@ void add_replay_verify(app::Command replay) {
       "verify",
       "Re-runs a log and compares all that it holds; names the first divergence by time, "
       "section and field");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<VerifySettings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--json", settings->json, "Write the result as seam-verify/1 to this file");
   command.add_option("--key", settings->key,
@@ -133,7 +133,7 @@ void add_replay_verify(app::Command replay) {
       "What was not compared is said. Exit code 0: the same; 1: a divergence, or the log cannot\n"
       "be read.\n"
       "Example: seam replay verify swing.mcap --json result.json");
-  command.callback([settings] { run(*settings); });
+  command.callback([settings] { verify_log(*settings); });
 }
 
 }  // namespace seam::tools

@@ -18,7 +18,7 @@
 namespace seam::tools {
 namespace {
 
-struct Settings {
+struct WhatifSettings {
   std::string file;
   std::string robot;
   std::string client;
@@ -30,7 +30,7 @@ struct Settings {
 };
 
 // Who is driven live from --from on, and which processes that needs.
-scheduler::MixedSourceOptions set_up(const Settings& settings, const Scenario& scenario,
+scheduler::MixedSourceOptions set_up(const WhatifSettings& settings, const Scenario& scenario,
                                      int changed, app::SessionOptions& session) {
   scheduler::MixedSourceOptions options{.live_from = SimTime::from_s(settings.from_s)};
   const std::vector<std::string> command = app::split_words(settings.client);
@@ -45,7 +45,7 @@ scheduler::MixedSourceOptions set_up(const Settings& settings, const Scenario& s
   return options;
 }
 
-int what_if(const Settings& settings) {
+int what_if(const WhatifSettings& settings) {
   app::SessionOptions session = settings.session;
   session.inputs = {settings.file};
   const app::ScratchFolder scratch("whatif");
@@ -92,7 +92,7 @@ void add_replay_whatif(app::Command replay) {
       "whatif",
       "Runs a recorded match again with one robot's behaviour changed, and shows what "
       "follows");
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<WhatifSettings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--robot", settings->robot, "Whose behaviour is changed").required();
   command

@@ -13,13 +13,13 @@
 namespace seam::tools {
 namespace {
 
-struct Options {
+struct SweepOptions {
   std::string plan, out;
   std::string shard = "1/1";
   int jobs = 0;
 };
 
-void sweep(const Options& options) {
+void sweep(const SweepOptions& options) {
   if (options.plan.empty() || options.out.empty())
     throw UsageError("sweep: give a plan and --out RESULTS, or a subcommand (seam sweep --help)");
   const app::Shard shard = app::shard_from_text(options.shard);
@@ -49,7 +49,7 @@ void sweep(const Options& options) {
 void add_sweep(app::Command app) {
   app::Command command = app.add_subcommand(
       "sweep", "Runs a plan: a scenario over seeds, parameters and models, into one SQLite file");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SweepOptions>();
   command.add_option("PLAN", options->plan, "A seam-sweep/1 file (docs/sweeps.md)");
   command.add_option("--out", options->out,
                      "The results: made, or gone on with where an earlier run was interrupted");

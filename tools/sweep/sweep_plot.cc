@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct SweepPlotOptions {
   std::string file, value, over, by, statistic = "mean", out, csv;
 };
 
@@ -40,7 +40,7 @@ std::string cell_of(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? fmt::format("{}", *value) : "";
 }
 
-std::string curve_csv(const Options& options, const std::vector<app::CurvePoint>& points) {
+std::string curve_csv(const SweepPlotOptions& options, const std::vector<app::CurvePoint>& points) {
   std::vector<std::string> header = {options.over};
   if (!options.by.empty()) header.push_back(options.by);
   header.insert(header.end(), {"n", options.statistic, "low", "high"});
@@ -94,7 +94,7 @@ std::vector<std::string> in_order(const std::vector<app::CurvePoint>& points,
 }
 
 // Draws in a folder of its own; returns whether there is a picture.
-bool draw(const Options& options, const std::vector<app::CurvePoint>& points,
+bool draw(const SweepPlotOptions& options, const std::vector<app::CurvePoint>& points,
           const fs::path& folder) {
   const bool numeric = std::all_of(points.begin(), points.end(),
                                    [](const auto& point) { return is_number(point.x); });
@@ -118,7 +118,7 @@ bool draw(const Options& options, const std::vector<app::CurvePoint>& points,
   return plot(folder, "plot", script + "\n");
 }
 
-void plot_results(const Options& options) {
+void plot_results(const SweepPlotOptions& options) {
   OutputFile picture(options.out, {.inputs = {options.file}});
   OutputFile csv(options.csv, {.inputs = {options.file, options.out}});
   const auto results = app::ResultsFile::for_reading(options.file);
@@ -141,7 +141,7 @@ void plot_results(const Options& options) {
 void add_sweep_plot(app::Command sweep) {
   app::Command command = sweep.add_subcommand(
       "plot", "A statistic with its 95 % interval against one or two parameters");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SweepPlotOptions>();
   command.add_option("RESULTS", options->file, "A file that `seam sweep` made").required();
   command.add_option("--value", options->value, "The column whose statistic it is").required();
   command.add_option("--over", options->over, "The parameter along the page").required();

@@ -21,7 +21,7 @@
 namespace seam::tools {
 namespace {
 
-struct Options {
+struct SweepRerunOptions {
   std::string file;
   std::string sample;
   std::vector<std::string> runs;
@@ -57,7 +57,8 @@ std::vector<uint64_t> sample_of(std::vector<uint64_t> runs, const std::string& s
   return runs;
 }
 
-std::vector<uint64_t> chosen_runs(const app::ResultsFile& results, const Options& options) {
+std::vector<uint64_t> chosen_runs(const app::ResultsFile& results,
+                                  const SweepRerunOptions& options) {
   std::vector<uint64_t> finished;
   results.each([&](const app::RunRecord& record) {
     if (!record.failed()) finished.push_back(record.run);
@@ -99,7 +100,7 @@ std::vector<std::string> programs_of(const app::SweepPlan& plan,
   return all;
 }
 
-void rerun(const Options& options) {
+void rerun(const SweepRerunOptions& options) {
   if (!options.sample.empty() && !options.runs.empty())
     throw UsageError("rerun: give --sample or --run, not both");
   const auto results = app::ResultsFile::for_reading(options.file);
@@ -137,7 +138,7 @@ void rerun(const Options& options) {
 void add_sweep_rerun(app::Command sweep) {
   app::Command command = sweep.add_subcommand(
       "rerun", "Makes finished runs again from the results alone, and compares them to the bit");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SweepRerunOptions>();
   command.add_option("RESULTS", options->file, "A file that `seam sweep` made").required();
   command.add_option("--sample", options->sample,
                      "So many of them: a percentage such as 1%, or a number; left out: all");

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct SweepSubmitOptions {
   std::string plan, out, folder;
   bool slurm = false, snakemake = false, only_write = false;
   int shards = 0, jobs = 2, minutes = 0;
@@ -158,7 +158,7 @@ void submit_to_slurm(const Job& job, bool only_write) {
               job.shards, last.c_str(), job.out.c_str());
 }
 
-void submit(const Options& options) {
+void submit(const SweepSubmitOptions& options) {
   if (options.slurm == options.snakemake) throw UsageError("submit: give --slurm or --snakemake");
   refuse_same_file(options.out, {options.plan});
   const auto plan = app::SweepPlan::from_file(options.plan);
@@ -187,7 +187,7 @@ void submit(const Options& options) {
 void add_sweep_submit(app::Command sweep) {
   app::Command command =
       sweep.add_subcommand("submit", "Runs a plan on a cluster: a Slurm job array, or a Snakefile");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SweepSubmitOptions>();
   command.add_option("PLAN", options->plan, "A seam-sweep/1 file").required();
   command.add_option("--out", options->out, "The results of the whole").required();
   command.add_option("--shards", options->shards, "Parts, each a task").required().range(1, 100000);

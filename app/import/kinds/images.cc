@@ -19,6 +19,7 @@
 #include "app/import/pictures/picture_times.h"
 #include "app/import/pictures/scatter.h"
 #include "app/scratch_folder.h"
+#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -161,12 +162,6 @@ class LeftOut {
   size_t all_ = 0;
 };
 
-double middle_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 // The size that most of the pictures with a target have.
 std::pair<int, int> usual_size(const std::vector<PictureAnswer>& answers) {
   std::map<std::pair<int, int>, size_t> counts;
@@ -209,7 +204,7 @@ std::vector<SeenView> views_of(const Sources& sources, const std::vector<Picture
     if (answer.edge_px > 0) edges.push_back(answer.edge_px);
   }
   const auto size = usual_size(answers);
-  const double usual_edge_px = middle_of(edges);
+  const double usual_edge_px = measurement::median_of(edges);
   std::vector<SeenView> views;
   for (size_t i = 0; i < answers.size(); ++i) {
     const std::string name = sources.pictures[i].filename().string();

@@ -9,6 +9,7 @@
 #include "app/import/files/mat_file.h"
 #include "app/import/files/text_table.h"
 #include "app/import/kinds/kinds.h"
+#include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -210,12 +211,6 @@ PathPoint RangesImport::at(int64_t ns) const {
   return {ns, a.x_m + share * (b.x_m - a.x_m), a.y_m + share * (b.y_m - a.y_m)};
 }
 
-double middle_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The median of |range * scale - distance| with the beacons as they stand or x and y exchanged,
 // once ranges that are all a little too long or short are put right.
 double RangesImport::misses(bool exchanged, double scale) const {
@@ -229,11 +224,11 @@ double RangesImport::misses(bool exchanged, double scale) const {
         std::hypot(p.x_m - (exchanged ? b.y_m : b.x_m), p.y_m - (exchanged ? b.x_m : b.y_m)));
     ratios.push_back(range.range_m * scale / std::max(distances.back(), 1e-9));
   }
-  const double ratio = std::clamp(middle_of(ratios), 0.8, 1.25);
+  const double ratio = std::clamp(measurement::median_of(ratios), 0.8, 1.25);
   std::vector<double> found;
   for (size_t i = 0; i < ranges_.size(); ++i)
     found.push_back(std::abs(ranges_[i].range_m * scale / ratio - distances[i]));
-  return middle_of(found);
+  return measurement::median_of(found);
 }
 
 void RangesImport::check() {

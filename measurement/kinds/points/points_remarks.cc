@@ -19,7 +19,7 @@ constexpr double kFacing_rad = 5 * std::numbers::pi / 180;
 // Views below this number cannot be told from a target of their own.
 constexpr size_t kFewViews = 3;
 // The image in so many cells, of which the points reach some.
-constexpr int kColumns = 8, kRows = 6;
+constexpr int kCellColumns = 8, kCellRows = 6;
 
 }  // namespace
 
@@ -63,16 +63,16 @@ void PointsProblem::remark_on_reach(const Model& model, std::vector<std::string>
     const CameraView& view = data_.cameras[k];
     const auto camera = static_cast<int>(k);
     double farthest = 0;
-    std::vector<char> reached(kColumns * kRows, 0);
+    std::vector<char> reached(kCellColumns * kCellRows, 0);
     for (size_t row = 0; row < data_.p_W.size(); ++row) {
       if (!takes_part(row) || data_.camera_of_row[row] != camera) continue;
       const auto ray =
           cameras.lens(camera).unproject(data_.u_px[row], data_.v_px[row], data_.stamp_s[row]);
       if (ray) farthest = std::max(farthest, std::atan2(std::hypot(ray->x, ray->y), ray->z));
-      const int c = static_cast<int>((data_.u_px[row] + 0.5) / view.width_px * kColumns);
-      const int r = static_cast<int>((data_.v_px[row] + 0.5) / view.height_px * kRows);
-      if (c >= 0 && c < kColumns && r >= 0 && r < kRows)
-        reached[static_cast<size_t>(r * kColumns + c)] = 1;
+      const int c = static_cast<int>((data_.u_px[row] + 0.5) / view.width_px * kCellColumns);
+      const int r = static_cast<int>((data_.v_px[row] + 0.5) / view.height_px * kCellRows);
+      if (c >= 0 && c < kCellColumns && r >= 0 && r < kCellRows)
+        reached[static_cast<size_t>(r * kCellColumns + c)] = 1;
     }
     const auto cells = std::count(reached.begin(), reached.end(), 1);
     remarks.push_back(fmt::format(
@@ -80,7 +80,7 @@ void PointsProblem::remark_on_reach(const Model& model, std::vector<std::string>
         "them the lens is extrapolated",
         data_.cameras.size() > 1 ? " that " + view.name + " sees" : "",
         farthest * 180 / std::numbers::pi,
-        100.0 * static_cast<double>(cells) / (kColumns * kRows)));
+        100.0 * static_cast<double>(cells) / (kCellColumns * kCellRows)));
   }
 }
 
