@@ -76,7 +76,7 @@ ROOMS = {
         "numerics": [],
         "sets": [],
         "imaging": [],
-        "problem": ["sets"],
+        "problem": ["numerics", "sets"],
         "fitting": ["numerics", "problem"],
         "noise": ["numerics", "problem"],
         "kinds": ["sets", "imaging", "problem"],

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "measurement/fitting/few_groups.h"
-#include "measurement/fitting/made_problem.h"
+#include "measurement/problem/made_problem.h"
 
 namespace seam::measurement {
 namespace {

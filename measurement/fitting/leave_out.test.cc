@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "measurement/fitting/made_problem.h"
+#include "measurement/problem/made_problem.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measurement/fitting/made_problem.h"
+#include "measurement/problem/made_problem.h"
 
 namespace seam::measurement {
 namespace {

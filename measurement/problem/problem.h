@@ -23,6 +23,9 @@ struct ResidualView;
 // Fewer groups than this are few (docs/definitions.md, "Held-out groups").
 inline constexpr size_t kFewGroups = 8;
 
+// So many rows around one tell where its residual should lie.
+inline constexpr size_t kNearRows = 8;
+
 class Problem {
  public:
   virtual ~Problem() = default;
@@ -140,12 +143,14 @@ class Problem {
   // counts): so many looks it counts for. Default: its starts where it has counts.
   virtual double looks(const Model& model, const EffectDefinition& effect) const;
   // By scalar: rows in which a residual is more than 6 robust sigmas from the median of its
-  // neighbours' under this model.
+  // neighbours' under this model: of the nearest, or of more of them where bursts of errors are
+  // most of the nearest.
   virtual std::vector<char> find_outliers(const Model& model) const;
   // Why this kind looks for no outliers, for people who miss them; empty: it does.
   virtual std::string no_outliers_because() const { return ""; }
-  // Rows whose residuals should be like this one's. Default: the nearest in time of its series.
-  virtual std::vector<int> neighbours(size_t row) const;
+  // Up to `count` rows whose residuals should be like this one's, the nearest first. Default: the
+  // nearest in time of its series.
+  virtual std::vector<int> neighbours(size_t row, size_t count) const;
   // What measurement would separate two effects or give an untestable one leverage; may be empty.
   // Default: what their records say.
   virtual std::string advice(const std::string& effect, const std::string& other) const;

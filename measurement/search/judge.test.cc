@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "measurement/fitting/made_problem.h"
+#include "measurement/problem/made_problem.h"
 #include "measurement/search/candidates.h"
 
 namespace seam::measurement {

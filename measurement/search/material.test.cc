@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "effects/registry.h"
-#include "measurement/fitting/made_problem.h"
+#include "measurement/problem/made_problem.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/report/results.h"
 #include "measurement/search/choice.h"

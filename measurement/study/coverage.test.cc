@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "effects/registry.h"
-#include "measurement/fitting/made_problem.h"
+#include "measurement/problem/made_problem.h"
 #include "measurement/fitting/wide_fit.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/study/study.h"

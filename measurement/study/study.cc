@@ -131,8 +131,12 @@ class Study {
       const auto problem = made(truth(value), plan_.first_seed + static_cast<uint64_t>(i));
       const SearchResult result = search(
           *problem, nominal_, {}, [](const std::string&) {}, plan_.material);
-      count(result, value, row);
       const double error = result.best.assessment.error;
+      if (!count(result, value, row))
+        row.odd.push_back({.seed = plan_.first_seed + static_cast<uint64_t>(i),
+                           .verdict = result.verdict,
+                           .steps = result.best.added,
+                           .error = error});
       sum += error, sum2 += error * error;
       ++row.sets;
     }
@@ -147,12 +151,16 @@ class Study {
     return *result.best.assessment.model.find(name)->definition;
   }
 
-  void count(const SearchResult& result, double value, StudyRow& row) const {
-    const auto tally = [](Rate& rate, bool hit) { rate.hits += hit, ++rate.trials; };
+  // Whether the search ends as the set was made.
+  bool count(const SearchResult& result, double value, StudyRow& row) const {
+    const auto tally = [](Rate& rate, bool hit) {
+      rate.hits += hit, ++rate.trials;
+      return hit;
+    };
     // Errors that wander in truth and not in the model are no false alarm where a noise names them.
     const bool named = plan_.conditions.wander > 0 && explained_by_noises(result);
     if (plan_.conditions.wander > 0) tally(row.noises, named);
-    tally(row.alarms, result.verdict != "adequate" && !named);
+    const bool found = tally(row.alarms, result.verdict != "adequate" && !named);
     const auto is_hidden = [&](const std::string& name) {
       return std::find(hidden_.begin(), hidden_.end(), name) != hidden_.end();
     };
@@ -170,19 +178,21 @@ class Study {
       if (!name.empty()) explained.insert(name);
     }
     tally(row.adds, added);
-    if (hidden_.empty()) return;
+    if (hidden_.empty()) return !found;
     const auto& candidates = result.first.candidates;
     tally(row.first,
           !candidates.empty() && candidates.front().significant &&
               !meant(candidates.front().effect->name, candidates.front().indistinguishable_from)
                    .empty());
-    tally(row.exact, result.steps.size() == hidden_.size() && explained.size() == hidden_.size());
-    if (!effect_) return;
+    const bool exact = tally(
+        row.exact, result.steps.size() == hidden_.size() && explained.size() == hidden_.size());
+    if (!effect_) return exact;
     const Assessment& best = result.best.assessment;
     for (size_t k = 0; k < best.unknowns.size(); ++k) {
       if (best.unknowns[k].effect == effect_->name && best.unknowns[k].parameter == parameter_)
         tally(row.covered, std::abs(best.fit.value[k] - value) <= 2 * best.fit.sigma[k]);
     }
+    return exact;
   }
 
   const StudyPlan& plan_;
@@ -250,6 +260,12 @@ std::string study_json(const StudyPlan& plan, const StudyResult& result) {
     if (!plan.effect.empty()) entry["covered"] = rate(row.covered);
     if (row.noises.trials > 0) entry["noises"] = rate(row.noises);
     entry["error"] = number(row.error), entry["error_sigma"] = number(row.error_sigma);
+    entry["odd"] = nlohmann::ordered_json::array();
+    for (const OddSet& set : row.odd)
+      entry["odd"].push_back({{"seed", set.seed},
+                              {"verdict", set.verdict},
+                              {"steps", set.steps},
+                              {"error", number(set.error)}});
     json["rows"].push_back(std::move(entry));
   }
   return json.dump(1) + "\n";
@@ -277,6 +293,12 @@ std::string study_text(const StudyPlan& plan, const StudyResult& result) {
     }
     if (row.noises.trials > 0) text += fmt::format(", the wandering named {}", percent(row.noises));
     text += fmt::format("; final error {:.4f} +- {:.4f}\n", row.error, row.error_sigma);
+    constexpr size_t kMostShown = 10;
+    for (size_t i = 0; i < std::min(kMostShown, row.odd.size()); ++i)
+      text += fmt::format("  not as made: seed {}, {}: {} (error {:.3f})\n", row.odd[i].seed,
+                          row.odd[i].verdict, fmt::join(row.odd[i].steps, ", "), row.odd[i].error);
+    if (row.odd.size() > kMostShown)
+      text += fmt::format("  ... and {} others (--json)\n", row.odd.size() - kMostShown);
   }
   return text;
 }

@@ -41,6 +41,14 @@ struct StudyPlan {
   std::function<bool()> stopped = [] { return false; };
 };
 
+// A set whose search does not end as the set was made.
+struct OddSet {
+  uint64_t seed = 0;
+  std::string verdict;
+  std::vector<std::string> steps;  // Effects that the search ends with.
+  double error = 0;
+};
+
 // What came out at one size of the effect.
 struct StudyRow {
   double size = 0;   // In standard errors; NaN where the value was given.
@@ -52,8 +60,9 @@ struct StudyRow {
   Rate exact;    // The search ends with the effects (or declared ties) and no others.
   Rate adds;     // The search ends with an effect of the mean that is not there.
   Rate covered;  // True value within two standard errors, where the search ends with the effect.
-  double error = 0;        // Mean of the final error.
-  double error_sigma = 0;  // Standard error of this mean.
+  double error = 0;         // Mean of the final error.
+  double error_sigma = 0;   // Standard error of this mean.
+  std::vector<OddSet> odd;  // To be looked at: `--first-seed` makes them again.
 };
 
 struct StudyResult {

@@ -28,7 +28,8 @@ std::vector<char> JointsProblem::find_outliers(const Model& model) const {
       const double start = k <= kMemory ? std::abs(log.command_rad[0] - log.measured_rad[0]) : 0;
       range[row] = std::max(*high - *low, start);
       std::vector<double> around;
-      for (const int other : neighbours(row)) around.push_back(evaluation.residual[other]);
+      for (const int other : neighbours(row, kNearRows))
+        around.push_back(evaluation.residual[other]);
       distance[row] =
           std::abs(evaluation.residual[row] - (around.size() < 3 ? 0 : median_of(around)));
     }

@@ -200,14 +200,14 @@ std::vector<char> PointsProblem::find_outliers(const Model& model) const {
 }
 
 // The nearest points in the same image.
-std::vector<int> PointsProblem::neighbours(size_t row) const {
+std::vector<int> PointsProblem::neighbours(size_t row, size_t count) const {
   std::vector<int> near = data_.rows_of_view[data_.view_of_row[row]];
   std::erase(near, static_cast<int>(row));
   const auto distance2 = [&](int other) {
     const double du = data_.u_px[other] - data_.u_px[row], dv = data_.v_px[other] - data_.v_px[row];
     return du * du + dv * dv;
   };
-  const size_t count = std::min<size_t>(near.size(), 9);
+  count = std::min(near.size(), count);
   std::partial_sort(near.begin(), near.begin() + count, near.end(), [&](int a, int b) {
     return std::pair(distance2(a), a) < std::pair(distance2(b), b);
   });

@@ -49,7 +49,7 @@ class PointsProblem : public Problem {
   void join_few_views();
   void state_noise(const MeasurementSet& set);
   std::optional<SeenByCamera> seen_by_wide_camera() const;
-  std::vector<int> neighbours(size_t row) const override;
+  std::vector<int> neighbours(size_t row, size_t count) const override;
   Evaluation blank() const;
   double sigma_of(size_t row, int channel) const {
     const double spread = data_.spread.empty() ? 1 : data_.spread[row];
