@@ -1,26 +1,101 @@
 #include "measurement/search/compare.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
+#include "measurement/search/candidates.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
 
-Model judge_of_outliers(const Problem& problem, const Model& given, const Model& best) {
-  constexpr long kFewLarge = 10;
-  Model without = best;
-  for (const effects::ModelEffect& effect : best.effects()) {
-    const std::string& name = effect.definition->name;
-    if (effect.definition->errors == effects::Errors::now_and_then && given.find(name) == nullptr)
-      without.remove(name);
-  }
-  if (without.effects().size() == best.effects().size()) return best;
-  const std::vector<char> outliers = problem.find_outliers(without);
+namespace {
+
+// Errors of fewer rows say nothing of how often they come.
+constexpr long kFewLarge = 10;
+
+bool comes_now_and_then(const EffectDefinition& effect) {
+  return effect.errors == effects::Errors::now_and_then;
+}
+
+std::vector<char> rows_of(const Problem& problem, const std::vector<char>& outliers) {
   std::vector<char> rows(problem.facts().rows(), 0);
   for (size_t i = 0; i < outliers.size(); ++i) {
     if (outliers[i]) rows[problem.facts().row_of[i]] = 1;
   }
-  return std::count(rows.begin(), rows.end(), 1) < kFewLarge ? without : best;
+  return rows;
+}
+
+bool are_few(const std::vector<char>& rows) {
+  return std::count(rows.begin(), rows.end(), 1) < kFewLarge;
+}
+
+// Whether more of these rows follow one another than by chance, in time in their series or among
+// rows of one label: a burst has one cause, and comes but once.
+bool come_in_bursts(const Facts& facts, const std::vector<char>& rows) {
+  const auto follow = [&](const auto& label_of) {
+    std::vector<size_t> order(rows.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+      return std::pair(label_of(a), facts.time_of_row[a]) <
+             std::pair(label_of(b), facts.time_of_row[b]);
+    });
+    double pairs = 0;
+    for (size_t k = 1; k < order.size(); ++k)
+      pairs += rows[order[k - 1]] && rows[order[k]] && label_of(order[k - 1]) == label_of(order[k]);
+    const auto n = static_cast<double>(std::count(rows.begin(), rows.end(), 1));
+    const double by_chance = n * n / static_cast<double>(rows.size());
+    return pairs > by_chance + 3 * std::sqrt(by_chance) + 1;
+  };
+  if (follow([&](size_t row) {
+        return facts.series_of_row.empty() ? facts.group_of_row[row] : facts.series_of_row[row];
+      }))
+    return true;
+  return std::any_of(
+      facts.covariates.begin(), facts.covariates.end(), [&](const Covariate& covariate) {
+        return covariate.type == Covariate::Type::category &&
+               covariate.values.size() == rows.size() && follow([&](size_t row) {
+                 return std::isnan(covariate.values[row]) ? -1 : covariate.values[row];
+               });
+      });
+}
+
+// The model with an effect that makes large errors now and then, where one explains nearly all that
+// were left out; else the model.
+Model with_large_errors(Problem& problem, const Grown& best) {
+  const std::vector<char> marked = problem.left_out();
+  const std::vector<char> rows = rows_of(problem, marked);
+  if (marked.empty() || are_few(rows) || come_in_bursts(problem.facts(), rows))
+    return best.assessment.model;
+  EffectList effects = absent_effects(problem, best.assessment.model, {});
+  std::erase_if(effects, [](const auto& effect) { return !comes_now_and_then(*effect); });
+  Model found = best.assessment.model;
+  problem.leave_out({});
+  for (const auto& effect : effects) {
+    std::vector<NotTestable> reasons;
+    const auto candidate = try_effect(problem, best, effect, reasons);
+    if (!candidate) continue;
+    const Model& model = candidate->grown.assessment.model;
+    if (are_few(rows_of(problem, problem.find_outliers(model)))) {
+      found = model;
+      break;
+    }
+  }
+  problem.leave_out(marked);
+  return found;
+}
+
+}  // namespace
+
+Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best) {
+  const Model& model = best.assessment.model;
+  Model without = model;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    const std::string& name = effect.definition->name;
+    if (comes_now_and_then(*effect.definition) && given.find(name) == nullptr) without.remove(name);
+  }
+  if (without.effects().size() == model.effects().size()) return with_large_errors(problem, best);
+  return are_few(rows_of(problem, problem.find_outliers(without))) ? without : model;
 }
 
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result) {

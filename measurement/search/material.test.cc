@@ -10,8 +10,8 @@
 #include <filesystem>
 
 #include "effects/registry.h"
-#include "measurement/problem/made_problem.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/problem/made_problem.h"
 #include "measurement/report/results.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/search.h"

@@ -359,7 +359,7 @@ SearchResult Searcher::run() {
     const Assessment& best = result.best.assessment;
     marks_changed =
         explains_something(best.error, base_.assessment.error) &&
-        mark_outliers(problem_, judge_of_outliers(problem_, model_, best.model), result);
+        mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best), result);
   }
   if (marks_changed) base_ = base();
   result.base = base_;

@@ -46,9 +46,9 @@ SearchResult search(Problem& problem, const Model& model, const EffectList& own,
                     const Progress& progress, double material = kMaterial);
 
 // The model that says what an outlier is: the best one, without the large errors now and then that
-// a search gave it where fewer than ten rows have such. So few tell no distribution: they are
-// gross.
-Model judge_of_outliers(const Problem& problem, const Model& given, const Model& best);
+// a search gave it where fewer than ten rows have such, which tell no distribution: they are gross.
+// Where as many or more were left out, one by one, and an effect explains them, with this effect.
+Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best);
 
 // Marks outliers under this model; returns whether the marks changed.
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result);
