@@ -248,8 +248,8 @@ def camera(_, sort, number, folder):
 
 
 def deviations(truth, values):
-    """In stated errors, of what both know."""
-    return [(name, (value - true) / sigma)
+    """In stated errors, of what both know; phases are whole turns apart from themselves."""
+    return [(name, (math.remainder(value - true, 2 * math.pi) if name.endswith("phase_rad") else value - true) / sigma)
             for name, (value, sigma) in values.items() if sigma
             for true in [truth.get(name.split(".")[0], {}).get(name.split(".")[1])] if true is not None]
 
