@@ -102,7 +102,9 @@ def wheels(_, sort, number, folder):
                        "base_scale": lambda: {"scale": signed(draw, 0.01, 0.1)},
                        "wheel_slip": lambda: {"per_radps": draw.uniform(0.03, 0.15)},
                        "frame_latency": lambda: {"latency_s": signed(draw, 0.02, 0.12)}}[name]()
-    tick, base = draw.choice((3e-5, 6e-5, 1e-4)), draw.uniform(0.15, 0.5)
+    # Encoders of few counts a turn: a count is rounded by more than poses are noisy.
+    tick = math.exp(draw.uniform(math.log(5e-4), math.log(1e-2))) if sort == "coarse" else draw.choice((3e-5, 6e-5, 1e-4))
+    base = draw.uniform(0.15, 0.5)
     left_scale, right_scale = (truth.get("wheel_scale", {}).get(side, 0) for side in ("left", "right"))
     true_base = base * (1 + truth.get("base_scale", {}).get("scale", 0))
     slip = truth.get("wheel_slip", {}).get("per_radps", 0)
@@ -246,13 +248,13 @@ def camera(_, sort, number, folder):
 
 
 def deviations(truth, values):
-    """In stated errors, of what both know."""
-    return [(name, (value - true) / sigma)
+    """In stated errors, of what both know; phases are whole turns apart from themselves."""
+    return [(name, (math.remainder(value - true, 2 * math.pi) if name.endswith("phase_rad") else value - true) / sigma)
             for name, (value, sigma) in values.items() if sigma
             for true in [truth.get(name.split(".")[0], {}).get(name.split(".")[1])] if true is not None]
 
 
-SORTS = {"beacons": beacons, "wheels": wheels, "camera": camera}
+SORTS = {"beacons": beacons, "wheels": wheels, "coarse": wheels, "camera": camera}
 
 
 def make(binary, sort, number, folder):

@@ -13,14 +13,20 @@ namespace {
 // After this many time constants the lag is over to double precision of a millimetre.
 constexpr double kLagIsOver = 30;
 
-// A velocity as the wheels carry it out that were told to.
-BodyVelocity rolled(const Wheels& wheels, const BodyVelocity& told) {
+// A velocity as wheels carry it out that were told to and do not slip.
+BodyVelocity gripping(const Wheels& wheels, const BodyVelocity& told) {
   const double half_turn = 0.5 * wheels.base_m * told.omega_radps;
   const double left = (told.vx_mps - half_turn) * (1 + wheels.left_scale);
   const double right = (told.vx_mps + half_turn) * (1 + wheels.right_scale);
-  const double omega = (right - left) / (wheels.base_m * (1 + wheels.base_scale));
-  const double grip = std::max(0.0, 1 - wheels.slip_s * std::abs(omega));
-  return {0.5 * (left + right) * grip, 0, omega};
+  return {0.5 * (left + right), 0, (right - left) / (wheels.base_m * (1 + wheels.base_scale))};
+}
+
+BodyVelocity rolled(const Wheels& wheels, const BodyVelocity& told) {
+  BodyVelocity v = gripping(wheels, told);
+  const double omega =
+      wheels.slips_in ? gripping(wheels, *wheels.slips_in).omega_radps : v.omega_radps;
+  v.vx_mps *= std::max(0.0, 1 - wheels.slip_s * std::abs(omega));
+  return v;
 }
 
 BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& told) {

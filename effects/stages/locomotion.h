@@ -4,6 +4,7 @@
 // as exact arcs.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "effects/model.h"
@@ -27,6 +28,8 @@ struct Wheels {
   double right_scale = 0;
   double base_scale = 0;
   double slip_s = 0;  // Share of the speed that is lost for each rad/s.
+  // The motion by which they slip, where coarse counts make another of each interval than it was.
+  std::optional<BodyVelocity> slips_in;
 
   // What the ticks of an interval say by themselves: a velocity that holds over it.
   BodyVelocity velocity_of_ticks(double left, double right, double dt_s) const {

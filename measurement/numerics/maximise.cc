@@ -39,14 +39,16 @@ class Search {
   Maximum run() {
     double here = value(z_);
     const double start = here;
+    constexpr int kMostSteps = 60;
     constexpr double kNothing = 1e-4;  // A gain of log-likelihood that is not worth an evaluation.
     DampedSteps steps(
         {.start = 1e-3, .shrink = 0.125, .least = 1e-9, .grow = 6, .firm = 1e-6, .attempts = 9});
     Maximum out;
-    for (int iteration = 0; iteration < 30 && n_ > 0; ++iteration) {
-      // Parameters' correlations change little between steps: they are measured at the start and
-      // at the end.
-      derivatives(here, iteration == 0 || settled_);
+    bool misled = true;
+    for (int iteration = 0; iteration < kMostSteps && n_ > 0; ++iteration) {
+      // Parameters' correlations change little between most steps: they are measured at the start,
+      // at the end, and where a step gained less than they promised.
+      derivatives(here, misled || settled_);
       const double before = here;
       const bool accepted =
           steps.take(parabola(), {.promise = kNothing, .again = kNothing}, [&](const VectorXd& by) {
@@ -57,6 +59,7 @@ class Search {
             return true;
           }) == DampedSteps::Outcome::taken;
       const double gained = here - before;
+      misled = gained < 0.7 * steps.promised();
       if (!accepted || gained < 0.01) {
         // Once more with steps that fit the curvature, unless they did already.
         if (settled_ || iteration > 20) {

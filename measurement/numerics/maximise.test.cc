@@ -29,6 +29,22 @@ TEST(Maximise, ACorrelatedNormalHasItsMeanAndCovariance) {
   EXPECT_FALSE(found.at_bound[0]);
 }
 
+// A valley whose direction turns on the way, as those of a response and its bend do: correlations
+// seen at the start lead nowhere.
+TEST(Maximise, ABentValleyIsFollowedToItsEnd) {
+  const auto log_density = [](const std::vector<double>& x) {
+    const double along = (x[0] - 2) / 0.1, off = (x[1] - x[0] * x[0]) / 0.1;
+    return -0.5 * (along * along + off * off);
+  };
+  const Maximum found = maximise(log_density, {{.start = 0, .min = -50, .max = 50, .step = 0.01},
+                                               {.start = 0, .min = -50, .max = 50, .step = 0.01}});
+  EXPECT_TRUE(found.converged);
+  EXPECT_NEAR(found.value[0], 2, 0.05 * 0.1);
+  EXPECT_NEAR(found.value[1], 4, 0.02);
+  EXPECT_NEAR(found.sigma[0], 0.1, 2e-3);
+  EXPECT_NEAR(found.sigma[1], std::hypot(4 * 0.1, 0.1), 8e-3);
+}
+
 // Of n exponential lifetimes with the sum T, the rate is n / T and its error rate / sqrt(n).
 TEST(Maximise, ARateOnALogarithmicScale) {
   constexpr double kCount = 400;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/problem/residual_view.h"
 #include "measurement/search/decisions.h"
 
 namespace seam::measurement {
@@ -18,6 +19,32 @@ double movement_of_gain(double gain, int64_t observations, bool spread_only) {
   return std::sqrt(spread_only ? each : 2 * each);
 }
 
+// Root mean square by which the predicted means differ, in noise of a single value; 0 where that is
+// not known. What values share (an offset of a row, a lamp's light) makes a change of all of them
+// less likely a gain, not smaller.
+double movement_of_means(const Problem& problem, const Assessment& before,
+                         const Assessment& after) {
+  const ResidualView was = problem.residual_view(before.model, problem.scored_groups()),
+                     is = problem.residual_view(after.model, problem.scored_groups());
+  const auto& channels = problem.facts().channels;
+  double moved = 0;
+  for (size_t c = 0; c < channels.size() && c < before.held.native.size(); ++c) {
+    const ResidualView::Channel *a = was.channel(channels[c].name),
+                                *b = is.channel(channels[c].name);
+    const double noise = before.held.native[c] / std::max(1.0, before.error);
+    if (a == nullptr || b == nullptr || a->residual.size() != b->residual.size() || !(noise > 0))
+      continue;
+    double sum2 = 0;
+    for (size_t i = 0; i < a->residual.size(); ++i) {
+      const double change = a->residual[i] - b->residual[i];
+      sum2 += change * change;
+    }
+    const auto n = static_cast<double>(std::max<size_t>(1, a->residual.size()));
+    moved = std::max(moved, std::sqrt(sum2 / n) / noise);
+  }
+  return moved;
+}
+
 }  // namespace
 
 double limit_at_noise(double n) {
@@ -28,9 +55,12 @@ double limit_at_noise(double n) {
 Change change_by(const Problem& problem, const Evaluation& here, const Assessment& before,
                  const Assessment& after, bool spread_only) {
   const Evaluation there = problem.evaluate_held_out(after.model, problem.scored_groups());
-  if (here.used.empty() || there.used.empty())
-    return {movement_of_gain(after.held_ll() - before.held_ll(), after.held.n, spread_only),
+  if (here.used.empty() || there.used.empty()) {
+    const double of_gain =
+        movement_of_gain(after.held_ll() - before.held_ll(), after.held.n, spread_only);
+    return {std::max(of_gain, spread_only ? 0 : movement_of_means(problem, before, after)),
             after.error <= limit_at_noise(static_cast<double>(after.held.n))};
+  }
   // A model that predicts nothing for some observation differs by anything.
   if (!here.valid || !there.valid) return {.moved = kInfinity};
   const Facts& facts = problem.facts();

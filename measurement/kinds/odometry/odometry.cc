@@ -128,6 +128,7 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
         const effects::WalkState step = between(walked.path[k - 1], walked.path[k]);
         walked.steps[k] = {step.x_m, step.y_m, step.theta_rad};
       }
+      if (counting_matters(walk.wheels, noise_)) walked.counted = count_errors(run, timing);
       return walked;
     });
     const std::vector<effects::WalkState>& path = kept->path;
@@ -139,7 +140,7 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
     const PoseSigmas sigma = pose_sigmas(noise, noise_, run, path);
     const Start start =
         *starts_->of(i, key, [&] { return fit_start(run, run.rows.size(), path, sigma); });
-    if (noisy) {
+    if (noisy || !kept->counted.empty()) {
       filter(walk, run, start, *kept, sigma, evaluation);
     } else {
       take_start(run, start.pose, path, sigma, evaluation);

@@ -15,26 +15,12 @@
 #include "effects/stages/noise.h"
 #include "effects/stages/timing.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/kinds/odometry/tick_errors.h"
+#include "measurement/kinds/odometry/walk_run.h"
 #include "measurement/problem/memo.h"
 #include "measurement/problem/problem.h"
 
 namespace seam::measurement {
-
-inline constexpr std::array<const char*, 3> kPoseColumns = {"x_m", "y_m", "theta_rad"};
-inline constexpr std::array<const char*, 2> kTickColumns = {"left_ticks", "right_ticks"};
-
-using WalkPose = std::array<double, 3>;  // x_m, y_m, theta_rad.
-
-struct WalkRun {
-  std::string name;
-  std::vector<size_t> rows;    // In the file.
-  std::vector<double> time_s;  // Since the run's first row.
-  // Until the next row; empty where ticks were counted.
-  std::vector<BodyVelocity> command;
-  // Of the left and the right wheel since the row before.
-  std::vector<std::array<double, 2>> ticks;
-  std::vector<WalkPose> pose;  // Measured; NaN where blank.
-};
 
 // Reads and checks odometry.csv. `measured` false: a protocol, poses are not read. Of rows of one
 // time the first counts; `repeated` gets how many did not.
@@ -93,10 +79,12 @@ class OdometryProblem : public Problem {
     double log_det = 0;
   };
 
-  // A run's path by a model, and the motion to each row from the one before it.
+  // A run's path by a model, the motion to each row from the one before it, and what the counts of
+  // its wheels round off; empty: nothing that matters.
   struct Walked {
     std::vector<effects::WalkState> path;
     std::vector<WalkPose> steps;
+    CountErrors counted;
   };
 
   std::vector<effects::Lack> lacks(const effects::Wheels& wheels) const;
@@ -109,6 +97,9 @@ class OdometryProblem : public Problem {
                   Evaluation& evaluation) const;
   double log_det_of(const WalkRun& run, const Eigen::Matrix3d& information,
                     const PoseSigmas& sigma) const;
+  void filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
+              const Walked& walked, const PoseSigmas& sigma, Evaluation& evaluation) const;
+  template <int N>
   void filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
               const Walked& walked, const PoseSigmas& sigma, Evaluation& evaluation) const;
   // Of a channel of a row; -1 where blank.

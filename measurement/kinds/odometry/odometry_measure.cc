@@ -11,6 +11,24 @@
 namespace seam::measurement {
 namespace {
 
+// A run as its wheels rolled that counted so: each count is rounded, and rounds off the same as
+// before for as long as the wheel hardly turns.
+WalkRun rolled_behind_counts(const WalkRun& counted, RandomStream random) {
+  WalkRun run = counted;
+  const auto correlation = count_correlations(counted);
+  std::array<double, 2> before{};
+  for (size_t k = 0; k < run.ticks.size(); ++k) {
+    for (size_t wheel = 0; wheel < 2; ++wheel) {
+      const double fresh = uniform(random, 4 * k + 2 * wheel) - 0.5;
+      const bool kept = k > 0 && uniform(random, 4 * k + 2 * wheel + 1) < correlation[k][wheel];
+      const double error = kept ? before[wheel] : fresh;
+      if (k > 0) run.ticks[k][wheel] += before[wheel] - error;
+      before[wheel] = error;
+    }
+  }
+  return run;
+}
+
 // A wandering pose: the model's path with the steps of walk_noise, each in the body's frame at the
 // end of its interval.
 std::vector<WalkPose> wander(const Model& truth, const WalkRun& run, RandomStream random,
@@ -63,7 +81,10 @@ void measure_odometry(const Model& truth, const MeasurementSet& protocol,
   }
   const std::vector<effects::MovingNoise> noise = effects::noise_of(truth).pose;
   for (size_t i = 0; i < runs.size(); ++i) {
-    const auto poses = wander(truth, runs[i], random.child("walk").child(i), options.noise);
+    const bool rounded = options.noise && !count_errors(runs[i]).empty();
+    const auto poses = wander(
+        truth, rounded ? rolled_behind_counts(runs[i], random.child("counts").child(i)) : runs[i],
+        random.child("walk").child(i), options.noise);
     const PoseSigmas sigma =
         pose_sigmas(noise, of_set, runs[i], predict_walk(walk, runs[i], effects::timing_of(truth)));
     for (size_t k = 0; k < poses.size(); ++k) {

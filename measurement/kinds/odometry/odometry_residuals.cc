@@ -1,33 +1,16 @@
-// From a predicted path to residuals: the true start of a run, fitted; a filter that whitens what
-// wanders; and predictions that nothing measured on their way corrects.
+// From a predicted path to residuals: the true start of a run, fitted; and predictions that nothing
+// measured on their way corrects.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/kinds/odometry/log_of_product.h"
 #include "measurement/kinds/odometry/odometry.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
-
-// Variance of a number of the start that the first pose does not tell.
-constexpr double kUntold2 = 1e4;
-
-// A logarithm is dear: one for many factors, as many as a double holds.
-class LogOfProduct {
- public:
-  void times(double factor) {
-    product_ *= factor;
-    if (product_ > 1e-200 && product_ < 1e200) return;
-    sum_ += std::log(product_);
-    product_ = 1;
-  }
-  double log() const { return sum_ + std::log(product_); }
-
- private:
-  double product_ = 1, sum_ = 0;
-};
 
 // A start from which the run's path leads through this pose.
 WalkPose start_through(const WalkPose& pose, const effects::WalkState& there) {
@@ -149,60 +132,6 @@ void OdometryProblem::take_start(const WalkRun& run, const WalkPose& start,
       evaluation.whitened[here] = r[channel] / sigma[k][channel];
     }
   }
-}
-
-// An extended Kalman filter over the run, one scalar at a time: innovations are white where the
-// model is right. The first pose starts it (a flat prior), so that its own innovations are zero.
-// Without walk noise it is the same least squares as fit_start.
-void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
-                             const Start& start, const Walked& walked, const PoseSigmas& sigma,
-                             Evaluation& evaluation) const {
-  const std::vector<effects::WalkState>& path = walked.path;
-  const double q_xy = walk.xy_sigma * walk.xy_sigma, q_theta = walk.theta_sigma * walk.theta_sigma;
-  WalkPose pose = placed(start.pose, path[0]);
-  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < 3; ++i) {
-    // A first pose that is blank or gross tells nothing of the start.
-    const bool told = takes_part(run.rows[0], i);
-    P(i, i) = told ? sigma[0][i] * sigma[0][i] : kUntold2;
-    if (told) pose[i] = run.pose[0][i];
-  }
-  LogOfProduct variances;
-  for (size_t k = 0; k < run.rows.size(); ++k) {
-    if (k > 0) {
-      const auto before = pose;
-      pose = placed(pose, walked.steps[k]);
-      // P = F P F', F the identity but for what the heading does to x and y.
-      const double by_x = -(pose[1] - before[1]), by_y = pose[0] - before[0];
-      const double metres = path[k].path_m - path[k - 1].path_m;
-      const double x_theta = P(0, 2) + by_x * P(2, 2), y_theta = P(1, 2) + by_y * P(2, 2);
-      P(0, 0) += by_x * (P(0, 2) + x_theta) + q_xy * metres;
-      P(1, 1) += by_y * (P(1, 2) + y_theta) + q_xy * metres;
-      P(0, 1) = P(1, 0) += by_x * P(1, 2) + by_y * x_theta;
-      P(0, 2) = P(2, 0) = x_theta, P(1, 2) = P(2, 1) = y_theta;
-      P(2, 2) += q_theta * metres;
-    }
-    for (int channel = 0; channel < 3; ++channel) {
-      const int here = scalar(run.rows[k], channel);
-      if (here < 0) continue;
-      double innovation = run.pose[k][channel] - pose[channel];
-      if (channel == 2) innovation = maths::wrap_angle(innovation);
-      const double variance = P(channel, channel) + sigma[k][channel] * sigma[k][channel];
-      const double root = std::sqrt(variance);
-      evaluation.residual[here] = k == 0 && !left_out(here) ? 0 : innovation;
-      evaluation.sigma[here] = root;
-      if (left_out(here)) continue;
-      evaluation.used[here] = 1;
-      evaluation.whitened[here] = k == 0 ? 0 : innovation / root;
-      if (k == 0) continue;
-      variances.times(variance);
-      const Eigen::Vector3d column = P.col(channel);
-      const double share = 1 / variance;
-      for (int i = 0; i < 3; ++i) pose[i] += share * column[i] * innovation;
-      P -= share * (column * column.transpose());
-    }
-  }
-  evaluation.log_det[facts_.group_of_row[run.rows[0]]] += variances.log();
 }
 
 std::vector<FreeError> OdometryProblem::free_prediction(const Model& model,

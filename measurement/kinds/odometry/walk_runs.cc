@@ -191,19 +191,35 @@ std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& gr
     }
     run.pose.push_back({pose[0][row], pose[1][row], pose[2][row]});
   }
+  for (WalkRun& run : runs) run.steady_ticks = steady_ticks(run);
   return runs;
 }
 
 namespace {
 
 // What moves the body from a row to the next; ticks after the last row go on as they were.
-BodyVelocity velocity_after(const effects::Wheels& wheels, const WalkRun& run, size_t row) {
-  if (run.ticks.empty()) return run.command[row];
-  const size_t to = std::min(row + 1, run.ticks.size() - 1);
-  if (to == 0) return {};
-  return wheels.velocity_of_ticks(run.ticks[to][0], run.ticks[to][1],
-                                  run.time_s[to] - run.time_s[to - 1]);
-}
+class Drive {
+ public:
+  Drive(const effects::Locomotion& walk, const WalkRun& run) : walk_(walk), run_(run) {}
+
+  void advance(size_t row, double dt_s, effects::WalkState& state) {
+    if (!run_.steady_ticks.empty() && walk_.wheels.slip_s != 0)
+      walk_.wheels.slips_in = by_ticks(run_.steady_ticks, row);
+    effects::advance_walk(walk_, run_.ticks.empty() ? run_.command[row] : by_ticks(run_.ticks, row),
+                          dt_s, state);
+  }
+
+ private:
+  BodyVelocity by_ticks(const std::vector<std::array<double, 2>>& ticks, size_t row) const {
+    const size_t to = std::min(row + 1, ticks.size() - 1);
+    if (to == 0) return {};
+    return walk_.wheels.velocity_of_ticks(ticks[to][0], ticks[to][1],
+                                          run_.time_s[to] - run_.time_s[to - 1]);
+  }
+
+  effects::Locomotion walk_;
+  const WalkRun& run_;
+};
 
 }  // namespace
 
@@ -212,10 +228,9 @@ std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, co
   std::vector<effects::WalkState> path;
   path.reserve(run.rows.size());
   effects::WalkState state;
+  Drive drive(walk, run);
   for (size_t k = 0; k < run.rows.size(); ++k) {
-    if (k > 0)
-      effects::advance_walk(walk, velocity_after(walk.wheels, run, k - 1),
-                            run.time_s[k] - run.time_s[k - 1], state);
+    if (k > 0) drive.advance(k - 1, run.time_s[k] - run.time_s[k - 1], state);
     path.push_back(state);
   }
   std::vector<effects::WalkState> seen = path;
@@ -226,8 +241,7 @@ std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, co
     const auto after = std::upper_bound(run.time_s.begin(), run.time_s.end(), t);
     const auto before = static_cast<size_t>(after - run.time_s.begin()) - 1;
     seen[k] = path[before];
-    effects::advance_walk(walk, velocity_after(walk.wheels, run, before), t - run.time_s[before],
-                          seen[k]);
+    drive.advance(before, t - run.time_s[before], seen[k]);
   }
   return seen;
 }

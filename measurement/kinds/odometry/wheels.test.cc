@@ -30,6 +30,8 @@ std::array<int, 2> ticks_of(int run, int k) {
   return (k / 50 + run) % 2 == 0 ? std::array<int, 2>{20, 45} : std::array<int, 2>{50, 10};
 }
 
+constexpr size_t kLeft = 2, kX = 4, kY = 5, kTheta = 6;  // Columns of a made set.
+
 class Wheels : public testing::Test {
  protected:
   Wheels() {
@@ -82,10 +84,8 @@ class Wheels : public testing::Test {
   const fs::path folder_ = fs::path(testing::TempDir()) / "wheel_sets";
 };
 
-constexpr size_t kLeft = 2, kX = 4, kY = 5, kTheta = 6;  // Columns of a made set.
-
-// The definition by many small straight steps of each wheel, written apart from the program: at
-// `at_s` after the first row.
+// The definition, of ticks that count nothing off, by many small straight steps of each wheel,
+// written apart from the program: at `at_s` after the first row.
 WalkPose rolled_in_small_steps(int run, double at_s, double left_scale, double right_scale,
                                double base_scale, double slip) {
   double x = 0, y = 0, theta = 0;
@@ -93,8 +93,8 @@ WalkPose rolled_in_small_steps(int run, double at_s, double left_scale, double r
   const double h = 0.1 / steps;
   for (int k = 1; k < 200; ++k) {
     const auto ticks = ticks_of(run, k);
-    const double left = ticks[0] * 0.0005 / 0.1 * (1 + left_scale),
-                 right = ticks[1] * 0.0005 / 0.1 * (1 + right_scale);
+    const double left = 0.9 * ticks[0] * 0.0005 / 0.1 * (1 + left_scale),
+                 right = 0.9 * ticks[1] * 0.0005 / 0.1 * (1 + right_scale);
     const double omega = (right - left) / (0.25 * (1 + base_scale));
     const double v = (left + right) / 2 * (1 - slip * std::abs(omega));
     for (int i = 0; i < steps; ++i) {
@@ -108,6 +108,10 @@ WalkPose rolled_in_small_steps(int run, double at_s, double left_scale, double r
 }
 
 TEST_F(Wheels, MakeTheWayThatTheirTicksSay) {
+  rewrite(folder_ / "protocol", [](size_t, std::vector<std::string>& cells) {
+    for (const size_t wheel : {kLeft, kLeft + 1})
+      cells[wheel] = fmt::format("{}", 0.9 * std::stoi(cells[wheel]));
+  });
   const fs::path set = made(
       ", wheel_scale: {left: 0.03, right: -0.02}, base_scale: {scale: 0.05}, wheel_slip: "
       "{per_radps: 0.1}, frame_latency: {latency_s: 0.04}",
@@ -146,6 +150,22 @@ TEST_F(Wheels, TheirErrorsAreFittedBack) {
     EXPECT_LT(fit.sigma[i], 0.1 * std::abs(truth[i])) << unknowns[i].effect;
   }
   EXPECT_NEAR(problem->score(fit.model, problem->all_groups()).error(), 1, 0.05);
+}
+
+// What `measure` draws of counts that round off is what the likelihood expects of them.
+TEST_F(Wheels, CoarseCountsAreDrawnAsTheyAreExpected) {
+  rewrite(folder_ / "protocol", [](size_t, std::vector<std::string>& cells) {
+    for (const size_t wheel : {kLeft, kLeft + 1})
+      cells[wheel] = std::to_string(std::stoi(cells[wheel]) / 20);
+  });
+  const std::string coarse = "differential_drive: {metres_per_tick: 0.01, base_m: 0.25}";
+  fs::remove_all(folder_ / "set");
+  measure_set(model_of(coarse), MeasurementSet::open(folder_ / "protocol"),
+              {.seed = 5, .out = folder_ / "set"});
+  const auto problem = open_problem(folder_ / "set");
+  const Score score = problem->score(model_of(coarse), problem->all_groups());
+  EXPECT_NEAR(score.error(), 1, 0.05);
+  EXPECT_GT(score.native[2], 0.01);  // Radians, of which the poses' noise is 0.002.
 }
 
 // Cells of poses that are blank weigh as if they had been left out; the wheels roll on.

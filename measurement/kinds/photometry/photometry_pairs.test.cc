@@ -111,6 +111,20 @@ TEST(PhotometryPairs, NoSpreadCoversABentResponse) {
   EXPECT_NEAR(model.find("linear_response")->value("black_dn"), 20, 1);
 }
 
+// Rows that are off as a whole make a bend less certain, not smaller: it moves values by a third
+// of their noise.
+TEST(PhotometryPairs, ABendBesideRowNoiseMatters) {
+  const std::string free =
+      "linear_response: {gain_dn: {value: 200, free: true}, black_dn: {value: 20, free: true}}, "
+      "read_noise: {sigma_dn: {value: 0.5, free: true}}";
+  const SearchResult result =
+      found("bent_rows", free, "row_noise: {sigma_dn: 6}, response_gamma: {gamma: 0.9}",
+            {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}, 4);
+  EXPECT_EQ(result.steps.size(), 2u) << steps_of(result);
+  EXPECT_NE(result.best.assessment.model.find("response_gamma"), nullptr) << steps_of(result);
+  EXPECT_NEAR(result.best.assessment.model.find("row_noise")->value("sigma_dn"), 6, 0.6);
+}
+
 // The first candidate or its declared ties hold both.
 void expect_tie(const SearchResult& result, const std::string& a, const std::string& b) {
   ASSERT_FALSE(result.first.candidates.empty());

@@ -116,7 +116,7 @@ std::vector<double> strongest_wave(const PhotometryView& view,
   if (best.u < 0) best = {-best.u, -best.v}, amplitude = std::conj(amplitude);
   // a sin(x + phase) has the amplitude a e^{i (phase - pi / 2)}.
   return {std::abs(amplitude), 1 / std::max(std::hypot(best.u, best.v), 1e-9),
-          std::atan2(best.v, best.u), std::arg(amplitude) + maths::kPi / 2};
+          std::atan2(best.v, best.u), maths::wrap_angle(std::arg(amplitude) + maths::kPi / 2)};
 }
 
 }  // namespace seam::measurement

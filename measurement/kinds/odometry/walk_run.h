@@ -1,0 +1,31 @@
+// A run of a body that walks or drives.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sim_core/body/locomotion.h"
+
+namespace seam::measurement {
+
+inline constexpr std::array<const char*, 3> kPoseColumns = {"x_m", "y_m", "theta_rad"};
+inline constexpr std::array<const char*, 2> kTickColumns = {"left_ticks", "right_ticks"};
+
+using WalkPose = std::array<double, 3>;  // x_m, y_m, theta_rad.
+
+struct WalkRun {
+  std::string name;
+  std::vector<size_t> rows;    // In the file.
+  std::vector<double> time_s;  // Since the run's first row.
+  // Until the next row; empty where ticks were counted.
+  std::vector<BodyVelocity> command;
+  // Of the left and the right wheel since the row before.
+  std::vector<std::array<double, 2>> ticks;
+  // The same as the wheels may have turned that counted so; empty where ticks are no counts.
+  std::vector<std::array<double, 2>> steady_ticks;
+  std::vector<WalkPose> pose;  // Measured; NaN where blank.
+};
+
+}  // namespace seam::measurement
