@@ -136,6 +136,21 @@ class TwoCameras(unittest.TestCase):
             self.assertLess(known[len(known) // 2], 0.5, one["camera"])
             self.assertGreater(known[0], 0, one["camera"])
 
+    def test_a_rig_whose_poses_are_measured(self):
+        """The rig names its table of poses by its file alone, which `measure` copies."""
+        protocol = self.at / "posed-protocol"
+        protocol.mkdir()
+        write_protocol(protocol)
+        facts = protocol / "measurement.yaml"
+        facts.write_text(facts.read_text().replace(", poses: poses.csv}", "}").replace(
+            "{pose: unknown}", "{poses: poses.csv}"))
+        posed, model = self.at / "posed", self.at / "posed.yaml"
+        seam("measure", "--model", self.at / "truth.yaml", "--protocol", protocol, "--seed", 5, "--out", posed)
+        text = seam("fit", "--model", self.at / "nominal.yaml", "--data", posed, "--out", model)
+        self.assertRegex(text, r"camera_pose@right\.ry_rad = -0\.[12]")
+        text = seam("compare", "--model", self.at / "truth.yaml", "--data", posed)
+        self.assertLess(abs(float(re.search(r"error on held-out groups ([.\d]+)", text).group(1)) - 1), 0.1, text)
+
     def test_discover_finds_the_bent_lens_and_the_place(self):
         out, model = self.at / "discover.json", self.at / "found.yaml"
         text = seam("discover", "--model", self.at / "nominal.yaml", "--data", self.at / "set", "--json", out, "--out",
