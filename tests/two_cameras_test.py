@@ -100,6 +100,57 @@ class TwoCameras(unittest.TestCase):
         self.assertGreater(result["error"], 1.5)
         self.assertEqual(result["noise"], {"u_px": NOISE_PX, "v_px": NOISE_PX})
 
+    def differences(self, first, second):
+        """By camera: the half of the image above which two models differ, and where they differ most, in pixels."""
+        out = self.at / "models.json"
+        text = seam("compare", "--models", first, second, "--data", self.at / "set", "--json", out)
+        result = json.loads(out.read_text())
+        maps = [result, *result["other_cameras"]]
+        for one in maps:
+            self.assertIn(f"camera {one['camera']}: ", text)
+            self.assertEqual(len(one["du_px"]), one["columns"] * one["rows"])
+        return {one["camera"]: (one["median_px"], one["largest_px"]) for one in maps}
+
+    def test_models_differ_in_the_camera_whose_lens_does(self):
+        other = self.at / "other.yaml"
+        other.write_text(TRUTH.replace(f"k1: {K1}", f"k1: {K1 + 0.05}"))
+        differ = self.differences(self.at / "truth.yaml", other)
+        self.assertEqual(set(differ), {"left", "right"})
+        self.assertLess(differ["left"][1], 1e-6)
+        # In the corner of 0.05 r^3 times the focal length, less what a turn of the camera hides.
+        r = math.hypot(315, 244) / 610
+        self.assertGreater(differ["right"][1], 0.3 * 0.05 * r ** 3 * 610)
+        self.assertLess(differ["right"][1], 2 * 0.05 * r ** 3 * 610)
+
+    def assert_lenses_are_known(self, model):
+        for camera, (middle, _) in self.differences(self.at / "truth.yaml", model).items():
+            self.assertLess(middle, 0.5, camera)
+        page = self.at / "page.html"
+        seam("compare", "--model", model, "--data", self.at / "set", "--report", page)
+        text = page.read_text()
+        start = text.index('"lens_error":') + len('"lens_error":')
+        maps, _ = json.JSONDecoder().raw_decode(text[start:])
+        self.assertEqual([one["camera"] for one in maps], ["left", "right"])
+        for one in maps:
+            known = sorted(value for value in one["values"] if value is not None)
+            self.assertLess(known[len(known) // 2], 0.5, one["camera"])
+            self.assertGreater(known[0], 0, one["camera"])
+
+    def test_a_rig_whose_poses_are_measured(self):
+        """The rig names its table of poses by its file alone, which `measure` copies."""
+        protocol = self.at / "posed-protocol"
+        protocol.mkdir()
+        write_protocol(protocol)
+        facts = protocol / "measurement.yaml"
+        facts.write_text(facts.read_text().replace(", poses: poses.csv}", "}").replace(
+            "{pose: unknown}", "{poses: poses.csv}"))
+        posed, model = self.at / "posed", self.at / "posed.yaml"
+        seam("measure", "--model", self.at / "truth.yaml", "--protocol", protocol, "--seed", 5, "--out", posed)
+        text = seam("fit", "--model", self.at / "nominal.yaml", "--data", posed, "--out", model)
+        self.assertRegex(text, r"camera_pose@right\.ry_rad = -0\.[12]")
+        text = seam("compare", "--model", self.at / "truth.yaml", "--data", posed)
+        self.assertLess(abs(float(re.search(r"error on held-out groups ([.\d]+)", text).group(1)) - 1), 0.1, text)
+
     def test_discover_finds_the_bent_lens_and_the_place(self):
         out, model = self.at / "discover.json", self.at / "found.yaml"
         text = seam("discover", "--model", self.at / "nominal.yaml", "--data", self.at / "set", "--json", out, "--out",
@@ -112,6 +163,7 @@ class TwoCameras(unittest.TestCase):
         self.assertIn(result["steps"][0]["effect"],
                       ("radial_distortion@right", "radial_polynomial@right", "rational_lens@right"), text)
         self.assertLess(abs(result["error"] - 1), 0.1, text)
+        self.assert_lenses_are_known(model)
         found = model.read_text()
         where = found[found.index("camera_pose@right"):].splitlines()[0]
         for key, true in PLACE.items():

@@ -85,6 +85,10 @@ void copy_protocol(const MeasurementSet& protocol, const std::filesystem::path& 
     if (std::find(except_files.begin(), except_files.end(), name) != except_files.end()) continue;
     copy_into(out, protocol, relative);
   }
+  // A rig's poses may be named by their file alone.
+  const auto rig = protocol.root.find("rig");
+  const auto poses = rig && rig->is_map() ? rig->find("poses") : std::nullopt;
+  if (poses && !protocol.has_file(poses->text())) copy_into(out, protocol, poses->text());
 }
 
 void copy_into(const std::filesystem::path& out, const MeasurementSet& protocol,

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "effects/cameras.h"
+#include "effects/questions.h"
 #include "effects/stages/geometry.h"
 #include "measurement/report/finite_or_null.h"
 
@@ -26,8 +28,9 @@ struct Place {
   std::optional<Vec3> ray;
 };
 
-LensMap empty_map(int width_px, int height_px) {
-  LensMap map{.columns = kCellsAlong, .width_px = width_px, .height_px = height_px};
+LensMap empty_map(const std::string& camera, int width_px, int height_px) {
+  LensMap map{
+      .camera = camera, .columns = kCellsAlong, .width_px = width_px, .height_px = height_px};
   map.rows = std::max(
       1, static_cast<int>(std::lround(kCellsAlong * height_px / static_cast<double>(width_px))));
   return map;
@@ -112,32 +115,10 @@ size_t largest_cell(const LensMap& map) {
   return best;
 }
 
-}  // namespace
-
-double LensMap::median_px() const {
-  std::vector<double> known;
-  std::copy_if(size_px.begin(), size_px.end(), std::back_inserter(known),
-               [](double x) { return std::isfinite(x); });
-  if (known.empty()) return NAN;
-  std::nth_element(known.begin(), known.begin() + known.size() / 2, known.end());
-  return known[known.size() / 2];
-}
-
-double LensMap::largest_px() const {
-  return size_px.empty() ? NAN : size_px[largest_cell(*this)];
-}
-
-double LensMap::largest_u_px() const {
-  return (static_cast<double>(largest_cell(*this) % columns) + 0.5) * width_px / columns - 0.5;
-}
-
-double LensMap::largest_v_px() const {
-  return (static_cast<double>(largest_cell(*this) / columns) + 0.5) * height_px / rows - 0.5;
-}
-
-LensMap error_map(const Assessment& assessment, int width_px, int height_px) {
-  LensMap map = empty_map(width_px, height_px);
-  const Projection lens(assessment.model, width_px, height_px);
+LensMap error_map(const Assessment& assessment, const std::string& camera, int width_px,
+                  int height_px) {
+  LensMap map = empty_map(camera, width_px, height_px);
+  const Projection lens(effects::model_of(assessment.model, camera), width_px, height_px);
   const std::vector<Place> places = places_of(map, lens);
   const Turns turns = turns_of(places, lens);
   const auto& unknowns = assessment.unknowns;
@@ -149,7 +130,8 @@ LensMap error_map(const Assessment& assessment, int width_px, int height_px) {
     const double step = 1e-5 * std::max(parameter.scale, std::abs(value));
     Model there = assessment.model;
     there.set_value(unknown.effect, unknown.parameter, value + step);
-    auto moved = shifts(places, Projection(there, width_px, height_px), Mat3(1.0));
+    const Projection other(effects::model_of(there, camera), width_px, height_px);
+    auto moved = shifts(places, other, Mat3(1.0));
     for (auto& shift : moved) {
       if (shift) *shift /= step;
     }
@@ -176,9 +158,11 @@ LensMap error_map(const Assessment& assessment, int width_px, int height_px) {
   return map;
 }
 
-LensMap difference_map(const Model& a, const Model& b, int width_px, int height_px) {
-  LensMap map = empty_map(width_px, height_px);
-  const Projection first(a, width_px, height_px), second(b, width_px, height_px);
+LensMap difference_map(const Model& a, const Model& b, const std::string& camera, int width_px,
+                       int height_px) {
+  LensMap map = empty_map(camera, width_px, height_px);
+  const Projection first(effects::model_of(a, camera), width_px, height_px);
+  const Projection second(effects::model_of(b, camera), width_px, height_px);
   const std::vector<Place> places = places_of(map, first);
   const Turns turns = turns_of(places, second);
   Mat3 turned(1.0);
@@ -200,46 +184,46 @@ LensMap difference_map(const Model& a, const Model& b, int width_px, int height_
 nlohmann::json map_json(const LensMap& map, const std::string& stage, const std::string& title) {
   nlohmann::json values = nlohmann::json::array();
   for (const double size : map.size_px) values.push_back(finite_or_null<nlohmann::json>(size));
-  return {{"stage", stage},
-          {"title", title},
-          {"unit", "px"},
-          {"columns", map.columns},
-          {"rows", map.rows},
-          {"width_px", map.width_px},
-          {"height_px", map.height_px},
-          {"values", std::move(values)}};
+  nlohmann::json json = {{"stage", stage},
+                         {"title", title},
+                         {"unit", "px"},
+                         {"columns", map.columns},
+                         {"rows", map.rows},
+                         {"width_px", map.width_px},
+                         {"height_px", map.height_px},
+                         {"values", std::move(values)}};
+  if (!map.camera.empty()) json["camera"] = map.camera;
+  return json;
 }
 
-std::string models_json(const LensMap& map, const std::string& a, const std::string& b) {
+nlohmann::ordered_json difference_json(const LensMap& map) {
   const auto list = [](const std::vector<double>& values) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const double value : values) all.push_back(finite_or_null<nlohmann::ordered_json>(value));
     return all;
   };
-  const nlohmann::ordered_json json = {
-      {"format", "seam-models/1"},
-      {"models", {a, b}},
-      {"columns", map.columns},
-      {"rows", map.rows},
-      {"width_px", map.width_px},
-      {"height_px", map.height_px},
-      {"median_px", finite_or_null<nlohmann::ordered_json>(map.median_px())},
-      {"largest_px", finite_or_null<nlohmann::ordered_json>(map.largest_px())},
-      {"du_px", list(map.du_px)},
-      {"dv_px", list(map.dv_px)}};
-  return json.dump(1) + "\n";
+  nlohmann::ordered_json json;
+  if (!map.camera.empty()) json["camera"] = map.camera;
+  json["columns"] = map.columns, json["rows"] = map.rows;
+  json["width_px"] = map.width_px, json["height_px"] = map.height_px;
+  json["median_px"] = finite_or_null<nlohmann::ordered_json>(map.median_px());
+  json["largest_px"] = finite_or_null<nlohmann::ordered_json>(map.largest_px());
+  json["du_px"] = list(map.du_px), json["dv_px"] = list(map.dv_px);
+  return json;
 }
 
-std::string models_text(const LensMap& map, const std::string& a, const std::string& b) {
+std::string difference_text(const LensMap& map, const std::string& a, const std::string& b) {
   const auto seen = std::count_if(map.size_px.begin(), map.size_px.end(),
                                   [](double size) { return std::isfinite(size); });
+  const std::string whose = map.camera.empty() ? "" : fmt::format("camera {}: ", map.camera);
   std::string text = fmt::format(
-      "{} and {}: half of the image differs by more than {:.3g} px, at most by {:.3g} px at column "
+      "{}{} and {}: half of the image differs by more than {:.3g} px, at most by {:.3g} px at "
+      "column "
       "{:.0f}, row {:.0f} (the turn of the camera that brings them nearest is taken out)\n",
-      a, b, map.median_px(), map.largest_px(), map.largest_u_px(), map.largest_v_px());
+      whose, a, b, map.median_px(), map.largest_px(), map.largest_u_px(), map.largest_v_px());
   if (static_cast<size_t>(seen) < map.size_px.size())
     text += fmt::format(
-        "{:.0f} % of the image has no ray in one of them\n",
+        "{}{:.0f} % of the image has no ray in one of them\n", whose,
         100.0 * (1 - static_cast<double>(seen) / static_cast<double>(map.size_px.size())));
   // What the middle column and row of cells show, for a look in the terminal.
   text += "difference in px over the image, every fourth cell:\n";
@@ -250,6 +234,83 @@ std::string models_text(const LensMap& map, const std::string& a, const std::str
     }
     text += "\n";
   }
+  return text;
+}
+
+}  // namespace
+
+double LensMap::median_px() const {
+  std::vector<double> known;
+  std::copy_if(size_px.begin(), size_px.end(), std::back_inserter(known),
+               [](double x) { return std::isfinite(x); });
+  if (known.empty()) return NAN;
+  std::nth_element(known.begin(), known.begin() + known.size() / 2, known.end());
+  return known[known.size() / 2];
+}
+
+double LensMap::largest_px() const {
+  return size_px.empty() ? NAN : size_px[largest_cell(*this)];
+}
+
+double LensMap::largest_u_px() const {
+  return (static_cast<double>(largest_cell(*this) % columns) + 0.5) * width_px / columns - 0.5;
+}
+
+double LensMap::largest_v_px() const {
+  return (static_cast<double>(largest_cell(*this) / columns) + 0.5) * height_px / rows - 0.5;
+}
+
+std::vector<LensMap> error_maps(const Assessment& assessment, int width_px, int height_px) {
+  std::vector<LensMap> maps;
+  for (const std::string& camera : effects::cameras_with_lenses(assessment.model))
+    maps.push_back(error_map(assessment, camera, width_px, height_px));
+  return maps;
+}
+
+std::vector<LensMap> difference_maps(const Model& a, const Model& b, int width_px, int height_px) {
+  std::vector<std::string> cameras = effects::cameras_with_lenses(a);
+  const std::vector<std::string> of_b = effects::cameras_with_lenses(b);
+  if (cameras != of_b) {
+    // What one of them says of all cameras is held against each that the other names.
+    for (const std::string& camera : of_b) {
+      if (std::find(cameras.begin(), cameras.end(), camera) == cameras.end())
+        cameras.push_back(camera);
+    }
+    const auto of_all = [](const Model& model) {
+      return effects::has_base(effects::model_of(model, ""), effects::Base::projection);
+    };
+    if (!of_all(a) || !of_all(b)) std::erase(cameras, "");
+  }
+  std::vector<LensMap> maps;
+  for (const std::string& camera : cameras)
+    maps.push_back(difference_map(a, b, camera, width_px, height_px));
+  return maps;
+}
+
+nlohmann::json maps_json(const std::vector<LensMap>& maps, const std::string& stage,
+                         const std::string& title) {
+  if (maps.size() == 1) return map_json(maps.front(), stage, title);
+  nlohmann::json all = nlohmann::json::array();
+  for (const LensMap& map : maps) all.push_back(map_json(map, stage, title));
+  return all;
+}
+
+std::string models_json(const std::vector<LensMap>& maps, const std::string& a,
+                        const std::string& b) {
+  nlohmann::ordered_json json = {{"format", "seam-models/1"}, {"models", {a, b}}};
+  for (size_t i = 0; i < maps.size(); ++i) {
+    if (i == 0)
+      json.update(difference_json(maps[i]));
+    else
+      json["other_cameras"].push_back(difference_json(maps[i]));
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string models_text(const std::vector<LensMap>& maps, const std::string& a,
+                        const std::string& b) {
+  std::string text;
+  for (const LensMap& map : maps) text += difference_text(map, a, b);
   return text;
 }
 

@@ -12,6 +12,7 @@
 namespace seam::measurement {
 
 struct LensMap {
+  std::string camera;  // Empty: of the one that there is, or of all that have none of their own.
   int columns = 0, rows = 0, width_px = 0, height_px = 0;
   // By cell, row by row, at its middle, pixels; NaN where a model has no ray or no image there.
   std::vector<double> du_px, dv_px;  // Empty for errors.
@@ -24,16 +25,21 @@ struct LensMap {
   double largest_v_px() const;
 };
 
-// One sigma of the predicted place (root of the variance along u plus that along v).
-LensMap error_map(const Assessment& assessment, int width_px, int height_px);
-// Where `b` sees what `a` sees at each place, less that place.
-LensMap difference_map(const Model& a, const Model& b, int width_px, int height_px);
+// One sigma of the predicted place (root of the variance along u plus that along v). One map for
+// each camera with a lens of its own (effects/cameras.h).
+std::vector<LensMap> error_maps(const Assessment& assessment, int width_px, int height_px);
+// Where `b` sees what `a` sees at each place, less that place; a camera that either names has a
+// map.
+std::vector<LensMap> difference_maps(const Model& a, const Model& b, int width_px, int height_px);
 
-// As `maps` of a report (docs/report_data.md).
-nlohmann::json map_json(const LensMap& map, const std::string& stage, const std::string& title);
+// As `lens_error` of a report (docs/report_data.md).
+nlohmann::json maps_json(const std::vector<LensMap>& maps, const std::string& stage,
+                         const std::string& title);
 
 // "seam-models/1" and its text.
-std::string models_json(const LensMap& map, const std::string& a, const std::string& b);
-std::string models_text(const LensMap& map, const std::string& a, const std::string& b);
+std::string models_json(const std::vector<LensMap>& maps, const std::string& a,
+                        const std::string& b);
+std::string models_text(const std::vector<LensMap>& maps, const std::string& a,
+                        const std::string& b);
 
 }  // namespace seam::measurement

@@ -144,13 +144,11 @@ std::string document(const Problem& problem, const ReportHeader& header, const S
   if (stages.after) append_stage(problem, *stages.after, "after", structures, plots);
   const Assessment& shown = stages.after ? *stages.after : *stages.before;
   const Facts& facts = problem.facts();
-  const auto& effects = shown.model.effects();
-  const bool one_lens = std::all_of(effects.begin(), effects.end(), [](const auto& effect) {
-    return effects::camera_of(effect.definition->name).empty();
-  });
-  if (facts.width_px > 0 && !shown.unknowns.empty() && one_lens)
-    plots["lens_error"] = map_json(error_map(shown, facts.width_px, facts.height_px),
-                                   stages.after ? "after" : "before", "Standard error");
+  if (facts.width_px > 0 && !shown.unknowns.empty()) {
+    const auto maps = error_maps(shown, facts.width_px, facts.height_px);
+    if (!maps.empty())
+      plots["lens_error"] = maps_json(maps, stages.after ? "after" : "before", "Standard error");
+  }
   if (json target = target_arrows(problem, shown.model); !target.empty())
     plots["target"] = std::move(target);
   if (json worth = leave_one_out(problem, shown, stages.added); !worth.empty())
@@ -202,14 +200,14 @@ std::string discover_report(const Problem& problem, const SearchResult& result,
   return document(problem, header, stages, structures, discover_json(problem, result));
 }
 
-std::string models_report(const LensMap& map, const std::string& a, const std::string& b,
-                          const ReportHeader& header) {
+std::string models_report(const std::vector<LensMap>& maps, const std::string& a,
+                          const std::string& b, const ReportHeader& header) {
   return json{{"format", "seam-report/1"},
               {"title", fmt::format("{} and {}", a, b)},
               {"command", header.command},
               {"version", "0.1.0"},
-              {"result", json::parse(models_json(map, a, b))},
-              {"plots", {{"lens_error", map_json(map, "after", "Difference")}}}}
+              {"result", json::parse(models_json(maps, a, b))},
+              {"plots", {{"lens_error", maps_json(maps, "after", "Difference")}}}}
       .dump();
 }
 

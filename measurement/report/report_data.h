@@ -23,8 +23,8 @@ std::string discover_report(const Problem& problem, const SearchResult& result,
                             const ReportHeader& header);
 
 // Two models beside each other.
-std::string models_report(const LensMap& map, const std::string& a, const std::string& b,
-                          const ReportHeader& header);
+std::string models_report(const std::vector<LensMap>& maps, const std::string& a,
+                          const std::string& b, const ReportHeader& header);
 
 // The versions of a model; needs no data.
 std::string history_json(const Model& model);

@@ -198,14 +198,13 @@ std::set<std::string> cameras_named_in(const Model& model) {
   return cameras;
 }
 
-// Whether one camera can have the effect beside those that it shares with others.
+}  // namespace
+
 bool has_place(const EffectDefinition& effect, Model model) {
   effects::remove_replaced(effect, model);
   model.add_neutral(std::make_shared<const EffectDefinition>(effect));
   return effects::conflict_in(model).empty();
 }
-
-}  // namespace
 
 bool has_draws(const Model& model) {
   return std::any_of(model.effects().begin(), model.effects().end(),

@@ -75,6 +75,9 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
 std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
                                          const EffectList& own);
 
+// Whether the model can have the effect: beside those that cameras share, and others of its like.
+bool has_place(const EffectDefinition& effect, Model model);
+
 // A model less one of its added effects, not fitted again.
 Grown without(const Grown& grown, const std::string& out);
 

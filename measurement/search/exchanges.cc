@@ -93,10 +93,11 @@ std::vector<std::pair<size_t, std::string>> possible_exchanges(
   const auto& added = grown.added;
   for (size_t i = 0; i < added.size(); ++i) {
     if (effects::has_dependents(grown.assessment.model, added[i])) continue;
-    // Lenses whose looks failed from far away, too.
+    // Lenses whose looks failed from far away, too: one camera's for its own.
+    const std::string camera = effects::camera_of(added[i]);
     for (const auto& effect : effects::catalogue()) {
       if (problem.acts(*effect) && stands_for(*effect_by_name(added[i]), *effect))
-        moves.emplace_back(i, effect->name);
+        moves.emplace_back(i, camera.empty() ? effect->name : effect->name + "@" + camera);
     }
     for (const std::string& name : promising) {
       if (added.size() < 2 ||
@@ -116,6 +117,31 @@ bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in) {
   return in.term == effects::Term::radial && in.term == leaving.replaces_term;
 }
 
+std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
+                                    const std::vector<std::pair<size_t, std::string>>& moves,
+                                    const std::vector<std::optional<Grown>>& tried,
+                                    const EffectByName& effect_by_name) {
+  const double error = grown.assessment.error;
+  std::pair best_of{false, merit_of(problem, grown) + kExchangeGain * tie_width(error)};
+  std::optional<size_t> best;
+  for (size_t m = 0; m < moves.size(); ++m) {
+    if (!tried[m]) continue;
+    // Of two that the data cannot tell apart the simpler stays, or comes.
+    const size_t of_it = fitted_parameters(*tried[m]), of_this = fitted_parameters(grown);
+    const bool tie = cannot_tell(weight_of(*tried[m]), weight_of(grown), error);
+    const double lost = grown.assessment.held_ll() - tried[m]->assessment.held_ll();
+    if ((tie && of_it > of_this) || lost > (tie && of_it < of_this ? -kUnluckyLoss : 0)) continue;
+    // Of lenses it comes whatever its merit, which charges three numbers that are told more than
+    // four of a wider family that are not.
+    const auto leaving = effect_by_name(grown.added[moves[m].first]);
+    const bool simpler_lens =
+        tie && of_it < of_this && are_lenses(*leaving, *effect_by_name(moves[m].second));
+    const std::pair its{simpler_lens, merit_of(problem, *tried[m])};
+    if (its > best_of) best_of = its, best = m;
+  }
+  return best;
+}
+
 Exchanges::Without Exchanges::without_it(const Grown& grown, const std::string& out) const {
   const auto start = started_.of(0, key_of(problem_, grown), [&] {
     return start_of_prospects(problem_, grown.assessment.model);
@@ -133,7 +159,9 @@ std::optional<Grown> Exchanges::with_other(
     const Grown& grown, const std::string& out,
     const std::shared_ptr<const EffectDefinition>& in) const {
   if (!may_take_the_place(*in, *grown.assessment.model.find(out)->definition)) return std::nullopt;
-  const bool like = stands_for(*grown.assessment.model.find(out)->definition, *in);
+  const bool like = stands_for(*grown.assessment.model.find(out)->definition, *in) &&
+                    effects::camera_of(in->name) == effects::camera_of(out);
+  if (!has_place(*in, without(grown, out).assessment.model)) return std::nullopt;
   return *tried_.of(0, key_of(problem_, grown, {out, in->name + "\n" + in->source}), [&] {
     if (like) return from_its_like(problem_, grown, without(grown, out), in);
     const auto less =

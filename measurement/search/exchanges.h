@@ -26,6 +26,13 @@ std::vector<std::pair<size_t, std::string>> possible_exchanges(
     const Problem& problem, const Grown& grown, const std::vector<std::string>& promising,
     const EffectByName& effect_by_name);
 
+// Which of these exchanges makes the whole clearly better, or as good with a simpler lens; nothing
+// where none does.
+std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
+                                    const std::vector<std::pair<size_t, std::string>>& moves,
+                                    const std::vector<std::optional<Grown>>& tried,
+                                    const EffectByName& effect_by_name);
+
 // Exchanges of one effect for another, each worked out once: the search asks for them where it
 // would end, and then again which of them tie with its steps.
 class Exchanges {

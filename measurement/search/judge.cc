@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/registry.h"
 #include "measurement/numerics/regression.h"
 #include "measurement/search/material.h"
 
@@ -117,6 +118,14 @@ size_t fitted_parameters(const Grown& grown) {
     count += std::find(grown.added.begin(), grown.added.end(), unknown.effect) != grown.added.end();
   }
   return count;
+}
+
+bool are_lenses(const EffectDefinition& one, const EffectDefinition& other) {
+  const auto is_lens = [](const EffectDefinition& effect) {
+    return effect.term == effects::Term::radial || effect.replaces_term == effects::Term::radial;
+  };
+  return is_lens(one) && is_lens(other) &&
+         effects::camera_of(one.name) == effects::camera_of(other.name);
 }
 
 Weight weight_of(const Grown& grown) {
@@ -270,10 +279,13 @@ bool of_every_lens(const Candidate& candidate) {
 void simplest_first(std::vector<Candidate>& candidates, size_t tied) {
   const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(tied);
   const bool at_noise = is_at_noise(candidates.front().grown.assessment);
+  // Whether a wider family of lenses is needed shows once all else is explained.
+  const double lenses = tie_width(candidates.front().grown.assessment.error);
   std::stable_sort(candidates.begin(), end, [&](const Candidate& a, const Candidate& b) {
     const double apart = std::abs(a.total_gain_ll - b.total_gain_ll);
     const size_t of_a = fitted_parameters(a), of_b = fitted_parameters(b);
-    if (of_a != of_b && (at_noise || apart < kFewerParametersWidth)) return of_a < of_b;
+    const double fewer = are_lenses(*a.effect, *b.effect) ? lenses : kFewerParametersWidth;
+    if (of_a != of_b && (at_noise || apart < fewer)) return of_a < of_b;
     if (at_noise && of_every_lens(a) != of_every_lens(b)) return of_every_lens(a);
     if (apart < kPreferenceWidth)
       return !bounded_at_neutral(*a.effect) && bounded_at_neutral(*b.effect);

@@ -72,6 +72,9 @@ void rank_candidates(std::vector<Candidate>& candidates);
 // Those that are significant but not material.
 std::vector<Candidate> traces_of(const std::vector<Candidate>& candidates);
 
+// Whether both say how the distance from the axis is bent, of the same camera.
+bool are_lenses(const EffectDefinition& one, const EffectDefinition& other);
+
 // The log-likelihood below which two explanations count as equally good.
 double tie_width(double error);
 

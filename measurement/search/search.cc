@@ -125,20 +125,10 @@ bool Searcher::exchange(Grown& grown) {
     tried[m] =
         exchanges_.with_other(grown, grown.added[moves[m].first], definition(moves[m].second));
   });
-  double best_merit = merit_of(problem_, grown) + kExchangeGain * tie_width(grown.assessment.error);
-  size_t best = moves.size();
-  for (size_t m = 0; m < moves.size(); ++m) {
-    if (!tried[m]) continue;
-    // Of two that the data cannot tell apart the simpler stays, or comes.
-    const size_t of_it = fitted_parameters(*tried[m]), of_this = fitted_parameters(grown);
-    const bool tie = cannot_tell(weight_of(*tried[m]), weight_of(grown), grown.assessment.error);
-    const double lost = grown.assessment.held_ll() - tried[m]->assessment.held_ll();
-    if ((tie && of_it > of_this) || lost > (tie && of_it < of_this ? -kUnluckyLoss : 0)) continue;
-    const double merit = merit_of(problem_, *tried[m]);
-    if (merit > best_merit) best_merit = merit, best = m;
-  }
-  if (best == moves.size()) return false;
-  grown = std::move(*tried[best]);
+  const auto best = best_exchange(problem_, grown, moves, tried,
+                                  [&](const std::string& name) { return definition(name); });
+  if (!best) return false;
+  grown = std::move(*tried[*best]);
   return true;
 }
 
@@ -184,6 +174,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
         promising_.push_back(candidate.effect->name);
     }
     const double before = merit_of(problem_, grown);
+    const size_t parameters_before = fitted_parameters(grown);
     const double error_before = grown.assessment.error;
     if (next) {
       grown = std::move(next->grown);
@@ -194,7 +185,8 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
       if (!exchange(grown)) break;
       prune(grown);
     }
-    if (!(merit_of(problem_, grown) > before)) break;
+    const bool simpler = !next && fitted_parameters(grown) < parameters_before;
+    if (!(merit_of(problem_, grown) > before) && !simpler) break;
     if (rival != nullptr && falls_behind(grown, error_before, *rival)) break;
   }
   return grown;

@@ -8,6 +8,7 @@
 #include "effects/registry.h"
 #include "measurement/check/doubts.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/decisions.h"
 #include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
@@ -62,6 +63,11 @@ void add_material_flag(app::Command command, AnalysisFlags& flags) {
 
 std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error) {
   return measurement::doubts_text(measurement::MeasurementSet::open(flags.data), model, error);
+}
+
+double unexplained_error(const measurement::SearchResult& result) {
+  const double found = result.best.assessment.error;
+  return found < measurement::kMisfit ? found : result.base.assessment.error;
 }
 
 std::string with_doubts(const std::string& text, const AnalysisFlags& flags,

@@ -46,6 +46,9 @@ effects::Model read_model(const std::string& path);
 
 // Doubts about the data under this model, for people: what stands before a command's results.
 std::string doubts_about(const AnalysisFlags& flags, const effects::Model& model, double error);
+// Of a search: the error that speaks for such doubts, none of size where what was found explains
+// the set.
+double unexplained_error(const measurement::SearchResult& result);
 // A command's results for people with these doubts, which stand before all but the first line: that
 // one says what matters.
 std::string with_doubts(const std::string& text, const AnalysisFlags& flags,

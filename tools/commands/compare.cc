@@ -30,10 +30,10 @@ void compare_models(const AnalysisFlags& flags, const std::vector<std::string>& 
   const auto set = measurement::MeasurementSet::open(flags.data);
   if (set.camera.width_px == 0)
     throw InputError(flags.data + ": the set names no camera, expected its width_px and height_px");
-  const auto map = measurement::difference_map(read_model(files[0]), read_model(files[1]),
-                                               set.camera.width_px, set.camera.height_px);
-  outputs.tell(measurement::models_text(map, files[0], files[1]),
-               [&] { return measurement::models_json(map, files[0], files[1]); });
+  const auto maps = measurement::difference_maps(read_model(files[0]), read_model(files[1]),
+                                                 set.camera.width_px, set.camera.height_px);
+  outputs.tell(measurement::models_text(maps, files[0], files[1]),
+               [&] { return measurement::models_json(maps, files[0], files[1]); });
   if (outputs.report) {
     const measurement::ReportHeader header{
         .command = fmt::format("seam compare --models {} {} --data {} --report {}", files[0],
@@ -41,7 +41,7 @@ void compare_models(const AnalysisFlags& flags, const std::vector<std::string>& 
         .model_file = files[0],
         .data_folder = flags.data};
     measurement::write_report(outputs.report,
-                              measurement::models_report(map, files[0], files[1], header));
+                              measurement::models_report(maps, files[0], files[1], header));
   }
 }
 

@@ -52,7 +52,7 @@ void add_diagnose(app::Command app) {
         measurement::search(*problem, model, own, progress_to_terminal(), flags->material);
     std::optional<measurement::Suggestion> suggestion;
     std::string text = with_doubts(measurement::diagnose_text(*problem, result), *flags, model,
-                                   result.base.assessment.error);
+                                   unexplained_error(result));
     if (!suggested->empty()) {
       suggestion = measurement::suggest(*problem, result, progress_to_terminal());
       text += told(suggestion, result, *suggested);

@@ -33,7 +33,7 @@ void add_discover(app::Command app) {
     if (outputs.target)
       outputs.target.fill(measurement::target_table(*problem, result.best.assessment.model));
     outputs.tell(with_doubts(measurement::discover_text(*problem, result), *flags, model,
-                             result.base.assessment.error),
+                             unexplained_error(result)),
                  [&] { return measurement::discover_json(*problem, result); });
     if (outputs.report) {
       measurement::write_report(

@@ -140,6 +140,7 @@ export interface Arrows {
 }
 
 export interface ImageMap {
+  camera?: string;
   stage?: "before" | "after";
   title?: string;
   unit?: string;
@@ -187,7 +188,7 @@ export interface Plots {
    * the shift along x and out of it; m. */
   target?: number[][];
   /** How well the lens is known, or by how much two models differ, over the image. */
-  lens_error?: ImageMap;
+  lens_error?: ImageMap | ImageMap[];
 }
 
 export interface Table {

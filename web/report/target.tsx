@@ -3,7 +3,7 @@
 import * as Plot from "@observablehq/plot";
 import { number } from "../shared/format";
 import { palette } from "../shared/palette";
-import type { Report } from "./data";
+import type { ImageMap, Report } from "./data";
 import { Figure } from "./figure";
 
 function quantile(values: number[], q: number): number {
@@ -74,17 +74,30 @@ export function TargetPicture({ report }: { report: Report }) {
 }
 
 export function LensMapFigure({ report }: { report: Report }) {
-  const map = report.plots?.lens_error;
-  if (!map) return null;
+  const given = report.plots?.lens_error;
+  // One map, or one for each camera of a rig.
+  const maps = (Array.isArray(given) ? given : given ? [given] : [])
+    .filter((map) => map.values.some((value) => value !== null));
+  if (maps.length === 0) return null;
+  const difference = maps[0]!.title === "Difference";
+  return (
+    <section id="lens">
+      <h2>{difference ? "Two lenses over the image" : "How well the lens is known"}</h2>
+      <div class="figures">
+        {maps.map((map) => <OneLensMap map={map} difference={difference} />)}
+      </div>
+    </section>
+  );
+}
+
+function OneLensMap({ map, difference }: { map: ImageMap; difference: boolean }) {
   const cells = map.values.map((value, i) => ({
     u: (i % map.columns) * (map.width_px / map.columns),
     v: Math.floor(i / map.columns) * (map.height_px / map.rows),
     value,
   })).filter((cell) => cell.value !== null);
-  if (cells.length === 0) return null;
   const sizes = cells.map((cell) => cell.value as number);
   const reach = quantile(sizes, 0.98) || 1;
-  const difference = map.title === "Difference";
   const draw = (width: number): Plot.PlotOptions => ({
     height: Math.round((width - 52) * (map.height_px / map.width_px)) + 62,
     marginLeft: 40, marginRight: 12, marginTop: 26, marginBottom: 36,
@@ -104,23 +117,19 @@ export function LensMapFigure({ report }: { report: Report }) {
   });
   const middle = number(quantile(sizes, 0.5), 2), most = number(Math.max(...sizes), 2);
   return (
-    <section id="lens">
-      <h2>{difference ? "Two lenses over the image" : "How well the lens is known"}</h2>
-      <div class="figures">
-        <Figure
-          name={`lens ${map.title ?? ""}`}
-          title={difference ? "Difference of the two models" : "Standard error of the predicted place"}
-          sentence={
-            (difference
-              ? `By how many pixels the two models see one direction at different places, `
-              : `One standard error of the place at which the model sees a direction, `) +
-            `the turn of the camera taken out: half of the image lies above ${middle} px, the largest ` +
-            `is ${most} px. ` +
-            (difference ? "" : "Where no point was seen it grows: there the lens is extrapolated.")
-          }
-          draw={draw}
-        />
-      </div>
-    </section>
+    <Figure
+      name={`lens ${map.title ?? ""}${map.camera ? ` ${map.camera}` : ""}`}
+      title={(difference ? "Difference of the two models" : "Standard error of the predicted place") +
+        (map.camera ? `, camera ${map.camera}` : "")}
+      sentence={
+        (difference
+          ? `By how many pixels the two models see one direction at different places, `
+          : `One standard error of the place at which the model sees a direction, `) +
+        `the turn of the camera taken out: half of the image lies above ${middle} px, the largest ` +
+        `is ${most} px. ` +
+        (difference ? "" : "Where no point was seen it grows: there the lens is extrapolated.")
+      }
+      draw={draw}
+    />
   );
 }

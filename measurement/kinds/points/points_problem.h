@@ -91,7 +91,7 @@ class PointsProblem : public Problem {
                                                    const Evaluation& here) const;
   std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,
                                   std::vector<int>& rows) const;
-  double reach_rad(const Model& model) const;
+  double reach_rad(const Model& model, int camera) const;
   void count_as_missed(int frame, Evaluation& evaluation) const;
 
   // points_moving.cc

@@ -1,9 +1,11 @@
 // Points seen by a camera whose pose in each frame is estimated with the model.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 #include "effects/questions.h"
+#include "effects/registry.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/kinds/points/target/lens_like.h"
@@ -169,33 +171,40 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
   return columns;
 }
 
-// The largest angle from the axis under which the rows that take part are seen, poses being those
-// of this model.
-double PointsProblem::reach_rad(const Model& model) const {
+// The largest angle from a camera's axis under which its rows that take part are seen, poses being
+// those of this model.
+double PointsProblem::reach_rad(const Model& model, int camera) const {
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
+  if (!evaluation.valid) return 0;
+  const Pose X_KC = Cameras(model, data_.cameras).X_KC(camera);
   double most = 0;
   for (size_t row = 0; row < data_.p_W.size(); ++row) {
     Pose X_CW;
-    if (!takes_part(row) || !evaluation.valid ||
+    if (!takes_part(row) || data_.camera_of_row[row] != camera ||
         !stored_pose(evaluation.nuisance_values, static_cast<size_t>(data_.frame_of_row[row]),
                      X_CW))
       continue;
-    const Vec3 p_C = X_CW * data_.p_W[row];
-    most = std::max(most, std::atan2(std::hypot(p_C.x, p_C.y), p_C.z));
+    const Vec3 p_K = X_KC * (X_CW * data_.p_W[row]);
+    most = std::max(most, std::atan2(std::hypot(p_K.x, p_K.y), p_K.z));
   }
   return most;
 }
 
 // What stands in the model's lens already cannot be beside another of its kind: that one begins at
-// the same image.
+// the same image. A lens of all cameras is told by the first.
 std::vector<std::vector<double>> PointsProblem::starts(
     const Model& model, const effects::EffectDefinition& effect) const {
-  const bool other_lens = effect.term == effects::Term::radial &&
-                          data_.rig.type() == Rig::Type::unknown && !moves() &&
-                          data_.cameras.size() == 1 && effects::is_excluded(effect, model);
-  if (!other_lens) return Problem::starts(model, effect);
-  const auto like =
-      lens_like(model, effect, data_.camera.width_px, data_.camera.height_px, reach_rad(model));
+  if (effect.term != effects::Term::radial || data_.rig.type() != Rig::Type::unknown || moves())
+    return Problem::starts(model, effect);
+  const std::string name = effects::camera_of(effect.name);
+  const auto of_it = std::find_if(data_.cameras.begin(), data_.cameras.end(),
+                                  [&](const CameraView& view) { return view.name == name; });
+  const CameraView& view = of_it == data_.cameras.end() ? data_.cameras.front() : *of_it;
+  const Model own = model_of(model, view.name);
+  const auto plain = effects::find_effect(effects::plain_name(effect.name));
+  if (!plain || !effects::is_excluded(*plain, own)) return Problem::starts(model, effect);
+  const auto like = lens_like(own, *plain, view.width_px, view.height_px,
+                              reach_rad(model, static_cast<int>(&view - data_.cameras.data())));
   return like ? std::vector<std::vector<double>>{*like} : std::vector<std::vector<double>>{};
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "effects/cameras.h"
 #include "effects/stages/geometry.h"
 
 namespace seam::measurement {
@@ -14,8 +15,7 @@ struct CameraView {
   int width_px = 0, height_px = 0;
 };
 
-// What of a model acts on one camera: its own effects before those of all, under plain names.
-effects::Model model_of(const effects::Model& model, const std::string& camera);
+using effects::model_of;
 
 class Cameras {
  public:

@@ -9,8 +9,10 @@
 #include <cmath>
 #include <filesystem>
 
+#include "effects/registry.h"
 #include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/exchanges.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
@@ -179,6 +181,45 @@ TEST(Stereo, OneCameraThatSeesLaterIsTold) {
   EXPECT_NEAR(found.error, 1, 0.1);
   expect_found(found, "frame_latency@right", "latency_s", kLate_s, 3e-4);
   expect_found(found, "camera_pose@right", "x_m", kBaseline_m[0], 1e-3);
+}
+
+Model without_lenses() {
+  std::string text = free_pinhole("left") + free_pinhole("right") + "camera_pose@right: {";
+  for (const char* name : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"})
+    text += fmt::format("{}: {{value: 0, free: true}}, ", name);
+  return model(text + "}");
+}
+
+// The left camera's lens is told as a fisheye's first: the other family has its numbers from the
+// images of that camera, and no lens comes beside one that leaves it no room.
+TEST(Stereo, OneCamerasLensIsExchangedForItsOwnAlone) {
+  const auto problem = open_problem(made({.name = "exchanged"}));
+  const Model start = without_lenses();
+  problem->check_model(start);
+  problem->prepare(start);
+  Grown grown{.assessment = assess(*problem, start, refitted_unknowns(start))};
+  std::vector<NotTestable> reasons;
+  grown = try_effect(*problem, grown, effects::find_effect("fisheye@left"), reasons)->grown;
+  const auto moves = possible_exchanges(
+      *problem, grown, {}, [](const std::string& name) { return effects::find_effect(name); });
+  const std::pair<size_t, std::string> polynomial{0, "radial_polynomial@left"};
+  EXPECT_THAT(moves, testing::Contains(polynomial));
+  EXPECT_THAT(
+      moves,
+      testing::Not(testing::Contains(std::pair<size_t, std::string>{0, "radial_polynomial"})));
+  const Exchanges exchanges(*problem);
+  const auto other =
+      exchanges.with_other(grown, "fisheye@left", effects::find_effect("radial_polynomial@left"));
+  ASSERT_TRUE(other);
+  EXPECT_NEAR(other->assessment.error, 1, 0.1);
+  expect_found(other->assessment, "radial_polynomial@left", "k1", -0.08, 2e-2);
+
+  Grown both = grown;
+  both.assessment.model.set(effects::find_effect("fisheye"),
+                            std::vector<effects::ParameterValue>(4));
+  both.added.push_back("fisheye");
+  for (const char* name : {"radial_polynomial", "radial_polynomial@left"})
+    EXPECT_FALSE(exchanges.with_other(both, "fisheye@left", effects::find_effect(name))) << name;
 }
 
 TEST(Stereo, ACameraThatNobodyPlacesOrThatIsNoneIsNamed) {
