@@ -76,6 +76,18 @@ TEST(Study, SetsLikeRecordings) {
   EXPECT_NEAR(bursts.rows.at(0).error, 1, 0.2) << study_text(plan, bursts);
 }
 
+// Enough of them are left out as gross errors for the rest to show nothing.
+TEST(Study, LargeErrorsOneByOneAreAnEffect) {
+  const StudyPlan plan{.kind = "points",
+                       .hidden = "{point_scatter: {fraction: 0.03, sigma_px: 1.5}}",
+                       .material = 0.1,
+                       .seeds = 1,
+                       .first_seed = 2,
+                       .folder = scratch("study-scatter")};
+  const StudyResult result = study(plan, silent);
+  EXPECT_EQ(result.rows.at(0).exact.hits, 1) << study_text(plan, result);
+}
+
 TEST(Study, SeveralEffectsAtOnce) {
   const StudyPlan plan{.kind = "landmarks",
                        .hidden = "{range_scale: {scale: 0.05}, frame_latency: {latency_s: 0.05}}",
