@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "effects/registry.h"
-#include "measurement/problem/made_problem.h"
 #include "measurement/fitting/wide_fit.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/problem/made_problem.h"
 #include "measurement/study/study.h"
 
 namespace seam::measurement {

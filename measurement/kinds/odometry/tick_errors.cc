@@ -10,7 +10,7 @@ namespace {
 constexpr double kRounding2 = 1.0 / 12;
 // Rows before and after that tell how fast a wheel turns.
 constexpr size_t kReach = 5;
-// A part of the noise that is material (definitions.md).
+// A part of the noise that is material (docs/definitions.md).
 constexpr double kMaterial = 0.1;
 
 // A wheel that turns by this share of a tick has a rounding error that goes with the one before, as
