@@ -210,7 +210,7 @@ for seen in robot.observations():
             self.assertLess(time.monotonic(), end)
             time.sleep(0.05)
         # Meanwhile nobody else writes it.
-        self.assertIn("another sweep writes this file", self.sweep("r.sqlite", code=1))
+        self.assertIn("another process writes this file", self.sweep("r.sqlite", code=1))
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 1, out + err)

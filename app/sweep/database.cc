@@ -1,6 +1,9 @@
 #include "app/sweep/database.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <memory>
 
@@ -107,6 +110,47 @@ SqlValue Database::value(const std::string& sql, const std::vector<SqlValue>& va
     found = true;
   });
   return first;
+}
+
+WriterLock::WriterLock(const std::filesystem::path& file)
+    : descriptor_(::open(file.c_str(), O_RDWR | O_CLOEXEC)) {
+  if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  const bool taken = descriptor_ >= 0;
+  if (taken) ::close(descriptor_);
+  throw InputError(
+      fmt::format("{}: {}", file.string(),
+                  taken ? "another process writes this file now" : "cannot be opened for writing"));
+}
+
+WriterLock::~WriterLock() {
+  ::close(descriptor_);
+}
+
+OwnedDatabase own_database(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const bool fresh =
+      !std::filesystem::exists(file, unknown) || std::filesystem::file_size(file, unknown) == 0;
+  OwnedDatabase owned{.lock = nullptr,
+                      .database = std::make_unique<Database>(file, Database::Mode::create)};
+  if (fresh) owned.database->execute("PRAGMA user_version = 1");  // Now the file is there.
+  owned.lock = std::make_unique<WriterLock>(file);
+  owned.has_tables = whole_of(owned.database->value("SELECT count(*) FROM sqlite_master")) != 0;
+  return owned;
+}
+
+void write_ahead(Database& database) {
+  database.value("PRAGMA journal_mode = WAL");
+  database.execute("PRAGMA synchronous = NORMAL");
+}
+
+std::string text_of(const SqlValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  return text == nullptr ? "" : *text;
+}
+
+int64_t whole_of(const SqlValue& value) {
+  const auto* whole = std::get_if<int64_t>(&value);
+  return whole == nullptr ? 0 : *whole;
 }
 
 std::string sql_name(const std::string& name) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -38,6 +39,34 @@ class Database {
   std::filesystem::path file_;
   sqlite3* handle_ = nullptr;
 };
+
+// An advisory lock of a whole file, which ends with the process: no other has one. Throws
+// InputError where one has.
+class WriterLock {
+ public:
+  explicit WriterLock(const std::filesystem::path& file);
+  ~WriterLock();
+  WriterLock(const WriterLock&) = delete;
+  WriterLock& operator=(const WriterLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+// A file that this process alone writes, made where it is not there: nothing in it has changed yet.
+struct OwnedDatabase {
+  std::unique_ptr<WriterLock> lock;  // Released after the database is closed: last.
+  std::unique_ptr<Database> database;
+  bool has_tables = false;
+};
+OwnedDatabase own_database(const std::filesystem::path& file);
+// From now on a process that dies loses nothing that was committed; of a computer that does, the
+// last few commits may be lost.
+void write_ahead(Database& database);
+
+// What a column holds; an empty text and 0 where it holds something else.
+std::string text_of(const SqlValue& value);
+int64_t whole_of(const SqlValue& value);
 
 // A name as SQL quotes it.
 std::string sql_name(const std::string& name);

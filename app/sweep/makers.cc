@@ -59,12 +59,16 @@ std::string ProgramPrints::of(const std::vector<std::string>& command, const std
   return print_of_text(all);
 }
 
-Makers makers_of(const SweepPlan& plan, ProgramPrints& prints) {
+std::string program_print(ProgramPrints& prints) {
   std::string program = prints.print_of("/proc/self/exe");
   for (const std::string& plugin : plugins()) program += prints.print_of(plugin);
+  return print_of_text(program);
+}
+
+Makers makers_of(const SweepPlan& plan, ProgramPrints& prints) {
   std::string behaviours;
   for (const auto& [command, robot] : plan.commands()) behaviours += prints.of(command, robot);
-  return {SEAM_VERSION, print_of_text(program), print_of_text(behaviours)};
+  return {SEAM_VERSION, program_print(prints), print_of_text(behaviours)};
 }
 
 std::vector<std::string> made_by(const SweepPlan& plan, const Makers& makers) {

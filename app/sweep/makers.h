@@ -21,6 +21,8 @@ class ProgramPrints {
   std::map<std::string, std::string> prints_;
 };
 
+// Of this program with its plugins.
+std::string program_print(ProgramPrints& prints);
 // Throws InputError where a behaviour is not there.
 Makers makers_of(const SweepPlan& plan, ProgramPrints& prints);
 

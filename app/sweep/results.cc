@@ -1,9 +1,5 @@
 #include "app/sweep/results.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <charconv>
 #include <cmath>
 
@@ -21,14 +17,6 @@ constexpr const char* kFixedColumns[] = {
     "wall_s", "frames", "decisions", "fingerprint", "red_score", "blue_score"};
 constexpr size_t kFixed = std::size(kFixedColumns);
 
-std::string text_of(const SqlValue& value) {
-  const auto* text = std::get_if<std::string>(&value);
-  return text == nullptr ? "" : *text;
-}
-int64_t whole_of(const SqlValue& value) {
-  const auto* whole = std::get_if<int64_t>(&value);
-  return whole == nullptr ? 0 : *whole;
-}
 std::optional<double> number_of(const SqlValue& value) {
   if (const auto* number = std::get_if<double>(&value)) return *number;
   if (const auto* whole = std::get_if<int64_t>(&value)) return static_cast<double>(*whole);
@@ -110,22 +98,6 @@ bool same_result(const RunRecord& a, const RunRecord& b) {
          a.red_score == b.red_score && a.blue_score == b.blue_score && a.kept == b.kept;
 }
 
-// An advisory lock of the whole file, which ends with the process.
-struct ResultsFile::Lock {
-  explicit Lock(const fs::path& file) : descriptor(::open(file.c_str(), O_RDWR | O_CLOEXEC)) {
-    if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return;
-    const bool taken = descriptor >= 0;
-    if (taken) ::close(descriptor);
-    throw InputError(
-        fmt::format("{}: {}", file.string(),
-                    taken ? "another sweep writes this file now" : "cannot be opened for writing"));
-  }
-  ~Lock() { ::close(descriptor); }
-  Lock(const Lock&) = delete;
-  Lock& operator=(const Lock&) = delete;
-  int descriptor;
-};
-
 ResultsFile::ResultsFile(fs::path path, std::unique_ptr<Database> database)
     : path_(std::move(path)), database_(std::move(database)) {}
 ResultsFile::ResultsFile(ResultsFile&&) noexcept = default;
@@ -139,22 +111,12 @@ ResultsFile ResultsFile::for_reading(const fs::path& file) {
 
 ResultsFile ResultsFile::for_writing(const fs::path& file, const SweepPlan& plan,
                                      const Makers& makers, const Shard& shard) {
-  std::error_code unknown;
-  const bool fresh = !fs::exists(file, unknown) || fs::file_size(file, unknown) == 0;
-  auto database = std::make_unique<Database>(file, Database::Mode::create);
-  if (fresh) database->execute("PRAGMA user_version = 1");  // Now the file is there.
-  auto lock = std::make_unique<Lock>(file);
-  ResultsFile results(file, std::move(database));
-  results.lock_ = std::move(lock);
-  const bool has_tables =
-      std::get<int64_t>(results.database_->value("SELECT count(*) FROM sqlite_master")) != 0;
-  if (has_tables)
-    results.read_head(&plan);  // Before anything of another program's file is changed.
-  // A process that dies loses nothing that was committed; of a computer that does, the last few
-  // runs may have to be made again.
-  results.database_->value("PRAGMA journal_mode = WAL");
-  results.database_->execute("PRAGMA synchronous = NORMAL");
-  if (!has_tables) {
+  OwnedDatabase owned = own_database(file);
+  ResultsFile results(file, std::move(owned.database));
+  results.lock_ = std::move(owned.lock);
+  if (owned.has_tables) results.read_head(&plan);  // Before another program's file is changed.
+  write_ahead(*results.database_);
+  if (!owned.has_tables) {
     results.create(plan, makers, shard);
     results.read_head(&plan);
   }

@@ -98,8 +98,7 @@ class ResultsFile {
   std::vector<std::string> columns() const;
 
   // Held as long as the file is written; released after the database is closed.
-  struct Lock;
-  std::unique_ptr<Lock> lock_;
+  std::unique_ptr<WriterLock> lock_;
   std::filesystem::path path_;
   std::unique_ptr<Database> database_;
   std::optional<SweepPlan> plan_;

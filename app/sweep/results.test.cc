@@ -109,7 +109,7 @@ TEST_F(Results, OtherPlansProgramsAndShardsAreRefusedInWords) {
   EXPECT_THAT(with(folder_.plan(), {"1.0", "aa", "cc"}, {}), testing::HasSubstr("behaviours cc"));
   EXPECT_THAT(with(folder_.plan(), kMakers, {2, 3}), testing::HasSubstr("holds shard 1/1"));
   const auto first = open("a.sqlite");
-  EXPECT_THAT(with(folder_.plan(), kMakers, {}), testing::HasSubstr("another sweep writes"));
+  EXPECT_THAT(with(folder_.plan(), kMakers, {}), testing::HasSubstr("another process writes"));
 }
 
 TEST_F(Results, OtherFilesAreRefusedAndStayAsTheyAre) {

@@ -15,8 +15,8 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
-SweepProgress::SweepProgress(uint64_t total)
-    : total_(total), terminal_(isatty(STDERR_FILENO) != 0) {}
+SweepProgress::SweepProgress(uint64_t total, const char* what)
+    : total_(total), what_(what), terminal_(isatty(STDERR_FILENO) != 0) {}
 
 SweepProgress::~SweepProgress() {
   if (terminal_) std::fputs("\r\033[K", stderr);
@@ -30,7 +30,7 @@ void SweepProgress::count(bool failed) {
 void SweepProgress::show() const {
   if (!terminal_) return;
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start_;
-  std::string line = fmt::format("\r\033[K{} of {} runs", done_, total_);
+  std::string line = fmt::format("\r\033[K{} of {} {}", done_, total_, what_);
   if (failed_ > 0) line += fmt::format(", {} failed", failed_);
   if (done_ > 0) {
     const double each_s = wall.count() / static_cast<double>(done_);

@@ -1,4 +1,5 @@
-// One line on a terminal: runs done, failed, a second, and the time left. Silent elsewhere.
+// One line on a terminal: runs (or what else is counted) done, failed, a second, and the time left.
+// Silent elsewhere.
 #pragma once
 
 #include <chrono>
@@ -12,7 +13,7 @@ std::string duration_text(double seconds);
 
 class SweepProgress {
  public:
-  explicit SweepProgress(uint64_t total);
+  explicit SweepProgress(uint64_t total, const char* what = "runs");
   ~SweepProgress();
   SweepProgress(const SweepProgress&) = delete;
   SweepProgress& operator=(const SweepProgress&) = delete;
@@ -22,6 +23,7 @@ class SweepProgress {
 
  private:
   uint64_t total_, done_ = 0, failed_ = 0;
+  const char* what_;
   bool terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

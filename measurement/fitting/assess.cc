@@ -1,16 +1,11 @@
 #include "measurement/fitting/assess.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <limits>
-#include <mutex>
-#include <thread>
 
 #include "measurement/fitting/leave_out.h"
 #include "sim_core/base/error.h"
-#include "sim_core/system/thread.h"
 
 namespace seam::measurement {
 namespace {
@@ -161,34 +156,6 @@ size_t count_used(const Problem& problem) {
   size_t count = 0;
   for (size_t i = 0; i < problem.facts().scalars(); ++i) count += !problem.left_out(i);
   return count;
-}
-
-void parallel_for(size_t count, const std::function<void(size_t)>& job) {
-  const size_t workers = std::min<size_t>(count, std::max(1u, std::thread::hardware_concurrency()));
-  std::atomic<size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex mutex;
-  const auto work = [&] {
-    for (size_t i = next++; i < count; i = next++) {
-      try {
-        job(i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> threads;
-    try {
-      for (size_t w = 1; w < workers; ++w) threads.push_back(start_thread(work));
-    } catch (const InputError&) {
-      next = count;  // Those that were started end with the job they have.
-      throw;
-    }
-    work();
-  }
-  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace seam::measurement

@@ -44,7 +44,4 @@ void write_sigmas(Model& model, const std::vector<Unknown>& unknowns, const Fit&
 // How many scalars take part.
 size_t count_used(const Problem& problem);
 
-// Runs job(0) ... job(count - 1) on the machine's cores; results must go to places of their own.
-void parallel_for(size_t count, const std::function<void(size_t)>& job);
-
 }  // namespace seam::measurement

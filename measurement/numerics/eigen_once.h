@@ -1,7 +1,8 @@
-// Eigen's products and decompositions of dense matrices of doubles, compiled once
-// (eigen_once.cc). Every file that multiplies two matrices would compile the same kernels again: a
-// seventh of the time of six batches of this folder's files. Read before all else where headers are
-// compiled once (CMakeLists.txt); other builds do without.
+// Eigen's products of dense matrices of doubles, compiled once (eigen_once.cc). Every file that
+// multiplies two matrices would compile the same kernels again: a seventh of the time of six
+// batches of this folder's files. Read before all else where headers are compiled once
+// (CMakeLists.txt); other builds do without. Decompositions are compiled where they are used, in
+// linear_algebra.cc: a whole class of them takes 4 to 10 s, most of it in what nobody calls.
 //
 // The names are those of Eigen 3.4 (Debian 12). A declaration that nobody uses costs nothing, one
 // that is missing only time.
@@ -40,14 +41,6 @@
                                                   1>;                                              \
   linkage template struct triangular_solve_matrix<double, Index, OnTheLeft, UnitLower, false, 0,   \
                                                   0, 1>;                                           \
-  }                                                                                                \
-  namespace Eigen {                                                                                \
-  linkage template class LLT<MatrixXd>;                                                            \
-  linkage template class LDLT<MatrixXd>;                                                           \
-  linkage template class PartialPivLU<MatrixXd>;                                                   \
-  linkage template class ColPivHouseholderQR<MatrixXd>;                                            \
-  linkage template class CompleteOrthogonalDecomposition<MatrixXd>;                                \
-  linkage template class SelfAdjointEigenSolver<MatrixXd>;                                         \
   }
 
 SEAM_EIGEN_ONCE(extern)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/numerics/parallel_for.h"
 #include "measurement/search/decisions.h"
 
 namespace seam::measurement {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "measurement/fitting/foretaste.h"
+#include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
 #include "measurement/search/candidates.h"
 

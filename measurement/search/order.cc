@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "effects/questions.h"
+#include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
 namespace {

@@ -7,6 +7,7 @@
 #include "effects/registry.h"
 #include "measurement/fitting/foretaste.h"
 #include "measurement/fitting/group_scatter.h"
+#include "measurement/numerics/parallel_for.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/order.h"
 #include "measurement/search/told_apart.h"

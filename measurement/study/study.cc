@@ -21,7 +21,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // One study: the protocol, the nominal model, and the effect that is hidden.
 class Study {
  public:
-  Study(const StudyPlan& plan, const Progress& progress) : plan_(plan), progress_(progress) {
+  explicit Study(const StudyPlan& plan) : plan_(plan) {
     nominal_ = write_study_protocol(plan.kind, plan.folder / "protocol");
     arrange_protocol(plan.conditions, plan.folder / "protocol");
     const auto several = [&](const std::string& text, Model into) {
@@ -56,25 +56,44 @@ class Study {
     hidden_ = {plan.effect};
   }
 
-  StudyResult run() {
+  StudyResult run(const Jobs& jobs) {
     StudyResult result;
-    const auto look = [&](double size, double value) {
-      StudyRow row = at(size, value);
-      if (row.sets > 0) result.rows.push_back(row);
-    };
-    if (!effect_) look(kNaN, 0);
+    if (!effect_) result.rows.push_back({.size = kNaN});
     if (effect_ && !plan_.sizes.empty()) {
-      const double sigma = standard_error();
-      for (const double size : plan_.sizes) look(size, neutral() + size * sigma);
+      const auto sigma = standard_error(jobs);
+      result.stopped = !sigma;
+      if (!sigma) return result;
+      for (const double size : plan_.sizes)
+        result.rows.push_back({.size = size, .value = neutral() + size * *sigma});
     }
-    for (const double value : plan_.values) look(kNaN, value);
-    result.residuals = residuals_;
-    result.stopped = stopped_;
+    for (const double value : plan_.values) result.rows.push_back({.size = kNaN, .value = value});
+    // One set of each row after the other, so that a study that is stopped, or is made longer
+    // later, has as many of each.
+    const size_t rows = result.rows.size();
+    const uint64_t last = kFirstSet + rows * static_cast<uint64_t>(plan_.seeds);
+    std::vector<std::string> told(last - kFirstSet);
+    const bool all = jobs(
+        kFirstSet, last,
+        [&](uint64_t job) {
+          const uint64_t number = job - kFirstSet;
+          return looked_at(job, result.rows[number % rows].value, plan_.first_seed + number / rows)
+              .dump();
+        },
+        [&](uint64_t job, const std::string& text) { told[job - kFirstSet] = text; });
+    result.stopped = !all;
+    for (size_t k = 0; k < rows; ++k) {
+      std::vector<nlohmann::json> sets;
+      for (size_t i = k; i < told.size(); i += rows)
+        if (!told[i].empty()) sets.push_back(nlohmann::json::parse(told[i]));
+      count(sets, result.rows[k]);
+      if (!sets.empty()) result.residuals = sets.back().at("residuals");
+    }
+    std::erase_if(result.rows, [](const StudyRow& row) { return row.sets == 0; });
     return result;
   }
 
  private:
-  bool stopped() { return stopped_ = stopped_ || plan_.stopped(); }
+  static constexpr uint64_t kStandardError = 0, kFirstSet = 1;  // Numbers of jobs.
 
   double neutral() const { return effect_->parameters[parameter_].neutral; }
 
@@ -86,23 +105,37 @@ class Study {
     return model;
   }
 
-  std::unique_ptr<Problem> made(const Model& truth, uint64_t seed) {
-    const std::filesystem::path out = plan_.folder / "set";
+  std::filesystem::path folder_of(uint64_t job) const {
+    return plan_.folder / fmt::format("set-{}", job);
+  }
+
+  std::unique_ptr<Problem> made(uint64_t job, const Model& truth, uint64_t seed) const {
+    const std::filesystem::path out = folder_of(job);
     std::filesystem::remove_all(out);
     measure_set(truth, MeasurementSet::open(plan_.folder / "protocol"), {.seed = seed, .out = out},
                 plan_.instruments);
     disturb_set(plan_.conditions, seed, out);
-    auto problem = open_problem(out, plan_.instruments);
-    residuals_ = problem->facts().scalars();
-    return problem;
+    return open_problem(out, plan_.instruments);
   }
 
-  // What a fit of the effect's parameters beside the nominal model says of this one's error.
-  double standard_error() {
+  // What a fit of the effect's parameters beside the nominal model says of this one's error;
+  // nothing where somebody stopped it.
+  std::optional<double> standard_error(const Jobs& jobs) {
     if (effect_->spread_only || !std::isfinite(neutral()))
       throw InputError(fmt::format(
           "effect '{}': its detectability is no standard error; give its value", effect_->name));
-    const auto problem = made(nominal_, plan_.first_seed);
+    std::optional<double> sigma;
+    jobs(
+        kStandardError, kFirstSet,
+        [&](uint64_t) { return nlohmann::json(fitted_standard_error()).dump(); },
+        [&](uint64_t, const std::string& text) {
+          sigma = nlohmann::json::parse(text).get<double>();
+        });
+    return sigma;
+  }
+
+  double fitted_standard_error() const {
+    const auto problem = made(kStandardError, nominal_, plan_.first_seed);
     std::vector<NotTestable> reasons;
     const Grown base{.assessment = assess(*problem, nominal_, refitted_unknowns(nominal_))};
     const auto candidate =
@@ -121,21 +154,35 @@ class Study {
                                  reasons.empty() ? "" : " (" + reasons.front().why + ")"));
   }
 
-  StudyRow at(double size, double value) {
-    StudyRow row{.size = size, .value = value};
+  // A set made, searched and judged.
+  nlohmann::json looked_at(uint64_t job, double value, uint64_t seed) const {
+    const auto problem = made(job, truth(value), seed);
+    const SearchResult result = search(
+        *problem, nominal_, {}, [](const std::string&) {}, plan_.material);
+    nlohmann::json set = judged(result, value);
+    set["seed"] = seed;
+    set["residuals"] = problem->facts().scalars();
+    set["verdict"] = result.verdict;
+    set["steps"] = result.best.added;
+    set["error"] = result.best.assessment.error;
+    std::filesystem::remove_all(folder_of(job));
+    return set;
+  }
+
+  static void count(const std::vector<nlohmann::json>& sets, StudyRow& row) {
     double sum = 0, sum2 = 0;
-    const std::string what =
-        effect_ ? fmt::format("{} = {:.4g}", plan_.effect, value) : "nothing hidden";
-    for (int i = 0; i < plan_.seeds && !stopped(); ++i) {
-      progress_(fmt::format("{}, {}: set {} of {}", plan_.kind, what, i + 1, plan_.seeds));
-      const auto problem = made(truth(value), plan_.first_seed + static_cast<uint64_t>(i));
-      const SearchResult result = search(
-          *problem, nominal_, {}, [](const std::string&) {}, plan_.material);
-      const double error = result.best.assessment.error;
-      if (!count(result, value, row))
-        row.odd.push_back({.seed = plan_.first_seed + static_cast<uint64_t>(i),
-                           .verdict = result.verdict,
-                           .steps = result.best.added,
+    for (const nlohmann::json& set : sets) {
+      const auto tally = [&](Rate& rate, const char* question) {
+        if (!set.contains(question)) return;
+        rate.hits += set.at(question).get<bool>(), ++rate.trials;
+      };
+      tally(row.noises, "noises"), tally(row.alarms, "alarm"), tally(row.adds, "adds");
+      tally(row.first, "first"), tally(row.exact, "exact"), tally(row.covered, "covered");
+      const double error = set.at("error").is_null() ? kNaN : set.at("error").get<double>();
+      if (!set.at("as_made").get<bool>())
+        row.odd.push_back({.seed = set.at("seed"),
+                           .verdict = set.at("verdict"),
+                           .steps = set.at("steps"),
                            .error = error});
       sum += error, sum2 += error * error;
       ++row.sets;
@@ -144,23 +191,20 @@ class Study {
     row.error = sum / n;
     row.error_sigma =
         n > 1 ? std::sqrt(std::max(0.0, sum2 / n - row.error * row.error) / (n - 1)) : kNaN;
-    return row;
   }
 
   static const EffectDefinition& definition(const SearchResult& result, const std::string& name) {
     return *result.best.assessment.model.find(name)->definition;
   }
 
-  // Whether the search ends as the set was made.
-  bool count(const SearchResult& result, double value, StudyRow& row) const {
-    const auto tally = [](Rate& rate, bool hit) {
-      rate.hits += hit, ++rate.trials;
-      return hit;
-    };
+  // What a row counts, where it was asked, and `as_made`: the search ends as the set was made.
+  nlohmann::json judged(const SearchResult& result, double value) const {
+    nlohmann::json set;
     // Errors that wander in truth and not in the model are no false alarm where a noise names them.
     const bool named = plan_.conditions.wander > 0 && explained_by_noises(result);
-    if (plan_.conditions.wander > 0) tally(row.noises, named);
-    const bool found = tally(row.alarms, result.verdict != "adequate" && !named);
+    if (plan_.conditions.wander > 0) set["noises"] = named;
+    const bool alarm = result.verdict != "adequate" && !named;
+    set["alarm"] = alarm;
     const auto is_hidden = [&](const std::string& name) {
       return std::find(hidden_.begin(), hidden_.end(), name) != hidden_.end();
     };
@@ -177,130 +221,53 @@ class Study {
       added = added || (name.empty() && !definition(result, step.effect).spread_only);
       if (!name.empty()) explained.insert(name);
     }
-    tally(row.adds, added);
-    if (hidden_.empty()) return !found;
+    set["adds"] = added;
+    set["as_made"] = !alarm;
+    if (hidden_.empty()) return set;
     const auto& candidates = result.first.candidates;
-    tally(row.first,
-          !candidates.empty() && candidates.front().significant &&
-              !meant(candidates.front().effect->name, candidates.front().indistinguishable_from)
-                   .empty());
-    const bool exact = tally(
-        row.exact, result.steps.size() == hidden_.size() && explained.size() == hidden_.size());
-    if (!effect_) return exact;
+    set["first"] =
+        !candidates.empty() && candidates.front().significant &&
+        !meant(candidates.front().effect->name, candidates.front().indistinguishable_from).empty();
+    const bool exact = result.steps.size() == hidden_.size() && explained.size() == hidden_.size();
+    set["exact"] = set["as_made"] = exact;
+    if (!effect_) return set;
     const Assessment& best = result.best.assessment;
     for (size_t k = 0; k < best.unknowns.size(); ++k) {
       if (best.unknowns[k].effect == effect_->name && best.unknowns[k].parameter == parameter_)
-        tally(row.covered, std::abs(best.fit.value[k] - value) <= 2 * best.fit.sigma[k]);
+        set["covered"] = std::abs(best.fit.value[k] - value) <= 2 * best.fit.sigma[k];
     }
-    return exact;
+    return set;
   }
 
   const StudyPlan& plan_;
-  const Progress& progress_;
   Model nominal_, truth_;
   std::vector<std::string> hidden_;
   std::shared_ptr<const EffectDefinition> effect_;
   size_t parameter_ = 0;
-  size_t residuals_ = 0;
-  bool stopped_ = false;
 };
-
-double wilson(int hits, int trials, double side) {
-  if (trials == 0) return side > 0 ? 1 : 0;
-  constexpr double z = 1.959964;
-  const double n = trials, p = hits / n, z2n = z * z / n;
-  const double middle = p + 0.5 * z2n, reach = z * std::sqrt(p * (1 - p) / n + 0.25 * z2n / n);
-  return std::clamp((middle + side * reach) / (1 + z2n), 0.0, 1.0);
-}
-
-std::string percent(const Rate& rate) {
-  if (rate.trials == 0) return "-";
-  return fmt::format("{}/{} = {:.0f} % ({:.0f}-{:.0f})", rate.hits, rate.trials, 100 * rate.value(),
-                     100 * rate.low(), 100 * rate.high());
-}
 
 }  // namespace
 
-double Rate::low() const {
-  return wilson(hits, trials, -1);
-}
-double Rate::high() const {
-  return wilson(hits, trials, 1);
+std::string StudyPlan::text() const {
+  return nlohmann::json{{"kind", kind},
+                        {"effect", effect},
+                        {"parameter", parameter},
+                        {"hidden", hidden},
+                        {"beside", beside},
+                        {"material", material},
+                        {"conditions", conditions.text()},
+                        {"sizes", sizes},
+                        {"values", values},
+                        {"first_seed", first_seed}}
+      .dump();
 }
 
-StudyResult study(const StudyPlan& plan, const Progress& progress) {
-  return Study(plan, progress).run();
-}
-
-std::string study_json(const StudyPlan& plan, const StudyResult& result) {
-  const auto rate = [](const Rate& r) {
-    return nlohmann::ordered_json{{"hits", r.hits},
-                                  {"trials", r.trials},
-                                  {"rate", r.value()},
-                                  {"low", r.low()},
-                                  {"high", r.high()}};
-  };
-  const auto number = [](double x) {
-    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
-  };
-  nlohmann::ordered_json json = {
-      {"format", "seam-study/1"},  {"kind", plan.kind},     {"effect", plan.effect},
-      {"hidden", plan.hidden},     {"beside", plan.beside}, {"conditions", plan.conditions.text()},
-      {"material", plan.material}, {"seeds", plan.seeds},   {"residuals", result.residuals}};
-  if (result.stopped) json["stopped"] = true;
-  json["rows"] = nlohmann::ordered_json::array();
-  for (const StudyRow& row : result.rows) {
-    nlohmann::ordered_json entry = {{"size", number(row.size)},
-                                    {"value", row.value},
-                                    {"sets", row.sets},
-                                    {"alarms", rate(row.alarms)},
-                                    {"adds", rate(row.adds)}};
-    if (!plan.effect.empty() || !plan.hidden.empty())
-      entry["first"] = rate(row.first), entry["exact"] = rate(row.exact);
-    if (!plan.effect.empty()) entry["covered"] = rate(row.covered);
-    if (row.noises.trials > 0) entry["noises"] = rate(row.noises);
-    entry["error"] = number(row.error), entry["error_sigma"] = number(row.error_sigma);
-    entry["odd"] = nlohmann::ordered_json::array();
-    for (const OddSet& set : row.odd)
-      entry["odd"].push_back({{"seed", set.seed},
-                              {"verdict", set.verdict},
-                              {"steps", set.steps},
-                              {"error", number(set.error)}});
-    json["rows"].push_back(std::move(entry));
+StudyResult study(const StudyPlan& plan, const Jobs& jobs) {
+  try {
+    return Study(plan).run(jobs);
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("a kept result is none of a study: {}", error.what()));
   }
-  return json.dump(1) + "\n";
-}
-
-std::string study_text(const StudyPlan& plan, const StudyResult& result) {
-  const std::string conditions = plan.conditions.text();
-  std::string text = fmt::format(
-      "{}: {} sets of {} residuals{}, material {:g}; intervals hold the true rate with 95 %\n",
-      plan.kind, plan.seeds, result.residuals, conditions.empty() ? "" : ", " + conditions,
-      plan.material);
-  if (result.stopped) text += "stopped: what follows is of the sets that were finished\n";
-  for (const StudyRow& row : result.rows) {
-    if (plan.effect.empty() && plan.hidden.empty()) {
-      text += fmt::format("nothing hidden: false alarms {}, effects of the mean {}",
-                          percent(row.alarms), percent(row.adds));
-    } else if (plan.effect.empty()) {
-      text += fmt::format("{}: found {}, first {}, all and no other {}", plan.hidden,
-                          percent(row.alarms), percent(row.first), percent(row.exact));
-    } else {
-      text += fmt::format(
-          "{} = {:.5g}{}: found {}, first {}, alone {}, within 2 sigma {}", plan.effect, row.value,
-          std::isfinite(row.size) ? fmt::format(" ({:g} sigma)", row.size) : "",
-          percent(row.alarms), percent(row.first), percent(row.exact), percent(row.covered));
-    }
-    if (row.noises.trials > 0) text += fmt::format(", the wandering named {}", percent(row.noises));
-    text += fmt::format("; final error {:.4f} +- {:.4f}\n", row.error, row.error_sigma);
-    constexpr size_t kMostShown = 10;
-    for (size_t i = 0; i < std::min(kMostShown, row.odd.size()); ++i)
-      text += fmt::format("  not as made: seed {}, {}: {} (error {:.3f})\n", row.odd[i].seed,
-                          row.odd[i].verdict, fmt::join(row.odd[i].steps, ", "), row.odd[i].error);
-    if (row.odd.size() > kMostShown)
-      text += fmt::format("  ... and {} others (--json)\n", row.odd.size() - kMostShown);
-  }
-  return text;
 }
 
 }  // namespace seam::measurement

@@ -1,5 +1,6 @@
 // Studies of the search itself: many small sets with a known answer, made by the simulator's own
-// definitions, diagnosed one after another (`seam study`).
+// definitions and diagnosed (`seam study`). What a set gives depends on the plan and its number
+// alone.
 #pragma once
 
 #include <filesystem>
@@ -37,9 +38,17 @@ struct StudyPlan {
   uint64_t first_seed = 1;
   std::filesystem::path folder;  // Sets are made here and removed again.
   Instruments instruments;       // For kinds that need them.
-  // Asked before each set: where it says true, the study ends with the sets that are finished.
-  std::function<bool()> stopped = [] { return false; };
+
+  // All that the sets depend on, for files that keep them; how many there are does not count.
+  std::string text() const;
 };
+
+// Does the jobs from `first` to `last`, without it, in any order, here or in other processes:
+// `work` gives a job's result as a text, `done` takes it here. False where somebody stopped it
+// before all were done.
+using Jobs = std::function<bool(uint64_t first, uint64_t last,
+                                const std::function<std::string(uint64_t)>& work,
+                                const std::function<void(uint64_t, const std::string&)>& done)>;
 
 // A set whose search does not end as the set was made.
 struct OddSet {
@@ -71,8 +80,9 @@ struct StudyResult {
   std::vector<StudyRow> rows;  // Of sizes with a finished set.
 };
 
-// Throws InputError for a kind without a protocol, or an effect that does not act on it.
-StudyResult study(const StudyPlan& plan, const Progress& progress);
+// Throws InputError for a kind without a protocol, or an effect that does not act on it. A study of
+// more seeds has the jobs of one of fewer, with the same numbers.
+StudyResult study(const StudyPlan& plan, const Jobs& jobs);
 
 std::string study_json(const StudyPlan& plan, const StudyResult& result);
 std::string study_text(const StudyPlan& plan, const StudyResult& result);

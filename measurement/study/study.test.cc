@@ -15,6 +15,13 @@ namespace {
 
 void silent(const std::string&) {}
 
+// All jobs in this process.
+bool one_by_one(uint64_t first, uint64_t last, const std::function<std::string(uint64_t)>& work,
+                const std::function<void(uint64_t, const std::string&)>& done) {
+  for (uint64_t job = first; job < last; ++job) done(job, work(job));
+  return true;
+}
+
 std::filesystem::path scratch(const std::string& name) {
   return std::filesystem::path(testing::TempDir()) / name;
 }
@@ -33,7 +40,7 @@ TEST(Study, TwoSeedsOfEachKind) {
         std::pair("photometry", "vignetting")}) {
     const StudyPlan plan{
         .kind = kind, .effect = effect, .sizes = {12}, .seeds = 2, .folder = scratch("study")};
-    const StudyResult result = study(plan, silent);
+    const StudyResult result = study(plan, one_by_one);
     EXPECT_GT(result.residuals, 500u) << kind;
     EXPECT_LT(result.residuals, kind == std::string("photometry") ? 10000u : 2000u) << kind;
     ASSERT_EQ(result.rows.size(), 1u);
@@ -45,7 +52,7 @@ TEST(Study, TwoSeedsOfEachKind) {
 // The first row of a servo log holds the start that is fitted to it, and nothing else.
 TEST(Study, StartsOfServoLogsAreNoStructure) {
   const StudyPlan plan{.kind = "joints", .seeds = 3, .folder = scratch("study-none")};
-  const StudyResult result = study(plan, silent);
+  const StudyResult result = study(plan, one_by_one);
   EXPECT_EQ(result.rows.at(0).alarms.hits, 0) << study_text(plan, result);
 }
 
@@ -57,22 +64,22 @@ TEST(Study, SetsLikeRecordings) {
                  .conditions = {.groups = 4, .uneven = true, .misfit = 0.05},
                  .seeds = 2,
                  .folder = scratch("study-conditions")};
-  const StudyResult quiet = study(plan, silent);
+  const StudyResult quiet = study(plan, one_by_one);
   EXPECT_EQ(quiet.residuals, 4u * 20 * 3 * 2);
   EXPECT_EQ(quiet.rows.at(0).alarms.hits, 0) << study_text(plan, quiet);
   plan.conditions = {.wander = 2};
-  const StudyResult wandering = study(plan, silent);
+  const StudyResult wandering = study(plan, one_by_one);
   EXPECT_EQ(wandering.rows.at(0).noises.hits, 2) << study_text(plan, wandering);
   EXPECT_EQ(wandering.rows.at(0).alarms.hits, 0) << study_text(plan, wandering);
   EXPECT_EQ(wandering.rows.at(0).adds.hits, 0) << study_text(plan, wandering);
   EXPECT_NE(study_text(plan, wandering).find("the wandering named 2/2"), std::string::npos);
   // Half the noise widens the whole by 12 %: a little more than what matters.
   plan.conditions = {.wander = 0.5};
-  const StudyResult faint = study(plan, silent);
+  const StudyResult faint = study(plan, one_by_one);
   EXPECT_EQ(faint.rows.at(0).noises.hits, 1) << study_text(plan, faint);
   EXPECT_EQ(faint.rows.at(0).alarms.hits, 0) << study_text(plan, faint);
   plan.conditions = {.bursts = true};
-  const StudyResult bursts = study(plan, silent);
+  const StudyResult bursts = study(plan, one_by_one);
   EXPECT_NEAR(bursts.rows.at(0).error, 1, 0.2) << study_text(plan, bursts);
 }
 
@@ -84,7 +91,7 @@ TEST(Study, LargeErrorsOneByOneAreAnEffect) {
                        .seeds = 1,
                        .first_seed = 2,
                        .folder = scratch("study-scatter")};
-  const StudyResult result = study(plan, silent);
+  const StudyResult result = study(plan, one_by_one);
   EXPECT_EQ(result.rows.at(0).exact.hits, 1) << study_text(plan, result);
 }
 
@@ -94,30 +101,33 @@ TEST(Study, SeveralEffectsAtOnce) {
                        .material = 0.1,
                        .seeds = 1,
                        .folder = scratch("study-two")};
-  const StudyResult result = study(plan, silent);
+  const StudyResult result = study(plan, one_by_one);
   EXPECT_EQ(result.rows.at(0).exact.hits, 1) << study_text(plan, result);
   EXPECT_EQ(result.rows.at(0).first.hits, 1);
 }
 
 TEST(Study, WrongUseIsNamed) {
-  EXPECT_THROW(study({.kind = "walls", .folder = scratch("bad")}, silent), InputError);
+  EXPECT_THROW(study({.kind = "walls", .folder = scratch("bad")}, one_by_one), InputError);
   EXPECT_THROW(
-      study({.kind = "points", .effect = "frame_latancy", .folder = scratch("bad")}, silent),
+      study({.kind = "points", .effect = "frame_latancy", .folder = scratch("bad")}, one_by_one),
       InputError);
   EXPECT_THROW(
       study({.kind = "points", .effect = "vignetting", .sizes = {5}, .folder = scratch("bad")},
-            silent),
+            one_by_one),
       InputError);
 }
 
-// What a progress line says, and that a study that is stopped keeps what it has.
+// In any order, and where somebody stops it with what is finished.
 TEST(Study, StopsWithTheSetsThatAreFinished) {
-  StudyPlan plan{.kind = "odometry", .seeds = 50, .folder = scratch("study-stopped")};
-  std::vector<std::string> told;
-  plan.stopped = [&] { return told.size() == 2; };
-  const StudyResult result = study(plan, [&](const std::string& line) { told.push_back(line); });
-  EXPECT_EQ(told, (std::vector<std::string>{"odometry, nothing hidden: set 1 of 50",
-                                            "odometry, nothing hidden: set 2 of 50"}));
+  const StudyPlan plan{.kind = "odometry", .seeds = 50, .folder = scratch("study-stopped")};
+  const auto last_two = [&](uint64_t first, uint64_t last,
+                            const std::function<std::string(uint64_t)>& work,
+                            const std::function<void(uint64_t, const std::string&)>& done) {
+    EXPECT_EQ(last - first, 50u);
+    for (const uint64_t job : {last - 1, last - 2}) done(job, work(job));
+    return false;
+  };
+  const StudyResult result = study(plan, last_two);
   EXPECT_TRUE(result.stopped);
   ASSERT_EQ(result.rows.size(), 1u);
   EXPECT_EQ(result.rows[0].sets, 2);
@@ -126,10 +136,36 @@ TEST(Study, StopsWithTheSetsThatAreFinished) {
   EXPECT_NE(study_text(plan, result).find("stopped"), std::string::npos);
 }
 
+// A study is the same whoever does its jobs, and its sets are those of a longer one.
+TEST(Study, AJobDependsOnItsNumberAlone) {
+  StudyPlan plan{.kind = "odometry",
+                 .effect = "walk_lag",
+                 .values = {0.1, 0.2},
+                 .seeds = 1,
+                 .folder = scratch("study-jobs")};
+  std::map<uint64_t, std::string> told;
+  const auto backwards = [&](uint64_t first, uint64_t last,
+                             const std::function<std::string(uint64_t)>& work,
+                             const std::function<void(uint64_t, const std::string&)>& done) {
+    for (uint64_t job = last; job-- > first;) {
+      const std::string text = work(job);
+      EXPECT_TRUE(told.emplace(job, text).second || told[job] == text) << job;
+      done(job, text);
+    }
+    return true;
+  };
+  study(plan, backwards);
+  EXPECT_EQ(told.size(), 2u);
+  plan.seeds = 2;
+  const StudyResult longer = study(plan, backwards);
+  EXPECT_EQ(told.size(), 4u);
+  EXPECT_EQ(study_json(plan, longer), study_json(plan, study(plan, one_by_one)));
+}
+
 TEST(Study, AnUnknownEffectGetsASuggestion) {
   const StudyPlan plan{.kind = "points", .effect = "frame_latancy", .folder = scratch("bad")};
   try {
-    study(plan, silent);
+    study(plan, one_by_one);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("frame_latency"), std::string::npos) << error.what();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
 #include "measurement/search/order.h"
 #include "measurement/suggest/term.h"

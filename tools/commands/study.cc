@@ -2,12 +2,14 @@
 #include "measurement/study/study.h"
 
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <memory>
 
 #include "app/predictors/instruments.h"
 #include "app/scratch_folder.h"
+#include "app/sweep/kept_jobs.h"
+#include "app/sweep/makers.h"
+#include "measurement/numerics/parallel_for.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 #include "tools/command.h"
@@ -15,30 +17,6 @@
 
 namespace seam::tools {
 namespace {
-
-// While it lives, Ctrl-C waits until the study asks, which it does before each set; from then on
-// Ctrl-C ends the program as ever.
-class Interrupt {
- public:
-  Interrupt() {
-    sigemptyset(&interrupt_);
-    sigaddset(&interrupt_, SIGINT);
-    pthread_sigmask(SIG_BLOCK, &interrupt_, &before_);
-  }
-  ~Interrupt() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  Interrupt(const Interrupt&) = delete;
-  Interrupt& operator=(const Interrupt&) = delete;
-
-  bool came() {
-    const timespec at_once{};
-    if (sigtimedwait(&interrupt_, nullptr, &at_once) != SIGINT) return false;
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-    return true;
-  }
-
- private:
-  sigset_t interrupt_, before_;
-};
 
 std::vector<double> numbers(const std::vector<std::string>& words, const char* option) {
   std::vector<double> all;
@@ -83,7 +61,8 @@ void add_study(app::Command app) {
   struct Flags {
     measurement::StudyPlan plan;
     std::vector<std::string> sizes, values;
-    std::string json;
+    std::string json, results;
+    int jobs = 0;
   };
   auto flags = std::make_shared<Flags>();
   command
@@ -106,6 +85,13 @@ void add_study(app::Command app) {
   command.add_option("--value", flags->values, "Its value in its own unit, instead of a size");
   add_conditions(command, flags->plan);
   command.add_option("--json", flags->json, "Writes the result as JSON");
+  command.add_option(
+      "--results", flags->results,
+      "Keeps each set's result in this SQLite file: the same command, or one of more "
+      "--seeds, goes on where another ended");
+  command.add_option("--jobs", flags->jobs, "Sets made at once; 0: one for each core")
+      .range(0, 1024)
+      .show_default();
   command.footer("Example: seam study points --effect frame_latency --size 2 --size 5 --seeds 3");
   command.callback([flags] {
     measurement::StudyPlan& plan = flags->plan;
@@ -120,9 +106,20 @@ void add_study(app::Command app) {
     const app::ScratchFolder scratch("study");
     plan.folder = scratch.path();
     plan.instruments = app::instruments();
-    Interrupt interrupt;
-    plan.stopped = [&interrupt] { return interrupt.came(); };
-    const auto result = measurement::study(plan, progress_to_terminal());
+    app::ProgramPrints prints;
+    app::KeptJobs jobs({.file = flags->results,
+                        .format = "seam-study-results/1",
+                        .made_of = plan.text() + " by " + app::program_print(prints),
+                        .what = "sets",
+                        .workers = flags->jobs});
+    const auto result = measurement::study(
+        plan, [&](uint64_t first, uint64_t last, const auto& work, const auto& done) {
+          const auto alone = [&](uint64_t job) {
+            measurement::use_threads(jobs.cores_each());
+            return work(job);
+          };
+          return jobs.run(first, last, alone, done);
+        });
     std::fputs(measurement::study_text(plan, result).c_str(), stdout);
     if (json) json.fill(measurement::study_json(plan, result));
   });

@@ -2,7 +2,7 @@
 
 #include "effects/stages/row_schedule.h"
 #include "effects/stages/timing.h"
-#include "measurement/fitting/assess.h"
+#include "measurement/numerics/parallel_for.h"
 #include "sim_core/base/error.h"
 #include "sim_core/scene/scene_file.h"
 

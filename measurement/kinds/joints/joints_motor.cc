@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "effects/questions.h"
-#include "measurement/fitting/assess.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
 #include "measurement/kinds/joints/short_runs.h"
+#include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
 namespace {

@@ -6,12 +6,13 @@
 #include <optional>
 
 #include "effects/questions.h"
-#include "measurement/fitting/assess.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/joints/damped_motor.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
 #include "measurement/kinds/joints/short_runs.h"
+#include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
 namespace {
@@ -47,14 +48,14 @@ std::vector<Eigen::VectorXd> axes_of(const Fit& fit, const ParameterSpace& space
   }
   std::vector<Eigen::VectorXd> axes;
   if (count == 0 || !correlation.allFinite()) return axes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlation);
+  const SymmetricEigen eigen = symmetric_eigen(correlation);
   for (Eigen::Index k = 0; k < count; ++k) {
     Eigen::VectorXd axis = Eigen::VectorXd::Zero(size);
-    const double length = std::sqrt(std::max(0.0, solver.eigenvalues()[k]));
+    const double length = std::sqrt(std::max(0.0, eigen.values[k]));
     for (Eigen::Index a = 0; a < count; ++a) {
       const auto i = static_cast<size_t>(known[a]);
       axis[known[a]] =
-          length * solver.eigenvectors()(a, k) * fit.sigma[i] / space[i].slope(place[known[a]]);
+          length * eigen.vectors(a, k) * fit.sigma[i] / space[i].slope(place[known[a]]);
     }
     axes.push_back(std::move(axis));
   }

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "measurement/fitting/assess.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/robust.h"
 
 namespace seam::measurement {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "measurement/fitting/assess.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/target/pose_solver.h"
+#include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
 

@@ -2,9 +2,9 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "measurement/fitting/assess.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/target_adjustment.h"
+#include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
 

@@ -1,0 +1,17 @@
+// Loops over independent parts on several cores.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace seam::measurement {
+
+// Runs job(0) ... job(count - 1) on the machine's cores; results must go to places of their own,
+// so that they do not depend on how many threads there are. Rethrows the first exception.
+void parallel_for(size_t count, const std::function<void(size_t)>& job);
+
+// The most threads that parallel_for uses in this process, before any of it; 0: one for each core.
+// For processes that share the machine's cores.
+void use_threads(size_t most);
+
+}  // namespace seam::measurement
