@@ -139,9 +139,9 @@ BENCHMARK(frame_full_instants<32>)
     ->Unit(benchmark::kMillisecond);
 
 // The same frames drawn by OpenGL, and with a mesh of so many triangles beside the robots.
-void draw(benchmark::State& state, int mesh_triangles) {
+void draw(benchmark::State& state, int mesh_triangles, int frames = kFrames) {
   const effects::Model model = model_scaled("ers210_full.yaml", 1);
-  std::vector<FrameJob> jobs = match_jobs(model, 144, 8, kFrames);
+  std::vector<FrameJob> jobs = match_jobs(model, 144, 8, frames);
   render::Assets assets;
   if (mesh_triangles > 0) {
     assets.meshes.push_back(ring(mesh_triangles));
@@ -158,7 +158,7 @@ void draw(benchmark::State& state, int mesh_triangles) {
   const render::Renderer renderer(model, 178, 144, {.opengl = &device});
   size_t next = 0;
   for (auto _ : state)
-    benchmark::DoNotOptimize(renderer.render(jobs[next++ % kFrames]).fingerprint);
+    benchmark::DoNotOptimize(renderer.render(jobs[next++ % jobs.size()]).fingerprint);
 }
 void frame_opengl(benchmark::State& state) {
   draw(state, static_cast<int>(state.range(0)));
@@ -172,7 +172,7 @@ BENCHMARK(frame_opengl)
 
 // What a million triangles take: the process's memory at its highest, all of it.
 void frame_opengl_memory(benchmark::State& state) {
-  draw(state, 1'000'000);
+  draw(state, 1'000'000, 2);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   state.counters["peak_mib"] = static_cast<double>(usage.ru_maxrss) / 1024;

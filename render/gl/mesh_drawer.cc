@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 #include "render/gl/closed_mesh.h"
 
@@ -94,6 +95,10 @@ void main() {
 #endif
 }
 )";
+
+// Indices drawn before their pixels are filled. Mesa keeps all triangles of a page until then, each
+// for every tile that it meets; filled piece by piece they stay in the cache.
+constexpr int64_t kMostWaiting = 6'000;
 
 std::optional<std::array<float, 3>> one_colour(const Mesh& mesh, const MeshPart& part) {
   if (part.picture >= 0 || part.count == 0) return std::nullopt;
@@ -230,6 +235,10 @@ void MeshDrawer::draw_runs(const std::vector<MeshInstance::Run>& runs, size_t be
   }
   gl_.glMultiDrawElements(GL_TRIANGLES, counts_.data(), GL_UNSIGNED_INT, places_.data(),
                           static_cast<GLsizei>(counts_.size()));
+  const auto drawn = std::accumulate(counts_.begin(), counts_.end(), int64_t{0});
+  if ((waiting_ += drawn) < kMostWaiting) return;
+  gl_.glFlush();
+  waiting_ = 0;
 }
 
 void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, Form form,
@@ -252,7 +261,9 @@ void MeshDrawer::draw_instance(const Program& at, const MeshInstance& instance, 
   }
   const std::vector<MeshInstance::Run>& runs = instance.runs;
   for (size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
-    while (end < runs.size() && runs[end].part == runs[begin].part) ++end;
+    for (int64_t held = 0; end < runs.size() && runs[end].part == runs[begin].part; ++end) {
+      if ((held += runs[end].count) > kMostWaiting && end > begin) break;
+    }
     const Loaded::Part& part = loaded.parts[runs[begin].part];
     if (part.form != form) continue;
     if (form.textured) gl_.glBindTexture(GL_TEXTURE_2D, part.picture);

@@ -100,6 +100,7 @@ class MeshDrawer {
   std::vector<GLuint> textures_;
   Linker link_;
   std::map<std::pair<Writes, Form>, Program> programs_;
+  int64_t waiting_ = 0;  // Indices drawn since pixels were filled last.
   // Of one call.
   std::vector<GLsizei> counts_;
   std::vector<const void*> places_;
