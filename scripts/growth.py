@@ -37,7 +37,7 @@ def describe(folder, kind, group, files, more=""):
         f"format: seam-measurement/1\nkind: {kind}\ntitle: Growth of {kind}\n{more}group: {group}\nfiles: {{{files}}}\n")
 
 
-def points(folder, rows):
+def points(folder, rows, _):
     """A head that nods and swings before a room: views of about 80 points."""
     views = max(8, round(rows / 80))
     end = 0.3 + 0.041 * views
@@ -58,9 +58,9 @@ def points(folder, rows):
              "    - {translate_m: [0.0666, 0, 0]}\n")
 
 
-def joints(folder, rows):
+def joints(folder, rows, groups):
     """Runs of steps, swings and ramps, of 500 rows, or ten where there are few."""
-    runs = max(10, rows // 500)
+    runs = groups or max(10, rows // 500)
     each = rows // runs
 
     def command(run, i):
@@ -78,9 +78,9 @@ def joints(folder, rows):
     describe(folder, "joints", "run", "joints: joints.csv", "noise: {measured_rad: 0.0006}\n")
 
 
-def odometry(folder, rows):
+def odometry(folder, rows, groups):
     """Walks of 200 rows, or ten where there are few."""
-    runs = max(10, rows // 200)
+    runs = groups or max(10, rows // 200)
     each = rows // runs
 
     def row(run, i):
@@ -94,9 +94,9 @@ def odometry(folder, rows):
              "noise: {x_m: 0.002, y_m: 0.002, theta_rad: 0.003}\n")
 
 
-def landmarks(folder, rows):
+def landmarks(folder, rows, groups):
     """Walks among six landmarks, three of them seen ten times a second; 600 rows a walk, or ten walks."""
-    runs = max(10, rows // 600)
+    runs = groups or max(10, rows // 600)
     each = math.ceil(rows / runs / 3)
     write(folder, "landmarks.csv", "landmark,x_m,y_m",
           (f"{k},{2.2 * math.cos(1.05 * k):.4f},{1.6 * math.sin(1.05 * k):.4f}" for k in range(6)))
@@ -114,7 +114,7 @@ def landmarks(folder, rows):
              "noise: {range_m: 0.03, bearing_rad: 0.006}\n")
 
 
-def photometry(folder, rows):
+def photometry(folder, rows, _):
     """40 flat fields at four levels and two exposures."""
     height = max(4, round(math.sqrt(rows / 40 * 0.75)))
     width = max(4, round(rows / 40 / height))
@@ -158,11 +158,11 @@ def run_timed(command):
     return wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
 
 
-def measure(seam, kind, rows, wander, scratch):
+def measure(seam, kind, rows, groups, wander, scratch):
     make, nominal, hidden, beside = KINDS[kind]
     protocol, data = scratch / "protocol", scratch / "data"
     protocol.mkdir()
-    make(protocol, rows)
+    make(protocol, rows, groups)
     truth = model(scratch, "truth", ", ".join([nominal, hidden] + ([beside] if wander else [])))
     given = model(scratch, "given", nominal)
     subprocess.run([seam, "measure", "--model", truth, "--protocol", protocol, "--seed", "1", "--out", data],
@@ -184,6 +184,7 @@ def main():
     options.add_argument("--kinds", nargs="+", default=list(KINDS), choices=list(KINDS))
     options.add_argument("--rows", nargs="+", type=int, default=[1000, 5000, 20000, 100000])
     options.add_argument("--sets", nargs="+", default=["one", "wander"], choices=["one", "wander"])
+    options.add_argument("--groups", type=int, default=0, help="as many runs of servos, walks and landmarks, however long; 0: more with rows")
     options.add_argument("--keep", help="keeps the sets in this folder")
     given = options.parse_args()
     print("kind       set         rows   wall_s    cpu_s      MB  found")
@@ -194,10 +195,10 @@ def main():
                     scratch = pathlib.Path(given.keep) / f"{kind}-{which}-{rows}"
                     shutil.rmtree(scratch, ignore_errors=True)
                     scratch.mkdir(parents=True)
-                    measure(given.seam, kind, rows, which == "wander", scratch)
+                    measure(given.seam, kind, rows, given.groups, which == "wander", scratch)
                     continue
                 with tempfile.TemporaryDirectory() as scratch:
-                    measure(given.seam, kind, rows, which == "wander", pathlib.Path(scratch))
+                    measure(given.seam, kind, rows, given.groups, which == "wander", pathlib.Path(scratch))
 
 
 if __name__ == "__main__":

@@ -86,15 +86,17 @@ Score held_in_turn(const Problem& problem, const Fit& whole, const std::vector<U
 
 }  // namespace
 
-Assessment assess_fitted_to(const Problem& problem, const Groups& groups, const Model& model,
-                            const std::vector<Unknown>& unknowns) {
+Assessment assess_fitted_to(const Problem& problem, const Problem& shown, const Groups& groups,
+                            const Model& model, const std::vector<Unknown>& unknowns) {
   Assessment result{.model = model, .unknowns = unknowns};
-  result.fit = fit_on(problem, groups, model, unknowns);
+  result.fit = fit_on(shown, groups, model, unknowns);
   result.model = result.fit.model;
-  result.held = problem.score_held_out(result.model, problem.folds()[0]);
+  const bool one_fold = problem.folds().size() == 1;
+  result.held =
+      problem.score_held_out(result.model, one_fold ? problem.folds()[0] : problem.all_groups());
   // One group alone is both trained on and held out, and counts once.
   const bool sum =
-      problem.groups_are_independent(result.model) && problem.facts().groups.size() > 1;
+      one_fold && problem.groups_are_independent(result.model) && problem.facts().groups.size() > 1;
   const Score rest =
       problem.score(result.model, sum ? problem.training_groups() : problem.all_groups());
   result.total_ll = rest.log_likelihood + (sum ? result.held.log_likelihood : 0);
@@ -106,7 +108,7 @@ Assessment assess_fitted_to(const Problem& problem, const Groups& groups, const 
 Assessment assess(const Problem& problem, const Model& model,
                   const std::vector<Unknown>& unknowns) {
   if (problem.folds().size() == 1 && !cuts_one_group(problem))
-    return assess_fitted_to(problem, problem.training_groups(), model, unknowns);
+    return assess_fitted_to(problem, problem, problem.training_groups(), model, unknowns);
   Assessment result{.model = model, .unknowns = unknowns};
   const Groups all = problem.all_groups();
   result.fit = fit_on(problem, all, model, unknowns);

@@ -27,9 +27,10 @@ std::vector<Unknown> refitted_unknowns(const Model& model);
 
 Assessment assess(const Problem& problem, const Model& model, const std::vector<Unknown>& unknowns);
 
-// The same where one fold is held out, fitted to these groups instead of all that may be.
-Assessment assess_fitted_to(const Problem& problem, const Groups& groups, const Model& model,
-                            const std::vector<Unknown>& unknowns);
+// The same, fitted to these groups of `shown` (this problem, or its beginnings) instead of to all
+// that may be.
+Assessment assess_fitted_to(const Problem& problem, const Problem& shown, const Groups& groups,
+                            const Model& model, const std::vector<Unknown>& unknowns);
 
 // Throws InputError where observations are too few for their unknowns, so that an error means
 // nothing: poses and starts of the held-out groups, or these and the parameters of all groups.

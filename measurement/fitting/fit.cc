@@ -249,7 +249,7 @@ Fit Problem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                  const Groups& groups) const {
   Fitter fitter(*this, start, unknowns, groups);
   if (const auto few = few_of(*this, start, groups); few && fitter.may_begin_with_few()) {
-    Fitter first(*this, start, unknowns, *few);
+    Fitter first(*few->problem, start, unknowns, few->groups);
     first.go_down();
     fitter.begin_with(first);
   }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/fitting/few_groups.h"
-
 namespace seam::measurement {
 namespace {
 
@@ -19,29 +17,29 @@ double residuals_of(const Problem& problem, const Groups& groups) {
 // The best fit to all rows leads the fit to a few by chi-square of the parameters over two, as many
 // times as all rows are more, and as errors are larger than the noise. This is what it hardly ever
 // leads by: one of a million (the Wilson-Hilferty cube).
-double lead_of_all(const Problem& problem, const Groups& few, const Assessment& assessment) {
+double lead_of_all(const Problem& problem, const FewRows& few, const Assessment& assessment) {
   constexpr double kHardlyEver = 4.75;  // Standard deviations.
   const auto k = static_cast<double>(assessment.unknowns.size());
   if (k == 0) return 0;
   const double root = 1 - 2 / (9 * k) + kHardlyEver * std::sqrt(2 / (9 * k));
   const double chi2 = k * root * root * root;
-  const double times =
-      residuals_of(problem, problem.all_groups()) / std::max(1.0, residuals_of(problem, few));
+  const double times = residuals_of(problem, problem.all_groups()) /
+                       std::max(1.0, residuals_of(*few.problem, few.groups));
   return 0.5 * chi2 * times * std::max(1.0, assessment.error * assessment.error);
 }
 
 }  // namespace
 
-std::optional<Groups> foretasters(const Problem& problem, const Model& model, double material) {
-  if (problem.folds().size() != 1 || problem.facts().groups.size() < kFewGroups ||
-      problem.screening_groups())
-    return std::nullopt;
-  return enough_to_tell(problem, model, problem.training_groups(), material);
+std::optional<FewRows> foretasters(const Problem& problem, const Model& model, double material) {
+  const bool in_turn = problem.folds().size() != 1 || problem.facts().groups.size() < kFewGroups;
+  if ((in_turn && !problem.beginnings()) || problem.screening_groups()) return std::nullopt;
+  return enough_to_tell(problem, model, in_turn ? problem.all_groups() : problem.training_groups(),
+                        material);
 }
 
-Foretaste foretaste(const Problem& problem, const Groups& few, const Model& model,
+Foretaste foretaste(const Problem& problem, const FewRows& few, const Model& model,
                     const std::vector<Unknown>& unknowns) {
-  Foretaste out{.assessment = assess_fitted_to(problem, few, model, unknowns)};
+  Foretaste out{.assessment = assess_fitted_to(problem, *few.problem, few.groups, model, unknowns)};
   out.most_ll = out.assessment.total_ll + lead_of_all(problem, few, out.assessment);
   return out;
 }

@@ -7,20 +7,21 @@
 #include <vector>
 
 #include "measurement/fitting/assess.h"
+#include "measurement/fitting/few_groups.h"
 
 namespace seam::measurement {
 
-// The few groups whose fits tell of all at this threshold of what is material; none where sets are
-// small, groups share draws, or where each group is held out in turn.
-std::optional<Groups> foretasters(const Problem& problem, const Model& model, double material);
+// The few rows whose fits tell of all at this threshold of what is material; none where sets are
+// small, groups share draws, or where few short groups are held out in turn.
+std::optional<FewRows> foretasters(const Problem& problem, const Model& model, double material);
 
-// A fit to these groups, held against all rows.
+// A fit to these rows, held against all.
 struct Foretaste {
   Assessment assessment;
   double most_ll = 0;  // What a fit to all rows may reach.
 };
 
-Foretaste foretaste(const Problem& problem, const Groups& few, const Model& model,
+Foretaste foretaste(const Problem& problem, const FewRows& few, const Model& model,
                     const std::vector<Unknown>& unknowns);
 
 // Whether a fit to all groups would stay below this log-likelihood, as a few groups tell; false

@@ -37,7 +37,7 @@ TEST(Foretaste, AsksSoManyRowsThatWhatMattersIsPlain) {
   const auto rows = [&](double material) {
     const auto few = enough_to_tell(problem, line(0, 0), training, material);
     double count = 0;
-    for (size_t g = 0; few && g < few->size(); ++g) count += (*few)[g] ? 400 : 0;
+    for (size_t g = 0; few && g < few->groups.size(); ++g) count += few->groups[g] ? 400 : 0;
     return count;
   };
   // 20 units of likelihood, where each row gains material^2 / 2.

@@ -352,7 +352,7 @@ Fit wide_fit(const Problem& problem, const Model& start, const std::vector<Unkno
              const Groups& groups) {
   WideFitter fitter(problem, start, unknowns, groups);
   if (const auto few = few_of(problem, start, groups)) {
-    WideFitter first(problem, start, unknowns, *few);
+    WideFitter first(*few->problem, start, unknowns, few->groups);
     first.search();
     fitter.begin_with(first);
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "measurement/kinds/beginnings.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/file_names.h"
 
@@ -48,7 +49,9 @@ std::unique_ptr<Problem> open_problem(const std::filesystem::path& path,
   const Concerns concerns = concerns_of(set, kind.observations);
   if (!concerns.errors.empty())
     throw InputError(fmt::format("{}", fmt::join(concerns.errors, "\n")));
-  return kind.open(set, instruments);
+  std::unique_ptr<Problem> problem = kind.open(set, instruments);
+  add_beginnings(kind, std::move(set), instruments, *problem);
+  return problem;
 }
 
 void measure_set(const Model& truth, const MeasurementSet& protocol, const MeasureOptions& options,

@@ -22,6 +22,9 @@ struct MeasureOptions {
 struct Kind {
   effects::Kind bit{};
   ObservationTable observations;
+  // The rows of a group follow each other in time (column time_s), and no row's prediction needs
+  // those after it.
+  bool rows_follow_time = false;
   // Reads and checks the whole set.
   std::unique_ptr<Problem> (*open)(const MeasurementSet& set,
                                    const Instruments& instruments) = nullptr;

@@ -161,6 +161,15 @@ Score Problem::score(const Model& model, const Groups& groups) const {
   return score_of(*this, evaluate(model, groups));
 }
 
+void Problem::leave_out(std::vector<char> outliers) {
+  left_out_ = std::move(outliers);
+  ++times_marked_;
+  if (!beginnings_.problem) return;
+  std::vector<char> first;
+  for (const size_t i : beginnings_.scalar) first.push_back(!left_out_.empty() && left_out_[i]);
+  beginnings_.problem->leave_out(std::move(first));
+}
+
 bool Problem::acts(const EffectDefinition& effect) const {
   return effects::acts_on(effect, facts_.set);
 }

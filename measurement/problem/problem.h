@@ -83,6 +83,7 @@ class Problem {
   void prepare(const Model& given) {
     given_ = given;
     place(given);
+    if (beginnings_.problem) beginnings_.problem->prepare(given);
   }
   // Its values are where a fit may start from, too, where those fitted without an effect lead
   // nowhere with it: a perspective lens that was bent to a wide-angle one is far from the fisheye
@@ -156,14 +157,22 @@ class Problem {
   virtual std::string advice(const std::string& effect, const std::string& other) const;
 
   // By scalar: 1 leaves it out of everything.
-  void leave_out(std::vector<char> outliers) {
-    left_out_ = std::move(outliers);
-    ++times_marked_;
-  }
+  void leave_out(std::vector<char> outliers);
   bool left_out(size_t scalar) const {
     return (!left_out_.empty() && left_out_[scalar]) || (!gross_.empty() && gross_[scalar]);
   }
   const std::vector<char>& left_out() const { return left_out_; }
+
+  // The same set with the first rows of each group alone, where groups are long: fits and looks go
+  // most of their way there (fitting/few_groups.h). A group's first rows are predicted without
+  // those that follow.
+  struct Beginnings {
+    std::unique_ptr<Problem> problem;
+    std::vector<size_t> scalar;  // In the whole set, of each of its scalars.
+  };
+  void have_beginnings(Beginnings beginnings) { beginnings_ = std::move(beginnings); }
+  const Problem* beginnings() const { return beginnings_.problem.get(); }
+
   // Tells sets of marks apart, for what is kept of predictions that depend on them.
   int64_t times_marked() const { return times_marked_; }
 
@@ -199,6 +208,7 @@ class Problem {
   Model given_;
   std::vector<char> left_out_;
   int64_t times_marked_ = 0;
+  Beginnings beginnings_;
   void cut_blocks() const;
 
   mutable std::once_flag folds_cut_, blocks_cut_;

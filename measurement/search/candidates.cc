@@ -119,10 +119,10 @@ std::vector<std::vector<double>> best_counts(const Problem& problem, const Grown
     if (other.definition->spread_only && prospect.effect->stage != effects::Stage::sensor)
       plain.remove(other.definition->name);
   }
-  const Groups groups = prospect.few.value_or(problem.all_groups());
+  const FewRows shown = prospect.few.value_or(FewRows{&problem, problem.all_groups()});
   std::vector<std::pair<double, size_t>> order;
   for (size_t i = 0; i < starts.size(); ++i) {
-    const Score score = problem.score(with_effect(plain, prospect, starts[i]), groups);
+    const Score score = shown.problem->score(with_effect(plain, prospect, starts[i]), shown.groups);
     order.emplace_back(
         score.valid ? -score.log_likelihood : std::numeric_limits<double>::infinity(), i);
   }
@@ -256,7 +256,7 @@ std::optional<Evaluation> start_of_prospects(const Problem& problem, const Model
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons, bool alone,
-                                    const Evaluation* near, const Groups* few) {
+                                    const Evaluation* near, const FewRows* few) {
   const Model& model = base.assessment.model;
   if (effects::is_excluded(*effect, model)) return std::nullopt;
   if (effect->draws_estimated && base.assessment.error > kUseless) {
@@ -265,7 +265,7 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
   }
   Prospect prospect{.effect = effect};
   if (!alone) prospect.companions = effects::companions_of(*effect, model);
-  prospect.starts = few ? problem.starts_on(*few, model, *effect, prospect.companions)
+  prospect.starts = few ? few->problem->starts_on(few->groups, model, *effect, prospect.companions)
                         : problem.starts_together(model, *effect, prospect.companions);
   if (prospect.starts.empty()) return std::nullopt;
   const Model probe = with_effect(model, prospect, prospect.starts.front());
@@ -284,15 +284,17 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
   }
   // Draws that groups share are told by all of them together.
   if (few && problem.groups_are_independent(probe)) prospect.few = *few;
-  const std::optional<Groups> screening = few ? std::optional(*few) : problem.screening_groups();
+  const std::optional<Groups> screening =
+      few ? std::optional(few->groups) : problem.screening_groups();
   const Groups groups = screening.value_or(problem.all_groups());
+  const Problem& shown = few ? *few->problem : problem;
   double expected = prospect.expected_ll;
   prospect.free =
-      testable_parameters(problem, probe, others, *effect, groups, near, reasons, expected);
+      testable_parameters(shown, probe, others, *effect, groups, near, reasons, expected);
   if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
   if (screening && std::isfinite(expected)) {
     // All groups are expected to gain as these do.
-    const Score before = problem.score(base.assessment.model, groups);
+    const Score before = shown.score(base.assessment.model, groups);
     const double share = static_cast<double>(before.n) / static_cast<double>(count_used(problem));
     expected = base.assessment.total_ll + (expected - before.log_likelihood) / share;
   }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "measurement/fitting/few_groups.h"
 #include "measurement/search/judge.h"
 
 namespace seam::measurement {
@@ -43,7 +44,7 @@ struct Prospect {
   // Total log-likelihood after one step of Gauss and Newton in all unknowns (the score test);
   // infinite where such a step says nothing: spreads, counts, servos, replacements.
   double expected_ll = std::numeric_limits<double>::infinity();
-  std::optional<Groups> few;  // Looked at, and to be fitted, on these groups alone.
+  std::optional<FewRows> few;  // Looked at, and to be fitted, on these rows alone.
 };
 
 // Nothing where the effect cannot be tested (and says why in `reasons`). The companions of its
@@ -53,7 +54,7 @@ struct Prospect {
 std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const std::shared_ptr<const EffectDefinition>& effect,
                                     std::vector<NotTestable>& reasons, bool alone = true,
-                                    const Evaluation* near = nullptr, const Groups* few = nullptr);
+                                    const Evaluation* near = nullptr, const FewRows* few = nullptr);
 
 // What prospects beside a model may start from; nothing where they are no steps of Gauss and Newton
 // on all groups.

@@ -104,10 +104,10 @@ class Look {
     parallel_for(order_.size(), [&](size_t k) { job(order_[k]); });
   }
 
-  std::optional<Evaluation> near_on(const std::optional<Groups>& groups) const {
-    if (!groups) return start_of_prospects(problem_, base_.assessment.model);
+  std::optional<Evaluation> near_on(const std::optional<FewRows>& few) const {
+    if (!few) return start_of_prospects(problem_, base_.assessment.model);
     if (!problem_.is_smooth(base_.assessment.model)) return std::nullopt;
-    Evaluation near = problem_.evaluate(base_.assessment.model, *groups);
+    Evaluation near = few->problem->evaluate(base_.assessment.model, few->groups);
     if (!near.valid) return std::nullopt;
     near.reusable.reset();
     return near;
@@ -115,7 +115,7 @@ class Look {
 
   void see_prospects() {
     const std::optional<Evaluation> near = near_on(few_);
-    const auto see = [&](size_t i, const Evaluation* from, const Groups* few) {
+    const auto see = [&](size_t i, const Evaluation* from, const FewRows* few) {
       prospects_[i] =
           prospect_of(problem_, base_, effects_[i], reasons_[i], /*alone=*/false, from, few);
     };
@@ -158,7 +158,7 @@ class Look {
   const std::vector<size_t> order_;
   const double material_;
   const bool promising_only_;
-  const std::optional<Groups> few_;
+  const std::optional<FewRows> few_;
   std::vector<std::optional<Prospect>> prospects_;
   std::vector<std::vector<NotTestable>> reasons_;
   std::vector<std::optional<Candidate>> found_;

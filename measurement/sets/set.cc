@@ -99,9 +99,34 @@ std::filesystem::path MeasurementSet::file(const std::string& name) const {
   return folder / found->second;
 }
 
+namespace {
+
+// By row: whether it is one of the first so many of its group.
+std::vector<char> first_of_each(const CsvTable& table, const std::string& group, size_t most) {
+  std::vector<std::string> names;
+  const std::vector<int> group_of = number_groups(table.texts(group), names);
+  const std::vector<double> time_s = table.numbers("time_s");
+  std::vector<std::vector<double>> times(names.size());
+  for (size_t row = 0; row < table.rows(); ++row) times[group_of[row]].push_back(time_s[row]);
+  for (std::vector<double>& of_group : times) {
+    const auto last =
+        of_group.begin() + static_cast<ptrdiff_t>(std::min(most, of_group.size())) - 1;
+    std::nth_element(of_group.begin(), last, of_group.end());
+    of_group = {*last};
+  }
+  std::vector<char> kept(table.rows());
+  for (size_t row = 0; row < table.rows(); ++row)
+    kept[row] = time_s[row] <= times[group_of[row]][0];
+  return kept;
+}
+
+}  // namespace
+
 CsvTable MeasurementSet::table(const std::string& name) const {
   CsvTable table = CsvTable::read(file(name));
   table.exchange(exchanged.first, exchanged.second);
+  if (beginning.rows > 0 && name == beginning.table)
+    table.keep_rows(first_of_each(table, group, beginning.rows));
   return table;
 }
 

@@ -36,6 +36,12 @@ struct MeasurementSet {
   // Two columns of its tables that are read as each other, to see whether they were mixed up; empty
   // as the set stands.
   std::pair<std::string, std::string> exchanged;
+  // Of this table (its name under `files:`) the first rows of each group alone, by time_s.
+  struct Beginning {
+    std::string table;
+    size_t rows = 0;  // 0: all.
+  };
+  Beginning beginning;
   // A table of where the points of the target were found earlier (point, x_m, y_m, z_m), which goes
   // before the set's own; empty: none.
   std::filesystem::path target;

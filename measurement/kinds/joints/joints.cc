@@ -275,6 +275,7 @@ Kind joints_kind() {
           .observations = {.file = "joints",
                            .keys = {"run", "time_s", "joint"},
                            .measured = {"measured_rad"}},
+          .rows_follow_time = true,
           .open = [](const MeasurementSet& set, const Instruments&) -> std::unique_ptr<Problem> {
             return std::make_unique<JointsProblem>(set);
           },

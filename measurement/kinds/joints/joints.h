@@ -87,6 +87,9 @@ class JointsProblem : public Problem {
   Groups held_out_third() const override;
 
  private:
+  // By a few rows of these groups first, where they have many.
+  std::vector<std::vector<double>> starts_seen_on(const Groups& groups, const Model& model,
+                                                  const EffectDefinition& effect) const;
   // `shown` first, and what it likes best on all of `training`.
   std::vector<std::vector<double>> starts_of(const Model& model, const EffectDefinition& effect,
                                              Groups shown, const Groups& training) const;

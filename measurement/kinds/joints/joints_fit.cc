@@ -94,7 +94,7 @@ std::vector<std::vector<double>> coarse_grid(const EffectDefinition& effect, boo
 std::vector<std::vector<double>> JointsProblem::starts(const Model& model,
                                                        const EffectDefinition& effect) const {
   const Groups training = folds().size() == 1 ? training_groups() : all_groups();
-  return starts_of(model, effect, few_of(*this, model, training).value_or(training), training);
+  return starts_seen_on(training, model, effect);
 }
 
 std::vector<std::vector<double>> JointsProblem::starts_on(const Groups& groups, const Model& model,
@@ -102,8 +102,26 @@ std::vector<std::vector<double>> JointsProblem::starts_on(const Groups& groups, 
                                                           const EffectList& companions) const {
   const effects::StartRule& rule = effects::start_rule(effect, facts_.set.kind);
   const bool looks = rule.values.empty() && rule.search != effects::StartSearch::motion;
-  return looks ? starts_of(model, effect, few_of(*this, model, groups).value_or(groups), groups)
+  return looks ? starts_seen_on(groups, model, effect)
                : Problem::starts_on(groups, model, effect, companions);
+}
+
+std::vector<std::vector<double>> JointsProblem::starts_seen_on(
+    const Groups& groups, const Model& model, const EffectDefinition& effect) const {
+  const auto few = few_of(*this, model, groups);
+  if (!few || few->problem == this)
+    return starts_of(model, effect, few ? few->groups : groups, groups);
+  const auto& beginnings = static_cast<const JointsProblem&>(*few->problem);
+  const auto begun = beginnings.starts_of(model, effect, groups, groups);
+  // What the beginnings like best all rows must like; else they are asked themselves.
+  constexpr double kPlain = 20;  // Units of likelihood.
+  Model there = model;
+  there.add_neutral(std::make_shared<EffectDefinition>(effect));
+  for (size_t i = 0; i < begun.front().size(); ++i)
+    there.set_value(effect.name, i, begun.front()[i]);
+  const Score with = score(there, groups), without = score(model, groups);
+  if (with.valid && with.log_likelihood > without.log_likelihood + kPlain) return begun;
+  return starts_of(model, effect, groups, groups);
 }
 
 // A coarse look over the whole range of each servo parameter, on the groups that fits may see: the

@@ -343,6 +343,7 @@ Kind landmarks_kind() {
           .observations = {.file = "observations",
                            .keys = {"run", "time_s", "landmark"},
                            .measured = {"range_m", "bearing_rad"}},
+          .rows_follow_time = true,
           .open = [](const MeasurementSet& set, const Instruments&) { return open_landmarks(set); },
           .measure = [](const Model& truth, const MeasurementSet& protocol,
                         const MeasureOptions& options,

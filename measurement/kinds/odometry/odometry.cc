@@ -210,6 +210,7 @@ Kind odometry_kind() {
           .observations = {.file = "odometry",
                            .keys = {"run", "time_s"},
                            .measured = {"x_m", "y_m", "theta_rad"}},
+          .rows_follow_time = true,
           .open = [](const MeasurementSet& set, const Instruments&) -> std::unique_ptr<Problem> {
             return std::make_unique<OdometryProblem>(set);
           },
