@@ -17,7 +17,8 @@ namespace seam::render::gl {
   F(glBufferData) F(glCheckFramebufferStatus) F(glClear) F(glClearColor) F(glClearDepth) \
   F(glCompileShader) F(glCreateProgram) F(glCreateShader) F(glDeleteShader) F(glDepthFunc) \
   F(glDisable) F(glDrawArraysInstanced) F(glEnable) \
-  F(glEnableVertexAttribArray) F(glFlush) F(glFramebufferRenderbuffer) F(glFrontFace) F(glGenBuffers) \
+  F(glEnableVertexAttribArray) F(glFlush) F(glFramebufferRenderbuffer) F(glFrontFace) \
+  F(glGenBuffers) \
   F(glGenFramebuffers) F(glGenRenderbuffers) F(glGenTextures) F(glGenVertexArrays) \
   F(glGenerateMipmap) F(glGetError) F(glGetIntegerv) F(glGetProgramInfoLog) \
   F(glGetProgramiv) F(glGetShaderInfoLog) F(glGetShaderiv) F(glGetString) \
