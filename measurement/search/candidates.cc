@@ -166,7 +166,7 @@ std::optional<Fitted> fit_from_starts(const Problem& problem, const Grown& base,
         if (!parameter.integer && !parameter.stated) unknowns.push_back({companion->name, i});
       }
     }
-    Fitted fitted{.grown = {.added = base.added}};
+    Fitted fitted{.grown = {.added = base.added, .given_error = base.given_error}};
     Grown& grown = fitted.grown;
     if (prospect.few) {
       Foretaste taste = foretaste(problem, *prospect.few, start, unknowns);
@@ -259,7 +259,8 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const Evaluation* near, const Groups* few) {
   const Model& model = base.assessment.model;
   if (effects::is_excluded(*effect, model)) return std::nullopt;
-  if (effect->draws_estimated && base.assessment.error > kUseless) {
+  if (effect->draws_estimated &&
+      !explains_something(base.assessment.error, base.given_error)) {
     reasons.push_back({effect->name, "", "the model misses too much for single draws to be told"});
     return std::nullopt;
   }
@@ -345,7 +346,7 @@ std::optional<Candidate> with_dependents(const Problem& problem, const Grown& ba
 }
 
 Grown without(const Grown& grown, const std::string& out) {
-  Grown smaller{.added = grown.added};
+  Grown smaller{.added = grown.added, .given_error = grown.given_error};
   std::erase(smaller.added, out);
   Model model = grown.assessment.model;
   model.remove(out);

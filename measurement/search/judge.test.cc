@@ -115,6 +115,42 @@ TEST(Judge, FoundWhereItIsAndNotWhereItIsNot) {
   EXPECT_LE(alarms, 2);  // Of 100 with a design of 0.5 %: three or more in one of 700 trials.
 }
 
+// What a draw of each point can stand for is anything, so that something must be explained before.
+TEST(Judge, DrawsAreTriedWhereSomethingIsExplained) {
+  const auto all = judged(0, 1, 1);
+  EffectDefinition draws = *bend();
+  draws.draws_estimated = true;
+  const auto tried = [&](double error, double given) {
+    Grown base = all->base;
+    base.assessment.error = error, base.given_error = given;
+    std::vector<NotTestable> reasons;
+    prospect_of(all->problem, base, std::make_shared<const EffectDefinition>(draws), reasons);
+    return reasons.empty();
+  };
+  EXPECT_TRUE(tried(5, 5));
+  EXPECT_FALSE(tried(13, 13));
+  EXPECT_TRUE(tried(13, 500));
+  EXPECT_FALSE(tried(50, 5000));
+}
+
+// Two bends that differ by little: with both, each is known worse than one alone.
+TEST(Judge, WhatMakesAnotherValueUnknownIsNotFound) {
+  const auto all = judged(0.9, 1, 1);
+  ASSERT_TRUE(all->candidate.significant);
+  Candidate& candidate = all->candidate;
+  const Evaluation here =
+      all->problem.evaluate(all->base.assessment.model, all->problem.scored_groups());
+  Fit& fit = candidate.grown.assessment.fit;
+  const double known = all->base.assessment.fit.sigma[0];
+  fit.sigma[0] = 9 * known;
+  judge(all->problem, all->base, here, 1, 0, candidate);
+  EXPECT_TRUE(candidate.significant);
+  ASSERT_LT(candidate.total_gain_ll, kAnyPrice);
+  fit.sigma[0] = 11 * known;
+  judge(all->problem, all->base, here, 1, 0, candidate);
+  EXPECT_FALSE(candidate.significant);
+}
+
 TEST(Judge, GainOverScatterIsStudentsStatistic) {
   Score before, after;
   before.by_group = {-10, -12, 0, -9, -11};
