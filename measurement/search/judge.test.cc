@@ -151,6 +151,29 @@ TEST(Judge, WhatMakesAnotherValueUnknownIsNotFound) {
   EXPECT_FALSE(candidate.significant);
 }
 
+// Beside one of the right camera's own, an effect of all cameras is the left one's.
+TEST(Judge, AnEffectOfOneCameraHasItsName) {
+  Bent problem;
+  problem.take(std::vector<double>(160, 0.0));
+  Model given;
+  for (const char* name : {"pinhole@left", "pinhole@right"})
+    given.add_neutral(effects::find_effect(name));
+  problem.prepare(given);
+  Grown grown{.added = {"radial_distortion"}, .assessment = {.model = given}};
+  const auto add = [&](const std::string& name, double value) {
+    grown.assessment.model.set(effects::find_effect(name), {{.value = value}});
+  };
+  add("radial_distortion", -0.2);
+  EXPECT_EQ(named_by_camera(problem, grown).added[0], "radial_distortion");
+  add("radial_distortion@right", -0.1);
+  grown.added.push_back("radial_distortion@right");
+  const Grown named = named_by_camera(problem, grown);
+  EXPECT_EQ(named.added, (std::vector<std::string>{"radial_distortion@left", grown.added[1]}));
+  EXPECT_FALSE(named.assessment.model.has("radial_distortion"));
+  EXPECT_EQ(named.assessment.model.find("radial_distortion@left")->parameters[0].value, -0.2);
+  EXPECT_TRUE(named.assessment.valid);
+}
+
 TEST(Judge, GainOverScatterIsStudentsStatistic) {
   Score before, after;
   before.by_group = {-10, -12, 0, -9, -11};

@@ -189,6 +189,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
       if (!exchange(grown)) break;
       prune(grown);
     }
+    grown = named_by_camera(problem_, std::move(grown));
     const bool simpler = !next && fitted_parameters(grown) < parameters_before;
     if (!(merit_of(problem_, grown) > before) && !simpler) break;
     if (rival != nullptr && falls_behind(grown, error_before, *rival)) break;
