@@ -74,7 +74,7 @@ class LeaveOut {
   const std::vector<HeldPart> parts_;
   const Evaluation here_;
   const double misfit_;
-  Eigen::MatrixXd steps_;  // Of the coordinates, a column a part.
+  Eigen::MatrixXd steps_;      // Of the coordinates, a column a part.
   std::vector<double> reach_;  // What a part's step does to all residuals, in units.
   std::vector<size_t> mean_, spreads_;
 };

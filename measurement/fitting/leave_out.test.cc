@@ -17,8 +17,9 @@ constexpr size_t kRows = 120;
 // y = level + slope * x, in so many groups of neighbours, or one.
 class Line : public MadeProblem {
  public:
-  explicit Line(size_t groups, const Formula& formula = [](const std::vector<double>& p,
-                                                           double x) { return p[0] + p[1] * x; })
+  explicit Line(
+      size_t groups, const Formula& formula = [](const std::vector<double>& p,
+                                                 double x) { return p[0] + p[1] * x; })
       : MadeProblem(evenly(-1, 1, kRows), kNoise, formula) {
     facts_.groups.clear();
     for (size_t g = 0; g < groups; ++g) facts_.groups.push_back("g" + std::to_string(g));

@@ -259,8 +259,7 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const Evaluation* near, const Groups* few) {
   const Model& model = base.assessment.model;
   if (effects::is_excluded(*effect, model)) return std::nullopt;
-  if (effect->draws_estimated &&
-      !explains_something(base.assessment.error, base.given_error)) {
+  if (effect->draws_estimated && !explains_something(base.assessment.error, base.given_error)) {
     reasons.push_back({effect->name, "", "the model misses too much for single draws to be told"});
     return std::nullopt;
   }

@@ -69,8 +69,8 @@ inline constexpr double kHeardFirst = 0.05;
 inline constexpr double kOwnShareOfGain = 0.5;
 
 // An effect beside which a value that was fitted before is known so many times worse is not told
-// apart from it: the two have 0.995 of their columns in common. It must gain kAnyPrice. A judgement;
-// found with a real lens, whose principal point moved by 98 px (docs/real-lens.md).
+// apart from it: the two have 0.995 of their columns in common. It must gain kAnyPrice. A
+// judgement; found with a real camera, whose centre moved by 98 px (docs/real-boards.md).
 inline constexpr double kBlurred = 10;
 
 // Standard errors of the held-out gain at which an effect of the mean helps in most groups, not by

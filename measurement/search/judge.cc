@@ -86,8 +86,8 @@ double loss_without(const Problem& problem, const Candidate& candidate) {
 // one another.
 bool blurs(const Assessment& before, const Assessment& after) {
   for (size_t k = 0; k < before.unknowns.size(); ++k) {
-    const auto there = std::find_if(
-        after.unknowns.begin(), after.unknowns.end(), [&](const Unknown& unknown) {
+    const auto there =
+        std::find_if(after.unknowns.begin(), after.unknowns.end(), [&](const Unknown& unknown) {
           return unknown.effect == before.unknowns[k].effect &&
                  unknown.parameter == before.unknowns[k].parameter;
         });
@@ -223,8 +223,8 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
       (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
   candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
-  // What stands for others must be worth more than any price: a lens's prism and decentring together
-  // turn its axis by ten degrees, at no cost but their own size.
+  // What stands for others must be worth more than any price: a lens's prism and decentring
+  // together turn its axis by ten degrees, at no cost but their own size.
   if (candidate.significant && candidate.total_gain_ll < kAnyPrice * misfit && blurs(before, after))
     candidate.significant = false;
   if (candidate.significant && lost_tells)

@@ -23,7 +23,8 @@ std::vector<SeenView> tilted_views(double noise_px) {
       const double a = 0.03 * (static_cast<double>(point % 9) - 4);
       const double b = 0.03 * (static_cast<double>(point / 9) - 2.5);
       const double along = x * a + y * b;
-      const double px = a + (c - 1) * along * x, py = b + (c - 1) * along * y, pz = 0.36 + s * along;
+      const double px = a + (c - 1) * along * x, py = b + (c - 1) * along * y,
+                   pz = 0.36 + s * along;
       const double u = px / pz, v = py / pz, r2 = u * u + v * v;
       const double bent = 1 - 0.3 * r2 + 0.12 * r2 * r2;
       view.corners.push_back({.point = point,
