@@ -74,8 +74,8 @@ class LeaveOut {
   const std::vector<HeldPart> parts_;
   const Evaluation here_;
   const double misfit_;
-  Eigen::MatrixXd steps_;  // Of the coordinates, a column a part.
-  std::vector<double> promised_;
+  Eigen::MatrixXd steps_;      // Of the coordinates, a column a part.
+  std::vector<double> reach_;  // What a part's step does to all residuals, in units.
   std::vector<size_t> mean_, spreads_;
 };
 
@@ -95,7 +95,7 @@ void LeaveOut::step_means() {
   const Eigen::MatrixXd all = jacobian.transpose() * jacobian;
   const Eigen::VectorXd scale =
       all.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();  // To a unit diagonal.
-  promised_.assign(parts_.size(), 0);
+  reach_.assign(parts_.size(), 0);
   for (size_t p = 0; p < parts_.size(); ++p) {
     Eigen::MatrixXd rest = all;
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(count);
@@ -112,7 +112,7 @@ void LeaveOut::step_means() {
         scale.asDiagonal() * solve_symmetric(scaled, scale.asDiagonal() * slope);
     if (!step.allFinite()) continue;
     for (size_t k = 0; k < mean_.size(); ++k) steps_(index(mean_[k]), index(p)) = step[index(k)];
-    promised_[p] = 0.5 * step.dot(slope);
+    reach_[p] = 0.5 * step.dot(all * step);
   }
 }
 
@@ -147,9 +147,10 @@ void LeaveOut::step_spread(size_t i) {
 Model LeaveOut::model_without(size_t p) const {
   const Eigen::VectorXd step = steps_.col(index(p));
   const Model near = space_.moved(whole_.model, step);
-  // Parts that weigh much are far from what a step can tell: as far as it holds.
+  // Parts that weigh much, or that alone tell a value, are far from what a step can tell: as far as
+  // it holds for the rest.
   constexpr double kMuch = 2;  // In units of the misfit.
-  if (promised_.empty() || promised_[p] < kMuch * misfit_ * misfit_) return near;
+  if (reach_.empty() || reach_[p] < kMuch * misfit_ * misfit_) return near;
   const auto seen = [&](const Model& model) {
     const Evaluation there = problem_.evaluate(model, problem_.all_groups(), &here_);
     double sum = there.valid ? 0 : std::numeric_limits<double>::infinity();

@@ -17,9 +17,10 @@ constexpr size_t kRows = 120;
 // y = level + slope * x, in so many groups of neighbours, or one.
 class Line : public MadeProblem {
  public:
-  explicit Line(size_t groups)
-      : MadeProblem(evenly(-1, 1, kRows), kNoise,
-                    [](const std::vector<double>& p, double x) { return p[0] + p[1] * x; }) {
+  explicit Line(
+      size_t groups, const Formula& formula = [](const std::vector<double>& p,
+                                                 double x) { return p[0] + p[1] * x; })
+      : MadeProblem(evenly(-1, 1, kRows), kNoise, formula) {
     facts_.groups.clear();
     for (size_t g = 0; g < groups; ++g) facts_.groups.push_back("g" + std::to_string(g));
     for (size_t i = 0; i < kRows; ++i)
@@ -100,6 +101,26 @@ TEST(LeaveOut, TheGapIsTheModelsMemory) {
   ASSERT_EQ(parts.size(), 8u);
   for (size_t i = 0; i < kRows; ++i)
     EXPECT_EQ(parts[2].unseen[i], i > 27 && i < 47) << i;  // The block is 30 to 44.
+}
+
+// y = a b, and in the last group more of a: without it a product tells next to nothing of its
+// factors, and a straight step along it leaves the product's curve.
+TEST(LeaveOut, AGroupThatAloneTellsAValueIsNoLongStepAway) {
+  double lost = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    Line problem(4, [](const std::vector<double>& p, double x) {
+      return p[0] * p[1] + (x < 0.5 ? 0.05 : 0.3) * x * p[0];
+    });
+    const Model truth = made_model(line("slope"), {4, 3});
+    problem.observe(truth, {.seed = seed, .stream = 1});
+    const std::vector<Unknown> unknowns = {{"line", 0}, {"line", 1}};
+    const Fit fit = problem.fit(truth, unknowns, problem.all_groups());
+    const auto scores = scores_held_out(problem, fit, unknowns);
+    const Fit rest = problem.fit(fit.model, unknowns, {1, 1, 1, 0});
+    const double exact = problem.score(rest.model, {0, 0, 0, 1}).log_likelihood;
+    lost += (exact - scores[3].log_likelihood) / 20;
+  }
+  EXPECT_LT(lost, 5);
 }
 
 // The noise of one group is wider: a fit of the noise without it is that of the others.

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace seam::measurement {
 namespace {
@@ -19,7 +21,26 @@ std::string strongest_text(const Problem& problem, const Assessment& assessment,
                      most.residual, most.covariate, units(most));
 }
 
-std::string nothing_text(const Assessment& assessment, double material, size_t traces) {
+// What a fit to all groups leaves of the noise; infinite where the fit was to training groups.
+double error_of_all(const Problem& problem, const Assessment& assessment) {
+  if (problem.folds().size() < 2) return std::numeric_limits<double>::infinity();
+  const Score all = problem.score(assessment.model, problem.all_groups());
+  const double freedom =
+      static_cast<double>(all.n - all.nuisances) - static_cast<double>(assessment.unknowns.size());
+  return all.valid && freedom > 0 ? std::sqrt(all.chi2 / freedom)
+                                  : std::numeric_limits<double>::infinity();
+}
+
+std::string nothing_text(const Problem& problem, const Assessment& assessment, double material,
+                         size_t traces) {
+  const double of_all =
+      assessment.error > kMisfit ? error_of_all(problem, assessment) : assessment.error;
+  // A group that is held out may be met by no values that the others leave open.
+  if (assessment.error > kMisfit && of_all < kMisfit)
+    return fmt::format(
+        "What matters: more groups; all {} together are met to {:.3g} times the noise, but each of "
+        "them is needed to tell the model's values: held out, it is missed by {:.3g} times\n",
+        problem.facts().groups.size(), of_all, assessment.error);
   if (assessment.error > kMisfit)
     return fmt::format(
         "What matters: the error is {:.3g} times the noise, and nothing that was tested tells "
@@ -37,7 +58,8 @@ std::string nothing_text(const Assessment& assessment, double material, size_t t
 
 std::string headline(const Problem& problem, const CompareResult& result) {
   const Assessment& base = result.base.assessment;
-  if (result.structure.empty()) return nothing_text(base, result.material, result.traces.size());
+  if (result.structure.empty())
+    return nothing_text(problem, base, result.material, result.traces.size());
   return fmt::format("What matters: {}\n", strongest_text(problem, base, result.structure));
 }
 
@@ -57,7 +79,7 @@ std::string headline(const Problem& problem, const SearchResult& result, size_t 
   if (result.verdict == "unexplained_structure" && !result.remaining.empty())
     parts.push_back(strongest_text(problem, result.best.assessment, result.remaining) +
                     ", which no known effect explains");
-  if (parts.empty()) return nothing_text(result.best.assessment, result.material, traces);
+  if (parts.empty()) return nothing_text(problem, result.best.assessment, result.material, traces);
   return fmt::format("What matters: {}\n", fmt::join(parts, "; "));
 }
 

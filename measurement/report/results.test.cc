@@ -6,6 +6,8 @@
 #include <filesystem>
 
 #include "measurement/kinds/kinds.h"
+#include "measurement/problem/made_problem.h"
+#include "measurement/report/headline.h"
 #include "measurement/search/compare.h"
 
 namespace seam::measurement {
@@ -50,6 +52,31 @@ TEST(Compare, ListsTheStrongestFirst) {
   const std::string text = compare_text(*problem, result);
   const std::string lines = text.substr(text.find("structure of the residuals:\n"));
   EXPECT_LT(lines.find(result.structure[0].covariate), lines.find("\n", 30)) << text;
+}
+
+// Three groups of which each alone tells something: all together are at the noise.
+TEST(Headline, SaysWhereMoreGroupsAreNeeded) {
+  class Three : public MadeProblem {
+   public:
+    Three()
+        : MadeProblem(evenly(-1, 1, 90), 0.5,
+                      [](const std::vector<double>& p, double x) { return p[0] * x; }) {
+      facts_.groups = {"a", "b", "c"};
+      for (size_t i = 0; i < 90; ++i) facts_.group_of_row[i] = static_cast<int>(i / 30);
+    }
+  };
+  Three problem;
+  const auto line = made_effect("line", {{.name = "slope", .min = -9, .max = 9}});
+  problem.observe(made_model(line, {2}), {.seed = 1, .stream = 1});
+  const auto said = [&](double slope, double error) {
+    CompareResult result;
+    result.base.assessment.model = made_model(line, {slope});
+    result.base.assessment.error = error;
+    return headline(problem, result);
+  };
+  EXPECT_NE(said(2, 3.57).find("more groups; all 3 together are met to"), std::string::npos);
+  EXPECT_NE(said(-2, 3.57).find("nothing that was tested tells why"), std::string::npos);
+  EXPECT_NE(said(2, 1).find("Nothing that matters"), std::string::npos);
 }
 
 }  // namespace

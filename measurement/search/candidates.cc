@@ -166,7 +166,7 @@ std::optional<Fitted> fit_from_starts(const Problem& problem, const Grown& base,
         if (!parameter.integer && !parameter.stated) unknowns.push_back({companion->name, i});
       }
     }
-    Fitted fitted{.grown = {.added = base.added}};
+    Fitted fitted{.grown = {.added = base.added, .given_error = base.given_error}};
     Grown& grown = fitted.grown;
     if (prospect.few) {
       Foretaste taste = foretaste(problem, *prospect.few, start, unknowns);
@@ -259,7 +259,7 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
                                     const Evaluation* near, const FewRows* few) {
   const Model& model = base.assessment.model;
   if (effects::is_excluded(*effect, model)) return std::nullopt;
-  if (effect->draws_estimated && base.assessment.error > kUseless) {
+  if (effect->draws_estimated && !explains_something(base.assessment.error, base.given_error)) {
     reasons.push_back({effect->name, "", "the model misses too much for single draws to be told"});
     return std::nullopt;
   }
@@ -346,8 +346,40 @@ std::optional<Candidate> with_dependents(const Problem& problem, const Grown& ba
   return fit_prospect(problem, base, prospect, reasons);
 }
 
+Grown named_by_camera(const Problem& problem, Grown grown) {
+  const std::set<std::string> cameras = cameras_named_in(problem.given());
+  // What the given model says of all cameras may be that of one that it does not name.
+  const bool all_named = std::all_of(
+      problem.given().effects().begin(), problem.given().effects().end(), [&](const auto& effect) {
+        const std::string& name = effect.definition->name;
+        return !effects::camera_of(name).empty() || cameras.empty() ||
+               !effects::find_effect(name + "@" + *cameras.begin());
+      });
+  if (cameras.size() < 2 || !all_named) return grown;
+  Model& model = grown.assessment.model;
+  bool changed = false;
+  for (std::string& name : grown.added) {
+    std::vector<std::string> acts_in;
+    for (const std::string& camera : cameras) {
+      if (effects::camera_of(name).empty() && !model.has(name + "@" + camera))
+        acts_in.push_back(name + "@" + camera);
+    }
+    const auto own = acts_in.size() == 1 ? effects::find_effect(acts_in.front()) : nullptr;
+    if (!own) continue;
+    std::vector<ParameterValue> values = model.find(name)->parameters;
+    model.remove(name);
+    model.set(own, std::move(values));
+    for (Unknown& unknown : grown.assessment.unknowns) {
+      if (unknown.effect == name) unknown.effect = own->name;
+    }
+    name = own->name, changed = true;
+  }
+  if (changed) grown.assessment = assess(problem, model, grown.assessment.unknowns);
+  return grown;
+}
+
 Grown without(const Grown& grown, const std::string& out) {
-  Grown smaller{.added = grown.added};
+  Grown smaller{.added = grown.added, .given_error = grown.given_error};
   std::erase(smaller.added, out);
   Model model = grown.assessment.model;
   model.remove(out);

@@ -79,6 +79,10 @@ std::optional<Candidate> with_dependents(const Problem& problem, const Grown& ba
 // Whether the model can have the effect: beside those that cameras share, and others of its like.
 bool has_place(const EffectDefinition& effect, Model model);
 
+// Names an added effect of all cameras by the one camera that has none of its own of that name: it
+// acts there alone, and may be exchanged there.
+Grown named_by_camera(const Problem& problem, Grown grown);
+
 // A model less one of its added effects, not fitted again.
 Grown without(const Grown& grown, const std::string& out);
 

@@ -68,6 +68,11 @@ inline constexpr double kHeardFirst = 0.05;
 // else stays: the rest of the gain was the base's, whose fit had stopped early. A judgement.
 inline constexpr double kOwnShareOfGain = 0.5;
 
+// An effect beside which a value that was fitted before is known so many times worse is not told
+// apart from it: the two have 0.995 of their columns in common. It must gain kAnyPrice. A
+// judgement; found with a real camera, whose centre moved by 98 px (docs/real-boards.md).
+inline constexpr double kBlurred = 10;
+
 // Standard errors of the held-out gain at which an effect of the mean helps in most groups, not by
 // the luck of a few: jitter moves whole groups and lets other effects seem to help. A judgement.
 inline constexpr double kClearGain = 4;
@@ -141,6 +146,7 @@ inline constexpr size_t kBeginnings = 3;
 // An effect so many standard errors from neutral cannot go: dropping it would lose 32 units, more
 // than any price. It saves the fit that would show it.
 inline constexpr double kCannotGo = 8;
+inline constexpr double kAnyPrice = 0.5 * kCannotGo * kCannotGo;
 // An exchange is fitted where one step of Gauss and Newton makes up for all but this share of what
 // is lost, and but for these units: fits reach further than the step says. A judgement.
 inline constexpr double kReplacementShortfall = 0.4;

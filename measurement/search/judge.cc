@@ -82,6 +82,23 @@ double loss_without(const Problem& problem, const Candidate& candidate) {
                      : std::numeric_limits<double>::infinity();
 }
 
+// Whether a value that was known is so no longer: the effect and others that are fitted stand for
+// one another.
+bool blurs(const Assessment& before, const Assessment& after) {
+  for (size_t k = 0; k < before.unknowns.size(); ++k) {
+    const auto there =
+        std::find_if(after.unknowns.begin(), after.unknowns.end(), [&](const Unknown& unknown) {
+          return unknown.effect == before.unknowns[k].effect &&
+                 unknown.parameter == before.unknowns[k].parameter;
+        });
+    if (there == after.unknowns.end()) continue;
+    const double known = before.fit.sigma[k];
+    const double now = after.fit.sigma[static_cast<size_t>(there - after.unknowns.begin())];
+    if (known > 0 && now > kBlurred * known) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool has_counts(const EffectDefinition& effect) {
@@ -206,6 +223,10 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
       (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
   candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
+  // What stands for others must be worth more than any price: a lens's prism and decentring
+  // together turn its axis by ten degrees, at no cost but their own size.
+  if (candidate.significant && candidate.total_gain_ll < kAnyPrice * misfit && blurs(before, after))
+    candidate.significant = false;
   if (candidate.significant && lost_tells)
     candidate.significant =
         loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll;

@@ -17,6 +17,7 @@ using EffectList = std::vector<std::shared_ptr<const EffectDefinition>>;
 struct Grown {
   std::vector<std::string> added;
   Assessment assessment;
+  double given_error = 0;  // Of the model that the search began with; 0: not known.
 };
 
 struct Candidate {

@@ -115,6 +115,65 @@ TEST(Judge, FoundWhereItIsAndNotWhereItIsNot) {
   EXPECT_LE(alarms, 2);  // Of 100 with a design of 0.5 %: three or more in one of 700 trials.
 }
 
+// What a draw of each point can stand for is anything, so that something must be explained before.
+TEST(Judge, DrawsAreTriedWhereSomethingIsExplained) {
+  const auto all = judged(0, 1, 1);
+  EffectDefinition draws = *bend();
+  draws.draws_estimated = true;
+  const auto tried = [&](double error, double given) {
+    Grown base = all->base;
+    base.assessment.error = error, base.given_error = given;
+    std::vector<NotTestable> reasons;
+    prospect_of(all->problem, base, std::make_shared<const EffectDefinition>(draws), reasons);
+    return reasons.empty();
+  };
+  EXPECT_TRUE(tried(5, 5));
+  EXPECT_FALSE(tried(13, 13));
+  EXPECT_TRUE(tried(13, 500));
+  EXPECT_FALSE(tried(50, 5000));
+}
+
+// Two bends that differ by little: with both, each is known worse than one alone.
+TEST(Judge, WhatMakesAnotherValueUnknownIsNotFound) {
+  const auto all = judged(0.9, 1, 1);
+  ASSERT_TRUE(all->candidate.significant);
+  Candidate& candidate = all->candidate;
+  const Evaluation here =
+      all->problem.evaluate(all->base.assessment.model, all->problem.scored_groups());
+  Fit& fit = candidate.grown.assessment.fit;
+  const double known = all->base.assessment.fit.sigma[0];
+  fit.sigma[0] = 9 * known;
+  judge(all->problem, all->base, here, 1, 0, candidate);
+  EXPECT_TRUE(candidate.significant);
+  ASSERT_LT(candidate.total_gain_ll, kAnyPrice);
+  fit.sigma[0] = 11 * known;
+  judge(all->problem, all->base, here, 1, 0, candidate);
+  EXPECT_FALSE(candidate.significant);
+}
+
+// Beside one of the right camera's own, an effect of all cameras is the left one's.
+TEST(Judge, AnEffectOfOneCameraHasItsName) {
+  Bent problem;
+  problem.take(std::vector<double>(160, 0.0));
+  Model given;
+  for (const char* name : {"pinhole@left", "pinhole@right"})
+    given.add_neutral(effects::find_effect(name));
+  problem.prepare(given);
+  Grown grown{.added = {"radial_distortion"}, .assessment = {.model = given}};
+  const auto add = [&](const std::string& name, double value) {
+    grown.assessment.model.set(effects::find_effect(name), {{.value = value}});
+  };
+  add("radial_distortion", -0.2);
+  EXPECT_EQ(named_by_camera(problem, grown).added[0], "radial_distortion");
+  add("radial_distortion@right", -0.1);
+  grown.added.push_back("radial_distortion@right");
+  const Grown named = named_by_camera(problem, grown);
+  EXPECT_EQ(named.added, (std::vector<std::string>{"radial_distortion@left", grown.added[1]}));
+  EXPECT_FALSE(named.assessment.model.has("radial_distortion"));
+  EXPECT_EQ(named.assessment.model.find("radial_distortion@left")->parameters[0].value, -0.2);
+  EXPECT_TRUE(named.assessment.valid);
+}
+
 TEST(Judge, GainOverScatterIsStudentsStatistic) {
   Score before, after;
   before.by_group = {-10, -12, 0, -9, -11};

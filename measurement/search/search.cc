@@ -29,7 +29,11 @@ class Searcher {
   SearchResult run();
 
  private:
-  Grown base() const { return {.assessment = assess(problem_, model_, refitted_unknowns(model_))}; }
+  Grown base() const {
+    Grown grown{.assessment = assess(problem_, model_, refitted_unknowns(model_))};
+    grown.given_error = grown.assessment.error;
+    return grown;
+  }
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
              const Grown* rival = nullptr);
   Looks look(const Grown& grown, bool promising_only, Asked asked);
@@ -70,7 +74,6 @@ std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& 
 
 // Drops effects that the others have made unnecessary.
 bool Searcher::prune(Grown& grown) {
-  constexpr double kAnyPrice = 0.5 * kCannotGo * kCannotGo;
   bool changed = false;
   for (bool again = true; again && grown.added.size() > 1;) {
     again = false;
@@ -186,6 +189,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
       if (!exchange(grown)) break;
       prune(grown);
     }
+    grown = named_by_camera(problem_, std::move(grown));
     const bool simpler = !next && fitted_parameters(grown) < parameters_before;
     if (!(merit_of(problem_, grown) > before) && !simpler) break;
     if (rival != nullptr && falls_behind(grown, error_before, *rival)) break;

@@ -52,17 +52,20 @@ Mapped mapped(const SeenView& view) {
   const Eigen::MatrixXd squares = a.transpose() * a;
   const Eigen::VectorXd h = measurement::symmetric_eigen(squares).vectors.col(0);
   Mapped result{.left = uv, .Jacobian = {}};
+  Eigen::MatrixXd seen(rows, 2);  // As the perspective has it, of unit size.
   for (Eigen::Index i = 0; i < rows; ++i) {
     const double x = xy(i, 0), y = xy(i, 1), w = h[6] * x + h[7] * y + h[8];
     const double u = (h[0] * x + h[1] * y + h[2]) / w, v = (h[3] * x + h[4] * y + h[5]) / w;
-    result.left.row(i) -= scale * Eigen::RowVector2d(u, v);
+    seen.row(i) << u, v;
+    result.left.row(i) -= scale * seen.row(i);
     Eigen::Matrix2d j;
     j << h[0] - u * h[6], h[1] - u * h[7], h[3] - v * h[6], h[4] - v * h[7];
     result.Jacobian.emplace_back(scale / (w * size) * j);
   }
-  // What a lens bends, as far as the corners can tell it.
+  // What a lens bends, as far as the corners can tell it: a polynomial over the picture, since over
+  // a tilted target the same bend is none.
   const int degree = rows >= 24 ? 3 : rows >= 14 ? 2 : 1;
-  const Eigen::MatrixXd basis = powers(xy, degree);
+  const Eigen::MatrixXd basis = powers(seen, degree);
   result.left -= basis * measurement::solve_any_rank(basis, result.left);
   // A perspective has two more than the straight part of the basis.
   const double taken = static_cast<double>(basis.cols()) + (degree == 1 ? 1 : 0);
