@@ -206,9 +206,10 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
       (beyond_doubt && (candidate.gain_ll > kUnluckyLoss || candidate.held_z > kUnluckyScatter));
   candidate.significant = candidate.p_value < kCandidateAlarm && agreed && held_out_agree &&
                           problem.is_visible(before.model, after.model);
-  if (candidate.significant && lost_tells)
-    candidate.significant =
-        loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll;
+  candidate.of_base =
+      candidate.significant && lost_tells &&
+      !(loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll);
+  candidate.significant = candidate.significant && !candidate.of_base;
   if (candidate.significant) {
     const Change change = change_by(problem, here, before, after, only_widens(*candidate.effect));
     candidate.moved = change.moved;
