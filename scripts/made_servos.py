@@ -30,6 +30,18 @@ SORTS = {
     # A head: few rows, a joint that carries little.
     "head": {"dt": 0.008, "rows": 120, "runs": 4, "rate": (10, 30), "damping": (0.3, 0.9), "gains": ()},
 }
+STIFF, LEGGED = SORTS["stiff"], SORTS["legged"]
+SORTS |= {
+    # Encoders of 12 bits a turn and of 10 bits in 300 degrees, noise not stated.
+    "rounded": STIFF | {"steps": (2 * math.pi / 4096, math.radians(300) / 1024)},
+    "late": LEGGED | {"latency": (0.003, 0.03)},
+    # Duty that is cut off below the whole supply: the same motion as a weaker motor with more gain.
+    "pwm": STIFF | {"duty": (0.3, 0.8)},
+    # Rows that come early and late, and are lost.
+    "uneven": LEGGED | {"jitter": 0.35, "lost": 0.03},
+    # A supply that sags; in one set of three the column never changes.
+    "volts": STIFF | {"volts": True},
+}
 FRICTIONS = ("coulomb_friction", "load_friction", "stribeck_friction")
 
 
@@ -44,7 +56,7 @@ def truth_of(sort, draw):
     gain = ask / 1.5 / kp
     stall = rate ** 2 / (gain * kp)
     motor = {"stall_rad_per_s2": stall, "back_emf_per_s": 2 * rate * draw.uniform(*form["damping"]), "gain": gain}
-    if sort == "legged":
+    if form is LEGGED or "latency" in form or "jitter" in form:
         motor["damping_s"] = 2 * rate * draw.uniform(0.2, 0.6) / stall
     effects = {"motor_servo": motor}
     if draw.random() < 0.7:
@@ -64,14 +76,23 @@ def truth_of(sort, draw):
         most = min(stall, 1.2 * rate ** 2)
         held = sum(effects.get(name, {}).get("rad_per_s2", 0) for name in ("gravity_torque", *FRICTIONS))
         effects["torque_limit"] = {"rad_per_s2": max(draw.uniform(0.4, 0.7) * most, 1.5 * held)}
+    if "latency" in form:
+        effects["servo_latency"] = {"latency_s": draw.uniform(*form["latency"])}
+    if "steps" in form:
+        effects["encoder_quantisation"] = {"step_rad": draw.choice(form["steps"])}
+    if "duty" in form:
+        motor["max_duty"] = draw.uniform(*form["duty"])
+        for name, power in (("stall_rad_per_s2", -1), ("gain", 1)):
+            motor[name] *= motor["max_duty"] ** power
     return effects
 
 
 def protocol(folder, sort, draw):
     form = SORTS[sort]
     gains = form["gains"] if form["gains"] and draw.random() < 0.8 else form["gains"][:1]
-    names = "run,time_s,joint,command_rad,torque_enable" + (",kp" if gains else "")
-    rows = [names]
+    names = "run,time_s,joint,command_rad,torque_enable" + (",kp" if gains else "") + (
+        ",voltage_v" if "volts" in form else "")
+    rows, sag = [names], draw.choice((0, 0.4, 1.2)) if "volts" in form else 0
     for run in range(form["runs"]):
         ends = [draw.uniform(-1, 1) for _ in range(6)]
         kind = run % 3  # Steps, a swing that grows faster, slow ramps.
@@ -80,6 +101,8 @@ def protocol(folder, sort, draw):
         for k in range(length):
             at, block = k / length, int(6 * k / length)
             t = k * form["dt"]
+            if "jitter" in form and k > 0:
+                t += form["jitter"] * draw.uniform(-1, 1) * form["dt"]
             command = ends[block]
             if kind == 1:
                 command = ends[0] * math.sin((2 + 3 * t) * t) + 0.4 * ends[1] * math.sin(11 * t)
@@ -87,11 +110,15 @@ def protocol(folder, sort, draw):
                 command = ends[block // 2] + (ends[block // 2 + 1] - ends[block // 2]) * (3 * at) % 1.0
             enabled = 0 if free and block in (2, 5) else 1
             kp = f",{gains[run % len(gains)]}" if gains else ""
-            rows.append(f"{run},{t:.3f},joint,{command if k > 1 else 0:.5f},{enabled}{kp}")
+            volts = f",{12 - sag * (0.3 * run / form['runs'] + 0.7 * at ** 2):.2f}" if "volts" in form else ""
+            if k == 0 or "lost" not in form or draw.random() >= form["lost"]:
+                rows.append(f"{run},{t:.{5 if 'jitter' in form else 3}f},joint,{command if k > 1 else 0:.5f},{enabled}"
+                            f"{kp}{volts}")
+    noise = NOISE_RAD if "steps" not in form else 0.1 * min(form["steps"])
     folder.mkdir()
     (folder / "joints.csv").write_text("\n".join(rows) + "\n")
     (folder / "measurement.yaml").write_text(
-        f"format: seam-measurement/1\nkind: joints\ntitle: made\nnoise: {{measured_rad: {NOISE_RAD}}}\ngroup: run\n"
+        f"format: seam-measurement/1\nkind: joints\ntitle: made\nnoise: {{measured_rad: {noise}}}\ngroup: run\n"
         "files: {joints: joints.csv}\n")
 
 
@@ -102,7 +129,7 @@ def model_text(effects):
 
 
 def seam(binary, *arguments):
-    done = subprocess.run([binary, *arguments], capture_output=True, text=True, timeout=580)
+    done = subprocess.run([binary, *arguments], capture_output=True, text=True, timeout=1500)
     if done.returncode != 0:
         sys.exit(done.stderr)
     return done.stdout
@@ -117,9 +144,12 @@ def deviations(truth, values):
         del known["motor_servo.stall_rad_per_s2"], known["motor_servo.gain"]
     hidden = {name: dict(parameters) for name, parameters in truth.items()}
     motor = hidden["motor_servo"]
+    most = motor.pop("max_duty", 1)
+    for name, power in (("stall_rad_per_s2", 1), ("gain", -1), ("damping_s", -1)):
+        motor[name] = motor.get(name, 0) * most ** power
     if not known.get("motor_servo.damping_s", (0, 0))[0]:
         # Not asked for: where nothing saturates damping is back-EMF by another name.
-        motor["back_emf_per_s"] += motor["stall_rad_per_s2"] * motor.pop("damping_s", 0)
+        motor["back_emf_per_s"] += motor["stall_rad_per_s2"] * motor.pop("damping_s")
     for name, (value, sigma) in known.items():
         effect, parameter = name.split(".")
         true = hidden.get(effect, {}).get(parameter)
@@ -129,7 +159,8 @@ def deviations(truth, values):
 
 
 def judged(truth, found):
-    """`right`, `tie` (a declared tie stands for a hidden effect) or `wrong`."""
+    """`right`, `tie` (a declared tie stands for a hidden effect) or `wrong`. Steps of an encoder are noise by another name
+    where the set states none."""
     missing, spare, tied = set(truth), [], False
     for step in found["steps"]:
         if step["effect"] in missing:
@@ -142,7 +173,7 @@ def judged(truth, found):
             return "wrong"
         missing.remove(other)
         tied = True
-    return "wrong" if missing else "tie" if tied else "right"
+    return "wrong" if missing - {"encoder_quantisation"} else "tie" if tied else "right"
 
 
 def make(binary, sort, number, folder):
@@ -154,6 +185,9 @@ def make(binary, sort, number, folder):
     (folder / "nominal.yaml").write_text("format: seam-model/1\nname: nominal\neffects: {ideal_servo: {}}\n")
     seam(binary, "measure", "--model", folder / "truth.yaml", "--protocol", folder / "protocol", "--seed", str(number),
          "--out", folder / "data")
+    if "steps" in SORTS[sort]:
+        yaml = folder / "data" / "measurement.yaml"
+        yaml.write_text("".join(line for line in yaml.read_text().splitlines(True) if "noise" not in line))
     return truth
 
 

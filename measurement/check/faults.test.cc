@@ -141,6 +141,18 @@ TEST_F(Faults, ACommandThatIsTheMeasurementIsTold) {
               ElementsAre(HasSubstr("the measurement 5 rows earlier: is it a copy of it?")));
 }
 
+// A servo that is turned through the back of its circle; one large error alone is none.
+TEST_F(Faults, AnglesWithinOneTurnAreTold) {
+  const auto wrapped = servo([](int, Sample& s) {
+    s.command_rad += 3, s.measured_rad = std::remainder(s.measured_rad + 3, 2 * std::numbers::pi);
+  });
+  EXPECT_THAT(faults_of_values(wrapped),
+              testing::Contains(testing::AllOf(HasSubstr("joints.csv:15: measured_rad jumps"),
+                                               HasSubstr("stated within one turn"))));
+  const auto gross = servo([](int k, Sample& s) { s.measured_rad += k == 200 ? 2.5 : 0; });
+  EXPECT_THAT(faults_of_values(gross), IsEmpty());
+}
+
 TEST_F(Faults, DegreesInOneColumnAreTold) {
   const auto measured = servo([](int, Sample& s) { s.measured_rad *= kDegrees; });
   EXPECT_THAT(faults_of_values(measured),

@@ -3,18 +3,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "measurement/check/fault_parts.h"
 #include "measurement/check/faults.h"
 
 namespace seam::measurement {
+namespace {
+
+// Rows at which an angle goes on a whole turn away, between rows that move by far less: it is
+// stated within one turn.
+std::vector<size_t> jumps_by_a_turn(const Numbers& angle) {
+  constexpr double kTurn_rad = 2 * std::numbers::pi, kLittle_rad = 0.6;
+  std::vector<size_t> jumps;
+  for (size_t i = 1; i < angle.size(); ++i) {
+    const double step = angle[i] - angle[i - 1];
+    if (std::abs(std::abs(step) - kTurn_rad) > kLittle_rad) continue;
+    const double before = i > 1 ? angle[i - 1] - angle[i - 2] : 0;
+    const double after = i + 1 < angle.size() ? angle[i + 1] - angle[i] : 0;
+    const auto moves_on = [&](double other) {
+      return std::abs(std::remainder(other, kTurn_rad)) < kLittle_rad;
+    };
+    if (moves_on(before) && moves_on(after)) jumps.push_back(i);
+  }
+  return jumps;
+}
+
+}  // namespace
 
 void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
   const CsvTable table = set.table("joints");
   if (!has_all(table, {"command_rad", "measured_rad"})) return;
   const Numbers commands = table.numbers_or_blank("command_rad");
   const Numbers angles = table.numbers_or_blank("measured_rad");
-  size_t equal = 0, moved = 0;
+  size_t equal = 0, moved = 0, wraps = 0;
+  std::string wraps_at;
   std::map<std::string, std::pair<size_t, std::string>> said;  // By sentence: how often, where.
   double command_span = 0, angle_span = 0;
   for (const auto& [name, rows] : rows_by(table, {"run", "joint"})) {
@@ -23,6 +46,9 @@ void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
     if (std::any_of(command.begin(), command.end(), blank) ||
         std::any_of(angle.begin(), angle.end(), blank))
       continue;
+    for (const size_t i : jumps_by_a_turn(angle)) {
+      if (wraps++ == 0) wraps_at = place(table, rows[i]);
+    }
     for (size_t i = 1; i < rows.size(); ++i) {
       if (angle[i] == angle[i - 1]) continue;
       ++moved;
@@ -40,6 +66,11 @@ void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
         "{}: command_rad and measured_rad are equal in {} of {} rows in which the joint moves: the "
         "command column is really the measurement",
         table.file(), equal, moved));
+  if (wraps > 0)
+    found.push_back(fmt::format(
+        "{}: measured_rad jumps by a whole turn in this row{}: it is stated within one turn, "
+        "expected angles that go on (and commands with them)",
+        wraps_at, wraps > 1 ? fmt::format(" and {} others", wraps - 1) : ""));
   for (const auto& [sentence, where] : said)
     found.push_back(fmt::format("{}: {}{}", where.second, sentence,
                                 where.first > 1 ? fmt::format(" ({} runs)", where.first) : ""));

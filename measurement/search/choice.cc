@@ -63,6 +63,25 @@ Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double 
   }
 }
 
+std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, const Candidate* next,
+                                   const std::vector<Candidate>& candidates) {
+  constexpr double kWorth = 0.1;  // Of the candidate's gain.
+  if (here.added.empty()) return std::nullopt;
+  const Candidate* most = nullptr;
+  double gain = next != nullptr ? next->total_gain_ll : 0;
+  for (const Candidate& candidate : candidates) {
+    if (!candidate.of_base || !(candidate.total_gain_ll > gain)) continue;
+    most = &candidate, gain = candidate.total_gain_ll;
+  }
+  if (most == nullptr) return std::nullopt;
+  Grown better = without(most->grown, most->effect->name);
+  better.assessment = assess(problem, better.assessment.model, better.assessment.unknowns);
+  const Assessment& after = better.assessment;
+  if (!after.valid || !(after.total_ll > here.assessment.total_ll + kWorth * gain))
+    return std::nullopt;
+  return better;
+}
+
 bool clearly_needed(const Grown& grown, const std::string& name) {
   const Assessment& here = grown.assessment;
   const effects::ModelEffect* effect = here.model.find(name);

@@ -1,6 +1,7 @@
 // What the search does next, by what it has looked at.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,12 @@ Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candida
 // The same, it and what may be tied with it fitted to all rows, where a look asked few groups.
 Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double material,
                               Looks& looks);
+
+// The model refitted from where a candidate's fit left it, where most of what that gained, more
+// than `next` does, is the model's own: its own fit had ended in a wrong place. None where it gains
+// little.
+std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, const Candidate* next,
+                                   const std::vector<Candidate>& candidates);
 
 // Whether some parameter of an added effect is so far from neutral that the effect cannot go.
 bool clearly_needed(const Grown& grown, const std::string& name);

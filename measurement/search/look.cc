@@ -14,7 +14,8 @@ namespace seam::measurement {
 namespace {
 
 // Marks the prospects worth a fit: those that the score test calls significant or nearly so, and of
-// these the best few. What a step of Gauss and Newton cannot judge is always fitted.
+// these the best few. What a step of Gauss and Newton cannot judge is always fitted, and so are
+// parts of a motor while the model misses: friction that lets a joint stick makes slopes rough.
 std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
                                 const std::vector<std::optional<Prospect>>& prospects) {
   const double n = static_cast<double>(std::max<size_t>(1, count_used(problem)));
@@ -22,7 +23,8 @@ std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
   std::vector<std::pair<double, size_t>> ranked;
   for (size_t i = 0; i < prospects.size(); ++i) {
     if (!prospects[i]) continue;
-    if (!std::isfinite(prospects[i]->expected_ll)) {
+    const bool part = prospects[i]->effect->needs_base != effects::Base::none;
+    if (!std::isfinite(prospects[i]->expected_ll) || (part && base.assessment.error > kMisfit)) {
       worth[i] = 1;
       continue;
     }

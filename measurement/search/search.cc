@@ -177,6 +177,10 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
       if (candidate.significant && !known && promising_.size() < kMostPromising)
         promising_.push_back(candidate.effect->name);
     }
+    if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
+      grown = *std::move(better);
+      continue;
+    }
     const double before = merit_of(problem_, grown);
     const size_t parameters_before = fitted_parameters(grown);
     const double error_before = grown.assessment.error;

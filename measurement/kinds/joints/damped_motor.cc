@@ -36,6 +36,15 @@ std::optional<Place> place_of(const Model& model, double TorqueModel::*part) {
   return std::nullopt;
 }
 
+// Which of the unknowns it is.
+std::optional<size_t> number_of(const std::vector<Unknown>& unknowns,
+                                const std::optional<Place>& place) {
+  for (size_t i = 0; place && i < unknowns.size(); ++i) {
+    if (unknowns[i].effect == place->effect && unknowns[i].parameter == place->parameter) return i;
+  }
+  return std::nullopt;
+}
+
 // Sets a part of the equation; false where the model has no such parameter, or its bounds forbid
 // the value.
 bool set_part(Model& model, const std::optional<Place>& place, double value) {
@@ -90,11 +99,29 @@ std::vector<Model> damped_otherwise(const Model& model) {
   return others;
 }
 
-bool keeps_back_emf(const Model& model) {
-  constexpr double kLeastShare = 0.1;
+std::optional<Model> undamped(const Model& model, const std::vector<Unknown>& unknowns) {
   const TorqueModel motor = effects::servo_of(model).torque;
+  const auto free = [&](double TorqueModel::*part) {
+    return number_of(unknowns, place_of(model, part)).has_value();
+  };
+  if (!motor.present || !(motor.damping_s > 0) || !free(&TorqueModel::damping_s) ||
+      !free(&TorqueModel::back_emf_per_s))
+    return std::nullopt;
+  Model other = model;
+  const bool fits = set_part(other, place_of(model, &TorqueModel::damping_s), 0) &&
+                    set_part(other, place_of(model, &TorqueModel::back_emf_per_s),
+                             motor.back_emf_per_s + motor.damping_s * motor.stall_rad_per_s2);
+  if (!fits) return std::nullopt;
+  return other;
+}
+
+bool keeps_back_emf(const Fit& fit, const std::vector<Unknown>& unknowns) {
+  constexpr double kLeastShare = 0.1, kClearly = 5;  // Of the drag; errors.
+  const TorqueModel motor = effects::servo_of(fit.model).torque;
   const double inside_per_s = motor.damping_s * motor.stall_rad_per_s2;
-  return motor.back_emf_per_s >= kLeastShare * (inside_per_s + motor.back_emf_per_s);
+  if (motor.back_emf_per_s >= kLeastShare * (inside_per_s + motor.back_emf_per_s)) return true;
+  const auto i = number_of(unknowns, place_of(fit.model, &TorqueModel::back_emf_per_s));
+  return i && fit.sigma[*i] > 0 && motor.back_emf_per_s > kClearly * fit.sigma[*i];
 }
 
 }  // namespace seam::measurement

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "measurement/problem/problem.h"
 
 namespace seam::measurement {
 
@@ -19,8 +20,13 @@ std::vector<effects::Model> damped_otherwise(const effects::Model& model);
 // on. None where the model has no such two.
 std::optional<effects::Model> damped_alike(const effects::Model& model);
 
-// Whether a fit left the motor a share of the drag. One whose controller has it all is a motor with
-// back-EMF behind a limit of torque, by another name.
-bool keeps_back_emf(const effects::Model& model);
+// The same drag as back-EMF alone. None where the model's controller has no damping, or one that is
+// not to be fitted.
+std::optional<effects::Model> undamped(const effects::Model& model,
+                                       const std::vector<Unknown>& unknowns);
+
+// Whether a fit left the motor a share of the drag, or a small one that is clearly not 0. One whose
+// controller has it all is a motor with back-EMF behind a limit of torque, by another name.
+bool keeps_back_emf(const Fit& fit, const std::vector<Unknown>& unknowns);
 
 }  // namespace seam::measurement

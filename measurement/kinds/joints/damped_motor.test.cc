@@ -5,15 +5,11 @@
 
 #include <cmath>
 
-#include "measurement/kinds/joints/joints.h"
+#include "measurement/fitting/assess.h"
+#include "measurement/kinds/joints/joints_testing.h"
 
 namespace seam::measurement {
 namespace {
-
-effects::Model motor_model(const std::string& effects) {
-  return effects::Model::from_config(
-      ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
-}
 
 // Steps to and fro that ask for more than the duty gives.
 JointLogs steps() {
@@ -24,7 +20,7 @@ JointLogs steps() {
 }
 
 TEST(DampedMotor, ALimitWithViscousFrictionMovesAsADampedControllerDoes) {
-  const effects::Model limited = motor_model(
+  const effects::Model limited = model_of(
       "  motor_servo: {stall_rad_per_s2: 700, back_emf_per_s: 8, gain: 0.5}\n"
       "  viscous_friction: {per_s: 5}\n"
       "  torque_limit: {rad_per_s2: 60}\n");
@@ -41,14 +37,14 @@ TEST(DampedMotor, ALimitWithViscousFrictionMovesAsADampedControllerDoes) {
   const auto one = predict_joint_log(limited, set, set.logs[0], 0);
   const auto other = predict_joint_log(*damped, set, set.logs[0], 0);
   for (size_t k = 0; k < one.size(); ++k) EXPECT_NEAR(one[k], other[k], 1e-6) << k;
-  EXPECT_FALSE(damped_alike(
-      motor_model("  motor_servo: {stall_rad_per_s2: 700, back_emf_per_s: 8, gain: 0.5}\n"
-                  "  torque_limit: {rad_per_s2: 60}\n")));
+  EXPECT_FALSE(
+      damped_alike(model_of("  motor_servo: {stall_rad_per_s2: 700, back_emf_per_s: 8, gain: 0.5}\n"
+                            "  torque_limit: {rad_per_s2: 60}\n")));
 }
 
 TEST(DampedMotor, SharesOfTheDragMoveAlikeWhereNothingSaturates) {
   const effects::Model motor =
-      motor_model("  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 12, gain: 0.2}\n");
+      model_of("  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 12, gain: 0.2}\n");
   const JointLogs set = steps();
   const auto plain = predict_joint_log(motor, set, set.logs[0], 0);
   const auto others = damped_otherwise(motor);
@@ -58,10 +54,42 @@ TEST(DampedMotor, SharesOfTheDragMoveAlikeWhereNothingSaturates) {
     for (size_t k = 0; k < plain.size(); ++k) EXPECT_NEAR(angles[k], plain[k], 1e-6) << k;
     EXPECT_GT(other.find("motor_servo")->values()[3], 0);
   }
-  EXPECT_TRUE(keeps_back_emf(motor));
-  EXPECT_FALSE(keeps_back_emf(motor_model(
-      "  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 1, gain: 0.2, damping_s: 0.03}\n")));
-  EXPECT_TRUE(damped_otherwise(motor_model("  ideal_servo: {}\n")).empty());
+  EXPECT_TRUE(damped_otherwise(model_of("  ideal_servo: {}\n")).empty());
+}
+
+TEST(DampedMotor, AControllerThatHasAllTheDragIsALimitOfTorque) {
+  const std::vector<Unknown> unknowns = {{"motor_servo", 1}, {"motor_servo", 3}};
+  const auto fit_of = [&](const std::string& back_emf, const std::string& damping, double sigma) {
+    Fit fit;
+    fit.model = model_of("  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: " + back_emf +
+                         ", gain: 0.2, damping_s: " + damping + "}\n");
+    fit.sigma = {sigma, 0.001};
+    return fit;
+  };
+  EXPECT_TRUE(keeps_back_emf(fit_of("4", "0.03", 2), unknowns));
+  EXPECT_FALSE(keeps_back_emf(fit_of("1", "0.03", 0.5), unknowns));
+  EXPECT_TRUE(keeps_back_emf(fit_of("1", "0.03", 0.1), unknowns));  // Little, but surely some.
+  const Fit all = fit_of("0", "0.03", 0.1);
+  const auto without = undamped(all.model, unknowns);
+  ASSERT_TRUE(without);
+  EXPECT_NEAR(without->find("motor_servo")->values()[1], 12, 1e-9);
+  EXPECT_EQ(without->find("motor_servo")->values()[3], 0);
+  EXPECT_FALSE(undamped(all.model, {{"motor_servo", 1}}));
+  EXPECT_FALSE(undamped(fit_of("12", "0", 0.1).model, unknowns));
+}
+
+TEST(DampedMotor, DampingGoesWhereOnlyALimitIsMissing) {
+  const JointsProblem problem =
+      MadeSet("motor-undamped")
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 8, gain: "
+                            "0.12}\n  torque_limit: {rad_per_s2: 60}\n"),
+                   3);
+  const Model given = model_of(
+      "  motor_servo: {stall_rad_per_s2: {value: 61, free: true}, back_emf_per_s: {value: 1, free: "
+      "true}, gain: {value: 0.8, free: true}, damping_s: {value: 0.12, free: true}}\n");
+  const Fit fit = problem.fit(given, refitted_unknowns(given), problem.all_groups());
+  EXPECT_EQ(fit.value[3], 0);
+  EXPECT_GT(fit.value[1], 1);
 }
 
 }  // namespace

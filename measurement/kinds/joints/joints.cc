@@ -172,11 +172,12 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   evaluation.residual.assign(n, 0);
   effects::JointTrack track;
   effects::apply_encoder_effects(model, track);
-  const double step = std::min(track.quantisation_step_rad, largest_step_rad_),
-               noise = facts_.channels[0].noise;
+  const double step = std::min(track.quantisation_step_rad, largest_step_rad_);
+  const bool on_lattice = lattice_rad_ > 0 && step > 0.99 * lattice_rad_;
+  const double noise = on_lattice ? behind_steps_rad_ : facts_.channels[0].noise;
   const double sigma = step == 0 ? noise : std::sqrt(noise * noise + step * step / 12);
   evaluation.sigma.assign(n, sigma);
-  const bool rounds = lattice_rad_ > 0 && step > 0.99 * lattice_rad_ && noise < lattice_rad_;
+  const bool rounds = on_lattice && noise < lattice_rad_;
   evaluation.mean_key = mean_parameters(model);
   evaluation.mean_key.push_back(sigma);
   // Where only a spread changed, residuals and starts stay.

@@ -124,6 +124,8 @@ class JointsProblem : public Problem {
   Fit polished(Fit fit, const std::vector<Unknown>& unknowns, const Groups& groups) const;
   Fit fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
                 const Groups& groups) const;
+  Fit fit_torque(const Model& start, const std::vector<Unknown>& unknowns,
+                 const Groups& groups) const;
   std::optional<Model> worth_damping(const Fit& fit, const std::vector<Unknown>& first,
                                      const std::vector<Unknown>& unknowns,
                                      const Groups& groups) const;
@@ -147,6 +149,7 @@ class JointsProblem : public Problem {
   // By log. A fit of a spread, a score after a fit and a structure test ask for the same.
   std::optional<Memo<Prediction>> predictions_;
   double lattice_rad_ = 0;       // All measured angles are multiples of this; 0: of nothing coarse.
+  double behind_steps_rad_ = 0;  // The noise before it is rounded to them.
   double largest_step_rad_ = 0;  // Of an encoder, that the scatter of neighbours allows.
 };
 

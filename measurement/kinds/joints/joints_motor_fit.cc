@@ -171,8 +171,8 @@ std::optional<Model> JointsProblem::worth_damping(const Fit& fit, const std::vec
 
 // What the data must ask for waits until all else is fitted, and comes where it gains what chance
 // gives once in a thousand sets. Far from the noise it would only stand in for what is missing.
-Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
-                             const Groups& groups) const {
+Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& unknowns,
+                              const Groups& groups) const {
   constexpr double kAskedFor = 5.4, kFar = 100, kNear = 10, kAtNoise = 1.03, kMuchLess = 0.5;
   constexpr double kSame = 1.0001;
   std::vector<Unknown> first;
@@ -212,10 +212,19 @@ Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unk
     const Model& from = damped ? *damped : fit.model;
     Fit all = polished(Problem::fit(from, unknowns, groups), unknowns, groups);
     const double gained = all.log_likelihood - fit.log_likelihood;
-    const bool asked_for = gained > kAskedFor * misfit * misfit && keeps_back_emf(all.model);
+    const bool asked_for = gained > kAskedFor * misfit * misfit && keeps_back_emf(all, unknowns);
     if (asked_for && (near || misfit_at(all.model) < kMuchLess * misfit)) return all;
   }
   return with_waiting(fit, first, unknowns);
+}
+
+// Damping that was asked for while something else was missing goes where no back-EMF stays beside
+// it: the model then lacks a limit of torque.
+Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
+                             const Groups& groups) const {
+  Fit fit = fit_torque(start, unknowns, groups);
+  const auto without = keeps_back_emf(fit, unknowns) ? std::nullopt : undamped(fit.model, unknowns);
+  return without ? fit_torque(*without, unknowns, groups) : fit;
 }
 
 // Logs are independent of each other: all their starts are moved at once.

@@ -12,6 +12,34 @@ double below(double z) {
   return 0.5 * std::erfc(-z / std::sqrt(2.0));
 }
 
+// Noise that was estimated holds the rounding to steps: what is behind it, by rows between which
+// the joint moves by a step at least. A slower one's rounding repeats itself and says nothing.
+double noise_behind_steps(const JointLogs& set, double step_rad, double noise_rad) {
+  constexpr size_t kFewest = 5, kEnough = 100;  // Rows in a row; together.
+  std::vector<std::vector<double>> times, values;
+  size_t rows = 0;
+  for (const JointLog& log : set.logs) {
+    size_t from = 0;
+    for (size_t k = 1; k <= log.rows.size(); ++k) {
+      if (k < log.rows.size() &&
+          std::abs(log.measured_rad[k] - log.measured_rad[k - 1]) > 0.5 * step_rad)
+        continue;
+      if (k - from >= kFewest) {
+        const auto part = [&](const std::vector<double>& all) {
+          return std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(from),
+                                     all.begin() + static_cast<std::ptrdiff_t>(k));
+        };
+        times.push_back(part(log.time_s)), values.push_back(part(log.measured_rad));
+        rows += k - from;
+      }
+      from = k;
+    }
+  }
+  if (rows < kEnough) return noise_rad;
+  const double moving = noise_from_neighbours(times, values);
+  return std::sqrt(std::max(0.0, moving * moving - step_rad * step_rad / 12));
+}
+
 }  // namespace
 
 void JointsProblem::look_for_steps() {
@@ -46,6 +74,9 @@ void JointsProblem::look_for_steps() {
     }
     if (whole) lattice_rad_ = step;
   }
+  behind_steps_rad_ = lattice_rad_ > 0 && facts_.channels[0].estimated
+                          ? noise_behind_steps(set_, lattice_rad_, noise)
+                          : noise;
   if (lattice_rad_ > 0) {
     largest_step_rad_ = lattice_rad_;
   } else if (scatter > 1.2 * noise) {

@@ -5,18 +5,13 @@
 
 #include "effects/registry.h"
 #include "measurement/fitting/assess.h"
-#include "measurement/kinds/joints/joints.h"
+#include "measurement/kinds/joints/joints_testing.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {
-
-Model model_of(const std::string& effects) {
-  return Model::from_config(
-      ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
-}
 
 std::string message_of(const std::function<void()>& run) {
   try {
@@ -110,39 +105,6 @@ TEST(MotorLogs, KinematicEffectsAreRefusedBesideAMotor) {
   model_of(std::string(kMotor) +
            "  servo_latency: {latency_s: 0.01}\n  backlash: {width_rad: 0.01}");
 }
-
-// Steps and releases of a loaded joint at two gains, as `truth` has them, with noise.
-class MadeSet {
- public:
-  explicit MadeSet(const std::string& name)
-      : folder_(std::filesystem::path(testing::TempDir()) / name) {
-    std::filesystem::create_directories(folder_);
-    const RandomStream random{5, 1};
-    std::string rows = "run,time_s,joint,command_rad,measured_rad,kp,torque_enable\n";
-    for (int run = 0; run < 6; ++run) {
-      for (int k = 0; k < 300; ++k) {
-        const int block = k / 50;
-        const double command = (uniform(random, 100 * run + block) - 0.5) * 2.4;
-        rows += fmt::format("{},{:.3f},arm,{:.4f},0,{},{}\n", run, 0.01 * k, command,
-                            run % 2 == 0 ? 3 : 8, block == 3 ? 0 : 1);
-      }
-    }
-    write_file_atomically(folder_ / "joints.csv", rows);
-    write_file_atomically(folder_ / "measurement.yaml",
-                          "format: seam-measurement/1\nkind: joints\ntitle: made\n"
-                          "noise: {measured_rad: 0.0005}\ngroup: run\n"
-                          "files: {joints: joints.csv}\n");
-  }
-  JointsProblem made_by(const Model& truth, uint64_t seed) const {
-    const auto out = folder_ / "made";
-    std::filesystem::remove_all(out);
-    measure_joints(truth, MeasurementSet::open(folder_), {.seed = seed, .out = out});
-    return JointsProblem(MeasurementSet::open(out));
-  }
-
- private:
-  std::filesystem::path folder_;
-};
 
 // Effect names here, as elsewhere in tests, stand for what is hidden.
 TEST(MotorLogs, AFitOfWholeRunsFindsWhatMadeThemWithItsErrors) {

@@ -1,0 +1,66 @@
+// What searches do where a motor's fit ended in a wrong place, or where its slopes mislead.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "effects/registry.h"
+#include "measurement/fitting/assess.h"
+#include "measurement/kinds/joints/joints_testing.h"
+#include "measurement/search/choice.h"
+
+namespace seam::measurement {
+namespace {
+
+const char* const kFree =
+    "  motor_servo: {stall_rad_per_s2: {value: 200, free: true}, back_emf_per_s: {value: 10, free: "
+    "true}, gain: {value: 0.1, free: true}}\n";
+
+// A fit that saturates everywhere swings from side to side, and no step leads from there.
+TEST(MotorSearch, AFitThatACandidateLeftForABetterPlaceGoesOnThere) {
+  const std::string motor =
+      "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.1}\n";
+  const std::string friction = "  coulomb_friction: {rad_per_s2: 2}\n";
+  const JointsProblem problem = MadeSet("motor-better").made_by(model_of(motor + friction), 6);
+  const Model stuck =
+      model_of("  motor_servo: {stall_rad_per_s2: 180, back_emf_per_s: 20, gain: 100000}\n");
+  const Grown here{.added = {"motor_servo"}, .assessment = assess_fixed(problem, stuck)};
+  const Model good = model_of(kFree + friction);
+  Candidate candidate{.effect = effects::find_effect("coulomb_friction")};
+  candidate.grown = {.added = {"motor_servo", "coulomb_friction"},
+                     .assessment = assess_fixed(problem, good)};
+  candidate.grown.assessment.unknowns = refitted_unknowns(good);
+  candidate.total_gain_ll = candidate.grown.assessment.total_ll - here.assessment.total_ll;
+  EXPECT_FALSE(fitted_better(problem, here, nullptr, {candidate}));
+  candidate.of_base = true;
+  const auto better = fitted_better(problem, here, nullptr, {candidate});
+  ASSERT_TRUE(better);
+  EXPECT_EQ(better->added, std::vector<std::string>{"motor_servo"});
+  EXPECT_FALSE(better->assessment.model.has("coulomb_friction"));
+  EXPECT_NEAR(better->assessment.model.find("motor_servo")->value("gain"), 0.1, 0.03);
+  const Candidate next = candidate;  // What gains as much is taken first.
+  EXPECT_FALSE(fitted_better(problem, here, &next, {candidate}));
+}
+
+TEST(MotorSearch, PartsOfAMotorAreAllFittedWhileItMisses) {
+  const JointsProblem problem =
+      MadeSet("motor-parts")
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: "
+                            "0.1}\n  coulomb_friction: {rad_per_s2: 8}\n  gravity_torque: "
+                            "{rad_per_s2: 20, level_rad: 0.3}\n"),
+                   6);
+  const Model base = model_of(kFree);
+  const Grown here{.added = {"motor_servo"},
+                   .assessment = assess(problem, base, refitted_unknowns(base))};
+  ASSERT_GT(here.assessment.error, 2);
+  const Looks looks = look_at(problem, here, absent_effects(problem, here.assessment.model, {}),
+                              0.1, /*promising_only=*/true);
+  for (const char* name : {"gravity_torque", "viscous_friction", "coulomb_friction",
+                           "stribeck_friction", "load_friction"}) {
+    EXPECT_TRUE(std::any_of(looks.candidates.begin(), looks.candidates.end(),
+                            [&](const Candidate& c) { return c.effect->name == name; }))
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace seam::measurement
