@@ -30,9 +30,8 @@ class Searcher {
 
  private:
   Grown base() const {
-    Grown grown{.assessment = assess(problem_, model_, refitted_unknowns(model_))};
-    grown.given_error = grown.assessment.error;
-    return grown;
+    const Assessment given = assess(problem_, model_, refitted_unknowns(model_));
+    return {.assessment = given, .given_error = given.error};
   }
   Grown grow(Grown grown, Looks* first_looks, std::vector<Candidate>& traces,
              const Grown* rival = nullptr);
