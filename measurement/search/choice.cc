@@ -87,11 +87,11 @@ bool clearly_needed(const Grown& grown, const std::string& name) {
   const effects::ModelEffect* effect = here.model.find(name);
   for (size_t k = 0; k < here.unknowns.size() && k < here.fit.sigma.size(); ++k) {
     if (here.unknowns[k].effect != name) continue;
-    const double neutral = effect->definition->parameters[here.unknowns[k].parameter].neutral;
+    // The first is the effect's size: a direction beside it is far from neutral where it has none.
     // Every value is infinitely far from a limit's neutral one: that says nothing.
-    if (std::isfinite(neutral) &&
-        std::abs(here.fit.value[k] - neutral) > kCannotGo * here.fit.sigma[k])
-      return true;
+    const double neutral = effect->definition->parameters[here.unknowns[k].parameter].neutral;
+    return std::isfinite(neutral) &&
+           std::abs(here.fit.value[k] - neutral) > kCannotGo * here.fit.sigma[k];
   }
   return false;
 }

@@ -24,7 +24,8 @@ Candidate* choose_by_all_rows(const Problem& problem, const Grown& here, double 
 std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, const Candidate* next,
                                    const std::vector<Candidate>& candidates);
 
-// Whether some parameter of an added effect is so far from neutral that the effect cannot go.
+// Whether an added effect is so far from neutral in its first fitted parameter, its size, that it
+// cannot go: a shortcut.
 bool clearly_needed(const Grown& grown, const std::string& name);
 
 // Whether a model explains nothing, far behind a rival, and its last step changed little about it.

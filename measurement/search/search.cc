@@ -178,6 +178,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     }
     if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
       grown = *std::move(better);
+      prune(grown);
       continue;
     }
     const double before = merit_of(problem_, grown);
@@ -187,8 +188,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
       grown = std::move(next->grown);
       prune(grown);
     } else {
-      // Nothing more to add: exchanges are tried where the search would end, since each costs as
-      // much as a look at the catalogue.
+      // Exchanges, each as dear as a look, are tried where the search would end.
       if (!exchange(grown)) break;
       prune(grown);
     }

@@ -8,7 +8,9 @@
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/numerics/span.h"
+#include "measurement/problem/made_problem.h"
 #include "measurement/search/add_effects.h"
+#include "measurement/search/choice.h"
 #include "measurement/study/study.h"
 
 namespace seam::measurement {
@@ -54,6 +56,23 @@ TEST(Refit, AFocalLengthBesideItsErrorIsNotFreed) {
   }
   EXPECT_TRUE(checked);
   EXPECT_NEAR(result.error_after, 1, 0.1);
+}
+
+// A swing of no size has a phase far from neutral, and may go.
+TEST(ClearlyNeeded, IsWhatHasASize) {
+  const auto swing = made_effect("swing", {{.name = "size", .min = -9, .max = 9, .scale = 1},
+                                           {.name = "phase_rad", .min = -9, .max = 9, .scale = 1}});
+  const auto needed = [&](double size) {
+    Grown grown{.added = {"swing"}};
+    grown.assessment.model = made_model(swing, {size, 1.6});
+    grown.assessment.unknowns = {{"swing", 0}, {"swing", 1}};
+    grown.assessment.fit.value = {size, 1.6};
+    grown.assessment.fit.sigma = {0.01, 0.1};
+    return clearly_needed(grown, "swing");
+  };
+  EXPECT_FALSE(needed(0.02));
+  EXPECT_TRUE(needed(0.2));
+  EXPECT_TRUE(needed(-0.2));
 }
 
 }  // namespace
