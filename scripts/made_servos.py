@@ -26,7 +26,8 @@ SORTS = {
     "soft": {"dt": 0.01, "rows": 250, "runs": 8, "rate": (3, 8), "damping": (0.15, 0.7), "gains": (100, 200, 800)},
     "released": {"dt": 0.01, "rows": 250, "runs": 8, "rate": (6, 25), "damping": (0.2, 0.8), "gains": (1, 2)},
     # A leg's joint: no column kp, damped by its own controller, never switched off.
-    "legged": {"dt": 0.005, "rows": 300, "runs": 8, "rate": (12, 40), "damping": (0.05, 0.3), "gains": ()},
+    "legged": {"dt": 0.005, "rows": 300, "runs": 8, "rate": (12, 40), "damping": (0.05, 0.3), "gains": (),
+               "own_damping": (0.2, 0.6)},
     # A head: few rows, a joint that carries little.
     "head": {"dt": 0.008, "rows": 120, "runs": 4, "rate": (10, 30), "damping": (0.3, 0.9), "gains": ()},
 }
@@ -56,8 +57,8 @@ def truth_of(sort, draw):
     gain = ask / 1.5 / kp
     stall = rate ** 2 / (gain * kp)
     motor = {"stall_rad_per_s2": stall, "back_emf_per_s": 2 * rate * draw.uniform(*form["damping"]), "gain": gain}
-    if form is LEGGED or "latency" in form or "jitter" in form:
-        motor["damping_s"] = 2 * rate * draw.uniform(0.2, 0.6) / stall
+    if "own_damping" in form:
+        motor["damping_s"] = 2 * rate * draw.uniform(*form["own_damping"]) / stall
     effects = {"motor_servo": motor}
     if draw.random() < 0.7:
         effects["gravity_torque"] = {"rad_per_s2": typical * draw.uniform(0.3, 1), "level_rad": draw.uniform(-1.6, 1.6)}

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "app/sweep/sweep_progress.h"
@@ -92,11 +91,10 @@ bool KeptJobs::run(uint64_t first, uint64_t last, const std::function<std::strin
           },
       .died = [&](uint64_t job, const std::string& how) { fail(job, "its process " + how); },
       .tick = [&] { progress.show(); }};
-  const uint64_t cores = std::max(1u, std::thread::hardware_concurrency());
-  const auto asked = static_cast<uint64_t>(options_.workers);
-  const uint64_t workers = std::min(asked > 0 ? asked : cores, left);
-  cores_each_ = std::max<uint64_t>(1, cores / std::max<uint64_t>(1, workers));
-  return run_in_workers(static_cast<int>(workers), calls);
+  const int asked = options_.workers > 0 ? options_.workers : machine_cores();
+  const int workers = static_cast<int>(std::min<uint64_t>(static_cast<uint64_t>(asked), left));
+  cores_each_ = static_cast<size_t>(cores_for_each(workers));
+  return run_in_workers(workers, calls);
 }
 
 }  // namespace seam::app

@@ -1,7 +1,6 @@
 #include "app/sweep/sweep.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "app/sweep/one_run.h"
 #include "app/sweep/sweep_progress.h"
@@ -19,11 +18,10 @@ fs::path run_files(const fs::path& results) {
 SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
                        const Makers& makers, int jobs, const fs::path& files,
                        const std::function<void(const RunRecord&)>& done, ProgramPrints prints) {
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int workers = jobs > 0 ? jobs : cores;
+  const int workers = jobs > 0 ? jobs : machine_cores();
   Standbys standbys;  // Each worker fills its own copy.
   const OneRunOptions options{
-      .files = files, .render_workers = std::max(1, cores / workers), .standbys = &standbys};
+      .files = files, .render_workers = cores_for_each(workers), .standbys = &standbys};
   if (!runs.empty() && (plan.keep().logs || plan.keep().frames)) make_output_folder(files);
   SweepOutcome outcome;
   SweepProgress progress(runs.size());

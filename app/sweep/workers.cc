@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <thread>
 #include <vector>
 
 #include "sim_core/base/error.h"
@@ -194,6 +195,14 @@ bool Pool::run(int workers) {
 }
 
 }  // namespace
+
+int machine_cores() {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+int cores_for_each(int workers) {
+  return std::max(1, machine_cores() / std::max(1, workers));
+}
 
 bool run_in_workers(int workers, const WorkerCalls& calls) {
   return Pool(calls).run(workers);

@@ -21,6 +21,11 @@ struct WorkerCalls {
   std::function<void()> tick;  // A few times a second.
 };
 
+// Of this machine, as threads may use them.
+int machine_cores();
+// What is left to each of so many workers for threads of its own.
+int cores_for_each(int workers);
+
 // Returns when all jobs are done, or false after SIGINT, SIGTERM or SIGHUP, which ends the workers
 // and what they started. Whatever a call throws ends them, too.
 bool run_in_workers(int workers, const WorkerCalls& calls);

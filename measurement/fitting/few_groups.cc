@@ -78,6 +78,10 @@ std::optional<FewRows> some_of(const Problem& problem, const Groups& groups, boo
 
 }  // namespace
 
+double residuals_of(const FewRows& few) {
+  return sum(Counts(*few.problem, few.groups, /*by_channel=*/false).all);
+}
+
 std::optional<FewRows> few_of(const Problem& problem, const Model& model, const Groups& groups) {
   constexpr double kFewResiduals = 4000;
   if (static_cast<double>(problem.facts().scalars()) < kWorthIt * kFewResiduals)

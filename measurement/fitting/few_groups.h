@@ -15,6 +15,9 @@ struct FewRows {
   Groups groups;
 };
 
+// How many residuals of them take part.
+double residuals_of(const FewRows& few);
+
 // Some of these groups, taken as if by lot, of about 4,000 residuals, or their beginnings; none
 // where that would save little or few rows would not stand for all.
 std::optional<FewRows> few_of(const Problem& problem, const Model& model, const Groups& groups);

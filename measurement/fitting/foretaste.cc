@@ -6,14 +6,6 @@
 namespace seam::measurement {
 namespace {
 
-// Residuals that take part, of these groups.
-double residuals_of(const Problem& problem, const Groups& groups) {
-  double count = 0;
-  for (size_t i = 0; i < problem.facts().scalars(); ++i)
-    count += groups[problem.facts().group_of(i)] && !problem.left_out(i);
-  return count;
-}
-
 // The best fit to all rows leads the fit to a few by chi-square of the parameters over two, as many
 // times as all rows are more, and as errors are larger than the noise. This is what it hardly ever
 // leads by: one of a million (the Wilson-Hilferty cube).
@@ -23,8 +15,7 @@ double lead_of_all(const Problem& problem, const FewRows& few, const Assessment&
   if (k == 0) return 0;
   const double root = 1 - 2 / (9 * k) + kHardlyEver * std::sqrt(2 / (9 * k));
   const double chi2 = k * root * root * root;
-  const double times = residuals_of(problem, problem.all_groups()) /
-                       std::max(1.0, residuals_of(*few.problem, few.groups));
+  const double times = static_cast<double>(count_used(problem)) / std::max(1.0, residuals_of(few));
   return 0.5 * chi2 * times * std::max(1.0, assessment.error * assessment.error);
 }
 

@@ -42,13 +42,19 @@ double liveliness(const CsvTable& table, const std::string& group, const std::st
   return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
+// Of each column; that of the group and the time say nothing.
+std::vector<double> livelinesses(const CsvTable& table, const std::string& group) {
+  std::vector<double> all;
+  for (const std::string& name : table.columns())
+    all.push_back(name == group || name == "time_s" ? 0 : liveliness(table, group, name));
+  return all;
+}
+
 // Whether as much goes on in the beginnings as in all rows: who rests at first tells nothing.
-bool stand_for(const CsvTable& whole, const CsvTable& first, const std::string& group) {
+bool stand_for(const std::vector<double>& whole, const std::vector<double>& first) {
   constexpr double kAsLively = 0.5;
-  return std::all_of(whole.columns().begin(), whole.columns().end(), [&](const std::string& name) {
-    return name == group || name == "time_s" ||
-           liveliness(first, group, name) >= kAsLively * liveliness(whole, group, name);
-  });
+  return std::equal(first.begin(), first.end(), whole.begin(), whole.end(),
+                    [](double at_first, double of_all) { return at_first >= kAsLively * of_all; });
 }
 
 // The whole set's scalar of each scalar of its beginnings, which stand in the same lines; nothing
@@ -84,10 +90,11 @@ void add_beginnings(const Kind& kind, MeasurementSet set, const Instruments& ins
     return;
   const std::string& table = kind.observations.file;
   const CsvTable all = set.table(table);
+  const std::vector<double> whole = livelinesses(all, set.group);
   for (size_t each = std::max(kLeastOfAGroup, kRowsAtFirst / groups);; each *= 2) {
     if (2 * each * groups > all.rows()) return;
     set.beginning = {table, each};
-    if (stand_for(all, set.table(table), set.group)) break;
+    if (stand_for(whole, livelinesses(set.table(table), set.group))) break;
   }
   for (const Channel& channel : facts.channels) set.noise[channel.name] = channel.noise;
   try {

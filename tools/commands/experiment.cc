@@ -1,7 +1,7 @@
 // `seam experiment NAME`: the founding paper's experiments, repeated.
 #include <functional>
-#include <thread>
 
+#include "app/sweep/workers.h"
 #include "tools/command.h"
 #include "tools/experiments/experiments.h"
 
@@ -14,7 +14,7 @@ void add_one(app::Command parent, const std::string& name, const std::string& he
   auto options = std::make_shared<ExperimentOptions>();
   auto json_file = std::make_shared<std::string>();
   options->folder = "out/" + name;
-  options->parallel = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options->parallel = app::machine_cores();
   command.add_option("--out", options->folder, "Folder for runs, tables and plots").show_default();
   command.add_option("--json", *json_file, "Write the results here as JSON");
   command.add_option("--seeds", options->seeds, "Independent repetitions")

@@ -1,7 +1,6 @@
 #include "tools/experiments/runs.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "app/session/behaviours.h"
 #include "app/session/run_session.h"
@@ -92,8 +91,7 @@ void make_runs(const std::vector<PlannedRun>& runs, const fs::path& folder, int 
     write_file_atomically(paths.scenario, text);
     missing.push_back({&run, key});
   }
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int render_workers = std::max(1, cores / std::max(1, parallel));
+  const int render_workers = app::cores_for_each(parallel);
   app::SweepProgress progress(missing.size());
   const auto fail = [&](uint64_t job, const std::string& how) {
     throw InputError(fmt::format("run {} failed: {}", missing[job].run->name, how));

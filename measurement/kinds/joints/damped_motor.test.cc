@@ -5,7 +5,6 @@
 
 #include <cmath>
 
-#include "measurement/fitting/assess.h"
 #include "measurement/kinds/joints/joints_testing.h"
 
 namespace seam::measurement {
@@ -87,7 +86,7 @@ TEST(DampedMotor, DampingGoesWhereOnlyALimitIsMissing) {
   const Model given = model_of(
       "  motor_servo: {stall_rad_per_s2: {value: 61, free: true}, back_emf_per_s: {value: 1, free: "
       "true}, gain: {value: 0.8, free: true}, damping_s: {value: 0.12, free: true}}\n");
-  const Fit fit = problem.fit(given, refitted_unknowns(given), problem.all_groups());
+  const Fit fit = fitted_to_all(problem, given);
   EXPECT_EQ(fit.value[3], 0);
   EXPECT_GT(fit.value[1], 1);
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string>
 
+#include "measurement/fitting/assess.h"
 #include "measurement/kinds/joints/joints.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
@@ -16,6 +17,11 @@ namespace seam::measurement {
 inline Model model_of(const std::string& effects) {
   return Model::from_config(
       ConfigNode::from_text("format: seam-model/1\neffects:\n" + effects, "test.yaml"));
+}
+
+// To all logs, of all that the model marks as free.
+inline Fit fitted_to_all(const JointsProblem& problem, const Model& start) {
+  return problem.fit(start, refitted_unknowns(start), problem.all_groups());
 }
 
 // Steps and releases of a loaded joint at two gains, as `truth` has them, with noise.

@@ -219,7 +219,7 @@ TEST(MotorLogs, ATorqueLimitIsFoundBehindADutyThatStoodInForIt) {
   const Model start =
       model_of(stand_in + fmt::format("  torque_limit: {{rad_per_s2: {{value: {}, free: true}}}}\n",
                                       starts.front()[0]));
-  const Fit fit = problem.fit(start, refitted_unknowns(start), problem.all_groups());
+  const Fit fit = fitted_to_all(problem, start);
   EXPECT_NEAR(fit.value[0] * fit.value[2], 18, 0.05);
   EXPECT_NEAR(fit.value[1], 4, 0.05);
   EXPECT_NEAR(fit.value[3], 42, 0.1);
@@ -235,7 +235,7 @@ TEST(MotorLogs, DampingComesWhereTheDataAskForIt) {
   const auto fit_of = [&](const char* truth) {
     const JointsProblem problem = MadeSet("motor-damping").made_by(model_of(truth), 21);
     const Model given = model_of(start);
-    return problem.fit(given, refitted_unknowns(given), problem.all_groups());
+    return fitted_to_all(problem, given);
   };
   const Fit saturating = fit_of(
       "  motor_servo: {stall_rad_per_s2: 40, back_emf_per_s: 4, gain: 0.4, damping_s: 0.005}\n");
@@ -280,7 +280,7 @@ TEST(MotorLogs, ASaturationThatNoRunReachesIsKeptAway) {
       "  motor_servo: {stall_rad_per_s2: {value: 300, free: true}, back_emf_per_s: {value: 6, "
       "free: "
       "true}, gain: {value: 0.06, free: true}}\n");
-  const Fit fit = problem.fit(start, refitted_unknowns(start), problem.all_groups());
+  const Fit fit = fitted_to_all(problem, start);
   EXPECT_NEAR(fit.value[0] * fit.value[2], 18, 0.05);
   EXPECT_GT(fit.value[0], 500);
 }
@@ -296,7 +296,7 @@ TEST(MotorLogs, WhatActsAsAProductIsToldAsAProduct) {
   const Model start = model_of(
       "  motor_servo: {stall_rad_per_s2: {value: 91000, free: true}, back_emf_per_s: {value: 6, "
       "free: true}, gain: {value: 2e-4, free: true}}\n");
-  const Fit fit = problem.fit(start, refitted_unknowns(start), problem.all_groups());
+  const Fit fit = fitted_to_all(problem, start);
   EXPECT_NEAR(fit.value[0] * fit.value[2], 18, 0.05);
   EXPECT_NEAR(fit.value[1], 6, 4 * fit.sigma[1]);
   EXPECT_LT(fit.sigma[1], 0.05);
