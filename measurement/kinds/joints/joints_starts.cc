@@ -6,6 +6,7 @@
 
 #include "effects/questions.h"
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
 namespace {
@@ -71,9 +72,8 @@ JointsProblem::Prediction JointsProblem::fit_start(const Model& model, const Joi
     }
   }
   if (!(normal(0, 0) > 0)) return {{}, predicted};
-  const Eigen::VectorXd step = count == 1 || !(normal.determinant() > 0)
-                                   ? Eigen::VectorXd(right.head(1) / normal(0, 0))
-                                   : Eigen::VectorXd(normal.inverse() * right);
+  Eigen::VectorXd step = right.head(1) / normal(0, 0);
+  if (count > 1) solve_positive(normal, right, step);
   // The start is measured as well: a model that fails later must not move it far from there.
   const double most = kFarthestStart * sigma_rad;
   LogStart start{.offset_rad = std::clamp(step[0], -most, most)};

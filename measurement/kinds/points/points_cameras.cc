@@ -9,6 +9,7 @@
 
 #include "effects/registry.h"
 #include "measurement/kinds/points/points_problem.h"
+#include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -164,7 +165,7 @@ Model PointsProblem::with_cameras_placed(const Model& model, const std::vector<U
       Eigen::MatrixXd slopes(6, static_cast<Eigen::Index>(of_camera[k].size()));
       for (size_t p = 0; p < of_camera[k].size(); ++p)
         slopes.col(static_cast<Eigen::Index>(p)) = (left(moved.models[p]) - here) / moved.steps[p];
-      const Eigen::VectorXd by = -slopes.completeOrthogonalDecomposition().solve(here);
+      const Eigen::VectorXd by = -solve_any_rank(slopes, here);
       for (size_t p = 0; p < of_camera[k].size(); ++p) {
         const Unknown& unknown = of_camera[k][p];
         const effects::ModelEffect& effect = *placed.find(unknown.effect);
