@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,7 +23,12 @@ using effects::Model;
 struct Unknown {
   std::string effect;
   size_t parameter = 0;
+
+  bool operator==(const Unknown&) const = default;
 };
+
+// Its place among these, if it is there.
+std::optional<size_t> index_of(const std::vector<Unknown>& unknowns, const Unknown& which);
 
 // Residuals of a model with the best nuisances (unknown poses, true starts of runs).
 struct Evaluation {

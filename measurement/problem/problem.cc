@@ -14,6 +14,12 @@ double Score::error() const {
   return freedom > 0 ? std::sqrt(chi2 / freedom) : std::numeric_limits<double>::quiet_NaN();
 }
 
+std::optional<size_t> index_of(const std::vector<Unknown>& unknowns, const Unknown& which) {
+  const auto at = std::find(unknowns.begin(), unknowns.end(), which);
+  if (at == unknowns.end()) return std::nullopt;
+  return static_cast<size_t>(at - unknowns.begin());
+}
+
 std::vector<double> mean_parameters(const Model& model) {
   std::vector<double> key;
   for (const effects::ModelEffect& effect : model.effects()) {

@@ -122,11 +122,9 @@ ordered_json parameters_json(const Assessment& assessment, const std::string& ef
   for (size_t i = 0; i < entry->parameters.size(); ++i) {
     double sigma = NAN;
     bool at_bound = false;
-    for (size_t k = 0; k < assessment.unknowns.size(); ++k) {
-      if (assessment.unknowns[k].effect != effect || assessment.unknowns[k].parameter != i)
-        continue;
-      sigma = assessment.fit.sigma[k];
-      at_bound = assessment.fit.at_bound[k];
+    if (const auto k = index_of(assessment.unknowns, {effect, i})) {
+      sigma = assessment.fit.sigma[*k];
+      at_bound = assessment.fit.at_bound[*k];
     }
     ordered_json value{{"value", finite_or_null<ordered_json>(entry->parameters[i].value)},
                        {"sigma", finite_or_null<ordered_json>(sigma)}};

@@ -28,12 +28,8 @@ NamedValues parameters_of(const Assessment& assessment, const std::string& effec
   const effects::ModelEffect& entry = *assessment.model.find(effect);
   for (size_t i = 0; i < entry.parameters.size(); ++i) {
     effects::ParameterValue value{.value = entry.parameters[i].value};
-    for (size_t k = 0; k < assessment.unknowns.size(); ++k) {
-      if (assessment.unknowns[k].effect == effect && assessment.unknowns[k].parameter == i &&
-          std::isfinite(assessment.fit.sigma[k])) {
-        value.sigma = assessment.fit.sigma[k];
-      }
-    }
+    const auto k = index_of(assessment.unknowns, {effect, i});
+    if (k && std::isfinite(assessment.fit.sigma[*k])) value.sigma = assessment.fit.sigma[*k];
     parameters.emplace_back(entry.definition->parameters[i].name, value);
   }
   return parameters;

@@ -86,15 +86,9 @@ double loss_without(const Problem& problem, const Candidate& candidate) {
 // one another.
 bool blurs(const Assessment& before, const Assessment& after) {
   for (size_t k = 0; k < before.unknowns.size(); ++k) {
-    const auto there =
-        std::find_if(after.unknowns.begin(), after.unknowns.end(), [&](const Unknown& unknown) {
-          return unknown.effect == before.unknowns[k].effect &&
-                 unknown.parameter == before.unknowns[k].parameter;
-        });
-    if (there == after.unknowns.end()) continue;
+    const auto there = index_of(after.unknowns, before.unknowns[k]);
     const double known = before.fit.sigma[k];
-    const double now = after.fit.sigma[static_cast<size_t>(there - after.unknowns.begin())];
-    if (known > 0 && now > kBlurred * known) return true;
+    if (there && known > 0 && after.fit.sigma[*there] > kBlurred * known) return true;
   }
   return false;
 }

@@ -89,17 +89,14 @@ Grown less_untold(const Problem& problem, Grown grown) {
     for (size_t i = effect.parameters.size(); i-- > 0;) {
       const Assessment& here = grown.assessment;
       const auto& all = here.unknowns;
-      const auto at = std::find_if(all.begin(), all.end(), [&](const Unknown& unknown) {
-        return of_it(unknown) && unknown.parameter == i;
-      });
-      if (at == all.end() || std::count_if(all.begin(), all.end(), of_it) < 2) continue;
-      const auto place = static_cast<size_t>(at - all.begin());
-      const double neutral = effect.parameters[i].neutral, sigma = here.fit.sigma[place];
-      if (!(sigma > std::abs(here.fit.value[place] - neutral))) continue;
+      const auto place = index_of(all, {name, i});
+      if (!place || std::count_if(all.begin(), all.end(), of_it) < 2) continue;
+      const double neutral = effect.parameters[i].neutral, sigma = here.fit.sigma[*place];
+      if (!(sigma > std::abs(here.fit.value[*place] - neutral))) continue;
       Model model = here.model;
       model.set_value(name, i, neutral);
       std::vector<Unknown> rest = all;
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(place));
+      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(*place));
       Assessment less = assess(problem, model, rest);
       const double unit = std::max(1.0, here.error * here.error);
       if (less.valid && less.total_ll > here.total_ll - kNothing * unit)

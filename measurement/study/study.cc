@@ -142,12 +142,8 @@ class Study {
         problem->acts(*effect_) ? try_effect(*problem, base, effect_, reasons) : std::nullopt;
     if (candidate) {
       const Assessment& fitted = candidate->grown.assessment;
-      for (size_t k = 0; k < fitted.unknowns.size(); ++k) {
-        const Unknown& unknown = fitted.unknowns[k];
-        if (unknown.effect == effect_->name && unknown.parameter == parameter_ &&
-            std::isfinite(fitted.fit.sigma[k]))
-          return fitted.fit.sigma[k];
-      }
+      const auto k = index_of(fitted.unknowns, {effect_->name, parameter_});
+      if (k && std::isfinite(fitted.fit.sigma[*k])) return fitted.fit.sigma[*k];
     }
     throw InputError(fmt::format("effect '{}': these sets do not tell '{}'{}", effect_->name,
                                  effect_->parameters[parameter_].name,
@@ -232,10 +228,8 @@ class Study {
     set["exact"] = set["as_made"] = exact;
     if (!effect_) return set;
     const Assessment& best = result.best.assessment;
-    for (size_t k = 0; k < best.unknowns.size(); ++k) {
-      if (best.unknowns[k].effect == effect_->name && best.unknowns[k].parameter == parameter_)
-        set["covered"] = std::abs(best.fit.value[k] - value) <= 2 * best.fit.sigma[k];
-    }
+    if (const auto k = index_of(best.unknowns, {effect_->name, parameter_}))
+      set["covered"] = std::abs(best.fit.value[*k] - value) <= 2 * best.fit.sigma[*k];
     return set;
   }
 

@@ -74,23 +74,18 @@ class FrameFit {
     return std::max(0.0, 0.5 * sum);
   }
 
-  MatrixXd jacobian() const {
+  Parabola look() {
     std::vector<Unknown> chosen;
     for (const size_t i : mean_) chosen.push_back(space_[i].unknown);
     const auto columns = problem_.jacobian(model_, chosen, groups_, here_);
-    const auto rows = static_cast<Eigen::Index>(here_.whitened.size());
-    MatrixXd out = MatrixXd::Zero(rows, static_cast<Eigen::Index>(space_.size()));
+    const Eigen::Map<const VectorXd> z(here_.whitened.data(),
+                                       static_cast<Eigen::Index>(here_.whitened.size()));
+    MatrixXd jacobian = MatrixXd::Zero(z.size(), static_cast<Eigen::Index>(space_.size()));
     for (size_t k = 0; k < columns.size(); ++k) {
-      out.col(static_cast<Eigen::Index>(mean_[k])) =
-          Eigen::Map<const VectorXd>(columns[k].data(), rows);
+      jacobian.col(static_cast<Eigen::Index>(mean_[k])) =
+          Eigen::Map<const VectorXd>(columns[k].data(), z.size());
     }
-    return out;
-  }
-
-  Parabola look() {
-    if (!slopes_serve_) slopes_ = jacobian();
-    Parabola out =
-        parabola_of(slopes_, Eigen::Map<const VectorXd>(here_.whitened.data(), slopes_.rows()));
+    Parabola out = parabola_of(jacobian, z);
     information_ = out.curvature;
     out.held = space_.box().held(space_.place(model_), out.gradient);
     return out;
@@ -105,13 +100,8 @@ class FrameFit {
   }
 
   // One linear step; true when another one promises more. What is left after a step of linear size
-  // is below the renderer's own differences; a model that is far off needs no exact optimum. Where
-  // a step gained what it promised, its slopes serve for the next one, which then costs one image
-  // a frame.
+  // is below the renderer's own differences; a model that is far off needs no exact optimum.
   bool step() {
-    constexpr double kAsPromised = 0.8;
-    const bool served = slopes_serve_;
-    const double before = likelihood_;
     const DescentEnd end = descend(
         {.look = [&] { return look(); },
          .move = [&](const VectorXd& by) { return move_to(space_.moved(model_, by)); },
@@ -121,8 +111,6 @@ class FrameFit {
                return Worth{.promise = 0.02, .again = 1, .gain = std::max(0.5, 0.004 * excess())};
              }},
         {.start = 1e-10, .shrink = 0, .least = 1e-10, .grow = 8, .firm = 0.3, .attempts = 4}, 1);
-    slopes_serve_ = likelihood_ - before > kAsPromised * end.promised;
-    if (served && end.reason == DescentEnd::Reason::refused) return true;
     return end.reason == DescentEnd::Reason::steps_spent && end.promised >= 2;
   }
 
@@ -154,13 +142,6 @@ class FrameFit {
     for (size_t k = 0; k < spread_.size(); ++k) space_[spread_[k]].set(model, values[k]);
   }
 
-  // Slopes are in units of the noise.
-  void move_spread(const std::vector<double>& values) {
-    set_spread(model_, values);
-    here_ = problem_.evaluate(model_, groups_);
-    slopes_serve_ = false;
-  }
-
   // Two frames hold as many samples as a spread needs to be found: all frames only make it exact,
   // and that only where it helps the two at all (one that helps all by five standard errors fails
   // here once in 40).
@@ -178,7 +159,8 @@ class FrameFit {
     for (const size_t i : spread_) neutral.push_back(space_[i].parameter->neutral);
     Model without = model_;
     set_spread(without, neutral);
-    move_spread(maximum.value);
+    set_spread(model_, maximum.value);
+    here_ = problem_.evaluate(model_, groups_);
     likelihood_ = likelihood(here_);
     return maximum.log_likelihood > likelihood(problem_.evaluate(without, few)) + kHelps;
   }
@@ -188,7 +170,8 @@ class FrameFit {
     if (searched_.value.empty() && !helps_on_few()) return;
     searched_ = search_spread(groups_);
     if (searched_.log_likelihood < likelihood_) return;
-    move_spread(searched_.value);
+    set_spread(model_, searched_.value);
+    here_ = problem_.evaluate(model_, groups_);
     likelihood_ = searched_.log_likelihood;
   }
 
@@ -199,8 +182,6 @@ class FrameFit {
   Evaluation here_;
   double likelihood_ = 0;
   std::vector<size_t> mean_, spread_;
-  MatrixXd slopes_;  // Of whitened residuals, where they were last asked.
-  bool slopes_serve_ = false;
   MatrixXd information_;  // At the last look.
   Maximum searched_;      // Of the spread on all groups; empty where only a few were asked.
 };

@@ -13,13 +13,8 @@ namespace {
 using effects::Model;
 using effects::TorqueModel;
 
-struct Place {
-  std::string effect;
-  size_t parameter;
-};
-
 // Which parameter of the model is this part of the motor's equation: the one that moves it.
-std::optional<Place> place_of(const Model& model, double TorqueModel::*part) {
+std::optional<Unknown> place_of(const Model& model, double TorqueModel::*part) {
   const double here = effects::servo_of(model).torque.*part;
   for (const effects::ModelEffect& effect : model.effects()) {
     if (!effect.definition->servo) continue;
@@ -30,24 +25,15 @@ std::optional<Place> place_of(const Model& model, double TorqueModel::*part) {
       moved.set_value(effect.definition->name, i,
                       value < parameter.max ? std::min(parameter.max, value + parameter.scale)
                                             : parameter.max - parameter.scale);
-      if (effects::servo_of(moved).torque.*part != here) return Place{effect.definition->name, i};
+      if (effects::servo_of(moved).torque.*part != here) return Unknown{effect.definition->name, i};
     }
-  }
-  return std::nullopt;
-}
-
-// Which of the unknowns it is.
-std::optional<size_t> number_of(const std::vector<Unknown>& unknowns,
-                                const std::optional<Place>& place) {
-  for (size_t i = 0; place && i < unknowns.size(); ++i) {
-    if (unknowns[i].effect == place->effect && unknowns[i].parameter == place->parameter) return i;
   }
   return std::nullopt;
 }
 
 // Sets a part of the equation; false where the model has no such parameter, or its bounds forbid
 // the value.
-bool set_part(Model& model, const std::optional<Place>& place, double value) {
+bool set_part(Model& model, const std::optional<Unknown>& place, double value) {
   if (!place) return false;
   const effects::Parameter& parameter =
       model.find(place->effect)->definition->parameters[place->parameter];
@@ -102,7 +88,8 @@ std::vector<Model> damped_otherwise(const Model& model) {
 std::optional<Model> undamped(const Model& model, const std::vector<Unknown>& unknowns) {
   const TorqueModel motor = effects::servo_of(model).torque;
   const auto free = [&](double TorqueModel::*part) {
-    return number_of(unknowns, place_of(model, part)).has_value();
+    const auto parameter = place_of(model, part);
+    return parameter && index_of(unknowns, *parameter);
   };
   if (!motor.present || !(motor.damping_s > 0) || !free(&TorqueModel::damping_s) ||
       !free(&TorqueModel::back_emf_per_s))
@@ -120,7 +107,8 @@ bool keeps_back_emf(const Fit& fit, const std::vector<Unknown>& unknowns) {
   const TorqueModel motor = effects::servo_of(fit.model).torque;
   const double inside_per_s = motor.damping_s * motor.stall_rad_per_s2;
   if (motor.back_emf_per_s >= kLeastShare * (inside_per_s + motor.back_emf_per_s)) return true;
-  const auto i = number_of(unknowns, place_of(fit.model, &TorqueModel::back_emf_per_s));
+  const auto back_emf = place_of(fit.model, &TorqueModel::back_emf_per_s);
+  const auto i = back_emf ? index_of(unknowns, *back_emf) : std::nullopt;
   return i && fit.sigma[*i] > 0 && motor.back_emf_per_s > kClearly * fit.sigma[*i];
 }
 

@@ -66,10 +66,7 @@ std::vector<Eigen::VectorXd> axes_of(const Fit& fit, const ParameterSpace& space
 Fit with_waiting(const Fit& fit, const std::vector<Unknown>& some,
                  const std::vector<Unknown>& unknowns) {
   std::vector<size_t> place;  // Of these among all.
-  for (size_t i = 0, next = 0; i < unknowns.size() && next < some.size(); ++i) {
-    if (unknowns[i].effect == some[next].effect && unknowns[i].parameter == some[next].parameter)
-      place.push_back(i), ++next;
-  }
+  for (const Unknown& one : some) place.push_back(index_of(unknowns, one).value());
   const ParameterSpace space(fit.model, unknowns);
   Fit told = space.fit_at(fit.model, space.place(fit.model), fit.log_likelihood, fit.converged);
   told.sigma.assign(unknowns.size(), 0);
