@@ -96,6 +96,9 @@ enum class Asked { all_rows, few_first };
 Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects, double material,
               bool promising_only = false, Asked asked = Asked::all_rows);
 
+// Puts what another look found beside what this one did.
+void join(Looks other, Looks& looks);
+
 // Fits a candidate of few groups to all rows, and judges it as the look did that tried so many.
 // `here` is the base's evaluation on the scored groups.
 void ask_all_rows(const Problem& problem, const Grown& base, const Evaluation& here, double tried,

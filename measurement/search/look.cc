@@ -3,6 +3,7 @@
 // that the search would take (choice.h).
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "measurement/fitting/foretaste.h"
@@ -185,6 +186,16 @@ void ask_all_rows(const Problem& problem, const Grown& base, const Evaluation& h
   }
   candidate = std::move(*whole);
   judge(problem, base, here, tried, material, candidate);
+}
+
+void join(Looks other, Looks& looks) {
+  if (other.candidates.empty() && other.not_testable.empty()) return;
+  std::move(other.candidates.begin(), other.candidates.end(), std::back_inserter(looks.candidates));
+  std::move(other.not_testable.begin(), other.not_testable.end(),
+            std::back_inserter(looks.not_testable));
+  looks.tried += other.tried;
+  for (Candidate& candidate : looks.candidates) candidate.indistinguishable_from.clear();
+  rank_candidates(looks.candidates);
 }
 
 Looks look_at(const Problem& problem, const Grown& base, const EffectList& effects, double material,

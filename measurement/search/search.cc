@@ -46,7 +46,7 @@ class Searcher {
   void begin_with_moves(const Looks& moves, SearchResult& result);
   void begin_with_dependents(const Grown& base, SearchResult& result);
   bool widens(const Grown& grown) const;
-  void join(Looks moves, Looks& first) const;
+  void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown);
   bool exchange(Grown& grown);
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
@@ -213,6 +213,7 @@ void Searcher::begin_with(const Candidate& beginning, SearchResult& result) {
   // One that helped no held-out group by itself must do so with what came to it.
   if (!beginning.significant && other.assessment.held_ll() <= result.best.assessment.held_ll())
     return;
+  if (beginning.hides_mean && misses(other.assessment)) return;
   result.best = std::move(other);
   result.last_traces = std::move(traces);
 }
@@ -265,6 +266,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   if (problem_.effects_imitate()) try_beginnings(result);
   if (!moves_first && misses(result.best.assessment))
     begin_with_moves(moves_ = look_at_moves(), result);
+  begin_with_refused(result);
   join(moves_, result.first);
 }
 
@@ -312,14 +314,12 @@ void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
   begin_with(*all, result);
 }
 
-void Searcher::join(Looks moves, Looks& first) const {
-  if (moves.candidates.empty() && moves.not_testable.empty()) return;
-  std::move(moves.candidates.begin(), moves.candidates.end(), std::back_inserter(first.candidates));
-  first.tried += moves.tried;
-  first.not_testable.insert(first.not_testable.end(), moves.not_testable.begin(),
-                            moves.not_testable.end());
-  for (Candidate& candidate : first.candidates) candidate.indistinguishable_from.clear();
-  rank_candidates(first.candidates);
+// A spread may hide a mean whose own effect helps only beside it: a lag under a way that wanders.
+void Searcher::begin_with_refused(SearchResult& result) {
+  const auto& first = result.first.candidates;
+  const auto refused =
+      std::find_if(first.begin(), first.end(), [](const Candidate& c) { return c.hides_mean; });
+  if (refused != first.end() && misses(result.best.assessment)) begin_with(*refused, result);
 }
 
 void Searcher::try_beginnings(SearchResult& result) {
