@@ -179,7 +179,7 @@ def test_times(folder, good):
 
 
 def test_two_cameras(folder, good):
-    """A set has one camera: pictures of two, by their names or folders, are told apart."""
+    """Pictures of two cameras, by their names or folders, are told apart; one is taken unless both are asked for."""
     words = ["--board", "8x5", "--spacing", "0.03"]
     named = folder / "pair"
     for side in ("left", "right"):
@@ -196,6 +196,52 @@ def test_two_cameras(folder, good):
     assert set(seen_in(folder / "of-right")) == {"right00.png", "right01.png"}
     said = run("import", "images", named, *words, "--camera", "upwards", "--out", folder / "none", code=1)
     assert "--camera upwards" in said, said
+
+
+def test_a_rig(folder):
+    """Two cameras that stand apart, drawn: one set of both, from which a fit finds where the right one stands."""
+    words = ["--board", "8x5", "--spacing", "0.03", "--camera", "left,right"]
+    target, offset = Chessboard(8, 5, 0.03), np.array([0.03, -0.01, 0.02])
+    poses = views(target, 6, FOCAL, WIDTH, HEIGHT, fill=0.4)
+    both = folder / "both"
+    both.mkdir()
+    blur = "  lens_blur: {sigma_px: 0.6}\n"
+    for side, of_side in (("left", poses), ("right", [(m, p + m @ offset) for m, p in poses])):
+        (both / side).mkdir()
+        for i, picture in enumerate(draw(run, target, of_side, FOCAL, WIDTH, HEIGHT, folder / f"drawn-{side}", blur)):
+            shutil.copy(picture, both / side / f"{i}.png")
+    (both / "right/3.png").unlink()
+    out = folder / "rig-set"
+    said = run("import", "images", both / "left", both / "right", *words, "--out", out)
+    assert "6 frames, 5 of them seen by several cameras" in said and "11 of 11 pictures show the target" in said, said
+    rows = list(csv.DictReader((out / "points.csv").open()))
+    assert {row["camera"] for row in rows if row["frame"] == "2.png"} == {"left", "right"}
+    assert {row["camera"] for row in rows if row["frame"] == "3.png"} == {"left"}
+    assert len({row["time_s"] for row in rows if row["frame"] == "2.png"}) == 1
+    assert "0 errors" in run("check", out)
+    run("fit", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "rig.yaml")
+    place = next(line for line in (folder / "rig.yaml").read_text().splitlines() if "camera_pose@right" in line)
+    for name, true in zip(("x_m", "y_m", "z_m"), offset):
+        value = float(place.split(f"{name}: {{value: ")[1].split(",")[0])
+        assert abs(value - true) < 5e-4, (name, value, true)
+    # By stamps, which need not be the same; frames that only one camera took stay.
+    stamped = folder / "rig-stamped"
+    stamped.mkdir()
+    for side, late_ns in (("left", 0), ("right", 3_000_000)):
+        for picture in sorted((both / side).iterdir()):
+            stamp = 1403636579000000000 + 100_000_000 * int(picture.stem) + late_ns
+            shutil.copy(picture, stamped / f"{side}_{stamp}.png")
+    said = run("import", "images", stamped, *words, "--out", folder / "rig-timed")
+    assert "6 frames, 5 of them seen by several cameras" in said and "up to 3 ms apart" in said, said
+    # What is no rig is said.
+    for camera, why, code in (("left,left", "each once", 2), ("left,", "each once", 2), ("left,up", "no picture's name holds it", 1)):
+        said = run("import", "images", both / "left", both / "right", *words[:-1], camera, "--out", folder / "none", code=code)
+        assert why in said, (camera, said)
+    (both / "right").rename(both / "right-later")
+    for picture in sorted((both / "right-later").iterdir()):
+        picture.rename(picture.with_name(f"{10 + int(picture.stem)}.png"))
+    said = run("import", "images", both / "left", both / "right-later", *words, "--out", folder / "none", code=1)
+    assert "camera 'left' took no picture of the target at once with another camera" in said, said
 
 
 def mosaic_message(ros1, t, picture, order):
@@ -305,6 +351,7 @@ def main():
         test_what_is_left_out(folder, good)
         test_times(folder, good)
         test_two_cameras(folder, good)
+        test_a_rig(folder)
         test_bags(folder, good)
         test_the_reader(folder, good)
 

@@ -59,7 +59,7 @@ ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int chan
   for (const ModelEffect& effect : effects_) {
     if (effect.definition->image_map) effect.definition->image_map(effect.values(), point);
   }
-  if (!std::isfinite(point.u) || !std::isfinite(point.v)) point.visible = false;
+  if (!std::isfinite(point.u) || !std::isfinite(point.v)) point.visible = point.at_edge = false;
   return point;
 }
 

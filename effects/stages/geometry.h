@@ -21,9 +21,38 @@ struct ImagePoint {
   double row = 0;                         // The (distorted) row at which it is seen.
   int channel = 1;                        // 0 red, 1 green, 2 blue; grey is green.
   int width_px = 0, height_px = 0;
-  bool visible = true;  // False when no image point exists (behind the camera, outside the
-                        // range in which the distortion is defined).
+  bool visible = true;   // False when no image point exists (behind the camera, outside the
+                         // range in which the distortion is defined).
+  bool at_edge = false;  // Not visible, since the lens folds the image over there: u and v are
+                         // those of the fold, to which a fit can bring the point back.
+
+  // Moves what is farther from the axis than the fold to the fold.
+  void put_at_edge(double share_of_radius) {
+    at_edge = visible, visible = false;
+    xd *= share_of_radius, yd *= share_of_radius;
+  }
 };
+
+// Where a lens first folds the image over on the way from the axis to `beyond`, where it does: the
+// first place at which `grows` is no longer positive.
+template <class Grows>
+double fold_before(double beyond, const Grows& grows) {
+  constexpr int kPlaces = 32, kHalvings = 40;
+  double inside = 0, outside = beyond;
+  for (int k = 1; k < kPlaces; ++k) {
+    const double place = beyond * k / kPlaces;
+    if (!(grows(place) > 0)) {
+      outside = place;
+      break;
+    }
+    inside = place;
+  }
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (inside + outside);
+    (grows(middle) > 0 ? inside : outside) = middle;
+  }
+  return inside;
+}
 
 // The geometry of one model, ready to project many points.
 class Projection {

@@ -37,6 +37,29 @@ TEST(Projection, UnprojectInvertsDistortion) {
   }
 }
 
+// What a fit can follow: no point jumps out of the image where a lens folds it over.
+TEST(Projection, BeyondAFoldAPointHasTheImageOfTheFold) {
+  for (const char* lens : {"fisheye: {k1: -0.2}", "radial_polynomial: {k1: -0.2}",
+                           "rational_lens: {k4: 0.4}", "radial_distortion: {kappa: 0.1}"}) {
+    const Projection camera(
+        model_of(std::string("  pinhole: {fx_px: 160, fy_px: 160, cx_px: 0, cy_px: 0}\n  ") + lens),
+        178, 144);
+    double before = 0;
+    int folds = 0;
+    for (double angle = 0.01; angle < 1.5; angle += 0.01) {
+      const ImagePoint point = camera.project({std::sin(angle), 0, std::cos(angle)});
+      EXPECT_NE(point.visible, point.at_edge) << lens << " at " << angle;
+      EXPECT_GE(point.u, before - 1e-9) << lens << " at " << angle;
+      if (point.at_edge && folds++ > 0) {
+        EXPECT_NEAR(point.u, before, 1e-6) << lens << " at " << angle;
+      }
+      before = point.u;
+    }
+    EXPECT_GT(folds, 5) << lens;
+    EXPECT_FALSE(camera.project({0.1, 0, -1}).visible) << lens;
+  }
+}
+
 TEST(Model, FileRoundTripKeepsEverything) {
   const Model model = model_of(
       "  pinhole: {fx_px: {value: 160, free: true}, fy_px: 162, cx_px: 88.5, cy_px: 71.5}\n"

@@ -5,6 +5,7 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/numerics/parallel_for.h"
 #include "measurement/search/decisions.h"
 
 namespace seam::measurement {
@@ -86,28 +87,28 @@ std::vector<double> key_of(const Problem& problem, const Grown& grown,
 
 }  // namespace
 
-std::vector<std::pair<size_t, std::string>> possible_exchanges(
-    const Problem& problem, const Grown& grown, const std::vector<std::string>& promising,
-    const EffectByName& effect_by_name) {
-  std::vector<std::pair<size_t, std::string>> moves;
+std::vector<Exchange> possible_exchanges(const Problem& problem, const Grown& grown,
+                                         const std::vector<std::string>& promising,
+                                         const EffectByName& effect_by_name) {
+  std::vector<Exchange> moves;
   const auto& added = grown.added;
-  for (size_t i = 0; i < added.size(); ++i) {
-    if (effects::has_dependents(grown.assessment.model, added[i])) continue;
+  for (const std::string& out : added) {
+    if (effects::has_dependents(grown.assessment.model, out)) continue;
     // Lenses whose looks failed from far away, too: one camera's for its own.
-    const std::string camera = effects::camera_of(added[i]);
+    const std::string camera = effects::camera_of(out);
     for (const auto& effect : effects::catalogue()) {
-      if (problem.acts(*effect) && stands_for(*effect_by_name(added[i]), *effect))
-        moves.emplace_back(i, camera.empty() ? effect->name : effect->name + "@" + camera);
+      if (problem.acts(*effect) && stands_for(*effect_by_name(out), *effect))
+        moves.push_back({out, camera.empty() ? effect->name : effect->name + "@" + camera});
     }
     for (const std::string& name : promising) {
       if (added.size() < 2 ||
-          std::find(moves.begin(), moves.end(), std::pair(i, name)) != moves.end())
+          std::find(moves.begin(), moves.end(), Exchange{out, name}) != moves.end())
         continue;
       const bool present = std::find(added.begin(), added.end(), name) != added.end();
       // A spread in the place of an effect of the mean would hide it; the other way round, the
       // effect of the mean is added first and then the spread is dropped.
-      if (!present && effect_by_name(name)->spread_only == effect_by_name(added[i])->spread_only)
-        moves.emplace_back(i, name);
+      if (!present && effect_by_name(name)->spread_only == effect_by_name(out)->spread_only)
+        moves.push_back({out, name});
     }
   }
   return moves;
@@ -118,7 +119,7 @@ bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in) {
 }
 
 std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
-                                    const std::vector<std::pair<size_t, std::string>>& moves,
+                                    const std::vector<Exchange>& moves,
                                     const std::vector<std::optional<Grown>>& tried,
                                     const EffectByName& effect_by_name) {
   const double error = grown.assessment.error;
@@ -133,13 +134,50 @@ std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
     if ((tie && of_it > of_this) || lost > (tie && of_it < of_this ? -kUnluckyLoss : 0)) continue;
     // Of lenses it comes whatever its merit, which charges three numbers that are told more than
     // four of a wider family that are not.
-    const auto leaving = effect_by_name(grown.added[moves[m].first]);
     const bool simpler_lens =
-        tie && of_it < of_this && are_lenses(*leaving, *effect_by_name(moves[m].second));
+        tie && of_it < of_this &&
+        are_lenses(*effect_by_name(moves[m].out), *effect_by_name(moves[m].in));
     const std::pair its{simpler_lens, merit_of(problem, *tried[m])};
     if (its > best_of) best_of = its, best = m;
   }
   return best;
+}
+
+std::vector<std::optional<Grown>> Exchanges::tried(const Grown& grown,
+                                                   const std::vector<Exchange>& moves,
+                                                   const EffectByName& effect_by_name) const {
+  std::vector<std::optional<Grown>> tried(moves.size());
+  parallel_for(moves.size(), [&](size_t m) {
+    tried[m] = with_other(grown, moves[m].out, effect_by_name(moves[m].in));
+  });
+  return tried;
+}
+
+std::optional<Grown> Exchanges::better(const Grown& grown,
+                                       const std::vector<std::string>& promising,
+                                       const EffectByName& effect_by_name) const {
+  const auto moves = possible_exchanges(problem_, grown, promising, effect_by_name);
+  const auto once = tried(grown, moves, effect_by_name);
+  if (const auto best = best_exchange(problem_, grown, moves, once, effect_by_name))
+    return *once[*best];
+  // Another lens that all groups ask for and held-out ones deny: what was added beside the lens
+  // that leaves makes up for its faults, and none of both goes alone.
+  const double enough = merit_of(problem_, grown) + kTieReach * tie_width(grown.assessment.error);
+  std::optional<size_t> lens;
+  for (size_t m = 0; m < moves.size(); ++m) {
+    if (!once[m] || !stands_for(*effect_by_name(moves[m].out), *effect_by_name(moves[m].in)) ||
+        merit_of(problem_, *once[m]) < enough)
+      continue;
+    if (!lens || merit_of(problem_, *once[m]) > merit_of(problem_, *once[*lens])) lens = m;
+  }
+  if (!lens) return std::nullopt;
+  auto beside = possible_exchanges(problem_, *once[*lens], promising, effect_by_name);
+  std::erase_if(beside, [&](const Exchange& move) {
+    return move.out == moves[*lens].in || move.in == moves[*lens].out;
+  });
+  const auto twice = tried(*once[*lens], beside, effect_by_name);
+  const auto best = best_exchange(problem_, grown, beside, twice, effect_by_name);
+  return best ? twice[*best] : std::nullopt;
 }
 
 Exchanges::Without Exchanges::without_it(const Grown& grown, const std::string& out) const {

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "measurement/problem/memo.h"
@@ -20,16 +19,21 @@ bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in);
 using EffectByName =
     std::function<std::shared_ptr<const EffectDefinition>(const std::string& name)>;
 
-// Which added effect (by its place) might go for which other: lenses for lenses, and all for those
-// that were significant in some look.
-std::vector<std::pair<size_t, std::string>> possible_exchanges(
-    const Problem& problem, const Grown& grown, const std::vector<std::string>& promising,
-    const EffectByName& effect_by_name);
+struct Exchange {
+  std::string out, in;
+  bool operator==(const Exchange&) const = default;
+};
+
+// Which added effect might go for which other: lenses for lenses, and all for those that were
+// significant in some look.
+std::vector<Exchange> possible_exchanges(const Problem& problem, const Grown& grown,
+                                         const std::vector<std::string>& promising,
+                                         const EffectByName& effect_by_name);
 
 // Which of these exchanges makes the whole clearly better, or as good with a simpler lens; nothing
 // where none does.
 std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
-                                    const std::vector<std::pair<size_t, std::string>>& moves,
+                                    const std::vector<Exchange>& moves,
                                     const std::vector<std::optional<Grown>>& tried,
                                     const EffectByName& effect_by_name);
 
@@ -38,6 +42,11 @@ std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
 class Exchanges {
  public:
   explicit Exchanges(const Problem& problem) : problem_(problem) {}
+
+  // The model with one added effect exchanged, or a lens and what stood beside it, where the whole
+  // becomes clearly better.
+  std::optional<Grown> better(const Grown& grown, const std::vector<std::string>& promising,
+                              const EffectByName& effect_by_name) const;
 
   // The model with one added effect in the place of another. Nothing where a step of Gauss and
   // Newton shows that it cannot make up for most of what is lost.
@@ -55,6 +64,8 @@ class Exchanges {
     std::optional<Evaluation> near;
   };
   Without without_it(const Grown& grown, const std::string& out) const;
+  std::vector<std::optional<Grown>> tried(const Grown& grown, const std::vector<Exchange>& moves,
+                                          const EffectByName& effect_by_name) const;
 
   const Problem& problem_;
   Memo<std::optional<Evaluation>> started_{1, 1};

@@ -370,7 +370,7 @@ TEST(Exchange, OfEqualLensesTheSimplerComes) {
         grown("radial_polynomial", 3, 3, equal ? 999 : 990)};
     EXPECT_LT(merit_of(problem, *tried[0]), merit_of(problem, wide));
     const auto best =
-        best_exchange(problem, wide, {{0, "radial_polynomial"}}, tried,
+        best_exchange(problem, wide, {{"fisheye", "radial_polynomial"}}, tried,
                       [](const std::string& name) { return effects::find_effect(name); });
     EXPECT_EQ(best.has_value(), equal);
   }

@@ -48,7 +48,6 @@ class Searcher {
   bool widens(const Grown& grown) const;
   void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown);
-  bool exchange(Grown& grown);
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
 
   Problem& problem_;
@@ -119,22 +118,6 @@ bool Searcher::prune(Grown& grown) {
   return changed;
 }
 
-// Exchanges one added effect for another of its sort where the whole becomes clearly better.
-bool Searcher::exchange(Grown& grown) {
-  const auto moves = possible_exchanges(problem_, grown, promising_,
-                                        [&](const std::string& name) { return definition(name); });
-  std::vector<std::optional<Grown>> tried(moves.size());
-  parallel_for(moves.size(), [&](size_t m) {
-    tried[m] =
-        exchanges_.with_other(grown, grown.added[moves[m].first], definition(moves[m].second));
-  });
-  const auto best = best_exchange(problem_, grown, moves, tried,
-                                  [&](const std::string& name) { return definition(name); });
-  if (!best) return false;
-  grown = std::move(*tried[*best]);
-  return true;
-}
-
 // The effects that the model lacks: those that come alone, or those that come with others.
 EffectList Searcher::absent(const Model& model, bool moves) const {
   EffectList effects = absent_effects(problem_, model, own_);
@@ -184,16 +167,27 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     const double before = merit_of(problem_, grown);
     const size_t parameters_before = fitted_parameters(grown);
     const double error_before = grown.assessment.error;
-    if (next) {
+    const std::vector<std::string> added_before = grown.added;
+    bool exchanged = false;
+    const auto exchange = [&](const std::vector<std::string>& promising) {
+      auto better = exchanges_.better(grown, promising,
+                                      [&](const std::string& name) { return definition(name); });
+      if (!better) return false;
+      grown = *std::move(better);
+      prune(grown);
+      return exchanged = true;
+    };
+    // A wider noise would hide that the lens is another.
+    const bool hides = next && next->effect->spread_only && misses;
+    if (next && !(hides && exchange({}))) {
       grown = std::move(next->grown);
       prune(grown);
-    } else {
-      // Exchanges, each as dear as a look, are tried where the search would end.
-      if (!exchange(grown)) break;
-      prune(grown);
     }
+    // All exchanges, each as dear as a look, are tried where the search would end: also where what
+    // was added went again.
+    if (!exchanged && grown.added == added_before && !exchange(promising_)) break;
     grown = named_by_camera(problem_, std::move(grown));
-    const bool simpler = !next && fitted_parameters(grown) < parameters_before;
+    const bool simpler = exchanged && fitted_parameters(grown) < parameters_before;
     if (!(merit_of(problem_, grown) > before) && !simpler) break;
     if (rival != nullptr && falls_behind(grown, error_before, *rival)) break;
   }

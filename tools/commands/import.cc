@@ -138,7 +138,8 @@ void add_import(app::Command app) {
       .one_of({"joints", "odometry", "frames"});
   command.add_option("--size", flags->size, "Of the images, WIDTHxHEIGHT in pixels");
   command.add_option("--camera", flags->camera,
-                     "Which camera or robot, where the files hold several");
+                     "Which camera or robot, where the files hold several; of pictures also "
+                     "several, for a set of a rig: left,right");
   command.add_option("--title", flags->title, "A line for people");
   command.footer(
       kinds_help() +

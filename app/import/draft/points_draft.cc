@@ -1,5 +1,7 @@
 #include "app/import/draft/points_draft.h"
 
+#include <fmt/ranges.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -114,6 +116,58 @@ double focal_length_from(const std::vector<SeenView>& views, int width_px, int h
   return found[found.size() / 2];
 }
 
+namespace {
+
+// The cameras of a rig in the order in which the table names them; one without a name if there is
+// no rig.
+std::vector<std::string> cameras_of(const std::vector<SeenView>& views) {
+  std::vector<std::string> names;
+  for (const SeenView& view : views) {
+    if (std::find(names.begin(), names.end(), view.camera) == names.end())
+      names.push_back(view.camera);
+  }
+  return names;
+}
+
+// Free perspective cameras that start from the views.
+void free_cameras(const std::vector<SeenView>& views, SetDraft& draft) {
+  std::vector<std::string> focal_px;
+  const std::vector<std::string> cameras = cameras_of(views);
+  for (const std::string& camera : cameras) {
+    std::vector<SeenView> own;
+    std::copy_if(views.begin(), views.end(), std::back_inserter(own),
+                 [&](const SeenView& view) { return view.camera == camera; });
+    double f = focal_length_from(own, draft.camera.width_px, draft.camera.height_px);
+    if (f == 0) f = draft.camera.width_px;
+    focal_px.push_back(fmt::format("{:.0f}", f));
+    draft.effects += fmt::format(
+        "  pinhole{4}: {{fx_px: {{value: {0:.1f}, free: true}}, fy_px: {{value: {0:.1f}, free: "
+        "true}}, cx_px: {{value: {1}, free: true}}, cy_px: {{value: {2}, free: true}}}}{3}",
+        f, exact(0.5 * (draft.camera.width_px - 1)), exact(0.5 * (draft.camera.height_px - 1)),
+        "\n", camera.empty() ? "" : "@" + camera);
+  }
+  if (cameras.size() == 1) {
+    draft.did(fmt::format(
+        "the nominal model is a perspective camera of {} px focal length, told from the views; "
+        "its four numbers are free",
+        focal_px.front()));
+    return;
+  }
+  for (size_t k = 1; k < cameras.size(); ++k) {
+    draft.effects += "  camera_pose@" + cameras[k] + ": {";
+    for (const char* name : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"})
+      draft.effects += fmt::format("{}{}: {{value: 0, free: true}}",
+                                   name == std::string_view("x_m") ? "" : ", ", name);
+    draft.effects += "}\n";
+  }
+  draft.did(fmt::format(
+      "the nominal model is a perspective camera each of {} px focal length ({}), told from the "
+      "views; their numbers are free, and where they stand beside '{}'",
+      fmt::join(focal_px, ", "), fmt::join(cameras, ", "), cameras.front()));
+}
+
+}  // namespace
+
 void draft_views(const std::vector<SeenView>& views, bool times_known, const PlainCamera* camera,
                  const std::string& file, SetDraft& draft) {
   draft.kind = "points";
@@ -135,15 +189,21 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
                                       "y_m",   "z_m",    "u_px",  "v_px"};
   if (weighted) columns.emplace_back("weight");
   if (measured) columns.emplace_back("sigma_px");
+  const bool rig = cameras_of(views).size() > 1;
+  if (rig) columns.emplace_back("camera");
   measurement::CsvWriter table(columns);
+  size_t frame = 0;
   for (size_t i = 0; i < views.size(); ++i) {
-    const std::string time = times_known ? seconds_text(views[i].time_ns) : fmt::format("{}", i);
+    frame += i > 0 && !(rig && views[i].name == views[i - 1].name) ? 1 : 0;
+    const std::string time =
+        times_known ? seconds_text(views[i].time_ns) : fmt::format("{}", frame);
     for (const SeenCorner& c : views[i].corners) {
       std::vector<std::string> cells = {views[i].name,  time,           fmt::format("{}", c.point),
                                         exact(c.p_W.x), exact(c.p_W.y), exact(c.p_W.z),
                                         exact(c.u_px),  exact(c.v_px)};
       if (weighted) cells.push_back(exact(c.weight));
       if (measured) cells.push_back(fmt::format("{:.4g}", c.sigma_px));
+      if (rig) cells.push_back(views[i].camera);
       table.row(cells);
     }
   }
@@ -162,16 +222,7 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
     draft.did("the nominal model is the calibration as it stands, its numbers fixed");
     return;
   }
-  double f = focal_length_from(views, draft.camera.width_px, draft.camera.height_px);
-  if (f == 0) f = draft.camera.width_px;
-  draft.effects = fmt::format(
-      "  pinhole: {{fx_px: {{value: {0:.1f}, free: true}}, fy_px: {{value: {0:.1f}, free: true}}, "
-      "cx_px: {{value: {1}, free: true}}, cy_px: {{value: {2}, free: true}}}}\n",
-      f, exact(0.5 * (draft.camera.width_px - 1)), exact(0.5 * (draft.camera.height_px - 1)));
-  draft.did(fmt::format(
-      "the nominal model is a perspective camera of {:.0f} px focal length, told from the views; "
-      "its four numbers are free",
-      f));
+  free_cameras(views, draft);
 }
 
 void draft_protocol(const PlainCamera& camera, const ImportRequest& request, SetDraft& draft) {

@@ -22,6 +22,8 @@ struct SeenCorner {
 
 struct SeenView {
   std::string name;
+  std::string
+      camera;  // Of a rig, whose views of one instant share their name; empty: there is one.
   int64_t time_ns = 0;
   std::vector<SeenCorner> corners;
 };
@@ -38,7 +40,8 @@ void check_spacing(double spacing_m, const std::string& where, const ImportReque
 // Views of a target whose poses are unknown, as `points`. Faults of the corners (outside the image,
 // u and v exchanged) are errors or warnings; others are told of the set when it is whole.
 // `times_known` false: views are numbered by seconds, and the draft says so. The effects are those
-// of `camera`, or where it is null a free perspective camera that starts from the views.
+// of `camera`, or where it is null a free perspective camera that starts from the views; of a rig
+// one for each of its cameras, and where they stand beside the first.
 void draft_views(const std::vector<SeenView>& views, bool times_known, const PlainCamera* camera,
                  const std::string& file, SetDraft& draft);
 

@@ -32,12 +32,19 @@ EffectDefinition fisheye() {
             const Vec3& ray = point.p_C;
             const double r = std::sqrt(ray.x * ray.x + ray.y * ray.y);
             const double theta = maths::quick_atan2(r, ray.z);
-            const double t2 = theta * theta;
-            const double r_d = theta * (1 + t2 * (p[0] + t2 * (p[1] + t2 * (p[2] + t2 * p[3]))));
-            // Where r_d no longer grows with the angle the image folds back: nothing is seen there.
-            const double slope =
-                1 + t2 * (3 * p[0] + t2 * (5 * p[1] + t2 * (7 * p[2] + t2 * 9 * p[3])));
-            point.visible = slope > 0;
+            const auto radius = [&](double angle) {
+              const double t2 = angle * angle;
+              return angle * (1 + t2 * (p[0] + t2 * (p[1] + t2 * (p[2] + t2 * p[3]))));
+            };
+            // Where the radius no longer grows with the angle the image folds back: nothing is seen
+            // there.
+            const auto slope = [&](double angle) {
+              const double t2 = angle * angle;
+              return 1 + t2 * (3 * p[0] + t2 * (5 * p[1] + t2 * (7 * p[2] + t2 * 9 * p[3])));
+            };
+            point.visible = slope(theta) > 0;
+            point.at_edge = !point.visible;
+            const double r_d = radius(point.visible ? theta : fold_before(theta, slope));
             const double along_x = r > 0 ? ray.x / r : 0;
             const double along_y = r > 0 ? ray.y / r : 0;
             point.x = point.xd = r_d * along_x;

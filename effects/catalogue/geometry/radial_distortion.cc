@@ -26,7 +26,7 @@ EffectDefinition radial_distortion() {
             // Of the undistorted radius; beyond 4 kappa r2 = 1 the formula has no real value.
             const double root = 1 - 4 * p[0] * (point.x * point.x + point.y * point.y);
             if (root < 0) {
-              point.visible = false;
+              point.put_at_edge(2 * std::sqrt(1 / (1 - root)));
               return;
             }
             const double scale = 2 / (1 + std::sqrt(root));

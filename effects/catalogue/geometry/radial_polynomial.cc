@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "effects/effect.h"
 #include "effects/stages/geometry.h"
 
@@ -29,11 +31,20 @@ EffectDefinition radial_polynomial() {
           [](Values p, ImagePoint& point) {
             if (p[0] == 0 && p[1] == 0 && p[2] == 0) return;
             const double r2 = point.x * point.x + point.y * point.y;
+            const auto scale = [&](double at2) {
+              return 1 + at2 * (p[0] + at2 * (p[1] + at2 * p[2]));
+            };
             // Where the radius no longer grows the image folds back: no point is seen there.
-            if (1 + r2 * (3 * p[0] + r2 * (5 * p[1] + r2 * 7 * p[2])) <= 0) point.visible = false;
-            const double scale = 1 + r2 * (p[0] + r2 * (p[1] + r2 * p[2]));
-            point.xd *= scale;
-            point.yd *= scale;
+            const auto slope = [&](double at2) {
+              return 1 + at2 * (3 * p[0] + at2 * (5 * p[1] + at2 * 7 * p[2]));
+            };
+            if (slope(r2) <= 0) {
+              const double fold2 = fold_before(r2, slope);
+              point.put_at_edge(std::sqrt(fold2 / r2) * scale(fold2));
+              return;
+            }
+            point.xd *= scale(r2);
+            point.yd *= scale(r2);
           },
       .proof =
           {{.values = {-0.12, 0.01, 0.002},

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "effects/effect.h"
 #include "effects/stages/geometry.h"
 
@@ -31,20 +33,28 @@ EffectDefinition rational_lens() {
       .geometry =
           [](Values p, ImagePoint& point) {
             const double r2 = point.x * point.x + point.y * point.y;
-            const double above = 1 + r2 * (p[0] + r2 * (p[1] + r2 * p[2]));
-            const double below = 1 + r2 * (p[3] + r2 * (p[4] + r2 * p[5]));
+            const auto above = [&](double at2) {
+              return 1 + at2 * (p[0] + at2 * (p[1] + at2 * p[2]));
+            };
+            const auto below = [&](double at2) {
+              return 1 + at2 * (p[3] + at2 * (p[4] + at2 * p[5]));
+            };
             // d (r above / below) / dr, times below^2: where the radius no longer grows, or beyond
             // a pole, the image folds back and no point is seen.
-            const double above_slope = p[0] + r2 * (2 * p[1] + r2 * 3 * p[2]);
-            const double below_slope = p[3] + r2 * (2 * p[4] + r2 * 3 * p[5]);
-            const double grows =
-                above * below + 2 * r2 * (above_slope * below - above * below_slope);
-            if (!(below > 0) || !(grows > 0)) {
-              point.visible = false;
+            const auto grows = [&](double at2) {
+              if (!(below(at2) > 0)) return -1.0;
+              const double above_slope = p[0] + at2 * (2 * p[1] + at2 * 3 * p[2]);
+              const double below_slope = p[3] + at2 * (2 * p[4] + at2 * 3 * p[5]);
+              return above(at2) * below(at2) +
+                     2 * at2 * (above_slope * below(at2) - above(at2) * below_slope);
+            };
+            if (!(grows(r2) > 0)) {
+              const double fold2 = fold_before(r2, grows);
+              point.put_at_edge(std::sqrt(fold2 / r2) * above(fold2) / below(fold2));
               return;
             }
-            point.xd *= above / below;
-            point.yd *= above / below;
+            point.xd *= above(r2) / below(r2);
+            point.yd *= above(r2) / below(r2);
           },
       .proof = {{.values = {0.4, 0.02, 0.001, 0.7, 0.1, 0.003},
                  .given = {{"x_m", -0.45}, {"y_m", 0.3}, {"z_m", 0.75}},

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "measurement/numerics/robust.h"
 
@@ -16,6 +17,8 @@ namespace {
 // edge of a fisheye the error is a tenth. Smaller errors are outliers of a model.
 constexpr double kOfSpacing = 0.35;
 constexpr size_t kNeighbours = 10;
+// Where the image bends (a board that goes away from a wide lens) so many say more.
+constexpr size_t kNeighboursOfBend = 20;
 // A view with so many of them has other labels, or none.
 constexpr double kMostWrong = 0.3;
 // Views that differ from so many others in the sense of the board's corners are mirrored.
@@ -29,15 +32,15 @@ struct ViewFit {
   double sense = 0;         // Sign of the turn from the board's x to its y in the image.
 };
 
-// An affine map from the board to the image, through points of which a few may be wrong: least sum
-// of distances, by reweighting.
-Eigen::Matrix<double, 3, 2> robust_map(const Eigen::MatrixXd& board, const Eigen::MatrixXd& image) {
+// A map from the board to the image, linear in columns of the board's coordinates, through points
+// of which a few may be wrong: least sum of distances, by reweighting.
+Eigen::MatrixX2d robust_map(const Eigen::MatrixXd& board, const Eigen::MatrixXd& image) {
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(board.rows());
-  Eigen::Matrix<double, 3, 2> map;
+  Eigen::MatrixX2d map;
   for (int round = 0; round < 12; ++round) {
-    Eigen::Matrix3d normal = board.transpose() * weight.asDiagonal() * board;
+    Eigen::MatrixXd normal = board.transpose() * weight.asDiagonal() * board;
     normal.diagonal() *= 1 + 1e-9;
-    map = normal.inverse() * (board.transpose() * weight.asDiagonal() * image);
+    map = normal.ldlt().solve(board.transpose() * weight.asDiagonal() * image);
     const Eigen::VectorXd off = (image - board * map).rowwise().norm();
     weight = off.cwiseMax(1e-3).cwiseInverse();
   }
@@ -45,17 +48,31 @@ Eigen::Matrix<double, 3, 2> robust_map(const Eigen::MatrixXd& board, const Eigen
 }
 
 // The row's neighbours on the board, nearest first.
-std::vector<size_t> nearest(const Eigen::MatrixXd& board, Eigen::Index to) {
-  std::vector<std::pair<double, size_t>> order;
+std::vector<Eigen::Index> nearest(const Eigen::MatrixXd& board, Eigen::Index to, size_t most) {
+  std::vector<std::pair<double, Eigen::Index>> order;
   for (Eigen::Index k = 0; k < board.rows(); ++k) {
-    if (k != to)
-      order.emplace_back((board.row(k) - board.row(to)).squaredNorm(), static_cast<size_t>(k));
+    if (k != to) order.emplace_back((board.row(k) - board.row(to)).squaredNorm(), k);
   }
-  const size_t count = std::min(kNeighbours, order.size());
+  const size_t count = std::min(most, order.size());
   std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
-  std::vector<size_t> near;
+  std::vector<Eigen::Index> near;
   for (size_t i = 0; i < count; ++i) near.push_back(order[i].second);
   return near;
+}
+
+// Where the neighbours' second-order map has a row, if there are enough of them.
+std::optional<Eigen::RowVector2d> said_with_bend(const Eigen::MatrixXd& board,
+                                                 const Eigen::MatrixXd& image, Eigen::Index row) {
+  const std::vector<Eigen::Index> near = nearest(board, row, kNeighboursOfBend);
+  if (near.size() < kNeighboursOfBend) return std::nullopt;
+  const auto from_row = [&](Eigen::Index k) { return (board.row(k) - board.row(row)).tail<2>(); };
+  const double reach = from_row(near.back()).norm();
+  Eigen::MatrixXd terms(near.size(), 6);
+  for (size_t k = 0; k < near.size(); ++k) {
+    const double a = from_row(near[k])[0] / reach, b = from_row(near[k])[1] / reach;
+    terms.row(static_cast<Eigen::Index>(k)) << 1, a, b, a * a, a * b, b * b;
+  }
+  return robust_map(terms, image(near, Eigen::all)).row(0);
 }
 
 ViewFit fit_view(const PointsData& data, const std::vector<int>& rows) {
@@ -73,20 +90,18 @@ ViewFit fit_view(const PointsData& data, const std::vector<int>& rows) {
   const double det = whole(1, 0) * whole(2, 1) - whole(1, 1) * whole(2, 0);
   fit.sense = det > 0 ? 1 : det < 0 ? -1 : 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const std::vector<size_t> near = nearest(board, i);
-    Eigen::MatrixXd near_board(near.size(), 3), near_image(near.size(), 2);
-    for (size_t k = 0; k < near.size(); ++k) {
-      near_board.row(static_cast<Eigen::Index>(k)) = board.row(static_cast<Eigen::Index>(near[k]));
-      near_image.row(static_cast<Eigen::Index>(k)) = image.row(static_cast<Eigen::Index>(near[k]));
-    }
-    const auto map = robust_map(near_board, near_image);
+    const std::vector<Eigen::Index> near = nearest(board, i, kNeighbours);
+    const Eigen::MatrixXd near_board = board(near, Eigen::all);
+    const auto map = robust_map(near_board, image(near, Eigen::all));
     const Eigen::RowVector2d said = board.row(i) * map;
     // The distance to the next corners as the map has it.
     std::vector<double> spacing;
     for (size_t k = 0; k < std::min<size_t>(4, near.size()); ++k)
       spacing.push_back((near_board.row(static_cast<Eigen::Index>(k)) * map - said).norm());
-    fit.wrong[static_cast<size_t>(i)] =
-        (image.row(i) - said).norm() > kOfSpacing * median_of(spacing);
+    const double most = kOfSpacing * median_of(spacing);
+    if ((image.row(i) - said).norm() <= most) continue;
+    const auto bent = said_with_bend(board, image, i);
+    fit.wrong[static_cast<size_t>(i)] = !bent || (image.row(i) - *bent).norm() > most;
   }
   return fit;
 }

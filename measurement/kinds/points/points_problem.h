@@ -92,6 +92,7 @@ class PointsProblem : public Problem {
   std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,
                                   std::vector<int>& rows) const;
   double reach_rad(const Model& model, int camera) const;
+  int only_camera(const effects::EffectDefinition& effect) const;
   void count_as_missed(int frame, Evaluation& evaluation) const;
 
   // points_moving.cc

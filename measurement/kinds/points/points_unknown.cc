@@ -86,8 +86,9 @@ Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& gro
     for (const int row : data_.rows_of_frame[frame]) {  // Outliers too: they may come back.
       const effects::ImagePoint point = cameras.project(X_CW * places_W[row], data_.stamp_s[row],
                                                         data_.v_px[row], data_.camera_of_row[row]);
-      evaluation.residual[2 * row] = point.visible ? data_.u_px[row] - point.u : 0;
-      evaluation.residual[2 * row + 1] = point.visible ? data_.v_px[row] - point.v : 0;
+      const bool predicted = point.visible || point.at_edge;
+      evaluation.residual[2 * row] = predicted ? data_.u_px[row] - point.u : 0;
+      evaluation.residual[2 * row + 1] = predicted ? data_.v_px[row] - point.v : 0;
     }
   }
   evaluation.valid = any;
@@ -117,6 +118,39 @@ std::vector<Eigen::Matrix2d> PointsProblem::slopes_of_scattered(const FewErrors&
   return slopes;
 }
 
+// The number of the camera whose rows alone an effect moves at fixed poses; -1: those of all. Where
+// the first camera is says where the others are beside it.
+int PointsProblem::only_camera(const effects::EffectDefinition& effect) const {
+  const std::string name = effects::camera_of(effect.name);
+  const auto found = std::find_if(data_.cameras.begin(), data_.cameras.end(),
+                                  [&](const CameraView& view) { return view.name == name; });
+  const bool moves_all = name.empty() || found == data_.cameras.end() ||
+                         (effect.mount && found == data_.cameras.begin());
+  return moves_all ? -1 : static_cast<int>(found - data_.cameras.begin());
+}
+
+namespace {
+
+// Of a frame's sightings those that an effect moves, and their places among them.
+struct Moving {
+  std::vector<Sighting> seen;
+  std::vector<size_t> place;
+};
+Moving moving_of(const std::vector<Sighting>& seen, const std::vector<int>& rows, int only,
+                 const std::vector<Vec3>& places_W) {
+  Moving moving;
+  moving.seen.reserve(seen.size()), moving.place.reserve(seen.size());
+  for (size_t k = 0; k < seen.size(); ++k) {
+    if (only >= 0 && seen[k].camera != only) continue;
+    moving.place.push_back(k);
+    moving.seen.push_back(seen[k]);
+    moving.seen.back().p_W = places_W[rows[k]];
+  }
+  return moving;
+}
+
+}  // namespace
+
 // Differences at fixed poses, less what the frame's own pose can follow (Kaufman 1975).
 std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     const Model& model, const std::vector<Unknown>& unknowns, const Groups& groups,
@@ -132,13 +166,16 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     moved_cameras.emplace_back(there, data_.cameras);
     moved_places_W.push_back(places_of_rows(data_, effects::target_of(there)));
   }
+  std::vector<int> only;
+  for (const Unknown& unknown : unknowns)
+    only.push_back(only_camera(*model.find(unknown.effect)->definition));
   const std::optional<FewErrors> scatter = scatter_of(model);
   std::vector<Eigen::Matrix2d> by_row;
   if (scatter) by_row = slopes_of_scattered(*scatter, groups, here);
   for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
     if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) continue;
     std::vector<int> rows;
-    std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
+    const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
     Pose X_CW;
     if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW)) continue;
     std::vector<double> base, derivatives, there;
@@ -157,10 +194,13 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
     as_counted(pose);
     const Eigen::MatrixXd basis = column_basis(pose);
     for (size_t p = 0; p < unknowns.size(); ++p) {
-      for (size_t k = 0; k < rows.size(); ++k) seen[k].p_W = moved_places_W[p][rows[k]];
-      if (!pose_residuals(moved_cameras[p], seen, X_CW, there, nullptr)) continue;
-      Eigen::VectorXd column(base.size());
-      for (size_t k = 0; k < base.size(); ++k) column[k] = (there[k] - base[k]) / moved.steps[p];
+      const Moving moving = moving_of(seen, rows, only[p], moved_places_W[p]);
+      if (!pose_residuals(moved_cameras[p], moving.seen, X_CW, there, nullptr)) continue;
+      Eigen::VectorXd column = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(base.size()));
+      for (size_t i = 0; i < there.size(); ++i) {
+        const size_t k = 2 * moving.place[i / 2] + i % 2;
+        column[k] = (there[i] - base[k]) / moved.steps[p];
+      }
       as_counted(column);
       column -= basis * (basis.transpose() * column);
       for (size_t k = 0; k < rows.size(); ++k) {

@@ -157,6 +157,28 @@ TEST(Boards, ARationalLensTakesThePlaceOfTheFisheye) {
   EXPECT_NEAR(result.best.assessment.model.find("pinhole")->value("cx_px"), kCx_px, 2);
 }
 
+// Near its far edge the image of a board that goes away from a wide lens bends by more than a third
+// of what is left of the distance between corners.
+TEST(Boards, ABoardThatGoesAwayFromAWideLensHasNoWrongCorners) {
+  std::string rows = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+  for (int frame = 0; frame < 8; ++frame) {
+    const double yaw = 0.3 + 0.06 * frame;
+    for (int point = 0; point < 140; ++point) {
+      // Tags of 30 mm, 9 mm apart.
+      const int column = point % 14, line = point / 14;
+      const double a = 0.039 * (column / 2) + 0.03 * (column % 2) - 0.13,
+                   b = 0.039 * (line / 2) + 0.03 * (line % 2) - 0.09;
+      const Pixel seen = fisheye(0.12 + a * std::cos(yaw), b, 0.14 + a * std::sin(yaw));
+      rows += fmt::format("{},{},{},{:.6f},{:.6f},0,{:.4f},{:.4f}\n", frame, frame, point, a, b,
+                          seen.u_px, seen.v_px);
+    }
+  }
+  const auto folder = board_views({.name = "goes-away"});
+  write_file_atomically(folder / "points.csv", rows);
+  const auto problem = open_problem(folder);
+  EXPECT_THAT(problem->facts().notes, testing::Not(Contains(HasSubstr("left out"))));
+}
+
 // Lenses with three and four parameters bend as this one with one does. Which of them gains most is
 // chance; the simplest is named first, always.
 TEST(Boards, OneParameterThatDoesIsPreferredToFour) {

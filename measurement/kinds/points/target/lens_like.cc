@@ -33,7 +33,8 @@ std::optional<Eigen::VectorXd> images_of(const effects::Projection& projection,
   Eigen::Index at = 0;
   for (const Vec3& direction : directions) {
     const effects::ImagePoint image = projection.project(direction);
-    if (!image.visible || !std::isfinite(image.u) || !std::isfinite(image.v)) return std::nullopt;
+    if (!(image.visible || image.at_edge) || !std::isfinite(image.u) || !std::isfinite(image.v))
+      return std::nullopt;
     images[at++] = image.u, images[at++] = image.v;
   }
   return images;
@@ -106,8 +107,13 @@ std::optional<std::vector<double>> lens_like(const effects::Model& model,
     lens.set(part.definition, part.parameters);
     if (part.definition->replaces_term != in.term) rest.set(part.definition, part.parameters);
   }
-  const std::vector<Vec3> directions = directions_within(most_rad);
-  const auto wanted = images_of({lens, width_px, height_px}, directions);
+  std::vector<Vec3> directions = directions_within(most_rad);
+  // Points of views that are met badly may lie beyond what the lens sees.
+  const effects::Projection seen(lens, width_px, height_px);
+  std::erase_if(directions,
+                [&](const Vec3& direction) { return !seen.project(direction).visible; });
+  if (directions.empty()) return std::nullopt;
+  const auto wanted = images_of(seen, directions);
   if (!wanted) return std::nullopt;
   return nearest_lens(rest, in, width_px, height_px, directions, *wanted);
 }
