@@ -48,18 +48,18 @@ void CellLikelihood::share_among_frames() {
   }
 }
 
-// Values that are certain (a field clipped whole) say nothing of the error when they fit.
 void CellLikelihood::count_certain(size_t k) {
+  const CertainValues certain(data_, chain_);
+  const auto is_certain = [&](const Entry& e) { return certain.is_certain(e.mean, e.variance); };
   bool any = false;
-  for (size_t cell = 0; cell < cells_.count(); ++cell)
-    any = any || entry(cell, k).variance < kCertain;
+  for (size_t cell = 0; cell < cells_.count(); ++cell) any = any || is_certain(entry(cell, k));
   if (!any) return;
   const LevelSums& level = sum(k);
   for (size_t i = 0; i < level.mean.size(); ++i) {
     const Entry& here = entry(cells_.of_sample[i], k);
-    if (!(here.variance < kCertain)) continue;
+    if (!is_certain(here)) continue;
     const double r = level.mean[i] - here.mean - here.slope * cells_.offset[i];
-    if (frames(k) * r * r + level.scatter[i] < kCertain * frames(k))
+    if (certain.fits(r * r + level.scatter[i] / frames(k)))
       score_.values -= static_cast<int64_t>(level.frames.size());
   }
 }
