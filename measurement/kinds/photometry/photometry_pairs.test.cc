@@ -145,6 +145,21 @@ TEST(PhotometryPairs, SeriesThatGoBeyondTheTopTellTheirNoises) {
   EXPECT_NEAR(best.error, 1, 0.03);
 }
 
+// What a frame has in common gains as little likelihood as there are frames, and moves its values
+// all the same: by as much as their rows' noise.
+TEST(PhotometryPairs, AFluctuationBesideRowNoiseMatters) {
+  const std::string free =
+      "linear_response: {gain_dn: {value: 190, free: true}, black_dn: {value: 20, free: true}}, "
+      "read_noise: {sigma_dn: {value: 2, free: true}}";
+  const SearchResult result =
+      found("lamp_rows", free,
+            "row_noise: {sigma_dn: 2}, lamp_fluctuation: {sigma: 0.02}, shot_noise: "
+            "{electrons_per_dn: 20}",
+            {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}, 4);
+  EXPECT_EQ(result.steps.size(), 3u) << steps_of(result);
+  EXPECT_NE(result.best.assessment.model.find("lamp_fluctuation"), nullptr) << steps_of(result);
+}
+
 // The first candidate or its declared ties hold both.
 void expect_tie(const SearchResult& result, const std::string& a, const std::string& b) {
   ASSERT_FALSE(result.first.candidates.empty());
