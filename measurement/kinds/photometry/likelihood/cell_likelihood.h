@@ -32,8 +32,9 @@ class CellLikelihood {
         levels_(cells.present.size()),
         entries_(cells.count() * levels_) {}
 
-  // The log-likelihood is minus infinity where cells cannot give one.
-  PhotometryScore run();
+  // The log-likelihood is minus infinity where cells cannot give one. `counts`: whether values that
+  // are certain are counted, which takes a look at each sample.
+  PhotometryScore run(bool counts);
 
  private:
   // What a level predicts for a cell.

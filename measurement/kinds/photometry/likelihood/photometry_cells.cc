@@ -12,14 +12,14 @@
 
 namespace seam::measurement {
 
-PhotometryScore CellLikelihood::run() {
+PhotometryScore CellLikelihood::run(bool counts) {
   lamps_.resize(levels_);
   score_.values = sums_.values;
   score_.by_frame.assign(data_.frames.size(), 0);
   for (size_t k = 0; k < levels_; ++k) {
     predict_level(k);
     add_changes(k);
-    count_certain(k);
+    if (counts) count_certain(k);
     score_.nuisances += std::isnan(data_.levels[cells_.present[k]].illumination);
   }
   add_means();
@@ -286,9 +286,12 @@ void CellLikelihood::add_rows_of_frames(size_t k, const std::vector<double>& var
   }
 }
 
-std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
-                                          const CellStore& store, const effects::Model& model,
-                                          double set_noise_dn, bool channels_share) {
+namespace {
+
+std::optional<PhotometryScore> score_in_cells(const PhotometryData& data,
+                                              const PhotometrySums& sums, const CellStore& store,
+                                              const effects::Model& model, double set_noise_dn,
+                                              bool channels_share, bool counts) {
   if (depends_on_time(model)) return std::nullopt;
   if (effects::lamps_flicker(model) && effects::timing_of(model).line_delay_s != 0)
     return std::nullopt;
@@ -297,13 +300,21 @@ std::optional<PhotometryScore> cell_score(const PhotometryData& data, const Phot
   const CellNeeds needs{.products = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0,
                         .groups = chain.row_sigma_dn > 0 || chain.column_sigma_dn > 0};
   const auto cells = store.cells(data, sums, model, needs);
-  return CellLikelihood(data, sums, *cells, model, set_noise_dn, share).run();
+  return CellLikelihood(data, sums, *cells, model, set_noise_dn, share).run(counts);
+}
+
+}  // namespace
+
+std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
+                                          const CellStore& store, const effects::Model& model,
+                                          double set_noise_dn, bool channels_share) {
+  return score_in_cells(data, sums, store, model, set_noise_dn, channels_share, true);
 }
 
 std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
                                           double set_noise_dn, bool channels_share) {
-  const auto score = cell_score(data, sums, store, model, set_noise_dn, channels_share);
+  const auto score = score_in_cells(data, sums, store, model, set_noise_dn, channels_share, false);
   if (!score) return std::nullopt;
   return score->log_likelihood;
 }
