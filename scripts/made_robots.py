@@ -179,71 +179,117 @@ def electrons(draw, mean):
     return count
 
 
+# Bits; electrons that fill the range; black level, in noises of a dark value or as a share of the range; levels; frames of
+# a level and of the dark; whether the light is an exposure, with dark frames at each; light at the top over the range.
+CAMERAS = {
+    "camera": {"bits": (12, 14, 16), "black": None, "levels": (8, 11), "frames": (4, 6), "series": False, "most": 0.92},
+    # Dark frames cut off at 0 by their own noise.
+    "cut": {"bits": (12, 14, 16), "black": (0, 1.5), "levels": (8, 11), "frames": (4, 6), "series": False, "most": 0.92},
+    # As EMVA 1288 asks for: pairs at growing exposures up to saturation, dark frames at the same.
+    "series": {"bits": (8, 10, 12, 14, 16), "black": (2, 8), "levels": (12, 20), "frames": (2, 2), "series": True,
+               "most": 1.15},
+}
+
+
+def noises_of_camera(sort, draw):
+    """Bits a value, DN an electron, and the noises of a value in the dark and in the middle."""
+    bits = draw.choice(CAMERAS[sort]["bits"])
+    top = 2 ** bits - 1
+    if sort == "series":
+        gain = top / math.exp(draw.uniform(math.log(5000), math.log(60000)))
+        read = draw.uniform(3, 15) * gain
+    else:
+        gain = math.exp(draw.uniform(math.log(0.05), math.log(2))) * {12: 1, 14: 2, 16: 4}[bits]
+        read = draw.uniform(3, 10) * gain + 0.5
+    # In the middle: less than this does not matter.
+    return bits, gain, read, math.hypot(read, math.sqrt(0.5 * top * gain))
+
+
+def effects_of_camera(sort, draw, top, gain, seen):
+    truth = {"shot_noise": {"electrons_per_dn": 1 / gain}}
+    possible = {
+        "pixel_gain_spread": lambda: {"sigma": draw.uniform(0.005, 0.02)},
+        "pixel_offset_spread": lambda: {"sigma_dn": seen * draw.uniform(0.6, 2)},
+        "row_noise": lambda: {"sigma_dn": seen * draw.uniform(0.6, 1.5)},
+        "response_cubic": lambda: {"k2": signed(draw, 0.03, 0.12), "k3": 0.0},
+        "lamp_fluctuation": lambda: {"sigma": 2 * seen / top * draw.uniform(0.4, 1.5)},
+        "periodic_pattern": lambda: {"amplitude_dn": seen * draw.uniform(0.3, 1.5), "period_px": draw.uniform(4, 20),
+                                     "angle_rad": draw.uniform(-1.4, 1.4), "phase_rad": draw.uniform(-3, 3)}}
+    for name in draw.sample(tuple(possible), draw.choice((1, 2, 3))):
+        truth[name] = possible[name]()
+    return truth
+
+
+def levels_of_camera(sort, draw):
+    """Of each frame: light as a share of the brightest, as exposure and illumination state it."""
+    form = CAMERAS[sort]
+    levels = draw.choice(form["levels"])
+    lit, dark = form["frames"]
+    shares = [(level + 1) / levels for level in range(levels)]
+    if not form["series"]:
+        return [(share, 0.01, share) for share in [0] * (dark // lit) + shares for _ in range(lit)] + [
+            (0, 0.01, 0)] * (dark % lit)
+    longest = 10 ** draw.uniform(-3, -1)
+    return [(lamp * share, longest * share, lamp) for lamp in (1, 0) for share in shares for _ in range(lit)]
+
+
 def camera(_, sort, number, folder):
     draw = random.Random(f"{sort} {number}")
     width, height = 56, 44
-    bits = draw.choice((12, 14, 16))
+    bits, gain, read, seen = noises_of_camera(sort, draw)
     top = 2 ** bits - 1
-    gain = math.exp(draw.uniform(math.log(0.05), math.log(2))) * {12: 1, 14: 2, 16: 4}[bits]  # DN an electron.
-    dark = draw.uniform(0.005, 0.03) * top
-    read = draw.uniform(3, 10) * gain + 0.5
-    truth = {"shot_noise": {"electrons_per_dn": 1 / gain}}
-    seen = math.hypot(read, math.sqrt(0.5 * top * gain))  # Noise of a value in the middle: less does not matter.
-    for name in draw.sample(("pixel_gain_spread", "pixel_offset_spread", "row_noise", "response_cubic",
-                             "lamp_fluctuation", "periodic_pattern"), draw.choice((1, 2, 3))):
-        truth[name] = {"pixel_gain_spread": lambda: {"sigma": draw.uniform(0.005, 0.02)},
-                       "pixel_offset_spread": lambda: {"sigma_dn": seen * draw.uniform(0.6, 2)},
-                       "row_noise": lambda: {"sigma_dn": seen * draw.uniform(0.6, 1.5)},
-                       "response_cubic": lambda: {"k2": signed(draw, 0.03, 0.12), "k3": 0.0},
-                       "lamp_fluctuation": lambda: {"sigma": draw.uniform(0.002, 0.01)},
-                       "periodic_pattern": lambda: {"amplitude_dn": seen * draw.uniform(0.3, 1.5),
-                                                    "period_px": draw.uniform(4, 20),
-                                                    "angle_rad": draw.uniform(-1.4, 1.4),
-                                                    "phase_rad": draw.uniform(-3, 3)}}[name]()
-    wave = truth.get("periodic_pattern")
+    truth = effects_of_camera(sort, draw, top, gain, seen)
     cubic = truth.get("response_cubic", {"k2": 0, "k3": 0})
-    fixed_gain = [1 + truth.get("pixel_gain_spread", {}).get("sigma", 0) * draw.gauss(0, 1)
-                  for _ in range(width * height)]
-    fixed = [truth.get("pixel_offset_spread", {}).get("sigma_dn", 0) * draw.gauss(0, 1) for _ in fixed_gain]
-    if wave:
-        for i in range(len(fixed)):
-            along = i % width * math.cos(wave["angle_rad"]) + i // width * math.sin(wave["angle_rad"])
-            fixed[i] += wave["amplitude_dn"] * math.sin(2 * math.pi * along / wave["period_px"] + wave["phase_rad"])
-    # No dark frame is cut off at 0.
-    dark = max(dark, 5 * math.hypot(read, truth.get("row_noise", {}).get("sigma_dn", 0),
-                                    truth.get("pixel_offset_spread", {}).get("sigma_dn", 0)))
-    unit = 10 ** draw.uniform(-4, 4)  # In which the lamp's light is stated.
-    full = 0.92 * (top - dark) / (1 + max(0, cubic["k2"]))
     row_sigma = truth.get("row_noise", {}).get("sigma_dn", 0)
     lamp_sigma = truth.get("lamp_fluctuation", {}).get("sigma", 0)
+    offset_sigma = truth.get("pixel_offset_spread", {}).get("sigma_dn", 0)
+    wave = truth.get("periodic_pattern")
+    fixed_gain = [1 + truth.get("pixel_gain_spread", {}).get("sigma", 0) * draw.gauss(0, 1)
+                  for _ in range(width * height)]
+    fixed = [offset_sigma * draw.gauss(0, 1) for _ in fixed_gain]
+    for i in range(len(fixed) if wave else 0):
+        along = i % width * math.cos(wave["angle_rad"]) + i // width * math.sin(wave["angle_rad"])
+        fixed[i] += wave["amplitude_dn"] * math.sin(2 * math.pi * along / wave["period_px"] + wave["phase_rad"])
+    noise = math.hypot(read, row_sigma, offset_sigma)
+    black = CAMERAS[sort]["black"]
+    dark = draw.uniform(*black) * noise if black else max(draw.uniform(0.005, 0.03) * top, 5 * noise)
+    unit = 10 ** draw.uniform(-4, 4)  # In which the lamp's light is stated.
+    full = CAMERAS[sort]["most"] * (top - dark) / (1 + max(0, cubic["k2"]))
     (folder / "data" / "frames").mkdir(parents=True)
     lines = ["frame,file,time_s,exposure_s,illumination"]
-    levels = draw.choice((8, 11))
-    for level in range(-1, levels):
-        share = (level + 1) / levels
-        for _ in range(6 if level < 0 else 4):
-            light = share * full * (1 + lamp_sigma * draw.gauss(0, 1))  # DN.
-            values = []
-            for v in range(height):
-                row = row_sigma * draw.gauss(0, 1) if row_sigma else 0
-                for i in range(v * width, (v + 1) * width):
-                    signal = gain * electrons(draw, light * fixed_gain[i] / gain)
-                    s = signal / top
-                    dn = signal * (1 + cubic["k2"] * s + cubic["k3"] * s * s)
-                    dn += dark + fixed[i] + row + draw.gauss(0, read)
-                    values.append(max(0, min(top, round(dn))))
-            frame = len(lines) - 1
-            png16(folder / "data" / "frames" / f"{frame:03}.png", width, values)
-            lines.append(f"{frame},frames/{frame:03}.png,{0.5 * frame},0.01,{share * unit if level >= 0 else 0:.6g}")
+    frames = levels_of_camera(sort, draw)
+    for frame, (share, exposure_s, lamp) in enumerate(frames):
+        light = share * full * (1 + lamp_sigma * draw.gauss(0, 1))  # DN.
+        values = []
+        for v in range(height):
+            row = row_sigma * draw.gauss(0, 1) if row_sigma else 0
+            for i in range(v * width, (v + 1) * width):
+                signal = gain * electrons(draw, light * fixed_gain[i] / gain)
+                s = signal / top
+                dn = signal * (1 + cubic["k2"] * s + cubic["k3"] * s * s)
+                dn += dark + fixed[i] + row + draw.gauss(0, read)
+                values.append(max(0, min(top, round(dn))))
+        png16(folder / "data" / "frames" / f"{frame:03}.png", width, values)
+        lines.append(f"{frame},frames/{frame:03}.png,{0.5 * frame},{exposure_s:.6g},{lamp * unit:.6g}")
     (folder / "data" / "frames.csv").write_text("\n".join(lines) + "\n")
+    # Twelve bits in files of 16, and nobody said so: the most that the camera gives is to be found.
+    stated = draw.choice((bits, 16)) if sort == "series" else bits
+    if stated != bits:
+        truth["saturation"] = {"full_dn": top}
     (folder / "data" / "measurement.yaml").write_text(
         "format: seam-measurement/1\nkind: photometry\ntitle: made\n"
-        f"camera: {{width_px: {width}, height_px: {height}, channels: grey, bits: {bits}}}\ngroup: frame\n"
+        f"camera: {{width_px: {width}, height_px: {height}, channels: grey, bits: {stated}}}\ngroup: frame\n"
         "files: {frames: frames.csv}\n")
+    first = next((share, lamp) for share, _, lamp in frames)
+    per_light = first[0] / first[1] if CAMERAS[sort]["series"] else 1
     (folder / "nominal.yaml").write_text(model([
-        f"linear_response: {{gain_dn: {{value: {0.5 * top / unit:.6g}, free: true}}, "
+        f"linear_response: {{gain_dn: {{value: {0.5 * top / unit * per_light:.6g}, free: true}}, "
         f"black_dn: {{value: {0.01 * top:.4g}, free: true}}}}",
         f"read_noise: {{sigma_dn: {{value: {2 * read:.3g}, free: true}}}}"]))
+    # A bend is relative to the range that is stated.
+    for power, name in enumerate(("k2", "k3"), 1):
+        if "response_cubic" in truth:
+            truth["response_cubic"][name] *= ((2 ** stated - 1) / top) ** power
     return truth
 
 
@@ -254,7 +300,7 @@ def deviations(truth, values):
             for true in [truth.get(name.split(".")[0], {}).get(name.split(".")[1])] if true is not None]
 
 
-SORTS = {"beacons": beacons, "wheels": wheels, "coarse": wheels, "camera": camera}
+SORTS = {"beacons": beacons, "wheels": wheels, "coarse": wheels} | {sort: camera for sort in CAMERAS}
 
 
 def make(binary, sort, number, folder):

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "sim_core/base/error.h"
+#include "sim_core/base/image.h"
 
 namespace seam::measurement {
 namespace {
@@ -250,6 +251,13 @@ TEST_F(Faults, PicturesStoredTwiceAreTold) {
               ElementsAre(HasSubstr("frames.csv:3: 2 pictures are those before them")));
   write("b.png", "two");
   EXPECT_THAT(faults_of_values(twice), IsEmpty());
+  // Beyond the range of a camera all pictures are the same.
+  Image clipped{.width_px = 2, .height_px = 2, .channels = 1, .samples = {255, 255, 255, 255}};
+  for (const char* name : {"a.png", "b.png", "c.png"}) write(name, encode_png(clipped));
+  EXPECT_THAT(faults_of_values(twice), IsEmpty());
+  clipped.samples[0] = 254;
+  for (const char* name : {"a.png", "b.png"}) write(name, encode_png(clipped));
+  EXPECT_THAT(faults_of_values(twice), ElementsAre(HasSubstr("frames.csv:3: 1 pictures")));
 }
 
 TEST_F(Faults, ViewsThatRepeatOrAreMirroredAreTold) {

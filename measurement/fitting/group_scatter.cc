@@ -43,6 +43,14 @@ std::vector<Word> words_of(const Problem& problem, const Model& model,
   return all;
 }
 
+// So many times the variance that the noise leaves is the groups' by chance in one of 200 cases:
+// chi-square over its degrees of freedom (Wilson and Hilferty 1931).
+double largest_by_chance(size_t groups) {
+  constexpr double kSigmas = 2.576;
+  const double part = 2.0 / (9.0 * static_cast<double>(groups - 1));
+  return std::pow(1 - part + kSigmas * std::sqrt(part), 3);
+}
+
 // Variances of the parameters; empty where groups cannot tell.
 std::vector<double> sandwich(const std::vector<Word>& words) {
   if (words.size() < kLeastGroups) return {};
@@ -67,7 +75,7 @@ std::vector<double> sandwich(const std::vector<Word>& words) {
 
 double widen_by_group_scatter(const Problem& problem, double adequate, Assessment& assessment) {
   Fit& fit = assessment.fit;
-  if (!(assessment.error > adequate) || !problem.groups_are_independent(assessment.model)) return 1;
+  if (!problem.groups_are_independent(assessment.model)) return 1;
   const ParameterSpace space(assessment.model, assessment.unknowns);
   std::vector<Unknown> unknowns;
   std::vector<size_t> places;
@@ -83,12 +91,15 @@ double widen_by_group_scatter(const Problem& problem, double adequate, Assessmen
   // Where one part of the groups is held out once for all, the fit has seen the others alone.
   const Groups seen =
       problem.folds().size() == 1 ? problem.training_groups() : problem.all_groups();
-  const std::vector<double> variance =
-      sandwich(words_of(problem, assessment.model, unknowns, seen));
+  const std::vector<Word> words = words_of(problem, assessment.model, unknowns, seen);
+  const std::vector<double> variance = sandwich(words);
+  // At the noise residuals of a group may go together all the same, as those of coarse counts do.
+  const double least =
+      assessment.error > adequate || variance.empty() ? 1 : largest_by_chance(words.size());
   double widest = 1;
   for (size_t k = 0; k < variance.size(); ++k) {
     const double wider = std::sqrt(std::max(0.0, variance[k])) / fit.sigma[places[k]];
-    if (!(wider > 1)) continue;
+    if (!(wider * wider > least)) continue;
     widest = std::max(widest, wider);
     fit.sigma[places[k]] *= wider;
     for (size_t i = 0; i < space.size(); ++i) {

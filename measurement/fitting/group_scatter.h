@@ -10,8 +10,8 @@
 namespace seam::measurement {
 
 // Widens the fit's errors of parameters of the mean to those of the groups, where these are
-// larger. Nothing changes where the error is at most `adequate`, where groups are not independent
-// and where there are fewer than four. Returns the largest factor, 1 for none.
+// larger: by more than chance where the error is at most `adequate`. Nothing changes where groups
+// are not independent and where there are fewer than four. Returns the largest factor, 1 for none.
 double widen_by_group_scatter(const Problem& problem, double adequate, Assessment& assessment);
 
 }  // namespace seam::measurement

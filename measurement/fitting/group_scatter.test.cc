@@ -110,6 +110,23 @@ TEST(GroupScatter, CoversTheTruthWhereGroupsDiffer) {
   EXPECT_NEAR(far / (2 * kDraws), 0.05, 0.025);
 }
 
+// Rows of a group that go together by half a noise are no misfit, and their mean is told far worse
+// than that of independent ones.
+TEST(GroupScatter, WidensAtTheNoiseWhereGroupsDifferBeyondChance) {
+  int at_noise = 0, wider = 0;
+  for (uint64_t draw = 0; draw < 40; ++draw) {
+    Runs problem;
+    problem.draw(0.5 * kRunNoise, 0, RandomStream{draw, 4});
+    double widest = 0;
+    const Assessment found = widened(problem, widest);
+    if (found.error > kAdequate) continue;
+    ++at_noise;
+    if (widest > 1) ++wider;
+  }
+  EXPECT_GT(at_noise, 10);
+  EXPECT_GT(2 * wider, at_noise);
+}
+
 TEST(GroupScatter, LeavesErrorsAloneWhereTheModelIsRight) {
   int wider = 0;
   for (uint64_t draw = 0; draw < 40; ++draw) {

@@ -17,15 +17,26 @@ struct Response {
   double weak_mean = 0;     // Mean of a sample of low gain.
 };
 
+// What a set says of the noise of its values, whatever the model is.
+struct SetNoise {
+  double stated_dn = 0;
+  // Where values are clipped at the highest, a few that are not make all of the variance, so that
+  // it is not told as well as that of Gaussian values: it is this at least.
+  double least_at_top_dn2 = 0;
+};
+
+// Whether it is this end of the range where a value so large is clipped.
+bool is_near_top(const effects::SensorChain& chain, int file_bits, double dn);
+
 // For a signal (effects::signal_dn); `colour` 0 red, 1 green, 2 blue.
 Response respond(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
-                 int colour, double set_noise_dn, double signal);
+                 int colour, const SetNoise& noise, double signal);
 
 class ResponseTable {
  public:
   // For signals (effects::signal_dn) from `low` to `high`; `colour` 0 red, 1 green, 2 blue.
   ResponseTable(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
-                int colour, double set_noise_dn, double low, double high);
+                int colour, const SetNoise& noise, double low, double high);
 
   Response at(double signal) const;
 

@@ -14,7 +14,10 @@ struct ResidualView {
     std::string name;
     std::vector<double> residual;  // Observed - predicted, in the channel's unit.
     std::vector<double> sigma;     // What the model states for it.
-    std::vector<int> row;          // Into the covariates.
+    // Where an observation is a mean of values: the standard deviation of a single value, with all
+    // that it shares with others.
+    std::vector<double> value_sigma;
+    std::vector<int> row;  // Into the covariates.
   };
   std::vector<Channel> channels;  // Those that combine two come last.
   std::vector<std::pair<std::string, std::vector<double>>> covariates;

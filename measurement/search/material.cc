@@ -45,6 +45,28 @@ double movement_of_means(const Problem& problem, const Assessment& before,
   return moved;
 }
 
+// Root mean square by which standard deviations of single values change, relative to what they
+// were; 0 where that is not known. What values share (a lamp's light in a frame) gains as little
+// likelihood as there are frames, however far it moves them.
+double change_of_spreads(const Problem& problem, const Assessment& before,
+                         const Assessment& after) {
+  const ResidualView was = problem.residual_view(before.model, problem.scored_groups()),
+                     is = problem.residual_view(after.model, problem.scored_groups());
+  double most = 0;
+  for (const ResidualView::Channel& a : was.channels) {
+    const ResidualView::Channel* b = is.channel(a.name);
+    if (b == nullptr || a.value_sigma.empty() || a.value_sigma.size() != b->value_sigma.size())
+      continue;
+    double sum2 = 0;
+    for (size_t i = 0; i < a.value_sigma.size(); ++i) {
+      const double change = b->value_sigma[i] / a.value_sigma[i] - 1;
+      sum2 += change * change;
+    }
+    most = std::max(most, std::sqrt(sum2 / static_cast<double>(a.value_sigma.size())));
+  }
+  return most;
+}
+
 }  // namespace
 
 double limit_at_noise(double n) {
@@ -58,7 +80,9 @@ Change change_by(const Problem& problem, const Evaluation& here, const Assessmen
   if (here.used.empty() || there.used.empty()) {
     const double of_gain =
         movement_of_gain(after.held_ll() - before.held_ll(), after.held.n, spread_only);
-    return {std::max(of_gain, spread_only ? 0 : movement_of_means(problem, before, after)),
+    const double of_model = spread_only ? change_of_spreads(problem, before, after)
+                                        : movement_of_means(problem, before, after);
+    return {std::max(of_gain, of_model),
             after.error <= limit_at_noise(static_cast<double>(after.held.n))};
   }
   // A model that predicts nothing for some observation differs by anything.

@@ -85,6 +85,17 @@ TEST(Sensor, SampledMomentsAgreeWithTheDefinition) {
                  0.0003, 1, 16);
 }
 
+// Noise of many steps, where no sum goes over the values: what is far below or above is the file's
+// lowest or highest value.
+TEST(Sensor, MeansOfFieldsBeyondTheFilesEndsAreItsEnds) {
+  const SensorChain chain = sensor_of(model_of("linear_response: {gain_dn: 65535, black_dn: 0}"));
+  for (const double sigma : {20.0, 300.0}) {
+    EXPECT_NEAR(file_moments(chain, {65535 + 12 * sigma, sigma * sigma}, 16).mean_dn, 65535, 1e-6);
+    EXPECT_NEAR(file_moments(chain, {-12 * sigma, sigma * sigma}, 16).mean_dn, 0, 1e-6);
+    EXPECT_NEAR(file_moments(chain, {0, sigma * sigma}, 16).mean_dn, 0.39894228 * sigma, 0.01);
+  }
+}
+
 TEST(Sensor, GammaOfFewElectronsIsExact) {
   // Brute force over the Poisson distribution at the point where the expansion takes over.
   const SensorChain chain =

@@ -55,8 +55,9 @@ Moments file_moments(const SensorChain& chain, Moments value, int file_bits) {
     return {value.mean_dn, value.variance_dn2 + step * step / 12};
   }
   if (sigma < 16 * step) return sum_over_values(chain, value, step, top);
-  // Many steps a sigma: rounding is 1/12, clipping is that of a censored Gaussian.
-  const double low = -0.5, high = std::min(top + 0.5, chain.full_dn);
+  // Many steps a sigma: rounding is 1/12, clipping is that of a censored Gaussian between the
+  // values that the file has: a field beyond the highest is that value, not half a step more.
+  const double low = 0, high = std::min(top, chain.full_dn);
   const double a = (low - value.mean_dn) / sigma, b = (high - value.mean_dn) / sigma;
   const double phi_a = maths::exp(-0.5 * a * a) * 0.3989422804014327;
   const double phi_b = maths::exp(-0.5 * b * b) * 0.3989422804014327;

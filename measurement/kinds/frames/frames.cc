@@ -107,7 +107,7 @@ Evaluation FramesProblem::predict(const LightStore& store, const Model& model,
     if (tables.empty() || !chain.maps.empty()) {
       tables.clear();
       for (int c = 0; c < 3; ++c) {
-        tables.emplace_back(chain, exposure, c, facts_.channels[0].noise,
+        tables.emplace_back(chain, exposure, c, SetNoise{facts_.channels[0].noise},
                             effects::signal_dn(chain, low, exposure),
                             effects::signal_dn(chain, high, exposure));
       }

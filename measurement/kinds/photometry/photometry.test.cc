@@ -10,6 +10,7 @@
 #include <random>
 
 #include "effects/registry.h"
+#include "measurement/imaging/sensor_response.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "sim_core/base/image.h"
 
@@ -205,6 +206,20 @@ TEST(Photometry, WhatNoEffectExplainsLeavesStructure) {
   const auto drift = [](int, int, int frame) { return 1 + 0.0008 * frame; };
   EXPECT_GT(best_candidate(generate("drift", {.extra = drift}, 10), nominal()).structures_after,
             0u);
+}
+
+// A field beyond the range by more than three noises: the one value in thousands that is not
+// clipped would make all of its variance. What a dark value has is its own.
+TEST(Photometry, ClippedValuesTellNoSmallerVarianceThanTheSetAllows) {
+  const effects::SensorChain chain{
+      .gain_dn = 4095, .black_dn = 100, .electrons_per_dn = 3, .read_sigma_dn = 3};
+  const effects::SensorExposure exposure{.file_bits = 12};
+  const SetNoise noise{.least_at_top_dn2 = 130};
+  EXPECT_LT(respond(chain, exposure, 1, {}, 4130).variance, 1);
+  EXPECT_EQ(respond(chain, exposure, 1, noise, 4130).variance, 130);
+  EXPECT_EQ(respond(chain, exposure, 1, noise, 0).variance,
+            respond(chain, exposure, 1, {}, 0).variance);
+  EXPECT_NEAR(respond(chain, exposure, 1, noise, 3000).variance, 1009, 1);
 }
 
 // r' S^-1 r and log det S from the dense covariance of all values.

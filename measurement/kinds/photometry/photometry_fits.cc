@@ -25,15 +25,20 @@ bool is_logarithmic(const EffectDefinition& effect, const effects::Parameter& pa
 Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                            const Groups& groups) const {
   // A candidate beside parameters that are at their optimum already: if it gains nothing alone, the
-  // others need not move.
+  // others need not move. A spread takes the place of another one, which is too wide without it.
   const std::string candidate = unknowns.empty() ? "" : unknowns.back().effect;
   std::vector<Unknown> others, own;
   for (const Unknown& unknown : unknowns)
     (unknown.effect == candidate ? own : others).push_back(unknown);
   Model without = start;
   without.remove(candidate);
+  const auto is_spread = [&](const Unknown& unknown) {
+    return start.find(unknown.effect)->definition->spread_only;
+  };
+  const bool shares = !own.empty() && is_spread(own.front()) &&
+                      std::any_of(others.begin(), others.end(), is_spread);
   bool beside = false;
-  if (!others.empty()) {
+  if (!others.empty() && !shares) {
     const std::scoped_lock lock(mutex_);
     const std::string key = fit_key(without, others, groups);
     beside = std::find(optima_.begin(), optima_.end(), key) != optima_.end();
@@ -50,7 +55,7 @@ Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unkno
   } else {
     fit = fit_all(start, unknowns, groups);
   }
-  if (!own.empty() && !enough && start.find(candidate)->definition->spread_only)
+  if (!own.empty() && !enough && is_spread(own.front()))
     fit = without_misfit(fit, start, unknowns, groups);
   if (!enough) {
     const std::scoped_lock lock(mutex_);

@@ -125,6 +125,41 @@ TEST(PhotometryPairs, ABendBesideRowNoiseMatters) {
   EXPECT_NEAR(result.best.assessment.model.find("row_noise")->value("sigma_dn"), 6, 0.6);
 }
 
+// Where the light goes beyond what values can hold, few values of a level are not clipped: they
+// make all of its variance, and must not count as if all values had told it.
+TEST(PhotometryPairs, SeriesThatGoBeyondTheTopTellTheirNoises) {
+  const std::string free =
+      "linear_response: {gain_dn: {value: 200, free: true}, black_dn: {value: 20, free: true}}, "
+      "read_noise: {sigma_dn: {value: 2, free: true}}";
+  std::vector<double> levels = {0, 0};
+  for (int i = 1; i <= 20; ++i) levels.push_back(0.06 * i);
+  const SearchResult result =
+      found("beyond", free, "pixel_gain_spread: {sigma: 0.02}, shot_noise: {electrons_per_dn: 5}",
+            levels, 2);
+  EXPECT_EQ(result.steps.size(), 2u) << steps_of(result);
+  const Assessment& best = result.best.assessment;
+  ASSERT_NE(best.model.find("pixel_gain_spread"), nullptr) << steps_of(result);
+  ASSERT_NE(best.model.find("shot_noise"), nullptr) << steps_of(result);
+  EXPECT_NEAR(best.model.find("pixel_gain_spread")->value("sigma"), 0.02, 0.002);
+  EXPECT_NEAR(best.model.find("shot_noise")->value("electrons_per_dn"), 5, 0.25);
+  EXPECT_NEAR(best.error, 1, 0.03);
+}
+
+// What a frame has in common gains as little likelihood as there are frames, and moves its values
+// all the same: by as much as their rows' noise.
+TEST(PhotometryPairs, AFluctuationBesideRowNoiseMatters) {
+  const std::string free =
+      "linear_response: {gain_dn: {value: 190, free: true}, black_dn: {value: 20, free: true}}, "
+      "read_noise: {sigma_dn: {value: 2, free: true}}";
+  const SearchResult result =
+      found("lamp_rows", free,
+            "row_noise: {sigma_dn: 2}, lamp_fluctuation: {sigma: 0.02}, shot_noise: "
+            "{electrons_per_dn: 20}",
+            {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}, 4);
+  EXPECT_EQ(result.steps.size(), 3u) << steps_of(result);
+  EXPECT_NE(result.best.assessment.model.find("lamp_fluctuation"), nullptr) << steps_of(result);
+}
+
 // The first candidate or its declared ties hold both.
 void expect_tie(const SearchResult& result, const std::string& a, const std::string& b) {
   ASSERT_FALSE(result.first.candidates.empty());

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "measurement/kinds/photometry/likelihood/photometry_likelihood.h"
 #include "measurement/kinds/photometry/photometry_mean_tests.h"
 #include "measurement/numerics/legendre.h"
 
@@ -45,12 +46,14 @@ std::vector<SpreadTarget> spread_targets(int levels) {
 
 // How far each sample's variance is from its prediction, relative to that.
 std::vector<double> relative_excess(const PhotometryData& data, const LevelSums& sum,
-                                    const LevelPrediction& level) {
+                                    const LevelPrediction& level, const CertainValues& certain) {
   const double freedom = (static_cast<double>(sum.frames.size()) - 1) * (1 - 1.0 / data.width_px);
   std::vector<double> z(level.mean.size());
   for (size_t i = 0; i < z.size(); ++i) {
     // Clipped values have too little variance left to test.
-    z[i] = level.variance[i] < 0.05 ? 0 : sum.scatter[i] / (freedom * level.variance[i]) - 1;
+    const bool tells =
+        level.variance[i] >= 0.05 && !certain.is_certain(level.mean[i], level.variance[i]);
+    z[i] = tells ? sum.scatter[i] / (freedom * level.variance[i]) - 1 : 0;
   }
   return z;
 }
@@ -101,13 +104,14 @@ StructureTest judge_spread(const SpreadTarget& target, double mean_variance) {
 std::vector<StructureTest> spread_tests(const PhotometryView& view,
                                         const PhotometryPrediction& prediction) {
   std::vector<SpreadTarget> targets = spread_targets(static_cast<int>(view.sums.levels.size()));
+  const CertainValues certain(view.data, prediction.chain);
   double mean_variance = 0, count = 0;
   for (size_t l = 0; l < view.sums.levels.size(); ++l) {
     const LevelSums& sum = view.sums.levels[l];
     if (sum.frames.size() < 2) continue;
     const LevelPrediction& level = prediction.levels[l];
     for (const double variance : level.variance) mean_variance += variance, count += 1;
-    add_level(view.data, l, level, relative_excess(view.data, sum, level), targets);
+    add_level(view.data, l, level, relative_excess(view.data, sum, level, certain), targets);
   }
   std::vector<StructureTest> tests;
   if (count == 0) return tests;

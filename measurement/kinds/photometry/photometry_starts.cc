@@ -33,7 +33,7 @@ effects::SensorExcess excess_of(const PhotometryView& view,
                                 const PhotometryPrediction& prediction) {
   effects::SensorExcess out;
   const PhotometryData& data = view.data;
-  double n = 0, xy = 0, xx = 0, po = 0, pg = 0, pgg = 0, count = 0;
+  double n = 0, xy = 0, xx = 0, x = 0, po = 0, pg = 0, pgg = 0, count = 0;
   double row_sum = 0, row_count = 0, column_sum = 0, column_count = 0;
   for (size_t l = 0; l < view.sums.levels.size(); ++l) {
     const LevelSums& sum = view.sums.levels[l];
@@ -55,7 +55,7 @@ effects::SensorExcess excess_of(const PhotometryView& view,
       if (frames < 2) continue;
       const double v =
           sum.scatter[i] / ((frames - 1) * (1 - 1.0 / data.width_px)) - level.variance[i];
-      n += 1, out.temporal_dn2 += v, xy += v * shot, xx += shot * shot;
+      n += 1, out.temporal_dn2 += v, xy += v * shot, xx += shot * shot, x += shot;
     }
     variance /= static_cast<double>(sum.mean.size());
     for (const double c : column)
@@ -72,6 +72,11 @@ effects::SensorExcess excess_of(const PhotometryView& view,
   }
   if (n > 0) out.temporal_dn2 /= n;
   if (xx > 0) out.per_signal_dn = xy / xx;
+  // A noise in the dark that is told too wide, since it stands for this one, leaves a slope all the
+  // same.
+  const double across = n > 0 ? xx - x * x / n : 0;
+  if (across > 1e-6 * xx)
+    out.per_signal_dn = std::max(out.per_signal_dn, (xy - x * out.temporal_dn2) / across);
   if (count > 0) out.pattern_dn2 = po / count;
   if (pgg > 0) out.pattern_of_gain = pg / pgg;
   if (row_count > 0) out.row_dn2 = row_sum / row_count;

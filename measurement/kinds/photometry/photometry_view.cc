@@ -50,6 +50,13 @@ ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& 
                                      offsets * square(predicted.offset_slope[i]) +
                                      square(chain.pixel_gain_sigma * predicted.gain_slope[i])));
       mean.row.push_back(at);
+      const double gain2 = square(chain.pixel_gain_sigma) + square(chain.lamp_sigma);
+      mean.value_sigma.push_back(
+          std::sqrt(predicted.variance[i] +
+                    (square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn) +
+                     square(chain.row_sigma_dn)) *
+                        square(predicted.offset_slope[i]) +
+                    gain2 * square(predicted.gain_slope[i])));
       if (level.frames.size() < 3) continue;
       for (size_t k = 0; k < kSpreadFrames; ++k) {
         spread.residual.push_back(data_.images[level.frames[k]][i] - level.mean[i]);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "effects/stages/optics.h"
+#include "measurement/imaging/sensor_response.h"
 #include "measurement/kinds/photometry/likelihood/photometry_cells.h"
 #include "measurement/kinds/photometry/likelihood/photometry_rows.h"
 
@@ -24,15 +25,16 @@ class CellLikelihood {
         cells_(cells),
         model_(model),
         chain_(effects::sensor_of(model)),
-        noise_(set_noise_dn),
+        noise_{set_noise_dn, data.least_at_top_dn2},
         share_(share),
         flickers_(effects::lamps_flicker(model)),
         pixels_(chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0),
         levels_(cells.present.size()),
         entries_(cells.count() * levels_) {}
 
-  // The log-likelihood is minus infinity where cells cannot give one.
-  PhotometryScore run();
+  // The log-likelihood is minus infinity where cells cannot give one. `counts`: whether values that
+  // are certain are counted, which takes a look at each sample.
+  PhotometryScore run(bool counts);
 
  private:
   // What a level predicts for a cell.
@@ -124,7 +126,7 @@ class CellLikelihood {
   const LightCells& cells_;
   const effects::Model& model_;
   effects::SensorChain chain_;
-  double noise_;
+  SetNoise noise_;
   bool share_, flickers_, pixels_;
   size_t levels_;
   std::vector<Entry> entries_;

@@ -12,14 +12,14 @@
 
 namespace seam::measurement {
 
-PhotometryScore CellLikelihood::run() {
+PhotometryScore CellLikelihood::run(bool counts) {
   lamps_.resize(levels_);
   score_.values = sums_.values;
   score_.by_frame.assign(data_.frames.size(), 0);
   for (size_t k = 0; k < levels_; ++k) {
     predict_level(k);
     add_changes(k);
-    count_certain(k);
+    if (counts) count_certain(k);
     score_.nuisances += std::isnan(data_.levels[cells_.present[k]].illumination);
   }
   add_means();
@@ -48,18 +48,18 @@ void CellLikelihood::share_among_frames() {
   }
 }
 
-// Values that are certain (a field clipped whole) say nothing of the error when they fit.
 void CellLikelihood::count_certain(size_t k) {
+  const CertainValues certain(data_, chain_);
+  const auto is_certain = [&](const Entry& e) { return certain.is_certain(e.mean, e.variance); };
   bool any = false;
-  for (size_t cell = 0; cell < cells_.count(); ++cell)
-    any = any || entry(cell, k).variance < kCertain;
+  for (size_t cell = 0; cell < cells_.count(); ++cell) any = any || is_certain(entry(cell, k));
   if (!any) return;
   const LevelSums& level = sum(k);
   for (size_t i = 0; i < level.mean.size(); ++i) {
     const Entry& here = entry(cells_.of_sample[i], k);
-    if (!(here.variance < kCertain)) continue;
+    if (!is_certain(here)) continue;
     const double r = level.mean[i] - here.mean - here.slope * cells_.offset[i];
-    if (frames(k) * r * r + level.scatter[i] < kCertain * frames(k))
+    if (certain.fits(r * r + level.scatter[i] / frames(k)))
       score_.values -= static_cast<int64_t>(level.frames.size());
   }
 }
@@ -286,9 +286,12 @@ void CellLikelihood::add_rows_of_frames(size_t k, const std::vector<double>& var
   }
 }
 
-std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
-                                          const CellStore& store, const effects::Model& model,
-                                          double set_noise_dn, bool channels_share) {
+namespace {
+
+std::optional<PhotometryScore> score_in_cells(const PhotometryData& data,
+                                              const PhotometrySums& sums, const CellStore& store,
+                                              const effects::Model& model, double set_noise_dn,
+                                              bool channels_share, bool counts) {
   if (depends_on_time(model)) return std::nullopt;
   if (effects::lamps_flicker(model) && effects::timing_of(model).line_delay_s != 0)
     return std::nullopt;
@@ -297,13 +300,21 @@ std::optional<PhotometryScore> cell_score(const PhotometryData& data, const Phot
   const CellNeeds needs{.products = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0,
                         .groups = chain.row_sigma_dn > 0 || chain.column_sigma_dn > 0};
   const auto cells = store.cells(data, sums, model, needs);
-  return CellLikelihood(data, sums, *cells, model, set_noise_dn, share).run();
+  return CellLikelihood(data, sums, *cells, model, set_noise_dn, share).run(counts);
+}
+
+}  // namespace
+
+std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
+                                          const CellStore& store, const effects::Model& model,
+                                          double set_noise_dn, bool channels_share) {
+  return score_in_cells(data, sums, store, model, set_noise_dn, channels_share, true);
 }
 
 std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
                                           double set_noise_dn, bool channels_share) {
-  const auto score = cell_score(data, sums, store, model, set_noise_dn, channels_share);
+  const auto score = score_in_cells(data, sums, store, model, set_noise_dn, channels_share, false);
   if (!score) return std::nullopt;
   return score->log_likelihood;
 }

@@ -4,12 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/imaging/sensor_response.h"
 #include "measurement/kinds/photometry/likelihood/photometry_changes.h"
 #include "measurement/kinds/photometry/likelihood/photometry_rows.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
+
+// Variance below which a value is certain, DN^2.
+constexpr double kCertain = 2e-3;
 
 // Means over time of every sample, with fixed patterns as random effects.
 class PatternPart {
@@ -237,12 +241,24 @@ class PatternPart {
 
 }  // namespace
 
+CertainValues::CertainValues(const PhotometryData& data, const effects::SensorChain& chain)
+    : chain_(chain),
+      file_bits_(data.file_bits),
+      least_at_top_dn2_(data.least_at_top_dn2),
+      fits_dn2_(std::max(kCertain, 0.1 * data.least_at_top_dn2)) {}
+
+bool CertainValues::is_certain(double mean, double variance) const {
+  if (variance < kCertain) return true;
+  return variance < 1.001 * least_at_top_dn2_ && is_near_top(chain_, file_bits_, mean);
+}
+
 PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySums& sums,
                                  const PhotometryPrediction& prediction, bool channels_share) {
   PhotometryScore score{.values = sums.values, .nuisances = prediction.nuisances};
   score.by_frame.assign(data.frames.size(), 0);
   const bool share = channels_share || data.channels == 1;
   TemporalPart temporal(data, prediction, share);
+  const CertainValues certain(data, prediction.chain);
   Quadratic total;
   double frames = 0;
   for (size_t l = 0; l < sums.levels.size(); ++l) {
@@ -257,9 +273,8 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
     // values by constants, which cancel between models.
     for (size_t i = 0; i < sum.mean.size(); ++i) {
       const double r = sum.mean[i] - prediction.levels[l].mean[i];
-      // Values that are certain (a field clipped whole) say nothing of the error when they fit.
-      const bool fits = count * r * r + sum.scatter[i] < kCertain * count;
-      if (fits && prediction.levels[l].variance[i] < kCertain)
+      if (certain.is_certain(prediction.levels[l].mean[i], prediction.levels[l].variance[i]) &&
+          certain.fits(r * r + sum.scatter[i] / count))
         score.values -= static_cast<int64_t>(sum.frames.size());
       score.square += count * r * r + sum.scatter[i];
     }

@@ -15,8 +15,19 @@
 
 namespace seam::measurement {
 
-// Variance below which a value is certain, DN^2.
-inline constexpr double kCertain = 2e-3;
+// Values that are certain (a field clipped whole) say nothing of the error where they fit, which
+// `fits` asks of the square of a residual.
+class CertainValues {
+ public:
+  CertainValues(const PhotometryData& data, const effects::SensorChain& chain);
+  bool is_certain(double mean, double variance) const;
+  bool fits(double square) const { return square < fits_dn2_; }
+
+ private:
+  const effects::SensorChain& chain_;
+  int file_bits_;
+  double least_at_top_dn2_, fits_dn2_;
+};
 
 struct PhotometryScore {
   double chi2 = 0;

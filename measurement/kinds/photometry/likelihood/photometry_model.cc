@@ -18,7 +18,12 @@ class LevelPredictor {
  public:
   LevelPredictor(const PhotometryData& data, const effects::Model& model, const SensorChain& chain,
                  const PhotometryLevel& level, const LevelSums& sum, double set_noise_dn)
-      : data_(data), model_(model), chain_(chain), level_(level), sum_(sum), noise_(set_noise_dn) {
+      : data_(data),
+        model_(model),
+        chain_(chain),
+        level_(level),
+        sum_(sum),
+        noise_{set_noise_dn, data.least_at_top_dn2} {
     for (const int frame : sum.frames)
       mean_time_ += time_of(frame) / static_cast<double>(sum.frames.size());
   }
@@ -192,7 +197,7 @@ class LevelPredictor {
   const SensorChain& chain_;
   const PhotometryLevel& level_;
   const LevelSums& sum_;
-  double noise_;
+  SetNoise noise_;
   double mean_time_ = 0;
 };
 

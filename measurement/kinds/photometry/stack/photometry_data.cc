@@ -111,6 +111,21 @@ PhotometryData thinned(const PhotometryData& data, const Thinning& kept) {
   return out;
 }
 
+double least_at_top(const PhotometryData& data, const PhotometrySums& all) {
+  // Values of which one in five is not clipped have as much.
+  constexpr double kPart = 0.1;
+  double most = 0;
+  for (const LevelSums& level : all.levels) {
+    if (level.frames.size() < 2) continue;
+    double scatter = 0;
+    for (const double own : level.scatter) scatter += own;
+    const double freedom = static_cast<double>(level.frames.size() - 1) * (data.width_px - 1) *
+                           static_cast<double>(data.rows());
+    most = std::max(most, scatter / freedom);
+  }
+  return kPart * most;
+}
+
 PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
                           const std::vector<int>& group_of_frame) {
   Hasher chosen;
