@@ -117,6 +117,7 @@ Parabola Fitter::look() {
   }
   Parabola out = parabola_of(jacobian, z);
   out.held = space_.box().held(place, out.gradient);
+  out.untold = space_.untold();
   return out;
 }
 

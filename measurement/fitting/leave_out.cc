@@ -95,6 +95,7 @@ void LeaveOut::step_means() {
   const Eigen::MatrixXd all = jacobian.transpose() * jacobian;
   const Eigen::VectorXd scale =
       all.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();  // To a unit diagonal.
+  const Eigen::VectorXd untold = space_.untold();
   reach_.assign(parts_.size(), 0);
   for (size_t p = 0; p < parts_.size(); ++p) {
     Eigen::MatrixXd rest = all;
@@ -108,6 +109,8 @@ void LeaveOut::step_means() {
     constexpr double kFloor = 1e-9;  // Of the information that a coordinate has alone.
     Eigen::MatrixXd scaled = scale.asDiagonal() * rest * scale.asDiagonal();
     scaled.diagonal().array() += kFloor;
+    for (Eigen::Index k = 0; k < count; ++k)
+      scaled(k, k) += scale[k] * scale[k] * untold[index(mean_[static_cast<size_t>(k)])];
     const Eigen::VectorXd step =
         scale.asDiagonal() * solve_symmetric(scaled, scale.asDiagonal() * slope);
     if (!step.allFinite()) continue;

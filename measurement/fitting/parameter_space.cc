@@ -54,6 +54,17 @@ bool ParameterSpace::any_of_mean() const {
   return std::any_of(begin(), end(), [](const Coordinate& c) { return !c.spread; });
 }
 
+Eigen::VectorXd ParameterSpace::untold() const {
+  // In scales, the error of what is not told. One view of a board that faces the camera tells
+  // neither focal length nor centre: the best of half its corners lay at 2,600 px, where the other
+  // half had no pose.
+  constexpr double kOutOfReach = 100;
+  Eigen::VectorXd out(static_cast<Eigen::Index>(size()));
+  for (size_t i = 0; i < size(); ++i)
+    out[static_cast<Eigen::Index>(i)] = std::pow(kOutOfReach * coordinates_[i].scale, -2);
+  return out;
+}
+
 Eigen::VectorXd ParameterSpace::place(const Model& model) const {
   Eigen::VectorXd place(static_cast<Eigen::Index>(size()));
   for (size_t i = 0; i < size(); ++i)

@@ -41,6 +41,9 @@ class ParameterSpace {
   bool any_of_mean() const;
 
   Eigen::VectorXd place(const Model& model) const;
+  // Curvatures of a log-likelihood along the coordinates under which data tell nothing of them, or
+  // of a sum of several: fits leave these where they stand.
+  Eigen::VectorXd untold() const;
   // The model with its unknowns there.
   Model at(Model model, const Eigen::VectorXd& place) const;
   // The model moved by this, as far as the bounds allow.

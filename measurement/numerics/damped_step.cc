@@ -12,7 +12,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 Parabola parabola_of(const MatrixXd& jacobian, const Eigen::Ref<const VectorXd>& residuals) {
-  return {jacobian.transpose() * jacobian, jacobian.transpose() * residuals, {}};
+  return {jacobian.transpose() * jacobian, jacobian.transpose() * residuals, {}, {}};
 }
 
 VectorXd damped_step(const Parabola& here, double damping) {
@@ -27,6 +27,8 @@ VectorXd damped_step(const Parabola& here, double damping) {
   const VectorXd scale = here.curvature.diagonal()(moving).cwiseSqrt().cwiseInverse();
   MatrixXd unit = scale.asDiagonal() * here.curvature(moving, moving) * scale.asDiagonal();
   unit.diagonal().array() += damping;
+  if (here.untold.size() > 0)
+    unit.diagonal() += scale.cwiseAbs2().cwiseProduct(VectorXd(here.untold(moving)));
   const VectorXd right = -scale.cwiseProduct(VectorXd(here.gradient(moving)));
   VectorXd step;
   // Where second derivatives are of no minimum, each coordinate goes for itself.

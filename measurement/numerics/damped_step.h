@@ -14,6 +14,9 @@ struct Parabola {
   Eigen::MatrixXd curvature;  // J'J of residuals, or second derivatives.
   Eigen::VectorXd gradient;   // J'r of residuals.
   std::vector<char> held;     // Coordinates that may not move; empty: all may.
+  // Along directions that curve less than this, by coordinate, nothing is told: steps there are
+  // small, though a minimum lies somewhere far. Empty: 0 for all.
+  Eigen::VectorXd untold;
 };
 
 // The parabola of residuals r with these derivatives.

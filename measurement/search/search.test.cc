@@ -9,6 +9,7 @@
 
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/problem/made_problem.h"
 #include "measurement/search/choice.h"
 #include "measurement/study/study.h"
 #include "sim_core/base/error.h"
@@ -177,6 +178,86 @@ TEST(Landmarks, UnknownLandmarkIsNamed) {
               std::string::npos)
         << error.what();
   }
+}
+
+// Each group lies anywhere, and within it y rises with x.
+class Shifted : public MadeProblem {
+ public:
+  static constexpr double kNoise = 0.5, kShift = 50, kSlope = 0.9;
+  static constexpr size_t kRows = 2000, kGroups = 20;
+
+  Shifted()
+      : MadeProblem(evenly(-1, 1, kRows), kNoise, [](const std::vector<double>& p, double x) {
+          return p[0] + (p.size() > 1 ? p[1] * x : 0);
+        }) {
+    facts_.groups.clear();
+    for (size_t i = 0; i < kRows; ++i) facts_.group_of_row[i] = static_cast<int>(i % kGroups);
+    for (size_t g = 0; g < kGroups; ++g) facts_.groups.push_back("g" + std::to_string(g));
+    facts_.covariates = {{.name = "x", .values = x()}};
+    std::vector<double> y;
+    for (size_t i = 0; i < kRows; ++i) {
+      y.push_back(kShift * normal({1, 1}, i % kGroups) + kSlope * x()[i] +
+                  kNoise * normal({1, 2}, i));
+    }
+    take(std::move(y));
+    prepare(flat());
+  }
+
+  static Model flat() {
+    return made_model(made_effect("line", {{.name = "level", .min = -1, .max = 1}}), {0});
+  }
+  static EffectList effects() {
+    return {made_effect("slope", {{.name = "size", .min = -100, .max = 100, .scale = 1}}),
+            made_effect("shift",
+                        {{.name = "group", .min = 0, .max = 1000, .scale = 10},
+                         {.name = "row", .min = 0, .max = 10, .scale = 1}},
+                        /*spread_only=*/true)};
+  }
+
+  // Of a group's n rows with variance v whose common shift has variance s the mean has v + n s.
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* near = nullptr) const override {
+    Evaluation out = MadeProblem::evaluate(model, groups, near);
+    const auto* shift = model.find("shift");
+    const double group = shift ? shift->values()[0] : 0, row = shift ? shift->values()[1] : 0;
+    const double n = static_cast<double>(kRows) / kGroups, v = kNoise * kNoise + row * row;
+    const double of_mean = v + n * group * group;
+    for (size_t g = 0; g < kGroups; ++g) {
+      double mean = 0;
+      for (size_t i = g; i < kRows; i += kGroups) mean += out.residual[i] / n;
+      for (size_t i = g; i < kRows; i += kGroups) {
+        out.sigma[i] = std::sqrt(v);
+        if (out.used[i])
+          out.whitened[i] = (out.residual[i] - mean) / std::sqrt(v) + mean / std::sqrt(of_mean);
+      }
+      out.log_det[g] = groups[g] ? (n - 1) * std::log(v) + std::log(of_mean) : 0;
+    }
+    return out;
+  }
+  bool acts(const EffectDefinition& effect) const override {
+    return effect.name == "slope" || effect.name == "shift";
+  }
+  std::vector<std::vector<double>> starts(const Model&,
+                                          const EffectDefinition& effect) const override {
+    if (effect.spread_only) return {{10, 1}};
+    return {{0.1}};
+  }
+};
+
+// Under groups that are shifted by a hundred noises the slope says nothing, and a spread of the
+// rows would call it noise: both are found where one is tried beside the other.
+TEST(Search, AMeanThatHelpsOnlyBesideASpreadIsFoundWithIt) {
+  Shifted problem;
+  const SearchResult result =
+      search(problem, Shifted::flat(), Shifted::effects(), [](const std::string&) {});
+  EXPECT_EQ(result.verdict, "missing_effect");
+  EXPECT_TRUE(result.remaining.empty());
+  const Model& found = result.best.assessment.model;
+  ASSERT_TRUE(found.has("slope"));
+  ASSERT_TRUE(found.has("shift"));
+  EXPECT_NEAR(found.find("slope")->values()[0], Shifted::kSlope, 0.06);
+  EXPECT_NEAR(found.find("shift")->values()[0], Shifted::kShift, 25);
+  EXPECT_NEAR(result.best.assessment.error, 1, 0.05);
 }
 
 }  // namespace
