@@ -363,6 +363,7 @@ SORTS = {
     "few": still(("none", "radial"), FLAT, (1, 2, 3, 5)),
     "many": still(("radial", "fisheye"), BENT, (100, 200)),
     "frontal": still(("none", "radial"), FLAT, (10, 20), tilt=0.0),
+    "facing": still(("none", "radial"), FLAT, (1, 1), tilt=0.0),
     "hidden": still(("radial", "tangential"), BENT, (20,), missing=0.4),
     "corner": still(("none", "radial", "fisheye"), FLAT, (10, 20), plan_of=corner_of_boards),
     "rough": still(("none", "radial"), FLAT, (10, 20), plan_of=rough_board),
