@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ostream>
 
 namespace seam::effects {
 namespace {
@@ -22,6 +23,10 @@ double integrate(const RowSchedule& schedule, int row, double (*light)(double t_
 struct Case {
   double line_delay_s, exposure_s;
   int instants;
+
+  friend void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.line_delay_s << " s a row, " << c.exposure_s << " s, " << c.instants << " instants";
+  }
 };
 
 class RowScheduleCases : public testing::TestWithParam<Case> {};

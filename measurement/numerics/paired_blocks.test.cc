@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <ostream>
 
 #include "sim_core/base/random.h"
 
@@ -17,6 +18,10 @@ using Eigen::MatrixXd;
 struct Case {
   std::vector<Index> views;
   size_t points;
+
+  friend void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.views.size() << " views of " << c.points << " points";
+  }
 };
 
 class PairedBlocksOf : public testing::TestWithParam<Case> {};

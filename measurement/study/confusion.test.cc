@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <ostream>
 #include <regex>
 
 #include "measurement/kinds/kinds.h"
@@ -19,6 +20,9 @@ namespace fs = std::filesystem;
 struct Case {
   std::string kind, truth, rival;  // Effects; the truth with its parameters.
   std::string name() const { return truth.substr(0, truth.find(':')); }
+  friend void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.kind << ": " << c.name() << ", not " << c.rival;
+  }
 };
 
 using Edit = std::function<void(const fs::path& protocol)>;

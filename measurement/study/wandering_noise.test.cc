@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <ostream>
 
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/order.h"
@@ -17,6 +18,7 @@ namespace fs = std::filesystem;
 struct NoiseCase {
   std::string kind, base, noise;  // Effects as in a model file.
   std::string name() const { return noise.substr(0, noise.find(':')); }
+  friend void PrintTo(const NoiseCase& c, std::ostream* out) { *out << c.kind << ": " << c.name(); }
 };
 
 Model noise_model(const std::string& effects) {
