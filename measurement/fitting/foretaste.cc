@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/numerics/regression.h"
+
 namespace seam::measurement {
 namespace {
 
 // The best fit to all rows leads the fit to a few by chi-square of the parameters over two, as many
 // times as all rows are more, and as errors are larger than the noise. This is what it hardly ever
-// leads by: one of a million (the Wilson-Hilferty cube).
+// leads by: one of a million.
 double lead_of_all(const Problem& problem, const FewRows& few, const Assessment& assessment) {
   constexpr double kHardlyEver = 4.75;  // Standard deviations.
   const auto k = static_cast<double>(assessment.unknowns.size());
   if (k == 0) return 0;
-  const double root = 1 - 2 / (9 * k) + kHardlyEver * std::sqrt(2 / (9 * k));
-  const double chi2 = k * root * root * root;
   const double times = static_cast<double>(count_used(problem)) / std::max(1.0, residuals_of(few));
-  return 0.5 * chi2 * times * std::max(1.0, assessment.error * assessment.error);
+  return 0.5 * chi2_at(kHardlyEver, k) * times * std::max(1.0, assessment.error * assessment.error);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/numerics/curvature.h"
+#include "measurement/numerics/regression.h"
 
 namespace seam::measurement {
 namespace {
@@ -43,12 +44,11 @@ std::vector<Word> words_of(const Problem& problem, const Model& model,
   return all;
 }
 
-// So many times the variance that the noise leaves is the groups' by chance in one of 200 cases:
-// chi-square over its degrees of freedom (Wilson and Hilferty 1931).
+// So many times the variance that the noise leaves is the groups' by chance in one of 200 cases.
 double largest_by_chance(size_t groups) {
   constexpr double kSigmas = 2.576;
-  const double part = 2.0 / (9.0 * static_cast<double>(groups - 1));
-  return std::pow(1 - part + kSigmas * std::sqrt(part), 3);
+  const auto freedom = static_cast<double>(groups - 1);
+  return chi2_at(kSigmas, freedom) / freedom;
 }
 
 // Variances of the parameters; empty where groups cannot tell.

@@ -111,6 +111,11 @@ double chi2_tail(double x, double freedom) {
   return clamped(boost::math::cdf(boost::math::complement(boost::math::chi_squared(freedom), x)));
 }
 
+double chi2_at(double sigmas, double freedom) {
+  const double part = 2 / (9 * freedom), root = 1 - part + sigmas * std::sqrt(part);
+  return freedom * root * root * root;
+}
+
 double corrected(double p, double looks) {
   return p <= 1e-297 ? 1e-300 : std::min(1.0, p * looks);
 }

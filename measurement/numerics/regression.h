@@ -25,6 +25,9 @@ NestedTest category_test(const std::vector<double>& y, const std::vector<int>& l
 double f_tail(double f, double numerator, double denominator);
 double chi2_tail(double x, double freedom);
 double normal_tail(double z);
+// What chi2 is below with the probability that a normal score has to be below this many sigmas, to
+// a few per cent (Wilson and Hilferty 1931).
+double chi2_at(double sigmas, double freedom);
 // The p-value of one look among so many; one too small to be told stays the smallest, 1e-300.
 double corrected(double p, double looks);
 

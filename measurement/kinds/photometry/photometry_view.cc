@@ -43,20 +43,19 @@ ResidualView PhotometryProblem::residual_view(const Model& model, const Groups& 
       radius.push_back(effects::rho(u, v, data_.sensor_width(), data_.sensor_height()));
       light.push_back(predicted.illumination * data_.levels[l].exposure_ratio);
       channel.push_back(static_cast<double>(i % data_.channels));
-      const double offsets = square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn) +
-                             square(chain.row_sigma_dn) / n;
+      // Of a mean of so many values, beside what moves all values of a pixel in proportion.
+      const auto sigma_of = [&](double values, double gain2) {
+        const double offsets = square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn) +
+                               square(chain.row_sigma_dn) / values;
+        return std::sqrt(predicted.variance[i] / values +
+                         offsets * square(predicted.offset_slope[i]) +
+                         gain2 * square(predicted.gain_slope[i]));
+      };
       mean.residual.push_back(level.mean[i] - predicted.mean[i]);
-      mean.sigma.push_back(std::sqrt(predicted.variance[i] / n +
-                                     offsets * square(predicted.offset_slope[i]) +
-                                     square(chain.pixel_gain_sigma * predicted.gain_slope[i])));
+      mean.sigma.push_back(sigma_of(n, square(chain.pixel_gain_sigma)));
       mean.row.push_back(at);
-      const double gain2 = square(chain.pixel_gain_sigma) + square(chain.lamp_sigma);
       mean.value_sigma.push_back(
-          std::sqrt(predicted.variance[i] +
-                    (square(chain.pixel_offset_sigma_dn) + square(chain.column_sigma_dn) +
-                     square(chain.row_sigma_dn)) *
-                        square(predicted.offset_slope[i]) +
-                    gain2 * square(predicted.gain_slope[i])));
+          sigma_of(1, square(chain.pixel_gain_sigma) + square(chain.lamp_sigma)));
       if (level.frames.size() < 3) continue;
       for (size_t k = 0; k < kSpreadFrames; ++k) {
         spread.residual.push_back(data_.images[level.frames[k]][i] - level.mean[i]);

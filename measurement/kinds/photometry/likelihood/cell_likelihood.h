@@ -32,8 +32,7 @@ class CellLikelihood {
         levels_(cells.present.size()),
         entries_(cells.count() * levels_) {}
 
-  // The log-likelihood is minus infinity where cells cannot give one. `counts`: whether values that
-  // are certain are counted, which takes a look at each sample.
+  // The log-likelihood is minus infinity where cells cannot give one; `counts` as in cell_score.
   PhotometryScore run(bool counts);
 
  private:

@@ -286,12 +286,9 @@ void CellLikelihood::add_rows_of_frames(size_t k, const std::vector<double>& var
   }
 }
 
-namespace {
-
-std::optional<PhotometryScore> score_in_cells(const PhotometryData& data,
-                                              const PhotometrySums& sums, const CellStore& store,
-                                              const effects::Model& model, double set_noise_dn,
-                                              bool channels_share, bool counts) {
+std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
+                                          const CellStore& store, const effects::Model& model,
+                                          double set_noise_dn, bool channels_share, bool counts) {
   if (depends_on_time(model)) return std::nullopt;
   if (effects::lamps_flicker(model) && effects::timing_of(model).line_delay_s != 0)
     return std::nullopt;
@@ -303,18 +300,10 @@ std::optional<PhotometryScore> score_in_cells(const PhotometryData& data,
   return CellLikelihood(data, sums, *cells, model, set_noise_dn, share).run(counts);
 }
 
-}  // namespace
-
-std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
-                                          const CellStore& store, const effects::Model& model,
-                                          double set_noise_dn, bool channels_share) {
-  return score_in_cells(data, sums, store, model, set_noise_dn, channels_share, true);
-}
-
 std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
                                           double set_noise_dn, bool channels_share) {
-  const auto score = score_in_cells(data, sums, store, model, set_noise_dn, channels_share, false);
+  const auto score = cell_score(data, sums, store, model, set_noise_dn, channels_share, false);
   if (!score) return std::nullopt;
   return score->log_likelihood;
 }

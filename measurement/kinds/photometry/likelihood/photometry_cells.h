@@ -84,10 +84,12 @@ class CellStore {
   mutable std::list<Entry> entries_;  // Most recently used first.
 };
 
-// What score_photometry gives; nothing where cells cannot stand for the samples.
+// What score_photometry gives; nothing where cells cannot stand for the samples. `counts`: whether
+// values that are certain are counted, which takes a look at each sample.
 std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
-                                          double set_noise_dn, bool channels_share);
+                                          double set_noise_dn, bool channels_share,
+                                          bool counts = true);
 // Its log-likelihood.
 std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
