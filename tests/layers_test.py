@@ -75,7 +75,7 @@ ROOMS = {
     "measurement": {
         "numerics": [],
         "sets": [],
-        "imaging": [],
+        "imaging": ["numerics"],
         "problem": ["numerics", "sets"],
         "fitting": ["numerics", "problem"],
         "noise": ["numerics", "problem"],

@@ -18,9 +18,7 @@ class GroupedLine : public MadeProblem {
       : MadeProblem(evenly(-1, 1, rows), 0.3,
                     [](const std::vector<double>& p, double x) { return p[0] * x; }),
         independent_(independent) {
-    facts_.groups.clear();
-    for (size_t g = 0; g < groups; ++g) facts_.groups.push_back(std::to_string(g));
-    for (size_t i = 0; i < rows; ++i) facts_.group_of_row[i] = static_cast<int>(i % groups);
+    deal_into(groups);
   }
   bool groups_are_independent(const Model&) const override { return independent_; }
 

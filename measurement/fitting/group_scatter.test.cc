@@ -20,10 +20,7 @@ class Runs : public MadeProblem {
   Runs()
       : MadeProblem(abscissas(), kRunNoise,
                     [](const std::vector<double>& p, double x) { return p[0] + p[1] * x; }) {
-    facts_.groups.clear();
-    for (size_t g = 0; g < kGroups; ++g) facts_.groups.push_back("g" + std::to_string(g));
-    for (size_t i = 0; i < kAllRows; ++i)
-      facts_.group_of_row[i] = static_cast<int>(i / kRowsAGroup);
+    cut_into(kGroups);
   }
   // Lines through the origin whose level and slope differ from group to group.
   void draw(double level, double slope, RandomStream stream) {

@@ -21,10 +21,7 @@ class Line : public MadeProblem {
       size_t groups, const Formula& formula = [](const std::vector<double>& p,
                                                  double x) { return p[0] + p[1] * x; })
       : MadeProblem(evenly(-1, 1, kRows), kNoise, formula) {
-    facts_.groups.clear();
-    for (size_t g = 0; g < groups; ++g) facts_.groups.push_back("g" + std::to_string(g));
-    for (size_t i = 0; i < kRows; ++i)
-      facts_.group_of_row[i] = static_cast<int>(i * groups / kRows);
+    cut_into(groups);
   }
 };
 

@@ -7,13 +7,19 @@ namespace seam::measurement {
 
 class Span {
  public:
-  // Takes out of the column what earlier ones span; returns its length before.
-  double take_out_of(std::vector<double>& column) const;
-  // Adds the direction of a column that has nothing of earlier ones left in it.
-  void add(const std::vector<double>& column);
+  // Takes out of the column what earlier ones span; returns its length before. `parts`: how far it
+  // went along each direction.
+  double take_out_of(std::vector<double>& column, std::vector<double>* parts = nullptr) const;
+  // Adds the direction of a column that has nothing of earlier ones left in it; `parts` of it are
+  // asked for by steps_to() alone.
+  void add(const std::vector<double>& column, std::vector<double> parts = {});
+  // Least squares: how much of each added column, as it was before anything was taken out of it,
+  // comes nearest to the target.
+  std::vector<double> steps_to(const std::vector<double>& target) const;
 
  private:
   std::vector<std::vector<double>> directions_;  // Orthonormal.
+  std::vector<std::vector<double>> parts_;       // Of each column, its own length last.
 };
 
 double dot(const std::vector<double>& a, const std::vector<double>& b);

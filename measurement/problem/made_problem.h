@@ -40,6 +40,14 @@ class MadeProblem : public Problem {
       y_[i] = mean[i] + std::sqrt(variance) * normal(stream, i);
   }
   void take(std::vector<double> y) { y_ = std::move(y); }
+  // Deals the rows out to as many groups, in turn, so that each sees the whole range.
+  void deal_into(size_t groups) {
+    group_rows(groups, [&](size_t row) { return row % groups; });
+  }
+  // Cuts them into as many groups of one stretch each.
+  void cut_into(size_t groups) {
+    group_rows(groups, [&](size_t row) { return row * groups / x_.size(); });
+  }
   const std::vector<double>& x() const { return x_; }
   const std::vector<double>& y() const { return y_; }
 
@@ -58,6 +66,12 @@ class MadeProblem : public Problem {
   void check_model(const Model&) const override {}
 
  private:
+  void group_rows(size_t groups, const std::function<size_t(size_t row)>& group_of) {
+    facts_.groups.clear();
+    for (size_t g = 0; g < groups; ++g) facts_.groups.push_back("g" + std::to_string(g));
+    for (size_t row = 0; row < x_.size(); ++row)
+      facts_.group_of_row[row] = static_cast<int>(group_of(row));
+  }
   std::pair<std::vector<double>, double> predict(const Model& model) const {
     std::vector<double> parameters;
     double variance = facts_.channels[0].noise * facts_.channels[0].noise;

@@ -61,8 +61,7 @@ TEST(Headline, SaysWhereMoreGroupsAreNeeded) {
     Three()
         : MadeProblem(evenly(-1, 1, 90), 0.5,
                       [](const std::vector<double>& p, double x) { return p[0] * x; }) {
-      facts_.groups = {"a", "b", "c"};
-      for (size_t i = 0; i < 90; ++i) facts_.group_of_row[i] = static_cast<int>(i / 30);
+      cut_into(3);
     }
   };
   Three problem;

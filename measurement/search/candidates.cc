@@ -7,7 +7,7 @@
 
 #include "effects/registry.h"
 #include "measurement/fitting/foretaste.h"
-#include "measurement/numerics/span.h"
+#include "measurement/search/told_apart.h"
 
 namespace seam::measurement {
 namespace {
@@ -32,64 +32,6 @@ Model with_effect(Model model, const Prospect& prospect, const std::vector<doubl
   add(prospect.effect);
   for (const auto& companion : prospect.companions) add(companion);
   return model;
-}
-
-// Which of the effect's parameters these groups can say anything of, beyond what the parameters
-// that are refitted anyway absorb; and, where the problem is smooth, what one step would reach on
-// them.
-std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
-                                        const std::vector<Unknown>& others,
-                                        const EffectDefinition& effect, const Groups& groups,
-                                        const Evaluation* near, std::vector<NotTestable>& reasons,
-                                        double& expected_ll) {
-  std::vector<size_t> open;
-  for (size_t i = 0; i < effect.parameters.size(); ++i) {
-    if (effect.parameters[i].integer || effect.parameters[i].stated) continue;
-    const std::string why = problem.not_testable(model, effect, i);
-    if (why.empty()) {
-      open.push_back(i);
-    } else {
-      reasons.push_back({effect.name, effect.parameters[i].name, why});
-    }
-  }
-  if (effect.spread_only || open.empty() || !effect.has_neutral) return open;
-  std::vector<Unknown> unknowns = others;
-  for (const size_t i : open) unknowns.push_back({effect.name, i});
-  const Evaluation here = problem.evaluate(model, groups, near);
-  if (!here.valid) return open;
-  auto columns = problem.jacobian(model, unknowns, groups, here);
-  // What is left of each column is its leverage.
-  std::vector<size_t> testable;
-  Span span;
-  double gain = 0;
-  for (size_t k = 0; k < unknowns.size(); ++k) {
-    std::vector<double>& column = columns[k];
-    const double before = span.take_out_of(column);
-    const double after = length(column);
-    const bool candidate = k >= others.size();
-    const size_t parameter = unknowns[k].parameter;
-    const double width =
-        candidate ? effect.parameters[parameter].max - effect.parameters[parameter].min : 0;
-    if (before <= 0 || after < kAbsorbed * before) {
-      if (candidate) {
-        reasons.push_back({effect.name, effect.parameters[parameter].name,
-                           before <= 0 ? "it does not change the prediction of these data"
-                                       : "other free parameters absorb it"});
-      }
-      continue;
-    }
-    if (candidate && after * width < kLeastReach) {
-      reasons.push_back({effect.name, effect.parameters[parameter].name,
-                         "these data could not see it at any size in its bounds"});
-      continue;
-    }
-    const double along = dot(column, here.whitened) / after;
-    gain += 0.5 * along * along;
-    span.add(column);
-    if (candidate) testable.push_back(parameter);
-  }
-  if (problem.is_smooth(model)) expected_ll = score_of(problem, here).log_likelihood + gain;
-  return testable;
 }
 
 // A model whose refitted parameters are back at the values that they were given with.
@@ -288,19 +230,21 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
       few ? std::optional(few->groups) : problem.screening_groups();
   const Groups groups = screening.value_or(problem.all_groups());
   const Problem& shown = few ? *few->problem : problem;
-  double expected = prospect.expected_ll;
-  prospect.free =
-      testable_parameters(shown, probe, others, *effect, groups, near, reasons, expected);
+  LinearStep step;
+  prospect.free = testable_parameters(shown, probe, others, *effect, groups, near, reasons, step);
   if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
-  if (screening && std::isfinite(expected)) {
+  if (screening && std::isfinite(step.ll)) {
     // All groups are expected to gain as these do.
-    const Score before = shown.score(base.assessment.model, groups);
+    const Score before = shown.score(model, groups);
     const double share = static_cast<double>(before.n) / static_cast<double>(count_used(problem));
-    expected = base.assessment.total_ll + (expected - before.log_likelihood) / share;
+    step.ll = base.assessment.total_ll + (step.ll - before.log_likelihood) / share;
   }
   // More starts (a phase's quarters): several valleys, of which the first says little.
-  if (prospect.starts.size() <= kMostStartsOfOneValley && !has_counts(*effect))
-    prospect.expected_ll = expected;
+  if (prospect.starts.size() > kMostStartsOfOneValley || has_counts(*effect)) return prospect;
+  prospect.expected_ll = step.ll;
+  // Steps are short where a model misses little: where one ends, a fit does.
+  if (base.assessment.error < kMisfit && prospect.companions.empty())
+    prospect.end_of_step = std::move(step.to);
   return prospect;
 }
 

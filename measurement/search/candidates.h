@@ -44,6 +44,8 @@ struct Prospect {
   // Total log-likelihood after one step of Gauss and Newton in all unknowns (the score test);
   // infinite where such a step says nothing: spreads, counts, servos, replacements.
   double expected_ll = std::numeric_limits<double>::infinity();
+  // Where that step ends, if a fit can be expected to end about there.
+  std::optional<Model> end_of_step;
   std::optional<FewRows> few;  // Looked at, and to be fitted, on these rows alone.
 };
 

@@ -30,11 +30,7 @@ class Bent : public MadeProblem {
       : MadeProblem(evenly(-1, 1, 160), kNoise, [](const std::vector<double>& p, double x) {
           return p[0] + (p.size() > 1 ? p[1] * x * x : 0);
         }) {
-    facts_.groups.clear();
-    for (size_t i = 0; i < 160; ++i) {
-      facts_.group_of_row[i] = static_cast<int>(i % 20);  // Each sees the whole range.
-      if (i < 20) facts_.groups.push_back("g" + std::to_string(i));
-    }
+    deal_into(20);
   }
   std::vector<std::vector<double>> starts(const Model&, const EffectDefinition&) const override {
     return {{0.05}};
@@ -197,9 +193,7 @@ class FewGroups : public MadeProblem {
       : MadeProblem(evenly(-1, 1, 240), kNoise, [](const std::vector<double>& p, double x) {
           return p[0] + (p.size() > 1 ? p[1] * x * x : 0);
         }) {
-    facts_.groups.clear();
-    for (size_t g = 0; g < groups; ++g) facts_.groups.push_back("g" + std::to_string(g));
-    for (size_t i = 0; i < 240; ++i) facts_.group_of_row[i] = static_cast<int>(i * groups / 240);
+    cut_into(groups);
   }
   std::vector<std::vector<double>> starts(const Model&, const EffectDefinition&) const override {
     return {{0.05}};

@@ -34,7 +34,9 @@ std::vector<char> worth_fitting(const Problem& problem, const Grown& base,
     const double misfit = std::max(1.0, error * error - 2 * gain / n);
     const double freedom = static_cast<double>(std::max<size_t>(1, prospects[i]->free.size()));
     const double tail = chi2_tail(kScoreMargin * 2 * std::max(gain, 0.0) / misfit, freedom);
-    if (tail * static_cast<double>(prospects.size()) < kPromising)
+    const std::optional<Model>& end = prospects[i]->end_of_step;
+    if (tail * static_cast<double>(prospects.size()) < kPromising &&
+        (!end || problem.is_visible(base.assessment.model, *end)))
       ranked.emplace_back(-prospects[i]->expected_ll, i);
   }
   std::sort(ranked.begin(), ranked.end());

@@ -38,9 +38,7 @@ class Sloped : public MadeProblem {
       : MadeProblem(evenly(-1, 1, kRows), kSlopeNoise, [](const std::vector<double>& p, double x) {
           return p[0] + (p.size() > 1 ? p[1] * x : 0);
         }) {
-    facts_.groups.clear();
-    for (size_t i = 0; i < kRows; ++i) facts_.group_of_row[i] = static_cast<int>(i % 20);
-    for (int g = 0; g < 20; ++g) facts_.groups.push_back("g" + std::to_string(g));
+    deal_into(20);
     facts_.covariates = {{.name = "x", .values = x()}};
   }
   std::vector<std::vector<double>> starts(const Model&, const EffectDefinition&) const override {

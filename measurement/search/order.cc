@@ -115,10 +115,11 @@ void take_steps(const Problem& problem, const EffectByName& effect_by_name, Grow
   }
 }
 
-// Which others could stand in the place of each step.
-void tell_ties(const EffectByName& effect_by_name, const Exchanges& exchanges,
-               const Grown& searched, const std::vector<std::string>& promising,
-               SearchResult& result) {
+// Which others could stand in the place of each step: as likely ones, and those that predict the
+// same as far as predictions are exact.
+void tell_ties(const Problem& problem, const EffectByName& effect_by_name,
+               const Exchanges& exchanges, const Grown& searched,
+               const std::vector<std::string>& promising, SearchResult& result) {
   std::vector<std::pair<size_t, std::string>> moves;
   for (size_t s = 0; s < result.steps.size(); ++s) {
     if (effects::has_dependents(result.best.assessment.model, result.steps[s].effect)) continue;
@@ -131,7 +132,8 @@ void tell_ties(const EffectByName& effect_by_name, const Exchanges& exchanges,
     const auto other = exchanges.with_other(searched, result.steps[moves[m].first].effect,
                                             effect_by_name(moves[m].second));
     if (!other) return;
-    tied[m] = cannot_tell(weight_of(searched), weight_of(*other), searched.assessment.error);
+    tied[m] = cannot_tell(weight_of(searched), weight_of(*other), searched.assessment.error) ||
+              !problem.is_visible(searched.assessment.model, other->assessment.model);
   });
   for (size_t m = 0; m < moves.size(); ++m) {
     auto& names = result.steps[moves[m].first].indistinguishable_from;
@@ -192,7 +194,7 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
       grown.assessment.total_ll >= result.best.assessment.total_ll - kSameFit) {
     result.best = grown;
   }
-  if (explained) tell_ties(effect_by_name, exchanges, searched, promising, result);
+  if (explained) tell_ties(problem, effect_by_name, exchanges, searched, promising, result);
 }
 
 std::vector<std::string> noises_found(const SearchResult& result) {

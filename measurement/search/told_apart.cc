@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/fitting/parameter_space.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/span.h"
 
@@ -78,6 +79,71 @@ std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
     untold.push_back({mean[k].effect, parameter.name, why});
   }
   return told;
+}
+
+std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
+                                        const std::vector<Unknown>& others,
+                                        const EffectDefinition& effect, const Groups& groups,
+                                        const Evaluation* near, std::vector<NotTestable>& reasons,
+                                        LinearStep& step) {
+  std::vector<size_t> open;
+  for (size_t i = 0; i < effect.parameters.size(); ++i) {
+    if (effect.parameters[i].integer || effect.parameters[i].stated) continue;
+    const std::string why = problem.not_testable(model, effect, i);
+    if (why.empty()) {
+      open.push_back(i);
+    } else {
+      reasons.push_back({effect.name, effect.parameters[i].name, why});
+    }
+  }
+  // What takes the place of another begins far from it, unless predictions are so dear that a start
+  // like the other was sought.
+  if (effect.spread_only || open.empty() || !(effect.has_neutral || problem.screening_groups()))
+    return open;
+  std::vector<Unknown> unknowns = others;
+  for (const size_t i : open) unknowns.push_back({effect.name, i});
+  const Evaluation here = problem.evaluate(model, groups, near);
+  if (!here.valid) return open;
+  auto columns = problem.jacobian(model, unknowns, groups, here);
+  // What is left of each column is its leverage.
+  std::vector<size_t> testable;
+  Span span;
+  double gain = 0;
+  std::vector<Unknown> kept;
+  std::vector<double> parts;
+  for (size_t k = 0; k < unknowns.size(); ++k) {
+    std::vector<double>& column = columns[k];
+    const double before = span.take_out_of(column, &parts);
+    const double after = length(column);
+    const bool candidate = k >= others.size();
+    const size_t parameter = unknowns[k].parameter;
+    const double width =
+        candidate ? effect.parameters[parameter].max - effect.parameters[parameter].min : 0;
+    if (before <= 0 || after < kAbsorbed * before) {
+      if (candidate) {
+        reasons.push_back({effect.name, effect.parameters[parameter].name,
+                           before <= 0 ? "it does not change the prediction of these data"
+                                       : "other free parameters absorb it"});
+      }
+      continue;
+    }
+    if (candidate && after * width < kLeastReach) {
+      reasons.push_back({effect.name, effect.parameters[parameter].name,
+                         "these data could not see it at any size in its bounds"});
+      continue;
+    }
+    const double along = dot(column, here.whitened) / after;
+    gain += 0.5 * along * along;
+    span.add(column, parts);
+    kept.push_back(unknowns[k]);
+    if (candidate) testable.push_back(parameter);
+  }
+  if (!problem.is_smooth(model)) return testable;
+  const std::vector<double> by = span.steps_to(here.whitened);
+  const Eigen::Map<const Eigen::VectorXd> back(by.data(), static_cast<Eigen::Index>(by.size()));
+  step = {.to = ParameterSpace(model, kept).moved(model, -back),
+          .ll = score_of(problem, here).log_likelihood + gain};
+  return testable;
 }
 
 Grown less_untold(const Problem& problem, Grown grown) {

@@ -1,6 +1,8 @@
 // Which parameters of a model the data tell, when all of them are fitted together.
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "measurement/search/candidates.h"
@@ -14,6 +16,21 @@ namespace seam::measurement {
 std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
                                 const std::vector<Unknown>& unknowns,
                                 std::vector<NotTestable>& untold);
+
+// Where one step of Gauss and Newton in all unknowns ends, and its log-likelihood (the score test).
+struct LinearStep {
+  std::optional<Model> to;
+  double ll = std::numeric_limits<double>::infinity();
+};
+
+// Which of the effect's parameters these groups can say anything of, beyond what the `others` that
+// are refitted anyway absorb; and, where the problem is smooth, what one step would reach on them.
+// `near` is an evaluation to begin from.
+std::vector<size_t> testable_parameters(const Problem& problem, const Model& model,
+                                        const std::vector<Unknown>& others,
+                                        const EffectDefinition& effect, const Groups& groups,
+                                        const Evaluation* near, std::vector<NotTestable>& reasons,
+                                        LinearStep& step);
 
 // Of effects with several parameters those that are no further from neutral than their error, and
 // without which nothing is lost, are back at neutral: shares of friction that do the same, say.

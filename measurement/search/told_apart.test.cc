@@ -28,6 +28,25 @@ TEST(Span, LeavesWhatIsOrthogonal) {
   EXPECT_NEAR(length(column), std::sqrt(0.64 + 4), 1e-15);
 }
 
+// What is left of the target is orthogonal to each column as it was given.
+TEST(Span, StepsLeadNearest) {
+  const std::vector<std::vector<double>> columns = {{1, 2, 0, 1}, {2, 1, 3, 0}, {0, 1, 1, 5}};
+  Span span;
+  std::vector<double> parts;
+  for (std::vector<double> column : columns) {
+    span.take_out_of(column, &parts);
+    span.add(column, parts);
+  }
+  std::vector<double> left = {3, -1, 4, 2};
+  const std::vector<double> steps = span.steps_to(left);
+  ASSERT_EQ(steps.size(), columns.size());
+  for (size_t k = 0; k < columns.size(); ++k) {
+    for (size_t i = 0; i < left.size(); ++i) left[i] -= steps[k] * columns[k][i];
+  }
+  EXPECT_GT(length(left), 1);
+  for (const auto& column : columns) EXPECT_NEAR(dot(left, column), 0, 1e-13);
+}
+
 // A model that discover found has the focal length twice: in the lens, and as an error of it.
 TEST(Refit, AFocalLengthBesideItsErrorIsNotFreed) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "refit-focal";

@@ -18,16 +18,22 @@ struct RayWithSlopes {
   Vec3 along_v;
 };
 
-// One image point's ray by Newton's method from the neighbour's, which one or two steps refine.
+// One image point's ray by Newton's method from where the neighbour's slopes put it, which a step
+// refines where the lens bends rays.
 // Perspective rays only (z = 1).
 class RayFinder {
  public:
   RayFinder(const Projection& projection, int channel, double t_s)
       : projection_(projection), channel_(channel), t_s_(t_s) {}
 
-  std::optional<RayWithSlopes> find(double u, double v, const RayWithSlopes* neighbour) const {
+  // `columns` and `rows`: the way from the neighbour.
+  std::optional<RayWithSlopes> find(double u, double v, const RayWithSlopes* neighbour, int columns,
+                                    int rows) const {
     std::optional<RayWithSlopes> found;
-    if (neighbour && neighbour->ray.z == 1) found = refine(neighbour->ray, u, v);
+    if (neighbour && neighbour->ray.z == 1)
+      found = refine(neighbour->ray + static_cast<double>(columns) * neighbour->along_u +
+                         static_cast<double>(rows) * neighbour->along_v,
+                     u, v);
     if (found) return found;
     const std::optional<Vec3> ray = projection_.unproject(u, v, t_s_, channel_);
     if (!ray) return std::nullopt;
@@ -89,7 +95,8 @@ RayGrid find_rays(const Projection& projection, int border, int channel, double 
   const auto fill = [&](int column, int row, int from_column, int from_row) {
     const auto& neighbour = cell(from_column, from_row);
     cell(column, row) =
-        finder.find(column - border, row - border, neighbour ? &*neighbour : nullptr);
+        finder.find(column - border, row - border, neighbour ? &*neighbour : nullptr,
+                    column - from_column, row - from_row);
   };
   const int middle_row = rows / 2, middle_column = columns / 2;
   const auto fill_row = [&](int row) {

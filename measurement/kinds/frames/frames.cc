@@ -7,6 +7,7 @@
 
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/timing.h"
+#include "measurement/imaging/lens_like.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -228,7 +229,14 @@ double FramesProblem::find_step(const Model& model, const Unknown& unknown,
     h = std::min(std::abs(h) * std::clamp(0.3 / std::max(rms, 1e-9), 0.02, 30.0),
                  std::max(most, 1e-12));
   }
-  return h;
+  // What bends the image's corners alone changes few samples, and those by more than an edge is
+  // wide.
+  constexpr double kMostBend_px = 0.5;
+  Model moved = model;
+  moved.set_value(unknown.effect, unknown.parameter, std::min(value + h, parameter.max));
+  const double bend_px =
+      lens_difference_px(model, moved, protocol_.width_px(), protocol_.height_px());
+  return bend_px > kMostBend_px ? h * kMostBend_px / bend_px : h;
 }
 
 std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model,

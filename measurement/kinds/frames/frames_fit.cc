@@ -110,7 +110,7 @@ class FrameFit {
              [&] {
                return Worth{.promise = 0.02, .again = 1, .gain = std::max(0.5, 0.004 * excess())};
              }},
-        {.start = 1e-10, .shrink = 0, .least = 1e-10, .grow = 8, .firm = 0.3, .attempts = 4}, 1);
+        {.start = 1e-10, .shrink = 0, .least = 1e-10, .grow = 100, .firm = 1e-6, .attempts = 5}, 1);
     return end.reason == DescentEnd::Reason::steps_spent && end.promised >= 2;
   }
 

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/stages/geometry.h"
 #include "measurement/imaging/converter_steps.h"
+#include "measurement/imaging/lens_like.h"
 #include "measurement/kinds/frames/frames.h"
 
 namespace seam::measurement {
@@ -28,6 +30,19 @@ std::vector<double> beside_neutral(const EffectDefinition& effect) {
 // Of the noise's variance.
 constexpr double kLittleLeft = 1.02;
 
+// The angle between the axis and the farthest corner of the image.
+double corner_angle_rad(const Model& model, int width_px, int height_px) {
+  const effects::Projection projection(model, width_px, height_px);
+  double most = 0;
+  for (const double u : {0, width_px - 1}) {
+    for (const double v : {0, height_px - 1}) {
+      const auto ray = projection.unproject(u, v);
+      if (ray) most = std::max(most, std::atan2(std::hypot(ray->x, ray->y), ray->z));
+    }
+  }
+  return most;
+}
+
 }  // namespace
 
 std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
@@ -42,6 +57,13 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
     for (int bits = std::max(4, fewest_bits(images_, 8)); bits < 8; ++bits)
       choices.push_back({static_cast<double>(bits)});
     return choices;
+  }
+  if (effect.replaces_base == effects::Base::projection) {
+    // Another lens in the place of the model's begins where it maps as that one does.
+    const int width_px = protocol_.width_px(), height_px = protocol_.height_px();
+    const auto like =
+        lens_like(model, effect, width_px, height_px, corner_angle_rad(model, width_px, height_px));
+    return like ? std::vector<std::vector<double>>{*like} : std::vector<std::vector<double>>{};
   }
   const std::vector<double> start = beside_neutral(effect);
   if (effect.spread_only) return {start};

@@ -6,9 +6,9 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/imaging/lens_like.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
-#include "measurement/kinds/points/target/lens_like.h"
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {

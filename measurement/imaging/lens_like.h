@@ -14,4 +14,9 @@ std::optional<std::vector<double>> lens_like(const effects::Model& model,
                                              const effects::EffectDefinition& in, int width_px,
                                              int height_px, double most_rad);
 
+// How far apart, at most, two models' lenses put rays that `a` sees at the image's corners and in
+// the middles of its sides.
+double lens_difference_px(const effects::Model& a, const effects::Model& b, int width_px,
+                          int height_px);
+
 }  // namespace seam::measurement

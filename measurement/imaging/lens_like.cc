@@ -1,4 +1,4 @@
-#include "measurement/kinds/points/target/lens_like.h"
+#include "measurement/imaging/lens_like.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,6 +6,7 @@
 #include <memory>
 #include <numbers>
 
+#include "effects/questions.h"
 #include "effects/stages/geometry.h"
 #include "measurement/numerics/damped_step.h"
 
@@ -105,8 +106,11 @@ std::optional<std::vector<double>> lens_like(const effects::Model& model,
         part.definition->base != effects::Base::projection)
       continue;
     lens.set(part.definition, part.parameters);
-    if (part.definition->replaces_term != in.term) rest.set(part.definition, part.parameters);
+    const bool in_its_place =
+        in.term != effects::Term::none && part.definition->replaces_term == in.term;
+    if (!in_its_place) rest.set(part.definition, part.parameters);
   }
+  effects::remove_replaced(in, rest);
   std::vector<Vec3> directions = directions_within(most_rad);
   // Points of views that are met badly may lie beyond what the lens sees.
   const effects::Projection seen(lens, width_px, height_px);
@@ -116,6 +120,21 @@ std::optional<std::vector<double>> lens_like(const effects::Model& model,
   const auto wanted = images_of(seen, directions);
   if (!wanted) return std::nullopt;
   return nearest_lens(rest, in, width_px, height_px, directions, *wanted);
+}
+
+double lens_difference_px(const effects::Model& a, const effects::Model& b, int width_px,
+                          int height_px) {
+  const effects::Projection before(a, width_px, height_px), after(b, width_px, height_px);
+  double most = 0;
+  for (const double u : {0.0, 0.5, 1.0}) {
+    for (const double v : {0.0, 0.5, 1.0}) {
+      const auto ray = before.unproject(u * (width_px - 1), v * (height_px - 1));
+      if (!ray) continue;
+      const effects::ImagePoint here = before.project(*ray), there = after.project(*ray);
+      if (there.visible) most = std::max(most, std::hypot(there.u - here.u, there.v - here.v));
+    }
+  }
+  return most;
 }
 
 }  // namespace seam::measurement

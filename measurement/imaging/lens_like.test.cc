@@ -1,0 +1,46 @@
+// A lens in the place of another begins where the images are alike.
+#include "measurement/imaging/lens_like.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "effects/registry.h"
+#include "effects/stages/geometry.h"
+
+namespace seam::measurement {
+namespace {
+
+effects::Model with(const std::string& lens, const std::vector<double>& values,
+                    effects::Model model) {
+  std::vector<effects::ParameterValue> set;
+  for (const double value : values) set.push_back({.value = value});
+  model.set(effects::find_effect(lens), std::move(set));
+  return model;
+}
+
+TEST(LensLike, AFisheyeThatMapsAsAPinholeDoes) {
+  const effects::Model plain = with("pinhole", {162, 162.5, 88.5, 71.5}, {});
+  const auto fisheye = effects::find_effect("fisheye");
+  const double corner_rad = std::atan(std::hypot(89.5 / 162, 72.5 / 162.5));
+  const auto values = lens_like(plain, *fisheye, 178, 144, corner_rad);
+  ASSERT_TRUE(values);
+  const effects::Projection found(with("fisheye", *values, plain), 178, 144);
+  const effects::Projection equidistant(with("fisheye", {0, 0, 0, 0}, plain), 178, 144);
+  double untouched_px = 0;
+  for (double angle = 0; angle < corner_rad; angle += 0.05) {
+    for (const double side : {0.3, 2.0, 4.4}) {
+      const Vec3 ray(std::tan(angle) * std::cos(side), std::tan(angle) * std::sin(side), 1);
+      // The pinhole's own equation.
+      const double u = 88.5 + 162 * ray.x, v = 71.5 + 162.5 * ray.y;
+      const effects::ImagePoint there = found.project(ray), before = equidistant.project(ray);
+      EXPECT_NEAR(there.u, u, 0.02) << angle;
+      EXPECT_NEAR(there.v, v, 0.02) << angle;
+      untouched_px = std::max(untouched_px, std::hypot(before.u - u, before.v - v));
+    }
+  }
+  EXPECT_GT(untouched_px, 5);
+}
+
+}  // namespace
+}  // namespace seam::measurement
