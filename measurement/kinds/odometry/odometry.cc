@@ -138,9 +138,13 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
     }
     if (!evaluation.valid) return evaluation;
     const PoseSigmas sigma = pose_sigmas(noise, noise_, run, path);
+    // A filter begins at the first pose, and needs a start only where that is not whole.
+    const bool filtered = noisy || !kept->counted.empty();
     const Start start =
-        *starts_->of(i, key, [&] { return fit_start(run, run.rows.size(), path, sigma); });
-    if (noisy || !kept->counted.empty()) {
+        filtered && is_whole(run, 0)
+            ? Start{.unknowns = 3}
+            : *starts_->of(i, key, [&] { return fit_start(run, run.rows.size(), path, sigma); });
+    if (filtered) {
       filter(walk, run, start, *kept, sigma, evaluation);
     } else {
       take_start(run, start.pose, path, sigma, evaluation);

@@ -107,6 +107,9 @@ class OdometryProblem : public Problem {
   bool takes_part(size_t row, int channel) const {
     return scalar(row, channel) >= 0 && !left_out(scalar(row, channel));
   }
+  bool is_whole(const WalkRun& run, size_t k) const {
+    return takes_part(run.rows[k], 0) && takes_part(run.rows[k], 1) && takes_part(run.rows[k], 2);
+  }
 
   std::vector<WalkRun> runs_;
   std::optional<Memo<Walked>> paths_;        // By run.

@@ -48,11 +48,8 @@ OdometryProblem::Start OdometryProblem::fit_start(const WalkRun& run, size_t row
                                                   const std::vector<effects::WalkState>& path,
                                                   const PoseSigmas& sigma) const {
   Start start;
-  const auto whole = [&](size_t k) {
-    return takes_part(run.rows[k], 0) && takes_part(run.rows[k], 1) && takes_part(run.rows[k], 2);
-  };
   for (size_t k = 0; k < rows; ++k) {
-    if (!whole(k)) continue;
+    if (!is_whole(run, k)) continue;
     start.pose = start_through(run.pose[k], path[k]);
     break;
   }
