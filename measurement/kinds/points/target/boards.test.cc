@@ -9,7 +9,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/add_effects.h"
 #include "measurement/search/compare.h"
 #include "measurement/search/search.h"
 #include "sim_core/base/error.h"
@@ -20,6 +22,7 @@
 namespace seam::measurement {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -192,6 +195,28 @@ TEST(Boards, OneParameterThatDoesIsPreferredToFour) {
     const auto& ties = result.steps[0].indistinguishable_from;
     EXPECT_NE(std::find(ties.begin(), ties.end(), "radial_polynomial"), ties.end()) << seed;
   }
+}
+
+// Of two lenses that exclude each other one is refused by name, and the other comes in its place.
+TEST(Boards, LensesThatExcludeEachOtherAreToldSo) {
+  const auto problem = open_problem(board_views(small("either-lens", 1)));
+  const auto with = [](const std::string& lens) {
+    Model model = free_pinhole(640, 480);
+    model.add_neutral(effects::find_effect(lens));
+    return model;
+  };
+  for (const std::string radial : {"radial_distortion", "radial_polynomial", "rational_lens"}) {
+    try {
+      add_effects(*problem, with("fisheye"), {effects::find_effect(radial)});
+      ADD_FAILURE() << radial;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("'" + radial + "' and 'fisheye' exclude"),
+                                      HasSubstr("take 'fisheye' out of it")));
+    }
+  }
+  const auto added =
+      add_effects(*problem, with("radial_distortion"), {effects::find_effect("fisheye")});
+  EXPECT_EQ(added.replaced, std::vector<std::string>{"radial_distortion"});
 }
 
 TEST(Boards, ViewsOfThreePointsTellNothing) {
