@@ -11,6 +11,7 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/problem/made_problem.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/exchanges.h"
 #include "measurement/study/study.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -258,6 +259,81 @@ TEST(Search, AMeanThatHelpsOnlyBesideASpreadIsFoundWithIt) {
   EXPECT_NEAR(found.find("slope")->values()[0], Shifted::kSlope, 0.06);
   EXPECT_NEAR(found.find("shift")->values()[0], Shifted::kShift, 25);
   EXPECT_NEAR(result.best.assessment.error, 1, 0.05);
+}
+
+// A lens and what stood beside it, the parts of an image being waves along the rows of each group.
+// The right lens with what it needs leaves nothing. The wrong one is off by a wave for which what
+// was added beside it makes up, best where groups are held out.
+class TwoLenses : public MadeProblem {
+ public:
+  static constexpr size_t kGroups = 10, kRows = 40 * kGroups;
+
+  TwoLenses() : MadeProblem(evenly(0, 1, kRows), 1, nullptr) {
+    facts_.groups.clear();
+    for (size_t g = 0; g < kGroups; ++g) facts_.groups.push_back("g" + std::to_string(g));
+    for (size_t i = 0; i < kRows; ++i) facts_.group_of_row[i] = static_cast<int>(i % kGroups);
+    held_ = folds().front();
+    std::vector<double> y;
+    for (size_t i = 0; i < kRows; ++i)
+      y.push_back(image("radial_distortion", i) * 0.1 + image("needed", i) + normal({3, 4}, i));
+    take(std::move(y));
+    prepare(Model());
+  }
+
+  static std::shared_ptr<const EffectDefinition> effect(const std::string& name) {
+    if (auto found = effects::find_effect(name)) return found;
+    return made_effect(name, {{.name = "size", .min = -100, .max = 100, .scale = 1}});
+  }
+
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* = nullptr) const override {
+    Evaluation out;
+    out.sigma.assign(kRows, 1);
+    for (size_t i = 0; i < kRows; ++i) {
+      double mean = 0;
+      for (const auto& each : model.effects())
+        mean += each.values()[0] * image(each.definition->name, i);
+      out.residual.push_back(y()[i] - mean);
+    }
+    whiten_diagonal(*this, groups, out);
+    return out;
+  }
+  bool acts(const EffectDefinition& effect) const override {
+    return effect.name == "radial_distortion" || effect.name == "fisheye";
+  }
+
+ private:
+  double image(const std::string& effect, size_t i) const {
+    const bool held = held_[static_cast<size_t>(facts_.group_of_row[i])];
+    const auto wave = [&](int k) {
+      return std::sqrt(2) * std::sin(k * 0.157 * (i / kGroups + 0.5));
+    };
+    if (effect == "radial_distortion") return 30 * wave(1);
+    if (effect == "fisheye") return 30 * wave(1) + (held ? -28 * wave(4) : 30 * wave(3));
+    if (effect == "needed") return 2 * wave(2);
+    return 2 * wave(2) + (held ? 2 * wave(4) : -wave(3));  // "makes_up"
+  }
+
+  Groups held_;
+};
+
+TEST(Exchanges, ALensGoesWithWhatMadeUpForIt) {
+  const TwoLenses problem;
+  Grown grown{.added = {"fisheye", "makes_up"}};
+  for (const std::string& name : grown.added)
+    grown.assessment.model.add_neutral(problem.effect(name));
+  grown.assessment = assess(problem, grown.assessment.model, {{"fisheye", 0}, {"makes_up", 0}});
+  ASSERT_GT(grown.assessment.error, kMisfit);
+  const Exchanges exchanges(problem);
+  // Neither goes alone: held-out groups lose with the other lens, all lose with what it needs.
+  const auto lens = exchanges.with_other(grown, "fisheye", problem.effect("radial_distortion"));
+  ASSERT_TRUE(lens);
+  EXPECT_GT(lens->assessment.total_ll, grown.assessment.total_ll);
+  EXPECT_LT(lens->assessment.held_ll(), grown.assessment.held_ll());
+  const auto better = exchanges.better(grown, {"needed"}, TwoLenses::effect);
+  ASSERT_TRUE(better);
+  EXPECT_EQ(better->added, (std::vector<std::string>{"radial_distortion", "needed"}));
+  EXPECT_NEAR(better->assessment.error, 1, 0.1);
 }
 
 }  // namespace
