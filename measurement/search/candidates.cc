@@ -41,7 +41,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
                                         const std::vector<Unknown>& others,
                                         const EffectDefinition& effect, const Groups& groups,
                                         const Evaluation* near, std::vector<NotTestable>& reasons,
-                                        double& expected_ll) {
+                                        Expected& expected) {
   std::vector<size_t> open;
   for (size_t i = 0; i < effect.parameters.size(); ++i) {
     if (effect.parameters[i].integer || effect.parameters[i].stated) continue;
@@ -61,7 +61,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   // What is left of each column is its leverage.
   std::vector<size_t> testable;
   Span span;
-  double gain = 0;
+  double gain = 0, gain_of_rest = 0;
   for (size_t k = 0; k < unknowns.size(); ++k) {
     std::vector<double>& column = columns[k];
     const double before = span.take_out_of(column);
@@ -85,10 +85,14 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     }
     const double along = dot(column, here.whitened) / after;
     gain += 0.5 * along * along;
+    if (!candidate) gain_of_rest = gain;
     span.add(column);
     if (candidate) testable.push_back(parameter);
   }
-  if (problem.is_smooth(model)) expected_ll = score_of(problem, here).log_likelihood + gain;
+  if (problem.is_smooth(model)) {
+    const double now = score_of(problem, here).log_likelihood;
+    expected = {now + gain, now + gain_of_rest};
+  }
   return testable;
 }
 
@@ -288,19 +292,20 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
       few ? std::optional(few->groups) : problem.screening_groups();
   const Groups groups = screening.value_or(problem.all_groups());
   const Problem& shown = few ? *few->problem : problem;
-  double expected = prospect.expected_ll;
+  Expected expected;
   prospect.free =
       testable_parameters(shown, probe, others, *effect, groups, near, reasons, expected);
   if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
-  if (screening && std::isfinite(expected)) {
+  if (screening && std::isfinite(expected.all)) {
     // All groups are expected to gain as these do.
     const Score before = shown.score(base.assessment.model, groups);
     const double share = static_cast<double>(before.n) / static_cast<double>(count_used(problem));
-    expected = base.assessment.total_ll + (expected - before.log_likelihood) / share;
+    for (double* ll : {&expected.all, &expected.rest})
+      *ll = base.assessment.total_ll + (*ll - before.log_likelihood) / share;
   }
   // More starts (a phase's quarters): several valleys, of which the first says little.
   if (prospect.starts.size() <= kMostStartsOfOneValley && !has_counts(*effect))
-    prospect.expected_ll = expected;
+    prospect.expected = expected;
   return prospect;
 }
 

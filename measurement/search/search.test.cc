@@ -261,21 +261,24 @@ TEST(Search, AMeanThatHelpsOnlyBesideASpreadIsFoundWithIt) {
   EXPECT_NEAR(result.best.assessment.error, 1, 0.05);
 }
 
-// A lens and what stood beside it, the parts of an image being waves along the rows of each group.
-// The right lens with what it needs leaves nothing. The wrong one is off by a wave for which what
-// was added beside it makes up, best where groups are held out.
-class TwoLenses : public MadeProblem {
+// Effects whose images are waves along the rows of each group, at unit noise. The right lens with
+// what it needs leaves nothing. The wrong one is off by a wave for which what was added beside it
+// makes up, best where groups are held out.
+class Waves : public MadeProblem {
  public:
   static constexpr size_t kGroups = 10, kRows = 40 * kGroups;
+  using Values = std::vector<std::pair<std::string, double>>;
 
-  TwoLenses() : MadeProblem(evenly(0, 1, kRows), 1, nullptr) {
+  explicit Waves(const Values& truth) : MadeProblem(evenly(0, 1, kRows), 1, nullptr) {
     facts_.groups.clear();
     for (size_t g = 0; g < kGroups; ++g) facts_.groups.push_back("g" + std::to_string(g));
     for (size_t i = 0; i < kRows; ++i) facts_.group_of_row[i] = static_cast<int>(i % kGroups);
     held_ = folds().front();
     std::vector<double> y;
-    for (size_t i = 0; i < kRows; ++i)
-      y.push_back(image("radial_distortion", i) * 0.1 + image("needed", i) + normal({3, 4}, i));
+    for (size_t i = 0; i < kRows; ++i) {
+      y.push_back(normal({3, 4}, i));
+      for (const auto& [name, value] : truth) y.back() += value * image(name, i);
+    }
     take(std::move(y));
     prepare(Model());
   }
@@ -283,6 +286,18 @@ class TwoLenses : public MadeProblem {
   static std::shared_ptr<const EffectDefinition> effect(const std::string& name) {
     if (auto found = effects::find_effect(name)) return found;
     return made_effect(name, {{.name = "size", .min = -100, .max = 100, .scale = 1}});
+  }
+  // A model of these, fitted, `given` not by a search.
+  Grown fitted(const std::vector<std::string>& names, const std::string& given = "") const {
+    Grown grown;
+    std::vector<Unknown> unknowns;
+    for (const std::string& name : names) {
+      if (name != given) grown.added.push_back(name);
+      grown.assessment.model.add_neutral(effect(name));
+      unknowns.push_back({name, 0});
+    }
+    grown.assessment = assess(*this, grown.assessment.model, unknowns);
+    return grown;
   }
 
   Evaluation evaluate(const Model& model, const Groups& groups,
@@ -301,39 +316,69 @@ class TwoLenses : public MadeProblem {
   bool acts(const EffectDefinition& effect) const override {
     return effect.name == "radial_distortion" || effect.name == "fisheye";
   }
+  bool is_smooth(const Model&) const override { return true; }
 
  private:
   double image(const std::string& effect, size_t i) const {
     const bool held = held_[static_cast<size_t>(facts_.group_of_row[i])];
     const auto wave = [&](int k) {
-      return std::sqrt(2) * std::sin(k * 0.157 * (i / kGroups + 0.5));
+      return std::sqrt(2) * std::sin(k * 0.157 * (static_cast<double>(i / kGroups) + 0.5));
     };
-    if (effect == "radial_distortion") return 30 * wave(1);
+    if (effect.starts_with("radial_distortion")) return 30 * wave(1);
     if (effect == "fisheye") return 30 * wave(1) + (held ? -28 * wave(4) : 30 * wave(3));
+    if (effect == "makes_up") return 2 * wave(2) + (held ? 2 * wave(4) : -wave(3));
     if (effect == "needed") return 2 * wave(2);
-    return 2 * wave(2) + (held ? 2 * wave(4) : -wave(3));  // "makes_up"
+    if (effect == "much_and_some") return 300 * wave(1) + 100 * wave(3);
+    if (effect == "much") return 300 * wave(1);
+    if (effect == "some") return 100 * wave(3) + 50 * wave(4);
+    return wave(5);
   }
 
   Groups held_;
 };
 
+const Waves::Values kRightLens = {{"radial_distortion", 0.1}, {"needed", 1}};
+
 TEST(Exchanges, ALensGoesWithWhatMadeUpForIt) {
-  const TwoLenses problem;
-  Grown grown{.added = {"fisheye", "makes_up"}};
-  for (const std::string& name : grown.added)
-    grown.assessment.model.add_neutral(problem.effect(name));
-  grown.assessment = assess(problem, grown.assessment.model, {{"fisheye", 0}, {"makes_up", 0}});
+  const Waves problem(kRightLens);
+  const Grown grown = problem.fitted({"fisheye", "makes_up"});
   ASSERT_GT(grown.assessment.error, kMisfit);
   const Exchanges exchanges(problem);
-  // Neither goes alone: held-out groups lose with the other lens, all lose with what it needs.
-  const auto lens = exchanges.with_other(grown, "fisheye", problem.effect("radial_distortion"));
+  // It does not go alone: all groups gain with the other lens, and those held out lose.
+  const auto lens = exchanges.with_other(grown, "fisheye", Waves::effect("radial_distortion"));
   ASSERT_TRUE(lens);
   EXPECT_GT(lens->assessment.total_ll, grown.assessment.total_ll);
   EXPECT_LT(lens->assessment.held_ll(), grown.assessment.held_ll());
-  const auto better = exchanges.better(grown, {"needed"}, TwoLenses::effect);
+  const auto better = exchanges.better(grown, {"needed"}, Waves::effect);
   ASSERT_TRUE(better);
   EXPECT_EQ(better->added, (std::vector<std::string>{"radial_distortion", "needed"}));
   EXPECT_NEAR(better->assessment.error, 1, 0.1);
+}
+
+// Each would be fitted in full, and come to nothing.
+TEST(Exchanges, WhatIsNoExchangeOfTwoIsNotFitted) {
+  const Waves problem(kRightLens);
+  const Exchanges exchanges(problem);
+  const auto in_the_place_of = [&](const Grown& grown, const std::string& out,
+                                   const std::string& in) {
+    return exchanges.with_other(grown, out, Waves::effect(in)).has_value();
+  };
+  const Grown right = problem.fitted({"radial_distortion", "needed"});
+  EXPECT_TRUE(in_the_place_of(right, "needed", "makes_up"));
+  EXPECT_FALSE(in_the_place_of(right, "needed", "fisheye"));  // It pushes out the lens, too.
+  const Grown left = problem.fitted({"radial_distortion@left", "needed"});
+  EXPECT_TRUE(in_the_place_of(left, "radial_distortion@left", "radial_distortion"));
+  EXPECT_FALSE(in_the_place_of(left, "radial_distortion@left", "radial_distortion@right"));
+}
+
+// Where much of what is lost comes back without it, a step that gains nothing of its own seems to
+// make up for most.
+TEST(Exchanges, WhatAllElseMakesUpForIsNotItsOwn) {
+  const Waves problem({{"much_and_some", 0.1}});
+  const Grown grown = problem.fitted({"much", "much_and_some"}, /*given=*/"much");
+  const Exchanges exchanges(problem);
+  EXPECT_FALSE(exchanges.with_other(grown, "much_and_some", Waves::effect("nothing")));
+  EXPECT_TRUE(exchanges.with_other(grown, "much_and_some", Waves::effect("some")));
 }
 
 }  // namespace
