@@ -53,6 +53,14 @@ Pixel quotient(double x, double y, double z) {
   return {kFocal_px * a * bent + kCx_px, kFocal_px * b * bent + kCy_px};
 }
 
+// The same, decentred: far from the axis that moves points by tens of pixels.
+Pixel decentred(double x, double y, double z) {
+  const double a = x / z, b = y / z, p1 = 0.004, p2 = -0.003;
+  const Pixel plain = quotient(x, y, z);
+  return {plain.u_px + kFocal_px * (2 * p1 * a * b + p2 * (3 * a * a + b * b)),
+          plain.v_px + kFocal_px * (p1 * (a * a + 3 * b * b) + 2 * p2 * a * b)};
+}
+
 struct BoardViews {
   std::string name;
   Pixel (*lens)(double x, double y, double z) = fisheye;
@@ -158,6 +166,13 @@ TEST(Boards, ARationalLensTakesThePlaceOfTheFisheye) {
   EXPECT_EQ(result.steps[0].effect, "rational_lens");
   EXPECT_LT(result.best.assessment.error, 1.1);
   EXPECT_NEAR(result.best.assessment.model.find("pinhole")->value("cx_px"), kCx_px, 2);
+}
+
+// What the fitted camera leaves is the same in each view, wherever the board is.
+TEST(Boards, WhatACameraOfAnotherFamilyLeavesIsNoNoise) {
+  const auto problem = open_problem(board_views({.name = "decentred-board", .lens = decentred}));
+  for (const Channel& channel : problem->facts().channels)
+    EXPECT_NEAR(channel.noise, kNoise_px, 0.1 * kNoise_px) << channel.name;
 }
 
 // Near its far edge the image of a board that goes away from a wide lens bends by more than a third
