@@ -208,24 +208,26 @@ std::string conflict_in(const Model& model) {
       return fmt::format("effect '{}' acts in a model with '{}', expected one", definition.name,
                          base);
     }
-    for (const ModelEffect& other : model.effects()) {
-      const Term term = other.definition->term;
-      if (term == Term::none || definition.replaces_term != term) continue;
-      if (!meet(definition.name, other.definition->name, model)) continue;
+    if (const ModelEffect* other = excluding(definition, model)) {
       return fmt::format("effect '{}' has no place beside '{}', which replaces it: expected one",
-                         other.definition->name, definition.name);
+                         definition.name, other->definition->name);
     }
   }
   return "";
 }
 
+const ModelEffect* excluding(const EffectDefinition& effect, const Model& model) {
+  if (effect.term == Term::none) return nullptr;
+  const auto found =
+      std::find_if(model.effects().begin(), model.effects().end(), [&](const ModelEffect& other) {
+        return other.definition->replaces_term == effect.term &&
+               meet(effect.name, other.definition->name, model);
+      });
+  return found == model.effects().end() ? nullptr : &*found;
+}
+
 bool is_excluded(const EffectDefinition& effect, const Model& model) {
-  if (!missing_base(effect, model).empty()) return true;
-  return effect.term != Term::none &&
-         std::any_of(model.effects().begin(), model.effects().end(), [&](const ModelEffect& other) {
-           return other.definition->replaces_term == effect.term &&
-                  meet(effect.name, other.definition->name, model);
-         });
+  return !missing_base(effect, model).empty() || excluding(effect, model) != nullptr;
 }
 
 std::vector<std::shared_ptr<const EffectDefinition>> companions_of(const EffectDefinition& effect,

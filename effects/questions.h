@@ -49,6 +49,9 @@ std::string conflict_in(const Model& model);
 
 // The effect that stands in the model beside what it should replace; null where none does.
 const ModelEffect* replacement_in(const Model& model);
+// The effect that stands in the model in the place of whatever is a form of `effect`'s term; null
+// where none does.
+const ModelEffect* excluding(const EffectDefinition& effect, const Model& model);
 // Whether `effect` has no place beside what the model holds already.
 bool is_excluded(const EffectDefinition& effect, const Model& model);
 // The effects that the search offers together with this one: those of its companions that the model

@@ -62,5 +62,18 @@ TEST(Outliers, AMisfitThatDriftsHasNone) {
   }
 }
 
+// What was kept of predictions stays where marks do.
+TEST(Outliers, MarksThatStandAreNoNewOnes) {
+  Constant problem;
+  std::vector<char> marks(kRows, 0);
+  marks[3] = 1;
+  problem.leave_out(marks);
+  const int64_t times = problem.times_marked();
+  problem.leave_out(marks);
+  EXPECT_EQ(problem.times_marked(), times);
+  problem.leave_out({});
+  EXPECT_NE(problem.times_marked(), times);
+}
+
 }  // namespace
 }  // namespace seam::measurement

@@ -168,6 +168,8 @@ Score Problem::score(const Model& model, const Groups& groups) const {
 }
 
 void Problem::leave_out(std::vector<char> outliers) {
+  // Marks that stand leave what was kept under them.
+  if (outliers == left_out_) return;
   left_out_ = std::move(outliers);
   ++times_marked_;
   if (!beginnings_.problem) return;

@@ -315,6 +315,7 @@ std::string add_json(const Problem& problem, const AddResult& result, const std:
   }
   ordered_json json = {{"format", format},
                        {"effect", result.effect},
+                       {"replaced", result.replaced},
                        {"parameters", parameters},
                        {"error_before", finite_or_null<ordered_json>(result.error_before)},
                        {"error_after", finite_or_null<ordered_json>(result.error_after)},

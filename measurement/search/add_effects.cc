@@ -21,6 +21,34 @@ effects::HistoryStep history_step(const Problem& problem, const AddResult& resul
           .error_after = result.error_after};
 }
 
+// Refuses an effect that can stand in no model like this, whatever the data say.
+void check_place(const Problem& problem, const effects::EffectDefinition& effect,
+                 const Model& model) {
+  if (!problem.acts(effect)) {
+    throw InputError(fmt::format("effect '{}' does not act on measurements of kind {}", effect.name,
+                                 problem.facts().kind()));
+  }
+  if (const std::string base = effects::missing_base(effect, model); !base.empty()) {
+    throw InputError(
+        fmt::format("effect '{}' acts in a model with '{}', expected one", effect.name, base));
+  }
+  if (const effects::ModelEffect* other = effects::excluding(effect, model)) {
+    const std::string& name = other->definition->name;
+    throw InputError(
+        fmt::format("effects '{0}' and '{1}' exclude each other, and the model has '{1}': take "
+                    "'{1}' out of it, "
+                    "and add '{0}', or let `seam discover` choose between them",
+                    effect.name, name));
+  }
+}
+
+std::vector<std::string> names_of(const Model& model) {
+  std::vector<std::string> names;
+  for (const effects::ModelEffect& effect : model.effects())
+    names.push_back(effect.definition->name);
+  return names;
+}
+
 }  // namespace
 
 NamedValues parameters_of(const Assessment& assessment, const std::string& effect) {
@@ -40,15 +68,7 @@ AddResult add_effects(Problem& problem, const Model& model, const EffectList& ef
   Grown grown = before.base;
   AddResult result{.error_before = before.base.assessment.error};
   for (const auto& effect : effects) {
-    if (!problem.acts(*effect)) {
-      throw InputError(fmt::format("effect '{}' does not act on measurements of kind {}",
-                                   effect->name, problem.facts().kind()));
-    }
-    if (const std::string base = effects::missing_base(*effect, grown.assessment.model);
-        !base.empty()) {
-      throw InputError(
-          fmt::format("effect '{}' acts in a model with '{}', expected one", effect->name, base));
-    }
+    check_place(problem, *effect, grown.assessment.model);
     grown.assessment.model.remove(effect->name);
     std::erase_if(grown.assessment.unknowns,
                   [&](const Unknown& u) { return u.effect == effect->name; });
@@ -76,6 +96,9 @@ AddResult add_effects(Problem& problem, const Model& model, const EffectList& ef
     result.effect += (result.effect.empty() ? "" : ", ") + effect->name;
     for (auto& parameter : parameters_of(grown.assessment, effect->name))
       result.parameters.push_back(std::move(parameter));
+  }
+  for (const std::string& name : names_of(model)) {
+    if (!result.model.has(name)) result.replaced.push_back(name);
   }
   result.model.append_history(history_step(problem, result));
   return result;

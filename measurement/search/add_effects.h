@@ -17,6 +17,7 @@ NamedValues parameters_of(const Assessment& assessment, const std::string& effec
 struct AddResult {
   Model model;  // With sigmas and history, ready to be written.
   std::string effect;
+  std::vector<std::string> replaced;  // Effects of the model that have no place beside it.
   NamedValues parameters;
   double error_before = 0;
   double error_after = 0;
@@ -24,7 +25,7 @@ struct AddResult {
 };
 
 // Fits and adds effects, all at once (a file may hold several). Throws InputError where one of
-// them cannot be tested with these data.
+// them cannot be tested with these data, or excludes what the model has.
 AddResult add_effects(Problem& problem, const Model& model, const EffectList& effects);
 // Refits every parameter of the model but counts and bits, and those that the data do not tell
 // beside the others (told_apart.h), which stay as they are and are named.

@@ -233,15 +233,16 @@ std::optional<Prospect> prospect_of(const Problem& problem, const Grown& base,
   LinearStep step;
   prospect.free = testable_parameters(shown, probe, others, *effect, groups, near, reasons, step);
   if (prospect.free.empty() && !has_counts(*effect)) return std::nullopt;
-  if (screening && std::isfinite(step.ll)) {
+  if (screening && std::isfinite(step.expected.all)) {
     // All groups are expected to gain as these do.
     const Score before = shown.score(model, groups);
     const double share = static_cast<double>(before.n) / static_cast<double>(count_used(problem));
-    step.ll = base.assessment.total_ll + (step.ll - before.log_likelihood) / share;
+    for (double* ll : {&step.expected.all, &step.expected.rest})
+      *ll = base.assessment.total_ll + (*ll - before.log_likelihood) / share;
   }
   // More starts (a phase's quarters): several valleys, of which the first says little.
   if (prospect.starts.size() > kMostStartsOfOneValley || has_counts(*effect)) return prospect;
-  prospect.expected_ll = step.ll;
+  prospect.expected = step.expected;
   // Steps are short where a model misses little: where one ends, a fit does.
   if (base.assessment.error < kMisfit && prospect.companions.empty())
     prospect.end_of_step = std::move(step.to);

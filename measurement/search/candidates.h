@@ -35,15 +35,20 @@ EffectList absent_effects(const Problem& problem, const Model& model, const Effe
 // Whether some effect of the model draws numbers that are estimated with it.
 bool has_draws(const Model& model);
 
+// Total log-likelihoods after one step of Gauss and Newton in all unknowns (the score test), and in
+// those of the rest alone; infinite where such a step says nothing: spreads, counts, servos,
+// replacements.
+struct Expected {
+  double all = std::numeric_limits<double>::infinity(), rest = all;
+};
+
 // What one linearisation says of an effect beside a model, before anything is fitted.
 struct Prospect {
   std::shared_ptr<const EffectDefinition> effect;
   EffectList companions;                    // Fitted with it.
   std::vector<std::vector<double>> starts;  // Of its parameters, then of its companions'.
   std::vector<size_t> free;                 // Its parameters that the data can see.
-  // Total log-likelihood after one step of Gauss and Newton in all unknowns (the score test);
-  // infinite where such a step says nothing: spreads, counts, servos, replacements.
-  double expected_ll = std::numeric_limits<double>::infinity();
+  Expected expected;
   // Where that step ends, if a fit can be expected to end about there.
   std::optional<Model> end_of_step;
   std::optional<FewRows> few;  // Looked at, and to be fitted, on these rows alone.

@@ -151,6 +151,10 @@ inline constexpr double kAnyPrice = 0.5 * kCannotGo * kCannotGo;
 // is lost, and but for these units: fits reach further than the step says. A judgement.
 inline constexpr double kReplacementShortfall = 0.4;
 inline constexpr double kReplacementSlack = 20;
+// Nor where the step makes up for less than this share of what all else, stepping too, leaves:
+// where a lens leaves, the others make up for most of what is lost, whatever comes. A judgement:
+// lenses that were ties in the end had shares of a fifth and more.
+inline constexpr double kReplacementOwn = 0.05;
 // The model with its steps in order is kept in the place of the one that the search ended with
 // unless it lost more than this in units, which is what two fits of one model differ by.
 inline constexpr double kSameFit = 0.5;

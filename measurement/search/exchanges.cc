@@ -20,6 +20,20 @@ bool may_take_the_place(const EffectDefinition& in, const EffectDefinition& leav
          (in.term != effects::Term::none && in.term == leaving.replaces_term);
 }
 
+// Whether the exchange is another than the one of these two: an effect that pushes out more of what
+// was added does less than the same in the place of what it pushes out, and a lens of one camera
+// says nothing of another's.
+bool is_another(const EffectDefinition& in, const EffectDefinition& leaving, const Grown& smaller) {
+  if (is_lens(in) && is_lens(leaving)) {
+    const std::string of_in = effects::camera_of(in.name), of_it = effects::camera_of(leaving.name);
+    return !of_in.empty() && !of_it.empty() && of_in != of_it;
+  }
+  Model rest = smaller.assessment.model;
+  effects::remove_replaced(in, rest);
+  return std::any_of(smaller.added.begin(), smaller.added.end(),
+                     [&](const std::string& name) { return !rest.has(name); });
+}
+
 // Whether the exchange is no tie, and far from better, as few groups tell.
 bool is_far_behind(const Problem& problem, const Grown& grown, const Grown& smaller,
                    const std::shared_ptr<const EffectDefinition>& in) {
@@ -55,11 +69,12 @@ std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const
   if (is_far_behind(problem, grown, smaller, in)) return std::nullopt;
   const auto prospect = prospect_of(problem, smaller, in, reasons, /*alone=*/true, near);
   if (!prospect) return std::nullopt;
-  if (std::isfinite(prospect->expected_ll)) {
-    const double lost = grown.assessment.total_ll - score.log_likelihood;
-    if (score.valid && prospect->expected_ll < grown.assessment.total_ll -
-                                                   kReplacementShortfall * lost - kReplacementSlack)
+  if (const auto& [with, rest] = prospect->expected; std::isfinite(with)) {
+    const double here = grown.assessment.total_ll;
+    const double lost = here - score.log_likelihood;
+    if (score.valid && with < here - kReplacementShortfall * lost - kReplacementSlack)
       return std::nullopt;
+    if (with < rest + kReplacementOwn * (here - rest) - kReplacementSlack) return std::nullopt;
   }
   auto candidate = fit_prospect(problem, smaller, *prospect, reasons);
   if (!candidate) return std::nullopt;
@@ -196,9 +211,11 @@ Exchanges::Without Exchanges::without_it(const Grown& grown, const std::string& 
 std::optional<Grown> Exchanges::with_other(
     const Grown& grown, const std::string& out,
     const std::shared_ptr<const EffectDefinition>& in) const {
-  if (!may_take_the_place(*in, *grown.assessment.model.find(out)->definition)) return std::nullopt;
-  const bool like = stands_for(*grown.assessment.model.find(out)->definition, *in) &&
-                    effects::camera_of(in->name) == effects::camera_of(out);
+  const EffectDefinition& leaving = *grown.assessment.model.find(out)->definition;
+  if (!may_take_the_place(*in, leaving) || is_another(*in, leaving, without(grown, out)))
+    return std::nullopt;
+  const bool like =
+      stands_for(leaving, *in) && effects::camera_of(in->name) == effects::camera_of(out);
   if (!has_place(*in, without(grown, out).assessment.model)) return std::nullopt;
   return *tried_.of(0, key_of(problem_, grown, {out, in->name + "\n" + in->source}), [&] {
     if (like) return from_its_like(problem_, grown, without(grown, out), in);

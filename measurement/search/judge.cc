@@ -131,10 +131,11 @@ size_t fitted_parameters(const Grown& grown) {
   return count;
 }
 
+bool is_lens(const EffectDefinition& effect) {
+  return effect.term == effects::Term::radial || effect.replaces_term == effects::Term::radial;
+}
+
 bool are_lenses(const EffectDefinition& one, const EffectDefinition& other) {
-  const auto is_lens = [](const EffectDefinition& effect) {
-    return effect.term == effects::Term::radial || effect.replaces_term == effects::Term::radial;
-  };
   return is_lens(one) && is_lens(other) &&
          effects::camera_of(one.name) == effects::camera_of(other.name);
 }

@@ -75,7 +75,8 @@ void rank_candidates(std::vector<Candidate>& candidates);
 // Those that are significant but not material.
 std::vector<Candidate> traces_of(const std::vector<Candidate>& candidates);
 
-// Whether both say how the distance from the axis is bent, of the same camera.
+// Whether it says how the distance from the axis is bent; whether both do, of the same camera.
+bool is_lens(const EffectDefinition& effect);
 bool are_lenses(const EffectDefinition& one, const EffectDefinition& other);
 
 // The log-likelihood below which two explanations count as equally good.

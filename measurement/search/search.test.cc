@@ -11,6 +11,7 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/problem/made_problem.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/exchanges.h"
 #include "measurement/study/study.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -258,70 +259,122 @@ TEST(Search, AMeanThatHelpsOnlyBesideASpreadIsFoundWithIt) {
   EXPECT_NEAR(result.best.assessment.error, 1, 0.05);
 }
 
-// y = x by one of two effects, a straight one and one that is bent by up to a fifth, where
-// predictions are exact to `accuracy`.
-class StraightOrBent : public MadeProblem {
+// Effects whose images are waves along the rows of each group, at unit noise. The right lens with
+// what it needs leaves nothing. The wrong one is off by a wave for which what was added beside it
+// makes up, best where groups are held out.
+class Waves : public MadeProblem {
  public:
-  explicit StraightOrBent(double accuracy)
-      : MadeProblem(evenly(-1, 1, 2000), 0.5,
-                    [](const std::vector<double>&, double) { return 0.0; }),
-        accuracy_(accuracy) {
-    deal_into(20);
+  static constexpr size_t kGroups = 10, kRows = 40 * kGroups;
+  using Values = std::vector<std::pair<std::string, double>>;
+
+  explicit Waves(const Values& truth) : MadeProblem(evenly(0, 1, kRows), 1, nullptr) {
+    deal_into(kGroups);
+    held_ = folds().front();
     std::vector<double> y;
-    for (size_t i = 0; i < x().size(); ++i) y.push_back(x()[i] + 0.5 * normal({3, 1}, i));
+    for (size_t i = 0; i < kRows; ++i) {
+      y.push_back(normal({3, 4}, i));
+      for (const auto& [name, value] : truth) y.back() += value * image(name, i);
+    }
     take(std::move(y));
-    prepare(flat());
+    prepare(Model());
   }
-  static Model flat() {
-    return made_model(made_effect("none", {{.name = "none", .min = -1, .max = 1}}), {0});
+
+  static std::shared_ptr<const EffectDefinition> effect(const std::string& name) {
+    if (auto found = effects::find_effect(name)) return found;
+    return made_effect(name, {{.name = "size", .min = -100, .max = 100, .scale = 1}});
   }
-  static EffectList effects() {
-    const effects::Parameter size{.name = "size", .min = -100, .max = 100, .scale = 1};
-    return {made_effect("straight", {size}), made_effect("bent", {size})};
+  // A model of these, fitted, `given` not by a search.
+  Grown fitted(const std::vector<std::string>& names, const std::string& given = "") const {
+    Grown grown;
+    std::vector<Unknown> unknowns;
+    for (const std::string& name : names) {
+      if (name != given) grown.added.push_back(name);
+      grown.assessment.model.add_neutral(effect(name));
+      unknowns.push_back({name, 0});
+    }
+    grown.assessment = assess(*this, grown.assessment.model, unknowns);
+    return grown;
   }
+
   Evaluation evaluate(const Model& model, const Groups& groups,
                       const Evaluation* = nullptr) const override {
     Evaluation out;
-    out.sigma.assign(x().size(), 0.5);
-    for (size_t i = 0; i < x().size(); ++i) {
-      const double at = x()[i];
-      const auto by = [&](const char* name, double shape) {
-        return model.has(name) ? model.find(name)->values()[0] * shape : 0.0;
-      };
-      out.residual.push_back(y()[i] - by("straight", at) - by("bent", at * (1 + 0.2 * at)));
+    out.sigma.assign(kRows, 1);
+    for (size_t i = 0; i < kRows; ++i) {
+      double mean = 0;
+      for (const auto& each : model.effects())
+        mean += each.values()[0] * image(each.definition->name, i);
+      out.residual.push_back(y()[i] - mean);
     }
     whiten_diagonal(*this, groups, out);
     return out;
   }
-  bool is_visible(const Model& a, const Model& b) const override {
-    const Evaluation here = evaluate(a, all_groups()), there = evaluate(b, all_groups());
-    double most = 0;
-    for (size_t i = 0; i < x().size(); ++i)
-      most = std::max(most, std::abs(here.residual[i] - there.residual[i]));
-    return most > accuracy_;
-  }
   bool acts(const EffectDefinition& effect) const override {
-    return effect.name == "straight" || effect.name == "bent";
+    return effect.name == "radial_distortion" || effect.name == "fisheye";
   }
-  std::vector<std::vector<double>> starts(const Model&, const EffectDefinition&) const override {
-    return {{0.1}};
-  }
+  bool is_smooth(const Model&) const override { return true; }
 
  private:
-  double accuracy_;
+  double image(const std::string& effect, size_t i) const {
+    const bool held = held_[static_cast<size_t>(facts_.group_of_row[i])];
+    const auto wave = [&](int k) {
+      return std::sqrt(2) * std::sin(k * 0.157 * (static_cast<double>(i / kGroups) + 0.5));
+    };
+    if (effect.starts_with("radial_distortion")) return 30 * wave(1);
+    if (effect == "fisheye") return 30 * wave(1) + (held ? -28 * wave(4) : 30 * wave(3));
+    if (effect == "makes_up") return 2 * wave(2) + (held ? 2 * wave(4) : -wave(3));
+    if (effect == "needed") return 2 * wave(2);
+    if (effect == "much_and_some") return 300 * wave(1) + 100 * wave(3);
+    if (effect == "much") return 300 * wave(1);
+    if (effect == "some") return 100 * wave(3) + 50 * wave(4);
+    return wave(5);
+  }
+
+  Groups held_;
 };
 
-// However much likelier one of them is.
-TEST(Search, EffectsThatPredictTheSameAsFarAsPredictionsAreExactAreTied) {
-  for (const double accuracy : {0.1, 0.3}) {
-    StraightOrBent problem(accuracy);
-    const SearchResult result = search(problem, StraightOrBent::flat(), StraightOrBent::effects(),
-                                       [](const std::string&) {});
-    ASSERT_EQ(result.steps.size(), 1u);
-    EXPECT_EQ(result.steps[0].effect, "straight");
-    EXPECT_EQ(result.steps[0].indistinguishable_from,
-              accuracy > 0.2 ? std::vector<std::string>{"bent"} : std::vector<std::string>{});
-  }
+const Waves::Values kRightLens = {{"radial_distortion", 0.1}, {"needed", 1}};
+
+TEST(Exchanges, ALensGoesWithWhatMadeUpForIt) {
+  const Waves problem(kRightLens);
+  const Grown grown = problem.fitted({"fisheye", "makes_up"});
+  ASSERT_GT(grown.assessment.error, kMisfit);
+  const Exchanges exchanges(problem);
+  // It does not go alone: all groups gain with the other lens, and those held out lose.
+  const auto lens = exchanges.with_other(grown, "fisheye", Waves::effect("radial_distortion"));
+  ASSERT_TRUE(lens);
+  EXPECT_GT(lens->assessment.total_ll, grown.assessment.total_ll);
+  EXPECT_LT(lens->assessment.held_ll(), grown.assessment.held_ll());
+  const auto better = exchanges.better(grown, {"needed"}, Waves::effect);
+  ASSERT_TRUE(better);
+  EXPECT_EQ(better->added, (std::vector<std::string>{"radial_distortion", "needed"}));
+  EXPECT_NEAR(better->assessment.error, 1, 0.1);
+}
+
+// Each would be fitted in full, and come to nothing.
+TEST(Exchanges, WhatIsNoExchangeOfTwoIsNotFitted) {
+  const Waves problem(kRightLens);
+  const Exchanges exchanges(problem);
+  const auto in_the_place_of = [&](const Grown& grown, const std::string& out,
+                                   const std::string& in) {
+    return exchanges.with_other(grown, out, Waves::effect(in)).has_value();
+  };
+  const Grown right = problem.fitted({"radial_distortion", "needed"});
+  EXPECT_TRUE(in_the_place_of(right, "needed", "makes_up"));
+  EXPECT_FALSE(in_the_place_of(right, "needed", "fisheye"));  // It pushes out the lens, too.
+  const Grown left = problem.fitted({"radial_distortion@left", "needed"});
+  EXPECT_TRUE(in_the_place_of(left, "radial_distortion@left", "radial_distortion"));
+  EXPECT_FALSE(in_the_place_of(left, "radial_distortion@left", "radial_distortion@right"));
+}
+
+// Where much of what is lost comes back without it, a step that gains nothing of its own seems to
+// make up for most.
+TEST(Exchanges, WhatAllElseMakesUpForIsNotItsOwn) {
+  const Waves problem({{"much_and_some", 0.1}});
+  const Grown grown = problem.fitted({"much", "much_and_some"}, /*given=*/"much");
+  const Exchanges exchanges(problem);
+  EXPECT_FALSE(exchanges.with_other(grown, "much_and_some", Waves::effect("nothing")));
+  EXPECT_TRUE(exchanges.with_other(grown, "much_and_some", Waves::effect("some")));
 }
 
 }  // namespace

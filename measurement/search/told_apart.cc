@@ -108,7 +108,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   // What is left of each column is its leverage.
   std::vector<size_t> testable;
   Span span;
-  double gain = 0;
+  double gain = 0, gain_of_rest = 0;
   std::vector<Unknown> kept;
   std::vector<double> parts;
   for (size_t k = 0; k < unknowns.size(); ++k) {
@@ -134,6 +134,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     }
     const double along = dot(column, here.whitened) / after;
     gain += 0.5 * along * along;
+    if (!candidate) gain_of_rest = gain;
     span.add(column, parts);
     kept.push_back(unknowns[k]);
     if (candidate) testable.push_back(parameter);
@@ -141,8 +142,9 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   if (!problem.is_smooth(model)) return testable;
   const std::vector<double> by = span.steps_to(here.whitened);
   const Eigen::Map<const Eigen::VectorXd> back(by.data(), static_cast<Eigen::Index>(by.size()));
+  const double now = score_of(problem, here).log_likelihood;
   step = {.to = ParameterSpace(model, kept).moved(model, -back),
-          .ll = score_of(problem, here).log_likelihood + gain};
+          .expected = {now + gain, now + gain_of_rest}};
   return testable;
 }
 

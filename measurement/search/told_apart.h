@@ -1,7 +1,6 @@
 // Which parameters of a model the data tell, when all of them are fitted together.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -17,10 +16,10 @@ std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
                                 const std::vector<Unknown>& unknowns,
                                 std::vector<NotTestable>& untold);
 
-// Where one step of Gauss and Newton in all unknowns ends, and its log-likelihood (the score test).
+// Where one step of Gauss and Newton in all unknowns ends.
 struct LinearStep {
   std::optional<Model> to;
-  double ll = std::numeric_limits<double>::infinity();
+  Expected expected;
 };
 
 // Which of the effect's parameters these groups can say anything of, beyond what the `others` that

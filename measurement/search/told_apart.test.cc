@@ -11,6 +11,7 @@
 #include "measurement/problem/made_problem.h"
 #include "measurement/search/add_effects.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/search.h"
 #include "measurement/study/study.h"
 
 namespace seam::measurement {
@@ -92,6 +93,72 @@ TEST(ClearlyNeeded, IsWhatHasASize) {
   EXPECT_FALSE(needed(0.02));
   EXPECT_TRUE(needed(0.2));
   EXPECT_TRUE(needed(-0.2));
+}
+
+// y = x by one of two effects, a straight one and one that is bent by up to a fifth, where
+// predictions are exact to `accuracy`.
+class StraightOrBent : public MadeProblem {
+ public:
+  explicit StraightOrBent(double accuracy)
+      : MadeProblem(evenly(-1, 1, 2000), 0.5,
+                    [](const std::vector<double>&, double) { return 0.0; }),
+        accuracy_(accuracy) {
+    deal_into(20);
+    std::vector<double> y;
+    for (size_t i = 0; i < x().size(); ++i) y.push_back(x()[i] + 0.5 * normal({3, 1}, i));
+    take(std::move(y));
+    prepare(flat());
+  }
+  static Model flat() {
+    return made_model(made_effect("none", {{.name = "none", .min = -1, .max = 1}}), {0});
+  }
+  static EffectList effects() {
+    const effects::Parameter size{.name = "size", .min = -100, .max = 100, .scale = 1};
+    return {made_effect("straight", {size}), made_effect("bent", {size})};
+  }
+  Evaluation evaluate(const Model& model, const Groups& groups,
+                      const Evaluation* = nullptr) const override {
+    Evaluation out;
+    out.sigma.assign(x().size(), 0.5);
+    for (size_t i = 0; i < x().size(); ++i) {
+      const double at = x()[i];
+      const auto by = [&](const char* name, double shape) {
+        return model.has(name) ? model.find(name)->values()[0] * shape : 0.0;
+      };
+      out.residual.push_back(y()[i] - by("straight", at) - by("bent", at * (1 + 0.2 * at)));
+    }
+    whiten_diagonal(*this, groups, out);
+    return out;
+  }
+  bool is_visible(const Model& a, const Model& b) const override {
+    const Evaluation here = evaluate(a, all_groups()), there = evaluate(b, all_groups());
+    double most = 0;
+    for (size_t i = 0; i < x().size(); ++i)
+      most = std::max(most, std::abs(here.residual[i] - there.residual[i]));
+    return most > accuracy_;
+  }
+  bool acts(const EffectDefinition& effect) const override {
+    return effect.name == "straight" || effect.name == "bent";
+  }
+  std::vector<std::vector<double>> starts(const Model&, const EffectDefinition&) const override {
+    return {{0.1}};
+  }
+
+ private:
+  double accuracy_;
+};
+
+// However much likelier one of them is.
+TEST(ToldApart, EffectsThatPredictTheSameAsFarAsPredictionsAreExactAreTied) {
+  for (const double accuracy : {0.1, 0.3}) {
+    StraightOrBent problem(accuracy);
+    const SearchResult result = search(problem, StraightOrBent::flat(), StraightOrBent::effects(),
+                                       [](const std::string&) {});
+    ASSERT_EQ(result.steps.size(), 1u);
+    EXPECT_EQ(result.steps[0].effect, "straight");
+    EXPECT_EQ(result.steps[0].indistinguishable_from,
+              accuracy > 0.2 ? std::vector<std::string>{"bent"} : std::vector<std::string>{});
+  }
 }
 
 }  // namespace

@@ -9,6 +9,8 @@ namespace {
 
 std::string told(const measurement::AddResult& result) {
   std::string text = result.effect.empty() ? "refitted\n" : "added " + result.effect + "\n";
+  for (const std::string& name : result.replaced)
+    text += fmt::format("  in the place of {}\n", name);
   for (const auto& [name, value] : result.parameters) {
     text += fmt::format("  {} = {:.6g}{}\n", name, value.value,
                         value.sigma ? fmt::format(" +- {:.2g}", *value.sigma) : "");

@@ -14,6 +14,16 @@ Eigen::MatrixXd monomials(const std::vector<std::vector<double>>& coordinates, i
 std::vector<double> standardised(std::vector<double> x);
 bool is_constant(const std::vector<double>& x);
 
+// What is smooth in where a point is seen and in how the head moves then, as flexible as half of
+// the points allow.
+Eigen::MatrixXd smooth_columns(const std::vector<std::vector<double>>& direction,
+                               const std::vector<std::vector<double>>& state);
+
+// Monomials of places in an image, of unit length, as many as there are places for.
+Eigen::MatrixXd image_columns(std::vector<std::vector<double>> places, int most_degree);
+// Orthonormal columns for what is more than so much, by length, beside those before it.
+Eigen::MatrixXd basis_above(const Eigen::MatrixXd& columns, double least);
+
 class BoardField {
  public:
   BoardField(const PointsData& data, const std::vector<int>& rows);

@@ -29,6 +29,7 @@ struct View {
   size_t of;  // Among all.
   std::vector<int> rows;
   Eigen::MatrixXd field;        // Orthonormal columns, over the rows' own noise.
+  Eigen::MatrixXd over_image;   // What is smooth in the image, of all views, less the field's part.
   Eigen::VectorXd weight;       // 1 / its spread.
   Eigen::MatrixX3d along[2];    // By channel: of the image by the point's shift, weighted.
   Eigen::VectorXd leverage[2];  // What field and shifts take of each row.
@@ -36,14 +37,14 @@ struct View {
 
 // Displacements are told of points that so many views show.
 constexpr size_t kSeveral = 4;
-// Polynomials of the whole image, and of what a camera leaves of it.
-constexpr int kDegreeAlone = 8, kDegreeBesideCamera = 3;
+// Of the polynomials over the target in each view, and over the camera's image in all of them.
+constexpr int kMostDegree = 8, kMostDegreeOfImage = 7;
 
 // What is seen twice: a smooth image of the target in each view, and a displacement of each point,
 // the same in all views, which a rough camera maps into each. What neither explains is noise.
 class ViewsNoise {
  public:
-  ViewsNoise(const PointsData& data, const std::vector<char>& gross, int most_degree,
+  ViewsNoise(const PointsData& data, const std::vector<char>& gross,
              const SeenByCamera* seen = nullptr);
   std::array<double, 2> sigma() const;
 
@@ -54,11 +55,16 @@ class ViewsNoise {
     if (seen_ != nullptr) return seen_->residual_px[2 * static_cast<size_t>(row) + channel];
     return (channel ? data_.v_px : data_.u_px)[row];
   }
+  void look_over_image();
+  void take_fields(std::vector<Observed>& all) const;
+  Eigen::Matrix3Xd asked(const std::vector<Observed>& all) const;
+  std::vector<Observed> image_of(const Eigen::Matrix3Xd& shift) const;
+  void take_displacements(std::vector<Observed>& all) const;
   std::array<std::vector<double>, 2> left(std::vector<Observed> all) const;
   std::vector<Observed> measured() const;
   std::vector<Observed> drawn(uint64_t probe) const;
-  size_t point_of(const View& view, Eigen::Index i) const {
-    return static_cast<size_t>(data_.point_of_row[view.rows[static_cast<size_t>(i)]]);
+  Eigen::Index point_of(const View& view, Eigen::Index i) const {
+    return data_.point_of_row[view.rows[static_cast<size_t>(i)]];
   }
 
   const PointsData& data_;
@@ -68,7 +74,7 @@ class ViewsNoise {
   bool displaced_ = false;
 };
 
-ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross, int most_degree,
+ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross,
                        const SeenByCamera* seen)
     : data_(data), seen_(seen) {
   for (size_t v = 0; v < data.rows_of_view.size(); ++v) {
@@ -81,7 +87,7 @@ ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross, i
     const BoardField field(data, view.rows);
     if (field.along().empty()) continue;
     // As flexible as half of the frame's points allow.
-    int degree = most_degree;
+    int degree = kMostDegree;
     while (degree > 1 && static_cast<size_t>(field.columns(degree).cols()) * 2 > view.rows.size())
       --degree;
     const Eigen::MatrixXd A = field.columns(degree);
@@ -101,6 +107,7 @@ ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross, i
     throw InputError(
         "measurement.yaml: noise: found none, and no view has points enough to estimate it from "
         "(7 or more), expected for example {u_px: 0.2, v_px: 0.2}");
+  if (seen != nullptr) look_over_image();
   if (views_.size() < kSeveral) return;
   if (seen != nullptr) {
     displace(seen->camera);
@@ -109,6 +116,34 @@ ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross, i
   std::vector<std::vector<int>> rows(data.rows_of_view.size());
   for (const View& view : views_) rows[view.of] = view.rows;
   if (const auto camera = camera_of_views(data, rows)) displace(*camera);
+}
+
+// A camera of another family leaves the same in each view, wherever the target is. Places are those
+// that the camera predicts: measured ones hold the very noise that is looked for.
+void ViewsNoise::look_over_image() {
+  std::vector<std::vector<double>> places(2);
+  for (const View& view : views_) {
+    for (const int row : view.rows) {
+      places[0].push_back(data_.u_px[row] - observed(row, 0));
+      places[1].push_back(data_.v_px[row] - observed(row, 1));
+    }
+  }
+  Eigen::MatrixXd all = image_columns(std::move(places), kMostDegreeOfImage);
+  Eigen::Index at = 0;
+  for (const View& view : views_) {
+    auto rows = all.middleRows(at, view.weight.size());
+    rows = (view.weight.asDiagonal() * rows).eval();
+    rows -= view.field * (view.field.transpose() * rows);
+    at += rows.rows();
+  }
+  // What the views' own polynomials have but for so little is theirs.
+  constexpr double kTheirs = 1e-3;
+  const Eigen::MatrixXd basis = basis_above(all, kTheirs);
+  at = 0;
+  for (View& view : views_) {
+    view.over_image = basis.middleRows(at, view.weight.size());
+    at += view.over_image.rows();
+  }
 }
 
 // Displacements are told from noise where most points are seen in several views.
@@ -121,10 +156,11 @@ void ViewsNoise::displace(const RoughCamera& camera) {
       const auto slopes =
           camera.slopes(view.of, data_.p_W[view.rows[static_cast<size_t>(i)]], data_.target.axes_W);
       if (!slopes) continue;
-      ++counts[point_of(view, i)];
+      const auto point = static_cast<size_t>(point_of(view, i));
+      ++counts[point];
       for (int c = 0; c < 2; ++c) {
         view.along[c].row(i) = view.weight[i] * slopes->row(c);
-        normal[point_of(view, i)] += view.along[c].row(i).transpose() * view.along[c].row(i);
+        normal[point] += view.along[c].row(i).transpose() * view.along[c].row(i);
       }
     }
   }
@@ -140,7 +176,8 @@ void ViewsNoise::displace(const RoughCamera& camera) {
     for (Eigen::Index i = 0; i < view.weight.size(); ++i) {
       for (int c = 0; c < 2; ++c) {
         const Eigen::RowVector3d along = view.along[c].row(i);
-        view.leverage[c][i] += along * inverse_[point_of(view, i)] * along.transpose();
+        view.leverage[c][i] +=
+            along * inverse_[static_cast<size_t>(point_of(view, i))] * along.transpose();
       }
     }
   }
@@ -173,32 +210,87 @@ std::vector<ViewsNoise::Observed> ViewsNoise::drawn(uint64_t probe) const {
   return all;
 }
 
-// What is left of each channel, each over the square root of its own share that is left.
-std::array<std::vector<double>, 2> ViewsNoise::left(std::vector<Observed> all) const {
-  // Fields and displacements in turn: what is rough in the displacements hardly changes the fields.
-  constexpr int kRounds = 4;
-  std::vector<Eigen::Vector3d> shift(displaced_ ? inverse_.size() : 0);
-  for (int round = 0; round <= (displaced_ ? kRounds : 0); ++round) {
-    std::fill(shift.begin(), shift.end(), Eigen::Vector3d::Zero());
-    for (size_t v = 0; v < views_.size(); ++v) {
-      const View& view = views_[v];
-      for (int c = 0; c < 2; ++c) {
-        Eigen::VectorXd& y = all[v][c];
-        y -= view.field * (view.field.transpose() * y);
-        for (Eigen::Index i = 0; i < y.size() && displaced_; ++i)
-          shift[point_of(view, i)] += view.along[c].row(i).transpose() * y[i];
-      }
-    }
-    if (round == kRounds || !displaced_) break;
-    for (size_t v = 0; v < views_.size(); ++v) {
-      const View& view = views_[v];
-      for (int c = 0; c < 2; ++c) {
-        for (Eigen::Index i = 0; i < view.weight.size(); ++i)
-          all[v][c][i] -=
-              view.along[c].row(i) * (inverse_[point_of(view, i)] * shift[point_of(view, i)]);
-      }
+// Takes out of the views what is smooth in each of them, and in all.
+void ViewsNoise::take_fields(std::vector<Observed>& all) const {
+  Eigen::MatrixX2d shared = Eigen::MatrixX2d::Zero(views_.front().over_image.cols(), 2);
+  for (size_t v = 0; v < views_.size(); ++v) {
+    const Eigen::MatrixXd& field = views_[v].field;
+    for (size_t c = 0; c < 2; ++c) {
+      Eigen::VectorXd& y = all[v][c];
+      y -= field * (field.transpose() * y);
+      if (shared.rows() > 0)
+        shared.col(static_cast<Eigen::Index>(c)) += views_[v].over_image.transpose() * y;
     }
   }
+  for (size_t v = 0; v < views_.size() && shared.rows() > 0; ++v) {
+    for (size_t c = 0; c < 2; ++c)
+      all[v][c] -= views_[v].over_image * shared.col(static_cast<Eigen::Index>(c));
+  }
+}
+
+// By point: what moves its image in all views as these observations ask for.
+Eigen::Matrix3Xd ViewsNoise::asked(const std::vector<Observed>& all) const {
+  Eigen::Matrix3Xd shift = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(inverse_.size()));
+  for (size_t v = 0; v < views_.size(); ++v) {
+    for (size_t c = 0; c < 2; ++c) {
+      for (Eigen::Index i = 0; i < all[v][c].size(); ++i)
+        shift.col(point_of(views_[v], i)) += views_[v].along[c].row(i).transpose() * all[v][c][i];
+    }
+  }
+  return shift;
+}
+
+// The image of displacements, less what fields explain of it.
+std::vector<ViewsNoise::Observed> ViewsNoise::image_of(const Eigen::Matrix3Xd& shift) const {
+  std::vector<Observed> all(views_.size());
+  for (size_t v = 0; v < views_.size(); ++v) {
+    for (size_t c = 0; c < 2; ++c) {
+      all[v][c].resize(views_[v].weight.size());
+      for (Eigen::Index i = 0; i < all[v][c].size(); ++i)
+        all[v][c][i] = views_[v].along[c].row(i) * shift.col(point_of(views_[v], i));
+    }
+  }
+  take_fields(all);
+  return all;
+}
+
+// Takes out fields and displacements together, by conjugate gradients over the displacements: a
+// bend of the target is smooth, too, and of what both explain taking them in turn leaves a part for
+// long.
+void ViewsNoise::take_displacements(std::vector<Observed>& all) const {
+  constexpr int kMost = 100;
+  constexpr double kEnough = 1e-4;  // Of what is left, by its square.
+  const auto alone = [&](const Eigen::Matrix3Xd& shift) {
+    Eigen::Matrix3Xd out = shift;
+    for (Eigen::Index p = 0; p < out.cols(); ++p)
+      out.col(p) = inverse_[static_cast<size_t>(p)] * shift.col(p);
+    return out;
+  };
+  Eigen::Matrix3Xd slope = asked(all), along = alone(slope);
+  double size = slope.cwiseProduct(along).sum();
+  for (int round = 0; round < kMost && size > 0; ++round) {
+    const std::vector<Observed> image = image_of(along);
+    const Eigen::Matrix3Xd bend = asked(image);
+    const double step = size / along.cwiseProduct(bend).sum();
+    if (!std::isfinite(step)) return;
+    double left = 0;
+    for (size_t v = 0; v < views_.size(); ++v) {
+      for (size_t c = 0; c < 2; ++c)
+        all[v][c] -= step * image[v][c], left += all[v][c].squaredNorm();
+    }
+    if (step * size < kEnough * left) return;
+    slope -= step * bend;
+    const Eigen::Matrix3Xd next = alone(slope);
+    const double before = size;
+    size = slope.cwiseProduct(next).sum();
+    along = next + size / before * along;
+  }
+}
+
+// What is left of each channel, each over the square root of its own share that is left.
+std::array<std::vector<double>, 2> ViewsNoise::left(std::vector<Observed> all) const {
+  take_fields(all);
+  if (displaced_) take_displacements(all);
   std::array<std::vector<double>, 2> left;
   for (size_t v = 0; v < views_.size(); ++v) {
     for (size_t c = 0; c < 2; ++c) {
@@ -223,35 +315,6 @@ std::array<double, 2> ViewsNoise::sigma() const {
   }
   for (double& value : sigma) value /= std::sqrt(sum2 / count);
   return sigma;
-}
-
-// Degrees of the polynomials: of the direction alone, of the state alone, and of both in their
-// products.
-struct Degrees {
-  int field, state, field_of_products, state_of_products;
-};
-constexpr Degrees kDegrees[] = {{7, 3, 3, 2}, {7, 3, 3, 1}, {5, 2, 2, 1}, {4, 1, 1, 1},
-                                {3, 1, 0, 0}, {2, 0, 0, 0}, {1, 0, 0, 0}};
-
-// What is smooth in where a point is seen and how the head moves then.
-Eigen::MatrixXd smooth_columns(const std::vector<std::vector<double>>& direction,
-                               const std::vector<std::vector<double>>& state,
-                               const Degrees& degrees) {
-  const auto but_constant = [](const Eigen::MatrixXd& all) {
-    return Eigen::MatrixXd(all.rightCols(all.cols() - 1));
-  };
-  const Eigen::MatrixXd field = monomials(direction, degrees.field);
-  if (state.empty()) return field;
-  const Eigen::MatrixXd alone = but_constant(monomials(state, degrees.state));
-  const Eigen::MatrixXd a = but_constant(monomials(direction, degrees.field_of_products));
-  const Eigen::MatrixXd b = but_constant(monomials(state, degrees.state_of_products));
-  Eigen::MatrixXd all(field.rows(), field.cols() + alone.cols() + a.cols() * b.cols());
-  all << field, alone, Eigen::MatrixXd(field.rows(), a.cols() * b.cols());
-  Eigen::Index at = field.cols() + alone.cols();
-  for (Eigen::Index m = 0; m < b.cols(); ++m) {
-    for (Eigen::Index k = 0; k < a.cols(); ++k) all.col(at++) = b.col(m).cwiseProduct(a.col(k));
-  }
-  return all;
 }
 
 // Directions of the points in the frame of a camera that hangs on the logged joints, and whatever
@@ -280,11 +343,7 @@ std::array<double, 2> noise_by_directions(const PointsData& data) {
   for (auto* variables : {&direction, &state}) {
     for (auto& x : *variables) x = standardised(x);
   }
-  Eigen::MatrixXd A;
-  for (const Degrees& degrees : kDegrees) {
-    A = smooth_columns(direction, state, degrees);
-    if (2 * A.cols() <= A.rows()) break;
-  }
+  const Eigen::MatrixXd A = smooth_columns(direction, state);
   std::array<double, 2> sigma{1, 1};
   for (int c = 0; c < 2; ++c) {
     const Eigen::VectorXd y =
@@ -310,13 +369,13 @@ std::optional<RoughCamera> camera_of_views(const PointsData& data,
 
 std::array<double, 2> estimate_points_noise(const PointsData& data,
                                             const std::vector<char>& gross) {
-  return data.rig.type() == Rig::Type::unknown ? ViewsNoise(data, gross, kDegreeAlone).sigma()
+  return data.rig.type() == Rig::Type::unknown ? ViewsNoise(data, gross).sigma()
                                                : noise_by_directions(data);
 }
 
 std::array<double, 2> estimate_views_noise(const PointsData& data, const std::vector<char>& gross,
                                            const SeenByCamera& seen) {
-  return ViewsNoise(data, gross, kDegreeBesideCamera, &seen).sigma();
+  return ViewsNoise(data, gross, &seen).sigma();
 }
 
 }  // namespace seam::measurement

@@ -9,7 +9,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/add_effects.h"
 #include "measurement/search/compare.h"
 #include "measurement/search/search.h"
 #include "sim_core/base/error.h"
@@ -20,6 +22,7 @@
 namespace seam::measurement {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
@@ -48,6 +51,14 @@ Pixel quotient(double x, double y, double z) {
   const double a = x / z, b = y / z, r2 = a * a + b * b;
   const double bent = (1 + 0.5 * r2 + 0.1 * r2 * r2) / (1 + 0.8 * r2 + 0.2 * r2 * r2);
   return {kFocal_px * a * bent + kCx_px, kFocal_px * b * bent + kCy_px};
+}
+
+// The same, decentred: far from the axis that moves points by tens of pixels.
+Pixel decentred(double x, double y, double z) {
+  const double a = x / z, b = y / z, p1 = 0.004, p2 = -0.003;
+  const Pixel plain = quotient(x, y, z);
+  return {plain.u_px + kFocal_px * (2 * p1 * a * b + p2 * (3 * a * a + b * b)),
+          plain.v_px + kFocal_px * (p1 * (a * a + 3 * b * b) + 2 * p2 * a * b)};
 }
 
 struct BoardViews {
@@ -157,6 +168,13 @@ TEST(Boards, ARationalLensTakesThePlaceOfTheFisheye) {
   EXPECT_NEAR(result.best.assessment.model.find("pinhole")->value("cx_px"), kCx_px, 2);
 }
 
+// What the fitted camera leaves is the same in each view, wherever the board is.
+TEST(Boards, WhatACameraOfAnotherFamilyLeavesIsNoNoise) {
+  const auto problem = open_problem(board_views({.name = "decentred-board", .lens = decentred}));
+  for (const Channel& channel : problem->facts().channels)
+    EXPECT_NEAR(channel.noise, kNoise_px, 0.1 * kNoise_px) << channel.name;
+}
+
 // Near its far edge the image of a board that goes away from a wide lens bends by more than a third
 // of what is left of the distance between corners.
 TEST(Boards, ABoardThatGoesAwayFromAWideLensHasNoWrongCorners) {
@@ -192,6 +210,28 @@ TEST(Boards, OneParameterThatDoesIsPreferredToFour) {
     const auto& ties = result.steps[0].indistinguishable_from;
     EXPECT_NE(std::find(ties.begin(), ties.end(), "radial_polynomial"), ties.end()) << seed;
   }
+}
+
+// Of two lenses that exclude each other one is refused by name, and the other comes in its place.
+TEST(Boards, LensesThatExcludeEachOtherAreToldSo) {
+  const auto problem = open_problem(board_views(small("either-lens", 1)));
+  const auto with = [](const std::string& lens) {
+    Model model = free_pinhole(640, 480);
+    model.add_neutral(effects::find_effect(lens));
+    return model;
+  };
+  for (const std::string radial : {"radial_distortion", "radial_polynomial", "rational_lens"}) {
+    try {
+      add_effects(*problem, with("fisheye"), {effects::find_effect(radial)});
+      ADD_FAILURE() << radial;
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), AllOf(HasSubstr("'" + radial + "' and 'fisheye' exclude"),
+                                      HasSubstr("take 'fisheye' out of it")));
+    }
+  }
+  const auto added =
+      add_effects(*problem, with("radial_distortion"), {effects::find_effect("fisheye")});
+  EXPECT_EQ(added.replaced, std::vector<std::string>{"radial_distortion"});
 }
 
 TEST(Boards, ViewsOfThreePointsTellNothing) {

@@ -127,6 +127,22 @@ TEST(Targets, ABendIsFoundAndNotBlamedOnTheLens) {
   EXPECT_NEAR(result.best.assessment.error, 1, 0.06);
 }
 
+// A bend is as smooth as the image of a plane, and corners that are off by many noises are in all
+// views: neither counts as noise, however far.
+TEST(Targets, WhatATargetIsOffItsPlanIsNoNoise) {
+  for (const double noise_px : {0.05, 0.15}) {
+    for (const double warp_m : {0.0, 0.006}) {
+      const auto problem = open_problem(made({.name = fmt::format("off-{}-{}", noise_px, warp_m),
+                                              .warp_x_m = warp_m,
+                                              .warp_y_m = -0.5 * warp_m,
+                                              .scatter_m = 0.001,
+                                              .noise_px = noise_px}));
+      for (const Channel& channel : problem->facts().channels)
+        EXPECT_NEAR(channel.noise, noise_px, 0.1 * noise_px) << channel.name << ", " << warp_m;
+    }
+  }
+}
+
 TEST(Targets, AStretchIsToldFromTheFocalLengths) {
   // Twelve views at 0.15 px tell the stretch to 1.8e-4 at best (Cramer and Rao), at 0.03 px to a
   // fifth of that.
