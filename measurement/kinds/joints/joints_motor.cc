@@ -215,6 +215,25 @@ std::vector<Model> cut_off_otherwise(const Model& model, const std::vector<Unkno
   return others;
 }
 
+// Where a motor saturates for moments alone, trades cost nothing from the side where nothing does
+// until they reach these: no slope leads there.
+std::optional<Model> trade_that_helps(const Model& model, const std::vector<Unknown>& unknowns,
+                                      const std::function<double(const Model&)>& misfit_of) {
+  constexpr double kFactor = 1.1, kFarthest = 10, kWorse = 1.1, kHelps = 0.995;
+  const double here = misfit_of(model);
+  double least = kHelps * here;
+  std::optional<Model> best;
+  for (const auto& pair : pairs_of_motor(model, unknowns)) {
+    for (double factor = kFactor; factor < kFarthest; factor *= kFactor) {
+      std::optional<Model> there = traded(model, pair, factor);
+      const double misfit = there ? misfit_of(*there) : std::numeric_limits<double>::infinity();
+      if (!(misfit < kWorse * here)) break;
+      if (misfit < least) least = misfit, best = std::move(there);
+    }
+  }
+  return best;
+}
+
 std::vector<Values> JointsProblem::starts_together(const Model& model,
                                                    const EffectDefinition& effect,
                                                    const EffectList& companions) const {
