@@ -116,9 +116,13 @@ Forces forces_of(const TorqueModel& m, double drive, double load) {
   return {drive - load, m.carried_fraction > 0 ? drive + load : 0};
 }
 
-Forces forces_of(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
+Forces forces_of(const TorqueModel& m, const MotorInput& in, const MotorState& s, double load) {
   const double drive = std::clamp(free_drive(m, in, s), -m.limit_rad_per_s2, m.limit_rad_per_s2);
-  return forces_of(m, drive, load_of(m, s.q_rad));
+  return forces_of(m, drive, load);
+}
+
+Forces forces_of(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
+  return forces_of(m, in, s, load_of(m, s.q_rad));
 }
 
 // By how much the forces exceed what friction holds at rest.
@@ -358,13 +362,17 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
   return dt_s;
 }
 
+HangingLoad::HangingLoad(const TorqueModel& motor)
+    : along_cos_(motor.gravity_rad_per_s2 * maths::cos(motor.level_rad)),
+      along_sin_(motor.gravity_rad_per_s2 * maths::sin(motor.level_rad)) {}
+
 double motor_acceleration(const TorqueModel& motor, const MotorInput& input,
-                          const MotorState& state, double rest_radps) {
-  const Forces forces = forces_of(motor, input, state);
+                          const MotorState& state, double load_rad_per_s2, double rest_radps) {
+  const Forces forces = forces_of(motor, input, state, load_rad_per_s2);
   const double rate = std::abs(state.w_radps);
   double dry = motor.coulomb_rad_per_s2 + motor.load_fraction * std::abs(forces.net) +
                motor.carried_fraction * std::abs(forces.gear);
-  if (motor.stribeck_rad_per_s >= kLeastStribeck_radps)
+  if (motor.stribeck_rad_per_s2 != 0 && motor.stribeck_rad_per_s >= kLeastStribeck_radps)
     dry += motor.stribeck_rad_per_s2 * maths::exp(-rate / motor.stribeck_rad_per_s);
   const double moving = forces.net - motor.viscous_per_s * state.w_radps;
   if (rate > rest_radps) return moving - std::copysign(dry, state.w_radps);

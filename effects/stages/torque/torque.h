@@ -57,9 +57,19 @@ struct MotorState {
 double advance_motor(const TorqueModel& motor, const MotorInput& input, double dt_s,
                      MotorState& state);
 
-// Angular acceleration now. A joint slower than `rest_radps` counts as at rest: dry friction holds
-// it as long as it can.
+// What hangs on the joint, for angles whose cosine and sine are at hand.
+class HangingLoad {
+ public:
+  explicit HangingLoad(const TorqueModel& motor);
+  double at(double cos_q, double sin_q) const { return along_cos_ * cos_q + along_sin_ * sin_q; }
+
+ private:
+  double along_cos_, along_sin_;  // Of gravity.
+};
+
+// Angular acceleration now, under this load. A joint slower than `rest_radps` counts as at rest:
+// dry friction holds it as long as it can.
 double motor_acceleration(const TorqueModel& motor, const MotorInput& input,
-                          const MotorState& state, double rest_radps);
+                          const MotorState& state, double load_rad_per_s2, double rest_radps);
 
 }  // namespace seam::effects

@@ -91,5 +91,17 @@ TEST(DampedMotor, DampingGoesWhereOnlyALimitIsMissing) {
   EXPECT_GT(fit.value[1], 1);
 }
 
+// Nearly all of the drag is the controller's, and nothing else is missing: without damping, too,
+// the fit ends near the noise, but the data ask for it.
+TEST(DampedMotor, DampingThatTheDataAskForStaysBesideLittleBackEmf) {
+  const Model truth = model_of(
+      "  motor_servo: {stall_rad_per_s2: {value: 465, free: true}, back_emf_per_s: {value: 0.5, "
+      "free: true}, gain: {value: 0.1, free: true}, damping_s: {value: 0.0328, free: true}}\n");
+  const JointsProblem problem = MadeSet("motor-damped-little").made_by(truth, 3);
+  const Fit fit = fitted_to_all(problem, truth);
+  EXPECT_NEAR(fit.value[0], 465, 5);
+  EXPECT_NEAR(fit.value[3], 0.0328, 0.002);
+}
+
 }  // namespace
 }  // namespace seam::measurement

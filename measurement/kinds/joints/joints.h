@@ -2,6 +2,7 @@
 // the angle at each row from the commands before it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,6 +48,11 @@ bool is_open(const effects::ModelEffect& effect, size_t i);
 
 // Models whose drive is cut off about where this one's is, by what else can do so.
 std::vector<Model> cut_off_otherwise(const Model& model, const std::vector<Unknown>& unknowns);
+
+// The model with its motor stronger and its controller softer, or the other way round, where that
+// misses less.
+std::optional<Model> trade_that_helps(const Model& model, const std::vector<Unknown>& unknowns,
+                                      const std::function<double(const Model&)>& misfit_of);
 
 // What the model says the log shows at each row, for a joint whose log shows `start_rad` at rest
 // until the first command acts. A motor that begins in motion is under its first command already.

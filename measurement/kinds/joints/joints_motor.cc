@@ -162,6 +162,33 @@ std::vector<Model> worth_descending(const Model& start, const std::vector<Side>&
   return worth;
 }
 
+// Where a descent on the accelerations ended, and what it misses of these and of short stretches.
+struct Descended {
+  double by_accelerations = 0, by_stretches = 0;
+  Values values;
+};
+
+// The best by short stretches, then the best by accelerations where it is another, or else the next
+// by stretches: a motor that does nothing misses no acceleration of a joint that rests for most of
+// its time.
+std::vector<Values> best_by_both(std::vector<Descended> found) {
+  constexpr size_t kMostStarts = 2;
+  std::stable_sort(found.begin(), found.end(), [](const Descended& a, const Descended& b) {
+    return a.by_stretches < b.by_stretches;
+  });
+  const auto seen =
+      std::min_element(found.begin(), found.end(), [](const Descended& a, const Descended& b) {
+        return a.by_accelerations < b.by_accelerations;
+      });
+  std::rotate(found.begin() + (seen != found.begin()), seen, seen + 1);
+  std::vector<Values> starts;
+  for (const Descended& one : found) {
+    if (starts.empty() || (starts.size() < kMostStarts && differs(starts.front(), one.values)))
+      starts.push_back(one.values);
+  }
+  return starts;
+}
+
 }  // namespace
 
 // A drive is cut off by a limit, or by a duty that saturates: the same at rest, and a valley apart,
@@ -186,6 +213,25 @@ std::vector<Model> cut_off_otherwise(const Model& model, const std::vector<Unkno
     }
   }
   return others;
+}
+
+// Where a motor saturates for moments alone, trades cost nothing from the side where nothing does
+// until they reach these: no slope leads there.
+std::optional<Model> trade_that_helps(const Model& model, const std::vector<Unknown>& unknowns,
+                                      const std::function<double(const Model&)>& misfit_of) {
+  constexpr double kFactor = 1.1, kFarthest = 10, kWorse = 1.1, kHelps = 0.995;
+  const double here = misfit_of(model);
+  double least = kHelps * here;
+  std::optional<Model> best;
+  for (const auto& pair : pairs_of_motor(model, unknowns)) {
+    for (double factor = kFactor; factor < kFarthest; factor *= kFactor) {
+      std::optional<Model> there = traded(model, pair, factor);
+      const double misfit = there ? misfit_of(*there) : std::numeric_limits<double>::infinity();
+      if (!(misfit < kWorse * here)) break;
+      if (misfit < least) least = misfit, best = std::move(there);
+    }
+  }
+  return best;
 }
 
 std::vector<Values> JointsProblem::starts_together(const Model& model,
@@ -221,7 +267,8 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
     chosen.push_back(training[facts_.group_of_row[log.rows[0]]]);
   const MotionLook look(set_, chosen, facts_.channels[0].noise);
   const std::vector<Values> begun = combinations(lists);
-  std::vector<std::pair<double, Values>> found(begun.size());
+  const ShortRuns brief(set_, chosen, kBrief_s);
+  std::vector<Descended> found(begun.size());
   parallel_for(begun.size(), [&](size_t c) {
     Model trial = base;
     size_t at = 0;
@@ -231,29 +278,20 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
     }
     // The coarse look of the motor itself is on all sides already.
     if (effect.base == effects::Base::motor) {
-      found[c].first = look.descend(trial, unknowns);
+      found[c].by_accelerations = look.descend(trial, unknowns);
     } else {
       std::vector<Side> sides = both_sides(look, trial, unknowns);
       Side& best = *std::min_element(sides.begin(), sides.end(),
                                      [](const Side& a, const Side& b) { return a.cost < b.cost; });
-      found[c].first = best.cost, trial = std::move(best.model);
+      found[c].by_accelerations = best.cost, trial = std::move(best.model);
     }
     for (const auto& definition : moved) {
       const auto list = trial.find(definition->name)->values();
-      found[c].second.insert(found[c].second.end(), list.begin(), list.end());
+      found[c].values.insert(found[c].values.end(), list.begin(), list.end());
     }
+    found[c].by_stretches = brief.cost(trial);
   });
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  constexpr size_t kMostStarts = 2;
-  std::vector<Values> starts;
-  for (const auto& [cost, values] : found) {
-    if (starts.size() < kMostStarts &&
-        std::all_of(starts.begin(), starts.end(),
-                    [&, &v = values](const Values& other) { return differs(v, other); }))
-      starts.push_back(values);
-  }
-  return starts;
+  return best_by_both(std::move(found));
 }
 
 Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& unknowns,

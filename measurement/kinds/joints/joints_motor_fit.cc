@@ -78,6 +78,15 @@ Fit with_waiting(const Fit& fit, const std::vector<Unknown>& some,
   return told;
 }
 
+// In noise units; infinite where the model predicts nothing.
+double misfit_under(const Problem& problem, const Model& model, const Groups& groups) {
+  const Evaluation there = problem.evaluate(model, groups);
+  return there.valid ? misfit_of(problem, there) : std::numeric_limits<double>::infinity();
+}
+
+// The controller's damping comes for what chance gains once in a thousand sets.
+constexpr double kAskedFor = 5.4, kAtNoise = 1.03;
+
 // The unknowns of effects that change something.
 std::vector<Unknown> acting(const Model& model, const std::vector<Unknown>& unknowns) {
   std::vector<Unknown> some;
@@ -139,10 +148,7 @@ std::optional<Model> JointsProblem::worth_damping(const Fit& fit, const std::vec
   constexpr double kBetter = 0.9, kStretch_s = 0.3, kMoves = 1e-3;
   const std::vector<Model> others = damped_otherwise(fit.model);
   if (others.empty()) return std::nullopt;
-  const auto misfit_at = [&](const Model& model) {
-    const Evaluation there = evaluate(model, groups, nullptr);
-    return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
-  };
+  const auto misfit_at = [&](const Model& model) { return misfit_under(*this, model, groups); };
   const double here = misfit_at(fit.model);
   std::vector<double> there;
   for (const Model& other : others) there.push_back(misfit_at(other));
@@ -170,19 +176,22 @@ std::optional<Model> JointsProblem::worth_damping(const Fit& fit, const std::vec
 // gives once in a thousand sets. Far from the noise it would only stand in for what is missing.
 Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& unknowns,
                               const Groups& groups) const {
-  constexpr double kAskedFor = 5.4, kFar = 100, kNear = 10, kAtNoise = 1.03, kMuchLess = 0.5;
+  constexpr double kFar = 100, kNear = 10, kMuchLess = 0.5;
   constexpr double kSame = 1.0001;
   std::vector<Unknown> first;
   for (const Unknown& unknown : unknowns) {
     if (is_open(*start.find(unknown.effect), unknown.parameter)) first.push_back(unknown);
   }
   Fit fit = polished(Problem::fit(near_start(start, first, groups), first, groups), first, groups);
-  const auto misfit_at = [&](const Model& model) {
-    const Evaluation there = evaluate(model, groups, nullptr);
-    return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
-  };
+  const auto misfit_at = [&](const Model& model) { return misfit_under(*this, model, groups); };
   double misfit = misfit_at(fit.model);
+  const auto take_if_better = [&](const Model& from) {
+    Fit other = polished(Problem::fit(from, first, groups), first, groups);
+    if (other.log_likelihood > fit.log_likelihood)
+      fit = std::move(other), misfit = misfit_at(fit.model);
+  };
   if (misfit > kAtNoise && misfit < kFar) {
+    if (const auto traded = trade_that_helps(fit.model, first, misfit_at)) take_if_better(*traded);
     const Model* nearest = nullptr;
     double least = std::numeric_limits<double>::infinity();
     const std::vector<Model> others = cut_off_otherwise(fit.model, first);
@@ -190,11 +199,7 @@ Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& un
       const double there = misfit_at(other);
       if (there < least) least = there, nearest = &other;
     }
-    if (nearest != nullptr) {
-      Fit other = polished(Problem::fit(*nearest, first, groups), first, groups);
-      if (other.log_likelihood > fit.log_likelihood)
-        fit = std::move(other), misfit = misfit_at(fit.model);
-    }
+    if (nearest != nullptr) take_if_better(*nearest);
   }
   // A limit and viscous friction beside it say nothing that the controller's damping does not.
   if (const auto same = damped_alike(fit.model); same && misfit_at(*same) < kSame * misfit) {
@@ -216,12 +221,16 @@ Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& un
 }
 
 // Damping that was asked for while something else was missing goes where no back-EMF stays beside
-// it: the model then lacks a limit of torque.
+// it: the model then lacks a limit of torque. Where nothing is missing without it either, the data
+// ask for it.
 Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
                              const Groups& groups) const {
   Fit fit = fit_torque(start, unknowns, groups);
   const auto without = keeps_back_emf(fit, unknowns) ? std::nullopt : undamped(fit.model, unknowns);
-  return without ? fit_torque(*without, unknowns, groups) : fit;
+  if (!without) return fit;
+  Fit other = fit_torque(*without, unknowns, groups);
+  const bool complete = misfit_under(*this, other.model, groups) < kAtNoise;
+  return complete && fit.log_likelihood - other.log_likelihood > kAskedFor ? fit : other;
 }
 
 // Logs are independent of each other: all their starts are moved at once.

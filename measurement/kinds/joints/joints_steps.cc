@@ -2,6 +2,7 @@
 // angle that is rounded to it.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "measurement/kinds/joints/joints.h"
 
@@ -40,6 +41,38 @@ double noise_behind_steps(const JointLogs& set, double step_rad, double noise_ra
   return std::sqrt(std::max(0.0, moving * moving - step_rad * step_rad / 12));
 }
 
+// A joint at rest near an edge between steps goes over it and back as its noise has it: in one of
+// three rows in a row with the chance p (1 - p), p being that of the upper step; over all places of
+// the edge that is sigma / (sqrt(pi) step). At most so much, by how rests differ: each is one draw
+// of the place. Infinite where it rests too seldom.
+double noise_by_flicker(const JointLogs& set, double step_rad) {
+  constexpr size_t kLeastRows = 20, kFewestRests = 10;
+  constexpr double kWidest = 2.5;  // Steps of a rest: with its noise it may see three.
+  constexpr double kAtAnEdge = 0.25;
+  std::vector<double> shares = {kAtAnEdge};  // One more rest: that none of a few flickers is luck.
+  for (const JointLog& log : set.logs) {
+    const std::vector<double>& x = log.measured_rad;
+    for (size_t from = 0, to = 0; from < x.size(); from = to) {
+      double low = x[from], high = x[from];
+      for (to = from + 1; to < x.size(); ++to) {
+        low = std::min(low, x[to]), high = std::max(high, x[to]);
+        if (high - low > kWidest * step_rad) break;
+      }
+      if (to - from < kLeastRows) continue;
+      double back = 0;
+      for (size_t k = from + 1; k + 1 < to; ++k) back += (x[k] - x[k - 1]) * (x[k + 1] - x[k]) < 0;
+      shares.push_back(back / static_cast<double>(to - from - 2));
+    }
+  }
+  if (shares.size() <= kFewestRests) return INFINITY;
+  double sum = 0, square = 0;
+  for (const double share : shares) sum += share, square += share * share;
+  const auto count = static_cast<double>(shares.size());
+  const double mean = sum / count;
+  const double error = std::sqrt((square / count - mean * mean) / (count - 1));
+  return step_rad * std::sqrt(std::numbers::pi) * (mean + error);
+}
+
 }  // namespace
 
 void JointsProblem::look_for_steps() {
@@ -74,8 +107,10 @@ void JointsProblem::look_for_steps() {
     }
     if (whole) lattice_rad_ = step;
   }
+  // A fast joint goes another way than its neighbours' cubic, so that both estimates err upwards.
   behind_steps_rad_ = lattice_rad_ > 0 && facts_.channels[0].estimated
-                          ? noise_behind_steps(set_, lattice_rad_, noise)
+                          ? std::min(noise_behind_steps(set_, lattice_rad_, noise),
+                                     noise_by_flicker(set_, lattice_rad_))
                           : noise;
   if (lattice_rad_ > 0) {
     largest_step_rad_ = lattice_rad_;

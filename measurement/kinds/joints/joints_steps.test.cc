@@ -24,5 +24,17 @@ TEST(JointSteps, RoundingCountsOnceInNoiseThatIsEstimated) {
   EXPECT_NEAR(error_of(coarse), 1, 0.15);
 }
 
+// A joint that goes from command to command in a few rows: no cubic tells where it is between its
+// neighbours, but where it rests its steps flicker as its noise has it.
+TEST(JointSteps, RestsTellTheNoiseOfAFastJoint) {
+  const Model fast = model_of(
+      "  motor_servo: {stall_rad_per_s2: 1200, back_emf_per_s: 37, gain: 0.107}\n"
+      "  coulomb_friction: {rad_per_s2: 20}\n" +
+      fmt::format("  encoder_quantisation: {{step_rad: {}}}\n", std::numbers::pi / 512));
+  const JointsProblem problem = MadeSet("motor-fast-steps").made_unstated(fast, 4);
+  const Score score = score_of(problem, problem.evaluate(fast, problem.all_groups(), nullptr));
+  EXPECT_NEAR(std::sqrt(score.chi2 / static_cast<double>(score.n)), 1, 0.25);
+}
+
 }  // namespace
 }  // namespace seam::measurement

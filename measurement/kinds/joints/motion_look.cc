@@ -10,6 +10,7 @@
 #include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
+#include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
@@ -25,19 +26,10 @@ double acceleration_error(double noise_rad, size_t reach, double dt_s) {
   return noise_rad * std::sqrt(720 / (n * (n * n - 1) * (n * n - 4))) / (dt_s * dt_s);
 }
 
-// What acts on the motor at this time after the row.
-effects::MotorInput input_at(const JointLog& log, size_t row, double after_s, double latency_s) {
-  const double at_s = log.time_s[row] + after_s;
-  const auto last_before = [&](double t_s) {
-    const auto next = std::lower_bound(log.time_s.begin(), log.time_s.end(), t_s);
-    return next == log.time_s.begin() ? size_t{0}
-                                      : static_cast<size_t>(next - log.time_s.begin()) - 1;
-  };
-  const size_t given = last_before(at_s - latency_s);
-  return {.command_rad = log.command_rad[given],
-          .kp = log.kp[given],
-          .voltage = log.voltage[last_before(at_s)],
-          .enabled = log.enabled[given] != 0};
+// The last row before this time.
+size_t last_before(const JointLog& log, double t_s) {
+  const auto next = std::lower_bound(log.time_s.begin(), log.time_s.end(), t_s);
+  return next == log.time_s.begin() ? 0 : static_cast<size_t>(next - log.time_s.begin()) - 1;
 }
 
 // Whether the command makes most of its way from one row to the next, or the drive is switched.
@@ -102,8 +94,7 @@ MotionLook::MotionLook(const JointLogs& set, const std::vector<char>& chosen, do
     if (!chosen[i]) continue;
     const JointLog& log = set.logs[i];
     for (const SeenMotion& at : seen_motion(log, stride, noise_rad)) {
-      const bool steps = steps_between(log, at.row - at.reach, at.row + at.reach);
-      instants_.push_back({at, &log, std::min(2 * at.reach, steps ? kMostPieces : kPieces)});
+      instants_.push_back(instant_of(log, at));
     }
   }
 }
@@ -111,27 +102,48 @@ MotionLook::MotionLook(const JointLogs& set, const std::vector<char>& chosen, do
 // The curvature of a parabola through even samples is a mean of the acceleration, with the weights
 // (1 - x^2)^2 over their reach: the second integral of Legendre's polynomial of degree 2. The
 // commands hold from row to row, so that a step of theirs stands at its place in this mean.
+MotionLook::Instant MotionLook::instant_of(const JointLog& log, const SeenMotion& at) {
+  Instant instant{.log = &log, .a_radps2 = at.a_radps2, .rest_radps = at.rest_radps};
+  const size_t first = at.row - at.reach;
+  const bool steps = steps_between(log, first, at.row + at.reach);
+  const size_t pieces = std::min(2 * at.reach, steps ? kMostPieces : kPieces);
+  for (size_t piece = 0; piece < pieces; ++piece) {
+    const double from_s = log.time_s[first + 2 * at.reach * piece / pieces];
+    const double to_s = log.time_s[first + 2 * at.reach * (piece + 1) / pieces];
+    const double at_s = 0.5 * (from_s + to_s), dt_s = at_s - log.time_s[at.row];
+    const double x = dt_s / at.reach_s, inside = std::max(0.0, 1 - x * x);
+    const double q_rad = at.q_rad + dt_s * (at.w_radps + 0.5 * dt_s * at.a_radps2);
+    instant.pieces.push_back({.at_s = at_s,
+                              .weight = inside * inside * (to_s - from_s),
+                              .state = {q_rad, at.w_radps + dt_s * at.a_radps2},
+                              .cos_q = maths::cos(q_rad),
+                              .sin_q = maths::sin(q_rad),
+                              .row = last_before(log, at_s)});
+    instant.weights += instant.pieces.back().weight;
+  }
+  return instant;
+}
+
 std::vector<double> MotionLook::misses(const Model& model) const {
   const effects::ServoModel servo = effects::servo_of(model);
+  const effects::HangingLoad load(servo.torque);
   std::vector<double> misses;
   misses.reserve(instants_.size());
   for (const Instant& at : instants_) {
-    const auto& time_s = at.log->time_s;
-    double sum = 0, weights = 0;
-    const size_t first = at.row - at.reach;
-    for (size_t piece = 0; piece < at.pieces; ++piece) {
-      const double from_s = time_s[first + 2 * at.reach * piece / at.pieces];
-      const double to_s = time_s[first + 2 * at.reach * (piece + 1) / at.pieces];
-      const double dt_s = 0.5 * (from_s + to_s) - time_s[at.row];
-      const double x = dt_s / at.reach_s, inside = std::max(0.0, 1 - x * x);
-      const double weight = inside * inside * (to_s - from_s);
-      const effects::MotorState state{at.q_rad + dt_s * (at.w_radps + 0.5 * dt_s * at.a_radps2),
-                                      at.w_radps + dt_s * at.a_radps2};
-      const auto input = input_at(*at.log, at.row, dt_s, servo.latency_s);
-      weights += weight;
-      sum += weight * effects::motor_acceleration(servo.torque, input, state, at.rest_radps);
+    const JointLog& log = *at.log;
+    double sum = 0;
+    for (const Piece& piece : at.pieces) {
+      const size_t given =
+          servo.latency_s == 0 ? piece.row : last_before(log, piece.at_s - servo.latency_s);
+      const effects::MotorInput input{.command_rad = log.command_rad[given],
+                                      .kp = log.kp[given],
+                                      .voltage = log.voltage[piece.row],
+                                      .enabled = log.enabled[given] != 0};
+      sum += piece.weight * effects::motor_acceleration(servo.torque, input, piece.state,
+                                                        load.at(piece.cos_q, piece.sin_q),
+                                                        at.rest_radps);
     }
-    misses.push_back(at.a_radps2 - sum / weights);
+    misses.push_back(at.a_radps2 - sum / at.weights);
   }
   return misses;
 }

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "effects/stages/torque/torque.h"
 #include "measurement/kinds/joints/joints.h"
 
 namespace seam::measurement {
@@ -32,11 +33,21 @@ class MotionLook {
   double descend(Model& model, const std::vector<Unknown>& unknowns) const;
 
  private:
-  struct Instant : SeenMotion {
+  // A part of the time over which an acceleration is seen: where the joint was in its middle.
+  struct Piece {
+    double at_s, weight;
+    effects::MotorState state;
+    double cos_q, sin_q;
+    size_t row;  // Whose supply acts, and whose command without a latency.
+  };
+  struct Instant {
     const JointLog* log;
-    size_t pieces;  // Into which the time of the reach is cut.
+    double a_radps2, rest_radps;
+    std::vector<Piece> pieces;
+    double weights = 0;  // Sum.
   };
 
+  static Instant instant_of(const JointLog& log, const SeenMotion& at);
   std::vector<double> misses(const Model& model) const;
 
   std::vector<Instant> instants_;

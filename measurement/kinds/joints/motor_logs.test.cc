@@ -285,6 +285,21 @@ TEST(MotorLogs, ASaturationThatNoRunReachesIsKeptAway) {
   EXPECT_GT(fit.value[0], 500);
 }
 
+// The largest steps ask for a little more than the motor has, for moments.
+TEST(MotorLogs, ASaturationForMomentsIsFoundFromTheOtherSide) {
+  const JointsProblem problem =
+      MadeSet("motor-moments")
+          .made_by(
+              model_of("  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 12, gain: 0.1}\n"),
+              11);
+  const Fit fit = fitted_to_all(
+      problem, model_of("  motor_servo: {stall_rad_per_s2: {value: 2000, free: true}, "
+                        "back_emf_per_s: {value: 12, free: true}, gain: {value: 0.02, free: "
+                        "true}}\n"));
+  EXPECT_NEAR(fit.value[0], 400, 1);
+  EXPECT_NEAR(fit.value[2], 0.1, 0.001);
+}
+
 // A motor that is nowhere near saturation shows its strength times its gain alone, however small
 // one of them is.
 TEST(MotorLogs, WhatActsAsAProductIsToldAsAProduct) {

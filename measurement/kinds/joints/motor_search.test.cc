@@ -62,5 +62,19 @@ TEST(MotorSearch, PartsOfAMotorAreAllFittedWhileItMisses) {
   }
 }
 
+// Fast steps and long rests: most accelerations are those of a motor that does nothing.
+TEST(MotorSearch, AJointThatRestsMostOfItsTimeHasAMotor) {
+  const JointsProblem problem =
+      MadeSet("motor-rests")
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 2000, back_emf_per_s: 37, gain: "
+                            "0.05}\n  stribeck_friction: {rad_per_s2: 20, rad_per_s: 0.9}\n"),
+                   6);
+  const auto starts =
+      problem.starts_together(model_of("  ideal_servo: {}\n"), *effects::find_effect("motor_servo"),
+                              {effects::find_effect("gravity_torque")});
+  ASSERT_FALSE(starts.empty());
+  EXPECT_NEAR(starts.front()[0] * starts.front()[2], 2000 * 0.05, 20);
+}
+
 }  // namespace
 }  // namespace seam::measurement
