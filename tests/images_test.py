@@ -212,7 +212,9 @@ def test_a_rig(folder):
             shutil.copy(picture, both / side / f"{i}.png")
     (both / "right/3.png").unlink()
     out = folder / "rig-set"
-    said = run("import", "images", both / "left", both / "right", *words, "--out", out)
+    # As a shell completes the names of folders.
+    said = run("import", "images", f"{both / 'left'}/", f"{both / 'right'}/", *words, "--out", out)
+    assert "Imported from left, right (images)" in (out / "measurement.yaml").read_text()
     assert "6 frames, 5 of them seen by several cameras" in said and "11 of 11 pictures show the target" in said, said
     rows = list(csv.DictReader((out / "points.csv").open()))
     assert {row["camera"] for row in rows if row["frame"] == "2.png"} == {"left", "right"}

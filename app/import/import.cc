@@ -76,7 +76,9 @@ std::string import_set(const ImportKind& kind, const ImportRequest& request,
                        const std::string& title, const std::filesystem::path& out,
                        const measurement::Instruments& instruments) {
   std::vector<std::string> names;
-  for (const auto& source : request.sources) names.push_back(source.filename().string());
+  // A folder may be given with a slash at its end.
+  for (const auto& source : request.sources)
+    names.push_back((source.has_filename() ? source : source.parent_path()).filename().string());
   std::string from = fmt::format(
       "{}", fmt::join(names.begin(), names.begin() + std::min<size_t>(names.size(), 4), ", "));
   if (names.size() > 4) from += fmt::format(" and {} more", names.size() - 4);
