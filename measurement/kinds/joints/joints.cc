@@ -170,18 +170,12 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   Evaluation evaluation;
   const size_t n = facts_.scalars();
   evaluation.residual.assign(n, 0);
-  effects::JointTrack track;
-  effects::apply_encoder_effects(model, track);
-  const double step = std::min(track.quantisation_step_rad, largest_step_rad_);
-  const bool on_lattice = lattice_rad_ > 0 && step > 0.99 * lattice_rad_;
-  const double noise = on_lattice ? behind_steps_rad_ : facts_.channels[0].noise;
-  const double sigma = step == 0 ? noise : std::sqrt(noise * noise + step * step / 12);
+  const auto [sigma, rounded] = reading_of(model);
   evaluation.sigma.assign(n, sigma);
-  const bool rounds = on_lattice && noise < lattice_rad_;
   evaluation.mean_key = mean_parameters(model);
   evaluation.mean_key.push_back(sigma);
   // Where only a spread changed, residuals and starts stay.
-  if (warm != nullptr && warm->valid && !rounds && warm->mean_key == evaluation.mean_key) {
+  if (warm != nullptr && warm->valid && warm->mean_key == evaluation.mean_key) {
     evaluation.residual = warm->residual;
     evaluation.nuisance_values = warm->nuisance_values, evaluation.nuisances = warm->nuisances;
     evaluation.reusable = warm->reusable;
@@ -189,8 +183,8 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
     evaluate_logs(model, groups, sigma, warm, evaluation);
   }
   for (const double r : evaluation.residual) evaluation.valid &= std::isfinite(r);
-  if (rounds) round_to_lattice(noise, evaluation);
   whiten_diagonal(*this, groups, evaluation);
+  if (rounded) whiten_rounded(*rounded, evaluation);
   whiten_wander(effects::noise_of(model), groups, evaluation);
   return evaluation;
 }

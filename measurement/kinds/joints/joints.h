@@ -10,6 +10,7 @@
 
 #include "effects/stages/joint_track.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/noise/rounded_angle.h"
 #include "measurement/problem/memo.h"
 #include "measurement/problem/problem.h"
 
@@ -148,8 +149,17 @@ class JointsProblem : public Problem {
                      Evaluation& evaluation) const;
 
   void look_for_steps();
-  // Turns residuals of the angle into those of the rounded angle, with their sigmas.
-  void round_to_lattice(double sigma_rad, Evaluation& evaluation) const;
+  // How a model has angles logged: with normal errors, or rounded to the steps that all angles
+  // show. Beside an error that wanders the rounding counts as noise.
+  struct Reading {
+    double sigma_rad = 0;
+    std::optional<RoundedAngle> rounded;
+  };
+  Reading reading_of(const Model& model) const;
+  static void whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation);
+  // By how much whitened residuals change, to first order, where angles do.
+  std::vector<double> change_of(const Model& model, const Evaluation& here,
+                                const Evaluation& there) const;
 
   JointLogs set_;
   // By log. A fit of a spread, a score after a fit and a structure test ask for the same.

@@ -248,11 +248,7 @@ void JointsProblem::take_out_starts(const Model& model, const Groups& groups,
       place += 2;
     }
     const Evaluation there = evaluate(model, groups, &moved);
-    Values column(facts_.scalars(), 0);
-    for (size_t i = 0; i < column.size(); ++i) {
-      if (here.used[i] && there.valid) column[i] = there.whitened[i] - here.whitened[i];
-    }
-    return column;
+    return change_of(model, here, there);
   };
   const Values by_angle = slope(by_rad, 0);
   const bool any_rate = std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) {
@@ -282,7 +278,7 @@ std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
                                                   const Evaluation& here) const {
   constexpr double kStep = 1e-3;  // Of the parameter's size.
   const ParameterSpace space(model, unknowns);
-  std::vector<Values> columns(space.size(), Values(facts_.scalars(), 0));
+  std::vector<Values> columns(space.size());
   parallel_for(space.size(), [&](size_t at) {
     const Coordinate& c = space[at];
     const double z = c.of(model);
@@ -294,10 +290,8 @@ std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
     c.set(moved, z + step);
     const Evaluation there = evaluate(moved, groups, &here);
     const double slope = std::isfinite(c.slope(z)) ? c.slope(z) : 1;
-    for (size_t i = 0; i < columns[at].size(); ++i) {
-      if (here.used[i] && there.valid)
-        columns[at][i] = (there.whitened[i] - here.whitened[i]) / (step * slope);
-    }
+    columns[at] = change_of(moved, here, there);
+    for (double& value : columns[at]) value /= step * slope;
   });
   take_out_starts(model, groups, here, columns);
   return columns;

@@ -1,17 +1,14 @@
-// Encoders with steps: whether a log's angles are multiples of one, and the mean and spread of an
-// angle that is rounded to it.
+// Encoders with steps: whether a log's angles are multiples of one, and how a model then reads
+// them.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "effects/stages/noise.h"
 #include "measurement/kinds/joints/joints.h"
 
 namespace seam::measurement {
 namespace {
-
-double below(double z) {
-  return 0.5 * std::erfc(-z / std::sqrt(2.0));
-}
 
 // Noise that was estimated holds the rounding to steps: what is behind it, by rows between which
 // the joint moves by a step at least. A slower one's rounding repeats itself and says nothing.
@@ -119,31 +116,42 @@ void JointsProblem::look_for_steps() {
   }
 }
 
-void JointsProblem::round_to_lattice(double sigma_rad, Evaluation& evaluation) const {
-  const double step = lattice_rad_;
+JointsProblem::Reading JointsProblem::reading_of(const Model& model) const {
+  effects::JointTrack track;
+  effects::apply_encoder_effects(model, track);
+  const double step = std::min(track.quantisation_step_rad, largest_step_rad_);
+  const bool on_lattice = lattice_rad_ > 0 && step > 0.99 * lattice_rad_;
+  const double noise = on_lattice ? behind_steps_rad_ : facts_.channels[0].noise;
+  const double sigma = step == 0 ? noise : std::sqrt(noise * noise + step * step / 12);
+  // No chance is above 1: an error that wanders would take the rounding of a joint at rest for its
+  // own otherwise, and be likelier than the truth.
+  if (!effects::noise_of(model).joint.empty())
+    return {.sigma_rad = std::max(sigma, lattice_rad_ / std::sqrt(2 * std::numbers::pi))};
+  if (!on_lattice || noise >= lattice_rad_) return {.sigma_rad = sigma};
   // The angle itself is known only so well, which softens the edges between steps.
-  const double sigma = std::hypot(sigma_rad, 0.05 * step);
-  for (const JointLog& log : set_.logs) {
-    for (size_t k = 0; k < log.rows.size(); ++k) {
-      const size_t i = log.rows[k];
-      const double q = log.measured_rad[k] - evaluation.residual[i];
-      if (!std::isfinite(q)) continue;
-      const double nearest = std::round(q / step);
-      double weight = 0, mean = 0, square = 0;
-      // The noise is below a step: four steps to each side hold all of it.
-      double under = below(((nearest - 4.5) * step - q) / sigma);
-      for (int j = -4; j <= 4; ++j) {
-        const double over = below(((nearest + j + 0.5) * step - q) / sigma);
-        const double p = over - under;
-        under = over;
-        weight += p, mean += p * j * step, square += p * j * j * step * step;
-      }
-      mean /= weight;
-      const double variance = square / weight - mean * mean;
-      evaluation.residual[i] = log.measured_rad[k] - (nearest * step + mean);
-      evaluation.sigma[i] = std::sqrt(std::max(variance, 0.0025 * step * step));
-    }
+  const RoundedAngle rounded(lattice_rad_, std::hypot(noise, 0.05 * lattice_rad_));
+  return {.sigma_rad = rounded.sigma_rad(), .rounded = rounded};
+}
+
+void JointsProblem::whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation) {
+  for (size_t i = 0; i < evaluation.residual.size(); ++i) {
+    if (evaluation.used[i]) evaluation.whitened[i] = rounded.z(evaluation.residual[i]);
   }
+  evaluation.mean_square.assign(evaluation.residual.size(), rounded.mean_square());
+}
+
+std::vector<double> JointsProblem::change_of(const Model& model, const Evaluation& here,
+                                             const Evaluation& there) const {
+  std::vector<double> change(facts_.scalars(), 0);
+  if (!there.valid) return change;
+  const auto rounded = reading_of(model).rounded;
+  for (size_t i = 0; i < change.size(); ++i) {
+    if (!here.used[i]) continue;
+    // Edges between steps are narrower than what differences of parameters move.
+    change[i] = rounded ? rounded->slope(here.residual[i]) * (there.residual[i] - here.residual[i])
+                        : there.whitened[i] - here.whitened[i];
+  }
+  return change;
 }
 
 }  // namespace seam::measurement

@@ -129,6 +129,11 @@ void sort_wave(const PhotometryData& data, const effects::PatternWave& wave, Lig
   }
 }
 
+// What is summed over the samples of one cell at one level, side by side in memory.
+struct CellSums {
+  double mean = 0, with_offset = 0, scatter = 0, with_wave = 0, square = 0;
+};
+
 // Sums over the samples of each cell, by level: level by level, since each has its own array.
 void sum_samples(const PhotometrySums& sums, LightCells& cells) {
   const size_t samples = cells.of_sample.size(), count = cells.count(),
@@ -136,28 +141,45 @@ void sum_samples(const PhotometrySums& sums, LightCells& cells) {
   for (auto* v : {&cells.mean, &cells.with_offset, &cells.with_wave, &cells.scatter})
     v->assign(count * levels, 0);
   cells.products.assign(count * levels * (cells.all_products ? levels : 1), 0);
-  std::vector<std::vector<double>> m;
   for (size_t k = 0; k < levels; ++k) {
     const LevelSums& level = sums.levels[cells.present[k]];
     double total = 0;
     for (const double mean : level.mean) total += mean;
     const double reference = total / static_cast<double>(samples);
     cells.reference.push_back(reference);
-    m.push_back(level.mean);
+    std::vector<CellSums> own(count);
     for (size_t i = 0; i < samples; ++i) {
-      const size_t at = cells.of_sample[i] * levels + k;
-      const double r = m[k][i] -= reference;
-      cells.mean[at] += r;
-      cells.with_offset[at] += r * cells.offset[i];
-      cells.scatter[at] += level.scatter[i];
-      if (!cells.wave.empty()) cells.with_wave[at] += r * cells.wave[i];
-      if (!cells.all_products) cells.products[at] += r * r;
+      CellSums& cell = own[cells.of_sample[i]];
+      const double r = level.mean[i] - reference;
+      cell.mean += r;
+      cell.with_offset += r * cells.offset[i];
+      cell.scatter += level.scatter[i];
+      if (!cells.wave.empty()) cell.with_wave += r * cells.wave[i];
+      cell.square += r * r;
     }
-    for (size_t l = 0; cells.all_products && l <= k; ++l) {
-      for (size_t i = 0; i < samples; ++i)
-        cells.products[(cells.of_sample[i] * levels + k) * levels + l] += m[k][i] * m[l][i];
+    for (size_t c = 0; c < count; ++c) {
+      const size_t at = c * levels + k;
+      cells.mean[at] = own[c].mean, cells.with_offset[at] = own[c].with_offset;
+      cells.scatter[at] = own[c].scatter, cells.with_wave[at] = own[c].with_wave;
+      cells.products[cells.all_products ? at * levels + k : at] = own[c].square;
     }
-    if (!cells.all_products) m[k] = {};
+  }
+}
+
+// Of means at different levels.
+void sum_products(const PhotometrySums& sums, LightCells& cells) {
+  const size_t levels = cells.present.size();
+  std::vector<double> own(cells.count());
+  for (size_t k = 0; k < levels; ++k) {
+    const std::vector<double>& one = sums.levels[cells.present[k]].mean;
+    for (size_t l = 0; l < k; ++l) {
+      const std::vector<double>& other = sums.levels[cells.present[l]].mean;
+      std::fill(own.begin(), own.end(), 0);
+      for (size_t i = 0; i < cells.of_sample.size(); ++i)
+        own[cells.of_sample[i]] += (one[i] - cells.reference[k]) * (other[i] - cells.reference[l]);
+      for (size_t c = 0; c < own.size(); ++c)
+        cells.products[(c * levels + k) * levels + l] = own[c];
+    }
   }
 }
 
@@ -208,6 +230,7 @@ LightCells sort_samples(const PhotometryData& data, const PhotometrySums& sums,
   cells.all_products =
       needs.products && (cells.present.size() <= kFewLevels || cells.count() == channels);
   sum_samples(sums, cells);
+  if (cells.all_products) sum_products(sums, cells);
   const auto width = static_cast<size_t>(data.width_px);
   group_samples(
       cells, static_cast<size_t>(data.height_px), [&](size_t i) { return i / channels / width; },
