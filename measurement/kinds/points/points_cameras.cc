@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "effects/registry.h"
+#include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/robust.h"
+#include "measurement/numerics/span.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -53,6 +57,32 @@ std::string name_of_place() {
     return effect->mount && !effect->has_neutral;
   });
   return found == all.end() ? "" : (*found)->name;
+}
+
+// The root mean square of what one pose leaves of these sightings, in units of their noise; nothing
+// where some have no image.
+std::optional<double> left_of(const Cameras& cameras, const std::vector<Sighting>& seen,
+                              const Pose& X_CW) {
+  std::vector<double> residuals;
+  if (!pose_residuals(cameras, seen, X_CW, residuals, nullptr) || residuals.empty())
+    return std::nullopt;
+  return length(residuals) / std::sqrt(static_cast<double>(residuals.size()));
+}
+
+// The same where each camera sees the target from a pose of its own; nothing where only one does.
+std::optional<double> left_apart(const Cameras& cameras, const std::vector<Sighting>& seen,
+                                 const Pose& X_CW) {
+  std::map<int, std::vector<Sighting>> by_camera;
+  for (const Sighting& sighting : seen) by_camera[sighting.camera].push_back(sighting);
+  if (by_camera.size() < 2) return std::nullopt;
+  double square = 0;
+  for (const auto& [camera, own] : by_camera) {
+    Pose pose = X_CW;
+    const auto left = refine_pose(cameras, own, pose) ? left_of(cameras, own, pose) : std::nullopt;
+    if (!left) return std::nullopt;
+    square += *left * *left * static_cast<double>(own.size());
+  }
+  return std::sqrt(square / static_cast<double>(seen.size()));
 }
 
 }  // namespace
@@ -178,6 +208,42 @@ Model PointsProblem::with_cameras_placed(const Model& model, const std::vector<U
     }
   }
   return error_of(placed) < error ? placed : model;
+}
+
+// Where the cameras stand is the same in all frames: one frame in which they disagree far more than
+// in most was not taken by all at once.
+void PointsProblem::remark_on_agreement(const Model& model, const Evaluation& evaluation,
+                                        std::vector<std::string>& remarks) const {
+  constexpr double kFar = 5, kMatters = 0.5;  // Robust sigmas; of what a pose for each leaves.
+  constexpr size_t kFewestFrames = 4;
+  const Cameras cameras(model, data_.cameras);
+  const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
+  std::vector<double> moved;
+  std::vector<std::string> names;
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
+    std::vector<int> rows;
+    const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
+    Pose X_CW;
+    if (seen.empty() || !stored_pose(evaluation.nuisance_values, frame, X_CW)) continue;
+    const auto together = left_of(cameras, seen, X_CW), apart = left_apart(cameras, seen, X_CW);
+    if (!together || !apart || !(*apart > 0)) continue;
+    // By so much one pose moves the predictions of both.
+    const double square = *together * *together / (*apart * *apart) - 1;
+    moved.push_back(std::sqrt(std::max(0.0, square))), names.push_back(data_.frames[frame]);
+  }
+  if (moved.size() < kFewestFrames) return;
+  const double usual = median_of(moved);
+  std::vector<double> off;
+  for (const double m : moved) off.push_back(m - usual);
+  const double limit = std::max(usual + kFar * robust_sigma(off), kMatters);
+  for (size_t i = 0; i < moved.size(); ++i) {
+    if (moved[i] < limit) continue;
+    remarks.push_back(fmt::format(
+        "frame {}: the cameras see the target in places of their own (one pose moves predictions "
+        "by {:.1f} of what a pose for each leaves, in most frames by {:.1f}): they did not take it "
+        "at once, or it is another picture; leave it out or take it again",
+        names[i], moved[i], usual));
+  }
 }
 
 }  // namespace seam::measurement

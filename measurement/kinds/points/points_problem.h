@@ -158,6 +158,10 @@ class PointsProblem : public Problem {
 
   // points_remarks.cc
   void remark_on_views(const Evaluation& evaluation, std::vector<std::string>& remarks) const;
+  // Of several cameras: frames in which they see the target in places of their own
+  // (points_cameras.cc).
+  void remark_on_agreement(const Model& model, const Evaluation& evaluation,
+                           std::vector<std::string>& remarks) const;
   void remark_on_reach(const Model& model, std::vector<std::string>& remarks) const;
   void remark_on_spacing(const Model& model, std::vector<std::string>& remarks) const;
 

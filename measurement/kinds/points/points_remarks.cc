@@ -125,6 +125,7 @@ std::vector<std::string> PointsProblem::remarks(const Model& model) const {
   if (moves()) remark_on_path(remarks);
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   remark_on_views(evaluation, remarks);
+  if (!moves()) remark_on_agreement(model, evaluation, remarks);
   remark_on_reach(model, remarks);
   return remarks;
 }

@@ -60,6 +60,7 @@ struct StereoSet {
   int frames = 14;
   bool moves = false;  // Before the board as it stands, seen 25 times a second.
   bool column = true;
+  int odd_frame = -1;  // The board has moved by 4 mm until the right camera takes it.
 };
 
 // The board's corners in the left camera's frame. It leans before both of them.
@@ -92,8 +93,9 @@ std::filesystem::path made(const StereoSet& rig) {
       const double stamp_s = rig.moves ? 0.04 * frame : frame;
       for (int point = 0; point < 56; ++point) {
         const double a = 0.035 * (point % 8 - 3.5), b = 0.035 * (point / 8 - 3);
-        const Seen at =
-            seen(corner(rig, frame, stamp_s + (right && rig.moves ? kLate_s : 0), a, b), right);
+        Triple p = corner(rig, frame, stamp_s + (right && rig.moves ? kLate_s : 0), a, b);
+        if (right && frame == rig.odd_frame) p[0] += 0.004;
+        const Seen at = seen(p, right);
         ++draw;
         if (!at.inside) continue;
         rows += fmt::format("{},{:.3f},{}{},{:.6f},{:.6f},0,{:.4f},{:.4f}\n", frame, stamp_s,
@@ -218,6 +220,24 @@ TEST(Stereo, OneCamerasLensIsExchangedForItsOwnAlone) {
   both.added.push_back("fisheye");
   for (const char* name : {"radial_polynomial", "radial_polynomial@left"})
     EXPECT_FALSE(exchanges.with_other(both, "fisheye@left", effects::find_effect(name))) << name;
+}
+
+TEST(Stereo, AFrameThatTheCamerasDidNotTakeAtOnceIsNamed) {
+  for (const int odd : {-1, 6}) {
+    const auto problem = open_problem(made({.name = fmt::format("odd{}", odd), .odd_frame = odd}));
+    const Model start = model(nominal());
+    problem->prepare(start);
+    const Assessment found = assess(*problem, start, refitted_unknowns(start));
+    const std::vector<std::string> remarks = problem->remarks(found.model);
+    EXPECT_EQ(std::count_if(remarks.begin(), remarks.end(),
+                            [](const std::string& remark) {
+                              return remark.find("in places of their own") != std::string::npos;
+                            }),
+              odd < 0 ? 0 : 1);
+    if (odd >= 0) {
+      EXPECT_THAT(remarks, testing::Contains(HasSubstr("frame 6: the cameras see the target")));
+    }
+  }
 }
 
 TEST(Stereo, ACameraThatNobodyPlacesOrThatIsNoneIsNamed) {
