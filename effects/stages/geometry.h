@@ -26,6 +26,8 @@ struct ImagePoint {
   bool at_edge = false;  // Not visible, since the lens folds the image over there: u and v are
                          // those of the fold, to which a fit can bring the point back.
 
+  // Whether u and v mean anything.
+  bool has_place() const { return visible || at_edge; }
   // Moves what is farther from the axis than the fold to the fold.
   void put_at_edge(double share_of_radius) {
     at_edge = visible, visible = false;

@@ -34,7 +34,7 @@ std::optional<Eigen::VectorXd> images_of(const effects::Projection& projection,
   Eigen::Index at = 0;
   for (const Vec3& direction : directions) {
     const effects::ImagePoint image = projection.project(direction);
-    if (!(image.visible || image.at_edge) || !std::isfinite(image.u) || !std::isfinite(image.v))
+    if (!image.has_place() || !std::isfinite(image.u) || !std::isfinite(image.v))
       return std::nullopt;
     images[at++] = image.u, images[at++] = image.v;
   }

@@ -2,11 +2,12 @@
 
 #include <fmt/ranges.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 
 namespace seam::measurement {
@@ -40,7 +41,7 @@ Eigen::MatrixX2d robust_map(const Eigen::MatrixXd& board, const Eigen::MatrixXd&
   for (int round = 0; round < 12; ++round) {
     Eigen::MatrixXd normal = board.transpose() * weight.asDiagonal() * board;
     normal.diagonal() *= 1 + 1e-9;
-    map = normal.ldlt().solve(board.transpose() * weight.asDiagonal() * image);
+    map = solve_square(normal, board.transpose() * weight.asDiagonal() * image);
     const Eigen::VectorXd off = (image - board * map).rowwise().norm();
     weight = off.cwiseMax(1e-3).cwiseInverse();
   }

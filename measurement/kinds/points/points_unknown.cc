@@ -86,7 +86,7 @@ Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& gro
     for (const int row : data_.rows_of_frame[frame]) {  // Outliers too: they may come back.
       const effects::ImagePoint point = cameras.project(X_CW * places_W[row], data_.stamp_s[row],
                                                         data_.v_px[row], data_.camera_of_row[row]);
-      const bool predicted = point.visible || point.at_edge;
+      const bool predicted = point.has_place();
       evaluation.residual[2 * row] = predicted ? data_.u_px[row] - point.u : 0;
       evaluation.residual[2 * row + 1] = predicted ? data_.v_px[row] - point.v : 0;
     }

@@ -119,7 +119,7 @@ bool TargetAdjustment::see(const Compiled& model, const State& state, size_t row
                                   data.stamp_s[row], data.v_px[row], data.camera_of_row[row])
           : model.predictor->image_at(row, p_W);
   uv = {image.u, image.v};
-  return image.visible || image.at_edge;
+  return image.has_place();
 }
 
 // The cause's size in a scalar of the k-th used row of its frame.
@@ -150,7 +150,7 @@ bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell
                           : compiled_.predictor->image_at(row, at);
   };
   const effects::ImagePoint here = image_of(p);
-  if (!here.visible && !here.at_edge) return false;
+  if (!here.has_place()) return false;
   // Of the image by the place, in the camera's axes or, where the motion is known, the world's.
   Slopes3 by_place;
   const double h = 1e-6 * std::max(glm::length(p), 1e-3);
@@ -158,7 +158,7 @@ bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell
     Vec3 there = p;
     there[axis] += h;
     const effects::ImagePoint image = image_of(there);
-    if (!image.visible && !image.at_edge) return false;
+    if (!image.has_place()) return false;
     by_place(0, axis) = (image.u - here.u) / h;
     by_place(1, axis) = (image.v - here.v) / h;
   }

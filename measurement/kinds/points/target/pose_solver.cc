@@ -232,7 +232,7 @@ bool pose_residuals(const Cameras& cameras, const std::vector<Sighting>& seen, c
     const Sighting& s = seen[i];
     const Vec3 p_C = X_CW * s.p_W;
     const effects::ImagePoint image = cameras.project(p_C, s.t_s, s.v_px, s.camera);
-    if (!image.visible && !image.at_edge) return false;
+    if (!image.has_place()) return false;
     residuals[2 * i] = (s.u_px - image.u) / s.sigma_u;
     residuals[2 * i + 1] = (s.v_px - image.v) / s.sigma_v;
     if (!derivatives) continue;
@@ -242,7 +242,7 @@ bool pose_residuals(const Cameras& cameras, const std::vector<Sighting>& seen, c
       Vec3 moved_C = p_C;
       moved_C[axis] += h;
       const effects::ImagePoint there = cameras.project(moved_C, s.t_s, s.v_px, s.camera);
-      if (!there.visible && !there.at_edge) return false;
+      if (!there.has_place()) return false;
       du[axis] = (there.u - image.u) / h;
       dv[axis] = (there.v - image.v) / h;
     }
