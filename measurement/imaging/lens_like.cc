@@ -1,6 +1,6 @@
 #include "measurement/imaging/lens_like.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <memory>

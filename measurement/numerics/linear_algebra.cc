@@ -1,6 +1,7 @@
 #include "measurement/numerics/linear_algebra.h"
 
 #include <Eigen/Dense>
+#include <cmath>
 
 namespace seam::measurement {
 
@@ -58,6 +59,13 @@ MatrixXd pseudo_inverse(const MatrixXd& m) {
 MatrixXd column_basis(const MatrixXd& m) {
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(m);
   return qr.householderQ() * MatrixXd::Identity(m.rows(), qr.rank());
+}
+
+MatrixXd column_basis(const MatrixXd& m, double least) {
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(m);
+  Eigen::Index own = 0;
+  while (own < m.cols() && std::abs(qr.matrixR()(own, own)) > least) ++own;
+  return qr.householderQ() * MatrixXd::Identity(m.rows(), own);
 }
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m) {

@@ -39,6 +39,8 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& m);
 
 // Orthonormal columns that span those of m: as many as its rank.
 Eigen::MatrixXd column_basis(const Eigen::MatrixXd& m);
+// The same of what is more than so much, by length, beside the columns taken before it.
+Eigen::MatrixXd column_basis(const Eigen::MatrixXd& m, double least);
 
 // The rotation (determinant 1) nearest to m in the sum of squares.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& m);

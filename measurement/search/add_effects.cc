@@ -42,13 +42,6 @@ void check_place(const Problem& problem, const effects::EffectDefinition& effect
   }
 }
 
-std::vector<std::string> names_of(const Model& model) {
-  std::vector<std::string> names;
-  for (const effects::ModelEffect& effect : model.effects())
-    names.push_back(effect.definition->name);
-  return names;
-}
-
 }  // namespace
 
 NamedValues parameters_of(const Assessment& assessment, const std::string& effect) {
@@ -97,7 +90,8 @@ AddResult add_effects(Problem& problem, const Model& model, const EffectList& ef
     for (auto& parameter : parameters_of(grown.assessment, effect->name))
       result.parameters.push_back(std::move(parameter));
   }
-  for (const std::string& name : names_of(model)) {
+  for (const effects::ModelEffect& given : model.effects()) {
+    const std::string& name = given.definition->name;
     if (!result.model.has(name)) result.replaced.push_back(name);
   }
   result.model.append_history(history_step(problem, result));

@@ -212,13 +212,13 @@ std::optional<Grown> Exchanges::with_other(
     const Grown& grown, const std::string& out,
     const std::shared_ptr<const EffectDefinition>& in) const {
   const EffectDefinition& leaving = *grown.assessment.model.find(out)->definition;
-  if (!may_take_the_place(*in, leaving) || is_another(*in, leaving, without(grown, out)))
-    return std::nullopt;
+  const Grown smaller = without(grown, out);
+  if (!may_take_the_place(*in, leaving) || is_another(*in, leaving, smaller)) return std::nullopt;
   const bool like =
       stands_for(leaving, *in) && effects::camera_of(in->name) == effects::camera_of(out);
-  if (!has_place(*in, without(grown, out).assessment.model)) return std::nullopt;
+  if (!has_place(*in, smaller.assessment.model)) return std::nullopt;
   return *tried_.of(0, key_of(problem_, grown, {out, in->name + "\n" + in->source}), [&] {
-    if (like) return from_its_like(problem_, grown, without(grown, out), in);
+    if (like) return from_its_like(problem_, grown, smaller, in);
     const auto less =
         without_.of(0, key_of(problem_, grown, {out}), [&] { return without_it(grown, out); });
     return exchanged(problem_, grown, less->grown, less->score, less->near ? &*less->near : nullptr,

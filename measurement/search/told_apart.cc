@@ -98,8 +98,8 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   }
   // What takes the place of another begins far from it, unless predictions are so dear that a start
   // like the other was sought.
-  if (effect.spread_only || open.empty() || !(effect.has_neutral || problem.screening_groups()))
-    return open;
+  const bool dear = problem.screening_groups().has_value();
+  if (effect.spread_only || open.empty() || !(effect.has_neutral || dear)) return open;
   std::vector<Unknown> unknowns = others;
   for (const size_t i : open) unknowns.push_back({effect.name, i});
   const Evaluation here = problem.evaluate(model, groups, near);
@@ -140,11 +140,13 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     if (candidate) testable.push_back(parameter);
   }
   if (!problem.is_smooth(model)) return testable;
-  const std::vector<double> by = span.steps_to(here.whitened);
-  const Eigen::Map<const Eigen::VectorXd> back(by.data(), static_cast<Eigen::Index>(by.size()));
   const double now = score_of(problem, here).log_likelihood;
-  step = {.to = ParameterSpace(model, kept).moved(model, -back),
-          .expected = {now + gain, now + gain_of_rest}};
+  step.expected = {now + gain, now + gain_of_rest};
+  if (dear) {
+    const std::vector<double> by = span.steps_to(here.whitened);
+    const Eigen::Map<const Eigen::VectorXd> back(by.data(), static_cast<Eigen::Index>(by.size()));
+    step.to = ParameterSpace(model, kept).moved(model, -back);
+  }
   return testable;
 }
 

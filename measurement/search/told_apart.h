@@ -16,9 +16,9 @@ std::vector<Unknown> told_apart(const Problem& problem, const Model& model,
                                 const std::vector<Unknown>& unknowns,
                                 std::vector<NotTestable>& untold);
 
-// Where one step of Gauss and Newton in all unknowns ends.
+// One step of Gauss and Newton in all unknowns.
 struct LinearStep {
-  std::optional<Model> to;
+  std::optional<Model> to;  // Where it ends; told where predictions are dear (screening_groups).
   Expected expected;
 };
 

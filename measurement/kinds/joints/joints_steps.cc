@@ -6,6 +6,7 @@
 
 #include "effects/stages/noise.h"
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/numerics/moments.h"
 
 namespace seam::measurement {
 namespace {
@@ -62,12 +63,8 @@ double noise_by_flicker(const JointLogs& set, double step_rad) {
     }
   }
   if (shares.size() <= kFewestRests) return INFINITY;
-  double sum = 0, square = 0;
-  for (const double share : shares) sum += share, square += share * share;
-  const auto count = static_cast<double>(shares.size());
-  const double mean = sum / count;
-  const double error = std::sqrt((square / count - mean * mean) / (count - 1));
-  return step_rad * std::sqrt(std::numbers::pi) * (mean + error);
+  const double error = deviation_of(shares) / std::sqrt(static_cast<double>(shares.size()));
+  return step_rad * std::sqrt(std::numbers::pi) * (mean_of(shares) + error);
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 #include "measurement/kinds/points/board_field.h"
 
-#include <Eigen/QR>
 #include <algorithm>
-#include <cmath>
 
 namespace seam::measurement {
 namespace {
@@ -88,13 +86,6 @@ Eigen::MatrixXd image_columns(std::vector<std::vector<double>> places, int most_
   Eigen::MatrixXd all = monomials(places, degree);
   all.colwise().normalize();
   return all;
-}
-
-Eigen::MatrixXd basis_above(const Eigen::MatrixXd& columns, double least) {
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-  Eigen::Index own = 0;
-  while (own < columns.cols() && std::abs(qr.matrixR()(own, own)) > least) ++own;
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), own);
 }
 
 BoardField::BoardField(const PointsData& data, const std::vector<int>& rows) {

@@ -21,8 +21,6 @@ Eigen::MatrixXd smooth_columns(const std::vector<std::vector<double>>& direction
 
 // Monomials of places in an image, of unit length, as many as there are places for.
 Eigen::MatrixXd image_columns(std::vector<std::vector<double>> places, int most_degree);
-// Orthonormal columns for what is more than so much, by length, beside those before it.
-Eigen::MatrixXd basis_above(const Eigen::MatrixXd& columns, double least);
 
 class BoardField {
  public:

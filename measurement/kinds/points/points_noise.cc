@@ -138,7 +138,7 @@ void ViewsNoise::look_over_image() {
   }
   // What the views' own polynomials have but for so little is theirs.
   constexpr double kTheirs = 1e-3;
-  const Eigen::MatrixXd basis = basis_above(all, kTheirs);
+  const Eigen::MatrixXd basis = column_basis(all, kTheirs);
   at = 0;
   for (View& view : views_) {
     view.over_image = basis.middleRows(at, view.weight.size());
