@@ -2,8 +2,8 @@
 """Effects hidden in whole runs, found again with the whole simulator (docs/outcomes.md).
 
 A robot that measures a ball's distance stands near it and far from it, swings its head and walks. `seam measure` makes sets
-of what it measured, each by a model that lacks nothing but one effect, of a size that changes some number by about five of its
-standard errors; `seam diagnose` is asked which. Runs are kept in OUT/runs, so that sets share those that are equal.
+of what it measured, each by a model that lacks nothing but one effect, of a size that changes some number by about five of the
+standard errors that the set states; `seam diagnose` is asked which. Runs are kept in OUT/runs, so that sets share those that are equal.
 
 Usage: hidden_outcomes.py SEAM OUT [--only NAME...] [--sigmas 5]
 """
@@ -18,7 +18,6 @@ import subprocess
 import sys
 import time
 
-import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
@@ -160,31 +159,12 @@ class Study:
         with open(made / "outcomes.csv", newline="") as table:
             return [(float(row["measured"]), float(row["sigma"])) for row in csv.DictReader(table)]
 
-    def means(self, hidden, value):
-        """What the plans' own runs give with this effect, by number of the set."""
-        model = self.truth(hidden, value).read_text()
-        changes = {"robots[*].camera.model": yaml.safe_load(model)}
-        if hidden[0] == "ball_away":
-            changes = {"robots[*].camera.model": yaml.safe_load(NOMINAL), "ball.x_m": value}
-        means = []
-        for name in SCENARIOS:
-            plan = yaml.safe_load((self.protocol / f"{name}.yaml").read_text())
-            plan["set"].update(changes)
-            trial, results = self.protocol / "trial.yaml", self.out / "trial.sqlite"
-            trial.write_text(yaml.safe_dump(plan))
-            results.unlink(missing_ok=True)
-            self.run("sweep", trial, "--out", results)
-            runs = list(csv.DictReader(self.run("sweep", "table", results).stdout.splitlines()))
-            for kept in numbers_of(name):
-                there = [float(run[kept]) for run in runs if run[kept]]
-                means.append(sum(there) / len(there))
-        return means
-
     def size_of(self, hidden, value):
-        """By how many standard errors the number that is changed most is changed."""
+        """By how many of the errors that its set states the number that is changed most is changed."""
         if self.plain is None:
-            self.plain = self.measured(self.nominal, "nominal", "--noise", "off")
-        return max(abs(a - b) / sigma for a, (b, sigma) in zip(self.means(hidden, value), self.plain))
+            self.plain = self.measured(self.nominal, "sizing", "--noise", "off")
+        there = self.measured(self.truth(hidden, value), "sizing", "--noise", "off")
+        return max(abs(a - b) / sigma for (a, sigma), (b, _) in zip(there, self.plain))
 
     def sized(self, hidden):
         """A size near that by which some number is changed as wanted: where counts of pixels jump, the nearest that was met."""

@@ -24,7 +24,7 @@ double step_of(const effects::Parameter& parameter, double value) {
 
 double objective(const Problem& problem, const Evaluation& evaluation) {
   if (!evaluation.valid) return std::numeric_limits<double>::infinity();
-  return -score_of(problem, evaluation).log_likelihood;
+  return -log_likelihood_of(problem, evaluation);
 }
 
 // The state of one fit.
@@ -205,13 +205,13 @@ Fit Fitter::result(bool converged) {
   if (!here_.valid) return fit;
   if (!mean_.empty())
     space_.state(covariance_of(look().curvature, 1e-13), misfit_of(problem_, here_), place, fit);
+  if (!together_.holds_at(-value_))
+    together_ = fit_spreads_together(problem_, space_, model_, groups_, &here_, &together_);
   for (size_t i = 0; i < space_.size(); ++i) {
-    if (!space_[i].spread) continue;
+    if (!space_[i].spread || together_.has(i)) continue;
     const double sigma = spread_error(problem_, space_, i, model_, groups_, &here_, 0.05);
     space_.state(i, sigma, space_[i].of(model_), fit);
   }
-  if (!together_.holds_at(-value_))
-    together_ = fit_spreads_together(problem_, space_, model_, groups_, &here_, &together_);
   together_.state(fit);
   return fit;
 }

@@ -131,7 +131,7 @@ double spread_error(const Problem& problem, const ParameterSpace& space, size_t 
   return sigma_of_spread(
       [&](double at) {
         const Evaluation there = problem.evaluate(space.with(model, i, at), groups, warm);
-        return there.valid ? -score_of(problem, there).log_likelihood
+        return there.valid ? -log_likelihood_of(problem, there)
                            : std::numeric_limits<double>::infinity();
       },
       z, std::max(share * z, 1e-3 * space[i].scale));

@@ -77,7 +77,7 @@ class WideFitter {
   // Minus twice the log-likelihood.
   double cost_of(const Evaluation& evaluation) const {
     if (!evaluation.valid) return kInfinity;
-    const double cost = -2 * score_of(problem_, evaluation).log_likelihood;
+    const double cost = -2 * log_likelihood_of(problem_, evaluation);
     return std::isfinite(cost) ? cost : kInfinity;
   }
   // What a difference of the cost by 1 means at the noise: where the model misses by more, gains
@@ -326,16 +326,16 @@ Fit WideFitter::result() {
   Fit fit = space_.fit_at(model, z_, -0.5 * cost_, std::isfinite(cost_));
   if (!std::isfinite(cost_)) return fit;
   space_.state(covariance, 1, z_, fit);
+  if (!together_.holds_at(-0.5 * cost_))
+    together_ = fit_spreads_together(problem_, space_, model, groups_, &here_, &together_);
   for (size_t i = 0; i < space_.size(); ++i) {
     if (!free_[i]) {
       fit.sigma[i] = 0;
-    } else if (space_[i].spread) {
+    } else if (space_[i].spread && !together_.has(i)) {
       const double sigma = spread_error(problem_, space_, i, model, groups_, &here_, 0.05);
       space_.state(i, sigma, z_[index(i)], fit);
     }
   }
-  if (!together_.holds_at(-0.5 * cost_))
-    together_ = fit_spreads_together(problem_, space_, model, groups_, &here_, &together_);
   together_.state(fit);
   return fit;
 }

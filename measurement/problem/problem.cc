@@ -84,12 +84,11 @@ double log_two_pi() {
   return std::log(2 * maths::kPi);
 }
 
-// Adds a scalar to all that is summed over scalars.
+// Adds a scalar to all that is summed over scalars but likelihoods.
 void count(const Facts& facts, const Evaluation& evaluation, size_t i, Score& score) {
   const double z2 = evaluation.whitened[i] * evaluation.whitened[i];
   score.chi2 += evaluation.mean_square.empty() ? z2 : z2 / evaluation.mean_square[i];
   ++score.n;
-  score.by_group[facts.group_of(i)] -= 0.5 * (z2 + log_two_pi());
   score.native_sum2[facts.channel_of[i]] += evaluation.residual[i] * evaluation.residual[i];
   ++score.native_count[facts.channel_of[i]];
 }
@@ -98,7 +97,6 @@ Score empty_score(const Facts& facts, const Evaluation& evaluation) {
   Score score;
   score.valid = evaluation.valid;
   score.nuisances = evaluation.nuisances;
-  score.by_group.assign(facts.groups.size(), 0);
   score.native_sum2.assign(facts.channels.size(), 0);
   score.native_count.assign(facts.channels.size(), 0);
   return score;
@@ -125,7 +123,36 @@ void add_blocks(const Problem& problem, const Evaluation& evaluation, int only, 
   }
 }
 
+std::vector<double> likelihoods_by_group(const Facts& facts, const Evaluation& evaluation) {
+  std::vector<double> by_group(facts.groups.size(), 0);
+  const double constant = log_two_pi();
+  for (size_t i = 0; i < facts.scalars(); ++i) {
+    if (!evaluation.used[i]) continue;
+    const double z2 = evaluation.whitened[i] * evaluation.whitened[i];
+    by_group[facts.group_of(i)] -= 0.5 * (z2 + constant);
+  }
+  for (size_t group = 0; group < by_group.size(); ++group)
+    by_group[group] -= 0.5 * evaluation.log_det[group];
+  return by_group;
+}
+
+// With what is no single group's.
+double together(const Facts& facts, const Evaluation& evaluation,
+                const std::vector<double>& by_group) {
+  double sum = 0;
+  for (size_t i = facts.scalars(); i < evaluation.whitened.size(); ++i)
+    sum -= 0.5 * evaluation.whitened[i] * evaluation.whitened[i];
+  sum -= 0.5 * evaluation.shared_log_det;
+  for (const double group : by_group) sum += group;
+  return sum;
+}
+
 }  // namespace
+
+double log_likelihood_of(const Problem& problem, const Evaluation& evaluation) {
+  const Facts& facts = problem.facts();
+  return together(facts, evaluation, likelihoods_by_group(facts, evaluation));
+}
 
 Score score_of(const Problem& problem, const Evaluation& evaluation) {
   const Facts& facts = problem.facts();
@@ -133,16 +160,10 @@ Score score_of(const Problem& problem, const Evaluation& evaluation) {
   for (size_t i = 0; i < facts.scalars(); ++i) {
     if (evaluation.used[i]) count(facts, evaluation, i, score);
   }
-  for (size_t i = facts.scalars(); i < evaluation.whitened.size(); ++i) {
-    const double z2 = evaluation.whitened[i] * evaluation.whitened[i];
-    score.chi2 += z2;
-    score.log_likelihood -= 0.5 * z2;
-  }
-  score.log_likelihood -= 0.5 * evaluation.shared_log_det;
-  for (size_t group = 0; group < facts.groups.size(); ++group) {
-    score.by_group[group] -= 0.5 * evaluation.log_det[group];
-    score.log_likelihood += score.by_group[group];
-  }
+  for (size_t i = facts.scalars(); i < evaluation.whitened.size(); ++i)
+    score.chi2 += evaluation.whitened[i] * evaluation.whitened[i];
+  score.by_group = likelihoods_by_group(facts, evaluation);
+  score.log_likelihood = together(facts, evaluation, score.by_group);
   take_roots(score);
   add_blocks(problem, evaluation, -1, score);
   return score;
@@ -233,7 +254,7 @@ std::vector<double> Problem::likeliest(const Model& model, const EffectDefinitio
   for (const std::vector<double>& start : rule.values) {
     for (size_t i = 0; i < start.size(); ++i) trial.set_value(effect.name, i, start[i]);
     const Evaluation there = evaluate(trial, groups, &here);
-    const double likelihood = there.valid ? score_of(*this, there).log_likelihood : best;
+    const double likelihood = there.valid ? log_likelihood_of(*this, there) : best;
     if (likelihood > best) best = likelihood, values = &start;
   }
   return *values;

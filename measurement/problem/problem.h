@@ -227,6 +227,8 @@ void whiten_diagonal(const Problem& problem, const Groups& groups, Evaluation& e
 
 // Score of an evaluation; what Problem::score does with evaluate's result.
 Score score_of(const Problem& problem, const Evaluation& evaluation);
+// Its log-likelihood alone, which fits ask for at every step.
+double log_likelihood_of(const Problem& problem, const Evaluation& evaluation);
 // The same of the scalars in one block alone.
 Score score_of_block(const Problem& problem, const Evaluation& evaluation, int block);
 

@@ -140,7 +140,7 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
     if (candidate) testable.push_back(parameter);
   }
   if (!problem.is_smooth(model)) return testable;
-  const double now = score_of(problem, here).log_likelihood;
+  const double now = log_likelihood_of(problem, here);
   step.expected = {now + gain, now + gain_of_rest};
   if (dear) {
     const std::vector<double> by = span.steps_to(here.whitened);

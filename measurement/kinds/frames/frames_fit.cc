@@ -61,7 +61,7 @@ class FrameFit {
 
  private:
   double likelihood(const Evaluation& evaluation) const {
-    return evaluation.valid ? score_of(problem_, evaluation).log_likelihood
+    return evaluation.valid ? log_likelihood_of(problem_, evaluation)
                             : -std::numeric_limits<double>::infinity();
   }
 

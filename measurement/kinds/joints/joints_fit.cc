@@ -152,7 +152,7 @@ std::vector<std::vector<double>> JointsProblem::starts_of(const Model& model,
   const auto look = [&](const std::vector<double>& values) {
     for (size_t i = 0; i < values.size(); ++i) trial.set_value(effect.name, i, values[i]);
     const Evaluation evaluation = evaluate(trial, shown, &warm);
-    const double cost = evaluation.valid ? -score_of(*this, evaluation).log_likelihood : best;
+    const double cost = evaluation.valid ? -log_likelihood_of(*this, evaluation) : best;
     if (cost < best) best = cost, best_values = values;
   };
   for (const auto& values : grid) look(values);

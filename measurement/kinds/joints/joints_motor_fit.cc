@@ -121,7 +121,7 @@ Fit JointsProblem::polished(Fit fit, const std::vector<Unknown>& unknowns,
     const double misfit = found.valid ? misfit_of(*this, found) : kNear;
     if (axes.empty() || !(misfit < kNear)) return fit;
     Model best = fit.model;
-    double most = score_of(*this, found).log_likelihood;
+    double most = log_likelihood_of(*this, found);
     const double before = most;
     for (const double width : {4.0, 1.0}) {
       for (const Eigen::VectorXd& axis : axes) {

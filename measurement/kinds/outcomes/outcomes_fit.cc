@@ -71,7 +71,7 @@ class OutcomesFit {
     return {.start = 1e-3, .shrink = 0, .least = 1e-3, .firm = 0.3, .attempts = 3};
   }
   double height_of(const Evaluation& evaluation) const {
-    return evaluation.valid ? -score_of(problem_, evaluation).log_likelihood
+    return evaluation.valid ? -log_likelihood_of(problem_, evaluation)
                             : std::numeric_limits<double>::infinity();
   }
   Descent descent() {

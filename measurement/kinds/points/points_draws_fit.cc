@@ -225,7 +225,7 @@ std::optional<Fit> PointsProblem::DrawsFit::run() {
 
 Fit PointsProblem::DrawsFit::result(const Evaluation& end) const {
   const Eigen::VectorXd place = space_.place(model_);
-  Fit fit = space_.fit_at(model_, place, score_of(problem_, end).log_likelihood, true);
+  Fit fit = space_.fit_at(model_, place, log_likelihood_of(problem_, end), true);
   // Spreads have no curvature here, and are not known by it.
   const auto count = static_cast<Eigen::Index>(space_.size());
   Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(count, count);

@@ -94,7 +94,7 @@ class RangesFit {
 
  private:
   double likelihood(const Evaluation& evaluation) const {
-    return evaluation.valid ? score_of(problem_, evaluation).log_likelihood : -kInfinity;
+    return evaluation.valid ? log_likelihood_of(problem_, evaluation) : -kInfinity;
   }
   void look(double dither_px) {
     here_ = problem_.evaluate_smoothed(model_, groups_, dither_px);
