@@ -86,7 +86,7 @@ HIDDEN = [
     ("focal_length_error", "fy_scale", 0.04), ("focal_length_error", "fy_scale", -0.04),
     ("mount_misalignment", "pitch_rad", 0.02), ("mount_misalignment", "pitch_rad", -0.02), ("mount_offset", "z_m", 0.01),
     ("mount_offset", "z_m", -0.01), ("response_gamma", "gamma", 1.3), ("response_gamma", "gamma", 0.8),
-    ("veiling_glare", "fraction", 0.1), ("frame_latency", "latency_s", 0.03), ("frame_latency", "latency_s", -0.02),
+    ("veiling_glare", "fraction", 0.1), ("frame_latency", "latency_s", 0.03), ("frame_latency", "latency_s", -0.005),
     ("servo_lag", "tau_s", 0.03), ("encoder_offset", "pan_rad", 0.02), ("encoder_offset", "pan_rad", -0.02),
     ("encoder_scale", "pan_scale", 0.05), ("odometry_scale", "vx_scale", 0.15), ("odometry_scale", "vx_scale", -0.15),
     ("heading_drift", "rad_per_m", 0.5), ("ball_away", "metres", 0.03), ("ball_away", "metres", -0.03)]

@@ -41,10 +41,10 @@ class OutcomesProblem : public Problem {
   std::string no_outliers_because() const override { return "each number stands for many runs"; }
   std::vector<std::string> remarks(const Model& model) const override;
 
-  // Derivatives of predictions by a coordinate, by row, over a step that the set notices. `h` is
-  // the step to begin with, and gets the one taken. Empty where nothing near can be predicted.
+  // Derivatives of predictions by a coordinate, by row, over a step that the set notices. `step`
+  // is the one to begin with, and gets the one taken. Empty where nothing near can be predicted.
   std::vector<double> slope(const Model& model, const struct Coordinate& coordinate,
-                            const Groups& groups, double& h) const;
+                            const Groups& groups, double& step) const;
   // Rows whitened by the covariance that this model predicts.
   std::vector<double> whitened_by(const Model& model, const Groups& groups,
                                   const std::vector<double>& rows) const;

@@ -162,11 +162,11 @@ class OutcomesFit {
 }  // namespace
 
 std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate& c,
-                                           const Groups& groups, double& h) const {
+                                           const Groups& groups, double& step) const {
   // Of the errors, or of a misfit beyond them: a change that is seen and still near. What runs give
   // is a staircase where pixels decide; its trend shows over steps like those that are to be made.
   constexpr double kLeast = 0.5, kMost = 2, kShareOfMisfit = 1;
-  constexpr int kAttempts = 3;
+  constexpr int kAttempts = 4;
   std::vector<double> here, there;
   if (!predict(model, groups, here)) return {};
   std::vector<double> missed(here.size(), 0);
@@ -182,8 +182,10 @@ std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate&
   // Away from neutral: what an effect does is seen where there is more of it.
   const double neutral = c.parameter->fit_reciprocal ? 0 : c.parameter->neutral;
   const bool away_is_up = z >= neutral;
-  std::vector<double> column;
-  h = std::min(on_grid(h, c.scale), widest);
+  std::vector<double> best;
+  double best_off = std::numeric_limits<double>::infinity();
+  double too_near = 0, too_far = widest;
+  double h = std::min(on_grid(step, c.scale), widest);
   for (int attempt = 0; attempt < kAttempts && h > 0; ++attempt) {
     const bool up = away_is_up ? z + h <= high : z - h < low;
     const double to = std::clamp(up ? z + h : z - h, low, high);
@@ -193,17 +195,25 @@ std::vector<double> OutcomesProblem::slope(const Model& model, const Coordinate&
       h *= 0.2;
       continue;
     }
-    column.assign(here.size(), 0);
+    std::vector<double> column(here.size());
     for (size_t i = 0; i < here.size(); ++i) column[i] = there[i] - here[i];
     const double noticed = size_of(whitened_by(model, groups, column)) / size;
-    for (double& value : column) value /= to - z;
-    const bool farther = noticed < kLeast && h < widest;
-    if (!farther && noticed < kMost) break;
-    if (attempt + 1 == kAttempts) break;
-    h = noticed > 0 ? on_grid(std::clamp(h / noticed, 0.05 * h, 10 * h), c.scale) : widest;
-    h = std::min(h, widest);
+    const double off = noticed > 0 ? std::abs(std::log(noticed)) : 1e300;
+    if (off < best_off) {
+      for (double& value : column) value /= to - z;
+      best = std::move(column), best_off = off, step = h;
+    }
+    if (noticed >= kLeast && noticed < kMost) break;
+    if (noticed < kLeast && h >= widest) break;
+    (noticed < kLeast ? too_near : too_far) = h;
+    double next = noticed > 0 ? std::clamp(h / noticed, 0.05 * h, 10 * h) : widest;
+    // Between one that is not seen and one beyond a cliff.
+    if (too_near > 0 && too_far < widest) next = std::sqrt(too_near * too_far);
+    next = std::min(on_grid(next, c.scale), widest);
+    if (next == h) break;
+    h = next;
   }
-  return column;
+  return best;
 }
 
 std::vector<std::vector<double>> OutcomesProblem::jacobian(const Model& model,
@@ -213,8 +223,8 @@ std::vector<std::vector<double>> OutcomesProblem::jacobian(const Model& model,
   std::vector<std::vector<double>> columns;
   for (const Unknown& unknown : unknowns) {
     const Coordinate c(model, unknown);
-    double h = kFirstStep * c.scale;
-    std::vector<double> column = slope(model, c, groups, h);
+    double step = kFirstStep * c.scale;
+    std::vector<double> column = slope(model, c, groups, step);
     column.resize(rows_.size(), 0);
     const double by_coordinate = c.slope(c.of(model));
     const double rate = std::isfinite(by_coordinate) ? -1 / by_coordinate : -1;
