@@ -90,18 +90,22 @@ class Scoring {
   }
 
   Parabola look() {
-    constexpr double kStep = 1e-4, kOwn = 0.05;
+    constexpr double kStep = 1e-4, kOwn = 0.05, kRounding = 1e-6;
+    constexpr Index kWorthThreads = 10'000;
     const auto n = static_cast<Index>(here_.used.size());
     // By scalar: dv / s, and dlog s, by parameter.
     MatrixXd moved = MatrixXd::Zero(n, z_.size()), widened = moved;
-    VectorXd slope(z_.size()), told(z_.size());
-    parallel_for(which_.size(), [&](size_t k) {
+    // By how much more log det S changes than the scalars' own variances say.
+    VectorXd slope = VectorXd::Constant(z_.size(), std::numeric_limits<double>::infinity()),
+             beyond = slope;
+    const auto look_along = [&](size_t k) {
       const auto i = static_cast<Index>(k);
       VectorXd there_z = z_;
       const double h = z_[i] + kStep > box_.high[i] ? -kStep : kStep;
       there_z[i] += h;
       const Evaluation there = at(there_z);
-      told[i] = 0, slope[i] = (-log_likelihood_of(problem_, there) - height_) / h;
+      if (!there.valid) return;
+      double own = 0, stated = there.shared_log_det - here_.shared_log_det;
       for (Index row = 0; row < n; ++row) {
         const auto r = static_cast<size_t>(row);
         // What a run begins with is fitted by it, whatever its variance.
@@ -109,14 +113,15 @@ class Scoring {
         const double wider = std::log(there.sigma[r] / here_.sigma[r]) / h;
         moved(row, i) = (there.whitened[r] - here_.whitened[r]) / h + here_.whitened[r] * wider;
         widened(row, i) = wider;
-        told[i] += 2 * wider;
+        own += 2 * wider;
       }
-      double stated = there.shared_log_det - here_.shared_log_det;
       for (size_t g = 0; g < there.log_det.size(); ++g)
         stated += there.log_det[g] - here_.log_det[g];
-      told[i] = std::abs(told[i] - stated / h) - kOwn * 2 * widened.col(i).lpNorm<1>();
-    });
-    own_variances_ = own_variances_ && !(told.array() > 1e-6).any() && slope.allFinite();
+      slope[i] = (-log_likelihood_of(problem_, there) - height_) / h;
+      beyond[i] = std::abs(own - stated / h) - kOwn * 2 * widened.col(i).lpNorm<1>();
+    };
+    parallel_for(which_.size(), look_along, n > kWorthThreads);
+    own_variances_ = own_variances_ && slope.allFinite() && beyond.maxCoeff() <= kRounding;
     information_ = moved.transpose() * moved + 2 * (widened.transpose() * widened);
     // Where variances are not their own there is nothing to go by.
     if (!own_variances_) information_.setZero();

@@ -1,11 +1,13 @@
 // Structure tests: does the mean or the spread of the residuals depend on anything?
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <tuple>
 
 #include "measurement/numerics/legendre.h"
+#include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
 #include "measurement/problem/problem.h"
 #include "sim_core/base/maths.h"
@@ -29,13 +31,6 @@ struct Signal {
   }
   // Of the native residual for one of the whitened: strength in the unit of the data.
   double sigma() const { return whitened2 > 0 ? std::sqrt(native2 / whitened2) : 1; }
-};
-
-struct Column {
-  std::string name;
-  Covariate::Type type;
-  const std::vector<double>* values;
-  bool in_products;
 };
 
 // By row: 1 where the row is the first of its series and a start fitted to it took all of its
@@ -106,8 +101,7 @@ bool scaled_column(const std::vector<double>& values, const std::vector<int>& ro
   return true;
 }
 
-// Legendre polynomials of degree 1 to 4: slow changes; and waves of 1 to 6 half... whole periods
-// over the range: fast ones.
+// Legendre polynomials of degree 1 to 4: slow changes; waves of 1 to 6 periods: fast ones.
 std::vector<std::vector<double>> slow_basis(const std::vector<double>& x) {
   std::vector<std::vector<double>> basis(4, std::vector<double>(x.size()));
   for (size_t i = 0; i < x.size(); ++i) {
@@ -146,11 +140,11 @@ class Tester {
   }
 
   std::vector<Structure> run() {
-    for (const Signal& signal : signals_) {
-      test_mean(signal);
-      test_products(signal);
-      test_order(signal);
-      test_spread(signal);
+    std::vector<Tester> by_signal(signals_.size(), Tester(facts_, lost_share_));
+    parallel_for(signals_.size(), [&](size_t i) { by_signal[i].test(signals_[i]); });
+    for (const Tester& one : by_signal) {
+      looks_ += one.looks_;
+      found_.insert(found_.end(), one.found_.begin(), one.found_.end());
     }
     for (Structure& found : found_) found.p_value = corrected(found.p_value, looks_);
     std::erase_if(found_, [](const Structure& s) { return s.p_value > 0.05; });
@@ -164,6 +158,15 @@ class Tester {
   }
 
  private:
+  // For the signals of another one by one.
+  Tester(const Facts& facts, double lost_share) : facts_(facts), lost_share_(lost_share) {}
+  void test(const Signal& signal) {
+    test_mean(signal);
+    test_products(signal);
+    test_order(signal);
+    test_spread(signal);
+  }
+
   // One line for each residual, moment and covariate.
   void keep_strongest() {
     std::vector<Structure> kept;
@@ -310,15 +313,26 @@ void Tester::test_waves_in_time(const Signal& signal) {
   double mean =
       std::accumulate(signal.z.begin(), signal.z.end(), 0.0) / static_cast<double>(signal.z.size());
   std::vector<double> c(count, 0), s(count, 0);
-  for (size_t i = 0; i < times.size(); ++i) {
-    const double angle = 2 * maths::kPi * df * (times[i] - distinct.front());
-    const double c1 = std::cos(angle), s1 = std::sin(angle);
-    double re = signal.z[i] - mean, im = 0;
+  // Some side by side: each turns by its angle from one frequency to the next.
+  constexpr size_t kTogether = 8;
+  std::array<double, kTogether> re{}, im{}, c1{}, s1{};
+  for (size_t first = 0; first < times.size(); first += kTogether) {
+    for (size_t j = 0; j < kTogether; ++j) {
+      const bool there = first + j < times.size();
+      const size_t i = there ? first + j : first;
+      const double angle = 2 * maths::kPi * df * (times[i] - distinct.front());
+      c1[j] = std::cos(angle), s1[j] = std::sin(angle);
+      re[j] = there ? signal.z[i] - mean : 0, im[j] = 0;
+    }
     for (int k = 0; k < count; ++k) {
-      const double next = re * c1 - im * s1;
-      im = im * c1 + re * s1;
-      re = next;
-      c[k] += re, s[k] += im;
+      double sum_c = c[k], sum_s = s[k];
+      for (size_t j = 0; j < kTogether; ++j) {
+        const double next = re[j] * c1[j] - im[j] * s1[j];
+        im[j] = im[j] * c1[j] + re[j] * s1[j];
+        re[j] = next;
+        sum_c += re[j], sum_s += im[j];
+      }
+      c[k] = sum_c, s[k] = sum_s;
     }
   }
   int best = 0;

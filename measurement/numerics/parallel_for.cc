@@ -21,9 +21,10 @@ void use_threads(size_t most) {
   most_threads = most;
 }
 
-void parallel_for(size_t count, const std::function<void(size_t)>& job) {
+void parallel_for(size_t count, const std::function<void(size_t)>& job, bool worth_threads) {
   const size_t cores = std::max(1u, std::thread::hardware_concurrency());
-  const size_t workers = std::min(count, most_threads > 0 ? most_threads : cores);
+  const size_t most = most_threads > 0 ? most_threads : cores;
+  const size_t workers = std::min(count, worth_threads ? most : 1);
   std::atomic<size_t> next{0};
   std::exception_ptr failure;
   std::mutex mutex;

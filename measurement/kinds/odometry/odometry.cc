@@ -5,6 +5,7 @@
 
 #include "effects/questions.h"
 #include "measurement/kinds/series_facts.h"
+#include "measurement/numerics/parallel_for.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 
@@ -118,25 +119,23 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
   key.push_back(static_cast<double>(times_marked()));
   for (const effects::MovingNoise& pose : noise)
     key.insert(key.end(), {pose.xy_sigma_m, pose.theta_sigma_rad, pose.per_mps, pose.per_radps});
-  for (size_t i = 0; i < runs_.size(); ++i) {
+  // Runs may be an hour long: each is a job of its own, and adds to its group in their order.
+  struct Share {
+    bool valid = true;
+    double log_det = 0;
+    int unknowns = 0;
+  };
+  std::vector<Share> shares(runs_.size());
+  const auto walk_run = [&](size_t i) {
     const WalkRun& run = runs_[i];
-    if (!groups[facts_.group_of_row[run.rows[0]]]) continue;
-    const auto kept = paths_->of(i, mean, [&] {
-      Walked walked{.path = predict_walk(walk, run, timing)};
-      walked.steps.resize(walked.path.size());
-      for (size_t k = 1; k < walked.path.size(); ++k) {
-        const effects::WalkState step = between(walked.path[k - 1], walked.path[k]);
-        walked.steps[k] = {step.x_m, step.y_m, step.theta_rad};
-      }
-      if (counting_matters(walk.wheels, noise_)) walked.counted = count_errors(run, timing);
-      return walked;
-    });
+    if (!groups[facts_.group_of_row[run.rows[0]]]) return;
+    const auto kept = paths_->of(i, mean, [&] { return walked_by(walk, run, timing); });
     const std::vector<effects::WalkState>& path = kept->path;
     for (const effects::WalkState& state : path) {
-      evaluation.valid &=
+      shares[i].valid &=
           std::isfinite(state.x_m) && std::isfinite(state.y_m) && std::isfinite(state.theta_rad);
     }
-    if (!evaluation.valid) return evaluation;
+    if (!shares[i].valid) return;
     const PoseSigmas sigma = pose_sigmas(noise, noise_, run, path);
     // A filter begins at the first pose, and needs a start only where that is not whole.
     const bool filtered = noisy || !kept->counted.empty();
@@ -144,15 +143,35 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
         filtered && is_whole(run, 0)
             ? Start{.unknowns = 3}
             : *starts_->of(i, key, [&] { return fit_start(run, run.rows.size(), path, sigma); });
+    shares[i].unknowns = start.unknowns;
     if (filtered) {
-      filter(walk, run, start, *kept, sigma, evaluation);
+      shares[i].log_det = filter(walk, run, start, *kept, sigma, evaluation);
     } else {
       take_start(run, start.pose, path, sigma, evaluation);
-      evaluation.log_det[facts_.group_of_row[run.rows[0]]] += start.log_det;
+      shares[i].log_det = start.log_det;
     }
-    evaluation.nuisances += start.unknowns;
+  };
+  constexpr size_t kWorthThreads = 10'000;
+  parallel_for(runs_.size(), walk_run, facts_.rows() > kWorthThreads);
+  for (size_t i = 0; i < runs_.size(); ++i) {
+    evaluation.valid &= shares[i].valid;
+    evaluation.log_det[facts_.group_of_row[runs_[i].rows[0]]] += shares[i].log_det;
+    evaluation.nuisances += shares[i].unknowns;
   }
   return evaluation;
+}
+
+OdometryProblem::Walked OdometryProblem::walked_by(const effects::Locomotion& walk,
+                                                   const WalkRun& run,
+                                                   const effects::Timing& timing) const {
+  Walked walked{.path = predict_walk(walk, run, timing)};
+  walked.steps.resize(walked.path.size());
+  for (size_t k = 1; k < walked.path.size(); ++k) {
+    const effects::WalkState step = between(walked.path[k - 1], walked.path[k]);
+    walked.steps[k] = {step.x_m, step.y_m, step.theta_rad};
+  }
+  if (counting_matters(walk.wheels, noise_)) walked.counted = count_errors(run, timing);
+  return walked;
 }
 
 std::vector<effects::Lack> OdometryProblem::lacks(const effects::Wheels& wheels) const {

@@ -87,6 +87,8 @@ class OdometryProblem : public Problem {
     CountErrors counted;
   };
 
+  Walked walked_by(const effects::Locomotion& walk, const WalkRun& run,
+                   const effects::Timing& timing) const;
   std::vector<effects::Lack> lacks(const effects::Wheels& wheels) const;
   void describe(const MeasurementSet& set, const CsvTable& table);
   void add_covariates(const effects::Locomotion& walk);
@@ -97,11 +99,12 @@ class OdometryProblem : public Problem {
                   Evaluation& evaluation) const;
   double log_det_of(const WalkRun& run, const Eigen::Matrix3d& information,
                     const PoseSigmas& sigma) const;
-  void filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
-              const Walked& walked, const PoseSigmas& sigma, Evaluation& evaluation) const;
+  // Gives log det S of the run.
+  double filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
+                const Walked& walked, const PoseSigmas& sigma, Evaluation& evaluation) const;
   template <int N>
-  void filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
-              const Walked& walked, const PoseSigmas& sigma, Evaluation& evaluation) const;
+  double filter(const effects::Locomotion& walk, const WalkRun& run, const Start& start,
+                const Walked& walked, const PoseSigmas& sigma, Evaluation& evaluation) const;
   // Of a channel of a row; -1 where blank.
   int scalar(size_t row, int channel) const { return scalars_[row][channel]; }
   bool takes_part(size_t row, int channel) const {

@@ -83,9 +83,9 @@ struct Belief {
 // model is right. The first pose starts it (a flat prior), so that its own innovations are zero.
 // Where nothing wanders and nothing is counted it is the same least squares as fit_start.
 template <int N>
-void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
-                             const Start& start, const Walked& walked, const PoseSigmas& sigma,
-                             Evaluation& evaluation) const {
+double OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
+                               const Start& start, const Walked& walked, const PoseSigmas& sigma,
+                               Evaluation& evaluation) const {
   const std::vector<effects::WalkState>& path = walked.path;
   const double q_xy = walk.xy_sigma * walk.xy_sigma, q_theta = walk.theta_sigma * walk.theta_sigma;
   Belief<N> belief;
@@ -128,17 +128,14 @@ void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run
       belief.correct(channel, innovation, variance);
     }
   }
-  evaluation.log_det[facts_.group_of_row[run.rows[0]]] += variances.log();
+  return variances.log();
 }
 
-void OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
-                             const Start& start, const Walked& walked, const PoseSigmas& sigma,
-                             Evaluation& evaluation) const {
-  if (walked.counted.empty()) {
-    filter<3>(walk, run, start, walked, sigma, evaluation);
-  } else {
-    filter<5>(walk, run, start, walked, sigma, evaluation);
-  }
+double OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& run,
+                               const Start& start, const Walked& walked, const PoseSigmas& sigma,
+                               Evaluation& evaluation) const {
+  return walked.counted.empty() ? filter<3>(walk, run, start, walked, sigma, evaluation)
+                                : filter<5>(walk, run, start, walked, sigma, evaluation);
 }
 
 }  // namespace seam::measurement
