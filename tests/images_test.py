@@ -235,6 +235,21 @@ def test_a_rig(folder):
             shutil.copy(picture, stamped / f"{side}_{stamp}.png")
     said = run("import", "images", stamped, *words, "--out", folder / "rig-timed")
     assert "6 frames, 5 of them seen by several cameras" in said and "up to 3 ms apart" in said, said
+    # The same from a bag, whose topics name the cameras.
+    messages = []
+    for picture in sorted(stamped.iterdir(), key=lambda one: one.stem.split("_")[1]):
+        side, stamp = picture.stem.split("_")
+        head = Cdr(False).header(int(stamp) / 1e9).text("png").put("I", picture.stat().st_size)
+        head.data += picture.read_bytes()
+        messages.append((f"/{side}/compressed", "sensor_msgs/CompressedImage", int(stamp) / 1e9, head.data))
+    (folder / "rig.mcap").write_bytes(mcap_file(messages))
+    for kind in ("images", "ros"):
+        said = run("import", kind, folder / "rig.mcap", *words, "--out", folder / f"rig-bag-{kind}")
+        assert "6 frames, 5 of them seen by several cameras" in said and "up to 3 ms apart" in said, said
+
+    def corners(of):
+        return [(row["camera"], row["u_px"], row["v_px"]) for row in csv.DictReader((folder / of / "points.csv").open())]
+    assert corners("rig-bag-images") == corners("rig-timed") == corners("rig-bag-ros")
     # What is no rig is said.
     for camera, why, code in (("left,left", "each once", 2), ("left,", "each once", 2), ("left,up", "no picture's name holds it", 1)):
         said = run("import", "images", both / "left", both / "right", *words[:-1], camera, "--out", folder / "none", code=code)
