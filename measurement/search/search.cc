@@ -361,6 +361,7 @@ SearchResult Searcher::run() {
   }
   if (marks_changed) base_ = base();
   result.base = base_;
+  result.best = less_tangled(problem_, std::move(result.best));
   result.first_is_of_base = !marks_changed;
   order_steps(
       problem_, [&](const std::string& name) { return definition(name); }, exchanges_, promising_,
