@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "measurement/fitting/leave_out.h"
+#include "measurement/numerics/parallel_for.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -92,13 +93,18 @@ Assessment assess_fitted_to(const Problem& problem, const Problem& shown, const 
   result.fit = fit_on(shown, groups, model, unknowns);
   result.model = result.fit.model;
   const bool one_fold = problem.folds().size() == 1;
-  result.held =
-      problem.score_held_out(result.model, one_fold ? problem.folds()[0] : problem.all_groups());
   // One group alone is both trained on and held out, and counts once.
   const bool sum =
       one_fold && problem.groups_are_independent(result.model) && problem.facts().groups.size() > 1;
-  const Score rest =
-      problem.score(result.model, sum ? problem.training_groups() : problem.all_groups());
+  Score rest;
+  parallel_for(2, [&](size_t which) {
+    if (which == 0) {
+      const Groups held = one_fold ? problem.folds()[0] : problem.all_groups();
+      result.held = problem.score_held_out(result.model, held);
+    } else {
+      rest = problem.score(result.model, sum ? problem.training_groups() : problem.all_groups());
+    }
+  });
   result.total_ll = rest.log_likelihood + (sum ? result.held.log_likelihood : 0);
   result.valid = result.held.valid && rest.valid && std::isfinite(result.total_ll);
   result.error = result.held.error();

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "sim_core/base/error.h"
@@ -13,7 +15,30 @@
 namespace seam::measurement {
 namespace {
 
-size_t most_threads = 0;  // 0: one for each core.
+size_t most_threads = 0;         // 0: one for each core.
+std::atomic<size_t> helpers{0};  // Threads beside those that called, of all loops.
+
+// A core that no loop uses: loops inside of loops have those that the outer ones leave idle.
+class IdleCore {
+ public:
+  IdleCore() {
+    const size_t cores = most_threads > 0 ? most_threads : std::thread::hardware_concurrency();
+    for (size_t now = helpers; !found_ && now + 1 < cores;)
+      found_ = helpers.compare_exchange_weak(now, now + 1);
+  }
+  ~IdleCore() {
+    if (found_) --helpers;
+  }
+  IdleCore(IdleCore&& from) noexcept : found_(std::exchange(from.found_, false)) {}
+  IdleCore(const IdleCore&) = delete;
+  IdleCore& operator=(const IdleCore&) = delete;
+  IdleCore& operator=(IdleCore&&) = delete;
+
+  bool found() const { return found_; }
+
+ private:
+  bool found_ = false;
+};
 
 }  // namespace
 
@@ -22,31 +47,39 @@ void use_threads(size_t most) {
 }
 
 void parallel_for(size_t count, const std::function<void(size_t)>& job, bool worth_threads) {
-  const size_t cores = std::max(1u, std::thread::hardware_concurrency());
-  const size_t most = most_threads > 0 ? most_threads : cores;
-  const size_t workers = std::min(count, worth_threads ? most : 1);
   std::atomic<size_t> next{0};
   std::exception_ptr failure;
   std::mutex mutex;
-  const auto work = [&] {
-    for (size_t i = next++; i < count; i = next++) {
-      try {
-        job(i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-      }
+  const auto run = [&](size_t i) {
+    try {
+      job(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
     }
   };
   {
     std::vector<std::jthread> threads;
+    // Cores that become idle later help from then on.
+    const auto call_helpers = [&] {
+      while (next < count) {
+        auto core = std::make_shared<IdleCore>();
+        if (!core->found()) return;
+        threads.push_back(start_thread([&, core = std::move(core)]() mutable {
+          for (size_t i = next++; i < count; i = next++) run(i);
+          core.reset();  // Before the thread is joined.
+        }));
+      }
+    };
     try {
-      for (size_t w = 1; w < workers; ++w) threads.push_back(start_thread(work));
+      for (size_t i = next++; i < count; i = next++) {
+        if (worth_threads) call_helpers();
+        run(i);
+      }
     } catch (const InputError&) {
       next = count;  // Those that were started end with the job they have.
       throw;
     }
-    work();
   }
   if (failure) std::rethrow_exception(failure);
 }

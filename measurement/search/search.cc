@@ -48,6 +48,7 @@ class Searcher {
   bool widens(const Grown& grown) const;
   void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown);
+  bool is_missed(const Grown& grown, const std::string& name, const Grown& less) const;
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
 
   Problem& problem_;
@@ -70,6 +71,24 @@ std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& 
   return nullptr;
 }
 
+// Whether an added effect is needed beside the others, fitted again without it.
+bool Searcher::is_missed(const Grown& grown, const std::string& name, const Grown& less) const {
+  Candidate back{.effect = definition(name), .grown = grown};
+  for (const Unknown& unknown : grown.assessment.unknowns) {
+    if (unknown.effect == name) back.free.push_back(unknown.parameter);
+  }
+  const Evaluation here = problem_.evaluate(less.assessment.model, problem_.scored_groups());
+  judge(problem_, less, here, looks_, material_, back);
+  // Draws of the target can take the place of its mean without moving a prediction: whether they do
+  // is told by the likelihood of all groups alone.
+  const bool hidden = back.effect->stage == effects::Stage::target && !back.effect->spread_only &&
+                      back.p_value < kCandidateAlarm && has_draws(less.assessment.model);
+  // A smaller model that a fit brought to a wrong place says nothing.
+  const bool lost =
+      grown.assessment.error < kMisfit && back.gain_ll > 0 && back.total_gain_ll > kAnyPrice;
+  return back.significant || hidden || lost;
+}
+
 // Drops effects that the others have made unnecessary.
 bool Searcher::prune(Grown& grown) {
   bool changed = false;
@@ -85,27 +104,12 @@ bool Searcher::prune(Grown& grown) {
                       grown.assessment.total_ll - kAnyPrice))
         return;
       less.assessment = assess(problem_, less.assessment.model, less.assessment.unknowns);
-      if (less.assessment.valid) smaller[i] = std::move(less);
+      if (less.assessment.valid && !is_missed(grown, grown.added[i], less))
+        smaller[i] = std::move(less);
     });
     size_t best = grown.added.size();
     for (size_t i = 0; i < smaller.size(); ++i) {
       if (!smaller[i]) continue;
-      Candidate back{.effect = definition(grown.added[i]), .grown = grown};
-      for (const Unknown& unknown : grown.assessment.unknowns) {
-        if (unknown.effect == grown.added[i]) back.free.push_back(unknown.parameter);
-      }
-      const Evaluation here =
-          problem_.evaluate(smaller[i]->assessment.model, problem_.scored_groups());
-      judge(problem_, *smaller[i], here, looks_, material_, back);
-      // Draws of the target can take the place of its mean without moving a prediction: whether
-      // they do is told by the likelihood of all groups alone.
-      const bool hidden = back.effect->stage == effects::Stage::target &&
-                          !back.effect->spread_only && back.p_value < kCandidateAlarm &&
-                          has_draws(smaller[i]->assessment.model);
-      // A smaller model that a fit brought to a wrong place says nothing.
-      const bool lost =
-          grown.assessment.error < kMisfit && back.gain_ll > 0 && back.total_gain_ll > kAnyPrice;
-      if (back.significant || hidden || lost) continue;
       if (best == smaller.size() ||
           merit_of(problem_, *smaller[i]) > merit_of(problem_, *smaller[best]))
         best = i;
@@ -357,6 +361,7 @@ SearchResult Searcher::run() {
   }
   if (marks_changed) base_ = base();
   result.base = base_;
+  result.best = less_tangled(problem_, std::move(result.best));
   result.first_is_of_base = !marks_changed;
   order_steps(
       problem_, [&](const std::string& name) { return definition(name); }, exchanges_, promising_,

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/numerics/linear_algebra.h"
@@ -150,30 +151,113 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
   return testable;
 }
 
-Grown less_untold(const Problem& problem, Grown grown) {
+namespace {
+
+// By unknown: how many times worse it is known beside the others than alone.
+std::vector<double> worse_beside_others(const Fit& fit) {
+  const auto n = static_cast<Eigen::Index>(fit.sigma.size());
+  Eigen::MatrixXd correlation = Eigen::MatrixXd::Identity(n, n);
+  const Eigen::Map<const Eigen::MatrixXd> covariance(fit.covariance.data(), n, n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    for (Eigen::Index b = 0; b < n; ++b) {
+      const double size = std::sqrt(covariance(a, a) * covariance(b, b));
+      if (a != b && size > 0) correlation(a, b) = covariance(a, b) / size;
+    }
+  }
+  constexpr double kFloor = 1e-14;
+  const Eigen::MatrixXd information = floored_inverse(correlation, kFloor);
+  std::vector<double> worse;
+  for (Eigen::Index a = 0; a < n; ++a) worse.push_back(std::sqrt(information(a, a)));
+  return worse;
+}
+
+// The same model with one value of an effect at neutral and others of it free, fitted again.
+// Nothing where that costs likelihood, or where those are not told either.
+std::optional<Assessment> as_good_without(const Problem& problem, const Assessment& here,
+                                          const Unknown& out, const std::vector<Unknown>& in) {
   constexpr double kNothing = 2;  // In units of the misfit: what one needless number gains.
+  const EffectDefinition& effect = *here.model.find(out.effect)->definition;
+  Model model = here.model;
+  model.set_value(out.effect, out.parameter, effect.parameters[out.parameter].neutral);
+  std::vector<Unknown> rest = here.unknowns;
+  std::erase(rest, out);
+  rest.insert(rest.end(), in.begin(), in.end());
+  Assessment less = assess(problem, model, rest);
+  const double unit = std::max(1.0, here.error * here.error);
+  if (!less.valid || !(less.total_ll > here.total_ll - kNothing * unit)) return std::nullopt;
+  for (const Unknown& unknown : in) {
+    const size_t k = *index_of(less.unknowns, unknown);
+    const double neutral = effect.parameters[unknown.parameter].neutral;
+    if (!(less.fit.sigma[k] < std::abs(less.fit.value[k] - neutral))) return std::nullopt;
+  }
+  return less;
+}
+
+// Values of the effect before this one that are at neutral though the data might tell them.
+std::vector<Unknown> left_out_before(const Problem& problem, const Assessment& here,
+                                     const Unknown& unknown) {
+  const EffectDefinition& effect = *here.model.find(unknown.effect)->definition;
+  std::vector<Unknown> left_out;
+  for (size_t i = 0; i < unknown.parameter; ++i) {
+    const effects::Parameter& parameter = effect.parameters[i];
+    if (parameter.integer || parameter.stated || parameter.on_demand ||
+        index_of(here.unknowns, {unknown.effect, i}) ||
+        !problem.not_testable(here.model, effect, i).empty())
+      continue;
+    left_out.push_back({unknown.effect, i});
+  }
+  return left_out;
+}
+
+// Values of added effects of which there are several, the last first, that may go are tried
+// without: `may_go` says which and, where nothing makes up for one alone, which others are to be
+// free then.
+using MayGo =
+    std::function<bool(const Assessment& here, const Unknown& which, std::vector<Unknown>& in)>;
+
+Grown less_of(const Problem& problem, Grown grown, const MayGo& may_go) {
   for (const std::string& name : grown.added) {
     const EffectDefinition& effect = *grown.assessment.model.find(name)->definition;
     const auto of_it = [&](const Unknown& unknown) { return unknown.effect == name; };
     if (!effect.has_neutral) continue;
     for (size_t i = effect.parameters.size(); i-- > 0;) {
-      const Assessment& here = grown.assessment;
-      const auto& all = here.unknowns;
-      const auto place = index_of(all, {name, i});
-      if (!place || std::count_if(all.begin(), all.end(), of_it) < 2) continue;
-      const double neutral = effect.parameters[i].neutral, sigma = here.fit.sigma[*place];
-      if (!(sigma > std::abs(here.fit.value[*place] - neutral))) continue;
-      Model model = here.model;
-      model.set_value(name, i, neutral);
-      std::vector<Unknown> rest = all;
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(*place));
-      Assessment less = assess(problem, model, rest);
-      const double unit = std::max(1.0, here.error * here.error);
-      if (less.valid && less.total_ll > here.total_ll - kNothing * unit)
-        grown.assessment = std::move(less);
+      Assessment& here = grown.assessment;
+      const Unknown unknown{name, i};
+      std::vector<Unknown> in;
+      if (!index_of(here.unknowns, unknown) ||
+          std::count_if(here.unknowns.begin(), here.unknowns.end(), of_it) < 2 ||
+          !may_go(here, unknown, in))
+        continue;
+      auto less = as_good_without(problem, here, unknown, {});
+      if (!less && !in.empty()) less = as_good_without(problem, here, unknown, in);
+      if (less) here = *std::move(less);
     }
   }
   return grown;
+}
+
+}  // namespace
+
+Grown less_untold(const Problem& problem, Grown grown) {
+  return less_of(
+      problem, std::move(grown),
+      [](const Assessment& here, const Unknown& which, std::vector<Unknown>&) {
+        const size_t k = *index_of(here.unknowns, which);
+        const double neutral =
+            here.model.find(which.effect)->definition->parameters[which.parameter].neutral;
+        return here.fit.sigma[k] > std::abs(here.fit.value[k] - neutral);
+      });
+}
+
+Grown less_tangled(const Problem& problem, Grown grown) {
+  if (!problem.is_smooth(grown.assessment.model) || problem.screening_groups()) return grown;
+  return less_of(problem, std::move(grown),
+                 [&](const Assessment& here, const Unknown& which, std::vector<Unknown>& in) {
+                   const size_t k = *index_of(here.unknowns, which);
+                   const double worse = worse_beside_others(here.fit)[k];
+                   if (worse > kMayHangOnOthers) in = left_out_before(problem, here, which);
+                   return worse > kHangsOnOthers || !in.empty();
+                 });
 }
 
 }  // namespace seam::measurement

@@ -161,5 +161,52 @@ TEST(ToldApart, EffectsThatPredictTheSameAsFarAsPredictionsAreExactAreTied) {
   }
 }
 
+// Values of a quotient of polynomials that have a factor in common predict the same as those of the
+// quotient without it, of which coarse derivatives know nothing.
+class Quotient : public testing::Test {
+ protected:
+  Quotient() {
+    problem_.deal_into(20);
+    problem_.observe(made_model(effect_, kTruth), {7, 1});
+    problem_.prepare(made_model(effect_, kTruth));
+  }
+  Grown fitted_from(const std::vector<double>& values, const std::vector<size_t>& free) const {
+    Grown grown{.added = {"quotient"}};
+    std::vector<Unknown> unknowns;
+    for (const size_t i : free) unknowns.push_back({"quotient", i});
+    grown.assessment = assess(problem_, made_model(effect_, values), unknowns);
+    return grown;
+  }
+  static double above(const std::vector<double>& p, double t) {
+    return (1 + t * (p[0] + t * p[1])) / (1 + t * (p[2] + t * p[3]));
+  }
+  void expect_simplest(const Grown& grown) const {
+    const effects::Values values = grown.assessment.model.find("quotient")->values();
+    EXPECT_EQ(values[3], 0);
+    for (size_t k = 0; k < grown.assessment.unknowns.size(); ++k)
+      EXPECT_NEAR(values[grown.assessment.unknowns[k].parameter],
+                  kTruth[grown.assessment.unknowns[k].parameter],
+                  4 * grown.assessment.fit.sigma[k]);
+  }
+
+  const std::vector<double> kTruth = {0.4, 0, 0.7, 0};
+  const std::shared_ptr<const EffectDefinition> effect_ =
+      made_effect("quotient", {{.name = "a", .min = -50, .max = 50, .scale = 0.1},
+                               {.name = "b", .min = -50, .max = 50, .scale = 0.1},
+                               {.name = "c", .min = -50, .max = 50, .scale = 0.1},
+                               {.name = "d", .min = -50, .max = 50, .scale = 0.1}});
+  struct Smooth : MadeProblem {
+    using MadeProblem::MadeProblem;
+    bool is_smooth(const Model&) const override { return true; }
+  } problem_{evenly(0, 20, 2000), 1e-5, above};
+};
+
+TEST_F(Quotient, AFactorInCommonGoes) {
+  // (1 + 0.4 t) (1 + 0.3 t) over (1 + 0.7 t) (1 + 0.3 t).
+  const Grown found = fitted_from({0.7, 0.12, 1.0, 0.21}, {0, 1, 2, 3});
+  ASSERT_LT(found.assessment.error, 1.1);
+  expect_simplest(less_tangled(problem_, found));
+}
+
 }  // namespace
 }  // namespace seam::measurement

@@ -116,8 +116,8 @@ std::vector<double> PointsProblem::counted_sigma(const FewErrors& scatter,
 }
 
 // Points that may have failed count for less, and how likely they did follows from where the
-// others have them: in turn until neither changes. `last` has the sigmas that they counted with so
-// far; empty: the stated ones.
+// others have them: a step of each in turn until neither changes. `last` has the sigmas that they
+// counted with so far; empty: the stated ones.
 void PointsProblem::settle_scattered(const FewErrors& scatter, const Model& model,
                                      const Groups& groups, const DrawsKnown* known,
                                      std::vector<double> last,
@@ -132,7 +132,7 @@ void PointsProblem::settle_scattered(const FewErrors& scatter, const Model& mode
     for (size_t i = 0; i < last.size(); ++i) changed2 += std::pow(sigma[i] / last[i] - 1, 2);
     if (changed2 < kSame * kSame) return;
     auto next = adjustment_at(model, groups, known, adjustment->values(), sigma);
-    if (!next->fit()) return;
+    if (!next->fit(/*most_steps=*/1)) return;
     adjustment = std::move(next), last = sigma;
   }
 }

@@ -10,6 +10,7 @@
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
 
@@ -63,35 +64,42 @@ Evaluation PointsProblem::evaluate_unknown(const Model& model, const Groups& gro
   const std::optional<FewErrors> scatter = scatter_of(model);
   Evaluation evaluation = blank();
   evaluation.nuisance_values.assign(12 * data_.rows_of_frame.size(), 0);
-  bool any = false;
-  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
-    if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) continue;
+  const auto taken = [&](size_t frame) {
+    const std::vector<int>& rows = data_.rows_of_frame[frame];
+    return groups[facts_.group_of_row[rows.front()]] &&
+           std::any_of(rows.begin(), rows.end(), [&](int row) { return takes_part(row); });
+  };
+  parallel_for(data_.rows_of_frame.size(), [&](size_t frame) {
+    if (!taken(frame)) return;
     std::vector<int> rows;
     const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
-    if (seen.empty()) continue;
     Pose X_CW;
     const bool near = warm && warm->valid && stored_pose(warm->nuisance_values, frame, X_CW);
     bool have =
         (near && (scatter || refine_pose(cameras, seen, X_CW))) ||
         (initial_pose(cameras, seen, X_CW) && (!refined || refine_pose(cameras, seen, X_CW)));
     if (have && scatter) have = refine_scattered_pose(*scatter, cameras, seen, near, X_CW);
-    std::vector<double> whitened;
-    evaluation.nuisances += 6;
-    if (!have || !pose_residuals(cameras, seen, X_CW, whitened, nullptr)) {
-      count_as_missed(static_cast<int>(frame), evaluation);
-      continue;
-    }
-    any = true;
-    store_pose(X_CW, frame, evaluation.nuisance_values);
     for (const int row : data_.rows_of_frame[frame]) {  // Outliers too: they may come back.
+      if (!have) break;
       const effects::ImagePoint point = cameras.project(X_CW * places_W[row], data_.stamp_s[row],
                                                         data_.v_px[row], data_.camera_of_row[row]);
       const bool predicted = point.has_place();
       evaluation.residual[2 * row] = predicted ? data_.u_px[row] - point.u : 0;
       evaluation.residual[2 * row + 1] = predicted ? data_.v_px[row] - point.v : 0;
+      have = predicted || !takes_part(row);
     }
+    if (have) {
+      store_pose(X_CW, frame, evaluation.nuisance_values);
+    } else {
+      count_as_missed(static_cast<int>(frame), evaluation);
+    }
+  });
+  evaluation.valid = false;
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
+    Pose X_CW;
+    if (taken(frame)) evaluation.nuisances += 6;
+    evaluation.valid = evaluation.valid || stored_pose(evaluation.nuisance_values, frame, X_CW);
   }
-  evaluation.valid = any;
   whiten_diagonal(*this, groups, evaluation);
   if (scatter) whiten_all_scattered(*scatter, groups, evaluation);
   return evaluation;
@@ -172,14 +180,14 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
   const std::optional<FewErrors> scatter = scatter_of(model);
   std::vector<Eigen::Matrix2d> by_row;
   if (scatter) by_row = slopes_of_scattered(*scatter, groups, here);
-  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
-    if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) continue;
+  parallel_for(data_.rows_of_frame.size(), [&](size_t frame) {
+    if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) return;
     std::vector<int> rows;
     const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
     Pose X_CW;
-    if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW)) continue;
+    if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW)) return;
     std::vector<double> base, derivatives, there;
-    if (!pose_residuals(cameras, seen, X_CW, base, &derivatives)) continue;
+    if (!pose_residuals(cameras, seen, X_CW, base, &derivatives)) return;
     // Residuals over their sigmas count as they do, or as scattered ones.
     const auto as_counted = [&](auto&& slopes) {
       for (size_t k = 0; k < rows.size() && scatter; ++k) {
@@ -207,7 +215,7 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
         for (size_t c = 0; c < 2; ++c) columns[p][2 * rows[k] + c] = column[2 * k + c];
       }
     }
-  }
+  });
   return columns;
 }
 

@@ -309,13 +309,13 @@ TargetAdjustment::State TargetAdjustment::moved(const MatrixXd& views, const Mat
   return there;
 }
 
-bool TargetAdjustment::fit() {
-  constexpr int kSteps = 30, kAttempts = 10;
+bool TargetAdjustment::fit(int most_steps) {
+  constexpr int kAttempts = 10;
   // Of log-likelihood: less is not worth a step, and after a step that promised less than the
   // second, derivatives need no renewal.
   constexpr double kEnough = 1e-7, kSettled = 1e-4;
   double here = std::numeric_limits<double>::infinity(), damping = 0;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < most_steps; ++step) {
     MatrixXd right_views, right_points;
     if (!build(right_views, right_points)) return false;
     if (step == 0) {  // What was looked at for the derivatives tells the cost, too.

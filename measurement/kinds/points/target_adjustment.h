@@ -40,8 +40,8 @@ class TargetAdjustment {
   // numbers that an earlier adjustment stored behind them. Frames whose numbers are all zero take
   // no part from here on.
   void start(const std::vector<double>& values);
-  // Goes down to the best nuisances; false where that failed.
-  bool fit();
+  // Goes down to the best nuisances, or so many steps of the way; false where that failed.
+  bool fit(int most_steps = 30);
 
   // The adjusted numbers, to start another from.
   std::vector<double> values() const { return values_of(state_); }

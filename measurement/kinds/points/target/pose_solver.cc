@@ -224,18 +224,15 @@ void store_pose(const Pose& X_CW, size_t frame, std::vector<double>& values) {
   }
 }
 
-bool pose_residuals(const Cameras& cameras, const std::vector<Sighting>& seen, const Pose& X_CW,
-                    std::vector<double>& residuals, std::vector<double>* derivatives) {
-  residuals.resize(2 * seen.size());
-  if (derivatives) derivatives->assign(12 * seen.size(), 0);
+namespace {
+
+// Of the image by the pose, over the sightings' noise, where the image is this.
+bool pose_slopes(const Cameras& cameras, const std::vector<Sighting>& seen, const Pose& X_CW,
+                 const std::vector<Eigen::Vector2d>& image, std::vector<double>& derivatives) {
+  derivatives.resize(12 * seen.size());
   for (size_t i = 0; i < seen.size(); ++i) {
     const Sighting& s = seen[i];
     const Vec3 p_C = X_CW * s.p_W;
-    const effects::ImagePoint image = cameras.project(p_C, s.t_s, s.v_px, s.camera);
-    if (!image.has_place()) return false;
-    residuals[2 * i] = (s.u_px - image.u) / s.sigma_u;
-    residuals[2 * i + 1] = (s.v_px - image.v) / s.sigma_v;
-    if (!derivatives) continue;
     const double h = 1e-6 * glm::length(p_C);
     double du[3], dv[3];
     for (int axis = 0; axis < 3; ++axis) {
@@ -243,8 +240,8 @@ bool pose_residuals(const Cameras& cameras, const std::vector<Sighting>& seen, c
       moved_C[axis] += h;
       const effects::ImagePoint there = cameras.project(moved_C, s.t_s, s.v_px, s.camera);
       if (!there.has_place()) return false;
-      du[axis] = (there.u - image.u) / h;
-      dv[axis] = (there.v - image.v) / h;
+      du[axis] = (there.u - image[i][0]) / h;
+      dv[axis] = (there.v - image[i][1]) / h;
     }
     // d p_C = turn x p_C + shift.
     const Vec3 turned[3] = {{0, -p_C.z, p_C.y}, {p_C.z, 0, -p_C.x}, {-p_C.y, p_C.x, 0}};
@@ -255,22 +252,58 @@ bool pose_residuals(const Cameras& cameras, const std::vector<Sighting>& seen, c
         u += du[axis] * motion;
         v += dv[axis] * motion;
       }
-      (*derivatives)[12 * i + k] = -u / s.sigma_u;
-      (*derivatives)[12 * i + 6 + k] = -v / s.sigma_v;
+      derivatives[12 * i + k] = -u / s.sigma_u;
+      derivatives[12 * i + 6 + k] = -v / s.sigma_v;
     }
   }
   return true;
 }
 
+bool image_of(const Cameras& cameras, const std::vector<Sighting>& seen, const Pose& X_CW,
+              std::vector<Eigen::Vector2d>& image) {
+  image.resize(seen.size());
+  for (size_t i = 0; i < seen.size(); ++i) {
+    const Sighting& s = seen[i];
+    const effects::ImagePoint point = cameras.project(X_CW * s.p_W, s.t_s, s.v_px, s.camera);
+    if (!point.has_place()) return false;
+    image[i] = {point.u, point.v};
+  }
+  return true;
+}
+
+std::vector<double> residuals_of(const std::vector<Sighting>& seen,
+                                 const std::vector<Eigen::Vector2d>& image) {
+  std::vector<double> residuals(2 * seen.size());
+  for (size_t i = 0; i < seen.size(); ++i) {
+    residuals[2 * i] = (seen[i].u_px - image[i][0]) / seen[i].sigma_u;
+    residuals[2 * i + 1] = (seen[i].v_px - image[i][1]) / seen[i].sigma_v;
+  }
+  return residuals;
+}
+
+}  // namespace
+
+bool pose_residuals(const Cameras& cameras, const std::vector<Sighting>& seen, const Pose& X_CW,
+                    std::vector<double>& residuals, std::vector<double>* derivatives) {
+  std::vector<Eigen::Vector2d> image;
+  if (!image_of(cameras, seen, X_CW, image)) return false;
+  residuals = residuals_of(seen, image);
+  return !derivatives || pose_slopes(cameras, seen, X_CW, image, *derivatives);
+}
+
 bool refine_pose(const Cameras& cameras, const std::vector<Sighting>& seen, Pose& X_CW) {
-  std::vector<double> residuals, derivatives, next;
-  if (!pose_residuals(cameras, seen, X_CW, residuals, &derivatives)) return false;
-  double cost = cost_of(residuals);
-  bool looked = true;  // Residuals and derivatives are those of this pose.
+  std::vector<Eigen::Vector2d> image, next;
+  std::vector<double> residuals, derivatives;
+  if (!image_of(cameras, seen, X_CW, image) ||
+      !pose_slopes(cameras, seen, X_CW, image, derivatives))
+    return false;
+  residuals = residuals_of(seen, image);
+  double cost = cost_of(residuals), gained = 0;
+  bool looked = true;  // Derivatives are those of this pose.
   const auto look = [&] {
-    if (!looked) pose_residuals(cameras, seen, X_CW, residuals, &derivatives);
+    if (!looked) pose_slopes(cameras, seen, X_CW, image, derivatives);
     looked = true;
-    Parabola here{Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd::Zero(6), {}};
+    Parabola here{Eigen::MatrixXd::Zero(6, 6), Eigen::VectorXd::Zero(6), {}, {}};
     for (size_t i = 0; i < residuals.size(); ++i) {
       const Eigen::Map<const Eigen::Matrix<double, 6, 1>> row(&derivatives[6 * i]);
       here.curvature += row * row.transpose();
@@ -280,19 +313,26 @@ bool refine_pose(const Cameras& cameras, const std::vector<Sighting>& seen, Pose
   };
   const auto move = [&](const Eigen::VectorXd& by) {
     const Pose there = moved_pose(X_CW, by);
-    if (!pose_residuals(cameras, seen, there, next, nullptr)) return false;
-    const double lower = cost_of(next);
+    if (!image_of(cameras, seen, there, next)) return false;
+    std::vector<double> left = residuals_of(seen, next);
+    const double lower = cost_of(left);
     if (!(lower < cost)) return false;
+    gained = cost - lower;
     X_CW = there, cost = lower, looked = false;
+    residuals.swap(left), image.swap(next);
     return true;
   };
-  const DescentEnd end = descend(
-      {.look = look,
-       .move = move,
-       .height = [&] { return cost; },
-       // A step that gained so little was followed by one that would gain far less.
-       .worth = [&] { return Worth{.promise = 1e-11 * (1 + cost), .gain = 1e-9 + 1e-11 * cost}; }},
-      {.start = 1e-8}, 60);
+  // Each step gains at most as much less than the one before as that one did: where two together
+  // say that the next gains far less than matters, it is not looked for.
+  const auto worth = [&] {
+    constexpr double kFarLess = 1e-3;
+    const double nothing = 1e-9 + 1e-11 * cost;
+    return Worth{.promise = 1e-11 * (1 + cost),
+                 .gain = std::max(nothing, std::sqrt(kFarLess * nothing * gained))};
+  };
+  const DescentEnd end =
+      descend({.look = look, .move = move, .height = [&] { return cost; }, .worth = worth},
+              {.start = 1e-8}, 60);
   return std::isfinite(end.promised);
 }
 
