@@ -16,6 +16,8 @@
 
 namespace seam::measurement {
 
+class ParameterSpace;
+
 // One joint in one run.
 struct JointLog {
   std::string joint;
@@ -140,6 +142,11 @@ class JointsProblem : public Problem {
   // stretches first.
   Model near_start(const Model& start, const std::vector<Unknown>& unknowns,
                    const Groups& groups) const;
+  std::vector<std::vector<double>> differences(const ParameterSpace& space, const Model& model,
+                                               const Groups& groups, const Evaluation& here,
+                                               const std::vector<double>& steps,
+                                               bool both_sides) const;
+  void state_errors(Fit& fit, const std::vector<Unknown>& unknowns, const Groups& groups) const;
   std::vector<std::vector<double>> motor_jacobian(const Model& model,
                                                   const std::vector<Unknown>& unknowns,
                                                   const Groups& groups,

@@ -39,9 +39,9 @@ void tell_once(Fit& fit, const std::vector<Unknown>& unknowns) {
 
 Fit JointsProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
                        const Groups& groups) const {
-  Fit fit = effects::has_base(start, effects::Base::motor)
-                ? fit_motor(start, unknowns, groups)
-                : wide_fit(*this, start, unknowns, groups);
+  const bool motor = effects::has_base(start, effects::Base::motor);
+  Fit fit = motor ? fit_motor(start, unknowns, groups) : wide_fit(*this, start, unknowns, groups);
+  if (motor) state_errors(fit, unknowns, groups);
   tell_once(fit, unknowns);
   return fit;
 }

@@ -12,21 +12,11 @@
 #include "measurement/kinds/joints/motion_look.h"
 #include "measurement/kinds/joints/short_runs.h"
 #include "measurement/numerics/linear_algebra.h"
-#include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
 namespace {
 
 using Values = std::vector<double>;
-
-// Takes out of a list, over the rows where `part` says so, what a column makes of it.
-void take_out(const std::vector<double>& of, std::vector<double>& from,
-              const std::vector<size_t>& rows) {
-  double along = 0, norm = 0;
-  for (const size_t i : rows) along += of[i] * from[i], norm += of[i] * of[i];
-  if (!(norm > 0)) return;
-  for (const size_t i : rows) from[i] -= along / norm * of[i];
-}
 
 // Principal axes of the errors of what moves the mean, in coordinates, each one error long.
 std::vector<Eigen::VectorXd> axes_of(const Fit& fit, const ParameterSpace& space) {
@@ -231,70 +221,6 @@ Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unk
   Fit other = fit_torque(*without, unknowns, groups);
   const bool complete = misfit_under(*this, other.model, groups) < kAtNoise;
   return complete && fit.log_likelihood - other.log_likelihood > kAskedFor ? fit : other;
-}
-
-// Logs are independent of each other: all their starts are moved at once.
-void JointsProblem::take_out_starts(const Model& model, const Groups& groups,
-                                    const Evaluation& here, std::vector<Values>& columns) const {
-  const double by_rad = here.sigma.empty() ? 0 : facts_.channels[0].noise, by_radps = 0.01;
-  const auto slope = [&](double rad, double radps) {
-    Evaluation moved;
-    moved.nuisance_values = here.nuisance_values, moved.reusable = here.reusable;
-    size_t place = 0;
-    for (const JointLog& log : set_.logs) {
-      if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
-      moved.nuisance_values.at(place) += rad;
-      if (unknowns_of_start(model, log) > 1) moved.nuisance_values.at(place + 1) += radps;
-      place += 2;
-    }
-    const Evaluation there = evaluate(model, groups, &moved);
-    return change_of(model, here, there);
-  };
-  const Values by_angle = slope(by_rad, 0);
-  const bool any_rate = std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) {
-    return unknowns_of_start(model, log) > 1;
-  });
-  Values by_rate = any_rate ? slope(0, by_radps) : Values();
-  size_t place = 0;
-  for (const JointLog& log : set_.logs) {
-    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
-    const double offset_rad = here.nuisance_values.at(place);
-    place += 2;
-    // A start that is held near where it was measured is not free.
-    if (std::abs(offset_rad) >= kFarthestStart * here.sigma[log.rows[0]]) continue;
-    if (any_rate) take_out(by_angle, by_rate, log.rows);
-    for (Values& column : columns) {
-      take_out(by_angle, column, log.rows);
-      if (any_rate) take_out(by_rate, column, log.rows);
-    }
-  }
-}
-
-// One-sided differences with the starts of the logs as they are; what these could do about a column
-// is taken out of it, so that errors know of them.
-std::vector<Values> JointsProblem::motor_jacobian(const Model& model,
-                                                  const std::vector<Unknown>& unknowns,
-                                                  const Groups& groups,
-                                                  const Evaluation& here) const {
-  constexpr double kStep = 1e-3;  // Of the parameter's size.
-  const ParameterSpace space(model, unknowns);
-  std::vector<Values> columns(space.size());
-  parallel_for(space.size(), [&](size_t at) {
-    const Coordinate& c = space[at];
-    const double z = c.of(model);
-    // Two that act as a product alone must move it alike, or the difference of their differences
-    // would pass for what the data know of each: those above 0 by their bounds move by their size.
-    double step = kStep * (c.min > 0 ? std::abs(z) : std::max(c.scale, std::abs(z)));
-    if (z + step > c.max) step = -step;
-    Model moved = model;
-    c.set(moved, z + step);
-    const Evaluation there = evaluate(moved, groups, &here);
-    const double slope = std::isfinite(c.slope(z)) ? c.slope(z) : 1;
-    columns[at] = change_of(moved, here, there);
-    for (double& value : columns[at]) value /= step * slope;
-  });
-  take_out_starts(model, groups, here, columns);
-  return columns;
 }
 
 }  // namespace seam::measurement

@@ -24,10 +24,10 @@ inline Fit fitted_to_all(const JointsProblem& problem, const Model& start) {
   return problem.fit(start, refitted_unknowns(start), problem.all_groups());
 }
 
-// Steps and releases of a loaded joint at two gains, as `truth` has them, with noise.
+// Steps of a loaded joint at two gains, with releases or without, as `truth` has them, with noise.
 class MadeSet {
  public:
-  explicit MadeSet(const std::string& name)
+  explicit MadeSet(const std::string& name, bool releases = true)
       : folder_(std::filesystem::path(testing::TempDir()) / name) {
     std::filesystem::create_directories(folder_);
     const RandomStream random{5, 1};
@@ -37,7 +37,7 @@ class MadeSet {
         const int block = k / 50;
         const double command = (uniform(random, 100 * run + block) - 0.5) * 2.4;
         rows += fmt::format("{},{:.3f},arm,{:.4f},0,{},{}\n", run, 0.01 * k, command,
-                            run % 2 == 0 ? 3 : 8, block == 3 ? 0 : 1);
+                            run % 2 == 0 ? 3 : 8, releases && block == 3 ? 0 : 1);
       }
     }
     write_file_atomically(folder_ / "joints.csv", rows);

@@ -76,5 +76,36 @@ TEST(MotorSearch, AJointThatRestsMostOfItsTimeHasAMotor) {
   EXPECT_NEAR(starts.front()[0] * starts.front()[2], 2000 * 0.05, 20);
 }
 
+// Back-EMF and viscous friction are one where nothing is released, and so are, but for little, all
+// torques together beside a friction by load: differences that bend told them apart.
+TEST(MotorSearch, ErrorsSayWhatTheDataDoNotTell) {
+  const JointsProblem problem =
+      MadeSet("motor-untold", false)
+          .made_by(
+              model_of("  motor_servo: {stall_rad_per_s2: 214, back_emf_per_s: 22, gain: 0.163}\n"
+                       "  gravity_torque: {rad_per_s2: 44, level_rad: 1.4}\n"
+                       "  coulomb_friction: {rad_per_s2: 23}\n"),
+              5);
+  const Model given = model_of(
+      "  motor_servo: {stall_rad_per_s2: {value: 214, free: true}, back_emf_per_s: {value: 14, "
+      "free: "
+      "true}, gain: {value: 0.163, free: true}}\n"
+      "  gravity_torque: {rad_per_s2: {value: 44, free: true}, level_rad: {value: 1.4, free: "
+      "true}}\n"
+      "  coulomb_friction: {rad_per_s2: {value: 23, free: true}}\n"
+      "  viscous_friction: {per_s: {value: 8, free: true}}\n");
+  const Fit fit = fitted_to_all(problem, given);
+  const auto unknowns = refitted_unknowns(given);
+  for (size_t k = 0; k < unknowns.size(); ++k) {
+    const bool untold = unknowns[k].effect == "viscous_friction" ||
+                        (unknowns[k].effect == "motor_servo" && unknowns[k].parameter == 1);
+    if (untold) {
+      EXPECT_GT(fit.sigma[k], 50) << unknowns[k].effect;
+    } else {
+      EXPECT_LT(fit.sigma[k], 0.01 * fit.value[k]) << unknowns[k].effect;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace seam::measurement

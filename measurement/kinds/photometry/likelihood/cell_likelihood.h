@@ -23,14 +23,15 @@ class CellLikelihood {
       : data_(data),
         sums_(sums),
         cells_(cells),
+        sorted_(*cells.sorted),
         model_(model),
         chain_(effects::sensor_of(model)),
         noise_{set_noise_dn, data.least_at_top_dn2},
         share_(share),
         flickers_(effects::lamps_flicker(model)),
         pixels_(chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0),
-        levels_(cells.present.size()),
-        entries_(cells.count() * levels_) {}
+        levels_(sorted_.present.size()),
+        entries_(sorted_.count() * levels_) {}
 
   // The log-likelihood is minus infinity where cells cannot give one; `counts` as in cell_score.
   PhotometryScore run(bool counts);
@@ -54,7 +55,7 @@ class CellLikelihood {
     double info = 0, score = 0;
   };
 
-  const LevelSums& sum(size_t k) const { return sums_.levels[cells_.present[k]]; }
+  const LevelSums& sum(size_t k) const { return sums_.levels[sorted_.present[k]]; }
   double frames(size_t k) const { return static_cast<double>(sum(k).frames.size()); }
   Entry& entry(size_t cell, size_t k) { return entries_[cell * levels_ + k]; }
   size_t unit(size_t place, size_t channel) const {
@@ -84,13 +85,15 @@ class CellLikelihood {
 
   void add_structure();
   void choose_odd();
+  void add_residuals(const std::vector<double>& load, std::vector<double>& along) const;
   // How far an odd sample is off, over what its cell says: a weak one is so in proportion to the
   // light, which is linear within the cell.
   double odd_part(size_t i, int kind) const {
     if (kind == 0) return 1;
-    return 1 + cells_.offset[i] / std::max(cells_.light[cells_.of_sample[i]], 1e-12);
+    return 1 + cells_.offset[i] / std::max(cells_.light[sorted_.of_sample[i]], 1e-12);
   }
-  void sum_groups(const SampleGroups& groups, std::vector<double>& residual) const;
+  void sum_groups(const SampleGroups& groups, const PlaceSums& sums,
+                  std::vector<double>& residual) const;
   void add_row_groups(const std::vector<double>& residual, RowOffsets& rows);
   void add_columns(const std::vector<double>& column_residual, const RowOffsets& rows);
   void add_lamps();
@@ -98,12 +101,12 @@ class CellLikelihood {
   // Of residuals from the prediction: sum over a cell's samples of r_k r_l, l <= k.
   double product(size_t cell, size_t k, size_t l) {
     const Entry &a = entry(cell, k), &b = entry(cell, l);
-    const double ma = a.mean - cells_.reference[k], mb = b.mean - cells_.reference[l];
+    const double ma = a.mean - sorted_.reference[k], mb = b.mean - sorted_.reference[l];
     const size_t at = cell * levels_;
     const double of_means =
-        cells_.all_products ? cells_.products[(at + k) * levels_ + l] : cells_.products[at + k];
-    double sum = of_means - ma * cells_.mean[at + l] - mb * cells_.mean[at + k] +
-                 cells_.samples[cell] * ma * mb - a.slope * cells_.with_offset[at + l] -
+        sorted_.all_products ? sorted_.products[(at + k) * levels_ + l] : sorted_.products[at + k];
+    double sum = of_means - ma * sorted_.mean[at + l] - mb * sorted_.mean[at + k] +
+                 sorted_.samples[cell] * ma * mb - a.slope * cells_.with_offset[at + l] -
                  b.slope * cells_.with_offset[at + k] + a.slope * b.slope * cells_.offset2[cell];
     if (a.wave == 0 && b.wave == 0) return sum;
     sum += -a.wave * cells_.with_wave[at + l] - b.wave * cells_.with_wave[at + k] +
@@ -115,14 +118,15 @@ class CellLikelihood {
   // Sum over a cell's samples of r_k.
   double residual_sum(size_t cell, size_t k) {
     const Entry& here = entry(cell, k);
-    return cells_.mean[cell * levels_ + k] -
-           cells_.samples[cell] * (here.mean - cells_.reference[k]) -
+    return sorted_.mean[cell * levels_ + k] -
+           sorted_.samples[cell] * (here.mean - sorted_.reference[k]) -
            here.wave * cells_.wave_sum[cell];
   }
 
   const PhotometryData& data_;
   const PhotometrySums& sums_;
   const LightCells& cells_;
+  const SortedSamples& sorted_;
   const effects::Model& model_;
   effects::SensorChain chain_;
   SetNoise noise_;

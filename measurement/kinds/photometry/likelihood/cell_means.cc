@@ -8,10 +8,10 @@
 namespace seam::measurement {
 
 void CellLikelihood::add_means() {
-  inverse_.resize(cells_.count());
+  inverse_.resize(sorted_.count());
   for (auto* v : {&weight_, &offset_load_, &gain_load_, &slope_vector_})
     v->assign(entries_.size(), 0);
-  for (size_t cell = 0; cell < cells_.count(); ++cell) {
+  for (size_t cell = 0; cell < sorted_.count(); ++cell) {
     const size_t at = cell * levels_;
     for (size_t k = 0; k < levels_; ++k) {
       weight_[at + k] = frames(k) / entry(cell, k).variance;
@@ -21,9 +21,9 @@ void CellLikelihood::add_means() {
     }
     if (!pixels_) continue;
     load_patterns(cell);
-    if (cells_.all_products) add_patterns(cell);
+    if (sorted_.all_products) add_patterns(cell);
   }
-  if (pixels_ && !cells_.all_products) add_patterns_by_sample();
+  if (pixels_ && !sorted_.all_products) add_patterns_by_sample();
   if (chain_.hot_fraction > 0 || chain_.weak_fraction > 0 || is_structured()) add_structure();
   if (chain_.lamp_sigma > 0 && !is_structured()) add_lamps();
 }
@@ -37,7 +37,7 @@ void CellLikelihood::load_patterns(size_t cell) {
   }
   PatternInverse& two = inverse_[cell].two;
   two = pattern_inverse(&offset_load_[at], &gain_load_[at], &weight_[at], levels_);
-  total_.log_det += cells_.samples[cell] * two.log_det;
+  total_.log_det += sorted_.samples[cell] * two.log_det;
   for (size_t k = 0; k < levels_; ++k)
     offset_load_[at + k] *= weight_[at + k], gain_load_[at + k] *= weight_[at + k];
 }
@@ -66,27 +66,13 @@ void CellLikelihood::add_patterns(size_t cell) {
 
 // The same where products of all pairs of levels would be too many: from each sample's residuals.
 void CellLikelihood::add_patterns_by_sample() {
-  const size_t samples = cells_.of_sample.size(), count = cells_.count();
-  std::vector<double> b0(samples, 0), b1(samples, 0), offset(count), gain(count), mean(count),
-      slope(count), wave(count);
-  const bool waves = !cells_.wave.empty();
-  for (size_t k = 0; k < levels_; ++k) {
-    for (size_t cell = 0; cell < count; ++cell) {
-      const Entry& here = entry(cell, k);
-      offset[cell] = offset_load_[cell * levels_ + k], gain[cell] = gain_load_[cell * levels_ + k];
-      mean[cell] = here.mean, slope[cell] = here.slope, wave[cell] = here.wave;
-    }
-    const double* seen = sum(k).mean.data();
-    for (size_t i = 0; i < samples; ++i) {
-      const size_t cell = cells_.of_sample[i];
-      double r = seen[i] - mean[cell] - slope[cell] * cells_.offset[i];
-      if (waves) r -= wave[cell] * cells_.wave[i];
-      b0[i] += offset[cell] * r, b1[i] += gain[cell] * r;
-    }
-  }
+  const size_t samples = sorted_.of_sample.size(), count = sorted_.count();
+  std::vector<double> b0(samples, 0), b1(samples, 0);
+  add_residuals(offset_load_, b0);
+  add_residuals(gain_load_, b1);
   std::vector<double> q00(count, 0), q01(count, 0), q11(count, 0);
   for (size_t i = 0; i < samples; ++i) {
-    const size_t cell = cells_.of_sample[i];
+    const size_t cell = sorted_.of_sample[i];
     q00[cell] += b0[i] * b0[i], q01[cell] += b0[i] * b1[i], q11[cell] += b1[i] * b1[i];
   }
   for (size_t cell = 0; cell < count; ++cell) take_patterns(cell, q00[cell], q01[cell], q11[cell]);

@@ -11,26 +11,52 @@ void CellLikelihood::add_structure() {
   for (size_t kind = 0; kind < 2; ++kind) {
     if (!((kind == 0 ? chain_.hot_fraction : chain_.weak_fraction) > 0)) continue;
     odd_vector_[kind].assign(entries_.size(), 0);
-    for (size_t cell = 0; cell < cells_.count(); ++cell)
+    for (size_t cell = 0; cell < sorted_.count(); ++cell)
       inverse_[cell].odd_square[kind] = solve(
           cell, [&](size_t k) { return entry(cell, k).odd[kind]; },
           &odd_vector_[kind][cell * levels_]);
   }
   choose_odd();
   if (!is_structured()) return;
-  for (size_t cell = 0; cell < cells_.count(); ++cell)
+  for (size_t cell = 0; cell < sorted_.count(); ++cell)
     inverse_[cell].slope_square = solve(
         cell, [&](size_t k) { return entry(cell, k).offset_slope; },
         &slope_vector_[cell * levels_]);
   std::vector<double> by_row, by_column;
-  sum_groups(cells_.by_row, by_row);
+  sum_groups(sorted_.by_row, cells_.in_rows, by_row);
   RowOffsets rows(data_, sums_, share_, RowOffsets::has_many(levels_));
   add_row_groups(by_row, rows);
   if (chain_.column_sigma_dn > 0) {
-    sum_groups(cells_.by_column, by_column);
+    sum_groups(sorted_.by_column, cells_.in_columns, by_column);
     add_columns(by_column, rows);
   }
   rows.add(chain_, total_);
+}
+
+// To each sample its residuals times `load` (by cell * levels + k): what the cell says is taken out
+// once for all levels.
+void CellLikelihood::add_residuals(const std::vector<double>& load,
+                                   std::vector<double>& along) const {
+  const size_t samples = along.size(), count = sorted_.count();
+  std::vector<double> own(count), mean(count, 0), slope(count, 0), wave(count, 0);
+  for (size_t k = 0; k < levels_; ++k) {
+    for (size_t cell = 0; cell < count; ++cell) {
+      const size_t at = cell * levels_ + k;
+      own[cell] = load[at];
+      mean[cell] += load[at] * (entries_[at].mean - sorted_.reference[k]);
+      slope[cell] += load[at] * entries_[at].slope;
+      wave[cell] += load[at] * entries_[at].wave;
+    }
+    const double* seen = sum(k).mean.data();
+    const double reference = sorted_.reference[k];
+    for (size_t i = 0; i < samples; ++i)
+      along[i] += own[sorted_.of_sample[i]] * (seen[i] - reference);
+  }
+  for (size_t i = 0; i < samples; ++i) {
+    const size_t cell = sorted_.of_sample[i];
+    along[i] -= mean[cell] + slope[cell] * cells_.offset[i];
+    if (!cells_.wave.empty()) along[i] -= wave[cell] * cells_.wave[i];
+  }
 }
 
 // A sample is hot or weak where that is likelier; its residual is then taken from that mean.
@@ -41,21 +67,13 @@ void CellLikelihood::choose_odd() {
                                weak ? std::log(chain_.weak_fraction) : 0};
   const double rest = 1 - (hot ? chain_.hot_fraction : 0) - (weak ? chain_.weak_fraction : 0);
   const double log_plain = std::log(std::max(rest, 1e-6));
-  const size_t samples = cells_.of_sample.size();
+  const size_t samples = sorted_.of_sample.size();
   is_odd_.assign(samples, 0);
   std::vector<double> along[2];
   for (int kind = 0; kind < 2; ++kind)
     if (!odd_vector_[kind].empty()) along[kind].assign(samples, 0);
-  for (size_t k = 0; k < levels_; ++k) {
-    const double* seen = sum(k).mean.data();
-    for (size_t i = 0; i < samples; ++i) {
-      const size_t at = cells_.of_sample[i] * levels_ + k;
-      double r = seen[i] - entries_[at].mean - entries_[at].slope * cells_.offset[i];
-      if (!cells_.wave.empty()) r -= entries_[at].wave * cells_.wave[i];
-      if (hot) along[0][i] += odd_vector_[0][at] * r;
-      if (weak) along[1][i] += odd_vector_[1][at] * r;
-    }
-  }
+  for (size_t kind = 0; kind < 2; ++kind)
+    if (!along[kind].empty()) add_residuals(odd_vector_[kind], along[kind]);
   double logs = 0;
   for (size_t i = 0; i < samples; ++i) {
     double best = 0, own = log_plain;
@@ -63,7 +81,7 @@ void CellLikelihood::choose_odd() {
       if (along[kind].empty()) continue;
       const double part = odd_part(i, kind);
       const double gain = part * along[kind][i] -
-                          0.5 * part * part * inverse_[cells_.of_sample[i]].odd_square[kind];
+                          0.5 * part * part * inverse_[sorted_.of_sample[i]].odd_square[kind];
       if (!(gain + log_share[kind] > best + own)) continue;
       best = gain, own = log_share[kind], is_odd_[i] = static_cast<char>(kind + 1);
     }
@@ -74,13 +92,14 @@ void CellLikelihood::choose_odd() {
 }
 
 // Residuals summed over the samples of each group, by group * levels + k.
-void CellLikelihood::sum_groups(const SampleGroups& groups, std::vector<double>& residual) const {
+void CellLikelihood::sum_groups(const SampleGroups& groups, const PlaceSums& sums,
+                                std::vector<double>& residual) const {
   residual = groups.mean;
   for (size_t g = 0; g < groups.count(); ++g) {
     const Entry* own = &entries_[groups.cell[g] * levels_];
     for (size_t k = 0; k < levels_; ++k)
-      residual[g * levels_ + k] -= groups.samples[g] * own[k].mean +
-                                   own[k].slope * groups.offset[g] + own[k].wave * groups.wave[g];
+      residual[g * levels_ + k] -= groups.samples[g] * own[k].mean + own[k].slope * sums.offset[g] +
+                                   own[k].wave * sums.wave[g];
   }
   for (size_t i = 0; i < is_odd_.size(); ++i) {
     if (is_odd_[i] == 0) continue;
@@ -88,18 +107,18 @@ void CellLikelihood::sum_groups(const SampleGroups& groups, std::vector<double>&
     for (size_t k = 0; k < levels_; ++k) {
       residual[groups.of_sample[i] * levels_ + k] -=
           odd_part(i, kind) *
-          entries_[cells_.of_sample[i] * levels_ + k].odd[static_cast<size_t>(kind)];
+          entries_[sorted_.of_sample[i] * levels_ + k].odd[static_cast<size_t>(kind)];
     }
   }
 }
 
 void CellLikelihood::add_row_groups(const std::vector<double>& residual, RowOffsets& rows) {
-  const SampleGroups& groups = cells_.by_row;
+  const SampleGroups& groups = sorted_.by_row;
   std::vector<double> solved(levels_), diagonal(levels_), offset(levels_), gain(levels_);
   const bool many = RowOffsets::has_many(levels_);
   for (size_t g = 0; g < groups.count(); ++g) {
     const size_t cell = groups.cell[g], at = cell * levels_;
-    const size_t own = unit(groups.place[g], static_cast<size_t>(cells_.channel[cell]));
+    const size_t own = unit(groups.place[g], static_cast<size_t>(sorted_.channel[cell]));
     solve(
         cell, [&](size_t k) { return residual[g * levels_ + k]; }, solved.data());
     double* score = rows.score(own);
@@ -133,9 +152,9 @@ void CellLikelihood::add_columns(const std::vector<double>& column_residual,
                                  const RowOffsets& rows) {
   const auto channels = static_cast<size_t>(data_.channels);
   std::vector<Column> columns(static_cast<size_t>(data_.width_px) * (share_ ? 1 : channels));
-  const SampleGroups& groups = cells_.by_column;
+  const SampleGroups& groups = sorted_.by_column;
   const auto column_of = [&](size_t g) {
-    return unit(groups.place[g], static_cast<size_t>(cells_.channel[groups.cell[g]]));
+    return unit(groups.place[g], static_cast<size_t>(sorted_.channel[groups.cell[g]]));
   };
   for (size_t g = 0; g < groups.count(); ++g) {
     const size_t cell = groups.cell[g];
@@ -145,19 +164,19 @@ void CellLikelihood::add_columns(const std::vector<double>& column_residual,
       column.score += slope_vector_[cell * levels_ + k] * column_residual[g * levels_ + k];
   }
   // What a sample of a row's group has in common with its row.
-  const SampleGroups& in_rows = cells_.by_row;
+  const SampleGroups& in_rows = sorted_.by_row;
   std::vector<double> common(in_rows.count(), 0), own;
   size_t last = ~size_t{0};
   for (size_t g = 0; g < in_rows.count(); ++g) {
     const size_t cell = in_rows.cell[g];
-    const size_t row = unit(in_rows.place[g], static_cast<size_t>(cells_.channel[cell]));
+    const size_t row = unit(in_rows.place[g], static_cast<size_t>(sorted_.channel[cell]));
     if (row != last) own = rows.estimate(row), last = row;
     for (size_t k = 0; k < levels_; ++k) {
       const size_t at = cell * levels_ + k;
       common[g] += slope_vector_[at] * entries_[at].offset_slope * own[k];
     }
   }
-  for (size_t i = 0; i < cells_.of_sample.size(); ++i)
+  for (size_t i = 0; i < sorted_.of_sample.size(); ++i)
     columns[column_of(groups.of_sample[i])].score -= common[in_rows.of_sample[i]];
   const double variance = chain_.column_sigma_dn * chain_.column_sigma_dn;
   // Their mean over columns is taken with the rows.
@@ -173,9 +192,9 @@ void CellLikelihood::add_columns(const std::vector<double>& column_residual,
 // of their own.
 void CellLikelihood::add_lamps() {
   std::vector<double> score(levels_, 0), precision(levels_ * levels_, 0), solved(levels_);
-  for (size_t cell = 0; cell < cells_.count(); ++cell) {
+  for (size_t cell = 0; cell < sorted_.count(); ++cell) {
     const size_t at = cell * levels_;
-    const double n = cells_.samples[cell];
+    const double n = sorted_.samples[cell];
     solve(
         cell, [&](size_t k) { return residual_sum(cell, k); }, solved.data());
     const PatternInverse& two = inverse_[cell].two;

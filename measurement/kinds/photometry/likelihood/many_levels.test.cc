@@ -94,5 +94,37 @@ TEST(PhotometryManyLevels, ScoreHasTheSquareOfEverySample) {
   EXPECT_EQ(cells->values, all.values);
 }
 
+// Fits ask for fields of light that differ by far less than a cell is wide.
+TEST(PhotometryManyLevels, FieldsThatHardlyDifferShareTheirSortedSamples) {
+  for (const int levels : {12, 40}) {
+    const PhotometryData data = stack(levels);
+    std::vector<int> groups(data.frames.size());
+    for (size_t f = 0; f < groups.size(); ++f) groups[f] = static_cast<int>(f);
+    const PhotometrySums sums = sum_frames(data, Groups(groups.size(), 1), groups);
+    const CellStore store;
+    const SortedSamples* sorted = nullptr;
+    for (const double gx : {-0.20025, -0.2002, -0.2001}) {
+      const effects::Model model = effects::Model::from_config(ConfigNode::from_text(
+          "format: seam-model/1\neffects: {linear_response: {gain_dn: 220, black_dn: 12}, "
+          "read_noise: {sigma_dn: 1.4}, pixel_gain_spread: {sigma: 0.01}, pixel_offset_spread: "
+          "{sigma_dn: 0.7}, row_noise: {sigma_dn: 0.6}, periodic_pattern: {amplitude_dn: 0.2, "
+          "period_px: 7}, uneven_lighting: {gx: " +
+              std::to_string(gx) + "}}\n",
+          "model"));
+      const auto cells = store.cells(data, sums, model, {.products = true, .groups = true});
+      if (sorted == nullptr) sorted = cells->sorted.get();
+      EXPECT_EQ(cells->sorted.get(), sorted) << gx;
+      const auto fast = cell_log_likelihood(data, sums, store, model, 0, true);
+      EXPECT_NEAR(*fast, exact(data, sums, model), 0.5) << gx;
+    }
+    // Another field has its own.
+    const effects::Model other = effects::Model::from_config(ConfigNode::from_text(
+        "format: seam-model/1\neffects: {linear_response: {gain_dn: 220, black_dn: 12}, "
+        "uneven_lighting: {gx: -0.21}}\n",
+        "model"));
+    EXPECT_NE(store.cells(data, sums, other, {})->sorted.get(), sorted);
+  }
+}
+
 }  // namespace
 }  // namespace seam::measurement

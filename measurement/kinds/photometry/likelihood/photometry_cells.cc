@@ -20,7 +20,7 @@ PhotometryScore CellLikelihood::run(bool counts) {
     predict_level(k);
     add_changes(k);
     if (counts) count_certain(k);
-    score_.nuisances += std::isnan(data_.levels[cells_.present[k]].illumination);
+    score_.nuisances += std::isnan(data_.levels[sorted_.present[k]].illumination);
   }
   add_means();
   // Where variances differ wildly along rows, as at clipping, rows and columns are no longer told
@@ -52,11 +52,11 @@ void CellLikelihood::count_certain(size_t k) {
   const CertainValues certain(data_, chain_);
   const auto is_certain = [&](const Entry& e) { return certain.is_certain(e.mean, e.variance); };
   bool any = false;
-  for (size_t cell = 0; cell < cells_.count(); ++cell) any = any || is_certain(entry(cell, k));
+  for (size_t cell = 0; cell < sorted_.count(); ++cell) any = any || is_certain(entry(cell, k));
   if (!any) return;
   const LevelSums& level = sum(k);
   for (size_t i = 0; i < level.mean.size(); ++i) {
-    const Entry& here = entry(cells_.of_sample[i], k);
+    const Entry& here = entry(sorted_.of_sample[i], k);
     if (!is_certain(here)) continue;
     const double r = level.mean[i] - here.mean - here.slope * cells_.offset[i];
     if (certain.fits(r * r + level.scatter[i] / frames(k)))
@@ -65,7 +65,7 @@ void CellLikelihood::count_certain(size_t k) {
 }
 
 void CellLikelihood::predict_level(size_t k) {
-  const PhotometryLevel& level = data_.levels[cells_.present[k]];
+  const PhotometryLevel& level = data_.levels[sorted_.present[k]];
   double lamps = 1;
   if (flickers_) {
     lamps = 0;
@@ -85,13 +85,13 @@ void CellLikelihood::predict_level(size_t k) {
   }
   // Unknown light: as much as fits the level's mean best.
   const double per_light = effects::signal_dn(chain_, 1, exposure);
-  double illumination = std::max(1e-6, (cells_.reference[k] - chain_.black_dn) / per_light);
+  double illumination = std::max(1e-6, (sorted_.reference[k] - chain_.black_dn) / per_light);
   for (int step = 0; step < 4; ++step) {
     fill(k, illumination, lamps, exposure);
     const double relative = correction(k);
     illumination *= 1 + relative;
     if (step < 3) continue;
-    for (size_t cell = 0; cell < cells_.count(); ++cell)
+    for (size_t cell = 0; cell < sorted_.count(); ++cell)
       entry(cell, k).mean += entry(cell, k).gain_slope * relative;
   }
 }
@@ -102,7 +102,7 @@ void CellLikelihood::fill(size_t k, double illumination, double lamps,
   // Few cells are evaluated themselves; a table serves many.
   constexpr size_t kFewCells = 64;
   for (int c = 0; c < data_.channels; ++c) {
-    const size_t first = cells_.first[c], last = cells_.first[c + 1];
+    const size_t first = sorted_.first[c], last = sorted_.first[c + 1];
     std::optional<ResponseTable> table;
     if (scale == 0 || last - first > kFewCells) {
       table.emplace(chain_, exposure, data_.colour(c), noise_, scale * cells_.least[c],
@@ -131,10 +131,10 @@ void CellLikelihood::fill(size_t k, double illumination, double lamps,
 // Relative step of a level's light towards its mean.
 double CellLikelihood::correction(size_t k) {
   double slope2 = 0, slope_residual = 0;
-  for (size_t cell = 0; cell < cells_.count(); ++cell) {
+  for (size_t cell = 0; cell < sorted_.count(); ++cell) {
     const Entry& here = entry(cell, k);
     const double w = here.gain_slope / here.variance;
-    slope2 += w * here.gain_slope * cells_.samples[cell];
+    slope2 += w * here.gain_slope * sorted_.samples[cell];
     slope_residual += w * residual_sum(cell, k);
   }
   return slope2 > 0 ? std::clamp(slope_residual / slope2, -0.5, 1.0) : 0;
@@ -149,7 +149,7 @@ std::vector<double> CellLikelihood::row_averages(size_t k, F&& value) {
   std::vector<double> out(rows, 0);
   bool linear = true;
   for (size_t c = 0; c < channels; ++c) {
-    const size_t first = cells_.first[c], last = cells_.first[c + 1] - 1;
+    const size_t first = sorted_.first[c], last = sorted_.first[c + 1] - 1;
     const double low = value(entry(first, k)), high = value(entry(last, k));
     const double light = cells_.light[first], range = cells_.light[last] - light;
     const auto at = [&](double x) {
@@ -162,9 +162,9 @@ std::vector<double> CellLikelihood::row_averages(size_t k, F&& value) {
   }
   if (linear) return out;
   out.assign(rows, 0);
-  const SampleGroups& groups = cells_.by_row;
+  const SampleGroups& groups = sorted_.by_row;
   for (size_t g = 0; g < groups.count(); ++g) {
-    const auto channel = static_cast<size_t>(cells_.channel[groups.cell[g]]);
+    const auto channel = static_cast<size_t>(sorted_.channel[groups.cell[g]]);
     out[groups.place[g] * channels + channel] +=
         groups.samples[g] * value(entry(groups.cell[g], k));
   }
@@ -174,13 +174,13 @@ std::vector<double> CellLikelihood::row_averages(size_t k, F&& value) {
 
 // Sum over samples of the squared difference of their gain from their row's, over their variance.
 double CellLikelihood::gain_scatter(size_t k, const std::vector<double>& row_gain) {
-  if (cells_.count() == static_cast<size_t>(data_.channels)) return 0;
+  if (sorted_.count() == static_cast<size_t>(data_.channels)) return 0;
   const auto channels = static_cast<size_t>(data_.channels);
-  const SampleGroups& groups = cells_.by_row;
+  const SampleGroups& groups = sorted_.by_row;
   double sum = 0;
   for (size_t g = 0; g < groups.count(); ++g) {
     const Entry& here = entry(groups.cell[g], k);
-    const auto channel = static_cast<size_t>(cells_.channel[groups.cell[g]]);
+    const auto channel = static_cast<size_t>(sorted_.channel[groups.cell[g]]);
     const double d = here.gain_slope - row_gain[groups.place[g] * channels + channel];
     sum += groups.samples[g] * d * d / here.variance;
   }
@@ -190,10 +190,10 @@ double CellLikelihood::gain_scatter(size_t k, const std::vector<double>& row_gai
 // Changes in time within a level: of rows from frame to frame, and what is left within rows.
 void CellLikelihood::add_changes(size_t k) {
   double log_variance = 0, scatter = 0;
-  for (size_t cell = 0; cell < cells_.count(); ++cell) {
-    log_variance += cells_.samples[cell] * std::log(entry(cell, k).variance);
-    scatter += cells_.scatter[cell * levels_ + k] / entry(cell, k).variance;
-    score_.square += cells_.scatter[cell * levels_ + k];
+  for (size_t cell = 0; cell < sorted_.count(); ++cell) {
+    log_variance += sorted_.samples[cell] * std::log(entry(cell, k).variance);
+    scatter += sorted_.scatter[cell * levels_ + k] / entry(cell, k).variance;
+    score_.square += sorted_.scatter[cell * levels_ + k];
   }
   total_.log_det += log_variance;
   if (sum(k).frames.size() < 2) return;

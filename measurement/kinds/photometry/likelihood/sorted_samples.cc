@@ -1,0 +1,186 @@
+// Sorting the samples of a photometry set into cells of light.
+#include <algorithm>
+#include <numeric>
+
+#include "measurement/kinds/photometry/likelihood/cell_sums.h"
+#include "measurement/kinds/photometry/likelihood/photometry_cells.h"
+
+namespace seam::measurement {
+namespace {
+
+// With more levels than this products of all pairs are kept for uniform light alone, and cells are
+// wide: within a cell the mean is linear in the light.
+constexpr size_t kFewLevels = 24;
+constexpr double kCellsOfMany = 64;
+
+// Cells a sixteenth of a DN wide in an image of 256 DN: as fine as the tables of the sensor's
+// response.
+size_t cells_for(double least, double most, size_t levels) {
+  if (!(most > least)) return 1;
+  const double finest = levels > kFewLevels ? kCellsOfMany : 1024;
+  return static_cast<size_t>(std::clamp(4096 * (most - least) / most, 32.0, finest));
+}
+
+// Provisional cells of each channel: steps of equal width in the light.
+struct LightSteps {
+  std::vector<size_t> first;  // By channel, and one more.
+  std::vector<double> width;  // By channel; 0 where there is one.
+  std::vector<double> least;  // By channel.
+};
+
+LightSteps steps_of_light(const std::vector<double>& light, size_t channels, size_t levels) {
+  LightSteps steps{.first = std::vector<size_t>(channels + 1, 0),
+                   .width = std::vector<double>(channels, 0),
+                   .least = std::vector<double>(channels, 1e300)};
+  std::vector<double> most(channels, -1e300);
+  for (size_t i = 0; i < light.size(); ++i) {
+    const size_t c = i % channels;
+    steps.least[c] = std::min(steps.least[c], light[i]), most[c] = std::max(most[c], light[i]);
+  }
+  for (size_t c = 0; c < channels; ++c) {
+    const size_t count = cells_for(steps.least[c], most[c], levels);
+    steps.first[c + 1] = steps.first[c] + count;
+    if (count > 1) steps.width[c] = (most[c] - steps.least[c]) / static_cast<double>(count);
+  }
+  return steps;
+}
+
+// The cells of the steps that have samples, and the cell of each sample.
+void number_cells(const std::vector<double>& light, size_t channels, SortedSamples& cells) {
+  auto [first, width, least] = steps_of_light(light, channels, cells.present.size());
+  // Provisional numbers: channel by channel, by light.
+  std::vector<uint16_t> place(light.size());
+  std::vector<double> number(first.back(), 0), sum(first.back(), 0);
+  for (size_t i = 0; i < light.size(); ++i) {
+    const size_t c = i % channels;
+    const auto step = width[c] > 0 ? static_cast<size_t>((light[i] - least[c]) / width[c]) : 0;
+    place[i] = static_cast<uint16_t>(first[c] + std::min(step, first[c + 1] - first[c] - 1));
+    number[place[i]] += 1, sum[place[i]] += light[i];
+  }
+  std::vector<uint16_t> kept(first.back(), 0);
+  for (size_t c = 0; c < channels; ++c) {
+    cells.first.push_back(cells.count());
+    for (size_t p = first[c]; p < first[c + 1]; ++p) {
+      if (number[p] == 0) continue;
+      kept[p] = static_cast<uint16_t>(cells.count());
+      cells.channel.push_back(static_cast<int>(c));
+      cells.samples.push_back(number[p]);
+      const double mean = sum[p] / number[p];
+      const double low = least[c] + width[c] * static_cast<double>(p - first[c]);
+      cells.below.push_back(mean - low), cells.above.push_back(low + width[c] - mean);
+    }
+  }
+  cells.first.push_back(cells.count());
+  cells.width = std::move(width);
+  cells.of_sample.resize(light.size());
+  for (size_t i = 0; i < light.size(); ++i) cells.of_sample[i] = kept[place[i]];
+}
+
+// What is summed over the samples of one cell at a few levels, side by side in memory.
+struct CellSums {
+  std::array<double, kLevelsAtOnce> mean{}, scatter{}, square{};
+};
+
+// Sums over the samples of each cell, by level.
+void sum_samples(const PhotometrySums& sums, SortedSamples& cells) {
+  const size_t samples = cells.of_sample.size(), count = cells.count(),
+               levels = cells.present.size();
+  for (auto* v : {&cells.mean, &cells.scatter}) v->assign(count * levels, 0);
+  cells.products.assign(count * levels * (cells.all_products ? levels : 1), 0);
+  for (const size_t level : cells.present) {
+    const std::vector<double>& seen = sums.levels[level].mean;
+    cells.reference.push_back(std::accumulate(seen.begin(), seen.end(), 0.0) /
+                              static_cast<double>(samples));
+  }
+  for (size_t k = 0; k < levels; k += kLevelsAtOnce) {
+    const SomeLevels some(sums, cells, k, levels);
+    std::vector<CellSums> own(count);
+    for (size_t i = 0; i < samples; ++i) {
+      CellSums& cell = own[cells.of_sample[i]];
+      for (size_t j = 0; j < kLevelsAtOnce; ++j) {
+        const double r = some.seen[j][i] - some.reference[j];
+        cell.mean[j] += r, cell.scatter[j] += some.scatter[j][i], cell.square[j] += r * r;
+      }
+    }
+    for (size_t c = 0; c < count; ++c) {
+      for (size_t j = 0; j < kLevelsAtOnce && k + j < levels; ++j) {
+        const size_t at = c * levels + k + j;
+        cells.mean[at] = own[c].mean[j], cells.scatter[at] = own[c].scatter[j];
+        cells.products[cells.all_products ? at * levels + k + j : at] = own[c].square[j];
+      }
+    }
+  }
+}
+
+// Of means at different levels.
+void sum_products(const PhotometrySums& sums, SortedSamples& cells) {
+  const size_t levels = cells.present.size();
+  std::vector<double> one(cells.of_sample.size());
+  for (size_t k = 0; k < levels; ++k) {
+    const std::vector<double>& seen = sums.levels[cells.present[k]].mean;
+    for (size_t i = 0; i < one.size(); ++i) one[i] = seen[i] - cells.reference[k];
+    const std::vector<double> with_others = weighted_sums(sums, cells, one, k);
+    for (size_t c = 0; c < cells.count(); ++c) {
+      for (size_t l = 0; l < k; ++l)
+        cells.products[(c * levels + k) * levels + l] = with_others[c * k + l];
+    }
+  }
+}
+
+// Groups of samples by `place_of` (a row or a column) and cell.
+template <typename F>
+void group_samples(const SortedSamples& cells, size_t places, F&& place_of, SampleGroups& groups) {
+  constexpr uint32_t kNone = ~0u;
+  std::vector<uint32_t> number(places * cells.count(), kNone);
+  groups.of_sample.resize(cells.of_sample.size());
+  for (size_t i = 0; i < cells.of_sample.size(); ++i) {
+    uint32_t& own = number[place_of(i) * cells.count() + cells.of_sample[i]];
+    if (own == kNone) {
+      own = static_cast<uint32_t>(groups.count());
+      groups.place.push_back(static_cast<uint32_t>(place_of(i)));
+      groups.cell.push_back(cells.of_sample[i]);
+    }
+    groups.of_sample[i] = own;
+  }
+  groups.samples.assign(groups.count(), 0);
+  for (const uint32_t own : groups.of_sample) groups.samples[own] += 1;
+}
+
+void sum_groups(const PhotometrySums& sums, const SortedSamples& cells, SampleGroups& groups) {
+  const size_t levels = cells.present.size();
+  groups.mean.assign(groups.count() * levels, 0);
+  for (size_t k = 0; k < levels; ++k) {
+    const auto& mean = sums.levels[cells.present[k]].mean;
+    for (size_t i = 0; i < mean.size(); ++i)
+      groups.mean[groups.of_sample[i] * levels + k] += mean[i];
+  }
+}
+
+}  // namespace
+
+SortedSamples sort_samples(const PhotometryData& data, const PhotometrySums& sums,
+                           const std::vector<double>& light, CellNeeds needs) {
+  SortedSamples cells;
+  for (size_t l = 0; l < sums.levels.size(); ++l) {
+    if (!sums.levels[l].frames.empty()) cells.present.push_back(l);
+  }
+  const auto channels = static_cast<size_t>(data.channels);
+  number_cells(light, channels, cells);
+  cells.all_products =
+      needs.products && (cells.present.size() <= kFewLevels || cells.count() == channels);
+  sum_samples(sums, cells);
+  if (cells.all_products) sum_products(sums, cells);
+  const auto width = static_cast<size_t>(data.width_px);
+  group_samples(
+      cells, static_cast<size_t>(data.height_px), [&](size_t i) { return i / channels / width; },
+      cells.by_row);
+  if (needs.groups) {
+    group_samples(
+        cells, width, [&](size_t i) { return i / channels % width; }, cells.by_column);
+    sum_groups(sums, cells, cells.by_row);
+    sum_groups(sums, cells, cells.by_column);
+  }
+  return cells;
+}
+
+}  // namespace seam::measurement
