@@ -8,6 +8,7 @@
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/timing.h"
 #include "measurement/imaging/lens_like.h"
+#include "measurement/numerics/parallel_for.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -101,20 +102,28 @@ Evaluation FramesProblem::predict(const LightStore& store, const Model& model,
     const auto [least, most] = std::minmax_element(image->begin(), image->end());
     low = std::min(low, *least), high = std::max(high, *most);
   }
-  std::vector<ResponseTable> tables;
-  for (size_t k = 0; k < frames.size(); ++k) {
-    const effects::SensorExposure exposure = exposure_of(model, facts_.time_of_row[frames[k]]);
-    // Only maps of time give each frame a response of its own; a table costs as much as a frame.
-    if (tables.empty() || !chain.maps.empty()) {
-      tables.clear();
-      for (int c = 0; c < 3; ++c) {
-        tables.emplace_back(chain, exposure, c, SetNoise{facts_.channels[0].noise},
-                            effects::signal_dn(chain, low, exposure),
-                            effects::signal_dn(chain, high, exposure));
-      }
+  const auto tables_at = [&](const effects::SensorExposure& exposure) {
+    std::vector<ResponseTable> tables;
+    for (int c = 0; c < 3; ++c) {
+      tables.emplace_back(chain, exposure, c, SetNoise{facts_.channels[0].noise},
+                          effects::signal_dn(chain, low, exposure),
+                          effects::signal_dn(chain, high, exposure));
     }
-    predict_frame(chain, tables, effects::signal_dn(chain, 1, exposure), frames[k], *light[k], out);
-  }
+    return tables;
+  };
+  const auto exposure_at = [&](size_t k) {
+    return exposure_of(model, facts_.time_of_row[frames[k]]);
+  };
+  // Only maps of time give each frame a response of its own; a table costs as much as a frame.
+  std::vector<ResponseTable> common;
+  if (chain.maps.empty() && !frames.empty()) common = tables_at(exposure_at(0));
+  parallel_for(frames.size(), [&](size_t k) {
+    const effects::SensorExposure exposure = exposure_at(k);
+    const std::vector<ResponseTable> own =
+        common.empty() ? tables_at(exposure) : std::vector<ResponseTable>();
+    predict_frame(chain, common.empty() ? own : common, effects::signal_dn(chain, 1, exposure),
+                  frames[k], *light[k], out);
+  });
   return out;
 }
 
@@ -139,14 +148,14 @@ void FramesProblem::predict_frame(const effects::SensorChain& chain,
 // Of the predicted images.
 std::vector<ImageSlope> FramesProblem::slopes_of(const std::vector<size_t>& frames,
                                                  const Evaluation& here) const {
-  std::vector<ImageSlope> slopes;
-  std::vector<float> predicted(samples_);
-  for (const size_t frame : frames) {
-    const double* residual = &here.residual[frame * samples_];
+  std::vector<ImageSlope> slopes(frames.size());
+  parallel_for(frames.size(), [&](size_t k) {
+    std::vector<float> predicted(samples_);
+    const double* residual = &here.residual[frames[k] * samples_];
     for (size_t i = 0; i < samples_; ++i)
-      predicted[i] = static_cast<float>(images_[frame][i] - residual[i]);
-    slopes.push_back(image_slope(predicted, protocol_.width_px(), protocol_.height_px()));
-  }
+      predicted[i] = static_cast<float>(images_[frames[k]][i] - residual[i]);
+    slopes[k] = image_slope(predicted, protocol_.width_px(), protocol_.height_px());
+  });
   return slopes;
 }
 
@@ -155,9 +164,10 @@ void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<
                            Evaluation& out) const {
   constexpr double shift2 = kRendererShiftPx * kRendererShiftPx;
   std::vector<ImageSlope> slopes = slopes_of(frames, out);
-  for (size_t k = 0; k < frames.size(); ++k) {
+  std::vector<double> log_det_of(frames.size(), 0);
+  parallel_for(frames.size(), [&](size_t k) {
     const size_t first = frames[k] * samples_;
-    double& log_det = out.log_det[facts_.group_of_row[frames[k]]];
+    double log_det = 0;
     double product = 1;  // One logarithm for a few variances, of at most 255^2 each.
     for (size_t i = 0; i < samples_; ++i) {
       const double right = slopes[k].right[i], down = slopes[k].down[i];
@@ -170,13 +180,13 @@ void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<
       product *= variance;
       if (product > 1e100 || product < 1e-100) log_det += std::log(std::exchange(product, 1.0));
     }
-    log_det += std::log(product);
-  }
+    log_det_of[k] = log_det + std::log(product);
+  });
   const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), chain, frames,
                            std::move(slopes), out);
   errors.whiten(out.whitened);
   for (size_t k = 0; k < frames.size(); ++k)
-    out.log_det[facts_.group_of_row[frames[k]]] += errors.log_det(k);
+    out.log_det[facts_.group_of_row[frames[k]]] += log_det_of[k] + errors.log_det(k);
 }
 
 // Differences large enough that the renderer's own sampling of edges does not show: about a third
