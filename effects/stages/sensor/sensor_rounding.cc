@@ -54,13 +54,10 @@ Moments file_moments(const SensorChain& chain, Moments value, int file_bits) {
   if (!clipped && sigma > step) {
     return {value.mean_dn, value.variance_dn2 + step * step / 12};
   }
-  // Many steps a sigma, or little that is clipped: rounding is 1/12, clipping is that of a censored
-  // Gaussian between the values that the file has: a field beyond the highest is that value, not
-  // half a step more.
+  if (sigma < 16 * step) return sum_over_values(chain, value, step, top);
+  // Many steps a sigma: rounding is 1/12, clipping is that of a censored Gaussian between the
+  // values that the file has: a field beyond the highest is that value, not half a step more.
   const double low = 0, high = std::min(top, chain.full_dn);
-  const bool little =
-      sigma > step && std::min(value.mean_dn - low, high - value.mean_dn) > 4 * sigma;
-  if (sigma < 16 * step && !little) return sum_over_values(chain, value, step, top);
   const double a = (low - value.mean_dn) / sigma, b = (high - value.mean_dn) / sigma;
   const double phi_a = maths::exp(-0.5 * a * a) * 0.3989422804014327;
   const double phi_b = maths::exp(-0.5 * b * b) * 0.3989422804014327;
