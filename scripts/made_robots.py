@@ -58,6 +58,8 @@ def beacons(_, sort, number, folder):
                        "frame_latency": lambda: {"latency_s": signed(draw, 0.06, 0.18)}}[name]()
     noise = draw.uniform(0.03, 0.12)
     count, gross, blank = draw.choice((4, 4, 5, 7)), draw.choice((0, 0.01)), draw.choice((0, 0.1))
+    if gross:
+        truth["range_tail"] = {}
     extent = draw.uniform(6, 14)
     pose = smooth_way(draw, extent, draw.uniform(0.08, 0.14))
     places = [(signed(draw, 0.6, 2) * extent, signed(draw, 0.6, 2) * extent) for _ in range(count)]

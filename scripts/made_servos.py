@@ -161,7 +161,7 @@ def deviations(truth, values):
 
 def judged(truth, found):
     """`right`, `tie` (a declared tie stands for a hidden effect) or `wrong`. Steps of an encoder are noise by another name
-    where the set states none."""
+    where the set states none, and gross errors that are too long may be left out or told by their name."""
     missing, spare, tied = set(truth), [], False
     for step in found["steps"]:
         if step["effect"] in missing:
@@ -174,7 +174,7 @@ def judged(truth, found):
             return "wrong"
         missing.remove(other)
         tied = True
-    return "wrong" if missing - {"encoder_quantisation"} else "tie" if tied else "right"
+    return "wrong" if missing - {"encoder_quantisation", "range_tail"} else "tie" if tied else "right"
 
 
 def make(binary, sort, number, folder):

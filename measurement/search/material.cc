@@ -109,6 +109,12 @@ Change change_by(const Problem& problem, const Evaluation& here, const Assessmen
         chi2[c] > std::pow(limit_at_noise(count[c]), 2) * expected[c])
       change.at_noise = false;
   }
+  // Where a few errors are far larger than the others, standard deviations are theirs: by how much
+  // an effect of the mean moves all others the likelihood says.
+  if (!spread_only && !here.mean_square.empty()) {
+    const double gain = after.held_ll() - before.held_ll();
+    change.moved = std::max(change.moved, movement_of_gain(gain, after.held.n, false));
+  }
   return change;
 }
 

@@ -11,6 +11,7 @@
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/candidates.h"
+#include "measurement/search/material.h"
 #include "measurement/search/search.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
@@ -326,6 +327,23 @@ TEST_F(LandmarkSets, FewGrossRangesAreNoTail) {
   EXPECT_TRUE(many.outliers.empty());
   ASSERT_EQ(many.steps.size(), 1);
   EXPECT_EQ(many.steps[0].effect, "range_tail");
+}
+
+// Standard deviations of ranges that are far too long now and then say nothing of how far an offset
+// moves the others.
+TEST_F(LandmarkSets, FewFarErrorsDoNotMakeAnOffsetSmall) {
+  const fs::path set = made("range_offset: {offset_m: 0.05}");
+  rewrite(set, [&](size_t row, std::vector<std::string>& cells) {
+    if (row % 20 == 3) cells[kRange] = fmt::format("{:.4f}", std::stod(cells[kRange]) + 30);
+  });
+  const auto problem = open_problem(set);
+  const Model without = model_of("range_tail: {fraction: 0.05, scale_m: 15}"),
+              with = model_of(
+                  "range_tail: {fraction: 0.05, scale_m: 15}, range_offset: {offset_m: 0.05}");
+  const Change change =
+      change_by(*problem, problem->evaluate_held_out(without, problem->scored_groups()),
+                assess_fixed(*problem, without), assess_fixed(*problem, with), false);
+  EXPECT_GT(change.moved, 0.5);
 }
 
 }  // namespace
