@@ -167,6 +167,8 @@ void ClientHub::hand_out(std::span<const std::shared_ptr<const Observation>> obs
     }
     asked_at_ = WallClock::now();
   }
+  // Several clients are asked side by side, on as many cores as there are.
+  core_.begin(slots_.size() == 1 && !out.empty() ? out.front().first->process() : 0);
   for (const auto& [connection, observation] : out) connection->send(observation);
 }
 
@@ -269,6 +271,7 @@ std::optional<Turn> ClientHub::decide(
       if (control_.stop_requested()) {
         for (Slot& slot : slots_) slot.owes = false;
         owed_ = 0;
+        core_.end(WallClock::now() - asked_at_);
         return std::nullopt;
       }
     }
@@ -281,7 +284,9 @@ std::optional<Turn> ClientHub::decide(
     else
       wait(lock, deadline);
   }
-  waited_s_ += std::chrono::duration<double>(WallClock::now() - asked_at_).count();
+  const WallClock::duration waited = WallClock::now() - asked_at_;
+  core_.end(waited);
+  waited_s_ += std::chrono::duration<double>(waited).count();
   Turn turn;
   for (const auto& observation : observations)
     turn.answers.push_back(answer_of(slots_[observation->robot]));

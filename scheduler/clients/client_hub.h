@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scheduler/clients/debug_budget.h"
+#include "scheduler/clients/shared_core.h"
 #include "scheduler/listen/wake.h"
 #include "scheduler/loop/decision_source.h"
 #include "scheduler/loop/run_control.h"
@@ -31,6 +32,8 @@ class ClientConnection {
   // A socket from which the hub has decisions read on the loop's thread, which saves a turn the
   // waking of another; -1: the connection reads by itself.
   virtual int descriptor() const { return -1; }
+  // The client's process, where it is on this machine; 0: not known.
+  virtual pid_t process() const { return 0; }
   // What was sent is not written yet, for want of room in the socket.
   virtual bool wants_to_write() const { return false; }
   // Reads and writes what can be at once; may call the hub.
@@ -144,6 +147,7 @@ class ClientHub final : public DecisionSource {
   std::vector<SupervisorAction> actions_;
   std::vector<SimulationEvent> faults_;
   std::vector<std::pair<int, std::string>> applied_;  // Policies that acted in this instant.
+  SharedCore core_;
   size_t owed_ = 0;
   bool ended_ = false;
   SimTime now_;

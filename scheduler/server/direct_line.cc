@@ -10,10 +10,20 @@
 #include "scheduler/wire/wire.h"
 
 namespace seam::scheduler {
+namespace {
+
+pid_t process_at(int socket) {
+  ucred who{};
+  socklen_t size = sizeof who;
+  return getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.pid : 0;
+}
+
+}  // namespace
 
 DirectLine::DirectLine(const SessionParts& parts, std::string peer, int socket)
     : RobotSession(parts, std::move(peer)),
       socket_(socket),
+      process_(process_at(socket)),
       incoming_(WireLimits::kMaxMessageBytes) {}
 
 DirectLine::~DirectLine() {

@@ -19,6 +19,7 @@ class DirectLine final : public RobotSession, public std::enable_shared_from_thi
 
   // ---- ClientConnection ----
   int descriptor() const override { return socket_; }
+  pid_t process() const override { return process_; }
   bool wants_to_write() const override;
   // From any thread, one at a time.
   void serve() override;
@@ -40,6 +41,7 @@ class DirectLine final : public RobotSession, public std::enable_shared_from_thi
   void write_what_waits();
 
   const int socket_;
+  const pid_t process_;
   std::mutex reading_;  // Taken before the hub's lock; the hub never holds its own when it reads.
   LineFrames incoming_;
   v1::ClientMessage message_;
