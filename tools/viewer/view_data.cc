@@ -174,9 +174,11 @@ std::string ViewData::info() {
   const Scenario& scenario = match.scenario();
   info["step_s"] = scenario.step.s();
   info["robots"] = robots_of(scenario);
-  info["field"] = {{"length_m", 2 * scenario.field.half_length_m},
-                   {"width_m", 2 * scenario.field.half_width_m}};
-  info["scenery"] = scenery_of(match.world());
+  if (scenario.has_field)
+    info["field"] = {{"length_m", 2 * scenario.field.half_length_m},
+                     {"width_m", 2 * scenario.field.half_width_m}};
+  const render::GlDevice* opengl = match.renderer().options().opengl;
+  info["scenery"] = scenery_of(match.world(), opengl != nullptr ? &opengl->assets() : nullptr);
   info["stages"] = impl_->stages();
   return impl_->info = info.dump(-1, ' ', false, json::error_handler_t::replace);
 }

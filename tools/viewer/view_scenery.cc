@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tools/viewer/footprint.h"
+
 namespace seam::tools {
 namespace {
 
@@ -12,19 +14,6 @@ using nlohmann::json;
 bool moves(Label label) {
   return label == Label::ball || label == Label::robot_red || label == Label::robot_blue ||
          label == Label::robot_body;
-}
-
-const char* shape_name(Shape shape) {
-  switch (shape) {
-    case Shape::rectangle:
-      return "rectangle";
-    case Shape::box:
-      return "box";
-    case Shape::sphere:
-      return "sphere";
-    default:
-      return "cylinder";
-  }
 }
 
 const char* label_name(Label label) {
@@ -36,31 +25,67 @@ const char* label_name(Label label) {
   return kNames[static_cast<size_t>(label)];
 }
 
+constexpr double kGamma = 2.2;
+
 int display(double radiance) {
-  return static_cast<int>(std::lround(255 * std::pow(std::clamp(radiance, 0.0, 1.0), 1 / 2.2)));
+  return static_cast<int>(std::lround(255 * std::pow(std::clamp(radiance, 0.0, 1.0), 1 / kGamma)));
+}
+
+// Of a picture in sRGB, as if it were one radiance.
+Rgb mean_of(const render::Picture& picture) {
+  std::array<double, 3> sum{};
+  for (size_t i = 0; i < picture.rgb.size(); ++i) sum[i % 3] += picture.rgb[i];
+  for (double& value : sum)
+    value = std::pow(3 * value / (255.0 * static_cast<double>(picture.rgb.size())), kGamma);
+  return sum;
+}
+
+Rgb mean_of(const render::Mesh& mesh) {
+  Rgb mean{};
+  for (const render::MeshVertex& vertex : mesh.vertices)
+    for (size_t i = 0; i < 3; ++i)
+      mean[i] += vertex.rgb[i] / static_cast<double>(mesh.vertices.size());
+  return mean;
+}
+
+// The one colour that a thing has from afar.
+Rgb colour_of(const Primitive& primitive, const render::Assets* assets) {
+  Rgb colour = primitive.rgb;
+  if (assets == nullptr || primitive.asset == 0) return colour;
+  const size_t asset = primitive.asset - 1;
+  std::vector<Rgb> factors;
+  if (primitive.shape != Shape::mesh) {
+    factors.push_back(mean_of(assets->textures.at(asset).picture));
+  } else {
+    const render::Mesh& mesh = assets->meshes.at(asset);
+    factors.push_back(mean_of(mesh));
+    if (!mesh.pictures.empty()) factors.push_back(mean_of(mesh.pictures.front()));
+  }
+  for (const Rgb& factor : factors)
+    for (size_t i = 0; i < 3; ++i) colour[i] *= factor[i];
+  return colour;
 }
 
 }  // namespace
 
-json scenery_of(const World& world) {
+json scenery_of(const World& world, const render::Assets* assets) {
   std::vector<Primitive> primitives;
   world.primitives_at(world.start(), primitives);
-  std::erase_if(primitives, [](const Primitive& primitive) { return moves(primitive.label); });
-  std::stable_sort(primitives.begin(), primitives.end(),
-                   [](const auto& a, const auto& b) { return a.X_WO.p.z < b.X_WO.p.z; });
+  struct Item {
+    Footprint footprint;
+    Primitive primitive;
+  };
+  std::vector<Item> items;
+  for (const Primitive& primitive : primitives)
+    if (!moves(primitive.label)) items.push_back({footprint_of(primitive, assets), primitive});
+  std::ranges::stable_sort(items, {}, [](const Item& item) { return item.footprint.top_m; });
   json scenery = json::array();
-  for (const Primitive& primitive : primitives) {
-    const Mat3& R = primitive.X_WO.R;
-    scenery.push_back(
-        {{"shape", shape_name(primitive.shape)},
-         {"label", label_name(primitive.label)},
-         {"x_m", primitive.X_WO.p.x},
-         {"y_m", primitive.X_WO.p.y},
-         {"z_m", primitive.X_WO.p.z},
-         {"yaw_rad", std::atan2(R[0].y, R[0].x)},
-         {"size_m", {primitive.size.x, primitive.size.y, primitive.size.z}},
-         {"rgb",
-          {display(primitive.rgb[0]), display(primitive.rgb[1]), display(primitive.rgb[2])}}});
+  for (const auto& [footprint, primitive] : items) {
+    const Rgb rgb = colour_of(primitive, assets);
+    scenery.push_back({{"label", label_name(primitive.label)},
+                       {"top_m", footprint.top_m},
+                       {"footprint_m", footprint.corners},
+                       {"rgb", {display(rgb[0]), display(rgb[1]), display(rgb[2])}}});
   }
   return scenery;
 }

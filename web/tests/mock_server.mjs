@@ -16,14 +16,15 @@ const robots = ["red", "blue"].flatMap((team) =>
 
 function scenery() {
   const items = [];
-  const add = (shape, label, x_m, y_m, z_m, size_m, rgb) =>
-    items.push({ shape, label, x_m, y_m, z_m, yaw_rad: 0, size_m, rgb });
-  add("rectangle", "carpet", 0, 0, 0, [4.4, 2.9, 0], [46, 112, 66]);
-  for (const y of [-1.35, 1.35]) add("rectangle", "line", 0, y, 0.001, [4.2, 0.025, 0], [240, 240, 240]);
-  for (const x of [-2.1, 0, 2.1]) add("rectangle", "line", x, 0, 0.001, [0.025, 2.7, 0], [240, 240, 240]);
-  add("box", "sky-blue goal", 2.25, 0, 0.15, [0.3, 0.6, 0.3], [90, 180, 235]);
-  add("box", "yellow goal", -2.25, 0, 0.15, [0.3, 0.6, 0.3], [235, 200, 40]);
-  for (const x of [-2.2, 0, 2.2]) for (const y of [-1.45, 1.45]) add("cylinder", "beacon", x, y, 0.2, [0.05], [240, 120, 170]);
+  const add = (label, [x, y], [length, width], top_m, rgb) =>
+    items.push({ label, top_m, rgb, footprint_m: [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(
+      ([i, j]) => [x + i * length / 2, y + j * width / 2]) });
+  add("carpet", [0, 0], [4.4, 2.9], 0, [46, 112, 66]);
+  for (const y of [-1.35, 1.35]) add("line", [0, y], [4.2, 0.025], 0.001, [240, 240, 240]);
+  for (const x of [-2.1, 0, 2.1]) add("line", [x, 0], [0.025, 2.7], 0.001, [240, 240, 240]);
+  add("sky-blue goal", [2.25, 0], [0.3, 0.6], 0.3, [90, 180, 235]);
+  add("yellow goal", [-2.25, 0], [0.3, 0.6], 0.3, [235, 200, 40]);
+  for (const x of [-2.2, 0, 2.2]) for (const y of [-1.45, 1.45]) add("beacon", [x, y], [0.1, 0.1], 0.4, [240, 120, 170]);
   return items;
 }
 

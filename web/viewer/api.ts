@@ -10,13 +10,10 @@ export interface RobotInfo {
 }
 
 export interface Scenery {
-  shape: "rectangle" | "box" | "cylinder" | "sphere";
   label?: string;
-  x_m: number;
-  y_m: number;
-  z_m: number;
-  yaw_rad: number;
-  size_m: number[];
+  top_m: number;
+  /** Corners of what it covers of the ground; two where it stands upright. */
+  footprint_m: [number, number][];
   rgb: [number, number, number];
 }
 
@@ -40,7 +37,7 @@ export interface LogInfo {
   sections: string[];
   has_frames: boolean;
   stages: string[];
-  field: { length_m: number; width_m: number };
+  field?: { length_m: number; width_m: number };
   scenery: Scenery[];
 }
 

@@ -23,19 +23,29 @@ interface Frame {
   y: (m: number) => number;
 }
 
+/** What reaches farther out than this does not count for what is shown. */
+const surroundings_m = 10;
+
 /** World to canvas: x to the right, y up, the field and what stands around it just fitting in. */
 function frameOf(replay: Replay, size: Size): Frame {
   const { field, scenery } = replay.info;
-  let [reachX, reachY] = [field.length_m / 2, field.width_m / 2];
-  for (const item of scenery) {
-    if (Math.abs(item.x_m) < 4 && Math.abs(item.y_m) < 3) {
-      reachX = Math.max(reachX, Math.abs(item.x_m) + 0.05);
-      reachY = Math.max(reachY, Math.abs(item.y_m) + 0.05);
+  const [x_m, y_m] = field ? [field.length_m / 2, field.width_m / 2] : [1, 1];
+  let [left, right, lower, upper] = [-x_m, x_m, -y_m, y_m];
+  for (const { footprint_m } of scenery) {
+    if (footprint_m.some((corner) => Math.hypot(...corner) > surroundings_m)) continue;
+    for (const [x, y] of footprint_m) {
+      [left, right] = [Math.min(left, x), Math.max(right, x)];
+      [lower, upper] = [Math.min(lower, y), Math.max(upper, y)];
     }
   }
   const margin = 10;
-  const scale = Math.min((size.width - 2 * margin) / (2 * reachX), (size.height - 2 * margin) / (2 * reachY));
-  return { scale, x: (m) => size.width / 2 + m * scale, y: (m) => size.height / 2 - m * scale };
+  const scale = Math.min((size.width - 2 * margin) / (right - left), (size.height - 2 * margin) / (upper - lower));
+  const [middleX, middleY] = [(left + right) / 2, (lower + upper) / 2];
+  return {
+    scale,
+    x: (m) => size.width / 2 + (m - middleX) * scale,
+    y: (m) => size.height / 2 - (m - middleY) * scale,
+  };
 }
 
 export function Field({ replay }: { replay: Replay }) {
@@ -79,22 +89,16 @@ export function Field({ replay }: { replay: Replay }) {
 }
 
 function drawScenery(context: CanvasRenderingContext2D, frame: Frame, item: Scenery): void {
-  context.save();
-  context.translate(frame.x(item.x_m), frame.y(item.y_m));
-  context.rotate(-item.yaw_rad);
-  context.fillStyle = `rgb(${item.rgb.join(",")})`;
-  const [length = 0.1, width = length] = item.size_m;
-  if (item.shape === "rectangle" || item.shape === "box") {
-    const [w, h] = [Math.max(1, length * frame.scale), Math.max(1, width * frame.scale)];
-    context.fillRect(-w / 2, -h / 2, w, h);
-  } else {
-    context.beginPath();
-    context.arc(0, 0, Math.max(2, length * frame.scale), 0, 2 * Math.PI);
-    context.fill();
-    context.strokeStyle = "rgba(0,0,0,0.25)";
-    context.stroke();
-  }
-  context.restore();
+  const colour = `rgb(${item.rgb.join(",")})`;
+  context.beginPath();
+  for (const [x, y] of item.footprint_m) context.lineTo(frame.x(x), frame.y(y));
+  context.closePath();
+  context.fillStyle = colour;
+  context.fill();
+  // What is thin stays visible, and what stands on its like.
+  context.lineWidth = item.footprint_m.length < 3 ? 2.5 : 1;
+  context.strokeStyle = item.footprint_m.length < 3 || item.top_m < 0.01 ? colour : "rgba(0,0,0,0.25)";
+  context.stroke();
 }
 
 function drawTrails(context: CanvasRenderingContext2D, frame: Frame, replay: Replay, t: number,

@@ -159,6 +159,14 @@ function join(data: SeriesData[]): uPlot.AlignedData {
   return uPlot.join(data.map((d) => [d.t, d.values] as uPlot.AlignedData), data.map(() => [1]));
 }
 
+/** A value that stays as it is lies in the middle of a small range, not at the edge of 0 to 100. */
+function rangeOf(least: number | null, most: number | null): uPlot.Range.MinMax {
+  if (least === null || most === null) return [null, null];
+  if (most - least > 1e-9 * Math.max(Math.abs(least), Math.abs(most))) return uPlot.rangeNum(least, most, 0.1, true);
+  const half = Math.max(0.1, 0.1 * Math.abs(least));
+  return [least - half, least + half];
+}
+
 function build(holder: HTMLElement, spec: PlotSpec, shown: Shown): uPlot {
   const axis = { stroke: palette.ink3, font: "11px Inter, sans-serif",
     grid: { stroke: "#eceef0", width: 1 }, ticks: { show: false } };
@@ -168,7 +176,10 @@ function build(holder: HTMLElement, spec: PlotSpec, shown: Shown): uPlot {
     cursor: { y: false, drag: { x: false, y: false } },
     // Without values there is no vertical axis, whose place the first time's label needs.
     padding: [6, 18, 0, shown.names.length > 0 ? 0 : 44],
-    scales: { x: { time: false, min: plotFrom.peek(), max: plotTo.peek() } },
+    scales: {
+      x: { time: false, min: plotFrom.peek(), max: plotTo.peek() },
+      y: { range: (_u, least, most) => rangeOf(least, most) },
+    },
     axes: [
       { ...axis, size: 22, values: (_u, splits, _i, _space, step) => splits.map((t) => clock(t, step)) },
       { ...axis, size: 44, space: 22 },
