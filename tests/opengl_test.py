@@ -5,6 +5,7 @@ is said where a file is missing or the ray caster is asked for what it has not.
 Usage: opengl_test.py SEAM SOURCE_DIR [unittest arguments]
 Where the build has no OpenGL, what it says of scenes that need it, and that it draws those that do not.
 """
+import io
 import json
 import os
 import pathlib
@@ -16,6 +17,8 @@ import unittest
 
 import numpy as np
 from PIL import Image
+
+from viewing import viewer
 
 SEAM = pathlib.Path(sys.argv[1]).resolve()
 SOURCE = pathlib.Path(sys.argv[2]).resolve()
@@ -79,6 +82,25 @@ class Room(unittest.TestCase):
             chair.write("# moved\n")
         code, text = seam("replay", "verify", log)
         self.assertEqual((code, "chair.obj" in text, "has changed" in text), (1, True, True), text)
+
+    def test_the_viewer_shows_its_stages_and_what_stands_there(self):
+        log = self.folder / "run.mcap"
+        code, text = seam("run", self.room, "--log", log)
+        self.assertEqual(code, 0, text)
+        self.frame("--out", self.folder / "at.png")
+        with viewer(SEAM, log) as ask:
+            info = ask("info")["logs"][0]
+            pictures = {stage: np.array(Image.open(io.BytesIO(ask("frame", robot="red1", index=3, stage=stage))))
+                        for stage in info["stages"]}
+        self.assertTrue((pictures["rgb"] == np.array(Image.open(self.folder / "at.png"))).all())
+        self.assertLessEqual({"rgb", "ycrcb", "labels", "depth", "scene", "sensor"}, pictures.keys())
+        for stage, picture in pictures.items():
+            self.assertEqual(picture.shape[:2], (144, 178), stage)
+            self.assertGreater(len(np.unique(picture)), 2, stage)
+        # The chair is as wide and deep from above as it is, whichever way it is turned.
+        chair, = (np.array(item["footprint_m"]) for item in info["scenery"] if abs(item["top_m"] - 0.9) < 1e-6)
+        x, y = chair.T
+        self.assertAlmostEqual(0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1)), 0.42 * 0.42, places=6)
 
     def test_processes_elsewhere_draw_the_same_bits(self):
         # They are sent the meshes and the textures: they have none of the scenario's files.

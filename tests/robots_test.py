@@ -12,6 +12,8 @@ import sys
 import tempfile
 import unittest
 
+from viewing import viewer
+
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 SOURCE = pathlib.Path(sys.argv[2]).resolve()
 PYTHON = sys.argv[3]
@@ -104,6 +106,21 @@ class Robots(unittest.TestCase):
         text = self.seam("check", self.arm, code=1)
         self.assertIn("arm.urdf, line ", text)
         self.assertIn("'nobody', which is not there", text)
+
+    def test_the_viewer_knows_their_joints(self):
+        log = self.folder / "arm.mcap"
+        self.seam("run", self.arm, "--log", log)
+        with viewer(SEAM, log) as ask:
+            names = ask("series", robot="arm")["names"]
+            self.assertIn("gripper_rad", names)
+            self.assertNotIn("tilt_rad", names)
+            pan = ask("series", robot="arm", names="shoulder_pan_rad")["series"]["shoulder_pan_rad"]
+            self.assertNotIn("ball", ask("truth"))
+            self.assertNotIn("field", ask("info")["logs"][0])
+        for i in (0, len(pan["t"]) // 2, len(pan["t"]) - 1):
+            shown = self.shown(log, pan["t"][i])["robots"]["arm"]["shoulder_pan_rad"]
+            self.assertAlmostEqual(pan["values"][i], shown, places=9)
+        self.assertGreater(max(map(abs, pan["values"])), 0.1)
 
     def test_a_base_moves_where_it_may(self):
         text = self.arm.read_text().replace("urdf: arm.urdf", "urdf: arm.urdf\n    moves: true")

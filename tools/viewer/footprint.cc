@@ -8,8 +8,8 @@ namespace {
 using Corner = std::array<double, 2>;
 constexpr int kCircleCorners = 24;
 
-// Points are this near in metres: one.
-constexpr double kSame_m = 1e-6;
+// Points this near are one, and three with so small an area lie on a line.
+constexpr double kSame_m = 1e-6, kLine_m2 = 1e-9;
 
 double turn(const Corner& a, const Corner& b, const Corner& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -27,7 +27,7 @@ std::vector<Corner> hull_of(std::vector<Corner> points) {
   for (int side = 0; side < 2; ++side) {
     const size_t begin = hull.size();
     for (const Corner& point : points) {
-      while (hull.size() >= begin + 2 && turn(hull.end()[-2], hull.back(), point) <= 0)
+      while (hull.size() >= begin + 2 && turn(hull.end()[-2], hull.back(), point) <= kLine_m2)
         hull.pop_back();
       hull.push_back(point);
     }

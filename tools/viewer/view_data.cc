@@ -12,8 +12,10 @@
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/image.h"
+#include "tools/viewer/joint_series.h"
 #include "tools/viewer/view_index.h"
 #include "tools/viewer/view_pictures.h"
+#include "tools/viewer/view_records.h"
 #include "tools/viewer/view_scenery.h"
 
 namespace seam::tools {
@@ -40,6 +42,7 @@ struct ViewData::Impl {
   scheduler::Log log;
   std::string id;
   ViewIndex index;
+  bool has_joints = false;  // See joint_series.h.
   std::optional<app::ReplayMatch> match_;
   std::string info;
   struct Made {
@@ -206,8 +209,9 @@ std::string ViewData::truth(const Query& query) {
     }
     ball.push_back(std::vector<float>(values.end() - 3, values.end()));
   }
-  return json{{"t", std::move(times)}, {"ball", std::move(ball)}, {"robots", std::move(poses)}}
-      .dump();
+  json truth = {{"t", std::move(times)}, {"robots", std::move(poses)}};
+  if (impl_->match().scenario().ball.present) truth["ball"] = std::move(ball);
+  return truth.dump();
 }
 
 std::string ViewData::state(const Query& query) {
@@ -238,15 +242,8 @@ std::string ViewData::state(const Query& query) {
 
 std::string ViewData::events(const Query&) {
   const std::lock_guard lock(impl_->mutex);
-  constexpr const char* kKinds[] = {"referee", "radio", "world", "policy", "fault", "debug"};
   json events = json::array();
-  for (const auto& event : impl_->index.events) {
-    events.push_back({{"t", event.time.s()},
-                      {"kind", kKinds[static_cast<int>(event.kind)]},
-                      {"robot", event.robot},
-                      {"name", event.name},
-                      {"detail", event.detail}});
-  }
+  for (const auto& event : impl_->index.events) events.push_back(json_of(event));
   return json{{"events", std::move(events)}}.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -269,25 +266,13 @@ std::string ViewData::debug(const Query& query) {
   auto entry = std::lower_bound(robot.debug.begin(), robot.debug.end(), from,
                                 [](const DebugEntry& e, double t) { return e.t < t; });
   json items = json::array();
-  for (; entry != robot.debug.end() && entry->t < to; ++entry) {
-    const scheduler::DebugItem& item = entry->item;
-    json one = {{"t", entry->t}, {"name", item.name}};
-    if (item.kind == scheduler::DebugItem::Kind::value) one["value"] = item.value;
-    if (item.kind == scheduler::DebugItem::Kind::text) one["text"] = item.text;
-    if (item.kind == scheduler::DebugItem::Kind::drawing) {
-      one["in_image"] = item.in_image;
-      one["points"] = json::array();
-      for (size_t i = 0; i + 1 < item.points.size(); i += 2) {
-        one["points"].push_back({item.points[i], item.points[i + 1]});
-      }
-    }
-    items.push_back(std::move(one));
-  }
+  for (; entry != robot.debug.end() && entry->t < to; ++entry) items.push_back(json_of(*entry));
   return json{{"items", std::move(items)}}.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 std::string ViewData::series(const Query& query) {
   const std::lock_guard lock(impl_->mutex);
+  if (!std::exchange(impl_->has_joints, true)) add_joint_series(impl_->match(), impl_->index);
   const RobotIndex& robot = impl_->robot_index(query);
   const std::string names = text_of(query, "names", "");
   if (names.empty()) {
@@ -345,18 +330,8 @@ std::string ViewData::frame_rows(const Query& query) {
   const int robot = impl_->robot(query);
   const Impl::Made& made = impl_->make(robot, impl_->frame_index(query, robot));
   json rows = json::array();
-  for (size_t row = 0; row < made.frame->rows.size() && row < made.job->row_cameras.size(); ++row) {
-    const Pose& X_WC = made.job->row_cameras[row];
-    const Mat3 R = X_WC.R * glm::transpose(link_to_camera_axes());
-    rows.push_back({{"start_ns", std::to_string(made.frame->rows[row].start.ns())},
-                    {"end_ns", std::to_string(made.frame->rows[row].end.ns())},
-                    {"x_m", X_WC.p.x},
-                    {"y_m", X_WC.p.y},
-                    {"z_m", X_WC.p.z},
-                    {"yaw_rad", std::atan2(R[0].y, R[0].x)},
-                    {"pitch_rad", -std::asin(std::clamp(R[0].z, -1.0, 1.0))},
-                    {"roll_rad", std::atan2(R[1].z, R[2].z)}});
-  }
+  for (size_t row = 0; row < made.frame->rows.size() && row < made.job->row_cameras.size(); ++row)
+    rows.push_back(json_of(made.frame->rows[row], made.job->row_cameras[row]));
   return json{{"index", made.frame->frame_index},
               {"stamp_ns", std::to_string(made.frame->stamp.ns())},
               {"fingerprint", to_hex(made.frame->fingerprint)},

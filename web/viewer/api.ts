@@ -43,7 +43,7 @@ export interface LogInfo {
 
 export interface Truth {
   t: number[];
-  ball: [number, number, number][];
+  ball?: [number, number, number][];
   /** x, y, heading, then tilt, pan, roll. */
   robots: Record<string, number[][]>;
 }

@@ -17,7 +17,7 @@ export interface PlotSpec {
 }
 
 export const specs: PlotSpec[] = [
-  { title: "Joints", unit: "rad", wants: (n) => /^(tilt|pan|roll)_rad$|^command\.(?!(left|right)_(front|hind)_).*_rad$/.test(n) },
+  { title: "Joints", unit: "rad", wants: (n) => /^(?!heading_|debug\.|command\.(left|right)_(front|hind)_).+_rad$/.test(n) },
   { title: "Position", unit: "m", wants: (n) => n === "x_m" || n === "y_m" },
   { title: "Heading", unit: "rad", wants: (n) => n === "heading_rad" },
   { title: "Walk command", unit: "m/s, rad/s", wants: (n) => /^command\.(vx|vy|omega)_/.test(n) },
@@ -39,9 +39,10 @@ function namesOf(replay: Replay, id: string): Promise<string[]> {
 
 const isCommand = (name: string) => name.startsWith("command.");
 
-/** What was measured first, then what was commanded. */
+/** What is measured and commanded first, then the commands, then what nobody commands. */
 function inOrder(names: string[]): string[] {
-  return [...names.filter((n) => !isCommand(n)), ...names.filter(isCommand)];
+  const place = (name: string) => (isCommand(name) ? 1 : names.includes(`command.${name}`) ? 0 : 2);
+  return [...names].sort((a, b) => place(a) - place(b));
 }
 
 interface Shown {
@@ -130,8 +131,8 @@ export function SeriesPlot({ replay, spec }: { replay: Replay; spec: PlotSpec })
       <figcaption>
         <strong>{spec.title}</strong> {spec.unit && <span class="quiet">{spec.unit}</span>}
         <span class="legend">
-          {shown.value.names.map((name, i) => (isCommand(name) && !shown.value.names.every(isCommand) ? null
-            : <span key={name} style={{ color: colourOf(name, i) }}>{label(name)}</span>
+          {shown.value.names.map((name) => (isCommand(name) && !shown.value.names.every(isCommand) ? null
+            : <span key={name} style={{ color: colourOf(name, shown.value.names) }}>{label(name)}</span>
           ))}
           {shown.value.names.some(isCommand) && !shown.value.names.every(isCommand) &&
             <span class="quiet">dashed: commanded</span>}
@@ -143,11 +144,12 @@ export function SeriesPlot({ replay, spec }: { replay: Replay; spec: PlotSpec })
   );
 }
 
-/** A command has the colour of the joint it is for. */
-function colourOf(name: string, i: number): string {
-  const order = ["tilt", "pan", "roll"];
-  const joint = order.findIndex((j) => name.includes(`${j}_rad`));
-  return colours[(joint >= 0 ? joint : i) % colours.length];
+/** A command has the colour of the joint it is for, and the joints of a head have theirs always. */
+function colourOf(name: string, names: string[]): string {
+  const joint = name.replace(/^command\.(?=.*_rad$)/, "");
+  const head = ["tilt_rad", "pan_rad", "roll_rad"].indexOf(joint);
+  const place = names.includes(joint) ? names.indexOf(joint) : names.indexOf(name);
+  return colours[(head >= 0 ? head : place) % colours.length];
 }
 
 function boxOf(element: HTMLElement) {
@@ -184,8 +186,8 @@ function build(holder: HTMLElement, spec: PlotSpec, shown: Shown): uPlot {
       { ...axis, size: 22, values: (_u, splits, _i, _space, step) => splits.map((t) => clock(t, step)) },
       { ...axis, size: 44, space: 22 },
     ],
-    series: [{}, ...(shown.names.length ? shown.names : [spec.title]).map((name, i) => ({
-      label: name, stroke: colourOf(name, i), width: 1.4, spanGaps: true,
+    series: [{}, ...(shown.names.length ? shown.names : [spec.title]).map((name, _i, all) => ({
+      label: name, stroke: colourOf(name, all), width: 1.4, spanGaps: true,
       dash: name.startsWith("command.") && !/v[xy]_|omega/.test(name) ? [3, 3] : undefined,
     }))],
     hooks: {

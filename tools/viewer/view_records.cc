@@ -1,0 +1,44 @@
+#include "tools/viewer/view_records.h"
+
+#include <cmath>
+
+namespace seam::tools {
+
+using nlohmann::json;
+
+json json_of(const scheduler::SimulationEvent& event) {
+  constexpr const char* kKinds[] = {"referee", "radio", "world", "policy", "fault", "debug"};
+  return {{"t", event.time.s()},
+          {"kind", kKinds[static_cast<int>(event.kind)]},
+          {"robot", event.robot},
+          {"name", event.name},
+          {"detail", event.detail}};
+}
+
+json json_of(const DebugEntry& entry) {
+  const scheduler::DebugItem& item = entry.item;
+  json one = {{"t", entry.t}, {"name", item.name}};
+  if (item.kind == scheduler::DebugItem::Kind::value) one["value"] = item.value;
+  if (item.kind == scheduler::DebugItem::Kind::text) one["text"] = item.text;
+  if (item.kind == scheduler::DebugItem::Kind::drawing) {
+    one["in_image"] = item.in_image;
+    one["points"] = json::array();
+    for (size_t i = 0; i + 1 < item.points.size(); i += 2)
+      one["points"].push_back({item.points[i], item.points[i + 1]});
+  }
+  return one;
+}
+
+json json_of(const RowWindow& row, const Pose& X_WC) {
+  const Mat3 R = X_WC.R * glm::transpose(link_to_camera_axes());
+  return {{"start_ns", std::to_string(row.start.ns())},
+          {"end_ns", std::to_string(row.end.ns())},
+          {"x_m", X_WC.p.x},
+          {"y_m", X_WC.p.y},
+          {"z_m", X_WC.p.z},
+          {"yaw_rad", std::atan2(R[0].y, R[0].x)},
+          {"pitch_rad", -std::asin(std::clamp(R[0].z, -1.0, 1.0))},
+          {"roll_rad", std::atan2(R[1].z, R[2].z)}};
+}
+
+}  // namespace seam::tools
