@@ -18,4 +18,10 @@ void visit_scenario_frames(
     SimTime from, SimTime to,
     const std::function<void(const scheduler::FinishedFrame&, const render::Renderer&)>& visit);
 
+// The same for one frame, the first of the robot's camera clock whose stamp is not before `from`.
+void visit_first_frame(
+    const std::string& scenario_file, const SimulatorOptions& options, const std::string& robot,
+    SimTime from,
+    const std::function<void(const scheduler::FinishedFrame&, const render::Renderer&)>& visit);
+
 }  // namespace seam::app

@@ -75,16 +75,11 @@ void write_stages(const FrameSettings& settings, const FrameJob& job, const Fram
 }
 
 void render_frame(const FrameSettings& settings) {
-  const SimTime at = SimTime::from_s(settings.at_s);
   OutputFile out(settings.out, {.inputs = {settings.scenario}});
   if (!settings.stages.empty()) make_output_folder(settings.stages);
-  bool made = false;
-  // The first frame of the camera's own clock from this time on.
-  app::visit_scenario_frames(
-      settings.scenario, settings.simulator, settings.robot, at, at + SimDuration::from_s(1),
+  app::visit_first_frame(
+      settings.scenario, settings.simulator, settings.robot, SimTime::from_s(settings.at_s),
       [&](const scheduler::FinishedFrame& finished, const render::Renderer& camera) {
-        if (made) return;
-        made = true;
         const Frame& frame = *finished.frame;
         out.fill(encode_png(render::picture_of_frame(frame)));
         if (!settings.stages.empty()) write_stages(settings, *finished.job, frame, camera);
@@ -92,10 +87,6 @@ void render_frame(const FrameSettings& settings) {
                     static_cast<unsigned long long>(frame.frame_index), settings.robot.c_str(),
                     frame.stamp.s(), to_hex(frame.fingerprint).c_str());
       });
-  if (!made) {
-    throw InputError(fmt::format("{}: found no frame of {} within 1 s after {} s",
-                                 settings.scenario, settings.robot, settings.at_s));
-  }
 }
 
 }  // namespace
