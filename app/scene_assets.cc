@@ -33,7 +33,8 @@ std::string file_for_opengl(const Scenario& scenario) {
 
 }  // namespace
 
-std::unique_ptr<render::GlDevice> device_for(Scenario& scenario, const std::string& drawing) {
+std::unique_ptr<render::GlDevice> device_for(Scenario& scenario, const std::string& drawing,
+                                             const std::string& gl) {
   const std::string needy = file_for_opengl(scenario);
   if (!needy.empty() && drawing == "analytic") {
     throw InputError(fmt::format(
@@ -46,7 +47,7 @@ std::unique_ptr<render::GlDevice> device_for(Scenario& scenario, const std::stri
   for (ObjectSpec& object : scenario.objects) read_for(object, reader);
   for (RobotSpec& robot : scenario.robots)
     for (BodyPart& part : robot.body.parts) read_for(part, reader);
-  return std::make_unique<render::GlDevice>(reader.take());
+  return std::make_unique<render::GlDevice>(reader.take(), gl);
 }
 
 }  // namespace seam::app

@@ -88,7 +88,7 @@ effects::ModelParts::JointModels joint_models_of(const Scenario& scenario) {
   return models;
 }
 
-constexpr const char* kRendererVersion = "renderer";
+constexpr const char *kRendererVersion = "renderer", *kGlSource = "opengl_from";
 
 }  // namespace
 
@@ -109,7 +109,7 @@ Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions
 }
 
 Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
-  std::unique_ptr<render::GlDevice> opengl = device_for(scenario, options.drawing);
+  std::unique_ptr<render::GlDevice> opengl = device_for(scenario, options.drawing, options.gl);
   std::vector<effects::Model> models = models_of(scenario);
   std::map<std::string, effects::Model> by_robot;
   for (size_t i = 0; i < models.size(); ++i) by_robot.emplace(scenario.robots[i].id, models[i]);
@@ -123,6 +123,7 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
                      {"state", std::string(scheduler::kStateVersion)},
                      {kRendererVersion, opengl ? "opengl" : "analytic"}};
   if (opengl) {
+    header.versions.emplace_back(kGlSource, opengl->source());
     header.versions.emplace_back("opengl", opengl->version());
     header.versions.emplace_back("opengl_renderer", opengl->renderer());
   }
@@ -140,8 +141,12 @@ Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOpti
   scenario.seed = static_cast<int64_t>(header.seed);
   replace_models(scenario, options.models);
   SimulatorOptions as_recorded = options;
-  for (const auto& [name, version] : header.versions)
+  for (const auto& [name, version] : header.versions) {
     if (name == kRendererVersion && options.drawing == "auto") as_recorded.drawing = version;
+    // Where it is not here another draws, and replays say that pixels may differ.
+    if (name == kGlSource && options.gl == "auto" && render::opengl_is_here(version))
+      as_recorded.gl = version;
+  }
   Simulator simulator = make_simulator(without_fingerprints(scenario), as_recorded);
   simulator.header.scenario_text = with_fingerprints(std::move(scenario)).to_yaml();
   return simulator;

@@ -24,7 +24,8 @@ struct SimulatorOptions {
       models;              // "FILE" for all robots or "ROBOT=FILE"; replace the scenario's.
   int render_workers = 0;  // 0: one for each core.
   std::string drawing =
-      "auto";  // "analytic", "opengl", or "auto": OpenGL where the scene needs it.
+      "auto";               // "analytic", "opengl", or "auto": OpenGL where the scene needs it.
+  std::string gl = "auto";  // Where OpenGL comes from; see render::GlDevice.
   render::RendererOptions rendering;
   bool cameras_when_used = false;  // A model that cannot be rendered is told with its first frame.
 };

@@ -26,6 +26,7 @@ scheduler::RenderSetup setup_of(const Simulator& simulator) {
                                .reference = rendering.reference};
   if (rendering.opengl) {
     setup.opengl = rendering.opengl->version();
+    setup.opengl_from = rendering.opengl->source();
     setup.assets = render::bytes_of(rendering.opengl->assets());
     if (setup.assets.size() > kMostAssetBytes)
       throw InputError(fmt::format(
@@ -68,7 +69,7 @@ std::unique_ptr<scheduler::FrameRenderer> make_told_renderer(const scheduler::Re
   }
   std::unique_ptr<render::GlDevice> opengl;
   if (!setup.opengl.empty()) {
-    opengl = std::make_unique<render::GlDevice>(render::assets_of(setup.assets));
+    opengl = std::make_unique<render::GlDevice>(render::assets_of(setup.assets), setup.opengl_from);
     if (opengl->version() != setup.opengl)
       throw InputError(fmt::format("OpenGL: found {}, expected the server's, {}", opengl->version(),
                                    setup.opengl));

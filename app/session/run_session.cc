@@ -305,6 +305,13 @@ void add_drawing_option(Command command, SimulatorOptions& simulator) {
                   "draws meshes and textures; `auto`: opengl where the scene needs it")
       .one_of({"auto", "analytic", "opengl"})
       .show_default();
+  command
+      .add_option("--gl", simulator.gl,
+                  "Where OpenGL comes from: `osmesa`, Mesa on the processor; `egl`, a graphics\n"
+                  "processor's driver where there is one, else Mesa's; `auto`: osmesa, and egl\n"
+                  "where that is not installed")
+      .one_of({"auto", "osmesa", "egl"})
+      .show_default();
 }
 
 void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator) {

@@ -92,7 +92,7 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 // The summary on stdout and, where asked for, as JSON; the exit code.
 int report(const SessionSummary& summary, SessionOutputs& outputs);
 
-// `--renderer auto|analytic|opengl`.
+// `--renderer auto|analytic|opengl`, `--gl auto|osmesa|egl`.
 void add_drawing_option(Command command, SimulatorOptions& simulator);
 
 // The options that run and serve share.

@@ -2,69 +2,13 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
-#include <optional>
 
 #include "render/gl/shaders.h"
 #include "sim_core/base/error.h"
 
 namespace seam::render::gl {
 namespace {
-
-// A variable of the environment while Mesa reads it; afterwards as it was, so that no process that
-// we start inherits it.
-class EnvironmentFor {
- public:
-  EnvironmentFor(const char* name, const char* value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    setenv(name, value, 1);
-  }
-  ~EnvironmentFor() {
-    if (before_)
-      setenv(name_, before_->c_str(), 1);
-    else
-      unsetenv(name_);
-  }
-  EnvironmentFor(const EnvironmentFor&) = delete;
-  EnvironmentFor& operator=(const EnvironmentFor&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
-
-OSMesaContext create(const Api& gl) {
-  constexpr int kAttributes[] = {OSMESA_FORMAT,
-                                 OSMESA_RGBA,
-                                 OSMESA_DEPTH_BITS,
-                                 24,
-                                 OSMESA_PROFILE,
-                                 OSMESA_CORE_PROFILE,
-                                 OSMESA_CONTEXT_MAJOR_VERSION,
-                                 3,
-                                 OSMESA_CONTEXT_MINOR_VERSION,
-                                 3,
-                                 0};
-  return gl.create_context(kAttributes, nullptr);
-}
-
-// Mesa reads the environment once, when the process makes its first context: then, and before
-// there are frames on other threads, it is set. Fused multiply-adds of newer processors would give
-// other bits; frames are made side by side, so that threads of the rasteriser's own would only get
-// into each other's way.
-bool make_first(const Api& gl) {
-  const EnvironmentFor same_bits("GALLIUM_OVERRIDE_CPU_CAPS", "sse4.1");
-  const EnvironmentFor one_thread("LP_NUM_THREADS", "0");
-  const EnvironmentFor software("GALLIUM_DRIVER", "llvmpipe");
-  OSMesaContext first = create(gl);
-  if (first) gl.destroy_context(first);
-  return first != nullptr;
-}
-OSMesaContext create_alike(const Api& gl) {
-  static const bool made = make_first(gl);
-  return made ? create(gl) : nullptr;
-}
 
 const char* shape_text(int kind) {
   constexpr const char* kTexts[] = {kRectangle, kSphere, kCylinder, kCapsule, kBox};
@@ -73,9 +17,8 @@ const char* shape_text(int kind) {
 
 }  // namespace
 
-Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create_alike(gl)) {
-  if (!context_)
-    throw InputError("renderer 'opengl': Mesa makes no off-screen OpenGL 3.3 core context here");
+Context::Context(const OffscreenGl& gl, const Assets& assets)
+    : gl_(gl.api()), context_(gl.make_context()) {
   make_current();
   shapes_ = make_instances(sizeof(ShapeInstance) / 16);
   faces_ = make_instances(sizeof(FaceInstance) / 16);
@@ -88,10 +31,6 @@ Context::Context(const Api& gl, const Assets& assets) : gl_(gl), context_(create
       gl_, assets,
       [this](const std::string& vertex, const std::string& fragment,
              const std::vector<const char*>& inputs) { return link(vertex, fragment, inputs).id; });
-}
-
-Context::~Context() {
-  gl_.destroy_context(context_);
 }
 
 Context::Instances Context::make_instances(int inputs) const {
@@ -116,15 +55,6 @@ void Context::draw_instances(const Instances& buffers, const void* instances, si
   gl_.glBindBuffer(GL_ARRAY_BUFFER, buffers.buffer);
   gl_.glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), instances, GL_STREAM_DRAW);
   gl_.glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(count));
-}
-
-void Context::make_current() {
-  SEAM_CHECK(gl_.make_current(context_, window_.data(), GL_UNSIGNED_BYTE, 64, 64), "{}",
-             "OSMesaMakeCurrent");
-}
-
-void Context::release() {
-  gl_.make_current(nullptr, nullptr, 0, 0, 0);
 }
 
 std::string Context::version() const {

@@ -10,8 +10,8 @@
 #include <tuple>
 #include <vector>
 
-#include "render/gl/api.h"
 #include "render/gl/mesh_drawer.h"
+#include "render/gl/offscreen/offscreen.h"
 
 namespace seam::render::gl {
 
@@ -62,13 +62,12 @@ struct PageLook {
 class Context {
  public:
   // What is given outlives the context.
-  Context(const Api& gl, const Assets& assets);
-  ~Context();
+  Context(const OffscreenGl& gl, const Assets& assets);
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;
 
-  void make_current();
-  void release();
+  void make_current() { context_->make_current(); }
+  void release() { context_->release(); }
 
   // A page of the strip: `width` x `height` texels, row by row, left in `pixels`; four floats each,
   // or one where places in a palette are written.
@@ -104,8 +103,7 @@ class Context {
   void make_target(Target& target, GLenum format, int width, int height) const;
 
   const Api& gl_;
-  OSMesaContext context_ = nullptr;
-  std::array<uint8_t, 64 * 64 * 4> window_{};  // OSMesa wants one; nothing is drawn there.
+  std::unique_ptr<OffscreenContext> context_;
   std::unique_ptr<MeshDrawer> meshes_;
   std::map<std::tuple<int, bool, Writes>, Program> shape_programs_;
   Instances shapes_, faces_;
@@ -119,7 +117,7 @@ class Context {
 class ContextPool {
  public:
   // All of it outlives the pool.
-  ContextPool(const Api& gl, const Assets& assets) : gl_(gl), assets_(assets) {}
+  ContextPool(const OffscreenGl& gl, const Assets& assets) : gl_(gl), assets_(assets) {}
 
   // A context that is current on this thread until the lease ends.
   class Lease {
@@ -137,7 +135,7 @@ class ContextPool {
   };
 
  private:
-  const Api& gl_;
+  const OffscreenGl& gl_;
   const Assets& assets_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Context>> free_;

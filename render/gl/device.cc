@@ -44,12 +44,13 @@ bool has_one_colour_each(const FrameJob& job, const std::vector<gl::ClusteredMes
 }  // namespace
 
 struct GlDevice::Impl {
-  explicit Impl(Assets given) : assets(std::move(given)) {}
+  Impl(Assets given, const std::string& source)
+      : assets(std::move(given)), opengl(gl::offscreen_gl(source)) {}
 
   Assets assets;
-  const gl::Api& api = gl::Api::load();
+  const gl::OffscreenGl& opengl;
   const std::vector<gl::ClusteredMesh> meshes = gl::cluster_meshes(assets);
-  gl::ContextPool contexts{api, assets};
+  gl::ContextPool contexts{opengl, assets};
   std::string version, renderer;
 
   using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&,
@@ -60,7 +61,8 @@ struct GlDevice::Impl {
                   const SeePage& see);
 };
 
-GlDevice::GlDevice(Assets assets) : impl_(std::make_unique<Impl>(std::move(assets))) {
+GlDevice::GlDevice(Assets assets, const std::string& source)
+    : impl_(std::make_unique<Impl>(std::move(assets), source)) {
   const gl::ContextPool::Lease context(impl_->contexts);
   impl_->version = context->version();
   impl_->renderer = context->renderer();
@@ -72,6 +74,19 @@ const std::string& GlDevice::version() const {
 }
 const std::string& GlDevice::renderer() const {
   return impl_->renderer;
+}
+
+bool opengl_is_here(const std::string& source) {
+  try {
+    gl::offscreen_gl(source);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+std::string GlDevice::source() const {
+  return impl_->opengl.source();
 }
 
 const Assets& GlDevice::assets() const {

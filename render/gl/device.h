@@ -1,5 +1,5 @@
-// The OpenGL renderer: light of a frame's instants drawn by OSMesa, beside the ray caster of cast/.
-// It draws what the ray caster does and, beyond that, meshes and textures.
+// The OpenGL renderer: light of a frame's instants drawn off-screen, beside the ray caster of
+// cast/. It draws what the ray caster does and, beyond that, meshes and textures.
 #pragma once
 
 #include <memory>
@@ -16,13 +16,17 @@ namespace seam::render {
 
 class GlDevice {
  public:
+  // `source`: "osmesa", Mesa's software renderer; "egl", the first driver that EGL finds, that of a
+  // graphics processor where there is one; "auto": osmesa, and egl where that is not installed.
   // Throws InputError where this build or this machine has no OpenGL.
-  explicit GlDevice(Assets assets = {});
+  explicit GlDevice(Assets assets = {}, const std::string& source = "auto");
   ~GlDevice();
   GlDevice(const GlDevice&) = delete;
   GlDevice& operator=(const GlDevice&) = delete;
 
-  // Of Mesa, as logs name them.
+  // "osmesa" or "egl".
+  std::string source() const;
+  // Of the driver, as logs name them.
   const std::string& version() const;
   const std::string& renderer() const;
 
@@ -44,5 +48,8 @@ class GlDevice {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Whether "osmesa" or "egl" makes contexts here.
+bool opengl_is_here(const std::string& source);
 
 }  // namespace seam::render

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "render/assets/assets.h"
-#include "render/gl/api.h"
 #include "render/gl/mesh_clusters.h"
+#include "render/gl/offscreen/api.h"
 #include "render/gl/shaders.h"
 
 namespace seam::render::gl {

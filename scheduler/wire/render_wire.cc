@@ -188,6 +188,7 @@ void setup_to_wire(const RenderSetup& setup, v1::RenderSetup& wire) {
   wire.set_max_motion_px(setup.max_motion_px);
   wire.set_reference_ns(setup.reference.ns());
   wire.set_opengl(setup.opengl);
+  wire.set_opengl_from(setup.opengl_from);
   wire.set_assets(setup.assets);
 }
 
@@ -210,6 +211,7 @@ RenderSetup setup_from_wire(const v1::RenderSetup& wire) {
   setup.max_motion_px = wire.max_motion_px();
   setup.reference = SimTime::from_ns(wire.reference_ns());
   setup.opengl = wire.opengl();
+  setup.opengl_from = wire.opengl_from();
   setup.assets = wire.assets();
   return setup;
 }

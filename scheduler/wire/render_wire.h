@@ -34,8 +34,9 @@ struct RenderSetup {
   int edge_samples_per_pixel = 0;
   double max_motion_px = 0;
   SimTime reference;
-  std::string opengl;  // Mesa's version where OpenGL draws.
-  std::string assets;  // Then the scene's meshes and textures; the renderer's own bytes.
+  std::string opengl;       // The driver's version where OpenGL draws.
+  std::string opengl_from;  // "osmesa" or "egl".
+  std::string assets;       // Then the scene's meshes and textures; the renderer's own bytes.
 };
 
 void setup_to_wire(const RenderSetup& setup, v1::RenderSetup& wire);

@@ -24,11 +24,18 @@ struct GlDevice::Impl {
   Assets none;
 };
 
-GlDevice::GlDevice(Assets) {
+GlDevice::GlDevice(Assets, const std::string&) {
   throw InputError(fmt::format(
       "renderer 'opengl': {}, or take --renderer analytic for scenes of shapes", kMissing));
 }
 GlDevice::~GlDevice() = default;
+bool opengl_is_here(const std::string&) {
+  return false;
+}
+
+std::string GlDevice::source() const {
+  return {};
+}
 const std::string& GlDevice::version() const {
   return impl_->nothing;
 }

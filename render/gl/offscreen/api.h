@@ -1,9 +1,11 @@
-// OpenGL's functions as OSMesa has them. The library is loaded when the first context is asked for,
-// so that commands without OpenGL do not wait for it; nothing outside this room sees its headers.
+// OpenGL's functions, found by name: libraries are loaded when the first context is asked for, so
+// that commands without OpenGL do not wait for them; nothing outside gl/ sees their headers.
 #pragma once
 
+#include <functional>
+
 #define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
+#include <GL/gl.h>
 
 // Needs the types of the one above.
 #include <GL/glext.h>
@@ -30,15 +32,13 @@ namespace seam::render::gl {
 // clang-format on
 
 struct Api {
-  decltype(&::OSMesaCreateContextAttribs) create_context = nullptr;
-  decltype(&::OSMesaMakeCurrent) make_current = nullptr;
-  decltype(&::OSMesaDestroyContext) destroy_context = nullptr;
 #define SEAM_GL_MEMBER(name) decltype(&::name) name = nullptr;
   SEAM_GL_FUNCTIONS(SEAM_GL_MEMBER)
 #undef SEAM_GL_MEMBER
 
-  // Loads the library once for the process; throws InputError where there is none.
-  static const Api& load();
+  // `find` gives a function by its name, `library` is what errors call it. Throws InputError where
+  // one is missing.
+  static Api of(const std::function<void*(const char*)>& find, const char* library);
 };
 
 }  // namespace seam::render::gl
