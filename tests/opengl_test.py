@@ -68,6 +68,7 @@ class Room(unittest.TestCase):
         self.assertEqual(versions["renderer"], "opengl")
         self.assertIn("Mesa", versions["opengl"])
         self.assertIn("llvmpipe", versions["opengl_renderer"])
+        self.assertEqual(versions["opengl_from"], "osmesa")
         # Frames that the run may not have asked for are the same bits too.
         code, text = seam("replay", "frames", log, "--robot", "red1", "--from", "0.05", "--to", "0.13", "--out", self.folder / "eyes")
         self.assertEqual(code, 0, text)
@@ -82,6 +83,26 @@ class Room(unittest.TestCase):
             chair.write("# moved\n")
         code, text = seam("replay", "verify", log)
         self.assertEqual((code, "chair.obj" in text, "has changed" in text), (1, True, True), text)
+
+    def test_egl_draws_too_and_its_log_says_so(self):
+        code, text = seam("frame", self.room, "--robot", "red1", "--at", "0.1", "--gl", "egl", "--out", self.folder / "egl.png")
+        if code != 0 and "--gl egl: " in text:
+            self.skipTest(text)
+        self.assertEqual(code, 0, text)
+        log = self.folder / "run.mcap"
+        code, text = seam("run", self.room, "--gl", "egl", "--log", log)
+        self.assertEqual(code, 0, text)
+        code, text = seam("replay", "show", log, "--json", self.folder / "show.json")
+        versions = json.loads((self.folder / "show.json").read_text())["versions"]
+        self.assertEqual(versions["opengl_from"], "egl")
+        code, text = seam("replay", "verify", log)
+        self.assertEqual((code, "the same" in text), (0, True), text)
+        self.frame("--out", self.folder / "osmesa.png", "--gl", "osmesa")
+        apart = np.array(Image.open(self.folder / "egl.png")).astype(int) - np.array(Image.open(self.folder / "osmesa.png"))
+        # The same version of Mesa gives the same bits, a graphics processor nearly the same picture.
+        self.assertLess(np.abs(apart).mean(), 0.3)
+        if "llvmpipe" in versions["opengl_renderer"]:
+            self.assertEqual(np.abs(apart).max(), 0)
 
     def test_the_viewer_shows_its_stages_and_what_stands_there(self):
         log = self.folder / "run.mcap"

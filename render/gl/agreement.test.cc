@@ -134,6 +134,22 @@ TEST(OpenGl, SameBitsAgainOnAnyThreadsAndSideBySide) {
   for (const uint64_t fingerprint : beside) EXPECT_EQ(fingerprint, first);
 }
 
+TEST(OpenGl, EglGivesTheBitsOfOsMesaOfOneVersion) {
+  if (!opengl_is_here("egl")) GTEST_SKIP() << "no EGL";
+  const GlDevice osmesa({}, "osmesa"), egl({}, "egl");
+  EXPECT_EQ(osmesa.source(), "osmesa");
+  EXPECT_EQ(egl.source(), "egl");
+  if (egl.version() != osmesa.version() || egl.renderer() != osmesa.renderer())
+    GTEST_SKIP() << egl.renderer() << " beside " << osmesa.renderer();
+  const GoldenFrame golden = golden_frames()[2];
+  uint64_t fingerprints[2] = {};
+  for (const GlDevice* device : {&osmesa, &egl}) {
+    const Renderer renderer(golden.model, kWidth, kHeight, {.threads = 1, .opengl = device});
+    fingerprints[device == &egl] = renderer.render(golden.job).fingerprint;
+  }
+  EXPECT_EQ(fingerprints[0], fingerprints[1]);
+}
+
 TEST(OpenGl, LeavesNothingInTheEnvironment) {
   setenv("LP_NUM_THREADS", "1", 1);
   const GlDevice device;

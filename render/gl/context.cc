@@ -197,7 +197,8 @@ ContextPool::Lease::Lease(ContextPool& pool) : pool_(pool) {
   {
     const std::lock_guard lock(pool.mutex_);
     if (pool.free_.empty()) {
-      context_ = std::make_unique<Context>(pool.gl_, pool.assets_);
+      const OffscreenGl& gl = *pool.copies_[pool.made_++ % pool.copies_.size()];
+      context_ = std::make_unique<Context>(gl, pool.assets_);
       return;
     }
     context_ = std::move(pool.free_.back());

@@ -113,11 +113,13 @@ class Context {
   GLenum page_form_ = GL_RGBA;
 };
 
-// The contexts of one process's frames: as many as frames are made at once.
+// The contexts of one process's frames: as many as frames are made at once, of the copies of the
+// driver in turn.
 class ContextPool {
  public:
   // All of it outlives the pool.
-  ContextPool(const OffscreenGl& gl, const Assets& assets) : gl_(gl), assets_(assets) {}
+  ContextPool(std::vector<const OffscreenGl*> copies, const Assets& assets)
+      : copies_(std::move(copies)), assets_(assets) {}
 
   // A context that is current on this thread until the lease ends.
   class Lease {
@@ -135,10 +137,11 @@ class ContextPool {
   };
 
  private:
-  const OffscreenGl& gl_;
+  const std::vector<const OffscreenGl*> copies_;
   const Assets& assets_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Context>> free_;
+  size_t made_ = 0;
 };
 
 }  // namespace seam::render::gl

@@ -50,7 +50,7 @@ struct GlDevice::Impl {
   Assets assets;
   const gl::OffscreenGl& opengl;
   const std::vector<gl::ClusteredMesh> meshes = gl::cluster_meshes(assets);
-  gl::ContextPool contexts{opengl, assets};
+  gl::ContextPool contexts{gl::copies_of(opengl), assets};
   std::string version, renderer;
 
   using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&,

@@ -54,6 +54,29 @@ const OffscreenGl& only() {
 
 }  // namespace
 
+std::string OffscreenGl::driver() const {
+  const std::unique_ptr<OffscreenContext> context = make_context();
+  context->make_current();
+  const auto text = [&](GLenum name) {
+    return reinterpret_cast<const char*>(api_.glGetString(name));
+  };
+  std::string driver = fmt::format("{}, {}", text(GL_VERSION), text(GL_RENDERER));
+  context->release();
+  return driver;
+}
+
+std::vector<const OffscreenGl*> copies_of(const OffscreenGl& gl) {
+  std::vector<const OffscreenGl*> copies{&gl};
+  try {
+    const bool is_egl = std::string_view(gl.source()) == "egl";
+    const OffscreenGl& other = offscreen_gl(is_egl ? "osmesa" : "egl");
+    if (other.driver() == gl.driver()) copies.push_back(&other);
+  } catch (const InputError&) {
+    // One copy then; nothing was asked of the other.
+  }
+  return copies;
+}
+
 const OffscreenGl& offscreen_gl(const std::string& source) {
   if (source == "osmesa") return only<load_osmesa>();
   if (source == "egl") return only<load_egl>();

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "render/gl/offscreen/api.h"
 
@@ -25,6 +26,8 @@ class OffscreenGl {
   const Api& api() const { return api_; }
   // "osmesa" or "egl".
   const char* source() const { return source_; }
+  // Of its driver, "VERSION, RENDERER". Makes a context.
+  std::string driver() const;
   // OpenGL 3.3, core profile. Throws InputError where there is none.
   virtual std::unique_ptr<OffscreenContext> make_context() const = 0;
 
@@ -39,6 +42,11 @@ class OffscreenGl {
 // "osmesa", "egl", or "auto": OSMesa, and EGL where that is not installed. Made once for the
 // process. Throws InputError that says what to install.
 const OffscreenGl& offscreen_gl(const std::string& source);
+
+// It, and the other source where that is here and has a driver of the same version and renderer.
+// Mesa fills triangles under a lock that each copy has for itself: two contexts of one copy wait
+// for each other, contexts of two do not.
+std::vector<const OffscreenGl*> copies_of(const OffscreenGl& gl);
 
 // For offscreen_gl alone.
 std::unique_ptr<OffscreenGl> load_osmesa();
