@@ -101,8 +101,9 @@ bool tells_large_errors(const Model& given, const Model& model) {
   return without_large_errors(given, model).effects().size() < model.effects().size();
 }
 
-Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best) {
+Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best, bool in_vain) {
   const Model& model = best.assessment.model;
+  if (in_vain) return model;
   if (!tells_large_errors(given, model)) return with_large_errors(problem, best);
   const Model without = without_large_errors(given, model);
   return are_few(rows_of(problem, problem.find_outliers(without))) ? without : model;

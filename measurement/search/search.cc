@@ -157,12 +157,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     }
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
-    for (const Candidate& candidate : looks.candidates) {
-      const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) !=
-                         promising_.end();
-      if (candidate.significant && !known && promising_.size() < kMostPromising)
-        promising_.push_back(candidate.effect->name);
-    }
+    remember_significant(looks.candidates, promising_);
     if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
       grown = *std::move(better);
       prune(grown);
@@ -361,9 +356,7 @@ SearchResult Searcher::run() {
     const Assessment& best = result.best.assessment;
     marks_changed =
         (in_vain || explains_something(best.error, base_.assessment.error)) &&
-        mark_outliers(problem_,
-                      in_vain ? best.model : judge_of_outliers(problem_, model_, result.best),
-                      result);
+        mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, in_vain), result);
   }
   if (marks_changed) base_ = base();
   result.base = base_;
