@@ -87,6 +87,25 @@ void look_at_frames(const CsvTable& table, double period_s, std::vector<std::str
   }
 }
 
+// An exposure that lasts far longer than until the next frame.
+void look_at_exposures(const CsvTable& table, std::vector<std::string>& found) {
+  constexpr double kFarLonger = 20;
+  const Times times = table.times_ns("time_s");
+  const std::vector<double> exposures = table.numbers("exposure_s");
+  size_t longest = times.size();
+  double most = kFarLonger, step_s = 0;
+  for (size_t row = 0; row + 1 < times.size(); ++row) {
+    const double step = seconds(times[row + 1] - times[row]);
+    if (!(step > 0) || exposures[row] < most * step) continue;
+    most = exposures[row] / step, longest = row, step_s = step;
+  }
+  if (longest == times.size()) return;
+  found.push_back(
+      fmt::format("{}:{}: exposure_s is {:g} s, and the next frame {:.4g} s later: {} for seconds?",
+                  table.file(), table.line(longest), exposures[longest], step_s,
+                  most > 2000 ? "microseconds" : "milliseconds"));
+}
+
 // Whether nearly all of these times lie within those of the log.
 bool covered(const Times& times, int64_t divisor, int64_t begin, int64_t end) {
   const auto inside = std::count_if(times.begin(), times.end(), [&](int64_t t) {
@@ -121,6 +140,10 @@ std::vector<std::string> faults_of_clocks(const MeasurementSet& set) {
       if (!set.has_file(name)) continue;
       const CsvTable table = set.table(name);
       if (table.has("time_s")) look_at(table, longest_ns, found);
+    }
+    if (set.has_file("frames")) {
+      const CsvTable frames = set.table("frames");
+      if (frames.has("time_s") && frames.has("exposure_s")) look_at_exposures(frames, found);
     }
     for (const char* seen : {"points", "observations", "frames"}) {
       if (set.has_file(seen) && set.camera.frame_period_s > 0 && set.table(seen).has("time_s"))

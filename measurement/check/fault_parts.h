@@ -30,6 +30,8 @@ bool has_all(const CsvTable& table, std::initializer_list<const char*> columns);
 // Each adds sentences.
 void joint_faults(const MeasurementSet& set, std::vector<std::string>& found);
 void walk_faults(const MeasurementSet& set, std::vector<std::string>& found);
+// Of a walk whose wheels are counted, `walk_faults`'s part.
+void tick_faults(const CsvTable& table, std::vector<std::string>& found);
 void landmark_faults(const MeasurementSet& set, std::vector<std::string>& found);
 void point_faults(const MeasurementSet& set, std::vector<std::string>& found);
 void range_faults(const MeasurementSet& set, std::vector<std::string>& found);

@@ -67,6 +67,28 @@ class Faults : public testing::Test {
     return set("odometry", "{odometry: odometry.csv}");
   }
 
+  // A robot on two wheels that curves, turns to and fro, and stands 0.2 m wide; `spoil` gets its
+  // pose and ticks.
+  struct Wheels {
+    double x_m, y_m, theta_rad, left, right;
+  };
+  MeasurementSet wheels(const std::function<void(Wheels&)>& spoil) const {
+    std::string text = "run,time_s,left_ticks,right_ticks,x_m,y_m,theta_rad\n";
+    double x = 0, y = 0, theta = 0;
+    for (int k = 0; k < 800; ++k) {
+      const double left = std::round(60 + 40 * std::sin(0.02 * k)), right = 160 - left - k / 20;
+      const double turn = 1e-4 * (right - left) / 0.2, way = 0.5e-4 * (right + left);
+      x += way * std::cos(theta + 0.5 * turn), y += way * std::sin(theta + 0.5 * turn);
+      theta += turn;
+      Wheels row{x, y, std::remainder(theta, 2 * M_PI), left, right};
+      spoil(row);
+      text += fmt::format("1,{:.3f},{},{},{:.6f},{:.6f},{:.6f}\n", 0.05 * k, row.left, row.right,
+                          row.x_m, row.y_m, row.theta_rad);
+    }
+    write("odometry.csv", text);
+    return set("odometry", "{odometry: odometry.csv}");
+  }
+
   MeasurementSet beacons(double range_unit, bool exchanged, double bearing_unit,
                          double time_unit = 1, double heading_unit = 1) const {
     const double places[3][2] = {{-8, 2}, {9, -7}, {3, 12}};
@@ -179,6 +201,39 @@ TEST_F(Faults, DegreesInOneColumnAreTold) {
               ElementsAre(HasSubstr("omega_cmd_radps is 22.9183")));
 }
 
+TEST_F(Faults, TicksOfAnEncoderForRadiansAreTold) {
+  const auto ticks = servo([](int, Sample& s) {
+    s.measured_rad = std::round((s.measured_rad + 3) * 1024 / (2 * std::numbers::pi));
+  });
+  EXPECT_THAT(faults_of_values(ticks),
+              ElementsAre(HasSubstr("joints.csv:2: measured_rad spans 160 times as much")));
+}
+
+TEST_F(Faults, OfWheelsAreTold) {
+  const auto told = [&](auto&& spoil) { return faults_of_values(wheels(spoil)); };
+  EXPECT_THAT(told([](Wheels&) {}), IsEmpty());
+  EXPECT_THAT(told([](Wheels& w) { w.theta_rad *= kDegrees; }),
+              ElementsAre(HasSubstr("goes where it looks, and this one does so where theta_rad is "
+                                    "read as degrees")));
+  EXPECT_THAT(told([](Wheels& w) { w.y_m = -w.y_m; }),
+              ElementsAre(HasSubstr("theta_rad counts to the other side, or y_m does")));
+  EXPECT_THAT(told([](Wheels& w) { w.x_m *= 1000, w.y_m *= 1000; }),
+              ElementsAre(HasSubstr("the wheels stand 199 m apart: millimetres for metres")));
+  EXPECT_THAT(told([](Wheels& w) { w.left = 0; }),
+              ElementsAre(HasSubstr("odometry.csv:2: column left_ticks is 0 in this row and in all "
+                                    "others, while the body turns")));
+  EXPECT_THAT(told([](Wheels& w) { w.right = w.left; }),
+              ElementsAre(HasSubstr("are equal in all")));
+  EXPECT_THAT(told([](Wheels& w) { std::swap(w.left, w.right); }),
+              ElementsAre(HasSubstr("left_ticks and right_ticks are exchanged")));
+  EXPECT_THAT(told([](Wheels& w) { w.right = -w.right; }),
+              ElementsAre(HasSubstr("right_ticks counts backwards")));
+  EXPECT_THAT(told([](Wheels& w) { w.left = -w.left; }),
+              ElementsAre(HasSubstr("left_ticks counts backwards")));
+  EXPECT_THAT(told([](Wheels& w) { w.left = -w.left, w.right = -w.right; }),
+              ElementsAre(HasSubstr("both columns count backwards")));
+}
+
 TEST_F(Faults, DegreesOfAHeadAreTold) {
   write("joints.csv", "time_s,pan_rad\n0,-35\n0.1,0\n0.2,35\n");
   board(-1, -1);
@@ -222,6 +277,10 @@ TEST_F(Faults, ABeaconThatNobodyPlacedIsTold) {
   EXPECT_THAT(faults_of_values(good),
               ElementsAre(HasSubstr("landmarks.csv:3: landmark 1 stands at 0, 0 and its ranges "
                                     "miss by")));
+  write("landmarks.csv", "landmark,x_m,y_m\n0,0,0\n1,0,0\n2,0,0\n");
+  EXPECT_THAT(faults_of_values(good),
+              ElementsAre(HasSubstr("landmarks.csv:3: landmark 1 stands at 0, 0, the very place of "
+                                    "landmark 0 (line 2), and so do 1 others")));
 }
 
 TEST_F(Faults, ClocksAreTold) {
@@ -240,6 +299,20 @@ TEST_F(Faults, ClocksAreTold) {
   EXPECT_THAT(faults_of_clocks(board(-1, -1, 1, 1e3)),
               ElementsAre(HasSubstr("frames are 1000 s apart where the camera's period is 0.5 s: "
                                     "milliseconds for seconds")));
+}
+
+TEST_F(Faults, ExposuresInMillisecondsAreTold) {
+  const auto frames = [&](double unit) {
+    std::string text = "frame,file,time_s,exposure_s,illumination\n";
+    for (int k = 0; k < 4; ++k)
+      text += fmt::format("{0},{0}.png,{1},{2},1\n", k, 0.1 * k, unit * 0.002 * (k + 1));
+    write("frames.csv", text);
+    return set("photometry", "{frames: frames.csv}");
+  };
+  EXPECT_THAT(faults_of_clocks(frames(1)), IsEmpty());
+  EXPECT_THAT(faults_of_clocks(frames(1000)),
+              ElementsAre(HasSubstr("frames.csv:4: exposure_s is 6 s, and the next frame 0.1 s "
+                                    "later: milliseconds for seconds?")));
 }
 
 TEST_F(Faults, PicturesStoredTwiceAreTold) {

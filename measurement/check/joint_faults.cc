@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "measurement/check/fault_parts.h"
 #include "measurement/check/faults.h"
@@ -27,6 +28,14 @@ std::vector<size_t> jumps_by_a_turn(const Numbers& angle) {
     if (moves_on(before) && moves_on(after)) jumps.push_back(i);
   }
   return jumps;
+}
+
+// Well above degrees; an encoder of 10 bits a turn has 163 in a radian.
+constexpr double kLeastTicks = 100;
+
+bool are_whole(const Numbers& values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](double value) { return value == std::floor(value); });
 }
 
 }  // namespace
@@ -82,6 +91,15 @@ void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
         "radians?",
         table.file(), command_span, angle_span, angle_span / (2 * std::numbers::pi)));
   if (command_span == 0 || angle_span == 0) return;
+  for (const auto& [ratio, column, values] :
+       {std::tuple{angle_span / command_span, "measured_rad", &angles},
+        {command_span / angle_span, "command_rad", &commands}}) {
+    if (ratio > kLeastTicks && are_whole(*values))
+      found.push_back(fmt::format(
+          "{}: {} spans {:.0f} times as much as the other angle, in whole numbers: ticks of an "
+          "encoder for radians",
+          place(table, 0), column, ratio));
+  }
   for (const auto& [ratio, column] : {std::pair{angle_span / command_span, "measured_rad"},
                                       {command_span / angle_span, "command_rad"}}) {
     if (const auto unit = unit_of_ratio(ratio, kDegrees, "degrees", "radians"); !unit.empty())

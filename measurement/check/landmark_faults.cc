@@ -103,6 +103,26 @@ void tell_bearings(const Ranges& ranges, const MeasurementSet& set,
   }
 }
 
+// Landmarks at the very place of another: nobody measured where they stand.
+void tell_shared_places(const CsvTable& places, std::vector<std::string>& found) {
+  const Numbers x = places.numbers("x_m"), y = places.numbers("y_m");
+  std::map<std::pair<double, double>, size_t> first;
+  size_t shared = 0;
+  std::string told;
+  for (size_t row = 0; row < places.rows(); ++row) {
+    const auto [other, is_new] = first.try_emplace({x[row], y[row]}, row);
+    if (is_new || shared++ > 0) continue;
+    told =
+        fmt::format("{}: landmark {} stands at {:g}, {:g}, the very place of landmark {} (line {})",
+                    place(places, row), places.cell(row, "landmark"), x[row], y[row],
+                    places.cell(other->second, "landmark"), places.line(other->second));
+  }
+  if (shared > 0)
+    found.push_back(
+        fmt::format("{}{}: placeholders for places that were not measured?", told,
+                    shared > 1 ? fmt::format(", and so do {} others", shared - 1) : ""));
+}
+
 // A landmark at the origin whose ranges miss by far more than those of all others: nobody measured
 // where it stands.
 void tell_placeholders(const Ranges& ranges, const CsvTable& places,
@@ -142,6 +162,7 @@ void landmark_faults(const MeasurementSet& set, std::vector<std::string>& found)
   }
   const Ranges ranges = ranges_of(set, seen);
   const bool in_degrees = !found.empty();
+  tell_shared_places(set.table("landmarks"), found);
   if (!in_degrees) tell_bearings(ranges, set, found);
   Numbers ratios, distances;
   for (size_t i = 0; i < ranges.range.size(); ++i) {

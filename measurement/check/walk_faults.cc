@@ -138,6 +138,8 @@ void tell_axes(const CsvTable& table, const Walk& walk, std::vector<std::string>
 
 void walk_faults(const MeasurementSet& set, std::vector<std::string>& found) {
   const CsvTable table = set.table("odometry");
+  if (has_all(table, {"time_s", "left_ticks", "right_ticks", "x_m", "y_m", "theta_rad"}))
+    tick_faults(table, found);
   if (!has_all(table, {"time_s", "vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps", "x_m", "y_m",
                        "theta_rad"}))
     return;

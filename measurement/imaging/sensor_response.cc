@@ -40,6 +40,17 @@ double average(double sd, double scale, F&& f) {
   return sum / weights;
 }
 
+// d mean / d log(signal) before fixed patterns and clipping.
+double log_slope_of(const SensorChain& chain, const SensorExposure& exposure, int colour,
+                    double signal) {
+  const double h =
+      1e-3 * std::max(std::abs(signal), 1e-3 * effects::full_scale_dn(exposure.file_bits));
+  const double slope = (effects::response_moments(chain, signal + h, colour, exposure).mean_dn -
+                        effects::response_moments(chain, signal - h, colour, exposure).mean_dn) /
+                       (2 * h);
+  return slope * signal;
+}
+
 }  // namespace
 
 bool is_near_top(const SensorChain& chain, int file_bits, double dn) {
@@ -47,15 +58,11 @@ bool is_near_top(const SensorChain& chain, int file_bits, double dn) {
 }
 
 Response respond(const SensorChain& chain, const SensorExposure& exposure, int colour,
-                 const SetNoise& noise, double signal) {
-  const Moments response = effects::response_moments(chain, signal, colour, exposure);
+                 const SetNoise& noise, double signal, double offset_dn) {
+  Moments response = effects::response_moments(chain, signal, colour, exposure);
+  response.mean_dn += offset_dn;
   const double noise2 = square(noise.stated_dn);
-  const double h =
-      1e-3 * std::max(std::abs(signal), 1e-3 * effects::full_scale_dn(exposure.file_bits));
-  const double slope = (effects::response_moments(chain, signal + h, colour, exposure).mean_dn -
-                        effects::response_moments(chain, signal - h, colour, exposure).mean_dn) /
-                       (2 * h);
-  const double log_slope = slope * signal;
+  const double log_slope = log_slope_of(chain, exposure, colour, signal);
   const double read2 = square(chain.read_sigma_dn);
   const double temporal2 = response.variance_dn2 + read2;
   const double pattern2 = square(chain.pixel_gain_sigma * log_slope) +
@@ -87,30 +94,83 @@ Response respond(const SensorChain& chain, const SensorExposure& exposure, int c
   out.variance = std::max(out.variance, 1e-4);
   if (is_near_top(chain, exposure.file_bits, out.mean))
     out.variance = std::max(out.variance, noise.least_at_top_dn2);
+  if (response.mean_dn < 0) out.variance = std::max(out.variance, noise.least_at_bottom_dn2);
   out.gain_slope = log_slope * out.offset_slope;
   if (chain.hot_fraction > 0)
     out.hot_mean = file(response.mean_dn + chain.hot_level_dn, all2).mean_dn;
   if (chain.weak_fraction > 0) {
     const Moments weak =
         effects::response_moments(chain, signal * chain.weak_gain, colour, exposure);
-    out.weak_mean = file(weak.mean_dn, weak.variance_dn2 + read2 + pattern2 + row2).mean_dn;
+    out.weak_mean =
+        file(weak.mean_dn + offset_dn, weak.variance_dn2 + read2 + pattern2 + row2).mean_dn;
   }
   return out;
 }
 
-ResponseTable::ResponseTable(const SensorChain& chain, const SensorExposure& exposure, int colour,
-                             const SetNoise& noise, double low, double high) {
+bool is_wave_cut(const SensorChain& chain, const SensorExposure& exposure, double signal) {
+  if (!(chain.wave.amplitude_dn > 0)) return false;
+  constexpr double kReach = 3;  // Standard deviations.
+  const Moments at = effects::response_moments(chain, signal, 1, exposure);
+  const double sigma = std::sqrt(at.variance_dn2 + square(chain.read_sigma_dn) +
+                                 square(chain.pixel_offset_sigma_dn) +
+                                 square(chain.column_sigma_dn) + square(chain.row_sigma_dn));
+  return at.mean_dn < chain.wave.amplitude_dn + kReach * sigma;
+}
+
+Response DarkResponses::of(const SensorChain& chain, const SensorExposure& exposure, int colour,
+                           const SetNoise& noise, double offset_dn) const {
+  constexpr size_t kMost = 20'000;
+  const Moments dark = effects::response_moments(chain, 0, colour, exposure);
+  // All that `respond` asks of a chain without a signal.
+  const Key key = {dark.mean_dn,
+                   dark.variance_dn2,
+                   log_slope_of(chain, exposure, colour, 0),
+                   offset_dn,
+                   chain.read_sigma_dn,
+                   chain.pixel_offset_sigma_dn,
+                   chain.column_sigma_dn,
+                   chain.row_sigma_dn,
+                   chain.full_dn,
+                   static_cast<double>(chain.bits),
+                   static_cast<double>(exposure.file_bits),
+                   noise.stated_dn,
+                   noise.least_at_top_dn2,
+                   noise.least_at_bottom_dn2,
+                   chain.hot_fraction,
+                   chain.hot_level_dn,
+                   chain.weak_fraction};
+  if (std::any_of(key.begin(), key.end(), [](double x) { return std::isnan(x); }))
+    return respond(chain, exposure, colour, noise, 0, offset_dn);
+  {
+    const std::scoped_lock lock(mutex_);
+    if (const auto known = known_.find(key); known != known_.end()) return known->second;
+  }
+  const Response own = respond(chain, exposure, colour, noise, 0, offset_dn);
+  const std::scoped_lock lock(mutex_);
+  if (known_.size() >= kMost) known_.clear();
+  known_.emplace(key, own);
+  return own;
+}
+
+size_t ResponseTable::size_for(const SensorChain& chain, const SensorExposure& exposure, int colour,
+                               double low, double high) {
+  if (!(high > low)) return 1;
   // The noise smooths the response over its own width.
   const double own2 = effects::response_moments(chain, low, colour, exposure).variance_dn2 +
                       chain.read_sigma_dn * chain.read_sigma_dn;
   const double step =
       std::max(effects::quantisation_step(chain, exposure.file_bits), std::sqrt(own2));
+  return 1 + std::clamp<size_t>(static_cast<size_t>(std::min(16 * (high - low) / step, 4096.0)), 4,
+                                4096);
+}
+
+ResponseTable::ResponseTable(const SensorChain& chain, const SensorExposure& exposure, int colour,
+                             const SetNoise& noise, double low, double high, double offset_dn) {
   low_ = low;
-  const int cells =
-      high > low ? std::clamp(static_cast<int>(16 * (high - low) / step), 32, 4096) : 0;
+  const int cells = static_cast<int>(size_for(chain, exposure, colour, low, high)) - 1;
   width_ = cells ? (high - low) / cells : 1;
   for (int i = 0; i <= cells; ++i) {
-    entries_.push_back(respond(chain, exposure, colour, noise, low + i * width_));
+    entries_.push_back(respond(chain, exposure, colour, noise, low + i * width_, offset_dn));
   }
 }
 
@@ -119,8 +179,11 @@ Response ResponseTable::at(double signal) const {
   const double place = std::clamp((signal - low_) / width_, 0.0, entries_.size() - 1.0 - 1e-9);
   const auto i = static_cast<size_t>(place);
   const double w = place - static_cast<double>(i);
-  const Response &a = entries_[i], &b = entries_[i + 1];
-  const auto mix = [w](double x, double y) { return x + w * (y - x); };
+  return between(entries_[i], entries_[i + 1], w);
+}
+
+Response between(const Response& a, const Response& b, double at) {
+  const auto mix = [at](double x, double y) { return x + at * (y - x); };
   return {mix(a.mean, b.mean),
           mix(a.variance, b.variance),
           mix(a.offset_slope, b.offset_slope),

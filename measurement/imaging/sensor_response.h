@@ -2,6 +2,9 @@
 // patterns, tabulated over the signals of an image.
 #pragma once
 
+#include <array>
+#include <map>
+#include <mutex>
 #include <vector>
 
 #include "effects/stages/sensor/sensor.h"
@@ -17,26 +20,53 @@ struct Response {
   double weak_mean = 0;     // Mean of a sample of low gain.
 };
 
+// From `a` (at 0) to `b` (at 1).
+Response between(const Response& a, const Response& b, double at);
+
 // What a set says of the noise of its values, whatever the model is.
 struct SetNoise {
   double stated_dn = 0;
   // Where values are clipped at the highest, a few that are not make all of the variance, so that
   // it is not told as well as that of Gaussian values: it is this at least.
   double least_at_top_dn2 = 0;
+  // The same where most values are cut off at 0.
+  double least_at_bottom_dn2 = 0;
 };
 
 // Whether it is this end of the range where a value so large is clipped.
 bool is_near_top(const effects::SensorChain& chain, int file_bits, double dn);
 
-// For a signal (effects::signal_dn); `colour` 0 red, 1 green, 2 blue.
+// For a signal (effects::signal_dn) beside a fixed offset of the pixels; `colour` 0 red, 1 green,
+// 2 blue.
 Response respond(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
-                 int colour, const SetNoise& noise, double signal);
+                 int colour, const SetNoise& noise, double signal, double offset_dn = 0);
+
+// Responses without a signal, which are dear where values are cut off at 0 and the same for all
+// dark levels and for all that acts on light. Thread-safe.
+class DarkResponses {
+ public:
+  Response of(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
+              int colour, const SetNoise& noise, double offset_dn) const;
+
+ private:
+  using Key = std::array<double, 17>;
+  mutable std::mutex mutex_;
+  mutable std::map<Key, Response> known_;
+};
+
+// Whether the fixed wave over the image leads below the file's range for such a signal, so that it
+// is no longer in the values what it was before. (Values that are clipped at the top say little.)
+bool is_wave_cut(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
+                 double signal);
 
 class ResponseTable {
  public:
   // For signals (effects::signal_dn) from `low` to `high`; `colour` 0 red, 1 green, 2 blue.
   ResponseTable(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
-                int colour, const SetNoise& noise, double low, double high);
+                int colour, const SetNoise& noise, double low, double high, double offset_dn = 0);
+  // Responses that such a table works out.
+  static size_t size_for(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
+                         int colour, double low, double high);
 
   Response at(double signal) const;
 

@@ -85,16 +85,27 @@ Model with_large_errors(Problem& problem, const Grown& best) {
   return found;
 }
 
-}  // namespace
-
-Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best) {
-  const Model& model = best.assessment.model;
+// Without what was added of them.
+Model without_large_errors(const Model& given, const Model& model) {
   Model without = model;
   for (const effects::ModelEffect& effect : model.effects()) {
     const std::string& name = effect.definition->name;
     if (comes_now_and_then(*effect.definition) && given.find(name) == nullptr) without.remove(name);
   }
-  if (without.effects().size() == model.effects().size()) return with_large_errors(problem, best);
+  return without;
+}
+
+}  // namespace
+
+bool tells_large_errors(const Model& given, const Model& model) {
+  return without_large_errors(given, model).effects().size() < model.effects().size();
+}
+
+Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best, bool in_vain) {
+  const Model& model = best.assessment.model;
+  if (in_vain) return model;
+  if (!tells_large_errors(given, model)) return with_large_errors(problem, best);
+  const Model without = without_large_errors(given, model);
   return are_few(rows_of(problem, problem.find_outliers(without))) ? without : model;
 }
 

@@ -357,4 +357,13 @@ std::vector<Candidate> traces_of(const std::vector<Candidate>& candidates) {
   return traces;
 }
 
+void remember_significant(const std::vector<Candidate>& candidates,
+                          std::vector<std::string>& names) {
+  for (const Candidate& candidate : candidates) {
+    const std::string& name = candidate.effect->name;
+    const bool known = std::find(names.begin(), names.end(), name) != names.end();
+    if (candidate.significant && !known && names.size() < kMostPromising) names.push_back(name);
+  }
+}
+
 }  // namespace seam::measurement

@@ -74,6 +74,9 @@ void rank_candidates(std::vector<Candidate>& candidates);
 
 // Those that are significant but not material.
 std::vector<Candidate> traces_of(const std::vector<Candidate>& candidates);
+// Adds the names of those that are significant, as long as there are few.
+void remember_significant(const std::vector<Candidate>& candidates,
+                          std::vector<std::string>& names);
 
 // Whether it says how the distance from the axis is bent; whether both do, of the same camera.
 bool is_lens(const EffectDefinition& effect);

@@ -157,12 +157,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     }
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
-    for (const Candidate& candidate : looks.candidates) {
-      const bool known = std::find(promising_.begin(), promising_.end(), candidate.effect->name) !=
-                         promising_.end();
-      if (candidate.significant && !known && promising_.size() < kMostPromising)
-        promising_.push_back(candidate.effect->name);
-    }
+    remember_significant(looks.candidates, promising_);
     if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
       grown = *std::move(better);
       prune(grown);
@@ -346,18 +341,22 @@ SearchResult Searcher::run() {
   problem_.leave_out({});
   mark_outliers(problem_, model_, result);
   result.outliers_of_given = result.outliers.size();
-  bool marks_changed = true;
+  // Large errors that were given back to an effect of their own count as outliers for good where
+  // the search then ends without one.
+  bool marks_changed = true, in_vain = false;
   for (int round = 0; round < kOutlierRounds && marks_changed; ++round) {
     base_ = base();
     if (round == 0 && base_.assessment.held.valid) check_enough(problem_, base_.assessment);
     const std::optional<Grown> earlier =
         round > 0 ? std::optional(std::move(result.best)) : std::nullopt;
+    const bool given_back = round > 0 && problem_.left_out().empty();
     forward(result, earlier ? &*earlier : nullptr);
+    in_vain = in_vain || (given_back && !tells_large_errors(model_, result.best.assessment.model));
     // Outliers are those of the best model; with others the search is run again.
     const Assessment& best = result.best.assessment;
     marks_changed =
-        explains_something(best.error, base_.assessment.error) &&
-        mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best), result);
+        (in_vain || explains_something(best.error, base_.assessment.error)) &&
+        mark_outliers(problem_, judge_of_outliers(problem_, model_, result.best, in_vain), result);
   }
   if (marks_changed) base_ = base();
   result.base = base_;

@@ -45,10 +45,14 @@ using Progress = std::function<void(const std::string&)>;
 SearchResult search(Problem& problem, const Model& model, const EffectList& own,
                     const Progress& progress, double material = kMaterial);
 
+// Whether an effect that makes large errors now and then was added to the given model.
+bool tells_large_errors(const Model& given, const Model& model);
+
 // The model that says what an outlier is: the best one, without the large errors now and then that
 // a search gave it where fewer than ten rows have such, which tell no distribution: they are gross.
 // Where as many or more were left out, one by one, and an effect explains them, with this effect.
-Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best);
+// `in_vain`: they were given back before, and no effect took them: the model as it is.
+Model judge_of_outliers(Problem& problem, const Model& given, const Grown& best, bool in_vain);
 
 // Marks outliers under this model; returns whether the marks changed.
 bool mark_outliers(Problem& problem, const Model& model, SearchResult& result);

@@ -54,8 +54,13 @@ std::vector<double> read_voltage(const CsvTable& table) {
 
 std::vector<char> read_enabled(const CsvTable& table) {
   if (!table.has("torque_enable")) return std::vector<char>(table.rows(), 1);
+  const auto values = table.numbers("torque_enable");
   std::vector<char> enabled;
-  for (const double value : table.numbers("torque_enable")) enabled.push_back(value != 0);
+  for (size_t row = 0; row < values.size(); ++row) {
+    if (values[row] != 0 && values[row] != 1)
+      table.fail(row, "torque_enable", table.cell(row, "torque_enable"), "0 (off) or 1 (on)");
+    enabled.push_back(values[row] != 0);
+  }
   return enabled;
 }
 

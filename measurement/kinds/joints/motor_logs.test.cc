@@ -64,13 +64,15 @@ TEST(MotorLogs, GainSupplyAndReleaseComeFromTheColumns) {
 }
 
 TEST(MotorLogs, BadRowsAreNamed) {
-  const std::pair<const char*, const char*> bad[] = {
-      {",voltage_v", "joints.csv:3: column voltage_v: found '7400', expected a supply in volts"},
-      {",kp", "joints.csv:3: column kp: found '-1', expected a gain, 0 or more"}};
-  for (const auto& [column, expected] : bad) {
-    const std::string value = std::string(column) == ",kp" ? "-1" : "7400";
+  const std::tuple<const char*, std::string, const char*> bad[] = {
+      {",voltage_v", "7400",
+       "joints.csv:3: column voltage_v: found '7400', expected a supply in volts"},
+      {",torque_enable", "2",
+       "joints.csv:3: column torque_enable: found '2', expected 0 (off) or 1 (on)"},
+      {",kp", "-1", "joints.csv:3: column kp: found '-1', expected a gain, 0 or more"}};
+  for (const auto& [column, value, expected] : bad) {
     const std::string what =
-        message_of([&] { logs_of(column, "0,0,arm,0,0,7\n0,0.1,arm,0,0," + value + "\n"); });
+        message_of([&] { logs_of(column, "0,0,arm,0,0,1\n0,0.1,arm,0,0," + value + "\n"); });
     EXPECT_TRUE(what.starts_with(expected)) << what;
   }
 }

@@ -25,6 +25,7 @@ PhotometryProblem::PhotometryProblem(const MeasurementSet& set)
     : data_(read_photometry(set, facts_)) {
   set_noise_dn_ = facts_.channels[0].noise;
   data_.least_at_top_dn2 = least_at_top(data_, *sums(all_groups()));
+  data_.least_at_bottom_dn2 = least_at_bottom(data_, *sums(all_groups()));
   if (data_.channels != 3) facts_.set.lacks.push_back({effects::Need::colour, ""});
   const bool lit =
       std::any_of(data_.levels.begin(), data_.levels.end(),

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "effects/stages/optics.h"
@@ -19,14 +20,16 @@ class CellLikelihood {
  public:
   // `share`: whether the channels have row and column offsets in common.
   CellLikelihood(const PhotometryData& data, const PhotometrySums& sums, const LightCells& cells,
-                 const effects::Model& model, double set_noise_dn, bool share)
+                 const DarkResponses& dark, const effects::Model& model, double set_noise_dn,
+                 bool share)
       : data_(data),
         sums_(sums),
         cells_(cells),
         sorted_(*cells.sorted),
+        dark_(dark),
         model_(model),
         chain_(effects::sensor_of(model)),
-        noise_{set_noise_dn, data.least_at_top_dn2},
+        noise_{set_noise_dn, data.least_at_top_dn2, data.least_at_bottom_dn2},
         share_(share),
         flickers_(effects::lamps_flicker(model)),
         pixels_(chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0),
@@ -127,12 +130,14 @@ class CellLikelihood {
   const PhotometrySums& sums_;
   const LightCells& cells_;
   const SortedSamples& sorted_;
+  const DarkResponses& dark_;
   const effects::Model& model_;
   effects::SensorChain chain_;
   SetNoise noise_;
   bool share_, flickers_, pixels_;
   size_t levels_;
   std::vector<Entry> entries_;
+  std::optional<size_t> dark_level_;        // The first that all dark ones are like.
   std::vector<std::vector<double>> lamps_;  // By level and frame: brightness over the level's mean.
   std::vector<Inverse> inverse_;            // By cell.
   // By cell * levels + k; the loads are times the weights.

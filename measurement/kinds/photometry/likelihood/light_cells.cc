@@ -6,8 +6,10 @@
 
 #include "effects/exact_key.h"
 #include "effects/stages/optics.h"
+#include "measurement/imaging/sensor_response.h"
 #include "measurement/kinds/photometry/likelihood/cell_sums.h"
 #include "measurement/kinds/photometry/likelihood/photometry_cells.h"
+#include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
@@ -41,6 +43,49 @@ effects::Model with_rounded_light(const effects::Model& model) {
     }
   }
   return rounded;
+}
+
+// A wave that hardly differs, so that all of these have one.
+effects::PatternWave rounded_wave(const PhotometryData& data, effects::PatternWave wave) {
+  constexpr double kSteps = 512;  // Of a cycle over the sensor: a third of a cell is high.
+  const double turn = 2 * maths::kPi;
+  const auto rounded = [](double x) { return std::round(x * kSteps) / kSteps; };
+  const double u = rounded(maths::cos(wave.angle_rad) / wave.period_px * data.sensor_width()) /
+                   data.sensor_width(),
+               v = rounded(maths::sin(wave.angle_rad) / wave.period_px * data.sensor_height()) /
+                   data.sensor_height();
+  wave.period_px = 1 / std::max(std::hypot(u, v), 1e-9);
+  wave.angle_rad = maths::atan2(v, u);
+  wave.phase_rad = turn * rounded(wave.phase_rad / turn);
+  return wave;
+}
+
+// The wave of amplitude 1, by sample.
+std::vector<double> unit_wave(const PhotometryData& data, const effects::PatternWave& wave) {
+  std::vector<double> unit;
+  unit.reserve(data.samples());
+  for (int v = 0; v < data.height_px; ++v) {
+    for (int u = 0; u < data.width_px; ++u)
+      unit.insert(unit.end(), static_cast<size_t>(data.channels),
+                  wave.unit_at(data.column(u), data.row(v)));
+  }
+  return unit;
+}
+
+// Whether the wave is cut off at some level.
+bool wave_is_cut_somewhere(const PhotometryData& data, const PhotometrySums& sums,
+                           const effects::SensorChain& chain) {
+  for (size_t l = 0; l < data.levels.size(); ++l) {
+    const PhotometryLevel& level = data.levels[l];
+    if (sums.levels[l].frames.empty() || std::isnan(level.illumination)) continue;
+    const effects::SensorExposure exposure{.exposure_s = level.exposure_s,
+                                           .exposure_ratio = level.exposure_ratio,
+                                           .gain = level.gain,
+                                           .file_bits = data.file_bits};
+    if (is_wave_cut(chain, exposure, effects::signal_dn(chain, level.illumination, exposure)))
+      return true;
+  }
+  return false;
 }
 
 // The samples' mean light by cell, how far each is from it, the rows' mean and the range.
@@ -107,13 +152,11 @@ void sort_wave(const PhotometryData& data, const PhotometrySums& sums,
     cells.with_wave.assign(sorted.mean.size(), 0);
     return;
   }
-  cells.wave.reserve(data.samples());
-  for (int v = 0; v < data.height_px; ++v) {
-    for (int u = 0; u < data.width_px; ++u) {
-      const double here = wave.unit_at(data.column(u), data.row(v));
-      cells.wave.insert(cells.wave.end(), static_cast<size_t>(data.channels),
-                        static_cast<float>(here));
-    }
+  const std::vector<double> unit = unit_wave(data, wave);
+  cells.wave.resize(unit.size());
+  for (size_t i = 0; i < unit.size(); ++i) {
+    const double centre = sorted.wave_centre.empty() ? 0 : sorted.wave_centre[sorted.of_sample[i]];
+    cells.wave[i] = static_cast<float>(unit[i] - centre);
   }
   for (size_t i = 0; i < cells.wave.size(); ++i) {
     const size_t cell = sorted.of_sample[i];
@@ -166,13 +209,15 @@ std::string with_needs(const std::string& key, CellNeeds needs) {
 
 std::shared_ptr<const SortedSamples> CellStore::sorted(const PhotometryData& data,
                                                        const PhotometrySums& sums,
-                                                       const effects::Model& model,
+                                                       const effects::Model& model, bool by_wave,
                                                        CellNeeds needs) const {
-  const std::string key = light_key(sums, model);
+  const effects::PatternWave wave = rounded_wave(data, effects::sensor_of(model).wave);
+  const std::string key = light_key(sums, model) + (by_wave ? wave_key(wave) : "");
   if (auto known = first_that_serves(
           needs, [&](CellNeeds more) { return sorted_.find(with_needs(key, more)); }))
     return known;
-  SortedSamples own = sort_samples(data, sums, relative_light(data, model, 0), needs);
+  SortedSamples own = sort_samples(data, sums, relative_light(data, model, 0),
+                                   by_wave ? unit_wave(data, wave) : std::vector<double>(), needs);
   const double bytes = bytes_of(own);
   return sorted_.keep(with_needs(key, needs), std::move(own), bytes);
 }
@@ -181,17 +226,19 @@ std::shared_ptr<const LightCells> CellStore::cells(const PhotometryData& data,
                                                    const PhotometrySums& sums,
                                                    const effects::Model& model,
                                                    CellNeeds needs) const {
-  const effects::PatternWave wave = effects::sensor_of(model).wave;
-  const std::string key = light_key(sums, model) + wave_key(wave);
+  const effects::SensorChain chain = effects::sensor_of(model);
+  const effects::PatternWave& wave = chain.wave;
+  const bool by_wave = wave_is_cut_somewhere(data, sums, chain);
+  const std::string key = light_key(sums, model) + wave_key(wave) + (by_wave ? ";cut" : "");
   if (auto known = first_that_serves(
           needs, [&](CellNeeds more) { return lit_.find(with_needs(key, more)); }))
     return known;
   const std::vector<double> light = relative_light(data, model, 0);
-  LightCells cells{.sorted = sorted(data, sums, with_rounded_light(model), needs)};
+  LightCells cells{.sorted = sorted(data, sums, with_rounded_light(model), by_wave, needs)};
   compare_light(data, light, cells);
   // A parameter may be far smaller than what it is rounded to.
   if (!stays_narrow(cells)) {
-    cells.sorted = sorted(data, sums, model, needs);
+    cells.sorted = sorted(data, sums, model, by_wave, needs);
     compare_light(data, light, cells);
   }
   place_bounds(cells);

@@ -58,8 +58,9 @@ void CellLikelihood::count_certain(size_t k) {
   for (size_t i = 0; i < level.mean.size(); ++i) {
     const Entry& here = entry(sorted_.of_sample[i], k);
     if (!is_certain(here)) continue;
-    const double r = level.mean[i] - here.mean - here.slope * cells_.offset[i];
-    if (certain.fits(r * r + level.scatter[i] / frames(k)))
+    const double wave = cells_.wave.empty() ? 0 : here.wave * cells_.wave[i];
+    const double r = level.mean[i] - here.mean - here.slope * cells_.offset[i] - wave;
+    if (certain.fits(here.mean + wave, r * r + level.scatter[i] / frames(k)))
       score_.values -= static_cast<int64_t>(level.frames.size());
   }
 }
@@ -99,19 +100,41 @@ void CellLikelihood::predict_level(size_t k) {
 void CellLikelihood::fill(size_t k, double illumination, double lamps,
                           const effects::SensorExposure& exposure) {
   const double scale = effects::signal_dn(chain_, illumination, exposure) * lamps;
+  // Without light and dark current all levels are one.
+  const bool is_one_of_all =
+      scale == 0 && chain_.dark_electrons_per_s == 0 && chain_.maps.empty() &&
+      exposure.gain == data_.levels[sorted_.present[dark_level_.value_or(k)]].gain;
+  if (is_one_of_all && dark_level_) {
+    for (size_t cell = 0; cell < sorted_.count(); ++cell)
+      entry(cell, k) = entry(cell, *dark_level_);
+    return;
+  }
+  if (is_one_of_all) dark_level_ = k;
   // Few cells are evaluated themselves; a table serves many.
   constexpr size_t kFewCells = 64;
   for (int c = 0; c < data_.channels; ++c) {
     const size_t first = sorted_.first[c], last = sorted_.first[c + 1];
     std::optional<ResponseTable> table;
-    if (scale == 0 || last - first > kFewCells) {
-      table.emplace(chain_, exposure, data_.colour(c), noise_, scale * cells_.least[c],
-                    scale * cells_.most[c]);
-    }
+    const double darkest = scale * cells_.least[c], brightest = scale * cells_.most[c];
+    if (scale != 0 && sorted_.wave_centre.empty() &&
+        (last - first > kFewCells ||
+         2 * ResponseTable::size_for(chain_, exposure, data_.colour(c), darkest, brightest) <
+             last - first))
+      table.emplace(chain_, exposure, data_.colour(c), noise_, darkest, brightest);
+    Response dark;
+    double dark_wave_dn = std::numeric_limits<double>::quiet_NaN();
     for (size_t cell = first; cell < last; ++cell) {
       const double signal = scale * cells_.light[cell];
+      const double wave_dn =
+          sorted_.wave_centre.empty() ? 0 : chain_.wave.amplitude_dn * sorted_.wave_centre[cell];
+      if (scale == 0 && wave_dn != dark_wave_dn) {
+        dark = dark_.of(chain_, exposure, data_.colour(c), noise_, wave_dn);
+        dark_wave_dn = wave_dn;
+      }
       const Response here =
-          table ? table->at(signal) : respond(chain_, exposure, data_.colour(c), noise_, signal);
+          scale == 0 ? dark
+          : table    ? table->at(signal)
+                     : respond(chain_, exposure, data_.colour(c), noise_, signal, wave_dn);
       Entry& out = entry(cell, k);
       out = {.mean = here.mean,
              .variance = here.variance,
@@ -297,7 +320,8 @@ std::optional<PhotometryScore> cell_score(const PhotometryData& data, const Phot
   const CellNeeds needs{.products = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0,
                         .groups = chain.row_sigma_dn > 0 || chain.column_sigma_dn > 0};
   const auto cells = store.cells(data, sums, model, needs);
-  return CellLikelihood(data, sums, *cells, model, set_noise_dn, share).run(counts);
+  return CellLikelihood(data, sums, *cells, store.dark_responses(), model, set_noise_dn, share)
+      .run(counts);
 }
 
 std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "measurement/imaging/sensor_response.h"
 #include "measurement/kinds/photometry/likelihood/photometry_likelihood.h"
 
 namespace seam::measurement {
@@ -43,6 +44,9 @@ struct SortedSamples {
   // By cell; cells without samples are left out.
   std::vector<int> channel;
   std::vector<double> samples;
+  // The unit wave about which a cell's samples lie, where it is cut off by the file's range at some
+  // level: there nothing is linear in it over its whole height. Empty: 0.
+  std::vector<double> wave_centre;
   std::vector<double> below, above;  // From the samples' mean light to the cell's bounds.
   // By cell * levels + k: sums of a sample's mean over frames, of its scatter.
   std::vector<double> mean, scatter;
@@ -72,9 +76,9 @@ struct LightCells {
   std::vector<double> low, high;    // By cell: its bounds.
   std::vector<double> offset2;      // By cell: sum of squared offsets.
   std::vector<double> with_offset;  // By cell * levels + k: sums of products with a sample's mean.
-  // The wave over the image, of amplitude 1: by sample (empty: there is none), sums over each cell
-  // of it, its square, its product with the offset, and by cell * levels + k with the sample's
-  // mean.
+  // The wave over the image, of amplitude 1, less its cell's centre: by sample (empty: there is
+  // none), sums over each cell of it, its square, its product with the offset, and by cell * levels
+  // + k with the sample's mean.
   std::vector<float> wave;
   std::vector<double> wave_sum, wave2, wave_offset, with_wave;
   PlaceSums in_rows, in_columns;  // By group.
@@ -83,8 +87,10 @@ struct LightCells {
   std::vector<double> least, most;
 };
 
+// By light, and by `wave` (of amplitude 1, by sample) where it is not empty.
 SortedSamples sort_samples(const PhotometryData& data, const PhotometrySums& sums,
-                           const std::vector<double>& light, CellNeeds needs);
+                           const std::vector<double>& light, const std::vector<double>& wave,
+                           CellNeeds needs);
 
 // What was worked out last, by key.
 template <typename T>
@@ -134,14 +140,18 @@ class CellStore {
  public:
   std::shared_ptr<const LightCells> cells(const PhotometryData& data, const PhotometrySums& sums,
                                           const effects::Model& model, CellNeeds needs) const;
+  const DarkResponses& dark_responses() const { return dark_; }
 
  private:
+  // `by_wave`: whether the wave is cut off.
   std::shared_ptr<const SortedSamples> sorted(const PhotometryData& data,
                                               const PhotometrySums& sums,
-                                              const effects::Model& model, CellNeeds needs) const;
+                                              const effects::Model& model, bool by_wave,
+                                              CellNeeds needs) const;
 
   mutable Recent<SortedSamples> sorted_{150e6};
   mutable Recent<LightCells> lit_{50e6};
+  DarkResponses dark_;
 };
 
 // What score_photometry gives; nothing where cells cannot stand for the samples. `counts`: whether

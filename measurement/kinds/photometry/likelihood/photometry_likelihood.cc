@@ -245,11 +245,19 @@ CertainValues::CertainValues(const PhotometryData& data, const effects::SensorCh
     : chain_(chain),
       file_bits_(data.file_bits),
       least_at_top_dn2_(data.least_at_top_dn2),
-      fits_dn2_(std::max(kCertain, 0.1 * data.least_at_top_dn2)) {}
+      least_at_bottom_dn2_(data.least_at_bottom_dn2) {}
 
 bool CertainValues::is_certain(double mean, double variance) const {
   if (variance < kCertain) return true;
-  return variance < 1.001 * least_at_top_dn2_ && is_near_top(chain_, file_bits_, mean);
+  const bool at_bottom = mean * mean < least_at_bottom_dn2_;
+  return (variance < 1.001 * least_at_top_dn2_ && is_near_top(chain_, file_bits_, mean)) ||
+         (variance < 1.001 * least_at_bottom_dn2_ && at_bottom);
+}
+
+bool CertainValues::fits(double mean, double square) const {
+  const double least =
+      is_near_top(chain_, file_bits_, mean) ? least_at_top_dn2_ : least_at_bottom_dn2_;
+  return square < std::max(kCertain, 0.1 * least);
 }
 
 PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySums& sums,
@@ -274,7 +282,7 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
     for (size_t i = 0; i < sum.mean.size(); ++i) {
       const double r = sum.mean[i] - prediction.levels[l].mean[i];
       if (certain.is_certain(prediction.levels[l].mean[i], prediction.levels[l].variance[i]) &&
-          certain.fits(r * r + sum.scatter[i] / count))
+          certain.fits(prediction.levels[l].mean[i], r * r + sum.scatter[i] / count))
         score.values -= static_cast<int64_t>(sum.frames.size());
       score.square += count * r * r + sum.scatter[i];
     }

@@ -21,12 +21,12 @@ class CertainValues {
  public:
   CertainValues(const PhotometryData& data, const effects::SensorChain& chain);
   bool is_certain(double mean, double variance) const;
-  bool fits(double square) const { return square < fits_dn2_; }
+  bool fits(double mean, double square) const;
 
  private:
   const effects::SensorChain& chain_;
   int file_bits_;
-  double least_at_top_dn2_, fits_dn2_;
+  double least_at_top_dn2_, least_at_bottom_dn2_;
 };
 
 struct PhotometryScore {

@@ -14,6 +14,8 @@ using effects::Moments;
 using effects::SensorChain;
 using effects::SensorExposure;
 
+constexpr size_t kWaveHeights = 64;
+
 class LevelPredictor {
  public:
   LevelPredictor(const PhotometryData& data, const effects::Model& model, const SensorChain& chain,
@@ -23,7 +25,7 @@ class LevelPredictor {
         chain_(chain),
         level_(level),
         sum_(sum),
-        noise_{set_noise_dn, data.least_at_top_dn2} {
+        noise_{set_noise_dn, data.least_at_top_dn2, data.least_at_bottom_dn2} {
     for (const int frame : sum.frames)
       mean_time_ += time_of(frame) / static_cast<double>(sum.frames.size());
   }
@@ -83,7 +85,9 @@ class LevelPredictor {
       v->resize(samples);
     if (chain_.hot_fraction > 0) out.hot_mean.resize(samples);
     if (chain_.weak_fraction > 0) out.weak_mean.resize(samples);
-    std::vector<ResponseTable> tables;
+    std::vector<ResponseTable> tables;  // By channel, then height of the wave.
+    const bool is_cut = is_wave_cut(chain_, exposure(mean_time_), scale);
+    const size_t heights = is_cut ? kWaveHeights + 1 : 1;
     const size_t row_samples = static_cast<size_t>(data_.width_px) * data_.channels;
     for (int c = 0; c < data_.channels; ++c) {
       double low = 1e300, high = -1e300;
@@ -91,11 +95,18 @@ class LevelPredictor {
         const double value = scale * light[i] * row_light[i / row_samples];
         low = std::min(low, value), high = std::max(high, value);
       }
-      tables.emplace_back(chain_, exposure(mean_time_), data_.colour(c), noise_, low, high);
+      for (size_t h = 0; h < heights; ++h) {
+        const double wave_dn =
+            is_cut ? chain_.wave.amplitude_dn * (2 * static_cast<double>(h) / kWaveHeights - 1) : 0;
+        tables.emplace_back(chain_, exposure(mean_time_), data_.colour(c), noise_, low, high,
+                            wave_dn);
+      }
     }
     for (size_t i = 0; i < samples; ++i) {
+      const double signal = scale * light[i] * row_light[i / row_samples];
+      const size_t table = i % data_.channels * heights;
       const Response response =
-          tables[i % data_.channels].at(scale * light[i] * row_light[i / row_samples]);
+          is_cut ? beside_wave(&tables[table], i, signal) : tables[table].at(signal);
       out.mean[i] = response.mean;
       out.variance[i] = response.variance;
       out.offset_slope[i] = response.offset_slope;
@@ -103,7 +114,18 @@ class LevelPredictor {
       if (chain_.hot_fraction > 0) out.hot_mean[i] = response.hot_mean;
       if (chain_.weak_fraction > 0) out.weak_mean[i] = response.weak_mean;
     }
-    add_wave(out);
+    if (!is_cut) add_wave(out);
+  }
+
+  // Between the two nearest of the heights to which a wave that is cut off is tabulated.
+  Response beside_wave(const ResponseTable* tables, size_t sample, double signal) const {
+    const size_t pixel = sample / static_cast<size_t>(data_.channels);
+    const auto width = static_cast<size_t>(data_.width_px);
+    const double unit = chain_.wave.unit_at(data_.column(static_cast<int>(pixel % width)),
+                                            data_.row(static_cast<int>(pixel / width)));
+    const double place = std::clamp(0.5 * (unit + 1) * kWaveHeights, 0.0, kWaveHeights - 1e-9);
+    const auto h = static_cast<size_t>(place);
+    return between(tables[h].at(signal), tables[h + 1].at(signal), place - static_cast<double>(h));
   }
 
   // The fixed wave, less where values are clipped.

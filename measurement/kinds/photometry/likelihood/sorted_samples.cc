@@ -15,20 +15,24 @@ constexpr double kCellsOfMany = 64;
 
 // Cells a sixteenth of a DN wide in an image of 256 DN: as fine as the tables of the sensor's
 // response.
-size_t cells_for(double least, double most, size_t levels) {
+size_t cells_for(double least, double most, size_t levels, bool by_wave) {
   if (!(most > least)) return 1;
-  const double finest = levels > kFewLevels ? kCellsOfMany : 1024;
+  const double finest = levels > kFewLevels || by_wave ? kCellsOfMany : 1024;
   return static_cast<size_t>(std::clamp(4096 * (most - least) / most, 32.0, finest));
 }
 
-// Provisional cells of each channel: steps of equal width in the light.
+// Steps of the wave within each step of the light, where it is cut off.
+constexpr size_t kWaveSteps = 64;
+
+// Provisional cells of each channel: steps of equal width in the light, and of the wave in each.
 struct LightSteps {
   std::vector<size_t> first;  // By channel, and one more.
   std::vector<double> width;  // By channel; 0 where there is one.
   std::vector<double> least;  // By channel.
 };
 
-LightSteps steps_of_light(const std::vector<double>& light, size_t channels, size_t levels) {
+LightSteps steps_of_light(const std::vector<double>& light, size_t channels, size_t levels,
+                          bool by_wave) {
   LightSteps steps{.first = std::vector<size_t>(channels + 1, 0),
                    .width = std::vector<double>(channels, 0),
                    .least = std::vector<double>(channels, 1e300)};
@@ -38,23 +42,28 @@ LightSteps steps_of_light(const std::vector<double>& light, size_t channels, siz
     steps.least[c] = std::min(steps.least[c], light[i]), most[c] = std::max(most[c], light[i]);
   }
   for (size_t c = 0; c < channels; ++c) {
-    const size_t count = cells_for(steps.least[c], most[c], levels);
-    steps.first[c + 1] = steps.first[c] + count;
+    const size_t count = cells_for(steps.least[c], most[c], levels, by_wave);
+    steps.first[c + 1] = steps.first[c] + count * (by_wave ? kWaveSteps : 1);
     if (count > 1) steps.width[c] = (most[c] - steps.least[c]) / static_cast<double>(count);
   }
   return steps;
 }
 
 // The cells of the steps that have samples, and the cell of each sample.
-void number_cells(const std::vector<double>& light, size_t channels, SortedSamples& cells) {
-  auto [first, width, least] = steps_of_light(light, channels, cells.present.size());
+void number_cells(const std::vector<double>& light, const std::vector<double>& wave,
+                  size_t channels, SortedSamples& cells) {
+  const size_t waves = wave.empty() ? 1 : kWaveSteps;
+  auto [first, width, least] = steps_of_light(light, channels, cells.present.size(), waves > 1);
   // Provisional numbers: channel by channel, by light.
   std::vector<uint16_t> place(light.size());
   std::vector<double> number(first.back(), 0), sum(first.back(), 0);
   for (size_t i = 0; i < light.size(); ++i) {
     const size_t c = i % channels;
     const auto step = width[c] > 0 ? static_cast<size_t>((light[i] - least[c]) / width[c]) : 0;
-    place[i] = static_cast<uint16_t>(first[c] + std::min(step, first[c + 1] - first[c] - 1));
+    const size_t own = std::min(step, (first[c + 1] - first[c]) / waves - 1);
+    const size_t height =
+        waves == 1 ? 0 : std::min(static_cast<size_t>(0.5 * (wave[i] + 1) * kWaveSteps), waves - 1);
+    place[i] = static_cast<uint16_t>(first[c] + own * waves + height);
     number[place[i]] += 1, sum[place[i]] += light[i];
   }
   std::vector<uint16_t> kept(first.back(), 0);
@@ -66,7 +75,10 @@ void number_cells(const std::vector<double>& light, size_t channels, SortedSampl
       cells.channel.push_back(static_cast<int>(c));
       cells.samples.push_back(number[p]);
       const double mean = sum[p] / number[p];
-      const double low = least[c] + width[c] * static_cast<double>(p - first[c]);
+      const double low = least[c] + width[c] * static_cast<double>((p - first[c]) / waves);
+      if (waves > 1)
+        cells.wave_centre.push_back(
+            2 * (static_cast<double>((p - first[c]) % waves) + 0.5) / kWaveSteps - 1);
       cells.below.push_back(mean - low), cells.above.push_back(low + width[c] - mean);
     }
   }
@@ -159,13 +171,14 @@ void sum_groups(const PhotometrySums& sums, const SortedSamples& cells, SampleGr
 }  // namespace
 
 SortedSamples sort_samples(const PhotometryData& data, const PhotometrySums& sums,
-                           const std::vector<double>& light, CellNeeds needs) {
+                           const std::vector<double>& light, const std::vector<double>& wave,
+                           CellNeeds needs) {
   SortedSamples cells;
   for (size_t l = 0; l < sums.levels.size(); ++l) {
     if (!sums.levels[l].frames.empty()) cells.present.push_back(l);
   }
   const auto channels = static_cast<size_t>(data.channels);
-  number_cells(light, channels, cells);
+  number_cells(light, wave, channels, cells);
   cells.all_products =
       needs.products && (cells.present.size() <= kFewLevels || cells.count() == channels);
   sum_samples(sums, cells);

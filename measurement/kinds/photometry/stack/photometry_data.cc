@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "sim_core/base/hash.h"
 
@@ -122,6 +123,26 @@ double least_at_top(const PhotometryData& data, const PhotometrySums& all) {
     const double freedom = static_cast<double>(level.frames.size() - 1) * (data.width_px - 1) *
                            static_cast<double>(data.rows());
     most = std::max(most, scatter / freedom);
+  }
+  return kPart * most;
+}
+
+double least_at_bottom(const PhotometryData& data, const PhotometrySums& all) {
+  constexpr double kPart = 0.1, kBrightest = 0.1;
+  double most = 0;
+  for (size_t l = 0; l < all.levels.size(); ++l) {
+    const LevelSums& level = all.levels[l];
+    if (data.levels[l].light() != 0 || level.frames.size() < 2) continue;
+    std::vector<size_t> order(level.mean.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    const auto middle = order.begin() + static_cast<std::ptrdiff_t>(
+                                            (1 - kBrightest) * static_cast<double>(order.size()));
+    std::nth_element(order.begin(), middle, order.end(),
+                     [&](size_t a, size_t b) { return level.mean[a] < level.mean[b]; });
+    double scatter = 0;
+    for (auto i = middle; i != order.end(); ++i) scatter += level.scatter[*i];
+    most = std::max(most, scatter / static_cast<double>(order.end() - middle) /
+                              static_cast<double>(level.frames.size() - 1));
   }
   return kPart * most;
 }

@@ -54,8 +54,8 @@ struct PhotometryData {
   int file_bits = 8;    // Values are 0 to 2^file_bits - 1,
   int stored_bits = 8;  // in files of so many bits a sample.
   int fewest_bits = 1;  // Of a converter that can have made the values.
-  // Least variance of a clipped value (SetNoise), DN^2.
-  double least_at_top_dn2 = 0;
+  // Least variances of clipped values (SetNoise), DN^2.
+  double least_at_top_dn2 = 0, least_at_bottom_dn2 = 0;
   double frame_period_s = 0;
   std::vector<PhotometryFrame> frames;
   std::vector<PhotometryLevel> levels;
@@ -109,6 +109,9 @@ struct PhotometrySums {
 
 // A part of the largest variance in time of any level.
 double least_at_top(const PhotometryData& data, const PhotometrySums& all);
+// A part of the largest variance in time of the brightest pixels of any dark level: those that are
+// not cut off at 0.
+double least_at_bottom(const PhotometryData& data, const PhotometrySums& all);
 
 // Whether row noise and column offsets are the same in all channels, as far as the images tell;
 // true for grey images and where there is neither.

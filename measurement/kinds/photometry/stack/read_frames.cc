@@ -95,8 +95,18 @@ class FrameReader {
   }
 
  private:
+  Image decoded(size_t row) const {
+    const auto path = set_.inside(table_, row, "file");
+    try {
+      return read_image(path);
+    } catch (const InputError& error) {
+      throw InputError(
+          fmt::format("{}:{}: column file: {}", table_.file(), table_.line(row), error.what()));
+    }
+  }
+
   Image read(size_t row) {
-    Image image = read_image(set_.inside(table_, row, "file"));
+    Image image = decoded(row);
     if (image.width_px != data_.width_px || image.height_px != data_.height_px) {
       table_.fail(row, "file", fmt::format("an image of {} x {}", image.width_px, image.height_px),
                   fmt::format("{} x {} as the camera has", data_.width_px, data_.height_px));
@@ -190,6 +200,24 @@ void note_lights(const CsvTable& table, PhotometryData& data, Facts& facts) {
         "lamp flickers",
         table.file(), table.line(first.frame), first.above_dark, table.line(first.other),
         first.as_the_level, odd.size()));
+  }
+  for (const BrightDark& bright : bright_darks(data)) {
+    const auto frame = static_cast<size_t>(data.levels[bright.level].frames.front());
+    facts.notes.push_back(fmt::format(
+        "{}:{}: no light by illumination {:g} and exposure {:g} s, and {:.4g} DN more than other "
+        "frames without light: exposure_s or illumination is not its own",
+        table.file(), table.line(frame), data.levels[bright.level].illumination,
+        data.levels[bright.level].exposure_s, bright.above_dark));
+  }
+  if (const auto fall = falling_lights(data)) {
+    const auto line = [&](size_t level) {
+      return table.line(static_cast<size_t>(data.levels[level].frames.front()));
+    };
+    facts.notes.push_back(fmt::format(
+        "{}:{}: {:.4g} DN above dark, where line {} with less light stated has {:.4g} DN: "
+        "more than a quarter of the levels fall so: exposure_s or illumination belongs to other "
+        "pictures",
+        table.file(), line(fall->level), fall->above_dark, line(fall->other), fall->other_above));
   }
   for (const WrongLight& wrong : wrong_lights(data)) {
     PhotometryLevel& level = data.levels[wrong.level];

@@ -252,6 +252,57 @@ TEST(PhotometryStack, AFrameThatIsNoneOfItsLevelIsNamed) {
       << notes;
 }
 
+// No curve fits these: a lit frame without exposure or light, and exposures of other pictures.
+TEST(PhotometryStack, LightWhereNoneIsStatedIsNamed) {
+  const auto notes_of = [](std::vector<Row> rows) {
+    Folder folder("bright");
+    folder.write({}, rows, ", bits: 12");
+    Facts facts;
+    folder.read(facts);
+    std::string notes;
+    for (const std::string& note : facts.notes) notes += note + "\n";
+    return notes;
+  };
+  EXPECT_EQ(notes_of(series(6)), "");
+  std::vector<Row> rows = series(6);
+  rows[2].exposure_s = 0;
+  EXPECT_NE(notes_of(rows).find("frames.csv:6: no light by illumination 1 and exposure 0 s, and "),
+            std::string::npos)
+      << notes_of(rows);
+  rows = series(8);
+  for (int k = 0; k < 8; ++k) rows[k].exposure_s = 0.001 * (8 - k);
+  EXPECT_NE(notes_of(rows).find("DN above dark, where line 16 with less light stated has"),
+            std::string::npos)
+      << notes_of(rows);
+}
+
+TEST(PhotometryStack, FramesUnlikeTheirPairAndLitDarksAreNamed) {
+  Folder folder("pair");
+  folder.write({}, series(6), ", bits: 12");
+  Facts facts;
+  PhotometryData data = folder.read(facts);
+  EXPECT_TRUE(odd_frames(data).empty());
+  EXPECT_TRUE(bright_darks(data).empty());
+  data.levels[8].whole.mean += 200;
+  const auto bright = bright_darks(data);
+  ASSERT_EQ(bright.size(), 1u);
+  EXPECT_EQ(bright[0].level, 8u);
+  EXPECT_NEAR(bright[0].above_dark, 200, 1);
+  for (uint16_t& value : data.images[4]) value = static_cast<uint16_t>(value / 2);
+  const auto odd = odd_frames(data);
+  ASSERT_EQ(odd.size(), 1u);
+  EXPECT_EQ(odd[0].frame, 4u);
+  EXPECT_EQ(odd[0].other, 5u);
+}
+
+TEST(PhotometryStack, FilesThatAreNoPicturesAreToldWithTheirLine) {
+  Folder folder("gone");
+  folder.write({}, series(2), ", bits: 12");
+  std::filesystem::remove(std::filesystem::path(testing::TempDir()) / "stack-gone" / "2.png");
+  EXPECT_NE(folder.refusal().find("frames.csv:4: column file: "), std::string::npos)
+      << folder.refusal();
+}
+
 TEST(PhotometryStack, ExposuresThatDoNotMatchTheirLevelAreRefused) {
   Folder folder("level");
   folder.write({}, {{0.001, 1, 2400, "a"}, {0.002, 1, 4800, "a"}}, ", bits: 12");

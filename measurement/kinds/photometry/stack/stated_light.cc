@@ -44,18 +44,27 @@ struct LitLevel {
   double noise;  // Of a value, relative to the DN above dark.
 };
 
-// Mean of dark frames against exposure: a line where there are several exposures.
-std::optional<std::pair<double, double>> dark_line(const PhotometryData& data) {
+using Levels = std::vector<const PhotometryLevel*>;
+
+// Mean against exposure: a line where there are several exposures.
+std::optional<std::pair<double, double>> dark_line(const Levels& levels) {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (const PhotometryLevel& level : data.levels) {
-    if (level.illumination != 0 || level.gain != data.levels[0].gain) continue;
-    const double t = level.exposure_s;
-    n += 1, x += t, y += level.whole.mean, xx += t * t, xy += t * level.whole.mean;
+  for (const PhotometryLevel* level : levels) {
+    const double t = level->exposure_s;
+    n += 1, x += t, y += level->whole.mean, xx += t * t, xy += t * level->whole.mean;
   }
   if (n == 0) return std::nullopt;
   const double spread = xx - x * x / n;
   const double slope = spread > 1e-12 * xx ? (xy - x * y / n) / spread : 0;
   return std::pair{(y - slope * x) / n, slope};
+}
+
+// Of the dark frames.
+std::optional<std::pair<double, double>> dark_line(const PhotometryData& data) {
+  Levels dark;
+  for (const PhotometryLevel& level : data.levels)
+    if (level.illumination == 0 && level.gain == data.levels[0].gain) dark.push_back(&level);
+  return dark_line(dark);
 }
 
 std::vector<LitLevel> lit_levels(const PhotometryData& data) {
@@ -67,7 +76,7 @@ std::vector<LitLevel> lit_levels(const PhotometryData& data) {
     if (level.illumination > 0) most = std::max(most, level.light());
   for (size_t l = 0; l < data.levels.size(); ++l) {
     const PhotometryLevel& level = data.levels[l];
-    if (!(level.illumination > 0) || level.gain != data.levels[0].gain) continue;
+    if (!(level.light() > 0) || level.gain != data.levels[0].gain) continue;
     const double above = level.whole.mean - dark->first - dark->second * level.exposure_s;
     if (level.whole.at_top > kClipped || !(above > 0)) continue;
     const double x = level.light() / most;
@@ -282,7 +291,7 @@ std::vector<OddFrame> odd_frames(const PhotometryData& data) {
   std::vector<OddFrame> odd;
   const auto dark = dark_line(data);
   for (const PhotometryLevel& level : data.levels) {
-    if (level.illumination == 0 || level.frames.size() < 3) continue;
+    if (level.illumination == 0 || level.frames.size() < 2) continue;
     const double black = dark ? dark->first + dark->second * level.exposure_s : 0;
     std::vector<double> above;
     for (const int frame : level.frames) {
@@ -291,7 +300,8 @@ std::vector<OddFrame> odd_frames(const PhotometryData& data) {
       for (const uint16_t value : image) sum += value;
       above.push_back(sum / static_cast<double>(image.size()) - black);
     }
-    const double middle = median_of(above);
+    // Of a pair the second is as good as the first.
+    const double middle = above.size() == 2 ? above[1] : median_of(above);
     const auto nearest = std::min_element(above.begin(), above.end(), [&](double a, double b) {
       return std::abs(a - middle) < std::abs(b - middle);
     });
@@ -306,6 +316,51 @@ std::vector<OddFrame> odd_frames(const PhotometryData& data) {
     }
   }
   return odd;
+}
+
+std::vector<BrightDark> bright_darks(const PhotometryData& data) {
+  constexpr double kFarAbove = 10, kLikeOthers = 1;  // In noises of a single value.
+  std::vector<BrightDark> bright;
+  if (data.channels != 1) return bright;
+  for (size_t l = 0; l < data.levels.size(); ++l) {
+    const PhotometryLevel& level = data.levels[l];
+    if (level.light() != 0 || level.gain != data.levels[0].gain) continue;
+    Levels others;
+    double variance = 1.0 / 12;
+    for (const PhotometryLevel& other : data.levels) {
+      if (&other == &level || other.illumination != 0 || other.gain != level.gain) continue;
+      others.push_back(&other);
+      variance = std::max(variance, other.whole.temporal_variance);
+    }
+    // Two that differ do not say which of them is dark.
+    if (others.size() < (level.illumination == 0 ? 2 : 1)) continue;
+    const auto [dark, slope] = *dark_line(others);
+    const auto above = [&, dark = dark, slope = slope](const PhotometryLevel& at) {
+      return (at.whole.mean - dark - slope * at.exposure_s) / std::sqrt(variance);
+    };
+    const bool agree = std::all_of(others.begin(), others.end(), [&](const auto* other) {
+      return std::abs(above(*other)) < kLikeOthers;
+    });
+    if (agree && above(level) > kFarAbove)
+      bright.push_back({l, above(level) * std::sqrt(variance)});
+  }
+  return bright;
+}
+
+std::optional<FallingLight> falling_lights(const PhotometryData& data) {
+  if (data.channels != 1) return std::nullopt;
+  const std::vector<LitLevel> lit = lit_levels(data);
+  if (lit.size() < 4 || falls(lit).size() <= lit.size() / 4) return std::nullopt;
+  const auto above = [](const LitLevel& l) { return maths::exp(l.log_q) * l.x; };
+  const LitLevel *low = nullptr, *high = nullptr;
+  for (const LitLevel& a : lit) {
+    for (const LitLevel& b : lit) {
+      if (a.x <= b.x || above(a) >= above(b)) continue;
+      if (low == nullptr || above(a) * above(*high) < above(b) * above(*low)) low = &a, high = &b;
+    }
+  }
+  if (low == nullptr) return std::nullopt;
+  return FallingLight{low->level, high->level, above(*low), above(*high)};
 }
 
 }  // namespace seam::measurement

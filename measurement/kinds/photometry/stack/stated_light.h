@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "measurement/kinds/photometry/stack/photometry_data.h"
@@ -26,5 +27,21 @@ struct OddFrame {
 // Frames that had another light than the rest of their level by far: what is stated of one of them
 // is not its own, unless the lamp flickers.
 std::vector<OddFrame> odd_frames(const PhotometryData& data);
+
+struct BrightDark {
+  size_t level;
+  double above_dark;  // DN.
+};
+
+// Levels that had light by far though none is stated.
+std::vector<BrightDark> bright_darks(const PhotometryData& data);
+
+struct FallingLight {
+  size_t level, other;             // The other has less light stated, and more to show.
+  double above_dark, other_above;  // DN.
+};
+
+// Where most levels would have to be left out for more light not to be darker; the worst of them.
+std::optional<FallingLight> falling_lights(const PhotometryData& data);
 
 }  // namespace seam::measurement
