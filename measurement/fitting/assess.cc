@@ -113,7 +113,7 @@ Assessment assess_fitted_to(const Problem& problem, const Problem& shown, const 
 
 Assessment assess(const Problem& problem, const Model& model,
                   const std::vector<Unknown>& unknowns) {
-  if (problem.folds().size() == 1 && !cuts_one_group(problem))
+  if (problem.folds().size() == 1 && problem.training_stands_for_all() && !cuts_one_group(problem))
     return assess_fitted_to(problem, problem, problem.training_groups(), model, unknowns);
   Assessment result{.model = model, .unknowns = unknowns};
   const Groups all = problem.all_groups();
