@@ -111,10 +111,36 @@ Assessment assess_fitted_to(const Problem& problem, const Problem& shown, const 
   return result;
 }
 
+namespace {
+
+// Goes on to the values that all groups tell; what training groups say of the others stays.
+// Spreads, which are dear to fit along a path, have no such directions.
+void fit_to_all(const Problem& problem, Assessment& assessment) {
+  const bool spreads = std::any_of(
+      assessment.unknowns.begin(), assessment.unknowns.end(), [&](const Unknown& unknown) {
+        return assessment.model.find(unknown.effect)->definition->spread_only;
+      });
+  if (spreads) return;
+  const Groups all = problem.all_groups();
+  const Fit fit = fit_on(problem, all, assessment.model, assessment.unknowns);
+  const Score score = problem.score(fit.model, all);
+  if (!score.valid || !(score.log_likelihood >= assessment.total_ll)) return;
+  assessment.fit = fit, assessment.model = fit.model, assessment.total_ll = score.log_likelihood;
+}
+
+}  // namespace
+
 Assessment assess(const Problem& problem, const Model& model,
                   const std::vector<Unknown>& unknowns) {
-  if (problem.folds().size() == 1 && !cuts_one_group(problem))
-    return assess_fitted_to(problem, problem, problem.training_groups(), model, unknowns);
+  if (problem.folds().size() == 1 && !cuts_one_group(problem)) {
+    Assessment result =
+        assess_fitted_to(problem, problem, problem.training_groups(), model, unknowns);
+    // Far from the noise a few units of likelihood decide nothing.
+    constexpr double kNearNoise = 1.5;
+    if (!problem.training_stands_for_all() && result.error < kNearNoise)
+      fit_to_all(problem, result);
+    return result;
+  }
   Assessment result{.model = model, .unknowns = unknowns};
   const Groups all = problem.all_groups();
   result.fit = fit_on(problem, all, model, unknowns);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "measurement/numerics/parallel_for.h"
+
 namespace seam::measurement {
 
 using Eigen::Index;
@@ -91,18 +93,26 @@ void PairedBlocks::eliminate_points(double damping) {
   reduced_ = MatrixXd::Zero(view_unknowns(), view_unknowns());
   for (size_t v = 0; v < views_.size(); ++v)
     reduced_.block(view_at_[v], view_at_[v], size_of(v), size_of(v)) = damped_view(v, damping);
-  point_inverse_.clear();
-  Products products(reduced_, 3 * 128);
-  for (size_t p = 0; p < points_.size(); ++p) {
-    const Eigen::LLT<Matrix3d> root(damped_point(p, damping));
-    const Matrix3d half = root.matrixU().solve(Matrix3d::Identity());  // half half' = inverse
-    log_det_ += 2 * Matrix3d(root.matrixL()).diagonal().array().log().sum();
-    point_inverse_.push_back(half * half.transpose());
-    auto columns = products.next(3);
-    for (const size_t c : cells_of_point_[p])
-      columns.middleRows(view_at_[cells_[c].view], size_of(cells_[c].view)) +=
-          joint(cells_[c]) * half;
-  }
+  point_inverse_.resize(points_.size());
+  // Two shares, for two cores.
+  MatrixXd second = MatrixXd::Zero(view_unknowns(), view_unknowns());
+  double log_dets[2] = {0, 0};
+  parallel_for(2, [&](size_t share) {
+    Products products(share == 0 ? reduced_ : second, 3 * 128);
+    const size_t middle = points_.size() / 2;
+    for (size_t p = share == 0 ? 0 : middle; p < (share == 0 ? middle : points_.size()); ++p) {
+      const Eigen::LLT<Matrix3d> root(damped_point(p, damping));
+      const Matrix3d half = root.matrixU().solve(Matrix3d::Identity());  // half half' = inverse
+      log_dets[share] += 2 * Matrix3d(root.matrixL()).diagonal().array().log().sum();
+      point_inverse_[p] = half * half.transpose();
+      auto columns = products.next(3);
+      for (const size_t c : cells_of_point_[p])
+        columns.middleRows(view_at_[cells_[c].view], size_of(cells_[c].view)).noalias() +=
+            joint(cells_[c]).lazyProduct(half);
+    }
+  });
+  reduced_ += second;
+  log_det_ += log_dets[0] + log_dets[1];
 }
 
 void PairedBlocks::eliminate_views(double damping) {
@@ -153,15 +163,20 @@ void PairedBlocks::solve(MatrixXd& views, MatrixXd& points) const {
     triangle.transpose().solveInPlace(right);
   };
   if (points_eliminated_) {
+    MatrixXd alone(points.rows(), points.cols());  // As if no view followed.
+    for (size_t p = 0; p < points_.size(); ++p) {
+      const Index at = 3 * static_cast<Index>(p);
+      alone.middleRows<3>(at).noalias() = point_inverse_[p] * points.middleRows<3>(at);
+    }
     for (const Cell& cell : cells_) {
-      const Index p = 3 * static_cast<Index>(cell.point);
-      views.middleRows(view_at_[cell.view], size_of(cell.view)) -=
-          joint(cell) * (point_inverse_[cell.point] * points.middleRows<3>(p));
+      views.middleRows(view_at_[cell.view], size_of(cell.view)).noalias() -=
+          joint(cell).lazyProduct(alone.middleRows<3>(3 * static_cast<Index>(cell.point)));
     }
     if (views.rows() > 0) back(views);
     for (const Cell& cell : cells_) {
-      points.middleRows<3>(3 * static_cast<Index>(cell.point)) -=
-          joint(cell).transpose() * views.middleRows(view_at_[cell.view], size_of(cell.view));
+      points.middleRows<3>(3 * static_cast<Index>(cell.point)).noalias() -=
+          joint(cell).transpose().lazyProduct(
+              views.middleRows(view_at_[cell.view], size_of(cell.view)));
     }
     for (size_t p = 0; p < points_.size(); ++p) {
       auto rows = points.middleRows<3>(3 * static_cast<Index>(p));

@@ -101,6 +101,9 @@ class Problem {
   // sensor, points of a target), the likelihood of all of them is not the sum over training and
   // held-out groups.
   virtual bool groups_are_independent(const Model&) const { return true; }
+  // Whether a fit to training groups is as likely to all groups as one to all is, but for what
+  // chance allows: not where parts of the set tell parameters in unlike directions.
+  virtual bool training_stands_for_all() const { return true; }
   // What the set and this model can say together, beside any number: views that it finds no pose
   // for, how far the data reach, what they cannot tell. Sentences.
   virtual std::vector<std::string> remarks(const Model&) const { return {}; }

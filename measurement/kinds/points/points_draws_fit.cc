@@ -79,8 +79,8 @@ class PointsProblem::DrawsFit {
   Model model_;
   std::vector<double> values_;
   std::unique_ptr<TargetAdjustment> here_;
-  std::vector<double> sigma_;  // By scalar, where points may have failed.
-  TargetAdjustment::DrawsSums sums_;
+  std::vector<double> sigma_;                   // By scalar, where points may have failed.
+  TargetAdjustment::DrawsSums sums_, squares_;  // Where it was looked at, and where it stands.
   Wish failing_, failure_;
   Eigen::MatrixXd curvature_;
   double height_ = 0, misfit2_ = 1;
@@ -105,6 +105,7 @@ bool PointsProblem::DrawsFit::move(const Eigen::VectorXd& by) {
   const double height = there->height();
   if (!(height < height_)) return false;
   model_ = model, values_ = std::move(values), height_ = height;
+  squares_ = there->squares();
   return true;
 }
 
@@ -114,7 +115,7 @@ void PointsProblem::DrawsFit::look_for_failures() {
   const std::optional<FewErrors> scatter = scatter_of(model_);
   if (!scatter) return;
   Evaluation here = problem_.blank();
-  adjustment(model_, values_)->tell_residuals(here);
+  here_->tell_residuals(here);
   sigma_ = here.sigma;
   const double f = scatter->fraction(), size2 = scatter->size() * scatter->size();
   double points = 0, failed = 0, square = 0, of_share = 0, of_size = 0;
@@ -135,6 +136,7 @@ void PointsProblem::DrawsFit::look_for_failures() {
     of_share += std::pow((failure.share - f) / (1 - f), 2);
     of_size += std::pow(failure.share * (part / size2 - 2), 2);
   }
+  here_->set_sigma(sigma_);
   failing_ = {failed / std::max(1.0, points), of_share};
   failure_ = {std::sqrt(square / std::max(1e-9, 2 * failed)), of_size};
 }
@@ -180,8 +182,8 @@ bool PointsProblem::DrawsFit::go_down() {
   constexpr double kEnough = 1e-4;
   DampedSteps steps({.start = 1e-6, .attempts = 12});
   for (int step = 0; step < kMost; ++step) {
-    look_for_failures();
     here_ = adjustment(model_, values_);
+    look_for_failures();
     const MovedModels moved(model_, mean_unknowns_);
     std::optional<Parabola> parabola = here_->look(moved.models, moved.steps);
     if (!parabola) return false;
@@ -190,15 +192,14 @@ bool PointsProblem::DrawsFit::go_down() {
     height_ = here_->height();
     const auto n = static_cast<double>(std::max<size_t>(1, problem_.facts_.scalars()));
     misfit2_ = std::max(1.0, 2 * height_ / n);
-    sums_ = here_->sums();
+    squares_ = sums_ = here_->sums();
     const double before = height_;
     const auto outcome = steps.take(*parabola, {.promise = kEnough * misfit2_},
                                     [&](const Eigen::VectorXd& by) { return move(by); });
     const bool taken = outcome == DampedSteps::Outcome::taken;
     // The nuisances alone.
     if (!taken && !move(Eigen::VectorXd::Zero(parabola->gradient.size()))) height_ = before;
-    const TargetAdjustment::DrawsSums now = adjustment(model_, values_)->squares();
-    sums_.points.square = now.points.square, sums_.bendings.square = now.bendings.square;
+    sums_.points.square = squares_.points.square, sums_.bendings.square = squares_.bendings.square;
     if (!follow()) return false;
     const bool settled = before - height_ < kEnough * misfit2_ && moved_ < kEnough * misfit2_;
     if (settled) return true;

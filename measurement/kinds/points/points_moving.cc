@@ -39,7 +39,6 @@ void PointsProblem::state_motion() {
   if (!on_path()) return;
   // Stretches long enough for a path of their own, cut where no group is cut.
   constexpr size_t kFramesOfABlock = 6;
-  std::vector<std::string> names;
   std::vector<Groups> blocks;
   size_t frames = kFramesOfABlock;
   int last_group = -1;
@@ -47,7 +46,6 @@ void PointsProblem::state_motion() {
     const int group = facts_.group_of_row[data_.rows_of_frame[frame].front()];
     if (frames >= kFramesOfABlock && group != last_group) {
       blocks.emplace_back(facts_.groups.size(), 0);
-      names.push_back(facts_.groups[static_cast<size_t>(group)]);
       frames = 0;
     }
     blocks.back()[static_cast<size_t>(group)] = 1;
@@ -55,10 +53,12 @@ void PointsProblem::state_motion() {
   }
   constexpr size_t kLeastBlocks = 4;
   if (blocks.size() < kLeastBlocks) return;
-  const std::vector<char> held = held_out_groups(names);
+  // Those between them stay together: single ones have so many controls for their frames that they
+  // say little of the lens and of the rows' times, and a model fitted to them would miss.
+  constexpr size_t kOneOf = 4;
   Groups fold(facts_.groups.size(), 0);
-  for (size_t b = 0; b < blocks.size(); ++b) {
-    for (size_t g = 0; g < fold.size() && held[b]; ++g) fold[g] |= blocks[b][g];
+  for (size_t b = 0; b < blocks.size(); b += kOneOf) {
+    for (size_t g = 0; g < fold.size(); ++g) fold[g] |= blocks[b][g];
   }
   video_folds_ = {std::move(fold)};
 }

@@ -40,6 +40,8 @@ class PointsProblem : public Problem {
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
   bool groups_are_independent(const Model& model) const override;
+  // What a path can follow differs from stretch to stretch.
+  bool training_stands_for_all() const override { return !on_path(); }
   std::vector<std::string> remarks(const Model& model) const override;
   std::vector<PlacedPoint> placed_points(const Model& model) const override;
   std::vector<char> find_outliers(const Model& model) const override;

@@ -31,13 +31,16 @@ void whiten_scattered(const FewErrors& scatter, const std::vector<size_t>& scala
 }
 
 Failure failure_of(const FewErrors& scatter, double u, double v, double sigma_u, double sigma_v) {
-  const double first = scatter.share_of_more(u, sigma_u, scatter.fraction());
-  const double failed = scatter.share_of_more(v, sigma_v, first);
-  const auto counts = [&](double sigma) {
-    const double failing = sigma * sigma + scatter.size() * scatter.size();
-    return sigma / std::sqrt(1 - failed + failed * sigma * sigma / failing);
-  };
-  return {failed, counts(sigma_u), counts(sigma_v)};
+  const double u2 = sigma_u * sigma_u, v2 = sigma_v * sigma_v;
+  const double size2 = scatter.size() * scatter.size();
+  // Precisions of a point that failed over those of one that did not.
+  const double less_u = u2 / (u2 + size2), less_v = v2 / (v2 + size2);
+  const double sound = (1 - scatter.fraction()) *
+                       std::exp(-0.5 * (u * u / u2 * (1 - less_u) + v * v / v2 * (1 - less_v)));
+  const double failing = scatter.fraction() * std::sqrt(less_u * less_v);
+  const double failed = failing / (failing + sound);
+  return {failed, sigma_u / std::sqrt(1 - failed + failed * less_u),
+          sigma_v / std::sqrt(1 - failed + failed * less_v)};
 }
 
 bool refine_scattered_pose(const FewErrors& scatter, const Cameras& cameras,

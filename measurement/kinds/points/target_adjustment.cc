@@ -164,6 +164,7 @@ bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell
   }
   const Vector2d weight(1 / given_.sigma[2 * row], 1 / given_.sigma[2 * row + 1]);
   cell.by_view.resize(2, unknowns(frame));
+  cell.uv = Vector2d(here.u, here.v);
   cell.z = Vector2d(data.u_px[row] - here.u, data.v_px[row] - here.v);
   if (unknown_poses_) slopes_of_pose(state, row, by_place, cell);
   cell.by_point =

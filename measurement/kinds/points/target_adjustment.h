@@ -50,6 +50,8 @@ class TargetAdjustment {
   // and, after whiten_diagonal, what follows from the draws: whitened residuals and, behind them,
   // the draws; determinants; the freedom that they take.
   void whiten(Evaluation& evaluation) const;
+  // The sigmas by scalar with which residuals count from here on.
+  void set_sigma(std::vector<double> sigma) { given_.sigma = std::move(sigma); }
   // By unknown: the column of its derivatives with all nuisances following. `moved[k]` is the model
   // with the k-th unknown moved by step[k].
   std::vector<std::vector<double>> columns(const std::vector<Model>& moved,
@@ -90,8 +92,9 @@ class TargetAdjustment {
     std::shared_ptr<const PointsPredictor> predictor;  // Of known motion.
     std::vector<Vec3> places_W;                        // By row, without displacements.
   };
-  // One observation: residuals over their sigmas, and derivatives of these.
+  // One observation: its image, residuals over their sigmas, and derivatives of these.
   struct Cell {
+    Eigen::Vector2d uv;
     Eigen::Vector2d z;
     PairedBlocks::Slopes by_view;
     Eigen::Matrix<double, 2, 3> by_point;
@@ -115,6 +118,9 @@ class TargetAdjustment {
   bool look_at_rows();
   double prior_cost(const State& state) const;
   bool build(Eigen::MatrixXd& by_views, Eigen::MatrixXd& by_points);
+  Eigen::VectorXd slopes_by(const Model& moved, double step, const std::vector<size_t>& used) const;
+  std::vector<double> column_of(const Eigen::VectorXd& slopes, const std::vector<size_t>& used,
+                                size_t unknown);
   std::vector<double> values_of(const State& state) const;
   State moved(const Eigen::MatrixXd& views, const Eigen::MatrixXd& points, double by) const;
   Eigen::Matrix3d precision(size_t point) const;

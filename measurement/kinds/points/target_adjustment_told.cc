@@ -24,8 +24,8 @@ Matrix3d triangle(const Matrix3d& m) {
 }  // namespace
 
 void TargetAdjustment::tell_residuals(Evaluation& evaluation) const {
-  for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) {
-    if (!given_.frames[frame]) continue;
+  parallel_for(state_.X_CW.size(), [&](size_t frame) {
+    if (!given_.frames[frame]) return;
     for (const int r : given_.data.rows_of_frame[frame]) {  // Outliers too: they may come back.
       const auto row = static_cast<size_t>(r);
       Vector2d uv;
@@ -33,7 +33,7 @@ void TargetAdjustment::tell_residuals(Evaluation& evaluation) const {
       evaluation.residual[2 * row] = seen ? given_.data.u_px[row] - uv[0] : 0;
       evaluation.residual[2 * row + 1] = seen ? given_.data.v_px[row] - uv[1] : 0;
     }
-  }
+  });
 }
 
 // What is left of the k-th used row where the adjustment stands: its residual less the causes.
@@ -107,73 +107,79 @@ void TargetAdjustment::whiten(Evaluation& evaluation) const {
   if (draws.factor(0)) evaluation.shared_log_det += draws.log_det();
 }
 
-std::vector<std::vector<double>> TargetAdjustment::columns(const std::vector<Model>& moved,
-                                                           const std::vector<double>& steps) {
-  const std::vector<size_t> used = used_rows();
-  MatrixXd views, points;
-  if (!build(views, points) || !blocks_->factor(0)) return {};
-  const auto count = static_cast<Index>(moved.size());
-  MatrixXd slopes = MatrixXd::Zero(2 * static_cast<Index>(used.size()), count);
-  // Behind what follows the unknowns: the nuisances' own way.
-  views.conservativeResize(Eigen::NoChange, count + 1);
-  points.conservativeResize(Eigen::NoChange, count + 1);
-  for (MatrixXd* right : {&views, &points}) {
-    right->col(count) = right->col(0).eval();
-    right->leftCols(count).setZero();
-  }
-  const auto frame_of = [&](size_t k) {
-    return static_cast<size_t>(given_.data.frame_of_row[used[k]]);
-  };
-  const auto point_at = [&](size_t k) {
-    return 3 * static_cast<Index>(given_.data.point_of_row[used[k]]);
-  };
-  std::vector<Vector2d> base(used.size());
-  for (size_t k = 0; k < used.size(); ++k) see(compiled_, state_, used[k], base[k]);
-  parallel_for(moved.size(), [&](size_t p) {
-    const Compiled there(given_.data, moved[p]);
-    for (size_t k = 0; k < used.size(); ++k) {
-      Vector2d uv;
-      if (!see(there, state_, used[k], uv)) continue;
-      for (int c = 0; c < 2; ++c)
-        slopes(2 * static_cast<Index>(k) + c, static_cast<Index>(p)) =
-            -(uv[c] - base[k][c]) / (steps[p] * given_.sigma[2 * used[k] + static_cast<size_t>(c)]);
-    }
-  });
+// By scalar of the used rows: residuals over their sigmas by an unknown, where it stands.
+Eigen::VectorXd TargetAdjustment::slopes_by(const Model& moved, double step,
+                                            const std::vector<size_t>& used) const {
+  const Compiled there(given_.data, moved);
+  Eigen::VectorXd slopes = Eigen::VectorXd::Zero(2 * static_cast<Index>(used.size()));
   for (size_t k = 0; k < used.size(); ++k) {
-    const auto rows = slopes.middleRows<2>(2 * static_cast<Index>(k));
-    views.block(blocks_->view_at(frame_of(k)), 0, cells_[k].by_view.cols(), count) +=
-        cells_[k].by_view.transpose() * rows;
-    if (has_points())
-      points.block(point_at(k), 0, 3, count) += cells_[k].by_point.transpose() * rows;
+    Vector2d uv;
+    if (!see(there, state_, used[k], uv)) continue;
+    for (int c = 0; c < 2; ++c)
+      slopes[2 * static_cast<Index>(k) + c] =
+          -(uv[c] - cells_[k].uv[c]) / (step * given_.sigma[2 * used[k] + static_cast<size_t>(c)]);
+  }
+  return slopes;
+}
+
+// Lets all nuisances follow an unknown: notes how they do, and returns what is left of its slopes.
+std::vector<double> TargetAdjustment::column_of(const Eigen::VectorXd& slopes,
+                                                const std::vector<size_t>& used, size_t unknown) {
+  MatrixXd views = MatrixXd::Zero(blocks_->view_unknowns(), 1);
+  MatrixXd points = MatrixXd::Zero(blocks_->point_unknowns(), 1);
+  const auto views_of = [&](size_t k) {
+    const auto frame = static_cast<size_t>(given_.data.frame_of_row[used[k]]);
+    return views.col(0).segment(blocks_->view_at(frame), cells_[k].by_view.cols());
+  };
+  const auto points_of = [&](size_t k) {
+    return points.col(0).segment<3>(3 * static_cast<Index>(given_.data.point_of_row[used[k]]));
+  };
+  for (size_t k = 0; k < used.size(); ++k) {
+    const Vector2d by = slopes.segment<2>(2 * static_cast<Index>(k));
+    views_of(k).noalias() += cells_[k].by_view.transpose() * by;
+    if (has_points()) points_of(k).noalias() += cells_[k].by_point.transpose() * by;
   }
   blocks_->solve(views, points);
-  const size_t scalars = 2 * given_.data.p_W.size();
-  std::vector<std::vector<double>> columns(moved.size(), std::vector<double>(scalars, 0));
+  std::vector<double> column(2 * given_.data.p_W.size(), 0);
   for (size_t k = 0; k < used.size(); ++k) {
-    MatrixXd rows = slopes.middleRows<2>(2 * static_cast<Index>(k));
-    rows -= cells_[k].by_view *
-            views.block(blocks_->view_at(frame_of(k)), 0, cells_[k].by_view.cols(), count);
-    if (has_points()) rows -= cells_[k].by_point * points.block(point_at(k), 0, 3, count);
-    for (size_t p = 0; p < moved.size(); ++p) {
-      for (int c = 0; c < 2; ++c)
-        columns[p][2 * used[k] + static_cast<size_t>(c)] = rows(c, static_cast<Index>(p));
-    }
+    Vector2d left = slopes.segment<2>(2 * static_cast<Index>(k));
+    left.noalias() -= cells_[k].by_view * views_of(k);
+    if (has_points()) left.noalias() -= cells_[k].by_point * points_of(k);
+    column[2 * used[k]] = left[0], column[2 * used[k] + 1] = left[1];
   }
   // The draws follow, too: their part of the columns, in the order of `whiten`.
-  for (size_t p = 0; p < moved.size(); ++p) {
-    const auto column = static_cast<Index>(p);
-    for (size_t frame = 0; frame < state_.extra.size(); ++frame) {
-      const Index at = blocks_->view_at(frame) + pose_unknowns();
-      for (Index i = at; i < blocks_->view_at(frame + 1); ++i)
-        columns[p].push_back(-views(i, column));
-    }
-    for (size_t point = 0; point < state_.displaced_m.size() && has_points(); ++point) {
-      const Vector3d part = -(triangle(precision(point)).transpose() *
-                              points.block<3, 1>(3 * static_cast<Index>(point), column));
-      columns[p].insert(columns[p].end(), {part[0], part[1], part[2]});
-    }
+  for (size_t frame = 0; frame < state_.extra.size(); ++frame) {
+    const Index at = blocks_->view_at(frame) + pose_unknowns();
+    for (Index i = at; i < blocks_->view_at(frame + 1); ++i) column.push_back(-views(i, 0));
   }
-  following_views_ = std::move(views), following_points_ = std::move(points);
+  for (size_t point = 0; point < state_.displaced_m.size() && has_points(); ++point) {
+    const Vector3d part = -(triangle(precision(point)).transpose() *
+                            points.block<3, 1>(3 * static_cast<Index>(point), 0));
+    column.insert(column.end(), {part[0], part[1], part[2]});
+  }
+  following_views_.col(static_cast<Index>(unknown)) = views;
+  following_points_.col(static_cast<Index>(unknown)) = points;
+  return column;
+}
+
+std::vector<std::vector<double>> TargetAdjustment::columns(const std::vector<Model>& moved,
+                                                           const std::vector<double>& steps) {
+  MatrixXd views, points;
+  if (!build(views, points) || !blocks_->factor(0)) return {};
+  const std::vector<size_t> used = used_rows();
+  const auto count = static_cast<Index>(moved.size());
+  following_views_.resize(views.rows(), count + 1);
+  following_points_.resize(points.rows(), count + 1);
+  std::vector<std::vector<double>> columns(moved.size());
+  parallel_for(moved.size() + 1, [&](size_t p) {
+    if (p < moved.size()) {
+      columns[p] = column_of(slopes_by(moved[p], steps[p], used), used, p);
+      return;
+    }
+    // Behind what follows the unknowns: the nuisances' own way.
+    blocks_->solve(views, points);
+    following_views_.col(count) = views, following_points_.col(count) = points;
+  });
   return columns;
 }
 

@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "effects/registry.h"
+#include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/add_effects.h"
 #include "measurement/search/compare.h"
@@ -197,6 +198,34 @@ TEST(Video, AGlobalShutterGetsNoRollingShutter) {
   const SearchResult result = search(*problem, nominal(), {}, [](const std::string&) {});
   EXPECT_TRUE(result.steps.empty());
   EXPECT_NEAR(result.best.assessment.error, 1, 0.06);
+}
+
+// Single stretches of six frames say little; those that are fitted to stay together.
+TEST(Video, OneStretchOfFourIsHeldOut) {
+  const auto problem = open_problem(made({.name = "held", .frames = 54, .along = 4, .across = 3}));
+  ASSERT_EQ(problem->folds().size(), 1u);
+  for (int frame = 0; frame < 54; ++frame)
+    EXPECT_EQ(problem->folds()[0][static_cast<size_t>(frame)], frame / 6 % 4 == 0) << frame;
+}
+
+// Stretches tell focal length, centre and read-out time in unlike directions: what is fitted to
+// some of them may be far less likely to all than the truth, and gains by any effect.
+TEST(Video, NoValuesAreLikelierToAllFramesThanThoseFound) {
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto problem = open_problem(made({.name = "likely",
+                                            .line_delay_s = kLineDelay_s,
+                                            .frames = 24,
+                                            .along = 8,
+                                            .across = 6,
+                                            .seed = seed}));
+    Model truth = nominal(", rolling_shutter: {line_delay_s: {value: 5e-5, free: true}}");
+    truth.set_value("pinhole", 0, kFocal_px), truth.set_value("pinhole", 1, kFocal_px);
+    problem->prepare(truth);
+    const Assessment found = assess(*problem, truth, refitted_unknowns(truth));
+    const Fit likeliest = problem->fit(truth, refitted_unknowns(truth), problem->all_groups());
+    const Score there = problem->score(likeliest.model, problem->all_groups());
+    EXPECT_GT(found.total_ll, there.log_likelihood - 0.1) << seed;
+  }
 }
 
 TEST(Video, StillViewsSayWhatTheyCannotTell) {

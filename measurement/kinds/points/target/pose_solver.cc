@@ -234,7 +234,7 @@ bool pose_slopes(const Cameras& cameras, const std::vector<Sighting>& seen, cons
     const Sighting& s = seen[i];
     const Vec3 p_C = X_CW * s.p_W;
     const double h = 1e-6 * glm::length(p_C);
-    double du[3], dv[3];
+    Vec3 du, dv;
     for (int axis = 0; axis < 3; ++axis) {
       Vec3 moved_C = p_C;
       moved_C[axis] += h;
@@ -243,17 +243,13 @@ bool pose_slopes(const Cameras& cameras, const std::vector<Sighting>& seen, cons
       du[axis] = (there.u - image[i][0]) / h;
       dv[axis] = (there.v - image[i][1]) / h;
     }
-    // d p_C = turn x p_C + shift.
-    const Vec3 turned[3] = {{0, -p_C.z, p_C.y}, {p_C.z, 0, -p_C.x}, {-p_C.y, p_C.x, 0}};
-    for (int k = 0; k < 6; ++k) {
-      double u = 0, v = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double motion = k < 3 ? turned[k][axis] : (axis == k - 3 ? 1.0 : 0.0);
-        u += du[axis] * motion;
-        v += dv[axis] * motion;
-      }
-      derivatives[12 * i + k] = -u / s.sigma_u;
-      derivatives[12 * i + 6 + k] = -v / s.sigma_v;
+    // d p_C = turn x p_C + shift, and du . (turn x p_C) = turn . (p_C x du).
+    const Vec3 turned_u = glm::cross(p_C, du), turned_v = glm::cross(p_C, dv);
+    for (int axis = 0; axis < 3; ++axis) {
+      derivatives[12 * i + axis] = -turned_u[axis] / s.sigma_u;
+      derivatives[12 * i + 3 + axis] = -du[axis] / s.sigma_u;
+      derivatives[12 * i + 6 + axis] = -turned_v[axis] / s.sigma_v;
+      derivatives[12 * i + 9 + axis] = -dv[axis] / s.sigma_v;
     }
   }
   return true;
@@ -326,8 +322,12 @@ bool refine_pose(const Cameras& cameras, const std::vector<Sighting>& seen, Pose
   // say that the next gains far less than matters, it is not looked for.
   const auto worth = [&] {
     constexpr double kFarLess = 1e-3;
-    const double nothing = 1e-9 + 1e-11 * cost;
-    return Worth{.promise = 1e-11 * (1 + cost),
+    // Where a model misses by many times the noise, less of what is left is worth a step.
+    constexpr double kFarOff = 10, kMost = 1e3;
+    const double misfit2 = 2 * cost / static_cast<double>(residuals.size());
+    const double share = 1e-11 * std::clamp(misfit2 / (kFarOff * kFarOff), 1.0, kMost);
+    const double nothing = 1e-9 + share * cost;
+    return Worth{.promise = 1e-11 + share * cost,
                  .gain = std::max(nothing, std::sqrt(kFarLess * nothing * gained))};
   };
   const DescentEnd end =
