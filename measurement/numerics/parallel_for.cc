@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -15,15 +16,17 @@
 namespace seam::measurement {
 namespace {
 
-size_t most_threads = 0;         // 0: one for each core.
-std::atomic<size_t> helpers{0};  // Threads beside those that called, of all loops.
+size_t most_threads = 0;  // 0: one for each core.
+// Threads at work beside one that called, of all loops; who waits for helpers is not at work.
+std::atomic<std::ptrdiff_t> helpers{0};
 
 // A core that no loop uses: loops inside of loops have those that the outer ones leave idle.
 class IdleCore {
  public:
   IdleCore() {
-    const size_t cores = most_threads > 0 ? most_threads : std::thread::hardware_concurrency();
-    for (size_t now = helpers; !found_ && now + 1 < cores;)
+    const auto cores = static_cast<std::ptrdiff_t>(
+        most_threads > 0 ? most_threads : std::thread::hardware_concurrency());
+    for (std::ptrdiff_t now = helpers; !found_ && now + 1 < cores;)
       found_ = helpers.compare_exchange_weak(now, now + 1);
   }
   ~IdleCore() {
@@ -80,6 +83,10 @@ void parallel_for(size_t count, const std::function<void(size_t)>& job, bool wor
       next = count;  // Those that were started end with the job they have.
       throw;
     }
+    // The core of this thread, too, is for what the last jobs hold.
+    --helpers;
+    threads.clear();
+    ++helpers;
   }
   if (failure) std::rethrow_exception(failure);
 }
