@@ -8,6 +8,7 @@
 #include "measurement/numerics/box.h"
 #include "measurement/numerics/curvature.h"
 #include "measurement/numerics/damped_step.h"
+#include "measurement/numerics/parallel_for.h"
 
 namespace seam::measurement {
 namespace {
@@ -18,9 +19,10 @@ using Eigen::VectorXd;
 class Search {
  public:
   Search(const std::function<double(const std::vector<double>&)>& f,
-         const std::vector<SearchParameter>& parameters)
+         const std::vector<SearchParameter>& parameters, Calls calls)
       : f_(f),
         parameters_(parameters),
+        calls_(calls),
         n_(static_cast<int>(parameters.size())),
         z_(n_),
         box_{VectorXd(n_), VectorXd(n_)},
@@ -86,55 +88,82 @@ class Search {
     return std::isfinite(v) ? v : -std::numeric_limits<double>::max();
   }
 
+  std::vector<double> values(const std::vector<VectorXd>& places) const {
+    std::vector<double> out(places.size());
+    parallel_for(
+        places.size(), [&](size_t i) { out[i] = value(places[i]); }, calls_ == Calls::side_by_side);
+    return out;
+  }
+
   void derivatives(double here, bool correlations) {
     const MatrixXd before = curvature_;
     gradient_ = VectorXd::Zero(n_);
     curvature_ = MatrixXd::Zero(n_, n_);
-    VectorXd plus(n_);
+    along_axes(here);
+    across_axes(here, correlations ? MatrixXd::Zero(n_, n_) : before);
+  }
+
+  void along_axes(double here) {
+    std::vector<VectorXd> places;  // Of each parameter: middle, above, below.
+    VectorXd middles(n_);
     for (int i = 0; i < n_; ++i) {
       // Inside the bounds, one-sided where they are near.
-      double h = std::min(step_[i], 0.5 * (box_.high[i] - box_.low[i]));
-      VectorXd at = z_;
-      double centre = z_[i];
-      if (centre + h > box_.high[i]) centre = box_.high[i] - h;
-      if (centre - h < box_.low[i]) centre = box_.low[i] + h;
-      at[i] = centre;
-      const double middle = centre == z_[i] ? here : value(at);
-      at[i] = centre + h;
-      plus[i] = value(at);
-      at[i] = centre - h;
-      const double minus = value(at);
-      const double second = (plus[i] - 2 * middle + minus) / (h * h);
-      gradient_[i] = (plus[i] - minus) / (2 * h) + second * (z_[i] - centre);
+      const double h = std::min(step_[i], 0.5 * (box_.high[i] - box_.low[i]));
+      double& middle = middles[i] = z_[i];
+      if (middle + h > box_.high[i]) middle = box_.high[i] - h;
+      if (middle - h < box_.low[i]) middle = box_.low[i] + h;
+      used_[i] = h, shifted_[i] = middle != z_[i];
+      places.insert(places.end(), 3, z_);
+      places[3 * i][i] = middle, places[3 * i + 1][i] = middle + h;
+      places[3 * i + 2][i] = middle - h;
+    }
+    std::vector<VectorXd> asked;
+    for (int i = 0; i < 3 * n_; ++i)
+      if (i % 3 != 0 || shifted_[i / 3]) asked.push_back(places[i]);
+    const std::vector<double> found = values(asked);
+    auto next = found.begin();
+    for (int i = 0; i < n_; ++i) {
+      const double h = used_[i], middle = shifted_[i] ? *next++ : here;
+      const double plus = *next++, minus = *next++;
+      const double second = (plus - 2 * middle + minus) / (h * h);
+      gradient_[i] = (plus - minus) / (2 * h) + second * (z_[i] - middles[i]);
       curvature_(i, i) = -second;
-      used_[i] = h, shifted_[i] = centre != z_[i];
       if (-second > 0) {
         const double wanted = 0.5 / std::sqrt(-second);
         step_[i] = std::clamp(wanted, 0.02 * h, 5 * h);
         if (parameters_[i].logarithmic) step_[i] = std::min(step_[i], 0.5);
-      } else if (std::abs(plus[i] - minus) < 1) {
+      } else if (std::abs(plus - minus) < 1) {
         step_[i] = std::min(2 * h, parameters_[i].logarithmic ? 0.5 : 2 * h);
       }
     }
+  }
+
+  // Correlations as in `before` where that has them.
+  void across_axes(double here, const MatrixXd& before) {
+    std::vector<std::pair<int, int>> pairs;
+    std::vector<VectorXd> places;
     for (int i = 0; i < n_; ++i) {
       for (int k = 0; k < i; ++k) {
         if (shifted_[i] || shifted_[k]) continue;
-        if (!correlations) {
-          const double was = before(i, i) * before(k, k), is = curvature_(i, i) * curvature_(k, k);
-          if (was > 0 && is > 0) {
-            curvature_(i, k) = curvature_(k, i) = before(i, k) * std::sqrt(is / was);
-            continue;
-          }
+        const double was = before(i, i) * before(k, k), is = curvature_(i, i) * curvature_(k, k);
+        if (was > 0 && is > 0) {
+          curvature_(i, k) = curvature_(k, i) = before(i, k) * std::sqrt(is / was);
+          continue;
         }
-        VectorXd a = z_;
+        pairs.emplace_back(i, k);
+        places.insert(places.end(), 2, z_);
+        VectorXd &a = places[places.size() - 2], &b = places.back();
         a[i] += used_[i], a[k] += used_[k];
-        VectorXd b = z_;
         b[i] -= used_[i], b[k] -= used_[k];
-        const double diagonal =
-            0.5 * (curvature_(i, i) * used_[i] * used_[i] + curvature_(k, k) * used_[k] * used_[k]);
-        const double mixed = (value(a) + value(b) - 2 * here) / 2 + diagonal;
-        curvature_(i, k) = curvature_(k, i) = -mixed / (used_[i] * used_[k]);
       }
+    }
+    const std::vector<double> found = values(places);
+    for (size_t j = 0; j < pairs.size(); ++j) {
+      const auto [i, k] = pairs[j];
+      const double diagonal =
+          0.5 * (curvature_(i, i) * used_[i] * used_[i] + curvature_(k, k) * used_[k] * used_[k]);
+      const double mixed = (found[2 * j] + found[2 * j + 1] - 2 * here) / 2 + diagonal;
+      curvature_(i, k) = curvature_(k, i) = -mixed / (used_[i] * used_[k]);
     }
   }
 
@@ -169,6 +198,7 @@ class Search {
 
   const std::function<double(const std::vector<double>&)>& f_;
   const std::vector<SearchParameter>& parameters_;
+  const Calls calls_;
   int n_;
   VectorXd z_;
   Box box_;
@@ -181,8 +211,8 @@ class Search {
 }  // namespace
 
 Maximum maximise(const std::function<double(const std::vector<double>&)>& log_likelihood,
-                 const std::vector<SearchParameter>& parameters) {
-  return Search(log_likelihood, parameters).run();
+                 const std::vector<SearchParameter>& parameters, Calls calls) {
+  return Search(log_likelihood, parameters, calls).run();
 }
 
 }  // namespace seam::measurement

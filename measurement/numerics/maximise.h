@@ -27,7 +27,11 @@ struct Maximum {
   bool converged = false;
 };
 
+enum class Calls { one_by_one, side_by_side };
+
+// With `Calls::side_by_side` values for differences are asked for on several threads at once; the
+// answer is the same.
 Maximum maximise(const std::function<double(const std::vector<double>&)>& log_likelihood,
-                 const std::vector<SearchParameter>& parameters);
+                 const std::vector<SearchParameter>& parameters, Calls calls = Calls::one_by_one);
 
 }  // namespace seam::measurement

@@ -46,6 +46,24 @@ TEST(Maximise, ABentValleyIsFollowedToItsEnd) {
 }
 
 // Of n exponential lifetimes with the sum T, the rate is n / T and its error rate / sqrt(n).
+TEST(Maximise, SideBySideIsTheSameToTheBit) {
+  const auto log_density = [](const std::vector<double>& x) {
+    const double along = (x[0] - 2) / 0.1, off = (x[1] - x[0] * x[0]) / 0.1, third = x[2] - x[0];
+    return -0.5 * (along * along + off * off + third * third);
+  };
+  // The last begins at its bound, where differences are one-sided.
+  const std::vector<SearchParameter> parameters{{.start = 0, .min = -50, .max = 50, .step = 0.01},
+                                                {.start = 0, .min = -50, .max = 50, .step = 0.01},
+                                                {.start = 0, .min = 0, .max = 50, .step = 0.01}};
+  const Maximum one = maximise(log_density, parameters),
+                two = maximise(log_density, parameters, Calls::side_by_side);
+  EXPECT_TRUE(one.converged);
+  EXPECT_EQ(one.value, two.value);
+  EXPECT_EQ(one.sigma, two.sigma);
+  EXPECT_EQ(one.covariance, two.covariance);
+  EXPECT_EQ(one.log_likelihood, two.log_likelihood);
+}
+
 TEST(Maximise, ARateOnALogarithmicScale) {
   constexpr double kCount = 400;
   double total_s = 0;

@@ -213,22 +213,22 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
       search.min = std::max(search.min, 1e-6 * parameter.scale);
     parameters.push_back(search);
   }
-  Model model = start;
-  const auto set_all = [&](const std::vector<double>& values) {
+  const auto with = [&](const std::vector<double>& values) {
+    Model model = start;
     for (size_t i = 0; i < unknowns.size(); ++i)
       model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
+    return model;
   };
   const auto likelihood = [&](const std::vector<double>& values) {
-    set_all(values);
-    return log_likelihood(view, model);
+    return log_likelihood(view, with(values));
   };
-  Maximum maximum = maximise(likelihood, parameters);
+  Maximum maximum = maximise(likelihood, parameters, Calls::side_by_side);
   // Where a long bent valley leaves errors beyond reason, another try has steps that fit where the
   // first one ended.
   const auto is_unsure = [&] {
     for (size_t i = 0; i < unknowns.size(); ++i) {
       const double scale =
-          model.find(unknowns[i].effect)->definition->parameters[unknowns[i].parameter].scale;
+          start.find(unknowns[i].effect)->definition->parameters[unknowns[i].parameter].scale;
       if (std::isfinite(maximum.sigma[i]) &&
           maximum.sigma[i] > 10 * std::max(std::abs(maximum.value[i]), scale))
         return true;
@@ -237,10 +237,9 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
   };
   for (int more = 0; more < 2 && is_unsure(); ++more) {
     for (size_t i = 0; i < parameters.size(); ++i) parameters[i].start = maximum.value[i];
-    maximum = maximise(likelihood, parameters);
+    maximum = maximise(likelihood, parameters, Calls::side_by_side);
   }
-  set_all(maximum.value);
-  return {.model = model,
+  return {.model = with(maximum.value),
           .value = maximum.value,
           .sigma = maximum.sigma,
           .at_bound = maximum.at_bound,

@@ -60,14 +60,24 @@ effects::PatternWave rounded_wave(const PhotometryData& data, effects::PatternWa
   return wave;
 }
 
-// The wave of amplitude 1, by sample.
+// The wave of amplitude 1, by sample: a sine of a sum, from the sines and cosines of its parts.
 std::vector<double> unit_wave(const PhotometryData& data, const effects::PatternWave& wave) {
+  effects::PatternWave sine = wave, cosine = wave, ahead = wave;
+  sine.phase_rad = 0, cosine.phase_rad = maths::kPi / 2;
+  ahead.phase_rad += maths::kPi / 2;
+  std::vector<double> across_sine, across_cosine;
+  for (int u = 0; u < data.width_px; ++u) {
+    across_sine.push_back(sine.unit_at(data.column(u), 0));
+    across_cosine.push_back(cosine.unit_at(data.column(u), 0));
+  }
   std::vector<double> unit;
   unit.reserve(data.samples());
   for (int v = 0; v < data.height_px; ++v) {
+    const double down_sine = wave.unit_at(0, data.row(v)),
+                 down_cosine = ahead.unit_at(0, data.row(v));
     for (int u = 0; u < data.width_px; ++u)
       unit.insert(unit.end(), static_cast<size_t>(data.channels),
-                  wave.unit_at(data.column(u), data.row(v)));
+                  across_sine[u] * down_cosine + across_cosine[u] * down_sine);
   }
   return unit;
 }
