@@ -18,7 +18,7 @@ set(components program sdk)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME seam)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 # Loaded when a scenario has meshes, an experiment a plot, a behaviour is in Python.
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libosmesa6, libassimp5, gnuplot-nox, python3-seam, seam-images")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libosmesa6, libegl1, libgl1-mesa-dri, libassimp5, gnuplot-nox, python3-seam, seam-images")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "Programs, behaviours, models, scenarios, web pages")
 if(TARGET seam-pictures)
   # Of its own, for it brings OpenCV with it.

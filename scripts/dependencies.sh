@@ -7,7 +7,7 @@ packages=(
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc libssl-dev openssl
   libyaml-cpp-dev libfmt-dev libcli11-dev nlohmann-json3-dev libmuparser-dev
   libglm-dev libeigen3-dev libbox2d-dev libsleef-dev librandom123-dev libxxhash-dev
-  libboost-math-dev libpng-dev libjpeg-dev libtiff-dev libosmesa6-dev libegl-dev libassimp-dev libtinyxml2-dev libapriltag-dev libzstd-dev
+  libboost-math-dev libpng-dev libjpeg-dev libtiff-dev libosmesa6-dev libegl-dev libgl1-mesa-dri libassimp-dev libtinyxml2-dev libapriltag-dev libzstd-dev
   libopencv-contrib-dev libexif-dev liblz4-dev libbz2-dev zlib1g-dev libsqlite3-dev libcpp-httplib-dev libgtest-dev libgmock-dev
   libbenchmark-dev
   gnuplot-nox nodejs npm chromium fonts-dejavu-core iproute2 procps
