@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 
 #include "measurement/check/fault_parts.h"
 #include "measurement/check/faults.h"
@@ -91,21 +90,18 @@ void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
         "radians?",
         table.file(), command_span, angle_span, angle_span / (2 * std::numbers::pi)));
   if (command_span == 0 || angle_span == 0) return;
-  for (const auto& [ratio, column, values] :
-       {std::tuple{angle_span / command_span, "measured_rad", &angles},
-        {command_span / angle_span, "command_rad", &commands}}) {
-    if (ratio > kLeastTicks && are_whole(*values))
+  const auto tell_unit = [&](double ratio, const char* column, const Numbers& values) {
+    if (ratio > kLeastTicks && are_whole(values))
       found.push_back(fmt::format(
           "{}: {} spans {:.0f} times as much as the other angle, in whole numbers: ticks of an "
           "encoder for radians",
           place(table, 0), column, ratio));
-  }
-  for (const auto& [ratio, column] : {std::pair{angle_span / command_span, "measured_rad"},
-                                      {command_span / angle_span, "command_rad"}}) {
     if (const auto unit = unit_of_ratio(ratio, kDegrees, "degrees", "radians"); !unit.empty())
       found.push_back(fmt::format("{}: {} spans {:.0f} times as much as the other angle: {}",
                                   table.file(), column, ratio, unit));
-  }
+  };
+  tell_unit(angle_span / command_span, "measured_rad", angles);
+  tell_unit(command_span / angle_span, "command_rad", commands);
 }
 
 std::vector<std::string> faults_of_command(const std::vector<double>& command,
