@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "effects/not_a_number.h"
+#include "effects/stages/fading_velocity.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::effects {
@@ -78,7 +79,8 @@ Rates rates_at(const Locomotion& walk, const BodyVelocity& command, const WalkSt
   return {c * v.vx_mps - s * v.vy_mps, s * v.vx_mps + c * v.vy_mps, v.omega_radps, speed(v)};
 }
 
-// Fourth-order Runge-Kutta steps fine enough for lag, turn and formula; they grow as the lag fades.
+// Fourth-order Runge-Kutta steps fine enough for lag, turn and what bends velocities on their way
+// (a formula, wheels that slip); they grow as the lag fades.
 void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
   const double turn = std::abs(command.omega_radps) + std::abs(state.followed.omega_radps) +
                       std::abs(walk.heading_rad_per_m) * (speed(command) + speed(state.followed));
@@ -107,6 +109,21 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
   }
   state.followed = followed_after(walk, command, start, dt_s);
   state.t_s = start.t_s + dt_s;
+}
+
+// Where nothing bends what is followed, it fades from one velocity to another.
+void fade(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
+  const BodyVelocity followed = followed_after(walk, command, state, dt_s);
+  Place place = {state.x_m, state.y_m, state.theta_rad, state.path_m};
+  move_along({.from = scaled(walk, state.followed),
+              .to = scaled(walk, command),
+              .tau_s = walk.tau_s,
+              .heading_rad_per_m = walk.heading_rad_per_m},
+             dt_s, place);
+  state.x_m = place.x_m, state.y_m = place.y_m;
+  state.theta_rad = place.theta_rad, state.path_m = place.path_m;
+  state.followed = followed;
+  state.t_s += dt_s;
 }
 
 }  // namespace
@@ -145,7 +162,8 @@ void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt
   if (walk.tau_s > 0 || !walk.formulas.empty()) {
     const double lagging_s =
         walk.formulas.empty() ? std::min(left_s, kLagIsOver * walk.tau_s) : left_s;
-    integrate(walk, command, lagging_s, state);
+    const bool bent = !walk.formulas.empty() || (walk.wheels.driven && walk.wheels.slip_s != 0);
+    (bent ? integrate : fade)(walk, command, lagging_s, state);
     left_s -= lagging_s;
   }
   if (left_s <= 0) return;

@@ -1,11 +1,11 @@
 // Structure tests: does the mean or the spread of the residuals depend on anything?
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <tuple>
 
+#include "measurement/fitting/strongest_wave.h"
 #include "measurement/numerics/legendre.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
@@ -310,35 +310,7 @@ void Tester::test_waves_in_time(const Signal& signal) {
   const double df = 0.5 / span;
   const int count = static_cast<int>(std::min(2000.0, 0.5 / steps[steps.size() / 2] / df));
   if (count < 14) return;
-  double mean =
-      std::accumulate(signal.z.begin(), signal.z.end(), 0.0) / static_cast<double>(signal.z.size());
-  std::vector<double> c(count, 0), s(count, 0);
-  // Some side by side: each turns by its angle from one frequency to the next.
-  constexpr size_t kTogether = 8;
-  std::array<double, kTogether> re{}, im{}, c1{}, s1{};
-  for (size_t first = 0; first < times.size(); first += kTogether) {
-    for (size_t j = 0; j < kTogether; ++j) {
-      const bool there = first + j < times.size();
-      const size_t i = there ? first + j : first;
-      const double angle = 2 * maths::kPi * df * (times[i] - distinct.front());
-      c1[j] = std::cos(angle), s1[j] = std::sin(angle);
-      re[j] = there ? signal.z[i] - mean : 0, im[j] = 0;
-    }
-    for (int k = 0; k < count; ++k) {
-      double sum_c = c[k], sum_s = s[k];
-      for (size_t j = 0; j < kTogether; ++j) {
-        const double next = re[j] * c1[j] - im[j] * s1[j];
-        im[j] = im[j] * c1[j] + re[j] * s1[j];
-        re[j] = next;
-        sum_c += re[j], sum_s += im[j];
-      }
-      c[k] = sum_c, s[k] = sum_s;
-    }
-  }
-  int best = 0;
-  for (int k = 0; k < count; ++k) {
-    if (c[k] * c[k] + s[k] * s[k] > c[best] * c[best] + s[best] * s[best]) best = k;
-  }
+  const int best = strongest_wave(times, signal.z, df, count);
   std::vector<std::vector<double>> wave(2, std::vector<double>(times.size()));
   for (size_t i = 0; i < times.size(); ++i) {
     const double angle = 2 * maths::kPi * df * (best + 1) * (times[i] - distinct.front());

@@ -11,10 +11,12 @@
 
 namespace seam::measurement {
 
-WalkPose placed(const WalkPose& start, const WalkPose& moved) {
-  const double c = maths::cos(start[2]), s = maths::sin(start[2]);
-  return {start[0] + c * moved[0] - s * moved[1], start[1] + s * moved[0] + c * moved[1],
-          start[2] + moved[2]};
+From::From(const WalkPose& start)
+    : start_(start), cosine_(maths::cos(start[2])), sine_(maths::sin(start[2])) {}
+
+WalkPose From::operator()(const WalkPose& moved) const {
+  return {start_[0] + cosine_ * moved[0] - sine_ * moved[1],
+          start_[1] + sine_ * moved[0] + cosine_ * moved[1], start_[2] + moved[2]};
 }
 
 WalkPose missed(const WalkPose& seen, const WalkPose& predicted) {

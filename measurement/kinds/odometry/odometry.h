@@ -39,8 +39,23 @@ void check_ticks(const CsvTable& table, const std::vector<WalkRun>& runs);
 std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, const WalkRun& run,
                                              const effects::Timing& timing = {});
 
+// From what has moved in a start's own frame to poses; asks for the start's sine and cosine once.
+class From {
+ public:
+  explicit From(const WalkPose& start);
+  WalkPose operator()(const WalkPose& moved) const;
+  WalkPose operator()(const effects::WalkState& moved) const {
+    return (*this)(WalkPose{moved.x_m, moved.y_m, moved.theta_rad});
+  }
+
+ private:
+  WalkPose start_;
+  double cosine_, sine_;
+};
 // A pose that starts at `start` and has moved to `moved` in the start's own frame.
-WalkPose placed(const WalkPose& start, const WalkPose& moved);
+inline WalkPose placed(const WalkPose& start, const WalkPose& moved) {
+  return From(start)(moved);
+}
 inline WalkPose placed(const WalkPose& start, const effects::WalkState& moved) {
   return placed(start, WalkPose{moved.x_m, moved.y_m, moved.theta_rad});
 }

@@ -116,8 +116,9 @@ double OdometryProblem::log_det_of(const WalkRun& run, const Eigen::Matrix3d& in
 void OdometryProblem::take_start(const WalkRun& run, const WalkPose& start,
                                  const std::vector<effects::WalkState>& path,
                                  const PoseSigmas& sigma, Evaluation& evaluation) const {
+  const From from_start(start);
   for (size_t k = 0; k < run.rows.size(); ++k) {
-    const auto r = missed(run.pose[k], placed(start, path[k]));
+    const auto r = missed(run.pose[k], from_start(path[k]));
     for (int channel = 0; channel < 3; ++channel) {
       const int here = scalar(run.rows[k], channel);
       if (here < 0) continue;
@@ -161,9 +162,10 @@ std::vector<FreeError> OdometryProblem::free_prediction(const Model& model,
     });
     if (after == seen.end()) continue;
     const Start start = fit_start(run, *after, path, pose_sigmas(noise, noise_, run, path));
+    const From from_start(start.pose);
     for (auto k = after; k != seen.end(); ++k)
-      wholly.add(missed(run.pose[*k], placed(start.pose, path[*k])));
-    ends.add(missed(run.pose[seen.back()], placed(start.pose, path[seen.back()])));
+      wholly.add(missed(run.pose[*k], from_start(path[*k])));
+    ends.add(missed(run.pose[seen.back()], from_start(path[seen.back()])));
   }
   std::vector<FreeError> all;
   shortly.append("1 s", shortly, all);
