@@ -166,13 +166,13 @@ Evaluation OdometryProblem::evaluate(const Model& model, const Groups& groups,
 OdometryProblem::Walked OdometryProblem::walked_by(const effects::Locomotion& walk,
                                                    const WalkRun& run,
                                                    const effects::Timing& timing) const {
-  Walked walked{.path = predict_walk(walk, run, timing)};
+  Walked walked{.path = predict_walk(walk, run, timing, ticks_as(walk))};
   walked.steps.resize(walked.path.size());
   for (size_t k = 1; k < walked.path.size(); ++k) {
     const effects::WalkState step = between(walked.path[k - 1], walked.path[k]);
     walked.steps[k] = {step.x_m, step.y_m, step.theta_rad};
   }
-  if (counting_matters(walk.wheels, noise_)) walked.counted = count_errors(run, timing);
+  if (ticks_as(walk) == Ticks::rolled) walked.counted = count_errors(run, timing);
   return walked;
 }
 

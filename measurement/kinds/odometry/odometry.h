@@ -34,10 +34,14 @@ bool has_ticks(const CsvTable& table);
 // or was reset.
 void check_ticks(const CsvTable& table, const std::vector<WalkRun>& runs);
 
+// Ticks as they were counted, or as the wheels may have rolled in the mean that counted so.
+enum class Ticks { counted, rolled };
+
 // The path of a run by the model, from the origin facing +x: the state at each row's pose, whose
 // true time `timing` tells. Before the first row the body rests.
 std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, const WalkRun& run,
-                                             const effects::Timing& timing = {});
+                                             const effects::Timing& timing = {},
+                                             Ticks as = Ticks::counted);
 
 // From what has moved in a start's own frame to poses; asks for the start's sine and cosine once.
 class From {
@@ -102,6 +106,9 @@ class OdometryProblem : public Problem {
     CountErrors counted;
   };
 
+  Ticks ticks_as(const effects::Locomotion& walk) const {
+    return counting_matters(walk.wheels, noise_) ? Ticks::rolled : Ticks::counted;
+  }
   Walked walked_by(const effects::Locomotion& walk, const WalkRun& run,
                    const effects::Timing& timing) const;
   std::vector<effects::Lack> lacks(const effects::Wheels& wheels) const;

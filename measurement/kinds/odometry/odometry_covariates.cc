@@ -24,9 +24,7 @@ void OdometryProblem::add_covariates(const effects::Locomotion& walk) {
       change(rows, 0), speed(rows, 0), turn_rate(rows, 0);
   for (const WalkRun& run : runs_) {
     // A count's rounding would stand on both sides of a regression as well.
-    WalkRun steady = run;
-    if (!run.steady_ticks.empty()) steady.ticks = run.steady_ticks;
-    const auto path = predict_walk(walk, steady);
+    const auto path = predict_walk(walk, run, {}, Ticks::rolled);
     const WalkPose start = rough_start(run);
     double changed_s = 0;
     for (size_t k = 0; k < run.rows.size(); ++k) {

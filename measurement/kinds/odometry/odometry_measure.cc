@@ -1,4 +1,5 @@
 // `seam measure` for odometry: the protocol's commands through the model's own walk.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -11,30 +12,60 @@
 namespace seam::measurement {
 namespace {
 
-// A run as its wheels rolled that counted so: each count is rounded, and rounds off the same as
-// before for as long as the wheel hardly turns.
-WalkRun rolled_behind_counts(const WalkRun& counted, RandomStream random) {
-  WalkRun run = counted;
-  const auto correlation = count_correlations(counted);
-  std::array<double, 2> before{};
-  for (size_t k = 0; k < run.ticks.size(); ++k) {
+// A run as its wheels may have rolled that counted so, with rows at its own times and at those of
+// its poses, which lie between them.
+WalkRun rolled_behind_counts(const WalkRun& counted, const effects::Timing& timing,
+                             RandomStream random) {
+  WalkRun run{.name = counted.name, .time_s = counted.time_s};
+  for (const double t_s : counted.time_s) {
+    const double pose_s = t_s + timing.row_middle_after_stamp_s(0, t_s);
+    if (pose_s > 0 && pose_s < counted.time_s.back()) run.time_s.push_back(pose_s);
+  }
+  std::sort(run.time_s.begin(), run.time_s.end());
+  run.time_s.erase(std::unique(run.time_s.begin(), run.time_s.end()), run.time_s.end());
+  run.rows.resize(run.time_s.size());
+  run.ticks.assign(run.time_s.size(), {0, 0});
+  run.slip_ticks = run.ticks;
+  std::array<Eigen::Vector2d, 2> error;  // Of way and speed.
+  size_t row = 0;                        // That begins after this time.
+  for (size_t k = 0; k < run.time_s.size(); ++k) {
+    const double before_s = k > 0 ? run.time_s[k - 1] : 0;
+    while (row + 1 < counted.time_s.size() && counted.time_s[row] <= before_s) ++row;
+    const double share =
+        row > 0 ? (run.time_s[k] - before_s) / (counted.time_s[row] - counted.time_s[row - 1]) : 0;
     for (size_t wheel = 0; wheel < 2; ++wheel) {
-      const double fresh = uniform(random, 4 * k + 2 * wheel) - 0.5;
-      const bool kept = k > 0 && uniform(random, 4 * k + 2 * wheel + 1) < correlation[k][wheel];
-      const double error = kept ? before[wheel] : fresh;
-      if (k > 0) run.ticks[k][wheel] += before[wheel] - error;
-      before[wheel] = error;
+      const RolledWay& way = counted.ways[wheel];
+      const RolledWay::Step step = way.step(before_s, run.time_s[k]);
+      const uint64_t draw = 4 * k + 2 * wheel;
+      const Eigen::Vector2d drawn(normal(random, draw), normal(random, draw + 1));
+      const Eigen::Matrix2d fresh = k > 0 ? step.fresh : way.at_start();
+      const Eigen::Vector2d before = k > 0 ? error[wheel] : Eigen::Vector2d::Zero().eval();
+      error[wheel] = step.kept * before + fresh.llt().matrixL() * drawn;
+      if (k == 0) continue;
+      run.ticks[k][wheel] = share * counted.rolled_ticks[row][wheel] + error[wheel][0] - before[0];
+      run.slip_ticks[k][wheel] = share * counted.slip_ticks[row][wheel];
     }
   }
   return run;
 }
 
-// A wandering pose: the model's path with the steps of walk_noise, each in the body's frame at the
-// end of its interval.
-std::vector<WalkPose> wander(const Model& truth, const WalkRun& run, RandomStream random,
+// The path of a run, with wheels as they may have rolled.
+std::vector<effects::WalkState> rolled_path(const effects::Locomotion& walk, const WalkRun& counted,
+                                            const effects::Timing& timing, RandomStream random) {
+  const WalkRun run = rolled_behind_counts(counted, timing, random);
+  const std::vector<effects::WalkState> path = predict_walk(walk, run, timing);
+  std::vector<effects::WalkState> of_rows;
+  for (size_t k = 0; k < path.size() && of_rows.size() < counted.time_s.size(); ++k) {
+    if (run.time_s[k] == counted.time_s[of_rows.size()]) of_rows.push_back(path[k]);
+  }
+  return of_rows;
+}
+
+// A wandering pose: a path with the steps of walk_noise, each in the body's frame at the end of its
+// interval.
+std::vector<WalkPose> wander(const effects::Locomotion& walk,
+                             const std::vector<effects::WalkState>& path, RandomStream random,
                              bool noise) {
-  const effects::Locomotion walk = effects::locomotion_of(truth);
-  const auto path = predict_walk(walk, run, effects::timing_of(truth));
   WalkPose pose = placed({0, 0, 0}, path.front());
   std::vector<WalkPose> poses;
   for (size_t k = 0; k < path.size(); ++k) {
@@ -80,13 +111,15 @@ void measure_odometry(const Model& truth, const MeasurementSet& protocol,
     of_set[c] = protocol.noise_of(names[c]);
   }
   const std::vector<effects::MovingNoise> noise = effects::noise_of(truth).pose;
+  const effects::Timing timing = effects::timing_of(truth);
   for (size_t i = 0; i < runs.size(); ++i) {
-    const bool rounded = options.noise && !count_errors(runs[i]).empty();
+    const Ticks as = counting_matters(walk.wheels, of_set) ? Ticks::rolled : Ticks::counted;
+    const auto mean = predict_walk(walk, runs[i], timing, as);
+    const bool rounded = options.noise && !runs[i].ways.empty();
     const auto poses = wander(
-        truth, rounded ? rolled_behind_counts(runs[i], random.child("counts").child(i)) : runs[i],
+        walk, rounded ? rolled_path(walk, runs[i], timing, random.child("counts").child(i)) : mean,
         random.child("walk").child(i), options.noise);
-    const PoseSigmas sigma =
-        pose_sigmas(noise, of_set, runs[i], predict_walk(walk, runs[i], effects::timing_of(truth)));
+    const PoseSigmas sigma = pose_sigmas(noise, of_set, runs[i], mean);
     for (size_t k = 0; k < poses.size(); ++k) {
       const size_t row = runs[i].rows[k];
       for (int channel = 0; channel < 3; ++channel) {

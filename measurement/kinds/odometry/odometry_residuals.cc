@@ -141,7 +141,7 @@ std::vector<FreeError> OdometryProblem::free_prediction(const Model& model,
   Errors shortly, wholly, ends;
   for (const WalkRun& run : runs_) {
     if (!groups[facts_.group_of_row[run.rows[0]]]) continue;
-    const auto path = predict_walk(walk, run, timing);
+    const auto path = predict_walk(walk, run, timing, ticks_as(walk));
     std::vector<size_t> seen;
     for (size_t k = 0; k < run.rows.size(); ++k) {
       if (takes_part(run.rows[k], 0) && takes_part(run.rows[k], 1) && takes_part(run.rows[k], 2))

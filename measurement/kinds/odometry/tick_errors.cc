@@ -8,48 +8,14 @@ namespace {
 
 // Of an error that is anywhere within half a tick.
 constexpr double kRounding2 = 1.0 / 12;
-// Rows before and after that tell how fast a wheel turns.
-constexpr size_t kReach = 5;
 // A part of the noise that is material (docs/definitions.md).
 constexpr double kMaterial = 0.1;
 
-// A wheel that turns by this share of a tick has a rounding error that goes with the one before, as
-// a saw-tooth goes with itself; what turns further has another, which nothing foretells.
-double saw_tooth_correlation(double ticks) {
-  constexpr double kZero = 0.2113;  // Of 1 - 6 x (1 - x).
-  return ticks < kZero ? 1 - 6 * ticks * (1 - ticks) : 0;
-}
-
-// A pose's time, by the row before it and the share of the way to the next.
-struct BetweenRows {
-  size_t row = 0;
-  double share = 0;
-};
-
-BetweenRows place_in(const WalkRun& run, double t_s) {
-  const auto after = std::upper_bound(run.time_s.begin(), run.time_s.end(), t_s);
-  if (after == run.time_s.begin()) return {};
-  const auto row = static_cast<size_t>(after - run.time_s.begin()) - 1;
-  if (after == run.time_s.end()) return {row, 0};
-  return {row, (t_s - run.time_s[row]) / (run.time_s[row + 1] - run.time_s[row])};
-}
-
-// Covariance of the errors at two places, each a mean of the two rows about it.
-double covariance(const std::vector<std::array<double, 2>>& correlation, size_t wheel,
-                  const BetweenRows& a, const BetweenRows& b) {
-  double sum = 0;
-  for (size_t i = 0; i < 2; ++i) {
-    for (size_t k = 0; k < 2; ++k) {
-      const double weight = (i ? a.share : 1 - a.share) * (k ? b.share : 1 - b.share);
-      if (weight == 0) continue;
-      double together = kRounding2;
-      const size_t first = std::min(a.row + i, b.row + k), last = std::max(a.row + i, b.row + k);
-      for (size_t row = first + 1; row <= last && together != 0; ++row)
-        together *= correlation[row][wheel];
-      sum += weight * together;
-    }
-  }
-  return sum;
+CountedWay counted_way(const WalkRun& run, size_t wheel) {
+  CountedWay way{.time_s = run.time_s, .ticks = {0}};
+  for (size_t k = 1; k < run.ticks.size(); ++k)
+    way.ticks.push_back(way.ticks.back() + run.ticks[k][wheel]);
+  return way;
 }
 
 // The shortest string through a tube of one up and down about `middle`, whose ends are fixed: by
@@ -84,18 +50,36 @@ std::vector<double> taut_string(const std::vector<double>& x, const std::vector<
   return string;
 }
 
-// A string is as short as it can be, and so turns less than what it follows wherever that bends:
-// the mean of what is left about each row is put back.
-std::vector<double> steadied(const std::vector<double>& x, const std::vector<double>& middle) {
-  constexpr size_t kAbout = 10;  // Rows on either side.
-  const std::vector<double> string = taut_string(x, middle);
-  std::vector<double> sum(x.size() + 1, 0), out = string;
-  for (size_t k = 0; k < x.size(); ++k) sum[k + 1] = sum[k] + middle[k] - string[k];
-  for (size_t k = 0; k < x.size(); ++k) {
-    const size_t about = std::min({kAbout, k, x.size() - 1 - k});
-    out[k] += (sum[k + about + 1] - sum[k - about]) / static_cast<double>(2 * about + 1);
+// One sigma of what the ways of both wheels are off together by in each row more than before.
+std::vector<double> turn_errors(const WalkRun& run) {
+  std::vector<double> variance(run.time_s.size(), 0);
+  for (const RolledWay& way : run.ways) {
+    Eigen::Matrix2d P = way.at_start();
+    for (size_t k = 1; k < variance.size(); ++k) {
+      const RolledWay::Step step = way.step(run.time_s[k - 1], run.time_s[k]);
+      const double before = P(0, 0), shared = (step.kept * P)(0, 0);
+      P = step.kept * P * step.kept.transpose() + step.fresh;
+      variance[k] += P(0, 0) + before - 2 * shared;
+    }
   }
-  return out;
+  for (double& of_row : variance) of_row = std::sqrt(std::max(0.0, of_row));
+  return variance;
+}
+
+// Whatever a body that goes straight on is thought to turn, it would slip by. So where no turning
+// is seen, it turns as little as counts allow.
+std::vector<std::array<double, 2>> slip_ticks(const WalkRun& run) {
+  constexpr double kSeen = 2;  // Sigmas.
+  std::vector<double> gathered = {0};
+  for (size_t k = 1; k < run.ticks.size(); ++k)
+    gathered.push_back(gathered.back() + run.ticks[k][1] - run.ticks[k][0]);
+  const std::vector<double> string = taut_string(run.time_s, gathered), sigma = turn_errors(run);
+  std::vector<std::array<double, 2>> ticks = run.rolled_ticks;
+  for (size_t k = 1; k < ticks.size(); ++k) {
+    const double turn = string[k] - string[k - 1], both = ticks[k][0] + ticks[k][1];
+    if (std::abs(turn) < kSeen * sigma[k]) ticks[k] = {0.5 * (both - turn), 0.5 * (both + turn)};
+  }
+  return ticks;
 }
 
 }  // namespace
@@ -107,59 +91,43 @@ bool counts(const WalkRun& run) {
          });
 }
 
-std::vector<std::array<double, 2>> steady_ticks(const WalkRun& run) {
-  if (!counts(run)) return {};
-  std::array<std::vector<double>, 2> gathered;  // Sum and difference.
-  std::array<double, 2> so_far{};
-  for (const auto& [left, right] : run.ticks) {
-    gathered[0].push_back(so_far[0] += left + right);
-    gathered[1].push_back(so_far[1] += right - left);
+void find_ways(std::vector<WalkRun>& runs) {
+  std::vector<CountedWay> counted;
+  for (const WalkRun& run : runs) {
+    if (!counts(run)) continue;
+    for (size_t wheel = 0; wheel < 2; ++wheel) counted.push_back(counted_way(run, wheel));
   }
-  const std::vector<double> sum = steadied(run.time_s, gathered[0]),
-                            difference = steadied(run.time_s, gathered[1]);
-  std::vector<std::array<double, 2>> steady(run.ticks.size(), {0, 0});
-  for (size_t k = 1; k < steady.size(); ++k) {
-    const double both = sum[k] - sum[k - 1], turn = difference[k] - difference[k - 1];
-    steady[k] = {0.5 * (both - turn), 0.5 * (both + turn)};
-  }
-  return steady;
-}
-
-std::vector<std::array<double, 2>> count_correlations(const WalkRun& run) {
-  const size_t rows = run.ticks.size();
-  std::vector<std::array<double, 2>> all(rows, {0, 0});
-  for (size_t wheel = 0; wheel < 2; ++wheel) {
-    for (size_t k = 1; k < rows; ++k) {
-      const size_t from = k > kReach ? k - kReach : 1, to = std::min(k + kReach, rows - 1);
-      double turned = 0;
-      for (size_t i = from; i <= to; ++i) turned += std::abs(run.ticks[i][wheel]);
-      all[k][wheel] = saw_tooth_correlation(turned / static_cast<double>(to - from + 1));
+  const double jolt = jolt_of(counted);
+  for (WalkRun& run : runs) {
+    if (!counts(run)) continue;
+    run.rolled_ticks.assign(run.ticks.size(), {0, 0});
+    for (size_t wheel = 0; wheel < 2; ++wheel) {
+      run.ways.emplace_back(counted_way(run, wheel), jolt);
+      const std::vector<double>& mean = run.ways.back().mean();
+      for (size_t k = 1; k < mean.size(); ++k) run.rolled_ticks[k][wheel] = mean[k] - mean[k - 1];
     }
+    run.slip_ticks = slip_ticks(run);
   }
-  return all;
 }
 
 CountErrors count_errors(const WalkRun& run, const effects::Timing& timing) {
-  if (!counts(run)) return {};
-  const auto correlation = count_correlations(run);
-  CountErrors all(run.rows.size());
-  BetweenRows before;
+  CountErrors errors;
+  if (run.ways.empty()) return errors;
+  errors.step.resize(run.rows.size());
+  double last_s = 0;
   for (size_t k = 0; k < run.rows.size(); ++k) {
-    const double t_s = run.time_s[k] + timing.row_middle_after_stamp_s(0, run.time_s[k]);
-    const BetweenRows here = place_in(run, t_s);
-    for (size_t wheel = 0; wheel < 2; ++wheel) {
-      CountError& error = all[k][wheel];
-      error.variance = covariance(correlation, wheel, here, here);
-      error.fresh = error.variance;
-      if (k > 0) {
-        const double last = all[k - 1][wheel].variance;
-        error.kept = covariance(correlation, wheel, before, here) / last;
-        error.fresh = std::max(0.0, error.variance - error.kept * error.kept * last);
-      }
-    }
-    before = here;
+    const double here_s =
+        std::max(last_s, run.time_s[k] + timing.row_middle_after_stamp_s(0, run.time_s[k]));
+    for (size_t wheel = 0; wheel < 2; ++wheel)
+      errors.step[k][wheel] = run.ways[wheel].step(last_s, here_s);
+    last_s = here_s;
   }
-  return all;
+  for (size_t wheel = 0; wheel < 2; ++wheel) {
+    const RolledWay::Step& to_first = errors.step[0][wheel];
+    errors.first[wheel] =
+        to_first.kept * run.ways[wheel].at_start() * to_first.kept.transpose() + to_first.fresh;
+  }
+  return errors;
 }
 
 bool counting_matters(const effects::Wheels& wheels, const std::array<double, 3>& noise) {

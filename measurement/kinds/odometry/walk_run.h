@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "measurement/kinds/odometry/rolled_way.h"
 #include "sim_core/body/locomotion.h"
 
 namespace seam::measurement {
@@ -23,8 +24,13 @@ struct WalkRun {
   std::vector<BodyVelocity> command;
   // Of the left and the right wheel since the row before.
   std::vector<std::array<double, 2>> ticks;
-  // The same as the wheels may have turned that counted so; empty where ticks are no counts.
-  std::vector<std::array<double, 2>> steady_ticks;
+  // Of the left and the right wheel, as they may have rolled that counted so; empty where ticks are
+  // no counts.
+  std::vector<RolledWay> ways;
+  // The same as ticks in the mean of these ways.
+  std::vector<std::array<double, 2>> rolled_ticks;
+  // By whose turning wheels slip.
+  std::vector<std::array<double, 2>> slip_ticks;
   std::vector<WalkPose> pose;  // Measured; NaN where blank.
 };
 

@@ -191,7 +191,7 @@ std::vector<WalkRun> read_walk_runs(const CsvTable& table, const std::string& gr
     }
     run.pose.push_back({pose[0][row], pose[1][row], pose[2][row]});
   }
-  for (WalkRun& run : runs) run.steady_ticks = steady_ticks(run);
+  if (motion.of_ticks()) find_ways(runs);
   return runs;
 }
 
@@ -200,13 +200,16 @@ namespace {
 // What moves the body from a row to the next; ticks after the last row go on as they were.
 class Drive {
  public:
-  Drive(const effects::Locomotion& walk, const WalkRun& run) : walk_(walk), run_(run) {}
+  Drive(const effects::Locomotion& walk, const WalkRun& run, Ticks as)
+      : walk_(walk),
+        run_(run),
+        ticks_(as == Ticks::rolled && !run.ways.empty() ? run.rolled_ticks : run.ticks) {}
 
   void advance(size_t row, double dt_s, effects::WalkState& state) {
-    if (!run_.steady_ticks.empty() && walk_.wheels.slip_s != 0)
-      walk_.wheels.slips_in = by_ticks(run_.steady_ticks, row);
-    effects::advance_walk(walk_, run_.ticks.empty() ? run_.command[row] : by_ticks(run_.ticks, row),
-                          dt_s, state);
+    if (!run_.slip_ticks.empty() && walk_.wheels.slip_s != 0)
+      walk_.wheels.slips_in = by_ticks(run_.slip_ticks, row);
+    effects::advance_walk(walk_, ticks_.empty() ? run_.command[row] : by_ticks(ticks_, row), dt_s,
+                          state);
   }
 
  private:
@@ -219,16 +222,17 @@ class Drive {
 
   effects::Locomotion walk_;
   const WalkRun& run_;
+  const std::vector<std::array<double, 2>>& ticks_;
 };
 
 }  // namespace
 
 std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, const WalkRun& run,
-                                             const effects::Timing& timing) {
+                                             const effects::Timing& timing, Ticks as) {
   std::vector<effects::WalkState> path;
   path.reserve(run.rows.size());
   effects::WalkState state;
-  Drive drive(walk, run);
+  Drive drive(walk, run, as);
   for (size_t k = 0; k < run.rows.size(); ++k) {
     if (k > 0) drive.advance(k - 1, run.time_s[k] - run.time_s[k - 1], state);
     path.push_back(state);

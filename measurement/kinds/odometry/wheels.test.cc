@@ -165,7 +165,7 @@ TEST_F(Wheels, CoarseCountsAreDrawnAsTheyAreExpected) {
   const auto problem = open_problem(folder_ / "set");
   const Score score = problem->score(model_of(coarse), problem->all_groups());
   EXPECT_NEAR(score.error(), 1, 0.05);
-  EXPECT_GT(score.native[2], 0.01);  // Radians, of which the poses' noise is 0.002.
+  EXPECT_GT(score.native[2], 0.008);  // Radians, of which the poses' noise is 0.002.
 }
 
 // Cells of poses that are blank weigh as if they had been left out; the wheels roll on.
