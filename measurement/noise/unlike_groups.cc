@@ -11,6 +11,8 @@ namespace {
 
 // Groups that chance makes as unlike in one of a thousand sets are alike.
 constexpr double kByChance = 1e-3;
+// Sigmas that differ by less than a tenth are as good as alike.
+constexpr double kLeastOfSigma = 0.1;
 // A scatter of fewer groups is not known.
 constexpr size_t kFewestGroups = 4;
 // Nor is a sigma of fewer values.
@@ -93,6 +95,7 @@ std::vector<double> spreads_of_groups(const std::vector<ResidualGroup>& groups) 
   if (chi2_tail(chi2, freedom) > kByChance) return {};
   // What is left of their scatter beyond chance (DerSimonian and Laird 1986).
   const double beyond = std::max(0.0, chi2 - freedom) / (weights - weights2 / weights);
+  if (0.5 * std::sqrt(beyond) < kLeastOfSigma) return {};
   const double typical = typical_of(known, beyond);
   std::vector<double> spreads(groups.size(), 1);
   for (const Known& k : known)

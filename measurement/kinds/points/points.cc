@@ -109,6 +109,16 @@ void PointsProblem::take_noise(const std::array<double, 2>& sigma) {
   }
 }
 
+void PointsProblem::weigh_views(const std::vector<double>& of_view) {
+  data_.spread.resize(data_.p_W.size(), 1);
+  for (size_t row = 0; row < data_.p_W.size(); ++row) {
+    const auto view = static_cast<size_t>(data_.view_of_row[row]);
+    const double before = data_.spread_of_view.empty() ? 1 : data_.spread_of_view[view];
+    data_.spread[row] *= of_view[view] / before;
+  }
+  data_.spread_of_view = of_view;
+}
+
 // The lesser of two estimates: of the image itself, and of what a camera leaves. Where views
 // scatter unlike each counts by its own noise, and both are had again.
 void PointsProblem::take_noise_of_views() {
@@ -122,12 +132,17 @@ void PointsProblem::take_noise_of_views() {
     take_noise(better.sigma);
     return better;
   };
-  const std::vector<double> of_view = estimate().of_view;
-  if (of_view.empty() || !facts_.channels[0].estimated || !facts_.channels[1].estimated) return;
-  data_.spread.resize(data_.p_W.size(), 1);
-  for (size_t row = 0; row < data_.p_W.size(); ++row)
-    data_.spread[row] *= of_view[static_cast<size_t>(data_.view_of_row[row])];
-  const PointsNoise noise = estimate();
+  PointsNoise noise = estimate();
+  if (noise.of_view.empty() || !facts_.channels[0].estimated || !facts_.channels[1].estimated)
+    return;
+  // A view that scatters moves what is told of displaced points, and with it what others leave: the
+  // second time it no longer does.
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds && !noise.of_view.empty(); ++round) {
+    weigh_views(noise.of_view);
+    noise = estimate();
+  }
+  const std::vector<double>& of_view = data_.spread_of_view;
   const auto [least, most] = std::minmax_element(of_view.begin(), of_view.end());
   const auto told = [&](auto view) {
     const std::vector<int>& rows = data_.rows_of_view[static_cast<size_t>(view - of_view.begin())];

@@ -295,28 +295,30 @@ std::array<std::vector<double>, 2> ViewsNoise::left(std::vector<Observed> all) c
   return left;
 }
 
-// What noise of unit size leaves, since fields and displacements share some of what they take.
+// What noise of unit size leaves, since fields, what all views share and displacements take some of
+// the same. Told as the noise is: what few views leave of displaced points differs from row to row,
+// and the far ones of such a mixture count in none of both.
 double ViewsNoise::left_of_unit() const {
-  constexpr double kEnough = 3e4;
-  double count = 0, sum2 = 0;
-  for (uint64_t probe = 0; count < kEnough; ++probe) {
-    for (const std::vector<double>& channel : left(drawn(probe))) {
-      for (const double x : channel) ++count, sum2 += x * x;
-    }
+  constexpr size_t kEnough = 30000;
+  std::vector<double> all;
+  for (uint64_t probe = 0; all.size() < kEnough; ++probe) {
+    for (const std::vector<double>& channel : left(drawn(probe)))
+      all.insert(all.end(), channel.begin(), channel.end());
   }
-  return std::sqrt(sum2 / count);
+  return clipped_sigma(all);
 }
 
-// By view: how much more or less it scatters than others, u and v together.
+// By view: how much more or less it scatters than others, u and v together, however it counted.
 std::vector<double> ViewsNoise::unlike_views(const std::array<std::vector<double>, 2>& left,
                                              const std::array<double, 2>& sigma) const {
   std::vector<ResidualGroup> groups(data_.rows_of_view.size());
   size_t at = 0;
   for (const View& view : views_) {
     ResidualGroup& group = groups[view.of];
+    const double counted = data_.spread_of_view.empty() ? 1 : data_.spread_of_view[view.of];
     for (Eigen::Index i = 0; i < view.weight.size(); ++i, ++at) {
       for (size_t c = 0; c < 2; ++c) {
-        group.values.push_back(left[c][at] / sigma[c]);
+        group.values.push_back(counted * left[c][at] / sigma[c]);
         group.freedom += std::max(0.0, 1 - view.leverage[c][i]);
       }
     }
@@ -328,7 +330,7 @@ PointsNoise ViewsNoise::estimate() const {
   const auto here = left(measured());
   PointsNoise noise{.sigma = {clipped_sigma(here[0]), clipped_sigma(here[1])}};
   noise.of_view = unlike_views(here, noise.sigma);
-  if (!displaced_) return noise;
+  if (!displaced_ && seen_ == nullptr) return noise;
   const double unit = left_of_unit();
   for (double& value : noise.sigma) value /= unit;
   return noise;

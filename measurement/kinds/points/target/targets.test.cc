@@ -155,6 +155,21 @@ TEST(Targets, ViewsThatScatterAlikeHaveOneNoise) {
   EXPECT_THAT(problem->facts().notes, testing::Not(testing::Contains(HasSubstr("unlike"))));
 }
 
+// Of five views each displaced corner has ten numbers, and fields take half of these.
+TEST(Targets, NoiseOfFewViewsIsNotUnderrated) {
+  double sum = 0;
+  constexpr int kSets = 6;
+  for (int set = 0; set < kSets; ++set) {
+    const auto problem = open_problem(made({.name = fmt::format("five-{}", set),
+                                            .views = 5,
+                                            .seed = 20 + static_cast<uint64_t>(set)}));
+    for (const Channel& channel : problem->facts().channels)
+      sum += channel.noise / kCornerNoise_px / (2 * kSets);
+  }
+  // A sigma of some 2000 numbers in all is good to 2 %.
+  EXPECT_NEAR(sum, 1, 0.05);
+}
+
 // A bend is as smooth as the image of a plane, and corners that are off by many noises are in all
 // views: neither counts as noise, however far.
 TEST(Targets, WhatATargetIsOffItsPlanIsNoNoise) {
