@@ -1,4 +1,6 @@
 // Kind `points`: image positions of known points.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -86,23 +88,74 @@ void PointsProblem::state_noise(const MeasurementSet& set) {
   const std::array<const char*, 2> names = {"u_px", "v_px"};
   const bool stated =
       data_.sigma_px > 0 || (set.noise.contains("u_px") && set.noise.contains("v_px"));
-  const std::array<double, 2> estimate =
-      stated ? std::array<double, 2>{1, 1} : estimate_points_noise(data_, gross_);
-  for (int c = 0; c < 2; ++c) {
-    const auto known = set.noise.find(names[c]);
-    Channel channel{.name = names[c], .noise = estimate[c], .estimated = !stated};
+  for (const char* name : names) {
+    const auto known = set.noise.find(name);
+    Channel channel{.name = name, .noise = 1, .estimated = !stated};
     if (known != set.noise.end()) channel.noise = known->second, channel.estimated = false;
     if (data_.sigma_px > 0) channel.noise = data_.sigma_px;
     facts_.channels.push_back(channel);
   }
   if (stated) return;
-  const auto seen = seen_by_wide_camera();
-  if (!seen) return;
-  const auto better = estimate_views_noise(data_, gross_, *seen);
-  if (better[0] * better[1] > estimate[0] * estimate[1]) return;
-  for (size_t c = 0; c < 2; ++c) {
-    if (facts_.channels[c].estimated) facts_.channels[c].noise = better[c];
+  if (data_.rig.type() == Rig::Type::unknown) {
+    take_noise_of_views();
+  } else {
+    take_noise(estimate_noise_by_directions(data_));
   }
+}
+
+void PointsProblem::take_noise(const std::array<double, 2>& sigma) {
+  for (size_t c = 0; c < 2; ++c) {
+    if (facts_.channels[c].estimated) facts_.channels[c].noise = sigma[c];
+  }
+}
+
+void PointsProblem::weigh_views(const std::vector<double>& of_view) {
+  data_.spread.resize(data_.p_W.size(), 1);
+  for (size_t row = 0; row < data_.p_W.size(); ++row) {
+    const auto view = static_cast<size_t>(data_.view_of_row[row]);
+    const double before = data_.spread_of_view.empty() ? 1 : data_.spread_of_view[view];
+    data_.spread[row] *= of_view[view] / before;
+  }
+  data_.spread_of_view = of_view;
+}
+
+// The lesser of two estimates: of the image itself, and of what a camera leaves. Where views
+// scatter unlike each counts by its own noise, and both are had again.
+void PointsProblem::take_noise_of_views() {
+  const auto estimate = [&] {
+    PointsNoise least = estimate_views_noise(data_, gross_);
+    take_noise(least.sigma);
+    const auto seen = seen_by_wide_camera();
+    if (!seen) return least;
+    PointsNoise better = estimate_views_noise(data_, gross_, &*seen);
+    if (better.sigma[0] * better.sigma[1] > least.sigma[0] * least.sigma[1]) return least;
+    take_noise(better.sigma);
+    return better;
+  };
+  PointsNoise noise = estimate();
+  if (noise.of_view.empty() || !facts_.channels[0].estimated || !facts_.channels[1].estimated)
+    return;
+  // A view that scatters moves what is told of displaced points, and with it what others leave: the
+  // second time it no longer does.
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds && !noise.of_view.empty(); ++round) {
+    weigh_views(noise.of_view);
+    noise = estimate();
+  }
+  const std::vector<double>& of_view = data_.spread_of_view;
+  const auto [least, most] = std::minmax_element(of_view.begin(), of_view.end());
+  const auto told = [&](auto view) {
+    const std::vector<int>& rows = data_.rows_of_view[static_cast<size_t>(view - of_view.begin())];
+    const int row = rows.front();
+    const std::string& camera = data_.cameras[data_.camera_of_row[row]].name;
+    return fmt::format("{:.3g} times as much in frame {}{}", *view,
+                       data_.frames[data_.frame_of_row[row]],
+                       camera.empty() ? "" : " of " + camera);
+  };
+  facts_.notes.push_back(fmt::format(
+      "views scatter unlike, and each counts by its own noise: {}, {}, where {:.3g} and {:.3g} px "
+      "are typical",
+      told(least), told(most), noise.sigma[0], noise.sigma[1]));
 }
 
 // What the most flexible lens leaves of still views. What else the user's model may lack only

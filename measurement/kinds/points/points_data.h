@@ -24,6 +24,7 @@ struct PointsData {
   std::vector<double> u_px, v_px;  // Observed; zero in a protocol without measured columns.
   // By row: its noise over that of the channel (1 / sqrt(weight)); 0 takes no part. Empty: all 1.
   std::vector<double> spread;
+  std::vector<double> spread_of_view;  // What of it is estimated, by view. Empty: nothing.
   double sigma_px = 0;  // Of the channel where the rows state their own; 0: they do not.
   std::vector<int> frame_of_row;
   std::vector<std::string> frames;  // Their names.

@@ -6,6 +6,7 @@
 
 #include "measurement/kinds/points/board_field.h"
 #include "measurement/kinds/points/target/rough_camera.h"
+#include "measurement/noise/unlike_groups.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
@@ -13,16 +14,6 @@
 
 namespace seam::measurement {
 namespace {
-
-// Residuals of the least-squares fit of y by the columns of A, scaled by 1 / sqrt(1 - leverage) so
-// that each has the variance of the noise.
-Eigen::VectorXd studentised(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
-  const Eigen::MatrixXd Q = column_basis(A);
-  Eigen::VectorXd r = y - Q * (Q.transpose() * y);
-  for (Eigen::Index i = 0; i < r.size(); ++i)
-    r[i] /= std::sqrt(std::max(0.05, 1 - Q.row(i).squaredNorm()));
-  return r;
-}
 
 // One view's rows beside what a smooth image of the target explains of them.
 struct View {
@@ -46,7 +37,7 @@ class ViewsNoise {
  public:
   ViewsNoise(const PointsData& data, const std::vector<char>& gross,
              const SeenByCamera* seen = nullptr);
-  std::array<double, 2> sigma() const;
+  PointsNoise estimate() const;
 
  private:
   using Observed = std::array<Eigen::VectorXd, 2>;  // Of one view, over the rows' spreads.
@@ -61,6 +52,9 @@ class ViewsNoise {
   std::vector<Observed> image_of(const Eigen::Matrix3Xd& shift) const;
   void take_displacements(std::vector<Observed>& all) const;
   std::array<std::vector<double>, 2> left(std::vector<Observed> all) const;
+  double left_of_unit() const;
+  std::vector<double> unlike_views(const std::array<std::vector<double>, 2>& left,
+                                   const std::array<double, 2>& sigma) const;
   std::vector<Observed> measured() const;
   std::vector<Observed> drawn(uint64_t probe) const;
   Eigen::Index point_of(const View& view, Eigen::Index i) const {
@@ -301,57 +295,45 @@ std::array<std::vector<double>, 2> ViewsNoise::left(std::vector<Observed> all) c
   return left;
 }
 
-std::array<double, 2> ViewsNoise::sigma() const {
-  const auto here = left(measured());
-  std::array<double, 2> sigma{clipped_sigma(here[0]), clipped_sigma(here[1])};
-  if (!displaced_) return sigma;
-  // Fields and displacements share some of what they take; noise of unit size says how much.
-  constexpr double kEnough = 3e4;
-  double count = 0, sum2 = 0;
-  for (uint64_t probe = 0; count < kEnough; ++probe) {
-    for (const std::vector<double>& channel : left(drawn(probe))) {
-      for (const double x : channel) ++count, sum2 += x * x;
-    }
+// What noise of unit size leaves, since fields, what all views share and displacements take some of
+// the same. Told as the noise is: what few views leave of displaced points differs from row to row,
+// and the far ones of such a mixture count in none of both.
+double ViewsNoise::left_of_unit() const {
+  constexpr size_t kEnough = 30000;
+  std::vector<double> all;
+  for (uint64_t probe = 0; all.size() < kEnough; ++probe) {
+    for (const std::vector<double>& channel : left(drawn(probe)))
+      all.insert(all.end(), channel.begin(), channel.end());
   }
-  for (double& value : sigma) value /= std::sqrt(sum2 / count);
-  return sigma;
+  return clipped_sigma(all);
 }
 
-// Directions of the points in the frame of a camera that hangs on the logged joints, and whatever
-// else may move the image: the joints' angles and rates, and time. As flexible as half of the
-// points allow.
-std::array<double, 2> noise_by_directions(const PointsData& data) {
-  const Model none =
-      Model::from_config(ConfigNode::from_text("format: seam-model/1\neffects: {}\n", "none"));
-  const Rig::Motion motion = data.rig.motion(none);
-  std::vector<std::vector<double>> direction(2);
-  std::vector<std::vector<double>> state;
-  for (size_t i = 0; i < data.p_W.size(); ++i) {
-    const Vec3 p_C = motion.X_WC(data.stamp_s[i]).inverse() * data.p_W[i];
-    const double depth = std::max(p_C.z, 0.05 * glm::length(p_C));
-    direction[0].push_back(p_C.x / depth);
-    direction[1].push_back(p_C.y / depth);
+// By view: how much more or less it scatters than others, u and v together, however it counted.
+std::vector<double> ViewsNoise::unlike_views(const std::array<std::vector<double>, 2>& left,
+                                             const std::array<double, 2>& sigma) const {
+  std::vector<ResidualGroup> groups(data_.rows_of_view.size());
+  size_t at = 0;
+  for (const View& view : views_) {
+    ResidualGroup& group = groups[view.of];
+    const double counted = data_.spread_of_view.empty() ? 1 : data_.spread_of_view[view.of];
+    for (Eigen::Index i = 0; i < view.weight.size(); ++i, ++at) {
+      for (size_t c = 0; c < 2; ++c) {
+        group.values.push_back(counted * left[c][at] / sigma[c]);
+        group.freedom += std::max(0.0, 1 - view.leverage[c][i]);
+      }
+    }
   }
-  for (size_t j = 0; j < data.rig.joint_names().size(); ++j) {
-    const auto& log = data.rig.logged(j);
-    std::vector<double> angle, rate;
-    for (const double t : data.stamp_s) angle.push_back(log.value(t)), rate.push_back(log.rate(t));
-    state.insert(state.end(), {angle, rate});
-  }
-  state.push_back(data.stamp_s);
-  std::erase_if(state, is_constant);
-  for (auto* variables : {&direction, &state}) {
-    for (auto& x : *variables) x = standardised(x);
-  }
-  const Eigen::MatrixXd A = smooth_columns(direction, state);
-  std::array<double, 2> sigma{1, 1};
-  for (int c = 0; c < 2; ++c) {
-    const Eigen::VectorXd y =
-        Eigen::Map<const Eigen::VectorXd>((c ? data.v_px : data.u_px).data(), A.rows());
-    const Eigen::VectorXd r = studentised(A, y);
-    sigma[c] = robust_sigma({r.begin(), r.end()});
-  }
-  return sigma;
+  return spreads_of_groups(groups);
+}
+
+PointsNoise ViewsNoise::estimate() const {
+  const auto here = left(measured());
+  PointsNoise noise{.sigma = {clipped_sigma(here[0]), clipped_sigma(here[1])}};
+  noise.of_view = unlike_views(here, noise.sigma);
+  if (!displaced_ && seen_ == nullptr) return noise;
+  const double unit = left_of_unit();
+  for (double& value : noise.sigma) value /= unit;
+  return noise;
 }
 
 }  // namespace
@@ -367,15 +349,9 @@ std::optional<RoughCamera> camera_of_views(const PointsData& data,
   return rough_camera(seen, data.camera.width_px, data.camera.height_px);
 }
 
-std::array<double, 2> estimate_points_noise(const PointsData& data,
-                                            const std::vector<char>& gross) {
-  return data.rig.type() == Rig::Type::unknown ? ViewsNoise(data, gross).sigma()
-                                               : noise_by_directions(data);
-}
-
-std::array<double, 2> estimate_views_noise(const PointsData& data, const std::vector<char>& gross,
-                                           const SeenByCamera& seen) {
-  return ViewsNoise(data, gross, &seen).sigma();
+PointsNoise estimate_views_noise(const PointsData& data, const std::vector<char>& gross,
+                                 const SeenByCamera* seen) {
+  return ViewsNoise(data, gross, seen).estimate();
 }
 
 }  // namespace seam::measurement

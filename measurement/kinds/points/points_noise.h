@@ -16,19 +16,25 @@ struct SeenByCamera {
   std::vector<double> residual_px;  // By scalar.
 };
 
-// One sigma of u and v, without a model of the camera: what a flexible smooth field over the
-// points' own coordinates (each frame by itself where poses are unknown) leaves. Scalars marked as
-// gross take no part.
-std::array<double, 2> estimate_points_noise(const PointsData& data,
-                                            const std::vector<char>& gross = {});
+struct PointsNoise {
+  std::array<double, 2> sigma;  // Of u and of v.
+  // By view: its sigma over these. Empty where views scatter alike.
+  std::vector<double> of_view;
+};
 
 // A camera that sees these rows of each view.
 std::optional<RoughCamera> camera_of_views(const PointsData& data,
                                            const std::vector<std::vector<int>>& rows_of_view);
 
-// The same of views of a target where a camera was fitted to them. The field is then one of what
-// that leaves, which is far smoother than the image of a near board before a wide lens.
-std::array<double, 2> estimate_views_noise(const PointsData& data, const std::vector<char>& gross,
-                                           const SeenByCamera& seen);
+// Of views of a target, without a model of the camera: what a flexible smooth field over the
+// points' own coordinates leaves of each view. Scalars marked as gross take no part. Where a camera
+// was fitted to the views the field is one of what that leaves, which is far smoother than the
+// image of a near board before a wide lens.
+PointsNoise estimate_views_noise(const PointsData& data, const std::vector<char>& gross,
+                                 const SeenByCamera* seen = nullptr);
+
+// One sigma of u and of v where the camera's motion is known: what a flexible smooth field over
+// directions, joints and time leaves.
+std::array<double, 2> estimate_noise_by_directions(const PointsData& data);
 
 }  // namespace seam::measurement

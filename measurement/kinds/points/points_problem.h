@@ -50,6 +50,9 @@ class PointsProblem : public Problem {
  private:
   void join_few_views();
   void state_noise(const MeasurementSet& set);
+  void take_noise(const std::array<double, 2>& sigma);
+  void take_noise_of_views();
+  void weigh_views(const std::vector<double>& of_view);
   std::optional<SeenByCamera> seen_by_wide_camera() const;
   std::vector<int> neighbours(size_t row, size_t count) const override;
   Evaluation blank() const;

@@ -127,6 +127,49 @@ TEST(Targets, ABendIsFoundAndNotBlamedOnTheLens) {
   EXPECT_NEAR(result.best.assessment.error, 1, 0.06);
 }
 
+// One picture in four is blurred: without a noise of its own its corners looked like ones that
+// failed now and then.
+TEST(Targets, ViewsThatScatterUnlikeCountEachByItsOwnNoise) {
+  const auto blurred = [](int frame) { return frame % 4 == 1; };
+  const double more_px = 0.4, of_blurred_px = std::hypot(kCornerNoise_px, more_px);
+  const auto problem = open_problem(made(
+      {.name = "unlike", .views = 16, .spoil = [&](int frame, int& point, double& u, double& v) {
+         if (!blurred(frame)) return;
+         const auto index = static_cast<uint64_t>(2 * (frame * kPoints + point));
+         u += more_px * normal({8, 1}, index), v += more_px * normal({8, 1}, index + 1);
+       }}));
+  EXPECT_THAT(problem->facts().notes, testing::Contains(HasSubstr("views scatter unlike")));
+  const SearchResult result = searched(*problem);
+  EXPECT_TRUE(result.steps.empty()) << result.steps[0].effect;
+  EXPECT_NEAR(result.best.assessment.error, 1, 0.06);
+  const Evaluation here = problem->evaluate(result.best.assessment.model, problem->all_groups());
+  for (size_t i = 0; i < here.sigma.size(); ++i) {
+    const int frame = problem->facts().group_of_row[problem->facts().row_of[i]];
+    const double sigma = blurred(frame) ? of_blurred_px : kCornerNoise_px;
+    EXPECT_NEAR(here.sigma[i], sigma, 0.3 * sigma) << frame;
+  }
+}
+
+TEST(Targets, ViewsThatScatterAlikeHaveOneNoise) {
+  const auto problem = open_problem(made({.name = "alike", .views = 16, .scatter_m = 0.0002}));
+  EXPECT_THAT(problem->facts().notes, testing::Not(testing::Contains(HasSubstr("unlike"))));
+}
+
+// Of five views each displaced corner has ten numbers, and fields take half of these.
+TEST(Targets, NoiseOfFewViewsIsNotUnderrated) {
+  double sum = 0;
+  constexpr int kSets = 6;
+  for (int set = 0; set < kSets; ++set) {
+    const auto problem = open_problem(made({.name = fmt::format("five-{}", set),
+                                            .views = 5,
+                                            .seed = 20 + static_cast<uint64_t>(set)}));
+    for (const Channel& channel : problem->facts().channels)
+      sum += channel.noise / kCornerNoise_px / (2 * kSets);
+  }
+  // A sigma of some 2000 numbers in all is good to 2 %.
+  EXPECT_NEAR(sum, 1, 0.05);
+}
+
 // A bend is as smooth as the image of a plane, and corners that are off by many noises are in all
 // views: neither counts as noise, however far.
 TEST(Targets, WhatATargetIsOffItsPlanIsNoNoise) {
