@@ -93,6 +93,10 @@ TEST(Sensor, MeansOfFieldsBeyondTheFilesEndsAreItsEnds) {
     EXPECT_NEAR(file_moments(chain, {65535 + 12 * sigma, sigma * sigma}, 16).mean_dn, 65535, 1e-6);
     EXPECT_NEAR(file_moments(chain, {-12 * sigma, sigma * sigma}, 16).mean_dn, 0, 1e-6);
     EXPECT_NEAR(file_moments(chain, {0, sigma * sigma}, 16).mean_dn, 0.39894228 * sigma, 0.01);
+    // A response that a fit lets run away leaves no digit of its difference from the end.
+    EXPECT_EQ(file_moments(chain, {1e22, sigma * sigma}, 16).mean_dn, 65535);
+    EXPECT_EQ(file_moments(chain, {-1e22, 1e30}, 16).mean_dn, 0);
+    EXPECT_EQ(file_moments(chain, {1e22, 1e30}, 16).variance_dn2, 0);
   }
 }
 

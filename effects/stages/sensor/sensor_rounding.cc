@@ -59,10 +59,14 @@ Moments file_moments(const SensorChain& chain, Moments value, int file_bits) {
   // values that the file has: a field beyond the highest is that value, not half a step more.
   const double low = 0, high = std::min(top, chain.full_dn);
   const double a = (low - value.mean_dn) / sigma, b = (high - value.mean_dn) / sigma;
+  // All beyond an end: differences of what is far larger would leave no digit.
+  constexpr double kBeyond = 40;
+  if (a > kBeyond) return {low, 0};
+  if (b < -kBeyond) return {high, 0};
   const double phi_a = maths::exp(-0.5 * a * a) * 0.3989422804014327;
   const double phi_b = maths::exp(-0.5 * b * b) * 0.3989422804014327;
   const double below = normal_cdf(a), inside = normal_cdf(b) - below, above = 1 - normal_cdf(b);
-  const double z0 = std::max(a, -40.0), z1 = std::min(b, 40.0);
+  const double z0 = std::max(a, -kBeyond), z1 = std::min(b, kBeyond);
   const double m1 = below * z0 + (phi_a - phi_b) + above * z1;
   const double m2 = below * z0 * z0 + inside + (z0 * phi_a - z1 * phi_b) + above * z1 * z1;
   return {value.mean_dn + sigma * m1,
