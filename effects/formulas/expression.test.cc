@@ -6,7 +6,7 @@
 #include "effects/model.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
-#include "effects/stages/locomotion.h"
+#include "effects/stages/walk/locomotion.h"
 
 namespace seam::effects {
 namespace {

@@ -10,8 +10,8 @@
 #include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
-#include "effects/stages/locomotion.h"
 #include "effects/stages/sensor/sensor.h"
+#include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/random.h"
 
 namespace seam::effects {

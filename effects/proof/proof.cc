@@ -9,13 +9,13 @@
 #include "effects/stages/detector.h"
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
-#include "effects/stages/locomotion.h"
 #include "effects/stages/noise.h"
 #include "effects/stages/optics.h"
 #include "effects/stages/sensor/sensor.h"
 #include "effects/stages/servo.h"
 #include "effects/stages/target.h"
 #include "effects/stages/timing.h"
+#include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/error.h"
 
 namespace seam::effects {

@@ -6,8 +6,8 @@
 
 #include "effects/not_a_number.h"
 #include "effects/stages/joint_track.h"
-#include "effects/stages/locomotion.h"
 #include "effects/stages/servo.h"
+#include "effects/stages/walk/locomotion.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/body/joints.h"

@@ -1,4 +1,4 @@
-#include "effects/stages/locomotion.h"
+#include "effects/stages/walk/locomotion.h"
 
 namespace seam::effects {
 

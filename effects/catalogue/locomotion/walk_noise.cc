@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "effects/stages/locomotion.h"
+#include "effects/stages/walk/locomotion.h"
 
 namespace seam::effects {
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "effects/stages/locomotion.h"
 #include "effects/stages/noise.h"
 #include "effects/stages/timing.h"
+#include "effects/stages/walk/locomotion.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/odometry/tick_errors.h"
 #include "measurement/kinds/odometry/walk_run.h"

@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "effects/stages/locomotion.h"
 #include "effects/stages/timing.h"
+#include "effects/stages/walk/locomotion.h"
 #include "measurement/kinds/odometry/walk_run.h"
 
 namespace seam::measurement {

@@ -9,7 +9,7 @@
 
 #include "effects/registry.h"
 #include "effects/stages/geometry.h"
-#include "effects/stages/locomotion.h"
+#include "effects/stages/walk/locomotion.h"
 #include "measurement/kinds/outcomes/outcomes.h"
 #include "measurement/kinds/outcomes/outcomes_testing.h"
 

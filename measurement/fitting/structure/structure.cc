@@ -5,7 +5,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "measurement/fitting/strongest_wave.h"
+#include "measurement/fitting/structure/strongest_wave.h"
 #include "measurement/numerics/legendre.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"

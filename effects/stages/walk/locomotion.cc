@@ -1,11 +1,11 @@
-#include "effects/stages/locomotion.h"
+#include "effects/stages/walk/locomotion.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "effects/not_a_number.h"
-#include "effects/stages/fading_velocity.h"
+#include "effects/stages/walk/fading_velocity.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::effects {

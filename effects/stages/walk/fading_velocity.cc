@@ -1,4 +1,4 @@
-#include "effects/stages/fading_velocity.h"
+#include "effects/stages/walk/fading_velocity.h"
 
 #include <algorithm>
 #include <array>

@@ -73,8 +73,8 @@ struct WalkState {
 };
 
 // Walks for `dt_s` under a command that holds, without noise. Exact arcs where the velocity is
-// constant, quadrature where it lags (effects/stages/fading_velocity.h); with formulas, or where
-// lagging wheels slip, Runge-Kutta steps whose error is below 10 micrometres.
+// constant, quadrature where it lags (effects/stages/walk/fading_velocity.h); with formulas, or
+// where lagging wheels slip, Runge-Kutta steps whose error is below 10 micrometres.
 void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt_s,
                   WalkState& state);
 

@@ -1,4 +1,4 @@
-#include "measurement/fitting/strongest_wave.h"
+#include "measurement/fitting/structure/strongest_wave.h"
 
 #include <gtest/gtest.h>
 
