@@ -193,45 +193,65 @@ std::optional<Assessment> as_good_without(const Problem& problem, const Assessme
   return less;
 }
 
-// Values of the effect before this one that are at neutral though the data might tell them.
+// The effect's values, those that go first where several do the same at the front: those with the
+// widest bounds, which are coefficients of the highest powers, and of these the last.
+std::vector<size_t> first_to_go(const EffectDefinition& effect) {
+  std::vector<size_t> order(effect.parameters.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = order.size() - 1 - i;
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    return effect.parameters[a].max > effect.parameters[b].max;
+  });
+  return order;
+}
+
+// Values of the effect that would go after this one and are at neutral though the data might tell
+// them.
 std::vector<Unknown> left_out_before(const Problem& problem, const Assessment& here,
                                      const Unknown& unknown) {
   const EffectDefinition& effect = *here.model.find(unknown.effect)->definition;
+  const std::vector<size_t> order = first_to_go(effect);
   std::vector<Unknown> left_out;
-  for (size_t i = 0; i < unknown.parameter; ++i) {
-    const effects::Parameter& parameter = effect.parameters[i];
+  for (auto at = std::find(order.begin(), order.end(), unknown.parameter); at != order.end();
+       ++at) {
+    const effects::Parameter& parameter = effect.parameters[*at];
     if (parameter.integer || parameter.stated || parameter.on_demand ||
-        index_of(here.unknowns, {unknown.effect, i}) ||
-        !problem.not_testable(here.model, effect, i).empty())
+        index_of(here.unknowns, {unknown.effect, *at}) ||
+        !problem.not_testable(here.model, effect, *at).empty())
       continue;
-    left_out.push_back({unknown.effect, i});
+    left_out.push_back({unknown.effect, *at});
   }
   return left_out;
 }
 
-// Values of added effects of which there are several, the last first, that may go are tried
-// without: `may_go` says which and, where nothing makes up for one alone, which others are to be
-// free then.
+// Values of added effects of which there are several are tried without: with others free in their
+// place, which are to be told then, or, where this says so, without any.
 using MayGo =
     std::function<bool(const Assessment& here, const Unknown& which, std::vector<Unknown>& in)>;
 
+// The first value of the effect that may go and without which nothing is lost, gone.
+std::optional<Assessment> one_less(const Problem& problem, const Assessment& here,
+                                   const std::string& name, const MayGo& may_go) {
+  const EffectDefinition& effect = *here.model.find(name)->definition;
+  const auto of_it = [&](const Unknown& unknown) { return unknown.effect == name; };
+  if (std::count_if(here.unknowns.begin(), here.unknowns.end(), of_it) < 2) return std::nullopt;
+  for (const size_t i : first_to_go(effect)) {
+    const Unknown unknown{name, i};
+    std::vector<Unknown> in;
+    if (!index_of(here.unknowns, unknown)) continue;
+    const bool alone = may_go(here, unknown, in);
+    std::optional<Assessment> less;
+    if (!in.empty()) less = as_good_without(problem, here, unknown, in);
+    if (!less && alone) less = as_good_without(problem, here, unknown, {});
+    if (less) return less;
+  }
+  return std::nullopt;
+}
+
 Grown less_of(const Problem& problem, Grown grown, const MayGo& may_go) {
   for (const std::string& name : grown.added) {
-    const EffectDefinition& effect = *grown.assessment.model.find(name)->definition;
-    const auto of_it = [&](const Unknown& unknown) { return unknown.effect == name; };
-    if (!effect.has_neutral) continue;
-    for (size_t i = effect.parameters.size(); i-- > 0;) {
-      Assessment& here = grown.assessment;
-      const Unknown unknown{name, i};
-      std::vector<Unknown> in;
-      if (!index_of(here.unknowns, unknown) ||
-          std::count_if(here.unknowns.begin(), here.unknowns.end(), of_it) < 2 ||
-          !may_go(here, unknown, in))
-        continue;
-      auto less = as_good_without(problem, here, unknown, {});
-      if (!less && !in.empty()) less = as_good_without(problem, here, unknown, in);
-      if (less) here = *std::move(less);
-    }
+    Assessment& here = grown.assessment;
+    if (!here.model.find(name)->definition->has_neutral) continue;
+    while (auto less = one_less(problem, here, name, may_go)) here = *std::move(less);
   }
   return grown;
 }
@@ -251,13 +271,19 @@ Grown less_untold(const Problem& problem, Grown grown) {
 
 Grown less_tangled(const Problem& problem, Grown grown) {
   if (!problem.is_smooth(grown.assessment.model) || problem.screening_groups()) return grown;
-  return less_of(problem, std::move(grown),
-                 [&](const Assessment& here, const Unknown& which, std::vector<Unknown>& in) {
-                   const size_t k = *index_of(here.unknowns, which);
-                   const double worse = worse_beside_others(here.fit)[k];
-                   if (worse > kMayHangOnOthers) in = left_out_before(problem, here, which);
-                   return worse > kHangsOnOthers || !in.empty();
-                 });
+  return less_of(
+      problem, std::move(grown),
+      [&](const Assessment& here, const Unknown& which, std::vector<Unknown>& in) {
+        const std::vector<double> worse = worse_beside_others(here.fit);
+        double most =
+            0;  // Of the effect's values: where one hangs on the others, these hang on it.
+        for (size_t k = 0; k < worse.size(); ++k) {
+          if (here.unknowns[k].effect == which.effect) most = std::max(most, worse[k]);
+        }
+        in = left_out_before(problem, here, which);
+        return worse[*index_of(here.unknowns, which)] > kMayHangOnOthers &&
+               (most > kHangsOnOthers || !in.empty());
+      });
 }
 
 }  // namespace seam::measurement

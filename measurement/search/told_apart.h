@@ -36,8 +36,9 @@ std::vector<size_t> testable_parameters(const Problem& problem, const Model& mod
 Grown less_untold(const Problem& problem, Grown grown);
 
 // Of effects of which several values do the same together (a factor that both polynomials of a
-// quotient have in common) the last are at neutral, and none before them is left out in their
-// place: of equals the simplest, whose errors can be told.
+// quotient have in common) those with the widest bounds (the highest powers) and the last are at
+// neutral, and none of those that go later is left out in their place: of equals the simplest,
+// whose errors can be told.
 Grown less_tangled(const Problem& problem, Grown grown);
 
 }  // namespace seam::measurement

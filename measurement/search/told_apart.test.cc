@@ -190,11 +190,13 @@ class Quotient : public testing::Test {
   }
 
   const std::vector<double> kTruth = {0.4, 0, 0.7, 0};
-  const std::shared_ptr<const EffectDefinition> effect_ =
-      made_effect("quotient", {{.name = "a", .min = -50, .max = 50, .scale = 0.1},
-                               {.name = "b", .min = -50, .max = 50, .scale = 0.1},
-                               {.name = "c", .min = -50, .max = 50, .scale = 0.1},
-                               {.name = "d", .min = -50, .max = 50, .scale = 0.1}});
+  static std::shared_ptr<const EffectDefinition> quotient(double most_of_b) {
+    return made_effect("quotient", {{.name = "a", .min = -50, .max = 50, .scale = 0.1},
+                                    {.name = "b", .min = -50, .max = most_of_b, .scale = 0.1},
+                                    {.name = "c", .min = -50, .max = 50, .scale = 0.1},
+                                    {.name = "d", .min = -50, .max = 50, .scale = 0.1}});
+  }
+  std::shared_ptr<const EffectDefinition> effect_ = quotient(50);
   struct Smooth : MadeProblem {
     using MadeProblem::MadeProblem;
     bool is_smooth(const Model&) const override { return true; }
@@ -206,6 +208,27 @@ TEST_F(Quotient, AFactorInCommonGoes) {
   const Grown found = fitted_from({0.7, 0.12, 1.0, 0.21}, {0, 1, 2, 3});
   ASSERT_LT(found.assessment.error, 1.1);
   expect_simplest(less_tangled(problem_, found));
+}
+
+// Bounds are those of coefficients of powers: of two that do the same the higher power goes, though
+// it stands before the other.
+TEST_F(Quotient, TheWidestBoundsGoFirst) {
+  effect_ = quotient(200);
+  const Grown found = less_tangled(problem_, fitted_from({0.7, 0.12, 1.0, 0.21}, {0, 1, 2, 3}));
+  EXPECT_LT(found.assessment.error, 1.1);
+  EXPECT_EQ(found.assessment.model.find("quotient")->values()[1], 0);
+}
+
+// A form in which a higher power stands for one that was left out.
+TEST_F(Quotient, ALowerPowerComesInThePlaceOfAHigher) {
+  effect_ = quotient(200);
+  const std::vector<double> truth = {0.4, 0, 0.7, 0.05};
+  problem_.observe(made_model(effect_, truth), {7, 2});
+  const Grown found = less_tangled(problem_, fitted_from({0.4, 0.01, 0.7, 0}, {0, 1, 2}));
+  EXPECT_LT(found.assessment.error, 1.1);
+  const effects::Values values = found.assessment.model.find("quotient")->values();
+  EXPECT_EQ(values[1], 0);
+  EXPECT_NEAR(values[3], truth[3], 0.001);
 }
 
 }  // namespace
