@@ -82,6 +82,18 @@ std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, co
   return better;
 }
 
+Candidate* largest_own_part(const Grown& here, std::vector<Candidate>& candidates) {
+  Candidate* most = nullptr;
+  for (Candidate& candidate : candidates) {
+    const double error = candidate.grown.assessment.error;
+    if (!candidate.of_base || only_widens(*candidate.effect) || !(candidate.own_ll > kAnyPrice) ||
+        !(error < kPlainlyLess * here.assessment.error))
+      continue;
+    if (most == nullptr || candidate.own_ll > most->own_ll) most = &candidate;
+  }
+  return most;
+}
+
 bool clearly_needed(const Grown& grown, const std::string& name) {
   const Assessment& here = grown.assessment;
   const effects::ModelEffect* effect = here.model.find(name);

@@ -222,9 +222,10 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   // together turn its axis by ten degrees, at no cost but their own size.
   if (candidate.significant && candidate.total_gain_ll < kAnyPrice * misfit && blurs(before, after))
     candidate.significant = false;
-  candidate.of_base =
-      candidate.significant && lost_tells &&
-      !(loss_without(problem, candidate) > kOwnShareOfGain * candidate.total_gain_ll);
+  if (candidate.significant && lost_tells) {
+    candidate.own_ll = loss_without(problem, candidate);
+    candidate.of_base = !(candidate.own_ll > kOwnShareOfGain * candidate.total_gain_ll);
+  }
   candidate.significant = candidate.significant && !candidate.of_base;
   if (candidate.significant) {
     const Change change = change_by(problem, here, before, after, only_widens(*candidate.effect));

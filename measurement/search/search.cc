@@ -163,6 +163,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
       prune(grown);
       continue;
     }
+    if (!next && misses) next = largest_own_part(grown, looks.candidates);
     const double before = merit_of(problem_, grown);
     const size_t parameters_before = fitted_parameters(grown);
     const double error_before = grown.assessment.error;
