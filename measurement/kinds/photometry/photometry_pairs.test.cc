@@ -113,21 +113,6 @@ TEST(PhotometryPairs, NoSpreadCoversABentResponse) {
 
 // Rows that are off as a whole make a bend less certain, not smaller: it moves values by a third
 // of their noise.
-// The noise beside a misfit is told without it, beside an effect with what that leaves: most of the
-// gain of every effect is then the noise's, and none counted as its own.
-TEST(PhotometryPairs, AFallOfLightAndNoiseThatIsFittedAreBothFound) {
-  const std::string nominal =
-      "linear_response: {gain_dn: {value: 200, free: true}, black_dn: {value: 20, free: true}}, "
-      "read_noise: {sigma_dn: {value: 1, free: true}}";
-  const SearchResult result =
-      found("fall", nominal,
-            "vignetting: {a2: 0.2, a4: 0}, pixel_gain_spread: {sigma: 0.03}, "
-            "shot_noise: {electrons_per_dn: 4}",
-            {0, 0.1, 0.3, 0.6, 0.9, 1.1}, 8);
-  EXPECT_NE(steps_of(result).find("vignetting"), std::string::npos) << steps_of(result);
-  EXPECT_LT(result.best.assessment.error, 1.1);
-}
-
 TEST(PhotometryPairs, ABendBesideRowNoiseMatters) {
   const std::string free =
       "linear_response: {gain_dn: {value: 200, free: true}, black_dn: {value: 20, free: true}}, "
