@@ -156,7 +156,7 @@ def wheels(_, sort, number, folder):
               if draw.random() < 0.5 else "")
     write_set(folder, {"odometry.csv": rows},
               f"kind: odometry\ntitle: made\ngroup: run\n{stated}files: {{odometry: odometry.csv}}\n",
-              [f"differential_drive: {{metres_per_tick: {tick}, base_m: {base:.5f}}}"])
+              [f"differential_drive: {{metres_per_tick: {tick}, base_m: {base:.9f}}}"])
     return truth
 
 
