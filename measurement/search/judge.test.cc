@@ -393,9 +393,6 @@ TEST(Judge, OfGainsThatAreMostlyTheModelsTheLargestOwnPartCounts) {
   EXPECT_EQ(taken->effect->name, "large");
   candidates = {candidate("small", 0.9 * kAnyPrice, 0.97, false)};
   EXPECT_EQ(largest_own_part(here, candidates), nullptr);
-  candidates = {candidate("other", 4000, 0.96, false)};
-  candidates[0].of_base = false;
-  EXPECT_EQ(largest_own_part(here, candidates), nullptr);
 }
 
 }  // namespace
