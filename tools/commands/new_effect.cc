@@ -66,7 +66,7 @@ const StageTemplate kTemplates[] = {
      "  seam::effects::Detection seen;\n  effect.detector(values, seen);\n  return "
      "seen.range_m;\n",
      "{\"range_m\", 2}", "range_m", 2.01, 2.2},
-    {"locomotion", "kOdometry", "stages/locomotion.h",
+    {"locomotion", "kOdometry", "stages/walk/locomotion.h",
      "      .locomotion = [](Values p, Locomotion& walk) { walk.vx_scale += p[0]; },\n",
      "  seam::effects::Locomotion walk;\n  effect.locomotion(values, walk);\n  return "
      "walk.vx_scale;\n",
