@@ -51,7 +51,7 @@ class FrameErrors {
   size_t width_, height_, samples_;
   double row_sigma_dn_, column_sigma_dn_;
   std::vector<size_t> frames_;
-  const std::vector<char>& used_;
+  std::vector<char> used_;
   std::vector<double> sigma2_;                  // Mean variance of a sample, by frame.
   std::vector<Displacement> displacements_[2];  // By axis and frame, orthogonal in each frame.
   double common_size2_[2] = {0, 0};

@@ -9,6 +9,7 @@
 #include "effects/stages/timing.h"
 #include "measurement/imaging/lens_like.h"
 #include "measurement/numerics/parallel_for.h"
+#include "measurement/problem/fit_key.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -76,26 +77,38 @@ Evaluation FramesProblem::evaluate_with(const LightStore& store, const Model& mo
                                         const Groups& groups) const {
   const std::vector<size_t> frames = frames_of(groups);
   const effects::SensorChain chain = effects::sensor_of(model);
-  Evaluation out = predict(store, model, chain, frames);
+  Evaluation out;
+  for (auto* v : {&out.residual, &out.sigma, &out.whitened}) v->assign(facts_.scalars(), 0);
   out.used.assign(facts_.scalars(), 0);
-  out.whitened.assign(facts_.scalars(), 0);
   out.log_det.assign(facts_.groups.size(), 0);
+  out.valid = predict(store, model, chain, frames, [&](size_t k) {
+    const size_t first = frames[k] * samples_;
+    return Prediction{.residual = &out.residual[first], .variance = &out.sigma[first]};
+  });
   if (out.valid) whiten(chain, frames, out);
   return out;
 }
 
-// Residuals, and as `sigma` the variances of the sensor alone.
-Evaluation FramesProblem::predict(const LightStore& store, const Model& model,
-                                  const effects::SensorChain& chain,
-                                  const std::vector<size_t>& frames) const {
-  Evaluation out;
-  for (auto* v : {&out.residual, &out.sigma}) v->assign(facts_.scalars(), 0);
+// Searches ask for the same again: what each of many effects would add to is one model.
+Score FramesProblem::score(const Model& model, const Groups& groups) const {
+  const std::string key = fmt::format("{};{}", times_marked(), fit_key(model, {}, groups));
+  {
+    const std::scoped_lock lock(scores_mutex_);
+    if (const auto known = scores_.find(key); known != scores_.end()) return known->second;
+  }
+  const Score score = Problem::score(model, groups);
+  const std::scoped_lock lock(scores_mutex_);
+  return scores_.try_emplace(key, score).first->second;
+}
+
+bool FramesProblem::predict(const LightStore& store, const Model& model,
+                            const effects::SensorChain& chain, const std::vector<size_t>& frames,
+                            const std::function<Prediction(size_t k)>& place) const {
   std::vector<LightImage> light;
   try {
     light = store.light(model, frames);
   } catch (const InputError&) {
-    out.valid = false;  // No image: the lens cannot be inverted over it.
-    return out;
+    return false;  // No image: the lens cannot be inverted over it.
   }
   float low = std::numeric_limits<float>::max(), high = 0;
   for (const LightImage& image : light) {
@@ -122,26 +135,26 @@ Evaluation FramesProblem::predict(const LightStore& store, const Model& model,
     const std::vector<ResponseTable> own =
         common.empty() ? tables_at(exposure) : std::vector<ResponseTable>();
     predict_frame(chain, common.empty() ? own : common, effects::signal_dn(chain, 1, exposure),
-                  frames[k], *light[k], out);
+                  frames[k], *light[k], place(k));
   });
-  return out;
+  return true;
 }
 
 void FramesProblem::predict_frame(const effects::SensorChain& chain,
                                   const std::vector<ResponseTable>& tables, double scale,
                                   size_t frame, const std::vector<float>& light,
-                                  Evaluation& out) const {
-  const size_t first = frame * samples_;
+                                  const Prediction& out) const {
   const double offset2 =
       chain.pixel_offset_sigma_dn * chain.pixel_offset_sigma_dn +
       chain.hot_fraction * (1 - chain.hot_fraction) * chain.hot_level_dn * chain.hot_level_dn;
   const double hot_mean = chain.hot_fraction * chain.hot_level_dn;
   for (size_t i = 0; i < samples_; ++i) {
     const Response response = tables[i % 3].at(scale * light[i]);
+    out.residual[i] = images_[frame][i] - response.mean - hot_mean;
+    if (!out.variance) continue;
     const double gain = chain.pixel_gain_sigma * response.gain_slope;
     const double slope2 = response.offset_slope * response.offset_slope;
-    out.residual[first + i] = images_[frame][i] - response.mean - hot_mean;
-    out.sigma[first + i] = response.variance + gain * gain + offset2 * slope2;
+    out.variance[i] = response.variance + gain * gain + offset2 * slope2;
   }
 }
 
@@ -182,11 +195,12 @@ void FramesProblem::whiten(const effects::SensorChain& chain, const std::vector<
     }
     log_det_of[k] = log_det + std::log(product);
   });
-  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), chain, frames,
-                           std::move(slopes), out);
-  errors.whiten(out.whitened);
+  auto errors = std::make_shared<const FrameErrors>(protocol_.width_px(), protocol_.height_px(),
+                                                    chain, frames, std::move(slopes), out);
+  errors->whiten(out.whitened);
   for (size_t k = 0; k < frames.size(); ++k)
-    out.log_det[facts_.group_of_row[frames[k]]] += log_det_of[k] + errors.log_det(k);
+    out.log_det[facts_.group_of_row[frames[k]]] += log_det_of[k] + errors->log_det(k);
+  out.reusable = std::move(errors);
 }
 
 // Differences large enough that the renderer's own sampling of edges does not show: about a third
@@ -213,21 +227,22 @@ double FramesProblem::find_step(const Model& model, const Unknown& unknown,
   one[facts_.group_of_row[frames[frames.size() / 2]]] = 1;
   const std::vector<size_t> chosen = frames_of(one);
   const Evaluation here = evaluate(model, one);
+  std::vector<double> there(samples_);
   double h = 0.02 * std::min(parameter.scale, std::max(1.0, std::abs(parameter.scale)));
   double coarse = 0;  // A step that changes much.
   for (int attempt = 0; attempt < 3; ++attempt) {
     if (value + h > parameter.max) h = -h;
     Model moved = model;
     moved.set_value(unknown.effect, unknown.parameter, value + h);
-    const Evaluation there = predict(store_, moved, effects::sensor_of(moved), chosen);
-    if (!there.valid) {
+    if (!predict_means(moved, chosen, there)) {
       h *= 0.1;
       continue;
     }
     double square = 0, count = 0;
-    for (size_t i = 0; i < here.used.size(); ++i) {
-      if (!here.used[i]) continue;
-      const double d = (there.residual[i] - here.residual[i]) / here.sigma[i];
+    for (size_t i = 0; i < samples_; ++i) {
+      const size_t at = chosen.front() * samples_ + i;
+      if (!here.used[at]) continue;
+      const double d = (there[i] - here.residual[at]) / here.sigma[at];
       square += d * d, count += 1;
     }
     const double rms = std::sqrt(square / std::max(count, 1.0));
@@ -254,37 +269,43 @@ std::vector<std::vector<double>> FramesProblem::jacobian(const Model& model,
                                                          const Groups& groups,
                                                          const Evaluation& here) const {
   std::vector<std::vector<double>> columns;
+  if (!here.valid) return {unknowns.size(), std::vector<double>(facts_.scalars(), 0)};
   const bool far = mean_square(here) > 2;
   const std::vector<size_t> frames = frames_of(groups);
-  const FrameErrors errors(protocol_.width_px(), protocol_.height_px(), effects::sensor_of(model),
-                           frames, slopes_of(frames, here), here);
+  const FrameErrors& errors = *static_cast<const FrameErrors*>(here.reusable.get());
+  std::vector<double> plus(frames.size() * samples_), minus(plus.size());
   for (const Unknown& unknown : unknowns) {
     const auto& parameter = model.find(unknown.effect)->definition->parameters[unknown.parameter];
     const double value = model.find(unknown.effect)->parameters[unknown.parameter].value;
     double h = step_of(model, unknown, groups);
     if (value + h > parameter.max || value + h < parameter.min) h = -h;
-    std::vector<double> column(facts_.scalars(), 0);
+    std::vector<double>& column = columns.emplace_back(facts_.scalars(), 0);
     Model moved = model;
     moved.set_value(unknown.effect, unknown.parameter, value + h);
-    const Evaluation plus = predict(store_, moved, effects::sensor_of(moved), frames);
+    if (!predict_means(moved, frames, plus)) continue;
     // Far from the truth one side will do.
     const bool both = !far && value - h >= parameter.min && value - h <= parameter.max;
-    Evaluation minus;
-    if (both) {
-      moved.set_value(unknown.effect, unknown.parameter, value - h);
-      minus = predict(store_, moved, effects::sensor_of(moved), frames);
-    }
-    const bool central = both && minus.valid;
-    for (size_t i = 0; i < column.size() && plus.valid; ++i) {
-      if (!here.used[i]) continue;
-      const double rise = central ? (plus.residual[i] - minus.residual[i]) / 2
-                                  : plus.residual[i] - here.residual[i];
-      column[i] = rise / h / here.sigma[i];
+    moved.set_value(unknown.effect, unknown.parameter, value - h);
+    const bool central = both && predict_means(moved, frames, minus);
+    for (size_t k = 0; k < frames.size(); ++k) {
+      for (size_t i = 0; i < samples_; ++i) {
+        const size_t at = frames[k] * samples_ + i, near = k * samples_ + i;
+        if (!here.used[at]) continue;
+        const double rise =
+            central ? (plus[near] - minus[near]) / 2 : plus[near] - here.residual[at];
+        column[at] = rise / h / here.sigma[at];
+      }
     }
     errors.whiten(column);
-    columns.push_back(std::move(column));
   }
   return columns;
+}
+
+// Residuals of these frames, one after another; false: no image.
+bool FramesProblem::predict_means(const Model& model, const std::vector<size_t>& frames,
+                                  std::vector<double>& residual) const {
+  return predict(store_, model, effects::sensor_of(model), frames,
+                 [&](size_t k) { return Prediction{.residual = &residual[k * samples_]}; });
 }
 
 // Groups of `count` training frames, evenly spread.

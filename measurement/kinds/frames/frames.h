@@ -1,6 +1,7 @@
 // Kind `frames` as the engine sees it: residuals are the samples of whole images.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <mutex>
 
@@ -24,6 +25,7 @@ class FramesProblem : public Problem {
                                             const std::vector<Unknown>& unknowns,
                                             const Groups& groups,
                                             const Evaluation& here) const override;
+  Score score(const Model& model, const Groups& groups) const override;
   // Gauss-Newton with few renderings: linear steps as long as they promise anything
   // (frames_fit.cc).
   Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
@@ -44,8 +46,17 @@ class FramesProblem : public Problem {
  private:
   LightStore light_store(Detail detail) const;
   Evaluation evaluate_with(const LightStore& store, const Model& model, const Groups& groups) const;
-  Evaluation predict(const LightStore& store, const Model& model, const effects::SensorChain& chain,
-                     const std::vector<size_t>& frames) const;
+  // Of one frame, by sample: residuals, and the variances of the sensor alone (null: not wanted).
+  struct Prediction {
+    double* residual = nullptr;
+    double* variance = nullptr;
+  };
+  // The k-th of these frames goes to its place; false: the model gives no image.
+  bool predict(const LightStore& store, const Model& model, const effects::SensorChain& chain,
+               const std::vector<size_t>& frames,
+               const std::function<Prediction(size_t k)>& place) const;
+  bool predict_means(const Model& model, const std::vector<size_t>& frames,
+                     std::vector<double>& residual) const;
   // Of flickering lamps: the strongest wave in what this model leaves of the rows
   // (frames_flicker.cc).
   std::vector<double> flicker_start(const Model& model) const;
@@ -60,7 +71,7 @@ class FramesProblem : public Problem {
   // `tables` by colour; `scale` is the signal (DN) of light 1.
   void predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables,
                      double scale, size_t frame, const std::vector<float>& light,
-                     Evaluation& out) const;
+                     const Prediction& out) const;
   std::vector<ImageSlope> slopes_of(const std::vector<size_t>& frames,
                                     const Evaluation& here) const;
   void whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames,
@@ -79,6 +90,8 @@ class FramesProblem : public Problem {
   mutable std::map<std::string, double> steps_;  // Of differences, by parameter.
   mutable std::mutex fits_mutex_;
   mutable std::map<std::string, Fit> fits_;
+  mutable std::mutex scores_mutex_;
+  mutable std::map<std::string, Score> scores_;
 };
 
 // `seam measure` for this kind (frames_measure.cc).

@@ -72,7 +72,8 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
   // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried,
   // unless so little is left of the misfit that no large one can be missing.
   const Groups few = some_training_frames(2);
-  if (mean_square(evaluate(model, few)) < kLittleLeft) return {start};
+  const Score before = score(model, few);
+  if (before.valid && before.chi2 < kLittleLeft * static_cast<double>(before.n)) return {start};
   std::vector<double> best = start;
   double best_value = likelihood(model, effect, start, few) + 10;
   for (size_t i = 0; i < start.size(); ++i) {
