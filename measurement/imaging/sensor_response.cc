@@ -174,22 +174,4 @@ ResponseTable::ResponseTable(const SensorChain& chain, const SensorExposure& exp
   }
 }
 
-Response ResponseTable::at(double signal) const {
-  if (entries_.size() == 1) return entries_[0];
-  const double place = std::clamp((signal - low_) / width_, 0.0, entries_.size() - 1.0 - 1e-9);
-  const auto i = static_cast<size_t>(place);
-  const double w = place - static_cast<double>(i);
-  return between(entries_[i], entries_[i + 1], w);
-}
-
-Response between(const Response& a, const Response& b, double at) {
-  const auto mix = [at](double x, double y) { return x + at * (y - x); };
-  return {mix(a.mean, b.mean),
-          mix(a.variance, b.variance),
-          mix(a.offset_slope, b.offset_slope),
-          mix(a.gain_slope, b.gain_slope),
-          mix(a.hot_mean, b.hot_mean),
-          mix(a.weak_mean, b.weak_mean)};
-}
-
 }  // namespace seam::measurement

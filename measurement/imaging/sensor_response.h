@@ -2,6 +2,7 @@
 // patterns, tabulated over the signals of an image.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <mutex>
@@ -21,7 +22,15 @@ struct Response {
 };
 
 // From `a` (at 0) to `b` (at 1).
-Response between(const Response& a, const Response& b, double at);
+inline Response between(const Response& a, const Response& b, double at) {
+  const auto mix = [at](double x, double y) { return x + at * (y - x); };
+  return {mix(a.mean, b.mean),
+          mix(a.variance, b.variance),
+          mix(a.offset_slope, b.offset_slope),
+          mix(a.gain_slope, b.gain_slope),
+          mix(a.hot_mean, b.hot_mean),
+          mix(a.weak_mean, b.weak_mean)};
+}
 
 // What a set says of the noise of its values, whatever the model is.
 struct SetNoise {
@@ -68,7 +77,14 @@ class ResponseTable {
   static size_t size_for(const effects::SensorChain& chain, const effects::SensorExposure& exposure,
                          int colour, double low, double high);
 
-  Response at(double signal) const;
+  // Here, since every sample of every image asks, and few ask for all of it.
+  Response at(double signal) const {
+    if (entries_.size() == 1) return entries_[0];
+    const double last = static_cast<double>(entries_.size() - 1);
+    const double place = std::clamp((signal - low_) / width_, 0.0, last - 1e-9);
+    const auto i = static_cast<size_t>(place);
+    return between(entries_[i], entries_[i + 1], place - static_cast<double>(i));
+  }
 
  private:
   double low_ = 0, width_ = 1;

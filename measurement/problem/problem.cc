@@ -126,11 +126,17 @@ void add_blocks(const Problem& problem, const Evaluation& evaluation, int only, 
 std::vector<double> likelihoods_by_group(const Facts& facts, const Evaluation& evaluation) {
   std::vector<double> by_group(facts.groups.size(), 0);
   const double constant = log_two_pi();
+  // A group's scalars mostly follow each other: its sum stays at hand until another's turn.
+  size_t group = 0;
+  double sum = 0;
   for (size_t i = 0; i < facts.scalars(); ++i) {
     if (!evaluation.used[i]) continue;
+    if (const size_t own = facts.group_of(i); own != group)
+      by_group[group] = sum, group = own, sum = by_group[own];
     const double z2 = evaluation.whitened[i] * evaluation.whitened[i];
-    by_group[facts.group_of(i)] -= 0.5 * (z2 + constant);
+    sum -= 0.5 * (z2 + constant);
   }
+  if (!by_group.empty()) by_group[group] = sum;
   for (size_t group = 0; group < by_group.size(); ++group)
     by_group[group] -= 0.5 * evaluation.log_det[group];
   return by_group;

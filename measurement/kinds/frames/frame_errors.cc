@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace seam::measurement {
@@ -69,31 +68,21 @@ std::vector<float> steepest_nearby(const ImageSlope& slope, int width_px, int he
   return square;
 }
 
-double mean_square(const Evaluation& evaluation) {
-  double sum = 0, count = 0;
-  for (size_t i = 0; i < evaluation.used.size(); ++i) {
-    if (evaluation.used[i]) sum += evaluation.whitened[i] * evaluation.whitened[i], count += 1;
-  }
-  return evaluation.valid && count > 0 ? sum / count : std::numeric_limits<double>::infinity();
-}
-
 FrameErrors::FrameErrors(int width_px, int height_px, const effects::SensorChain& chain,
-                         std::vector<size_t> frames, std::vector<ImageSlope> slopes,
-                         const Evaluation& here)
+                         std::vector<ImageSlope> slopes, std::vector<char> used,
+                         const std::vector<double>& sigma)
     : width_(static_cast<size_t>(width_px)),
       height_(static_cast<size_t>(height_px)),
       samples_(width_ * height_ * 3),
       row_sigma_dn_(chain.row_sigma_dn),
       column_sigma_dn_(chain.column_sigma_dn),
-      frames_(std::move(frames)),
-      used_(here.used),
-      sigma2_(frames_.size(), 0),
-      log_det_(frames_.size(), 0) {
+      used_(std::move(used)),
+      sigma2_(slopes.size(), 0),
+      log_det_(slopes.size(), 0) {
   constexpr double shift2 = kRendererShiftPx * kRendererShiftPx;
-  for (size_t k = 0; k < frames_.size(); ++k) {
-    const size_t first = frames_[k] * samples_;
-    for (size_t i = 0; i < samples_; ++i)
-      sigma2_[k] += here.sigma[first + i] * here.sigma[first + i];
+  for (size_t k = 0; k < slopes.size(); ++k) {
+    const size_t first = k * samples_;
+    for (size_t i = 0; i < samples_; ++i) sigma2_[k] += sigma[first + i] * sigma[first + i];
     sigma2_[k] /= static_cast<double>(samples_);
     log_det_[k] += static_cast<double>(height_) *
                    std::log1p(ratio_of(row_sigma_dn_, k) * 3 * static_cast<double>(width_));
@@ -103,7 +92,7 @@ FrameErrors::FrameErrors(int width_px, int height_px, const effects::SensorChain
         down{.direction = std::move(slopes[k].down)};
     double both = 0;
     for (size_t i = 0; i < samples_; ++i) {
-      const auto weight = used_[first + i] ? static_cast<float>(1 / here.sigma[first + i]) : 0.0f;
+      const auto weight = used_[first + i] ? static_cast<float>(1 / sigma[first + i]) : 0.0f;
       const double x = right.direction[i] *= weight, y = down.direction[i] *= weight;
       right.size2 += x * x, both += x * y;
     }
@@ -119,7 +108,7 @@ FrameErrors::FrameErrors(int width_px, int height_px, const effects::SensorChain
       displacements_[axis].push_back(std::move(*displacement));
     }
   }
-  if (!frames_.empty()) {
+  if (!log_det_.empty()) {
     for (const double size2 : common_size2_) log_det_[0] += std::log1p(shift2 * size2);
   }
 }
@@ -145,28 +134,28 @@ void FrameErrors::share(std::vector<double>& values, size_t frame, double ratio,
 // For S = 1 + s^2 d d', S^-1/2 = 1 - (1 - 1/sqrt(1 + s^2 d'd)) d d' / d'd: first with each frame's
 // own displacement, then with the one that all share, whose direction the first step has shortened.
 void FrameErrors::whiten(std::vector<double>& values) const {
-  for (size_t k = 0; k < frames_.size(); ++k) {
-    share(values, frames_[k], ratio_of(row_sigma_dn_, k), true);
-    share(values, frames_[k], ratio_of(column_sigma_dn_, k), false);
+  for (size_t k = 0; k < log_det_.size(); ++k) {
+    share(values, k, ratio_of(row_sigma_dn_, k), true);
+    share(values, k, ratio_of(column_sigma_dn_, k), false);
   }
   for (int axis = 0; axis < 2; ++axis) {
     if (!(common_size2_[axis] > 0)) continue;
-    std::vector<double> along(frames_.size(), 0);
+    std::vector<double> along(log_det_.size(), 0);
     double common = 0;
-    for (size_t k = 0; k < frames_.size(); ++k) {
+    for (size_t k = 0; k < log_det_.size(); ++k) {
       const Displacement& displacement = displacements_[axis][k];
-      const double* value = &values[frames_[k] * samples_];
+      const double* value = &values[k * samples_];
       for (size_t i = 0; i < samples_; ++i) along[k] += displacement.direction[i] * value[i];
       common += along[k] / displacement.stretch;
     }
     const double stretch = 1 + kRendererShiftPx * kRendererShiftPx * common_size2_[axis];
     const double shared = (1 - 1 / std::sqrt(stretch)) * common / common_size2_[axis];
-    for (size_t k = 0; k < frames_.size(); ++k) {
+    for (size_t k = 0; k < log_det_.size(); ++k) {
       const Displacement& displacement = displacements_[axis][k];
       if (!(displacement.size2 > 0)) continue;
       const double shrink = 1 / std::sqrt(displacement.stretch);
       const double part = (1 - shrink) * along[k] / displacement.size2 + shared * shrink;
-      double* value = &values[frames_[k] * samples_];
+      double* value = &values[k * samples_];
       for (size_t i = 0; i < samples_; ++i) value[i] -= part * displacement.direction[i];
     }
   }

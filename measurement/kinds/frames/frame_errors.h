@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "effects/stages/sensor/sensor.h"
-#include "measurement/problem/problem.h"
-
 namespace seam::measurement {
 
 // Renderers place an edge to about a hundredth of a pixel: 5 x 5 rays a pixel and some tens of
@@ -24,17 +22,16 @@ ImageSlope image_slope(const std::vector<float>& image, int width_px, int height
 // By sample: the largest squared slope among its neighbours and itself.
 std::vector<float> steepest_nearby(const ImageSlope& slope, int width_px, int height_px);
 
-// Of whitened samples: about 1 where a model is right, infinite where it gives no image.
-double mean_square(const Evaluation& evaluation);
-
-// Whitens the samples of some frames. A sample that is left out has value 0 and stays so in effect.
+// Whitens the samples of some frames, which stand one after another. A sample that is left out has
+// value 0 and stays so in effect.
 class FrameErrors {
  public:
-  // `slopes` by frame, in DN; `here` holds used and sigma by scalar.
+  // `slopes` by frame, in DN; `used` and `sigma` by sample.
   FrameErrors(int width_px, int height_px, const effects::SensorChain& chain,
-              std::vector<size_t> frames, std::vector<ImageSlope> slopes, const Evaluation& here);
+              std::vector<ImageSlope> slopes, std::vector<char> used,
+              const std::vector<double>& sigma);
 
-  // `values` by scalar, already over their own sigma.
+  // `values` by sample, already over their own sigma.
   void whiten(std::vector<double>& values) const;
   // Logarithm of the determinant that the k-th frame adds.
   double log_det(size_t k) const { return log_det_[k]; }
@@ -50,7 +47,6 @@ class FrameErrors {
 
   size_t width_, height_, samples_;
   double row_sigma_dn_, column_sigma_dn_;
-  std::vector<size_t> frames_;
   std::vector<char> used_;
   std::vector<double> sigma2_;                  // Mean variance of a sample, by frame.
   std::vector<Displacement> displacements_[2];  // By axis and frame, orthogonal in each frame.

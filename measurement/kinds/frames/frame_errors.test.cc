@@ -64,12 +64,9 @@ TEST(ImageSlope, NearbyIsTheSteepestOfNineNeighbours) {
 
 // The quadratic form of whitened values is that of the whole covariance, built densely.
 TEST(FrameErrors, WhitenAsTheDenseCovarianceDoes) {
-  const std::vector<size_t> frames = {0, 2};
   const RandomStream stream{7, 1};
-  Evaluation here;
-  here.used.assign(3 * kSamples, 1);
-  here.sigma.assign(3 * kSamples, 1.5);
-  here.used[5] = 0;
+  std::vector<char> used(2 * kSamples, 1);
+  used[5] = 0;
   std::vector<ImageSlope> slopes(2);
   for (size_t k = 0; k < 2; ++k) {
     for (size_t i = 0; i < kSamples; ++i) {
@@ -77,7 +74,8 @@ TEST(FrameErrors, WhitenAsTheDenseCovarianceDoes) {
       slopes[k].down.push_back(static_cast<float>(300 * normal(stream, 4 * i + 2 * k + 1)));
     }
   }
-  const FrameErrors errors(kWidth, kHeight, {}, frames, slopes, here);
+  const FrameErrors errors(kWidth, kHeight, {}, slopes, used,
+                           std::vector<double>(2 * kSamples, 1.5));
 
   const auto n = static_cast<Eigen::Index>(2 * kSamples);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(n, n);
@@ -86,7 +84,7 @@ TEST(FrameErrors, WhitenAsTheDenseCovarianceDoes) {
     Eigen::VectorXd right = Eigen::VectorXd::Zero(n), down = right;
     for (size_t i = 0; i < kSamples; ++i) {
       const auto at = static_cast<Eigen::Index>(k * kSamples + i);
-      const double weight = here.used[frames[k] * kSamples + i] / 1.5;
+      const double weight = used[k * kSamples + i] / 1.5;
       right[at] = slopes[k].right[i] * weight, down[at] = slopes[k].down[i] * weight;
     }
     down -= right * (right.dot(down) / right.squaredNorm());
@@ -97,13 +95,12 @@ TEST(FrameErrors, WhitenAsTheDenseCovarianceDoes) {
   for (const auto& d : common)
     covariance += kRendererShiftPx * kRendererShiftPx * d * d.transpose();
 
-  std::vector<double> values(3 * kSamples, 0);
+  std::vector<double> values(2 * kSamples, 0);
   Eigen::VectorXd dense(n);
   for (size_t k = 0; k < 2; ++k) {
     for (size_t i = 0; i < kSamples; ++i) {
-      const size_t at = frames[k] * kSamples + i;
-      values[at] =
-          here.used[at] ? normal(stream, 100'000 + at) + 0.1 * slopes[k].right[i] / 1.5 : 0;
+      const size_t at = k * kSamples + i;
+      values[at] = used[at] ? normal(stream, 100'000 + at) + 0.1 * slopes[k].right[i] / 1.5 : 0;
       dense[static_cast<Eigen::Index>(k * kSamples + i)] = values[at];
     }
   }

@@ -1,7 +1,6 @@
 // Kind `frames` as the engine sees it: residuals are the samples of whole images.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <mutex>
 
@@ -12,6 +11,17 @@
 #include "sim_core/base/image.h"
 
 namespace seam::measurement {
+
+// What a model leaves of some frames, which stand one after another.
+struct FrameResiduals {
+  std::vector<size_t> frames;
+  std::vector<double> residual, sigma, whitened;  // By sample, as an Evaluation has them.
+  std::vector<char> used;
+  std::vector<double> log_det;                // By frame.
+  std::shared_ptr<const FrameErrors> errors;  // None: the model gives no image.
+};
+// Of the whitened samples: about 1 where a model is right, infinite where it gives no image.
+double mean_square(const FrameResiduals& residuals);
 
 // Fixed patterns count as spread of each frame (a frame is a group of its own); what rows and
 // columns share is whitened within a frame.
@@ -26,6 +36,13 @@ class FramesProblem : public Problem {
                                             const Groups& groups,
                                             const Evaluation& here) const override;
   Score score(const Model& model, const Groups& groups) const override;
+  // The same of some frames alone: what Evaluation and jacobian hold, and log_likelihood_of.
+  std::vector<size_t> frames_of(const Groups& groups) const;
+  FrameResiduals residuals_of(const Model& model, std::vector<size_t> frames) const;
+  std::vector<std::vector<double>> slopes_of(const Model& model,
+                                             const std::vector<Unknown>& unknowns,
+                                             const FrameResiduals& here) const;
+  double log_likelihood(const FrameResiduals& residuals) const;  // -inf without an image.
   // Gauss-Newton with few renderings: linear steps as long as they promise anything
   // (frames_fit.cc).
   Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
@@ -45,41 +62,34 @@ class FramesProblem : public Problem {
 
  private:
   LightStore light_store(Detail detail) const;
-  Evaluation evaluate_with(const LightStore& store, const Model& model, const Groups& groups) const;
-  // Of one frame, by sample: residuals, and the variances of the sensor alone (null: not wanted).
-  struct Prediction {
-    double* residual = nullptr;
-    double* variance = nullptr;
-  };
-  // The k-th of these frames goes to its place; false: the model gives no image.
+  FrameResiduals residuals_with(const LightStore& store, const Model& model,
+                                std::vector<size_t> frames) const;
+  // Residuals of these frames and, if wanted, the variances of the sensor alone; false: no image.
   bool predict(const LightStore& store, const Model& model, const effects::SensorChain& chain,
-               const std::vector<size_t>& frames,
-               const std::function<Prediction(size_t k)>& place) const;
-  bool predict_means(const Model& model, const std::vector<size_t>& frames,
-                     std::vector<double>& residual) const;
+               const std::vector<size_t>& frames, std::vector<double>& residual,
+               std::vector<double>* variance) const;
   // Of flickering lamps: the strongest wave in what this model leaves of the rows
   // (frames_flicker.cc).
   std::vector<double> flicker_start(const Model& model) const;
   // Of the model with the effect at these values, by rough images; minus infinity where it predicts
   // no image.
   double likelihood(const Model& model, const EffectDefinition& effect,
-                    const std::vector<double>& values, const Groups& groups) const;
+                    const std::vector<double>& values, const std::vector<size_t>& frames) const;
   std::vector<std::vector<double>> ceiling_start(const Model& model,
                                                  const EffectDefinition& effect) const;
-  std::vector<size_t> frames_of(const Groups& groups) const;
   Groups some_training_frames(size_t count) const;
-  // `tables` by colour; `scale` is the signal (DN) of light 1.
+  // `tables` by colour; `scale` is the signal (DN) of light 1. From the frame's first sample on.
   void predict_frame(const effects::SensorChain& chain, const std::vector<ResponseTable>& tables,
-                     double scale, size_t frame, const std::vector<float>& light,
-                     const Prediction& out) const;
-  std::vector<ImageSlope> slopes_of(const std::vector<size_t>& frames,
-                                    const Evaluation& here) const;
-  void whiten(const effects::SensorChain& chain, const std::vector<size_t>& frames,
-              Evaluation& out) const;
+                     double scale, size_t frame, const std::vector<float>& light, double* residual,
+                     double* variance) const;
+  std::vector<ImageSlope> image_slopes_of(const FrameResiduals& here) const;
+  void whiten(const effects::SensorChain& chain, FrameResiduals& out) const;
   Fit fit_anew(const Model& start, const std::vector<Unknown>& unknowns,
                const Groups& groups) const;
-  double find_step(const Model& model, const Unknown& unknown, const Groups& groups) const;
-  double step_of(const Model& model, const Unknown& unknown, const Groups& groups) const;
+  // `frame`: on which it is found.
+  double find_step(const Model& model, const Unknown& unknown, size_t frame) const;
+  double step_of(const Model& model, const Unknown& unknown,
+                 const std::vector<size_t>& frames) const;
 
   CsvTable table_;
   FrameProtocol protocol_;

@@ -20,32 +20,32 @@ using Eigen::VectorXd;
 class FrameFit {
  public:
   FrameFit(const FramesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns,
-           const Groups& groups)
+           std::vector<size_t> frames)
       : problem_(problem),
-        groups_(groups),
+        frames_(std::move(frames)),
         space_(start, unknowns),
         model_(start),
-        here_(problem.evaluate(start, groups)) {
-    likelihood_ = likelihood(here_);
+        here_(problem.residuals_of(start, frames_)) {
+    likelihood_ = problem.log_likelihood(here_);
     for (size_t i = 0; i < unknowns.size(); ++i) (space_[i].spread ? spread_ : mean_).push_back(i);
   }
 
   // By more than the noise again.
-  bool is_far() const { return here_.valid && mean_square(here_) > 2; }
+  bool is_far() const { return here_.errors && mean_square(here_) > 2; }
 
   // Steps alone, as far as they lead: where the fit to all frames may begin.
   Model end_of_steps() {
-    for (int round = 0; round < 8 && here_.valid && step();) ++round;
+    for (int round = 0; round < 8 && here_.errors && step();) ++round;
     return model_;
   }
 
   Fit run() {
     bool converged = mean_.empty();
-    for (int round = 0; round < 8 && !converged && here_.valid; ++round) {
+    for (int round = 0; round < 8 && !converged && here_.errors; ++round) {
       if (round == 1) fit_spread();
       converged = !step();
     }
-    if (here_.valid) fit_spread();
+    if (here_.errors) fit_spread();
     const VectorXd place = space_.place(model_);
     Fit fit = space_.fit_at(model_, place, likelihood_, converged);
     if (information_.size() > 0) space_.state(covariance_of(information_, 1e-10), 1, place, fit);
@@ -60,9 +60,8 @@ class FrameFit {
   }
 
  private:
-  double likelihood(const Evaluation& evaluation) const {
-    return evaluation.valid ? log_likelihood_of(problem_, evaluation)
-                            : -std::numeric_limits<double>::infinity();
+  double likelihood(const Model& model, const std::vector<size_t>& frames) const {
+    return problem_.log_likelihood(problem_.residuals_of(model, frames));
   }
 
   // Half of what chi-square is above the number of values.
@@ -77,7 +76,7 @@ class FrameFit {
   Parabola look() {
     std::vector<Unknown> chosen;
     for (const size_t i : mean_) chosen.push_back(space_[i].unknown);
-    const auto columns = problem_.jacobian(model_, chosen, groups_, here_);
+    const auto columns = problem_.slopes_of(model_, chosen, here_);
     const Eigen::Map<const VectorXd> z(here_.whitened.data(),
                                        static_cast<Eigen::Index>(here_.whitened.size()));
     MatrixXd jacobian = MatrixXd::Zero(z.size(), static_cast<Eigen::Index>(space_.size()));
@@ -92,8 +91,8 @@ class FrameFit {
   }
 
   bool move_to(Model candidate) {
-    Evaluation there = problem_.evaluate(candidate, groups_);
-    const double value = likelihood(there);
+    FrameResiduals there = problem_.residuals_of(candidate, frames_);
+    const double value = problem_.log_likelihood(there);
     if (!(value > likelihood_)) return false;
     model_ = std::move(candidate), here_ = std::move(there), likelihood_ = value;
     return true;
@@ -114,9 +113,9 @@ class FrameFit {
     return end.reason == DescentEnd::Reason::steps_spent && end.promised >= 2;
   }
 
-  // Parameters of the spread that are sought on the likelihood of some groups, from where the model
+  // Parameters of the spread that are sought on the likelihood of some frames, from where the model
   // stands.
-  Maximum search_spread(const Groups& groups) {
+  Maximum search_spread(const std::vector<size_t>& frames) {
     std::vector<SearchParameter> parameters;
     for (const size_t i : spread_) {
       const effects::Parameter& parameter = *space_[i].parameter;
@@ -133,7 +132,7 @@ class FrameFit {
     return maximise(
         [&](const std::vector<double>& values) {
           set_spread(model, values);
-          return likelihood(problem_.evaluate(model, groups));
+          return likelihood(model, frames);
         },
         parameters);
   }
@@ -147,39 +146,35 @@ class FrameFit {
   // here once in 40).
   bool helps_on_few() {
     constexpr double kHelps = 0.05;  // Gain of log-likelihood.
-    std::vector<size_t> chosen;
-    for (size_t g = 0; g < groups_.size(); ++g) {
-      if (groups_[g]) chosen.push_back(g);
-    }
-    if (chosen.size() < 4) return true;
-    Groups few(groups_.size(), 0);
-    few[chosen[chosen.size() / 4]] = few[chosen[3 * chosen.size() / 4]] = 1;
+    const size_t count = frames_.size();
+    if (count < 4) return true;
+    const std::vector<size_t> few = {frames_[count / 4], frames_[3 * count / 4]};
     const Maximum maximum = search_spread(few);
     std::vector<double> neutral;
     for (const size_t i : spread_) neutral.push_back(space_[i].parameter->neutral);
     Model without = model_;
     set_spread(without, neutral);
     set_spread(model_, maximum.value);
-    here_ = problem_.evaluate(model_, groups_);
-    likelihood_ = likelihood(here_);
-    return maximum.log_likelihood > likelihood(problem_.evaluate(without, few)) + kHelps;
+    here_ = problem_.residuals_of(model_, frames_);
+    likelihood_ = problem_.log_likelihood(here_);
+    return maximum.log_likelihood > likelihood(without, few) + kHelps;
   }
 
   void fit_spread() {
     if (spread_.empty()) return;
     if (searched_.value.empty() && !helps_on_few()) return;
-    searched_ = search_spread(groups_);
+    searched_ = search_spread(frames_);
     if (searched_.log_likelihood < likelihood_) return;
     set_spread(model_, searched_.value);
-    here_ = problem_.evaluate(model_, groups_);
+    here_ = problem_.residuals_of(model_, frames_);
     likelihood_ = searched_.log_likelihood;
   }
 
   const FramesProblem& problem_;
-  const Groups& groups_;
+  const std::vector<size_t> frames_;
   const ParameterSpace space_;
   Model model_;
-  Evaluation here_;
+  FrameResiduals here_;
   double likelihood_ = 0;
   std::vector<size_t> mean_, spread_;
   MatrixXd information_;  // At the last look.
@@ -203,15 +198,13 @@ Fit FramesProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
 
 Fit FramesProblem::fit_anew(const Model& start, const std::vector<Unknown>& unknowns,
                             const Groups& groups) const {
-  FrameFit fit(*this, start, unknowns, groups);
   const std::vector<size_t> frames = frames_of(groups);
+  FrameFit fit(*this, start, unknowns, frames);
   if (frames.size() < 4 || !fit.is_far()) return fit.run();
   // Two frames show the way; what all say beyond is a last step or two.
-  Groups few(groups.size(), 0);
-  for (const size_t quarter : {1, 3})
-    few[facts_.group_of_row[frames[quarter * frames.size() / 4]]] = 1;
+  const std::vector<size_t> few = {frames[frames.size() / 4], frames[3 * frames.size() / 4]};
   const Model near = FrameFit(*this, start, unknowns, few).end_of_steps();
-  return FrameFit(*this, near, unknowns, groups).run();
+  return FrameFit(*this, near, unknowns, frames).run();
 }
 
 }  // namespace seam::measurement

@@ -71,8 +71,9 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
   if (rule.search == StartSearch::ceiling) return ceiling_start(model, effect);
   // Large effects lie outside the reach of linear steps: a few sizes of each parameter are tried,
   // unless so little is left of the misfit that no large one can be missing.
-  const Groups few = some_training_frames(2);
-  const Score before = score(model, few);
+  const Groups few_groups = some_training_frames(2);
+  const std::vector<size_t> few = frames_of(few_groups);
+  const Score before = score(model, few_groups);
   if (before.valid && before.chi2 < kLittleLeft * static_cast<double>(before.n)) return {start};
   std::vector<double> best = start;
   double best_value = likelihood(model, effect, start, few) + 10;
@@ -91,23 +92,22 @@ std::vector<std::vector<double>> FramesProblem::starts(const Model& model,
 }
 
 double FramesProblem::likelihood(const Model& model, const EffectDefinition& effect,
-                                 const std::vector<double>& values, const Groups& groups) const {
+                                 const std::vector<double>& values,
+                                 const std::vector<size_t>& frames) const {
   std::vector<effects::ParameterValue> given;
   for (const double value : values) given.push_back({.value = value});
   Model tried = model;
   tried.set(std::make_shared<const EffectDefinition>(effect), std::move(given));
-  const Score score = score_of(*this, evaluate_with(rough_store_, tried, groups));
-  return score.valid && std::isfinite(score.log_likelihood)
-             ? score.log_likelihood
-             : -std::numeric_limits<double>::infinity();
+  const double found = log_likelihood(residuals_with(rough_store_, tried, frames));
+  return std::isfinite(found) ? found : -std::numeric_limits<double>::infinity();
 }
 
 // A limit that the light never reaches has no slope: it is sought from the brightest sample down.
 std::vector<std::vector<double>> FramesProblem::ceiling_start(
     const Model& model, const EffectDefinition& effect) const {
-  const Groups few = some_training_frames(2);
+  const std::vector<size_t> few = frames_of(some_training_frames(2));
   double highest = 0;
-  for (const size_t frame : frames_of(few)) {
+  for (const size_t frame : few) {
     for (const uint16_t dn : images_[frame]) highest = std::max<double>(highest, dn);
   }
   std::vector<double> start = {highest};
@@ -117,8 +117,8 @@ std::vector<std::vector<double>> FramesProblem::ceiling_start(
     if (there > start_value) start_value = there, start = {share * highest};
   }
   // A limit that brings nothing anywhere is none.
-  const Score without = score_of(*this, evaluate_with(rough_store_, model, few));
-  if (start_value < without.log_likelihood + 10) return {};
+  const double without = log_likelihood(residuals_with(rough_store_, model, few));
+  if (start_value < without + 10) return {};
   return {start};
 }
 
