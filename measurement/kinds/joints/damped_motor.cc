@@ -65,12 +65,15 @@ std::optional<Model> damped(const Model& model, double share, double outside_per
   return other;
 }
 
+bool is_limited(const TorqueModel& motor) {
+  return motor.present && motor.limit_rad_per_s2 < motor.stall_rad_per_s2 * motor.max_duty;
+}
+
 }  // namespace
 
 std::optional<Model> damped_alike(const Model& model) {
   const TorqueModel motor = effects::servo_of(model).torque;
-  const bool limited = motor.limit_rad_per_s2 < motor.stall_rad_per_s2 * motor.max_duty;
-  if (!motor.present || !limited || !(motor.viscous_per_s > 0)) return std::nullopt;
+  if (!is_limited(motor) || !(motor.viscous_per_s > 0)) return std::nullopt;
   return damped(model, 1, motor.viscous_per_s, 0);
 }
 
@@ -83,6 +86,11 @@ std::vector<Model> damped_otherwise(const Model& model) {
       others.push_back(std::move(*other));
   }
   return others;
+}
+
+std::vector<Model> damped_within_limit(const Model& model) {
+  return is_limited(effects::servo_of(model).torque) ? damped_otherwise(model)
+                                                     : std::vector<Model>();
 }
 
 std::optional<Model> undamped(const Model& model, const std::vector<Unknown>& unknowns) {

@@ -15,6 +15,10 @@ namespace seam::measurement {
 // the model did. Empty where it has no motor, or no drag.
 std::vector<effects::Model> damped_otherwise(const effects::Model& model);
 
+// The same of a model whose drive a limit of torque cuts off, which then goes; empty where none
+// does.
+std::vector<effects::Model> damped_within_limit(const effects::Model& model);
+
 // Back-EMF within a limit of torque and viscous friction outside it, as the damping of a controller
 // whose duty saturates there and the motor's own back-EMF: the same motion as long as the torque is
 // on. None where the model has no such two.

@@ -45,6 +45,9 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
 // column.
 std::vector<std::string> notes_of_joint_logs(const CsvTable& table);
 
+// The encoder's step of which all measured angles are multiples; 0: of nothing coarse.
+double step_of_angles(const JointLogs& set);
+
 // Whether a fit may move the parameter from the beginning: not what is stated, nor what waits until
 // the data ask for it.
 bool is_open(const effects::ModelEffect& effect, size_t i);
