@@ -24,6 +24,11 @@ std::vector<effects::Model> damped_within_limit(const effects::Model& model);
 // on. None where the model has no such two.
 std::optional<effects::Model> damped_alike(const effects::Model& model);
 
+// A drag on both sides of one saturation as that of a stronger motor alone, whose duty and whose
+// limit of torque both cut off the drive: what lies between the two moves much alike. Empty where
+// the controller has no damping, or the model no such limit to set.
+std::vector<effects::Model> limited_otherwise(const effects::Model& model);
+
 // The same drag as back-EMF alone. None where the model's controller has no damping, or one that is
 // not to be fitted.
 std::optional<effects::Model> undamped(const effects::Model& model,

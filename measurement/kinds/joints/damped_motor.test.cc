@@ -137,5 +137,25 @@ TEST(DampedMotor, ADampedControllerIsFoundFromALimitBesideFrictionByLoad) {
   EXPECT_NEAR(fit.value[3], 0.036, 0.002);
 }
 
+// A duty that saturates and a limit of torque within it look like one saturation between the two,
+// with drag on both sides of it.
+TEST(DampedMotor, TwoSaturationsAreFoundFromOneBetweenThem) {
+  const JointsProblem problem =
+      MadeSet("motor-two-saturations", false)
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 1160, back_emf_per_s: 34, gain: "
+                            "0.3}\n  coulomb_friction: {rad_per_s2: 200}\n"
+                            "  torque_limit: {rad_per_s2: 685}\n"),
+                   3);
+  const Fit fit = fitted_to_all(
+      problem,
+      model_of("  motor_servo: {stall_rad_per_s2: {value: 809, free: true}, back_emf_per_s: "
+               "{value: 18.7, free: true}, gain: {value: 0.43, free: true}, damping_s: {value: "
+               "0.019, free: true}}\n  coulomb_friction: {rad_per_s2: {value: 200, free: true}}\n"
+               "  torque_limit: {rad_per_s2: {value: 5000, free: true}}\n"));
+  EXPECT_NEAR(fit.value[0], 1160, 10);
+  EXPECT_EQ(fit.value[3], 0);
+  EXPECT_NEAR(fit.value[5], 685, 5);
+}
+
 }  // namespace
 }  // namespace seam::measurement

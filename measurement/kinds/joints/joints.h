@@ -138,6 +138,8 @@ class JointsProblem : public Problem {
                 const Groups& groups) const;
   Fit fit_torque(const Model& start, const std::vector<Unknown>& unknowns,
                  const Groups& groups) const;
+  Fit fit_acting(const Model& start, const std::vector<Unknown>& unknowns,
+                 const Groups& groups) const;
   std::optional<Model> worth_damping(const Fit& fit, const std::vector<Unknown>& first,
                                      const std::vector<Unknown>& unknowns,
                                      const Groups& groups) const;

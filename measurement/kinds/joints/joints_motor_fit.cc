@@ -99,8 +99,10 @@ Model with_white_noise(Model model) {
 
 // The controller's damping comes for what chance gains once in a thousand sets.
 constexpr double kAskedFor = 5.4, kAtNoise = 1.03;
+// A model that misses by so much more than the noise is in no valley yet.
+constexpr double kFar = 100;
 
-// The unknowns of effects that change something.
+// The unknowns of effects that change something, less what waits until the data ask for it.
 std::vector<Unknown> acting(const Model& model, const std::vector<Unknown>& unknowns) {
   std::vector<Unknown> some;
   for (const Unknown& unknown : unknowns) {
@@ -108,7 +110,7 @@ std::vector<Unknown> acting(const Model& model, const std::vector<Unknown>& unkn
     bool idle = effect.definition->has_neutral;
     for (size_t i = 0; i < effect.parameters.size(); ++i)
       idle = idle && effect.parameters[i].value == effect.definition->parameters[i].neutral;
-    if (!idle) some.push_back(unknown);
+    if (!idle && is_open(effect, unknown.parameter)) some.push_back(unknown);
   }
   return some;
 }
@@ -185,22 +187,24 @@ std::optional<Model> JointsProblem::worth_damping(const Fit& fit, const std::vec
   return best;
 }
 
+// From this model, of what changes something in it.
+Fit JointsProblem::fit_acting(const Model& start, const std::vector<Unknown>& unknowns,
+                              const Groups& groups) const {
+  const std::vector<Unknown> some = acting(start, unknowns);
+  return with_waiting(polished(Problem::fit(start, some, groups), some, groups), some, unknowns);
+}
+
 // What the data must ask for waits until all else is fitted, and comes where it gains what chance
 // gives once in a thousand sets. Far from the noise it would only stand in for what is missing.
 Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& unknowns,
                               const Groups& groups) const {
-  constexpr double kFar = 100, kNear = 10, kMuchLess = 0.5;
-  constexpr double kSame = 1.0001;
+  constexpr double kNear = 10, kMuchLess = 0.5, kSame = 1.0001;
   std::vector<Unknown> first;
   for (const Unknown& unknown : unknowns) {
     if (is_open(*start.find(unknown.effect), unknown.parameter)) first.push_back(unknown);
   }
   const auto settled = [&](const Model& from, const std::vector<Unknown>& which) {
     return polished(Problem::fit(from, which, groups), which, groups);
-  };
-  const auto settled_of_acting = [&](const Model& from) {
-    const std::vector<Unknown> some = acting(from, unknowns);
-    return with_waiting(settled(from, some), some, unknowns);
   };
   const auto misfit_at = [&](const Model& model) { return misfit_under(*this, model, groups); };
   Fit fit = settled(near_start(start, first, groups), first);
@@ -217,7 +221,7 @@ Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& un
   }
   // A limit and viscous friction beside it say nothing that the controller's damping does not.
   if (const auto same = damped_alike(fit.model); same && misfit_at(*same) < kSame * misfit)
-    return settled_of_acting(*same);
+    return fit_acting(*same, unknowns, groups);
   if (first.size() == unknowns.size()) return fit;
   const bool near = misfit > kAtNoise && misfit < kNear;
   std::optional<Model> damped;
@@ -227,7 +231,7 @@ Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& un
     // Friction by load feels a drag behind the saturation as it feels none outside: no damped motor
     // moves as the limited one does, but one may move as the log says.
     if (const auto other = nearest(damped_within_limit(fit.model), misfit_at); near && other) {
-      Fit within = settled_of_acting(*other);
+      Fit within = fit_acting(*other, unknowns, groups);
       if (within.log_likelihood > all.log_likelihood) all = std::move(within);
     }
     const double gained = all.log_likelihood - fit.log_likelihood;
@@ -243,6 +247,13 @@ Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& un
 Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
                              const Groups& groups) const {
   Fit fit = fit_torque(start, unknowns, groups);
+  const auto misfit_at = [&](const Model& model) { return misfit_under(*this, model, groups); };
+  if (const double misfit = misfit_at(fit.model); misfit > kAtNoise && misfit < kFar) {
+    if (const auto other = nearest(limited_otherwise(fit.model), misfit_at)) {
+      Fit limited = fit_acting(*other, unknowns, groups);
+      if (limited.log_likelihood > fit.log_likelihood) return limited;
+    }
+  }
   const auto without = keeps_back_emf(fit, unknowns) ? std::nullopt : undamped(fit.model, unknowns);
   if (!without) return fit;
   Fit other = fit_torque(*without, unknowns, groups);
