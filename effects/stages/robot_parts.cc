@@ -203,7 +203,7 @@ class ModelLocomotion final : public LocomotionModel {
 
   BodyVelocity velocity(const BodyVelocity& command, SimTime start, SimDuration step) override {
     // From the origin each step; only the lag, and what formulas see, last longer.
-    WalkState state{.theta_rad = state_.theta_rad, .followed = state_.followed, .t_s = start.s()};
+    WalkState state{{.theta_rad = state_.theta_rad}, state_.followed, start.s()};
     const double before_rad = state.theta_rad;
     advance_walk(walk_, command, step.s(), state);
     if (state.broken.formula != nullptr)
@@ -221,7 +221,7 @@ class ModelLocomotion final : public LocomotionModel {
       dy += walk_.xy_sigma * draw(1);
       turn += walk_.theta_sigma * draw(2);
     }
-    state_ = {.theta_rad = before_rad + turn, .followed = state.followed};
+    state_ = {{.theta_rad = before_rad + turn}, state.followed};
     return velocity_of_arc(dx, dy, turn, step.s());
   }
 

@@ -82,6 +82,16 @@ std::optional<Grown> fitted_better(const Problem& problem, const Grown& here, co
   return better;
 }
 
+std::optional<Grown> all_beside_motor(const Problem& problem, const Grown& here,
+                                      const EffectList& own, const Candidate& next) {
+  if (next.effect->errors != effects::Errors::together || !only_widens(*next.effect))
+    return std::nullopt;
+  auto all = with_dependents(problem, here, own);
+  if (!all || !all->grown.assessment.valid || !(merit_of(problem, all->grown) > next.merit))
+    return std::nullopt;
+  return std::move(all->grown);
+}
+
 Candidate* largest_own_part(const Grown& here, std::vector<Candidate>& candidates) {
   Candidate* most = nullptr;
   for (Candidate& candidate : candidates) {

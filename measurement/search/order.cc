@@ -75,11 +75,11 @@ Grown part_of(const Problem& problem, const Grown& whole, const std::vector<std:
   return part;
 }
 
-// Draws can stand for any misfit while a mean is missing, and single large errors for draws as
-// well: of those that are left only the lowest turn comes.
+// Draws and errors that hang together can stand for any misfit while a mean is missing, and single
+// large errors for draws as well: of those that are left only the lowest turn comes.
 int turn_of(const EffectDefinition& effect) {
   if (effect.errors == effects::Errors::now_and_then) return 2;
-  return effect.draws_estimated ? 1 : 0;
+  return effect.draws_estimated || effect.errors == effects::Errors::together ? 1 : 0;
 }
 
 // Beside what was given the first look fitted each effect, under the same marks.

@@ -1,7 +1,6 @@
 #include "measurement/search/search.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "effects/questions.h"
 #include "effects/registry.h"
@@ -158,7 +157,9 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     if (first) *first_looks = looks;
     traces = traces_of(looks.candidates);
     remember_significant(looks.candidates, promising_);
-    if (auto better = fitted_better(problem_, grown, next, looks.candidates)) {
+    auto better = fitted_better(problem_, grown, next, looks.candidates);
+    if (!better && next) better = all_beside_motor(problem_, grown, own_, *next);
+    if (better) {
       grown = *std::move(better);
       prune(grown);
       continue;

@@ -51,10 +51,6 @@ const Rule& rule() {
   return kRule;
 }
 
-double speed(double vx, double vy) {
-  return std::sqrt(vx * vx + vy * vy);
-}
-
 // Sine and cosine; for small angles by their series, to double precision.
 std::array<double, 2> turned_by(double angle_rad) {
   constexpr double kSmall_rad = 0.35;
@@ -85,7 +81,7 @@ void step(const FadingVelocity& v, double t_s, double h_s, Place& place) {
     const double share = maths::exp(-(t_s + r.node[i] * h_s) / v.tau_s);
     vx[i] = v.to.vx_mps + (v.from.vx_mps - v.to.vx_mps) * share;
     vy[i] = v.to.vy_mps + (v.from.vy_mps - v.to.vy_mps) * share;
-    speeds[i] = speed(vx[i], vy[i]);
+    speeds[i] = speed({vx[i], vy[i], 0});
     angle[i] = turn_in_the_end * r.node[i] * h_s + fades * v.tau_s * (left - share);
     path += h_s * r.weight[i] * speeds[i];
   }
@@ -116,8 +112,7 @@ void step(const FadingVelocity& v, double t_s, double h_s, Place& place) {
 void move_along(const FadingVelocity& v, double dt_s, Place& place) {
   constexpr double kTurn_rad = 0.35, kSlowest_radps = 1e-3, kMostSteps = 1e4;
   const double rate = std::abs(v.from.omega_radps) + std::abs(v.to.omega_radps) +
-                      std::abs(v.heading_rad_per_m) *
-                          (speed(v.from.vx_mps, v.from.vy_mps) + speed(v.to.vx_mps, v.to.vy_mps));
+                      std::abs(v.heading_rad_per_m) * (speed(v.from) + speed(v.to));
   const double longest = std::max(kTurn_rad / std::max(rate, kSlowest_radps), dt_s / kMostSteps);
   const double kink = slowest_s(v);
   double t = 0;

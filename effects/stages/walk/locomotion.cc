@@ -36,10 +36,6 @@ BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& told) {
           v.omega_radps * (1 + walk.omega_scale)};
 }
 
-double speed(const BodyVelocity& v) {
-  return std::sqrt(v.vx_mps * v.vx_mps + v.vy_mps * v.vy_mps);
-}
-
 // The command as followed `t_s` after the state's time.
 BodyVelocity followed_after(const Locomotion& walk, const BodyVelocity& command,
                             const WalkState& state, double t_s) {
@@ -114,14 +110,11 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
 // Where nothing bends what is followed, it fades from one velocity to another.
 void fade(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
   const BodyVelocity followed = followed_after(walk, command, state, dt_s);
-  Place place = {state.x_m, state.y_m, state.theta_rad, state.path_m};
   move_along({.from = scaled(walk, state.followed),
               .to = scaled(walk, command),
               .tau_s = walk.tau_s,
               .heading_rad_per_m = walk.heading_rad_per_m},
-             dt_s, place);
-  state.x_m = place.x_m, state.y_m = place.y_m;
-  state.theta_rad = place.theta_rad, state.path_m = place.path_m;
+             dt_s, state);
   state.followed = followed;
   state.t_s += dt_s;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "effects/stages/walk/fading_velocity.h"
 #include "sim_core/body/locomotion.h"
 
 namespace seam::effects {
@@ -62,12 +63,8 @@ struct BrokenWalk {
   double t_s = 0;  // Since the start of the run.
 };
 
-struct WalkState {
-  double x_m = 0;
-  double y_m = 0;
-  double theta_rad = 0;    // Not wrapped.
+struct WalkState : Place {
   BodyVelocity followed;   // The lagged command, before scales.
-  double path_m = 0;       // Walked since the start.
   double t_s = 0;          // Since the start of the run.
   BrokenWalk broken = {};  // The first that came.
 };

@@ -10,11 +10,8 @@
 
 namespace seam::measurement {
 
-int strongest_wave(const std::vector<double>& time_s, const std::vector<double>& value,
-                   double step_hz, int count) {
-  std::vector<double> times = time_s;
-  std::sort(times.begin(), times.end());
-  times.erase(std::unique(times.begin(), times.end()), times.end());
+int strongest_wave(const std::vector<double>& times, const std::vector<double>& time_s,
+                   const std::vector<double>& value, double step_hz, int count) {
   const double mean =
       std::accumulate(value.begin(), value.end(), 0.0) / static_cast<double>(value.size());
   // Runs often share their times: what was seen at one time goes through all waves as one.

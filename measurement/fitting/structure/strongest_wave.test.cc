@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "sim_core/base/maths.h"
 
@@ -39,7 +40,8 @@ TEST(StrongestWave, IsThatOfEachWaveAlone) {
             power_of(time_s, value, kStep_hz * (best + 1)))
           best = k;
       }
-      EXPECT_EQ(strongest_wave(time_s, value, kStep_hz, kCount), best);
+      const std::set<double> once(time_s.begin(), time_s.end());
+      EXPECT_EQ(strongest_wave({once.begin(), once.end()}, time_s, value, kStep_hz, kCount), best);
       EXPECT_EQ(best, hidden);
     }
   }

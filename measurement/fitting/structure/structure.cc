@@ -310,7 +310,7 @@ void Tester::test_waves_in_time(const Signal& signal) {
   const double df = 0.5 / span;
   const int count = static_cast<int>(std::min(2000.0, 0.5 / steps[steps.size() / 2] / df));
   if (count < 14) return;
-  const int best = strongest_wave(times, signal.z, df, count);
+  const int best = strongest_wave(distinct, times, signal.z, df, count);
   std::vector<std::vector<double>> wave(2, std::vector<double>(times.size()));
   for (size_t i = 0; i < times.size(); ++i) {
     const double angle = 2 * maths::kPi * df * (best + 1) * (times[i] - distinct.front());

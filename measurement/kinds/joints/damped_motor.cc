@@ -1,9 +1,11 @@
 #include "measurement/kinds/joints/damped_motor.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "effects/stages/servo.h"
 
@@ -42,6 +44,17 @@ bool set_part(Model& model, const std::optional<Unknown>& place, double value) {
   return true;
 }
 
+// The model with these parts of its equation; none where it lacks one, or its bounds forbid it.
+std::optional<Model> with_parts(
+    const Model& model, std::initializer_list<std::pair<double TorqueModel::*, double>> parts) {
+  const TorqueModel motor = effects::servo_of(model).torque;
+  Model other = model;
+  for (const auto& [part, value] : parts) {
+    if (motor.*part != value && !set_part(other, place_of(model, part), value)) return std::nullopt;
+  }
+  return other;
+}
+
 // The duty cuts off the drive where the model's limit or duty did, with this share of the back-EMF
 // in the controller.
 std::optional<Model> damped(const Model& model, double share, double outside_per_s,
@@ -50,27 +63,29 @@ std::optional<Model> damped(const Model& model, double share, double outside_per
   const double strength = std::min(motor.stall_rad_per_s2, motor.limit_rad_per_s2 / motor.max_duty);
   const double stronger = motor.stall_rad_per_s2 / strength;
   const double inside_s = motor.damping_s * stronger + share * motor.back_emf_per_s / strength;
-  Model other = model;
-  bool fits = true;
-  const auto set = [&](double TorqueModel::*part, double value) {
-    if (motor.*part != value) fits = fits && set_part(other, place_of(model, part), value);
-  };
-  set(&TorqueModel::stall_rad_per_s2, strength);
-  set(&TorqueModel::gain, motor.gain * stronger);
-  set(&TorqueModel::damping_s, inside_s);
-  set(&TorqueModel::back_emf_per_s, outside_per_s);
-  set(&TorqueModel::viscous_per_s, viscous_per_s);
-  set(&TorqueModel::limit_rad_per_s2, std::numeric_limits<double>::infinity());
-  if (!fits) return std::nullopt;
-  return other;
+  return with_parts(model,
+                    {{&TorqueModel::stall_rad_per_s2, strength},
+                     {&TorqueModel::gain, motor.gain * stronger},
+                     {&TorqueModel::damping_s, inside_s},
+                     {&TorqueModel::back_emf_per_s, outside_per_s},
+                     {&TorqueModel::viscous_per_s, viscous_per_s},
+                     {&TorqueModel::limit_rad_per_s2, std::numeric_limits<double>::infinity()}});
+}
+
+// Of motor and controller, where nothing saturates.
+double drag_of(const TorqueModel& motor) {
+  return motor.back_emf_per_s + motor.damping_s * motor.stall_rad_per_s2;
+}
+
+bool is_limited(const TorqueModel& motor) {
+  return motor.present && motor.limit_rad_per_s2 < motor.stall_rad_per_s2 * motor.max_duty;
 }
 
 }  // namespace
 
 std::optional<Model> damped_alike(const Model& model) {
   const TorqueModel motor = effects::servo_of(model).torque;
-  const bool limited = motor.limit_rad_per_s2 < motor.stall_rad_per_s2 * motor.max_duty;
-  if (!motor.present || !limited || !(motor.viscous_per_s > 0)) return std::nullopt;
+  if (!is_limited(motor) || !(motor.viscous_per_s > 0)) return std::nullopt;
   return damped(model, 1, motor.viscous_per_s, 0);
 }
 
@@ -85,6 +100,11 @@ std::vector<Model> damped_otherwise(const Model& model) {
   return others;
 }
 
+std::vector<Model> damped_within_limit(const Model& model) {
+  return is_limited(effects::servo_of(model).torque) ? damped_otherwise(model)
+                                                     : std::vector<Model>();
+}
+
 std::optional<Model> undamped(const Model& model, const std::vector<Unknown>& unknowns) {
   const TorqueModel motor = effects::servo_of(model).torque;
   const auto free = [&](double TorqueModel::*part) {
@@ -94,19 +114,33 @@ std::optional<Model> undamped(const Model& model, const std::vector<Unknown>& un
   if (!motor.present || !(motor.damping_s > 0) || !free(&TorqueModel::damping_s) ||
       !free(&TorqueModel::back_emf_per_s))
     return std::nullopt;
-  Model other = model;
-  const bool fits = set_part(other, place_of(model, &TorqueModel::damping_s), 0) &&
-                    set_part(other, place_of(model, &TorqueModel::back_emf_per_s),
-                             motor.back_emf_per_s + motor.damping_s * motor.stall_rad_per_s2);
-  if (!fits) return std::nullopt;
-  return other;
+  return with_parts(model,
+                    {{&TorqueModel::damping_s, 0}, {&TorqueModel::back_emf_per_s, drag_of(motor)}});
+}
+
+std::vector<Model> limited_otherwise(const Model& model) {
+  std::vector<Model> others;
+  const TorqueModel motor = effects::servo_of(model).torque;
+  if (!motor.present || !(motor.damping_s > 0) || is_limited(motor)) return others;
+  for (const double stronger : {1.1, 1.25, 1.5, 2.0}) {
+    for (const double limit : {0.7, 0.8, 0.9}) {
+      const double most = motor.stall_rad_per_s2 * motor.max_duty;
+      auto other =
+          with_parts(model, {{&TorqueModel::stall_rad_per_s2, stronger * motor.stall_rad_per_s2},
+                             {&TorqueModel::gain, motor.gain / stronger},
+                             {&TorqueModel::damping_s, 0},
+                             {&TorqueModel::back_emf_per_s, drag_of(motor)},
+                             {&TorqueModel::limit_rad_per_s2, limit * most}});
+      if (other) others.push_back(*std::move(other));
+    }
+  }
+  return others;
 }
 
 bool keeps_back_emf(const Fit& fit, const std::vector<Unknown>& unknowns) {
   constexpr double kLeastShare = 0.1, kClearly = 5;  // Of the drag; errors.
   const TorqueModel motor = effects::servo_of(fit.model).torque;
-  const double inside_per_s = motor.damping_s * motor.stall_rad_per_s2;
-  if (motor.back_emf_per_s >= kLeastShare * (inside_per_s + motor.back_emf_per_s)) return true;
+  if (motor.back_emf_per_s >= kLeastShare * drag_of(motor)) return true;
   const auto back_emf = place_of(fit.model, &TorqueModel::back_emf_per_s);
   const auto i = back_emf ? index_of(unknowns, *back_emf) : std::nullopt;
   return i && fit.sigma[*i] > 0 && motor.back_emf_per_s > kClearly * fit.sigma[*i];

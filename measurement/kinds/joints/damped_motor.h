@@ -15,10 +15,19 @@ namespace seam::measurement {
 // the model did. Empty where it has no motor, or no drag.
 std::vector<effects::Model> damped_otherwise(const effects::Model& model);
 
+// The same of a model whose drive a limit of torque cuts off, which then goes; empty where none
+// does.
+std::vector<effects::Model> damped_within_limit(const effects::Model& model);
+
 // Back-EMF within a limit of torque and viscous friction outside it, as the damping of a controller
 // whose duty saturates there and the motor's own back-EMF: the same motion as long as the torque is
 // on. None where the model has no such two.
 std::optional<effects::Model> damped_alike(const effects::Model& model);
+
+// A drag on both sides of one saturation as that of a stronger motor alone, whose duty and whose
+// limit of torque both cut off the drive: what lies between the two moves much alike. Empty where
+// the controller has no damping, or the model no such limit to set.
+std::vector<effects::Model> limited_otherwise(const effects::Model& model);
 
 // The same drag as back-EMF alone. None where the model's controller has no damping, or one that is
 // not to be fitted.

@@ -77,16 +77,16 @@ TEST(DampedMotor, AControllerThatHasAllTheDragIsALimitOfTorque) {
   EXPECT_FALSE(undamped(fit_of("12", "0", 0.1).model, unknowns));
 }
 
+const char* const kLimited =
+    "  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 8, gain: 0.12}\n"
+    "  torque_limit: {rad_per_s2: 60}\n";
+const char* const kDamped =
+    "  motor_servo: {stall_rad_per_s2: {value: 61, free: true}, back_emf_per_s: {value: 1, free: "
+    "true}, gain: {value: 0.8, free: true}, damping_s: {value: 0.12, free: true}}\n";
+
 TEST(DampedMotor, DampingGoesWhereOnlyALimitIsMissing) {
-  const JointsProblem problem =
-      MadeSet("motor-undamped")
-          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 400, back_emf_per_s: 8, gain: "
-                            "0.12}\n  torque_limit: {rad_per_s2: 60}\n"),
-                   3);
-  const Model given = model_of(
-      "  motor_servo: {stall_rad_per_s2: {value: 61, free: true}, back_emf_per_s: {value: 1, free: "
-      "true}, gain: {value: 0.8, free: true}, damping_s: {value: 0.12, free: true}}\n");
-  const Fit fit = fitted_to_all(problem, given);
+  const JointsProblem problem = MadeSet("motor-undamped").made_by(model_of(kLimited), 3);
+  const Fit fit = fitted_to_all(problem, model_of(kDamped));
   EXPECT_EQ(fit.value[3], 0);
   EXPECT_GT(fit.value[1], 1);
 }
@@ -101,6 +101,60 @@ TEST(DampedMotor, DampingThatTheDataAskForStaysBesideLittleBackEmf) {
   const Fit fit = fitted_to_all(problem, truth);
   EXPECT_NEAR(fit.value[0], 465, 5);
   EXPECT_NEAR(fit.value[3], 0.0328, 0.002);
+}
+
+// Beside errors that wander nothing seems to be missing: the mean alone says what is.
+TEST(DampedMotor, DampingGoesBesideAWanderToo) {
+  const JointsProblem problem = MadeSet("motor-undamped-wander").made_by(model_of(kLimited), 3);
+  const Fit fit = fitted_to_all(
+      problem, model_of(std::string(kDamped) +
+                        "  joint_wander: {sigma_rad: {value: 0.001, free: true}, tau_s: 1}\n"));
+  EXPECT_EQ(fit.value[3], 0);
+  EXPECT_GT(fit.value[1], 1);
+}
+
+// Where friction is one by load, a limit with viscous friction moves as no damped controller does,
+// and no slope leads from one to the other.
+TEST(DampedMotor, ADampedControllerIsFoundFromALimitBesideFrictionByLoad) {
+  const std::string friction =
+      "  coulomb_friction: {rad_per_s2: {value: 152, free: true}}\n"
+      "  load_friction: {fraction: {value: 0.22, free: true}}\n";
+  const JointsProblem problem =
+      MadeSet("motor-limit-load", false)
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 800, back_emf_per_s: 6.5, gain: "
+                            "0.6, damping_s: 0.036}\n" +
+                            friction),
+                   3);
+  const Fit fit = fitted_to_all(
+      problem, model_of("  motor_servo: {stall_rad_per_s2: {value: 720000, free: true}, "
+                        "back_emf_per_s: {value: 35.7, free: true}, gain: {value: 0.00067, free: "
+                        "true}, damping_s: {value: 0, free: true}}\n" +
+                        friction +
+                        "  viscous_friction: {per_s: {value: 0.5, free: true}}\n"
+                        "  torque_limit: {rad_per_s2: {value: 784, free: true}}\n"));
+  EXPECT_NEAR(fit.value[0], 800, 10);
+  EXPECT_NEAR(fit.value[1], 6.5, 1);
+  EXPECT_NEAR(fit.value[3], 0.036, 0.002);
+}
+
+// A duty that saturates and a limit of torque within it look like one saturation between the two,
+// with drag on both sides of it.
+TEST(DampedMotor, TwoSaturationsAreFoundFromOneBetweenThem) {
+  const JointsProblem problem =
+      MadeSet("motor-two-saturations", false)
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 1160, back_emf_per_s: 34, gain: "
+                            "0.3}\n  coulomb_friction: {rad_per_s2: 200}\n"
+                            "  torque_limit: {rad_per_s2: 685}\n"),
+                   3);
+  const Fit fit = fitted_to_all(
+      problem,
+      model_of("  motor_servo: {stall_rad_per_s2: {value: 809, free: true}, back_emf_per_s: "
+               "{value: 18.7, free: true}, gain: {value: 0.43, free: true}, damping_s: {value: "
+               "0.019, free: true}}\n  coulomb_friction: {rad_per_s2: {value: 200, free: true}}\n"
+               "  torque_limit: {rad_per_s2: {value: 5000, free: true}}\n"));
+  EXPECT_NEAR(fit.value[0], 1160, 10);
+  EXPECT_EQ(fit.value[3], 0);
+  EXPECT_NEAR(fit.value[5], 685, 5);
 }
 
 }  // namespace

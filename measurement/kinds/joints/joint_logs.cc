@@ -65,8 +65,8 @@ std::vector<char> read_enabled(const CsvTable& table) {
 }
 
 // The rate at the log's first row where its first rows cannot be those of a joint at rest that
-// something begins to accelerate; else 0.
-double rate_at_start(const JointLog& log) {
+// something begins to accelerate; else 0. Each angle may be off by half of the encoder's step.
+double rate_at_start(const JointLog& log, double step_rad) {
   constexpr size_t kRows = 8;
   constexpr double kClearly = 8;  // Standard errors.
   const size_t n = std::min(kRows, log.time_s.size());
@@ -81,14 +81,15 @@ double rate_at_start(const JointLog& log) {
   }
   const Eigen::MatrixXd inverse = inverse_of(powers.transpose() * powers);
   const Eigen::VectorXd c = inverse * powers.transpose() * angles;
-  const double variance = (powers * c - angles).squaredNorm() / static_cast<double>(n - 4);
+  const double variance = std::max((powers * c - angles).squaredNorm() / static_cast<double>(n - 4),
+                                   step_rad * step_rad / 12);
   const double rate = c[1] / span, error = std::sqrt(variance * inverse(1, 1)) / span;
   if (std::abs(rate) < kClearly * error) return 0;
   // A joint in motion moves in the first step, too, and half as far as in the first two.
   const double first = log.measured_rad[1] - log.measured_rad[0];
   const double both = log.measured_rad[2] - log.measured_rad[0];
   const bool moves = first * rate > 0.5 * rate * rate * log.time_s[1] && first * both > 0 &&
-                     std::abs(first) > 0.35 * std::abs(both);
+                     std::abs(first) - step_rad > 0.35 * (std::abs(both) - step_rad);
   return moves ? rate : 0;
 }
 
@@ -191,7 +192,8 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
     for (size_t c = 0; c < columns.size(); ++c) log.columns[c].push_back(columns[c][row]);
   }
   if (measured) {
-    for (JointLog& log : set.logs) log.start_radps = rate_at_start(log);
+    const double step_rad = step_of_angles(set);
+    for (JointLog& log : set.logs) log.start_radps = rate_at_start(log, step_rad);
   }
   return set;
 }

@@ -45,6 +45,9 @@ JointLogs read_joint_logs(const CsvTable& table, const std::string& group_column
 // column.
 std::vector<std::string> notes_of_joint_logs(const CsvTable& table);
 
+// The encoder's step of which all measured angles are multiples; 0: of nothing coarse.
+double step_of_angles(const JointLogs& set);
+
 // Whether a fit may move the parameter from the beginning: not what is stated, nor what waits until
 // the data ask for it.
 bool is_open(const effects::ModelEffect& effect, size_t i);
@@ -134,6 +137,8 @@ class JointsProblem : public Problem {
   Fit fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
                 const Groups& groups) const;
   Fit fit_torque(const Model& start, const std::vector<Unknown>& unknowns,
+                 const Groups& groups) const;
+  Fit fit_acting(const Model& start, const std::vector<Unknown>& unknowns,
                  const Groups& groups) const;
   std::optional<Model> worth_damping(const Fit& fit, const std::vector<Unknown>& first,
                                      const std::vector<Unknown>& unknowns,

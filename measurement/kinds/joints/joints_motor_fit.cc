@@ -74,10 +74,35 @@ double misfit_under(const Problem& problem, const Model& model, const Groups& gr
   return there.valid ? misfit_of(problem, there) : std::numeric_limits<double>::infinity();
 }
 
+// Of these models the one that misses least; none of none.
+std::optional<Model> nearest(const std::vector<Model>& models,
+                             const std::function<double(const Model&)>& misfit_of) {
+  std::optional<Model> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Model& model : models) {
+    const double there = misfit_of(model);
+    if (there < least) least = there, best = model;
+  }
+  return best;
+}
+
+// The model with white noise alone: errors that hang together stand for whatever its mean lacks.
+Model with_white_noise(Model model) {
+  std::vector<std::string> out;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (effect.definition->errors == effects::Errors::together)
+      out.push_back(effect.definition->name);
+  }
+  for (const std::string& name : out) model.remove(name);
+  return model;
+}
+
 // The controller's damping comes for what chance gains once in a thousand sets.
 constexpr double kAskedFor = 5.4, kAtNoise = 1.03;
+// A model that misses by so much more than the noise is in no valley yet.
+constexpr double kFar = 100;
 
-// The unknowns of effects that change something.
+// The unknowns of effects that change something, less what waits until the data ask for it.
 std::vector<Unknown> acting(const Model& model, const std::vector<Unknown>& unknowns) {
   std::vector<Unknown> some;
   for (const Unknown& unknown : unknowns) {
@@ -85,7 +110,7 @@ std::vector<Unknown> acting(const Model& model, const std::vector<Unknown>& unkn
     bool idle = effect.definition->has_neutral;
     for (size_t i = 0; i < effect.parameters.size(); ++i)
       idle = idle && effect.parameters[i].value == effect.definition->parameters[i].neutral;
-    if (!idle) some.push_back(unknown);
+    if (!idle && is_open(effect, unknown.parameter)) some.push_back(unknown);
   }
   return some;
 }
@@ -162,47 +187,53 @@ std::optional<Model> JointsProblem::worth_damping(const Fit& fit, const std::vec
   return best;
 }
 
+// From this model, of what changes something in it.
+Fit JointsProblem::fit_acting(const Model& start, const std::vector<Unknown>& unknowns,
+                              const Groups& groups) const {
+  const std::vector<Unknown> some = acting(start, unknowns);
+  return with_waiting(polished(Problem::fit(start, some, groups), some, groups), some, unknowns);
+}
+
 // What the data must ask for waits until all else is fitted, and comes where it gains what chance
 // gives once in a thousand sets. Far from the noise it would only stand in for what is missing.
 Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& unknowns,
                               const Groups& groups) const {
-  constexpr double kFar = 100, kNear = 10, kMuchLess = 0.5;
-  constexpr double kSame = 1.0001;
+  constexpr double kNear = 10, kMuchLess = 0.5, kSame = 1.0001;
   std::vector<Unknown> first;
   for (const Unknown& unknown : unknowns) {
     if (is_open(*start.find(unknown.effect), unknown.parameter)) first.push_back(unknown);
   }
-  Fit fit = polished(Problem::fit(near_start(start, first, groups), first, groups), first, groups);
+  const auto settled = [&](const Model& from, const std::vector<Unknown>& which) {
+    return polished(Problem::fit(from, which, groups), which, groups);
+  };
   const auto misfit_at = [&](const Model& model) { return misfit_under(*this, model, groups); };
+  Fit fit = settled(near_start(start, first, groups), first);
   double misfit = misfit_at(fit.model);
   const auto take_if_better = [&](const Model& from) {
-    Fit other = polished(Problem::fit(from, first, groups), first, groups);
+    Fit other = settled(from, first);
     if (other.log_likelihood > fit.log_likelihood)
       fit = std::move(other), misfit = misfit_at(fit.model);
   };
   if (misfit > kAtNoise && misfit < kFar) {
     if (const auto traded = trade_that_helps(fit.model, first, misfit_at)) take_if_better(*traded);
-    const Model* nearest = nullptr;
-    double least = std::numeric_limits<double>::infinity();
-    const std::vector<Model> others = cut_off_otherwise(fit.model, first);
-    for (const Model& other : others) {
-      const double there = misfit_at(other);
-      if (there < least) least = there, nearest = &other;
-    }
-    if (nearest != nullptr) take_if_better(*nearest);
+    if (const auto other = nearest(cut_off_otherwise(fit.model, first), misfit_at))
+      take_if_better(*other);
   }
   // A limit and viscous friction beside it say nothing that the controller's damping does not.
-  if (const auto same = damped_alike(fit.model); same && misfit_at(*same) < kSame * misfit) {
-    const std::vector<Unknown> some = acting(*same, unknowns);
-    return with_waiting(polished(Problem::fit(*same, some, groups), some, groups), some, unknowns);
-  }
+  if (const auto same = damped_alike(fit.model); same && misfit_at(*same) < kSame * misfit)
+    return fit_acting(*same, unknowns, groups);
   if (first.size() == unknowns.size()) return fit;
   const bool near = misfit > kAtNoise && misfit < kNear;
   std::optional<Model> damped;
   if (misfit < kFar) damped = worth_damping(fit, first, unknowns, groups);
   if (near || damped) {
-    const Model& from = damped ? *damped : fit.model;
-    Fit all = polished(Problem::fit(from, unknowns, groups), unknowns, groups);
+    Fit all = settled(damped ? *damped : fit.model, unknowns);
+    // Friction by load feels a drag behind the saturation as it feels none outside: no damped motor
+    // moves as the limited one does, but one may move as the log says.
+    if (const auto other = nearest(damped_within_limit(fit.model), misfit_at); near && other) {
+      Fit within = fit_acting(*other, unknowns, groups);
+      if (within.log_likelihood > all.log_likelihood) all = std::move(within);
+    }
     const double gained = all.log_likelihood - fit.log_likelihood;
     const bool asked_for = gained > kAskedFor * misfit * misfit && keeps_back_emf(all, unknowns);
     if (asked_for && (near || misfit_at(all.model) < kMuchLess * misfit)) return all;
@@ -216,10 +247,17 @@ Fit JointsProblem::fit_torque(const Model& start, const std::vector<Unknown>& un
 Fit JointsProblem::fit_motor(const Model& start, const std::vector<Unknown>& unknowns,
                              const Groups& groups) const {
   Fit fit = fit_torque(start, unknowns, groups);
+  const auto misfit_at = [&](const Model& model) { return misfit_under(*this, model, groups); };
+  if (const double misfit = misfit_at(fit.model); misfit > kAtNoise && misfit < kFar) {
+    if (const auto other = nearest(limited_otherwise(fit.model), misfit_at)) {
+      Fit limited = fit_acting(*other, unknowns, groups);
+      if (limited.log_likelihood > fit.log_likelihood) return limited;
+    }
+  }
   const auto without = keeps_back_emf(fit, unknowns) ? std::nullopt : undamped(fit.model, unknowns);
   if (!without) return fit;
   Fit other = fit_torque(*without, unknowns, groups);
-  const bool complete = misfit_under(*this, other.model, groups) < kAtNoise;
+  const bool complete = misfit_under(*this, with_white_noise(other.model), groups) < kAtNoise;
   return complete && fit.log_likelihood - other.log_likelihood > kAskedFor ? fit : other;
 }
 

@@ -69,14 +69,10 @@ double noise_by_flicker(const JointLogs& set, double step_rad) {
 
 }  // namespace
 
-void JointsProblem::look_for_steps() {
+double step_of_angles(const JointLogs& set) {
   std::vector<double> angles;
-  std::vector<std::vector<double>> times, values;
-  for (const JointLog& log : set_.logs) {
+  for (const JointLog& log : set.logs)
     angles.insert(angles.end(), log.measured_rad.begin(), log.measured_rad.end());
-    times.push_back(log.time_s);
-    values.push_back(log.measured_rad);
-  }
   std::sort(angles.begin(), angles.end());
   // The file's own rounding makes multiples differ by this much.
   constexpr double kPrinted_rad = 1.5e-6;
@@ -85,22 +81,28 @@ void JointsProblem::look_for_steps() {
     const double gap = angles[i] - angles[i - 1];
     if (gap > 2 * kPrinted_rad) step = std::min(step, gap);
   }
+  if (!std::isfinite(step) || step <= 20 * kPrinted_rad) return 0;
+  // Many multiples apart, rounding errors of the step add up: refine it on the way out.
+  for (double& angle : angles) angle = std::abs(angle);
+  std::sort(angles.begin(), angles.end());
+  for (const double size : angles) {
+    const double count = std::round(size / step);
+    if (!(std::abs(size - count * step) < kPrinted_rad * (1 + 0.02 * count))) return 0;
+    if (count > 0) step = size / count;
+  }
+  return step;
+}
+
+void JointsProblem::look_for_steps() {
+  std::vector<std::vector<double>> times, values;
+  for (const JointLog& log : set_.logs) {
+    times.push_back(log.time_s);
+    values.push_back(log.measured_rad);
+  }
   const double noise = facts_.channels[0].noise;
   const double scatter =
       facts_.channels[0].estimated ? noise : noise_from_neighbours(times, values);
-  if (std::isfinite(step) && step > 20 * kPrinted_rad) {
-    // Many multiples apart, rounding errors of the step add up: refine it on the way out.
-    bool whole = true;
-    std::vector<double> sizes;
-    for (const double angle : angles) sizes.push_back(std::abs(angle));
-    std::sort(sizes.begin(), sizes.end());
-    for (const double size : sizes) {
-      const double count = std::round(size / step);
-      whole = whole && std::abs(size - count * step) < kPrinted_rad * (1 + 0.02 * count);
-      if (count > 0 && whole) step = size / count;
-    }
-    if (whole) lattice_rad_ = step;
-  }
+  lattice_rad_ = step_of_angles(set_);
   // A fast joint goes another way than its neighbours' cubic, so that both estimates err upwards.
   behind_steps_rad_ = lattice_rad_ > 0 && facts_.channels[0].estimated
                           ? std::min(noise_behind_steps(set_, lattice_rad_, noise),

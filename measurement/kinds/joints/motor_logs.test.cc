@@ -371,5 +371,18 @@ TEST(MotorLogs, ALogThatBeginsInMotionStartsWithItsRate) {
   EXPECT_EQ(logs_of(",torque_enable", rows).logs[0].start_radps, 0);
 }
 
+// A joint that begins to sag and is held again shows steps of its encoder, at once.
+TEST(MotorLogs, StepsOfAnEncoderAreNoRate) {
+  const auto rate_of = [&](const std::vector<double>& steps) {
+    std::string rows;
+    for (size_t k = 0; k < steps.size(); ++k)
+      rows +=
+          fmt::format("0,{:.3f},arm,0,{:.6f}\n", 0.01 * static_cast<double>(k), 0.0015 * steps[k]);
+    return logs_of("", rows).logs[0].start_radps;
+  };
+  EXPECT_EQ(rate_of({0, -1, -2, -2, -2, -2, -2, -2, -2, -2}), 0);
+  EXPECT_NEAR(rate_of({0, 7, 13, 20, 27, 33, 40, 47, 53, 60}), 1, 0.05);
+}
+
 }  // namespace
 }  // namespace seam::measurement

@@ -7,6 +7,7 @@
 #include "measurement/fitting/assess.h"
 #include "measurement/kinds/joints/joints_testing.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/order.h"
 
 namespace seam::measurement {
 namespace {
@@ -105,6 +106,50 @@ TEST(MotorSearch, ErrorsSayWhatTheDataDoNotTell) {
       EXPECT_LT(fit.sigma[k], 0.01 * fit.value[k]) << unknowns[k].effect;
     }
   }
+}
+
+// Errors that wander stand for all that a motor's mean lacks: where that is told at once, it comes.
+TEST(MotorSearch, AllThatActsBesideAMotorComesBeforeAWander) {
+  const std::string motor =
+      "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.1}\n";
+  const std::string beside =
+      "  coulomb_friction: {rad_per_s2: 8}\n  gravity_torque: {rad_per_s2: 20, level_rad: 0.3}\n";
+  const auto before_wander = [&](const std::string& truth) {
+    const JointsProblem problem = MadeSet("motor-before-wander").made_by(model_of(truth), 6);
+    const Model base = model_of(kFree);
+    const Grown here{.added = {"motor_servo"},
+                     .assessment = assess(problem, base, refitted_unknowns(base))};
+    const EffectList wander = {effects::find_effect("joint_wander")};
+    const Looks looks = look_at(problem, here, wander, 0.1);
+    EXPECT_TRUE(looks.candidates.front().significant);
+    return all_beside_motor(problem, here, {}, looks.candidates.front());
+  };
+  const auto all = before_wander(motor + beside);
+  ASSERT_TRUE(all);
+  EXPECT_NEAR(all->assessment.model.find("coulomb_friction")->value("rad_per_s2"), 8, 0.5);
+  EXPECT_FALSE(before_wander(motor + "  joint_wander: {sigma_rad: 0.003, tau_s: 0.5}\n"));
+}
+
+// Alone the wander of a motor's log leaves no misfit at all: it is told after the motor.
+TEST(MotorSearch, StepsTellTheMotorBeforeItsWander) {
+  const JointsProblem problem =
+      MadeSet("motor-steps-wander")
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: "
+                            "0.1}\n  joint_wander: {sigma_rad: 0.003, tau_s: 0.5}\n"),
+                   6);
+  const Model base = model_of("  ideal_servo: {}\n");
+  const Model best = model_of(
+      std::string(kFree) +
+      "  joint_wander: {sigma_rad: {value: 0.003, free: true}, tau_s: {value: 0.5, free: true}}\n");
+  SearchResult result;
+  result.base.assessment = assess(problem, base, {});
+  result.best = {.added = {"joint_wander", "motor_servo"},
+                 .assessment = assess(problem, best, refitted_unknowns(best))};
+  ASSERT_LT(result.best.assessment.error, 1.15);
+  const auto by_name = [](const std::string& name) { return effects::find_effect(name); };
+  order_steps(problem, by_name, Exchanges(problem), {}, result);
+  ASSERT_EQ(result.steps.size(), 2u);
+  EXPECT_EQ(result.steps[0].effect, "motor_servo");
 }
 
 }  // namespace

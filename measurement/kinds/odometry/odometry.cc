@@ -27,8 +27,9 @@ WalkPose missed(const WalkPose& seen, const WalkPose& predicted) {
 effects::WalkState between(const effects::WalkState& from, const effects::WalkState& to) {
   const double c = maths::cos(from.theta_rad), s = maths::sin(from.theta_rad);
   const double dx = to.x_m - from.x_m, dy = to.y_m - from.y_m;
-  return {
-      .x_m = c * dx + s * dy, .y_m = -s * dx + c * dy, .theta_rad = to.theta_rad - from.theta_rad};
+  return {{.x_m = c * dx + s * dy,
+           .y_m = -s * dx + c * dy,
+           .theta_rad = to.theta_rad - from.theta_rad}};
 }
 
 OdometryProblem::OdometryProblem(const MeasurementSet& set) {
