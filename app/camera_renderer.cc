@@ -25,8 +25,8 @@ CameraRenderer::CameraRenderer(const Scenario& scenario, const std::vector<effec
     Camera camera{.robot = robot.id, .model = models[i], .made = std::make_unique<MadeOnce>()};
     camera.spec = robot.camera;
     if (!robot.camera.colour_table_yaml.empty())
-      camera.colours = render::ColourTable::from_config(
-          ConfigNode::from_text(robot.camera.colour_table_yaml, robot.camera.colour_table_name));
+      camera.colours.emplace(render::ColourTable::from_config(
+          ConfigNode::from_text(robot.camera.colour_table_yaml, robot.camera.colour_table_name)));
     camera.timing = effects::timing_of(models[i]);
     camera.X_LC = effects::mount_of(models[i]);
     camera.stream = camera_stream(scenario, robot);
@@ -69,7 +69,7 @@ RowSchedule CameraRenderer::schedule(int robot, uint64_t frame_index, SimTime st
 }
 
 void CameraRenderer::detect_colours(int robot, Frame& frame) const {
-  const std::optional<render::ColourTable>& colours = cameras_[robot].colours;
+  const std::optional<render::ColourDetector>& colours = cameras_[robot].colours;
   if (!colours) return;
   render::Detections seen = colours->detect(frame.ycrcb, frame.width_px, frame.height_px);
   frame.colours = std::move(seen.bits);

@@ -8,7 +8,7 @@
 
 #include "effects/model.h"
 #include "effects/stages/timing.h"
-#include "render/colour/colour_table.h"
+#include "render/colour/colour_detector.h"
 #include "render/gl/device.h"
 #include "render/renderer.h"
 #include "scheduler/loop/frame_renderer.h"
@@ -49,7 +49,7 @@ class CameraRenderer final : public scheduler::FrameRenderer {
     std::string robot;
     effects::Model model;
     std::unique_ptr<MadeOnce> made;
-    std::optional<render::ColourTable> colours;
+    std::optional<render::ColourDetector> colours;
     effects::Timing timing;
     Pose X_LC;
     RandomStream stream;

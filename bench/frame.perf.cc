@@ -45,7 +45,8 @@ effects::Model instant_model(double scale) {
 
 void run(benchmark::State& state, const effects::Model& model, int width, int height,
          int instants) {
-  const std::vector<FrameJob> jobs = match_jobs(model, height, instants, kFrames);
+  const MatchJobs match = match_jobs(model, height, instants, kFrames);
+  const std::vector<FrameJob>& jobs = match.jobs;
   const render::Renderer renderer(model, width, height);
   size_t next = 0;
   for (auto _ : state)
@@ -94,7 +95,8 @@ BENCHMARK(frame_full)->Name("frame_full/178x144")->Unit(benchmark::kMillisecond)
 
 void frame_full_parallel(benchmark::State& state) {
   const effects::Model model = model_scaled("ers210_full.yaml", 1);
-  const std::vector<FrameJob> jobs = match_jobs(model, 144, 8, kFrames);
+  const MatchJobs match = match_jobs(model, 144, 8, kFrames);
+  const std::vector<FrameJob>& jobs = match.jobs;
   const render::Renderer renderer(model, 178, 144);
   const unsigned workers = std::max(1u, std::thread::hardware_concurrency());
   for (auto _ : state) {
@@ -141,7 +143,8 @@ BENCHMARK(frame_full_instants<32>)
 // The same frames drawn by OpenGL, and with a mesh of so many triangles beside the robots.
 void draw(benchmark::State& state, int mesh_triangles, int frames = kFrames) {
   const effects::Model model = model_scaled("ers210_full.yaml", 1);
-  std::vector<FrameJob> jobs = match_jobs(model, 144, 8, frames);
+  MatchJobs match = match_jobs(model, 144, 8, frames);
+  std::vector<FrameJob>& jobs = match.jobs;
   render::Assets assets;
   if (mesh_triangles > 0) {
     assets.meshes.push_back(ring(mesh_triangles));
@@ -185,7 +188,8 @@ BENCHMARK(frame_opengl_memory)
 // Frames of two contexts at once against those of one: wall time for as many frames each.
 void frame_opengl_contexts(benchmark::State& state) {
   const effects::Model model = model_scaled("ers210_full.yaml", 1);
-  const std::vector<FrameJob> jobs = match_jobs(model, 144, 8, kFrames);
+  const MatchJobs match = match_jobs(model, 144, 8, kFrames);
+  const std::vector<FrameJob>& jobs = match.jobs;
   const render::GlDevice device(render::Assets{});
   const render::Renderer renderer(model, 178, 144, {.opengl = &device});
   const auto contexts = static_cast<size_t>(state.range(0));
@@ -221,7 +225,7 @@ effects::Model filter_model() {
 
 render::LinearImage ideal_image() {
   const effects::Model pinhole = instant_model(1);
-  return render::Renderer(pinhole, 178, 144).render_scene(match_jobs(pinhole, 144, 1, 1)[0]);
+  return render::Renderer(pinhole, 178, 144).render_scene(match_jobs(pinhole, 144, 1, 1).jobs[0]);
 }
 
 void filter_fused(benchmark::State& state) {

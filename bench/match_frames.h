@@ -33,18 +33,24 @@ inline Scenario match_scenario() {
   return Scenario::from_text(yaml, "bench match");
 }
 
-// `count` frames, 40 ms apart, of the viewer's camera.
-inline std::vector<FrameJob> match_jobs(const effects::Model& model, int height_px,
-                                        int instants_per_row, int count) {
-  const Scenario scenario = match_scenario();
-  World world(scenario);
+// Frames, 40 ms apart, of the viewer's camera, and the world whose robots they show.
+struct MatchJobs {
+  World world{match_scenario()};
+  std::vector<FrameJob> jobs;
+};
+
+inline MatchJobs match_jobs(const effects::Model& model, int height_px, int instants_per_row,
+                            int count) {
+  MatchJobs match;
+  World& world = match.world;
   for (size_t robot = 1; robot < 5; ++robot) {
     RobotCommand walk;
     walk.walk = BodyVelocity{0.2, robot % 2 ? 0.05 : -0.05, robot % 2 ? 0.4 : -0.3};
     world.apply(robot, walk, SimTime());
   }
   const Pose X_LC = effects::mount_of(model);
-  std::vector<FrameJob> jobs(count);
+  std::vector<FrameJob>& jobs = match.jobs;
+  jobs.resize(count);
   struct Sample {
     SimTime time;
     FrameJob* job;
@@ -57,6 +63,7 @@ inline std::vector<FrameJob> match_jobs(const effects::Model& model, int height_
     job.stamp = SimTime::from_ns(500'000'000 + i * 40'000'000LL);
     job.schedule = effects::make_row_schedule(effects::timing_of(model), job.stamp, height_px,
                                               {.instants_per_row = instants_per_row});
+    job.scenery = world.scenery();
     job.background = world.background();
     job.lighting = world.lighting();
     job.camera_noise = {.seed = 1, .stream = 2};
@@ -77,13 +84,9 @@ inline std::vector<FrameJob> match_jobs(const effects::Model& model, int height_
       }
       world.step();
     }
-    SceneInstant instant{.time = sample.time,
-                         .X_WC = world.camera_link_pose(0, sample.time) * X_LC,
-                         .primitives = {}};
-    world.primitives_at(sample.time, instant.primitives, 0);
-    sample.job->instants.push_back(std::move(instant));
+    sample.job->instants.push_back(world.view_of(0, sample.time, X_LC));
   }
-  return jobs;
+  return match;
 }
 
 }  // namespace seam::bench

@@ -15,7 +15,8 @@ constexpr int kWidth = 178, kHeight = 144;
 struct Match {
   effects::Model model =
       effects::Model::from_file(std::string(SEAM_SOURCE_DIR) + "/models/ers210_full.yaml");
-  std::vector<FrameJob> jobs = match_jobs(model, kHeight, 8, 8);
+  MatchJobs match = match_jobs(model, kHeight, 8, 8);
+  const std::vector<FrameJob>& jobs = match.jobs;
   scheduler::RenderSetup setup;
 
   Match() {
@@ -24,7 +25,7 @@ struct Match {
                       .height_px = kHeight,
                       .model_yaml = {},
                       .model_name = {}}};
-    setup.scene = jobs[0].instants[0].primitives;
+    setup.scene = all_primitives(jobs[0], jobs[0].instants[0]);
     setup.background = jobs[0].background;
     setup.lighting = jobs[0].lighting;
   }

@@ -108,7 +108,7 @@ class Centres {
       return;
     }
     const int table_row = v + rays_.border_px;
-    prepare(scene, job_.lighting, job_.background, rays_, {table_row, table_row}, prepared_);
+    prepare(scene, job_, rays_, {table_row, table_row}, prepared_);
     const RowCaster::Seen seen = caster_.see_centres(table_row, prepared_);
     for (int u = 0; u < rays_.width_px; ++u) {
       const int column = u + rays_.border_px;
@@ -145,8 +145,9 @@ class Centres {
 
 }  // namespace
 
-GroundTruth make_ground_truth(const FrameJob& job, const CameraRays& rays,
+GroundTruth make_ground_truth(const FrameJob& given, const CameraRays& rays,
                               const effects::Projection& projection, const GlDevice* opengl) {
+  const FrameJob job = with_all_primitives(given);
   GroundTruth truth{.width_px = rays.width_px, .height_px = rays.height_px};
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   truth.label.assign(pixels, static_cast<uint8_t>(Label::background));

@@ -7,8 +7,8 @@
 
 #include "app/data_file.h"
 #include "effects/stages/robot_parts.h"
+#include "render/colour/colour_detector.h"
 #include "render/colour/colour_space.h"
-#include "render/colour/colour_table.h"
 #include "robot_sdk/vision/ball_detector.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
@@ -36,14 +36,14 @@ class BallRanger final : public measurement::RangeDetector {
  public:
   explicit BallRanger(const measurement::RangeDetectorSpec& spec)
       : robot_(Scenario::from_file(data_file("scenarios/ball_distance.yaml")).robots.front()),
-        table_(table_of(robot_, spec.colour_table)),
+        colours_(table_of(robot_, spec.colour_table)),
         width_px_(spec.width_px),
         height_px_(spec.height_px) {
     robot_.pose = {};
     // The size of the colour image, and where its first pixel lies.
     const render::Detections none =
-        table_.detect(std::vector<uint8_t>(static_cast<size_t>(width_px_) * height_px_ * 3),
-                      width_px_, height_px_);
+        colours_.detect(std::vector<uint8_t>(static_cast<size_t>(width_px_) * height_px_ * 3),
+                        width_px_, height_px_);
     colours_width_px_ = none.width_px, colours_height_px_ = none.height_px;
     left_px_ = (width_px_ - 2 * colours_width_px_) / 2,
     top_px_ = (height_px_ - 2 * colours_height_px_) / 2;
@@ -108,11 +108,11 @@ class BallRanger final : public measurement::RangeDetector {
   render::Detections detect(std::span<const uint8_t> rgb, int width_px, int height_px) const {
     std::vector<uint8_t> ycrcb(rgb.size());
     render::rgb_to_ycrcb(rgb, ycrcb);
-    return table_.detect(ycrcb, width_px, height_px);
+    return colours_.detect(ycrcb, width_px, height_px);
   }
 
   RobotSpec robot_;
-  render::ColourTable table_;
+  render::ColourDetector colours_;
   int width_px_, height_px_;
   int colours_width_px_ = 0, colours_height_px_ = 0;
   int left_px_ = 0, top_px_ = 0;

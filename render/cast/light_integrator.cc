@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "effects/stages/row_schedule.h"
+#include "render/cast/frame_scenes.h"
 #include "render/cast/parallel.h"
 #include "render/cast/scene_motion.h"
 #include "sim_core/base/error.h"
@@ -24,10 +25,10 @@ int fewest_instants(const RowSchedule& schedule) {
   return static_cast<int>(fewest);
 }
 
-// From one instant of a row to its next, in times of that between instants k and k + 1.
-double row_step(const FrameJob& job, size_t k) {
+// From one of `a_row` instants of a row to its next, in times of that between instants k and k + 1.
+double row_step(const FrameJob& job, int a_row, size_t k) {
   const SimDuration exposure = job.schedule.rows[0].end - job.schedule.rows[0].start;
-  const double step_ns = static_cast<double>(exposure.ns()) / fewest_instants(job.schedule);
+  const double step_ns = static_cast<double>(exposure.ns()) / a_row;
   const double span_ns =
       static_cast<double>((job.instants[k + 1].time - job.instants[k].time).ns());
   return span_ns > 0 ? step_ns / span_ns : 0;
@@ -41,7 +42,7 @@ int instants_wanted(const FrameJob& job, const RendererOptions& options, const M
   if (given < 2) return given;
   double fastest_px = 0;  // In the time between two instants of a row.
   for (size_t k = 0; k + 1 < job.instants.size(); ++k)
-    fastest_px = std::max(fastest_px, motion(k) * row_step(job, k));
+    fastest_px = std::max(fastest_px, motion(k) * row_step(job, given, k));
   const double factor = std::ceil(fastest_px / options.max_motion_px - 1e-9);
   if (!(factor > 1)) return given;
   return static_cast<int>(std::min<double>(factor * given, std::max(kMaxRefinedInstants, given)));
@@ -82,42 +83,34 @@ SampledInstants::SampledInstants(const FrameJob& job, const CameraRays& rays, in
   SEAM_CHECK(static_cast<int>(job.schedule.rows.size()) == rays.height_px, "{}",
              job.schedule.rows.size());
   refined_ = a_row > fewest_instants(job.schedule);
-  schedule_ = refined_ ? effects::schedule_of_windows(job.schedule.rows, a_row) : job.schedule;
-  rows_ = rows_that_see(schedule_, rays);
+  if (refined_) finer_ = effects::schedule_of_windows(job.schedule.rows, a_row);
+  fewest_a_row_ = fewest_instants(schedule());
+  rows_ = rows_that_see(schedule(), rays);
 }
 
 SampledInstants::SampledInstants(const FrameJob& job, const CameraRays& rays,
                                  const RendererOptions& options)
     : SampledInstants(job, rays, instants_wanted(job, options, [&](size_t k) {
-                        return image_motion_px(job.instants[k], job.instants[k + 1], rays.focal_px);
+                        return FrameScenes(job, rays).motion_px(k, 0);
                       })) {}
-
-int SampledInstants::fewest_a_row() const {
-  return fewest_instants(schedule_);
-}
 
 void SampledInstants::with_scene(int k, const std::function<void(const SceneInstant&)>& see) const {
   if (refined_)
-    see(scene_at(job_, schedule_.instants[k]));
+    see(scene_at(job_, finer_.instants[k]));
   else
     see(job_.instants[k]);
 }
 
 namespace {
 
-// Calls see(k, scene) for each instant.
-template <typename See>
+// Calls prepare(scenes, k, out) for each of the instants.
+template <typename Prepare>
 void prepare_scenes(const FrameJob& job, const CameraRays& rays, int threads, SamplingPlan& plan,
-                    const See& see) {
-  plan.scenes.resize(plan.instants.count());
+                    const Prepare& prepare) {
+  plan.scenes = std::vector<PreparedInstant>(static_cast<size_t>(plan.instants.count()));
   split_over_threads(threads, plan.instants.count(), [&](int begin, int end) {
-    for (int k = begin; k < end; ++k) {
-      plan.instants.with_scene(k, [&](const SceneInstant& scene) {
-        prepare(scene, job.lighting, job.background, rays, plan.instants.rows_of(k),
-                plan.scenes[k]);
-      });
-      see(k);
-    }
+    FrameScenes scenes(job, rays);
+    for (int k = begin; k < end; ++k) prepare(scenes, k, plan.scenes[k]);
   });
 }
 
@@ -125,22 +118,26 @@ void prepare_scenes(const FrameJob& job, const CameraRays& rays, int threads, Sa
 
 SamplingPlan plan_sampling(const FrameJob& job, const CameraRays& rays,
                            const RendererOptions& options) {
-  // Most frames need no instants but their own. These are prepared, and how far things move is
-  // bounded, in one go over the scenes, which are more than the caches near the processor hold.
+  // Most frames need no instants but their own.
   SamplingPlan plan{.instants = SampledInstants(job, rays, 0), .scenes = {}};
   std::vector<double> motion_px(job.instants.size());
-  prepare_scenes(job, rays, options.threads, plan, [&](int k) {
-    if (k == 0) return;
-    const SceneInstant &before = job.instants[k - 1], &here = job.instants[k];
-    double& motion = motion_px[k - 1];
-    motion = image_motion_bound_px(before, here, rays.focal_px);
-    if (motion * row_step(job, k - 1) > options.max_motion_px)
-      motion = image_motion_px(before, here, rays.focal_px);
-  });
+  prepare_scenes(job, rays, options.threads, plan,
+                 [&](FrameScenes& scenes, int k, PreparedInstant& out) {
+                   scenes.prepare_at(static_cast<size_t>(k), plan.instants.rows_of(k), out);
+                   if (k == 0) return;
+                   const auto before = static_cast<size_t>(k) - 1;
+                   const double step = row_step(job, plan.instants.fewest_a_row(), before);
+                   const double enough_px = step > 0 ? options.max_motion_px / step : 1e30;
+                   motion_px[before] = scenes.motion_px(before, enough_px);
+                 });
   const int wanted = instants_wanted(job, options, [&](size_t k) { return motion_px[k]; });
   if (wanted == plan.instants.fewest_a_row()) return plan;
   SamplingPlan refined{.instants = SampledInstants(job, rays, wanted), .scenes = {}};
-  prepare_scenes(job, rays, options.threads, refined, [](int) {});
+  prepare_scenes(job, rays, options.threads, refined,
+                 [&](FrameScenes& scenes, int k, PreparedInstant& out) {
+                   scenes.prepare_at(refined.instants.schedule().instants[k],
+                                     refined.instants.rows_of(k), out);
+                 });
   return refined;
 }
 

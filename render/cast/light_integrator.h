@@ -18,9 +18,9 @@ class SampledInstants {
   // At least so many a row, and no fewer than the job has.
   SampledInstants(const FrameJob& job, const CameraRays& rays, int a_row);
 
-  const RowSchedule& schedule() const { return schedule_; }
-  int count() const { return static_cast<int>(schedule_.instants.size()); }
-  int fewest_a_row() const;
+  const RowSchedule& schedule() const { return refined_ ? finer_ : job_.schedule; }
+  int count() const { return static_cast<int>(schedule().instants.size()); }
+  int fewest_a_row() const { return fewest_a_row_; }
   // Rows of rays that sample this instant, from the first to the last; rows of the border go with
   // the nearest row of the image.
   RowRange rows_of(int k) const { return rows_[k]; }
@@ -29,7 +29,8 @@ class SampledInstants {
  private:
   const FrameJob& job_;
   bool refined_ = false;
-  RowSchedule schedule_;
+  RowSchedule finer_;
+  int fewest_a_row_ = 0;
   std::vector<RowRange> rows_;
 };
 

@@ -88,7 +88,7 @@ Vec3 at_near_plane(const Vec3& from, const Vec3& to) {
   return cut;
 }
 
-void add_edge(const Vec3& p, const Vec3& q, Bounds& bounds, std::vector<OutlineEdge>& edges) {
+void add_edge(const Vec3& p, const Vec3& q, Bounds& bounds, std::pmr::vector<OutlineEdge>& edges) {
   const double px = p.x / p.z, py = p.y / p.z, qx = q.x / q.z, qy = q.y / q.z;
   bounds.add(px, py), bounds.add(qx, qy);
   OutlineEdge edge{static_cast<float>(px), static_cast<float>(py), static_cast<float>(qx),
@@ -103,7 +103,7 @@ void add_edge(const Vec3& p, const Vec3& q, Bounds& bounds, std::vector<OutlineE
 }
 
 // The rectangle's outline, cut off at the near plane.
-Bounds rectangle_bounds(const Pose& X_CO, const Vec3& size, std::vector<OutlineEdge>& edges) {
+Bounds rectangle_bounds(const Pose& X_CO, const Vec3& size, std::pmr::vector<OutlineEdge>& edges) {
   const Vec3 a = 0.5 * size.x * X_CO.R[0], b = 0.5 * size.y * X_CO.R[1];
   const Vec3 corners[4] = {X_CO.p - a - b, X_CO.p + a - b, X_CO.p + a + b, X_CO.p - a + b};
   Vec3 outline[8];
@@ -121,7 +121,7 @@ Bounds rectangle_bounds(const Pose& X_CO, const Vec3& size, std::vector<OutlineE
 
 // The box's outline, cut off at the near plane: edges between a face that looks at the camera and
 // one that does not, and where the near plane cuts faces that do.
-Bounds box_bounds(const Pose& X_CO, const Vec3& half, std::vector<OutlineEdge>& edges) {
+Bounds box_bounds(const Pose& X_CO, const Vec3& half, std::pmr::vector<OutlineEdge>& edges) {
   bool faces_camera[3][2];
   bool inside = true;
   for (int axis = 0; axis < 3; ++axis) {
@@ -168,7 +168,7 @@ Bounds box_bounds(const Pose& X_CO, const Vec3& half, std::vector<OutlineEdge>& 
 
 // Of a capsule, its sweep too where both its balls are in front of the camera.
 Bounds capsule_bounds(const Vec3& foot_C, const Vec3& top_C, double radius,
-                      std::vector<Sweep>& sweeps) {
+                      std::pmr::vector<Sweep>& sweeps) {
   const Bounds foot = sphere_bounds(foot_C, radius), top = sphere_bounds(top_C, radius);
   Bounds both = foot;
   both.add(top);
@@ -185,7 +185,7 @@ Bounds capsule_bounds(const Vec3& foot_C, const Vec3& top_C, double radius,
 
 Bounds bounds_of(const Primitive& primitive, const Pose& X_CO, PreparedInstant& out) {
   const Vec3& size = primitive.size;
-  std::vector<OutlineEdge>& edges = out.outline_edges;
+  std::pmr::vector<OutlineEdge>& edges = out.outline_edges;
   switch (primitive.shape) {
     case Shape::rectangle:
       return rectangle_bounds(X_CO, size, edges);
@@ -262,30 +262,6 @@ uint32_t signature_of(const Primitive& primitive, size_t source, const Lighting&
 
 }  // namespace
 
-Vec3 bounding_centre(const Primitive& primitive) {
-  const bool stands = primitive.shape == Shape::cylinder || primitive.shape == Shape::capsule;
-  return {0, 0, stands ? 0.5 * primitive.size.z : 0};
-}
-
-double bounding_radius(const Primitive& primitive) {
-  const Vec3& size = primitive.size;
-  switch (primitive.shape) {
-    case Shape::rectangle:
-      return 0.5 * std::sqrt(size.x * size.x + size.y * size.y);
-    case Shape::sphere:
-      return size.x;
-    case Shape::cylinder:
-      return std::sqrt(size.x * size.x + 0.25 * size.z * size.z);
-    case Shape::capsule:
-      return size.x + 0.5 * size.z;
-    case Shape::box:
-      return 0.5 * std::sqrt(glm::dot(size, size));
-    case Shape::mesh:
-      return size.x;
-  }
-  return 0;
-}
-
 bool may_be_seen(const Vec3& centre_C, double radius, const CameraRays& rays, RowRange rows) {
   return !outside_view(centre_C, radius, rays, rows);
 }
@@ -301,17 +277,18 @@ void PreparedInstant::reserve(size_t primitives) {
   outline_edges.reserve(4 * primitives), sweeps.reserve(primitives);
 }
 
-void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
+void prepare(const Pose& X_WC, std::span<const Shown> shown, const FrameJob& job,
              const CameraRays& rays, RowRange rows, PreparedInstant& out) {
+  const Lighting& lighting = job.lighting;
   out.clear();
-  // About as many as a few rows see.
+  // About as many as a few rows see, for which PreparedInstant::memory is enough.
   out.reserve(32);
-  out.colours.push_back(colour_of(background));
+  out.colours.push_back(colour_of(job.background));
   out.signatures.push_back(0);
-  const Pose X_CW = instant.X_WC.inverse();
+  const Pose X_CW = X_WC.inverse();
   const Vec3 light_C = X_CW.R * lighting.direction_W;
-  for (size_t source = 0; source < instant.primitives.size(); ++source) {
-    const Primitive& primitive = instant.primitives[source];
+  for (const auto& [source, place] : shown) {
+    const Primitive& primitive = *source;
     if (primitive.shape == Shape::mesh) continue;  // Triangles are OpenGL's alone.
     const Vec3 centre_C = X_CW * (primitive.X_WO * bounding_centre(primitive));
     if (outside_view(centre_C, loose_radius(primitive), rays, rows) ||
@@ -336,9 +313,18 @@ void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& b
     out.kinds.push_back(static_cast<uint8_t>(primitive.shape));
     out.footprints.push_back(footprint);
     out.colours.push_back(colour_of(primitive.rgb));
-    out.signatures.push_back(signature_of(primitive, source, lighting));
-    out.sources.push_back(static_cast<int>(source));
+    out.signatures.push_back(signature_of(primitive, static_cast<size_t>(place), lighting));
+    out.sources.push_back(place);
   }
+}
+
+void prepare(const SceneInstant& instant, const FrameJob& job, const CameraRays& rays,
+             RowRange rows, PreparedInstant& out) {
+  std::vector<Shown> all;
+  all.reserve(instant.primitives.size());
+  for (size_t i = 0; i < instant.primitives.size(); ++i)
+    all.push_back({&instant.primitives[i], static_cast<int>(i)});
+  prepare(instant.X_WC, all, job, rays, rows, out);
 }
 
 }  // namespace seam::render

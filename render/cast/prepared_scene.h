@@ -2,11 +2,14 @@
 // conservative bounds of where the image can show them.
 #pragma once
 
+#include <memory_resource>
+#include <span>
 #include <vector>
 
 #include "render/cast/cast_kernels.h"
 #include "render/cast/ray_table.h"
-#include "sim_core/scene/scene.h"
+#include "sim_core/scene/bounding_ball.h"
+#include "sim_core/scene/frame.h"
 
 namespace seam::render {
 
@@ -36,17 +39,19 @@ struct Footprint {
 };
 
 struct PreparedInstant {
-  std::vector<CastShape>
-      shapes;  // Visible ones, in the scene's order; CastShape::id is the place here.
-  std::vector<uint8_t> kinds;  // Shape of each, as the kernels count them.
-  std::vector<Footprint> footprints;
+  // Of all that follows, taken in one piece: a frame has many instants.
+  std::pmr::monotonic_buffer_resource memory{9 << 10};
+  // Visible ones, in the scene's order; CastShape::id is the place here.
+  std::pmr::vector<CastShape> shapes{&memory};
+  std::pmr::vector<uint8_t> kinds{&memory};  // Shape of each, as the kernels count them.
+  std::pmr::vector<Footprint> footprints{&memory};
   // Place 0 is the background; a hit's id + 1 is its place.
-  std::vector<Colour> colours;
+  std::pmr::vector<Colour> colours{&memory};
   // Equal for hits that look the same: of one colour, or with Lambert's law of one primitive.
-  std::vector<uint32_t> signatures;
-  std::vector<int> sources;  // Places in SceneInstant::primitives.
-  std::vector<OutlineEdge> outline_edges;
-  std::vector<Sweep> sweeps;
+  std::pmr::vector<uint32_t> signatures{&memory};
+  std::pmr::vector<int> sources{&memory};  // Places among the instant's primitives.
+  std::pmr::vector<OutlineEdge> outline_edges{&memory};
+  std::pmr::vector<Sweep> sweeps{&memory};
 
   void clear();
   void reserve(size_t primitives);
@@ -61,12 +66,15 @@ struct RowRange {
 // Whether these rows can see anything of a ball about this point, in the camera's frame.
 bool may_be_seen(const Vec3& centre_C, double radius, const CameraRays& rays, RowRange rows);
 
-// What these rows can see.
-void prepare(const SceneInstant& instant, const Lighting& lighting, const Rgb& background,
+// What these rows can see of some of an instant's primitives, which come in their order.
+struct Shown {
+  const Primitive* primitive;
+  int place;  // Among all of the instant.
+};
+void prepare(const Pose& X_WC, std::span<const Shown> shown, const FrameJob& job,
              const CameraRays& rays, RowRange rows, PreparedInstant& out);
-
-// A ball about a primitive, in its own frame.
-Vec3 bounding_centre(const Primitive& primitive);
-double bounding_radius(const Primitive& primitive);
+// The same of all, for an instant that has nothing but primitives.
+void prepare(const SceneInstant& instant, const FrameJob& job, const CameraRays& rays,
+             RowRange rows, PreparedInstant& out);
 
 }  // namespace seam::render

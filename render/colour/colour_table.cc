@@ -9,10 +9,6 @@
 namespace seam::render {
 namespace {
 
-bool inside(const ColourRange& range, int cr, int cb) {
-  return cr >= range.cr_min && cr <= range.cr_max && cb >= range.cb_min && cb <= range.cb_max;
-}
-
 uint8_t read_byte(const ConfigNode& node) {
   return static_cast<uint8_t>(node.integer(0, 255));
 }
@@ -98,36 +94,6 @@ std::string ColourTable::to_yaml() const {
                            range.cb_min, range.cb_max);
     }
     out += lines.empty() ? " []\n" : "\n" + lines;
-  }
-  return out;
-}
-
-uint8_t ColourTable::bits_of(uint8_t y, uint8_t cr, uint8_t cb) const {
-  uint8_t bits = 0;
-  for (int channel = 0; channel < kColourChannels; ++channel) {
-    if (inside(channels_[channel][y / 8], cr, cb))
-      bits = static_cast<uint8_t>(bits | (1u << channel));
-  }
-  return bits;
-}
-
-Detections ColourTable::detect(std::span<const uint8_t> ycrcb, int width_px, int height_px) const {
-  SEAM_CHECK(ycrcb.size() == static_cast<size_t>(width_px) * height_px * 3, "{}", ycrcb.size());
-  Detections out{.width_px = width_px >= 16 ? width_px / 2 / 8 * 8 : width_px / 2,
-                 .height_px = height_px / 2,
-                 .bits = {}};
-  const int left = (width_px - 2 * out.width_px) / 2, top = (height_px - 2 * out.height_px) / 2;
-  for (int v = 0; v < out.height_px; ++v) {
-    for (int u = 0; u < out.width_px; ++u) {
-      int sum[3] = {2, 2, 2};
-      for (int k = 0; k < 4; ++k) {
-        const size_t pixel =
-            static_cast<size_t>(top + 2 * v + k / 2) * width_px + left + 2 * u + k % 2;
-        for (int c = 0; c < 3; ++c) sum[c] += ycrcb[3 * pixel + c];
-      }
-      out.bits.push_back(bits_of(static_cast<uint8_t>(sum[0] / 4), static_cast<uint8_t>(sum[1] / 4),
-                                 static_cast<uint8_t>(sum[2] / 4)));
-    }
   }
   return out;
 }

@@ -1,6 +1,5 @@
 // The colour detection table of OPEN-R's imager: for each of 8 channels and each of 32 segments of
-// Y (Y / 8), the ranges of Cr and Cb that belong to the channel's colour. A pixel's byte carries
-// one bit a channel, and may carry several.
+// Y (Y / 8), the ranges of Cr and Cb that belong to the channel's colour.
 #pragma once
 
 #include <array>
@@ -28,14 +27,6 @@ struct ColourRange {
   bool operator==(const ColourRange&) const = default;
 };
 
-// Detections of one frame, one byte a pixel: `width_px` is half the frame's, down to a multiple of
-// 8 (88 for 176 or 178), `height_px` half the frame's.
-struct Detections {
-  int width_px = 0;
-  int height_px = 0;
-  std::vector<uint8_t> bits;
-};
-
 class ColourTable {
  public:
   using Segments = std::array<ColourRange, kLumaSegments>;
@@ -47,11 +38,6 @@ class ColourTable {
 
   const Segments& channel(int index) const { return channels_[index]; }
   Segments& channel(int index) { return channels_[index]; }
-
-  uint8_t bits_of(uint8_t y, uint8_t cr, uint8_t cb) const;
-  // Of a frame's interleaved Y, Cr, Cb; each output pixel is the mean of 2x2 (the imager's middle
-  // layer), taken about the frame's centre.
-  Detections detect(std::span<const uint8_t> ycrcb, int width_px, int height_px) const;
 
  private:
   std::array<Segments, kColourChannels> channels_{};

@@ -108,7 +108,7 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
       context->begin_page(page.width, page.height, look);
       for (const gl::Band& band : page.bands) {
         instants.with_scene(band.instant, [&](const SceneInstant& scene) {
-          prepare(scene, job.lighting, job.background, rays, band.rows, prepared);
+          prepare(scene, job, rays, band.rows, prepared);
           const gl::BandPlace place{band, page, plan.scale, view};
           gl::add_shapes(prepared, scene, layers, place, rays, job.lighting.lambert, palette,
                          on_page);
@@ -122,8 +122,9 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
   }
 }
 
-void GlDevice::integrate_light(const FrameJob& job, const CameraRays& rays,
+void GlDevice::integrate_light(const FrameJob& given, const CameraRays& rays,
                                const RendererOptions& options, LinearImage& image) const {
+  const FrameJob job = with_all_primitives(given);
   const SampledInstants instants(job, rays, options);
   for (auto& plane : image.planes) std::fill(plane.begin(), plane.end(), 0.0f);
   gl::PageLook look;
@@ -143,7 +144,8 @@ void GlDevice::integrate_light(const FrameJob& job, const CameraRays& rays,
                     });
 }
 
-GlDevice::Centres GlDevice::see_centres(const FrameJob& job, const CameraRays& rays) const {
+GlDevice::Centres GlDevice::see_centres(const FrameJob& given, const CameraRays& rays) const {
+  const FrameJob job = with_all_primitives(given);
   // The texel that holds a centre is at most this part of a pixel away from it.
   constexpr int kSamples = 8;
   const SampledInstants instants(job, rays, {});

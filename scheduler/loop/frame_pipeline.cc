@@ -105,6 +105,7 @@ FramePipeline::InProgress FramePipeline::begin(int robot, int64_t tick, SimTime 
   job.frame_index = static_cast<uint64_t>(tick);
   job.stamp = stamp;
   job.schedule = std::move(schedule);
+  job.scenery = world_.scenery();
   job.background = world_.background();
   job.lighting = world_.lighting();
   job.camera_noise = camera.noise;
@@ -136,16 +137,12 @@ void FramePipeline::push_next(int robot, InProgress& frame) {
 }
 
 void FramePipeline::record(int robot, InProgress& frame, const Sample& sample) {
-  const Pose X_WC =
-      world_.camera_link_pose(static_cast<size_t>(robot), sample.time) * cameras_[robot].X_LC;
-  if (sample.row >= 0) {
-    frame.job->row_cameras[sample.row] = X_WC;
-    return;
-  }
-  SceneInstant& instant = frame.job->instants[sample.instant];
-  instant.time = sample.time;
-  instant.X_WC = X_WC;
-  world_.primitives_at(sample.time, instant.primitives, static_cast<size_t>(robot));
+  const auto viewer = static_cast<size_t>(robot);
+  const Pose& X_LC = cameras_[robot].X_LC;
+  if (sample.row >= 0)
+    frame.job->row_cameras[sample.row] = world_.camera_link_pose(viewer, sample.time) * X_LC;
+  else
+    frame.job->instants[sample.instant] = world_.view_of(viewer, sample.time, X_LC);
 }
 
 void FramePipeline::sample(int robot, const EventKey& key) {

@@ -58,7 +58,7 @@ class HashRenderer final : public FrameRenderer {
     for (const SceneInstant& instant : job.instants) {
       hasher.add(instant.time.ns());
       for (int k = 0; k < 3; ++k) hasher.add(instant.X_WC.p[k]);
-      for (const Primitive& primitive : instant.primitives)
+      for (const Primitive& primitive : all_primitives(job, instant))
         for (int k = 0; k < 3; ++k) hasher.add(primitive.X_WO.p[k]);
     }
     Frame frame{.robot = job.robot,

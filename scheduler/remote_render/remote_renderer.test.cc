@@ -222,7 +222,8 @@ TEST(RenderWire, WhatIsNoWholeJobIsRefusedWithTheField) {
   RemoteRun run;
   const RenderSetup& setup = run.remote->setup();
   FrameJob job{.schedule = run.local.schedule(0, 0, SimTime())};
-  for (const SimTime time : job.schedule.instants) job.instants.push_back({time, {}, setup.scene});
+  for (const SimTime time : job.schedule.instants)
+    job.instants.push_back({time, {}, setup.scene, {}});
   v1::RenderJob good;
   job_to_wire(setup, 1, 0, job, good);
   EXPECT_EQ(good.instants(0).replaced_size() + good.instants(0).moved_size(),

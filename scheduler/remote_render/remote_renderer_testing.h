@@ -57,7 +57,7 @@ class PixelRenderer final : public FrameRenderer {
     Hasher common;
     for (const RandomStream& noise : {job.camera_noise, job.frame_noise})
       common.add(noise.seed), common.add(noise.stream);
-    for (const SceneInstant& instant : job.instants) add(instant, common);
+    for (const SceneInstant& instant : with_all_primitives(job).instants) add(instant, common);
     add_doubles(&job.background[0], 3, common);
     Frame frame{.robot = job.robot,
                 .frame_index = job.frame_index,

@@ -83,13 +83,13 @@ Primitive primitive_from_wire(const v1::ScenePrimitive& wire) {
           .asset = wire.asset()};
 }
 
-void instant_to_wire(const std::vector<Primitive>& before, const SceneInstant& instant,
-                     v1::RenderInstant& wire) {
+void instant_to_wire(const std::vector<Primitive>& before, const std::vector<Primitive>& primitives,
+                     const SceneInstant& instant, v1::RenderInstant& wire) {
   wire.set_time_ns(instant.time.ns());
   add_pose(instant.X_WC, *wire.mutable_camera());
-  wire.set_primitives(static_cast<uint32_t>(instant.primitives.size()));
-  for (size_t i = 0; i < instant.primitives.size(); ++i) {
-    const Primitive& now = instant.primitives[i];
+  wire.set_primitives(static_cast<uint32_t>(primitives.size()));
+  for (size_t i = 0; i < primitives.size(); ++i) {
+    const Primitive& now = primitives[i];
     if (i >= before.size() || !same_part(before[i], now)) {
       wire.add_replaced(static_cast<uint32_t>(i));
       primitive_to_wire(now, *wire.add_with());
@@ -109,7 +109,7 @@ SceneInstant instant_from_wire(const std::vector<Primitive>& before,
   if (count > kMaxPrimitives)
     throw InputError(
         fmt::format("primitives: found {}, expected at most {}", count, kMaxPrimitives));
-  SceneInstant instant{SimTime::from_ns(wire.time_ns()), pose_at(wire.camera(), 0), before};
+  SceneInstant instant{SimTime::from_ns(wire.time_ns()), pose_at(wire.camera(), 0), before, {}};
   instant.primitives.resize(count);
   const auto place = [&](const char* field, uint32_t index) -> Primitive& {
     if (index >= count)
@@ -223,10 +223,11 @@ void job_to_wire(const RenderSetup& setup, uint64_t number, int robot, const Fra
   wire.set_frame_index(job.frame_index);
   wire.set_stamp_ns(job.stamp.ns());
   schedule_to_wire(job.schedule, wire);
-  const std::vector<Primitive>* before = &setup.scene;
+  std::vector<Primitive> before = setup.scene;
   for (const SceneInstant& instant : job.instants) {
-    instant_to_wire(*before, instant, *wire.add_instants());
-    before = &instant.primitives;
+    std::vector<Primitive> here = all_primitives(job, instant);
+    instant_to_wire(before, here, instant, *wire.add_instants());
+    before = std::move(here);
   }
   for (const RandomStream& noise : {job.camera_noise, job.frame_noise}) {
     wire.add_noise(noise.seed);

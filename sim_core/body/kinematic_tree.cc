@@ -154,6 +154,18 @@ double KinematicTree::reach_m() const {
   return most;
 }
 
+double KinematicTree::motion_bound_m(const JointAngles& a, const JointAngles& b,
+                                     double reach_m) const {
+  double sum = 0;
+  for (size_t place = 1; place < links.size(); ++place) {
+    const JointMotion motion = links[place].motion;
+    if (motion == JointMotion::fixed) continue;
+    const double moved = std::abs(angle_of(place, b) - angle_of(place, a));
+    sum += motion == JointMotion::turn ? reach_m * moved : moved;
+  }
+  return sum;
+}
+
 void describe(ConfigTable& table, TreeLink& link) {
   table.text({"name", "Its name.", true}, link.name);
   table.text({"parent", "The link that it hangs on, which stands before it; the first has none."},

@@ -59,6 +59,8 @@ class KinematicTree {
   Pose camera_link_pose(const JointAngles& joints) const;
   // No link's origin is ever farther from the root's, m.
   double reach_m() const;
+  // No point within `reach_m` of all axes before it moves further between these angles.
+  double motion_bound_m(const JointAngles& a, const JointAngles& b, double reach_m) const;
 
  private:
   struct Connection {

@@ -29,12 +29,14 @@ struct RowSchedule {
       weights;  // For each row; weights[row][k] is of instant first + k.
 };
 
-// Everything a renderer needs to make one frame, and nothing of the live world.
+// Everything a renderer needs to make one frame, and nothing of the live world but its figures,
+// which do not change and must outlive the job.
 struct FrameJob {
   std::string robot;         // Whose camera, and with it which model.
   uint64_t frame_index = 0;  // By the camera's clock.
   SimTime stamp;             // Start of row 0 by the camera's clock.
   RowSchedule schedule;
+  std::vector<Primitive> scenery;      // What stands still, in front of the instants' primitives.
   std::vector<SceneInstant> instants;  // One for each of schedule.instants, in that order.
   std::vector<Pose>
       row_cameras;  // X_WC at the middle of each row's window; empty unless asked for.
@@ -43,6 +45,11 @@ struct FrameJob {
   RandomStream camera_noise;  // Of this camera: fixed patterns are drawn from it alone.
   RandomStream frame_noise;   // Of this frame: camera_noise.child("frame").child(frame_index).
 };
+
+// All primitives of one of the job's instants in their order: scenery, primitives, figures' parts.
+std::vector<Primitive> all_primitives(const FrameJob& job, const SceneInstant& instant);
+// The same job with all of them in its instants' primitives.
+FrameJob with_all_primitives(FrameJob job);
 
 struct Frame {
   std::string robot;

@@ -63,11 +63,38 @@ struct Lighting {
   double diffuse = 0;
 };
 
+// Where a figure is and how it holds its joints: all its parts' places follow from it.
+struct Posture {
+  Vec3 turn_rad{0.0};  // R_WB = Rz(z) Ry(y) Rx(x).
+  Vec3 p_WB{0.0};
+  std::array<double, 15> joints_rad{};  // As JointAngles.
+};
+
+// What moves by its joints: a robot. A frame samples its light at many instants, at most of which
+// few robots are in view; so instants hold postures, and parts are placed where they may be seen.
+class Figure {
+ public:
+  virtual ~Figure() = default;
+  // How many `add_parts` appends, always the same shapes in the same order.
+  virtual size_t part_count() const = 0;
+  virtual void add_parts(const Posture& posture, std::vector<Primitive>& out) const = 0;
+  // No point of the balls about its parts (bounding_ball.h) is ever farther from p_WB.
+  virtual double radius_m() const = 0;
+  // No point of these balls is farther from where it is in the other posture.
+  virtual double motion_bound_m(const Posture& a, const Posture& b) const = 0;
+};
+
+struct FigureAt {
+  const Figure* figure;
+  Posture posture;
+};
+
 // Everything that light-sampling needs at one instant.
 struct SceneInstant {
   SimTime time;
   Pose X_WC;  // Camera frame C (x right, y down, z forward) in the world.
   std::vector<Primitive> primitives;
+  std::vector<FigureAt> figures;  // Their parts follow the primitives, in this order.
 };
 
 // A scene as a function of continuous time.

@@ -5,6 +5,7 @@
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/world/robot_figure.h"
 
 namespace seam {
 namespace {
@@ -70,10 +71,6 @@ void PlanarTrack::visit(StateVisitor& visitor) {
 Robot::Robot(const RobotSpec& spec, const RobotPartsFactory& parts, RandomStream stream,
              size_t substeps)
     : spec_(&spec), reach_m_(reach_of(spec.body)) {
-  for (const BodyPart& part : spec.body.parts) {
-    part_poses_.push_back(
-        {rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z), part.centre_m});
-  }
   const JointAngles initial = joints_at_start(spec);
   for (size_t j = 0; j < spec.body.joint_count(); ++j) {
     joints_.push_back(parts.joint(spec, static_cast<int>(j), initial[j],
@@ -246,13 +243,23 @@ SensorTruth Robot::sense(SimTime time, double fraction, SimDuration interval) co
   return truth;
 }
 
-Pose Robot::body_pose(const Pose2& place, double fraction) const {
+Posture Robot::posture(const Pose2& place, double fraction, SimTime time) const {
+  Posture posture = body_posture(place, fraction);
+  posture.joints_rad = joint_angles(time);
+  return posture;
+}
+
+Posture Robot::body_posture(const Pose2& place, double fraction) const {
   const double f = std::clamp(fraction, 0.0, 1.0);
   const auto between = [f](double a, double b) { return a + f * (b - a); };
   const Attitude &a = attitude_[0], &b = attitude_[1];
-  return {rotation_zyx(between(a.roll_rad, b.roll_rad), between(a.pitch_rad, b.pitch_rad),
-                       place.theta_rad),
-          {place.x_m, place.y_m, between(a.height_m, b.height_m)}};
+  return {.turn_rad = {between(a.roll_rad, b.roll_rad), between(a.pitch_rad, b.pitch_rad),
+                       place.theta_rad},
+          .p_WB = {place.x_m, place.y_m, between(a.height_m, b.height_m)}};
+}
+
+Pose Robot::body_pose(const Pose2& place, double fraction) const {
+  return body_pose_of(body_posture(place, fraction));
 }
 
 void Robot::place(const Pose2& pose) {

@@ -68,10 +68,10 @@ class Robot {
   // The body on its paws over its place on the ground, at this fraction of the interval: height,
   // pitch and sway follow from the legs at the interval's ends, straight between.
   Pose body_pose(const Pose2& place, double fraction) const;
+  // All that a picture shows of it then.
+  Posture posture(const Pose2& place, double fraction, SimTime time) const;
 
   void place(const Pose2& pose);
-  // X_LinkPart of each part of the body file.
-  const std::vector<Pose>& part_poses() const { return part_poses_; }
   // Where the paws are in the body's frame.
   std::array<Vec3, kLegs> paws(SimTime time) const;
   // What the sensors would measure, at `fraction` of the interval.
@@ -95,11 +95,11 @@ class Robot {
     return time < kick_end_ && (kick_joints_ >> joint & 1) != 0;
   }
   Attitude attitude(SimTime time) const;
+  Posture body_posture(const Pose2& place, double fraction) const;  // Without joints.
   void command_gait(SimTime start, SimTime end);
   double top_speed(int joint) const;
 
   const RobotSpec* spec_;
-  std::vector<Pose> part_poses_;
   double reach_m_;
   std::vector<std::unique_ptr<JointActuator>> joints_;
   std::unique_ptr<LocomotionModel> locomotion_;

@@ -12,7 +12,6 @@
 namespace seam {
 namespace {
 
-constexpr uint16_t kFirstFieldId = 2000;
 constexpr double kLimbDistance =
     0.45;  // Paws and heads of robots nearer to the ball can push it, m.
 // The front of the head, in its frame, as a disc seen from above.
@@ -72,8 +71,7 @@ World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
   const BallSpec& ball = scenario.ball;
   bodies.ball = {ball.x_m, ball.y_m, 0, ball.vx_mps, ball.vy_mps, 0};
   ball_points.assign(substeps + 1, Vec3(ball.x_m, ball.y_m, 0.5 * ball.diameter_m));
-  if (scenario.has_field) fixed = field_primitives(scenario.field, kFirstFieldId);
-  make_objects();
+  make_scenery();
 }
 
 double World::Impl::fraction(SimTime time) const {

@@ -84,11 +84,14 @@ class World {
   // X_WL: the last link of the head at the camera (x along the optical axis, y left, z up). The
   // camera's pose is X_WC = X_WL * effects::mount_of(model).
   Pose camera_link_pose(size_t robot, SimTime time) const;
-  // Field, objects, ball and robots, in this order, appended to `out`. Of the robot whose camera
-  // looks, the head is left out: the camera sits in it. Robots behind that camera are left out,
-  // too.
-  void primitives_at(SimTime time, std::vector<Primitive>& out,
-                     std::optional<size_t> viewer = {}) const;
+  // Field, objects, ball and robots, in this order, appended to `out`.
+  void primitives_at(SimTime time, std::vector<Primitive>& out) const;
+  // What of them stands still: the first ones.
+  const std::vector<Primitive>& scenery() const;
+  // What of the others a robot's camera, at X_LC in the last link of its head, has before it. Its
+  // own head is left out, for the camera sits in it, and so are robots behind the camera. The
+  // figures are the world's.
+  SceneInstant view_of(size_t robot, SimTime time, const Pose& X_LC) const;
   Rgb background() const { return scenario().background_rgb; }
   Lighting lighting() const { return scenario().lighting; }
 

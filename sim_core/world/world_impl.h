@@ -6,6 +6,7 @@
 #include "sim_core/world/ball_play.h"
 #include "sim_core/world/physics.h"
 #include "sim_core/world/robot.h"
+#include "sim_core/world/robot_figure.h"
 #include "sim_core/world/world.h"
 
 namespace seam {
@@ -28,10 +29,10 @@ class World::Impl {
   SimTime sampled_until() const { return end == start ? SimTime::from_ns(-1) : start; }
   std::vector<Pose2> places(SimTime time) const;
 
-  void make_objects();
+  void make_scenery();
   void add_objects(SimTime time, std::vector<Primitive>& out) const;
   void add_ball(SimTime time, std::vector<Primitive>& out) const;
-  void add_robot(size_t robot, SimTime time, bool is_viewer, std::vector<Primitive>& out) const;
+  Posture posture_of(size_t robot, SimTime time) const;
   bool behind(const Pose& X_WL, size_t robot, SimTime time) const;
 
   // Calls `section(name, visit)` for each part of the state, in the stated order.
@@ -66,12 +67,14 @@ class World::Impl {
   BallPlay ball_play;
   Referee referee;
   Radio radio;
-  std::vector<Primitive> fixed;  // The field.
+  std::vector<Primitive> scenery;  // The field, and objects up to the first that moves.
   struct MovingPart {
     Primitive at_zero;
     Vec3 velocity_mps;
   };
-  std::vector<MovingPart> objects;  // The scenario's.
+  std::vector<MovingPart> objects;       // The scenario's, from the first that moves on.
+  std::vector<RobotFigure> figures;      // Of each robot as others see it,
+  std::vector<RobotFigure> own_figures;  // and as its own camera does.
   std::vector<WorldEvent> events;
 
  private:

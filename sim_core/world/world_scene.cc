@@ -10,26 +10,27 @@ namespace {
 constexpr uint16_t kBallId = 1;
 constexpr uint16_t kFirstRobotId = 2;
 constexpr uint16_t kFirstObjectId = 100;
-
-// What holds the camera is not in its pictures.
-bool is_behind_lens(const RobotBody& body, const BodyPart& part) {
-  if (body.tree.present()) return !body.tree.sees_own_link && part.link == body.tree.camera_place();
-  const auto link = static_cast<Link>(part.link);
-  return link == Link::head || link == Link::neck;
-}
-
-Label uniform_label(Team team) {
-  return team == Team::red ? Label::robot_red : Label::robot_blue;
-}
+constexpr uint16_t kFirstFieldId = 2000;
 
 }  // namespace
 
-void World::Impl::make_objects() {
+void World::Impl::make_scenery() {
+  if (scenario.has_field) scenery = field_primitives(scenario.field, kFirstFieldId);
   uint16_t id = kFirstObjectId;
   for (const ObjectSpec& object : scenario.objects) {
-    for (const Primitive& part : primitives_of(object, id))
-      objects.push_back({part, object.velocity_mps});
+    const bool stands = objects.empty() && object.velocity_mps == Vec3(0.0);
+    for (const Primitive& part : primitives_of(object, id)) {
+      if (stands)
+        scenery.push_back(part);
+      else
+        objects.push_back({part, object.velocity_mps});
+    }
     ++id;
+  }
+  for (size_t i = 0; i < robots.size(); ++i) {
+    const auto robot_id = static_cast<uint16_t>(kFirstRobotId + i);
+    figures.emplace_back(robots[i].spec(), robot_id, RobotFigure::Parts::all);
+    own_figures.emplace_back(robots[i].spec(), robot_id, RobotFigure::Parts::before_own_lens);
   }
 }
 
@@ -50,28 +51,8 @@ void World::Impl::add_ball(SimTime time, std::vector<Primitive>& out) const {
                  .rgb = scenario.field.colours.orange});
 }
 
-void World::Impl::add_robot(size_t index, SimTime time, bool is_viewer,
-                            std::vector<Primitive>& out) const {
-  const Robot& robot = robots[index];
-  const RobotSpec& spec = robot.spec();
-  const Pose X_WB = robot.body_pose(robot.track.at(fraction(time)), fraction(time));
-  auto X_WLinks = link_poses(spec.body, robot.joint_angles(time));
-  for (Pose& X : X_WLinks) X = X_WB * X;
-  const Rgb& uniform = spec.team == Team::red ? spec.body.red_rgb : spec.body.blue_rgb;
-  for (size_t i = 0; i < spec.body.parts.size(); ++i) {
-    const BodyPart& part = spec.body.parts[i];
-    if (is_viewer && is_behind_lens(spec.body, part)) continue;
-    const bool team = part.paint == Paint::team;
-    out.push_back({.shape = part.shape,
-                   .label = team ? uniform_label(spec.team) : Label::robot_body,
-                   .object_id = static_cast<uint16_t>(kFirstRobotId + index),
-                   .X_WO = X_WLinks[part.link] * robot.part_poses()[i],
-                   .size = part.size_m,
-                   .rgb = team                       ? uniform
-                          : part.paint == Paint::own ? part.rgb
-                                                     : spec.body.body_rgb,
-                   .asset = part.asset});
-  }
+Posture World::Impl::posture_of(size_t robot, SimTime time) const {
+  return robots[robot].posture(robots[robot].track.at(fraction(time)), fraction(time), time);
 }
 
 // Whether a robot stands wholly behind the camera, with a margin for lenses that look sideways.
@@ -81,20 +62,31 @@ bool World::Impl::behind(const Pose& X_WL, size_t robot, SimTime time) const {
   return p_L.x < -robots[robot].reach_m();
 }
 
-void World::primitives_at(SimTime time, std::vector<Primitive>& out,
-                          std::optional<size_t> viewer) const {
-  // This is called for each instant of each frame.
-  size_t parts = 0;
-  for (const Robot& robot : impl_->robots) parts += robot.spec().body.parts.size();
-  out.reserve(out.size() + impl_->fixed.size() + parts + 16);
-  out.insert(out.end(), impl_->fixed.begin(), impl_->fixed.end());
+const std::vector<Primitive>& World::scenery() const {
+  return impl_->scenery;
+}
+
+void World::primitives_at(SimTime time, std::vector<Primitive>& out) const {
+  out.insert(out.end(), impl_->scenery.begin(), impl_->scenery.end());
   impl_->add_objects(time, out);
   impl_->add_ball(time, out);
-  const Pose X_WL = viewer ? camera_link_pose(*viewer, time) : Pose{};
+  for (size_t i = 0; i < impl_->robots.size(); ++i)
+    impl_->figures[i].add_parts(impl_->posture_of(i, time), out);
+}
+
+// This is called for each instant of each frame.
+SceneInstant World::view_of(size_t robot, SimTime time, const Pose& X_LC) const {
+  const Pose X_WL = camera_link_pose(robot, time);
+  SceneInstant view{.time = time, .X_WC = X_WL * X_LC, .primitives = {}, .figures = {}};
+  impl_->add_objects(time, view.primitives);
+  impl_->add_ball(time, view.primitives);
+  view.figures.reserve(impl_->robots.size());
   for (size_t i = 0; i < impl_->robots.size(); ++i) {
-    if (viewer && i != *viewer && impl_->behind(X_WL, i, time)) continue;
-    impl_->add_robot(i, time, viewer == i, out);
+    if (i != robot && impl_->behind(X_WL, i, time)) continue;
+    const RobotFigure& figure = i == robot ? impl_->own_figures[i] : impl_->figures[i];
+    view.figures.push_back({&figure, impl_->posture_of(i, time)});
   }
+  return view;
 }
 
 Pose World::camera_link_pose(size_t index, SimTime time) const {

@@ -6,7 +6,7 @@
 
 #include "app/session/run_session.h"
 #include "app/session/scenario_frames.h"
-#include "render/colour/colour_table.h"
+#include "render/colour/colour_detector.h"
 #include "render/pictures/pictures.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
@@ -55,8 +55,8 @@ void write_stages(const FrameSettings& settings, const FrameJob& job, const Fram
   std::vector<render::Panel> panels;
   for (const render::StageImage& stage : camera.stages(job))
     panels.push_back({stage.name, render::picture_of(stage.image)});
-  const render::Detections seen =
-      table_for(settings, frame, truth).detect(frame.ycrcb, frame.width_px, frame.height_px);
+  const render::Detections seen = render::ColourDetector(table_for(settings, frame, truth))
+                                      .detect(frame.ycrcb, frame.width_px, frame.height_px);
   panels.push_back(
       {"colours", render::picture_of_detections(seen.bits, seen.width_px, seen.height_px)});
   panels.push_back({"labels", render::picture_of_labels(truth)});
