@@ -76,6 +76,10 @@ class Problem {
   // What this model finds in all groups beside the values of its parameters.
   virtual std::vector<Finding> findings(const Model&) const { return {}; }
 
+  // Figures of the field's standard that follow from a model: those that facts have of the
+  // measurements (facts().figures) can be held against them. Without errors (figures_told.h).
+  virtual std::vector<Figure> figures(const Model&) const { return {}; }
+
   // Further columns of the set that a formula of this kind may read.
   virtual std::vector<std::string> formula_columns() const { return {}; }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "measurement/fitting/figures_told.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/target_told.h"
 
@@ -68,10 +69,12 @@ std::string free_text(const Problem& problem, const Assessment& before,
   return text;
 }
 
-// The figures of a field's standard, one a line.
-std::string figures_text(const Problem& problem) {
-  const FigureTable& table = problem.facts().figures;
+// The figures of a field's standard, and those that a model gives instead, one a line.
+std::string figures_text(const Problem& problem, const Assessment& assessment) {
+  FigureTable table = problem.facts().figures;
   if (table.figures.empty()) return "";
+  for (Figure& figure : figures_told(problem, assessment))
+    table.figures.push_back(std::move(figure));
   std::string text =
       fmt::format("{} (by the standard's formulas, with standard errors):\n", table.title);
   for (const Figure& figure : table.figures)
@@ -154,7 +157,7 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
   text += result.structure.empty()
               ? result.traces.empty() ? "no significant structure\n" : "no structure that matters\n"
               : "structure of the residuals:\n" + structure_text(result.structure);
-  return text + traces_text(result.traces, {}) + figures_text(problem);
+  return text + traces_text(result.traces, {}) + figures_text(problem, base);
 }
 
 std::string diagnose_text(const Problem& problem, const SearchResult& result) {
@@ -193,7 +196,7 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
   text += findings_text(problem, result.best.assessment);
   const std::string advice = advice_for(problem, result);
   if (!advice.empty()) text += "advice: " + advice + "\n";
-  return text + figures_text(problem);
+  return text + figures_text(problem, result.base.assessment);
 }
 
 std::string discover_text(const Problem& problem, const SearchResult& result) {
@@ -209,6 +212,15 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
     for (const std::string& other : step.indistinguishable_from)
       text += fmt::format("      these data cannot tell it from {}\n", other);
   }
+  for (const KeptTrace& kept : result.kept) {
+    const auto& value = kept.value;
+    const auto& parameters =
+        result.best.assessment.model.find(value.effect)->definition->parameters;
+    text += fmt::format(
+        "  kept, a trace: {}   {}; without it {}.{} would be {:.0f} of its errors off\n",
+        kept.effect, parameter_text(parameters_of(result.best.assessment, kept.effect)),
+        value.effect, parameters[value.parameter].name, kept.errors);
+  }
   text += fmt::format("error {:.4f}, {}\n", result.best.assessment.error,
                       result.verdict == "unexplained_structure"
                           ? "structure remains that no known effect explains"
@@ -222,7 +234,8 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
           findings_text(problem, result.best.assessment);
   text += target_text(problem, result.best.assessment.model);
   if (result.verdict == "unexplained_structure") text += structure_text(result.remaining);
-  return text + traces_text(result.remaining_traces, result.last_traces) + figures_text(problem);
+  return text + traces_text(result.remaining_traces, result.last_traces) +
+         figures_text(problem, result.best.assessment);
 }
 
 }  // namespace seam::measurement

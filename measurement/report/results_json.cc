@@ -2,6 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "measurement/fitting/figures_told.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/results.h"
@@ -34,10 +35,12 @@ void add_notes(ordered_json& json, const Problem& problem, const Model& model) {
   if (!notes.empty()) json["notes"] = notes;
 }
 
-// The figures of a field's standard.
-void add_figures(ordered_json& json, const Problem& problem) {
-  const FigureTable& table = problem.facts().figures;
+// The figures of a field's standard, and those that a model gives instead.
+void add_figures(ordered_json& json, const Problem& problem, const Assessment& assessment) {
+  FigureTable table = problem.facts().figures;
   if (table.figures.empty()) return;
+  for (Figure& figure : figures_told(problem, assessment))
+    table.figures.push_back(std::move(figure));
   ordered_json figures = ordered_json::array(), curve = ordered_json::array();
   for (const Figure& figure : table.figures) {
     figures.push_back({{"name", figure.name},
@@ -223,7 +226,7 @@ std::string compare_json(const Problem& problem, const CompareResult& result) {
   json["outlier_share"] = result.outlier_share;
   add_findings(json, problem, result.base.assessment);
   add_notes(json, problem, result.base.assessment.model);
-  add_figures(json, problem);
+  add_figures(json, problem, result.base.assessment);
   return dumped(json);
 }
 
@@ -259,7 +262,7 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
   json["outliers"] = outliers_json(problem, result.outliers);
   json["outlier_share"] = result.outlier_share;
   add_notes(json, problem, result.best.assessment.model);
-  add_figures(json, problem);
+  add_figures(json, problem, base);
   json["advice"] = advice_for(problem, result);
   if (suggestion) {
     json["suggestion"] = {{"effect", suggestion->effect},
@@ -269,6 +272,21 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
                           {"beside", suggestion->beside}};
   }
   return dumped(json);
+}
+
+// Traces that stay in the model, and the value that each moves most.
+ordered_json kept_json(const SearchResult& result) {
+  ordered_json list = ordered_json::array();
+  const Assessment& best = result.best.assessment;
+  for (const KeptTrace& kept : result.kept) {
+    const auto& value = kept.value;
+    const auto& parameters = best.model.find(value.effect)->definition->parameters;
+    list.push_back({{"effect", kept.effect},
+                    {"parameters", parameters_json(best, kept.effect)},
+                    {"moves", value.effect + "." + parameters[value.parameter].name},
+                    {"by_errors", kept.errors}});
+  }
+  return list;
 }
 
 std::string discover_json(const Problem& problem, const SearchResult& result) {
@@ -287,6 +305,7 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
                      {"indistinguishable_from", step.indistinguishable_from}});
   }
   json["steps"] = steps;
+  json["kept"] = kept_json(result);
   json["error"] = finite_or_null<ordered_json>(result.best.assessment.error);
   json["baseline"] = baseline_json(problem, result.base.assessment);
   json["native"] = native_json(problem, result.best.assessment.held);
@@ -301,7 +320,7 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
   json["outlier_share"] = result.outlier_share;
   add_notes(json, problem, result.best.assessment.model);
   add_target(json, problem, result.best.assessment.model);
-  add_figures(json, problem);
+  add_figures(json, problem, result.best.assessment);
   json["advice"] = advice_for(problem, result);
   return dumped(json);
 }

@@ -130,7 +130,7 @@ AddResult refit_all(Problem& problem, const Model& model) {
 }
 
 Model discovered_model(const Problem& problem, const Model& start, const SearchResult& result) {
-  if (result.steps.empty()) {
+  if (result.steps.empty() && result.kept.empty()) {
     Model model = result.base.assessment.model;
     write_sigmas(model, result.base.assessment.unknowns, result.base.assessment.fit);
     return model;
@@ -143,6 +143,13 @@ Model discovered_model(const Problem& problem, const Model& start, const SearchR
                           .parameters = parameters_of(step.after, step.effect),
                           .error_before = step.error_before,
                           .error_after = step.error_after};
+    model.append_history(history_step(problem, entry));
+  }
+  for (const KeptTrace& kept : result.kept) {
+    const AddResult entry{.effect = kept.effect,
+                          .parameters = parameters_of(result.best.assessment, kept.effect),
+                          .error_before = kept.error_before,
+                          .error_after = kept.error_after};
     model.append_history(history_step(problem, entry));
   }
   return model;

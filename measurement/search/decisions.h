@@ -83,6 +83,14 @@ inline constexpr double kClearGain = 4;
 // 1.0039.
 inline constexpr double kMaterial = 0.1;
 
+// A trace beside which a value of the model moves by more than this many of the errors that are
+// told of it stays in the model: a value so far off is told wrong, whatever one takes an error for.
+// A judgement: traces of real flat fields move some value by 59, 12, 7 and 4 of its errors
+// (docs/real-ccd.md).
+inline constexpr double kToldWrong = 10;
+// As many stay at most. A judgement: each is a further fit of all the others.
+inline constexpr size_t kMostKept = 4;
+
 // A spread that widens the noise over a misfit is none if a mean explains this share of the squared
 // residuals that it calls noise. A judgement.
 inline constexpr double kHiddenMean = 0.25;

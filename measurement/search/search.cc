@@ -8,6 +8,7 @@
 #include "measurement/fitting/group_scatter.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/kept.h"
 #include "measurement/search/order.h"
 #include "measurement/search/told_apart.h"
 
@@ -331,10 +332,9 @@ void Searcher::try_beginnings(SearchResult& result) {
   std::stable_sort(
       beginnings.begin(), beginnings.end(),
       [](const Candidate* a, const Candidate* b) { return a->free.size() < b->free.size(); });
-  for (size_t i = 0;
-       i < std::min(kBeginnings, beginnings.size()) && result.best.assessment.error > kMisfit;
-       ++i) {
-    begin_with(*beginnings[i], result);
+  if (beginnings.size() > kBeginnings) beginnings.resize(kBeginnings);
+  for (const Candidate* beginning : beginnings) {
+    if (result.best.assessment.error > kMisfit) begin_with(*beginning, result);
   }
 }
 
@@ -367,12 +367,12 @@ SearchResult Searcher::run() {
   order_steps(
       problem_, [&](const std::string& name) { return definition(name); }, exchanges_, promising_,
       result);
+  keep_traces(problem_, looks_, result);
   progress_("testing what structure remains");
-  const auto structure_of = [&](const Grown& grown) {
-    return significant_structure(problem_, grown.assessment, material_);
-  };
-  const SplitStructure of_base = structure_of(base_);
-  const SplitStructure of_best = result.steps.empty() ? of_base : structure_of(result.best);
+  const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
+  const bool is_given = result.steps.empty() && result.kept.empty();
+  const SplitStructure of_best =
+      is_given ? of_base : significant_structure(problem_, result.best.assessment, material_);
   result.base_structure = of_base.material, result.base_traces = of_base.traces;
   result.remaining = of_best.material, result.remaining_traces = of_best.traces;
   const bool first_found =

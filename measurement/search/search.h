@@ -20,6 +20,15 @@ struct Step {
   std::vector<std::string> indistinguishable_from;
 };
 
+// A trace that stays in the model, since a value is told wrong without it (kept.h).
+struct KeptTrace {
+  std::string effect;
+  Unknown value;      // That it moves most,
+  double errors = 0;  // by so many of its own errors.
+  double error_before = 0;
+  double error_after = 0;
+};
+
 struct SearchResult {
   Grown base;  // The model given, refitted.
   std::vector<Structure> base_structure;
@@ -28,6 +37,7 @@ struct SearchResult {
   bool first_is_of_base = false;       // Under the marks of outliers that stand in the end.
   Grown best;                          // With all effects found.
   std::vector<Step> steps;             // In the order in which they help most.
+  std::vector<KeptTrace> kept;         // In `best` beside the steps.
   std::vector<Structure> remaining;    // Significant structure after the last step.
   std::vector<Structure> remaining_traces;
   std::vector<Candidate> last_traces;  // Effects that are traces beside the best model.

@@ -9,17 +9,21 @@
 namespace seam::effects {
 namespace {
 
+double to_power(const SensorChain& chain, double signal) {
+  if (chain.gamma == 1) return signal;
+  return signal > 0 ? chain.gain_dn * maths::pow(signal / chain.gain_dn, chain.gamma) : 0;
+}
+
+double bend(const SensorChain& chain, double value, int file_bits) {
+  const double s = value / full_scale_dn(file_bits);
+  return value * (1 + s * (chain.cubic2 + s * chain.cubic3));
+}
+
 // Gamma, cubic, white balance, black and maps of a signal after photon noise.
 double respond(const SensorChain& chain, double signal, int colour,
                const SensorExposure& exposure) {
-  double value = signal;
-  if (chain.gamma != 1) {
-    value = value > 0 ? chain.gain_dn * maths::pow(value / chain.gain_dn, chain.gamma) : 0;
-  }
-  if (chain.is_cubic()) {
-    const double s = value / full_scale_dn(exposure.file_bits);
-    value *= 1 + s * (chain.cubic2 + s * chain.cubic3);
-  }
+  double value = to_power(chain, signal);
+  if (chain.is_cubic()) value = bend(chain, value, exposure.file_bits);
   value = chain.channel_gain[static_cast<size_t>(colour)] * value + chain.black_dn;
   for (const auto& map : chain.maps) value = map(value, exposure.t_s);
   return value;
@@ -112,6 +116,29 @@ Moments response_moments(const SensorChain& chain, double signal, int channel,
   return poisson_expectation(electrons, [&](double counted) {
     return respond(chain, counted * dn_per_electron, channel, exposure);
   });
+}
+
+bool rises_with_light(const SensorChain& chain, double signal, int colour, int file_bits) {
+  if (!chain.is_cubic()) return true;
+  const double brightest = to_power(chain, signal), full = full_scale_dn(file_bits);
+  // Between the places where 1 + 2 k2 s + 3 k3 s^2 is zero the response only rises or only falls.
+  std::vector<double> places;
+  const double root = std::sqrt(chain.cubic2 * chain.cubic2 - 3 * chain.cubic3);
+  for (const double s : {-1 / (chain.cubic2 - root), -1 / (chain.cubic2 + root)}) {
+    if (s > 0 && s * full < brightest) places.push_back(s * full);
+  }
+  std::sort(places.begin(), places.end());
+  places.push_back(brightest);
+  double before = std::min(chain.black_dn, chain.full_dn);
+  for (const double place : places) {
+    const double value =
+        chain.channel_gain[static_cast<size_t>(colour)] * bend(chain, place, file_bits) +
+        chain.black_dn;
+    const double clipped = std::min({value, chain.full_dn, full});
+    if (clipped < before) return false;
+    before = clipped;
+  }
+  return true;
 }
 
 double quantisation_step(const SensorChain& chain, int file_bits) {

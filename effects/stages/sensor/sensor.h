@@ -118,6 +118,10 @@ uint16_t to_file(const SensorChain& chain, double value, int file_bits);
 // Mean and variance of `to_file` of a Gaussian value.
 Moments file_moments(const SensorChain& chain, Moments value, int file_bits);
 
+// Whether no more light gives a lower value, from none to this signal, as far as the camera does
+// not clip. Users' maps may do anything.
+bool rises_with_light(const SensorChain& chain, double signal, int colour, int file_bits);
+
 // The highest value of a file, to which response_cubic and clipping relate.
 inline double full_scale_dn(int file_bits) {
   return static_cast<double>((1u << file_bits) - 1);

@@ -117,6 +117,31 @@ TEST(Sensor, GammaOfFewElectronsIsExact) {
   }
 }
 
+TEST(Sensor, AResponseRisesAsFarAsTheCameraDoesNotClip) {
+  // 200 s (1 + k2 s + k3 s^2) with s = signal / 255: rises up to s = 0.5 with k2 = -1, k3 = 0.
+  const auto rises = [](const std::string& effects, double signal) {
+    return rises_with_light(
+        sensor_of(model_of("linear_response: {gain_dn: 200, black_dn: 9}, " + effects)), signal, 1,
+        8);
+  };
+  const std::string falls = "response_cubic: {k2: -1, k3: 0}";
+  EXPECT_TRUE(rises(falls, 127));
+  EXPECT_FALSE(rises(falls, 129));
+  // 72.75 DN at s = 0.5; below 60 DN, where it clips, again from s (1 - s) = 0.2 on, s = 0.7236.
+  EXPECT_TRUE(rises(falls + ", saturation: {full_dn: 60}", 184));
+  EXPECT_FALSE(rises(falls + ", saturation: {full_dn: 60}", 185));
+  // Falls between s = 0.2 and 0.5 alone, and is higher in the end than before.
+  const std::string dips = "response_cubic: {k2: -3.5, k3: 3.3333}";
+  EXPECT_TRUE(rises(dips, 50));
+  EXPECT_FALSE(rises(dips, 100));
+  EXPECT_FALSE(rises(dips, 255));
+  EXPECT_TRUE(rises("response_cubic: {k2: -1, k3: 0.4}", 1000));  // No slope is zero.
+  EXPECT_TRUE(rises("response_gamma: {gamma: 0.5}", 1000));
+  // The root of 0.5 x 200 / 200 is where a signal of 50 is bent.
+  EXPECT_TRUE(rises("response_gamma: {gamma: 0.5}, " + falls, 50));
+  EXPECT_FALSE(rises("response_gamma: {gamma: 0.5}, " + falls, 100));
+}
+
 TEST(Sensor, EffectsDrawFromStreamsOfTheirOwn) {
   // Adding an effect that adds nothing visible to a sample leaves the others' noise as it was:
   // the difference of two models is the added effect's own draw, whatever else is on.

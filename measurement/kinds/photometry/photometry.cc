@@ -8,6 +8,7 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "measurement/kinds/photometry/photometry_structure.h"
+#include "measurement/kinds/photometry/stack/emva.h"
 #include "measurement/numerics/maximise.h"
 #include "sim_core/base/error.h"
 
@@ -99,12 +100,27 @@ double PhotometryProblem::looks(const Model& model, const EffectDefinition& effe
   return Problem::looks(model, effect);
 }
 
+std::vector<Figure> PhotometryProblem::figures(const Model& model) const {
+  const auto gain = emva_gain(data_, effects::sensor_of(model));
+  if (!gain) return {};
+  return {{.name = "K of the model", .unit = "DN/e-", .value = *gain}};
+}
+
 void PhotometryProblem::check_model(const Model& model) const {
   if (!effects::has_base(model, effects::Base::response)) {
     throw InputError(
         fmt::format("model '{}': {} is missing: a photometry set needs gain_dn and black_dn",
                     model.name(), effects::base_name(effects::Base::response)));
   }
+  const effects::ModelEffect& response = *effects::base_of(model, effects::Base::response);
+  const bool is_fitted = std::any_of(response.parameters.begin(), response.parameters.end(),
+                                     [](const auto& value) { return value.refitted(); });
+  if (!is_fitted && effects::sensor_of(model).is_cubic() &&
+      predict(data_, *sums(all_groups()), model, set_noise_dn_).falls)
+    throw InputError(
+        fmt::format("model '{}': its response bends so far that more light gives lower values "
+                    "within the light of this set",
+                    model.name()));
 }
 
 std::vector<Structure> PhotometryProblem::structure(const Model& model, const Groups& groups,

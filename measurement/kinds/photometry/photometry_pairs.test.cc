@@ -185,5 +185,57 @@ TEST(PhotometryPairs, DeclaredTiedAtOneLevelOfLight) {
              "pixel_gain_spread", "pixel_offset_spread");
 }
 
+// Of a search in fields of growing exposure by a camera with 0.28 DN an electron.
+SearchResult found_with_pattern(double sigma) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / fmt::format("small-{}", sigma);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "protocol");
+  std::string table = "frame,file,time_s,exposure_s,illumination\n";
+  for (int frame = 0; frame < 40; ++frame) {
+    table += fmt::format("{0},{0}.png,{1:.1f},{2:.4f},{3}\n", frame, 0.1 * frame,
+                         0.001 * (1 + frame / 4), frame < 36 ? 1 : 0);
+  }
+  write_file_atomically(folder / "protocol" / "frames.csv", table);
+  write_file_atomically(folder / "protocol" / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: photometry\ntitle: small pattern\n"
+                        "camera: {width_px: 96, height_px: 72, bits: 12}\ngroup: frame\n"
+                        "files: {frames: frames.csv}\n");
+  measure_set(model_with(fmt::format(
+                  "linear_response: {{gain_dn: 380, black_dn: 40}}, read_noise: {{sigma_dn: 3}}, "
+                  "shot_noise: {{electrons_per_dn: 3.5714}}, pixel_gain_spread: {{sigma: {}}}",
+                  sigma)),
+              MeasurementSet::open(folder / "protocol"), {.seed = 3, .out = folder / "set"});
+  const auto problem = open_problem(folder / "set");
+  SearchResult result = search(*problem,
+                               model_with("linear_response: {gain_dn: {value: 300, free: true}, "
+                                          "black_dn: {value: 30, free: true}}, "
+                                          "read_noise: {sigma_dn: {value: 4, free: true}}"),
+                               {}, [](const std::string&) {});
+  std::filesystem::remove_all(folder);
+  return result;
+}
+
+// Photon noise takes over the variance of a pattern that is left out: it would be told 4 % wrong,
+// twelve of its errors.
+TEST(PhotometryPairs, ThePhotonNoiseIsRightBesideAPatternThatIsATrace) {
+  const SearchResult result = found_with_pattern(0.0025);
+  EXPECT_EQ(steps_of(result), "shot_noise ");
+  ASSERT_EQ(result.kept.size(), 1u);
+  EXPECT_EQ(result.kept[0].effect, "pixel_gain_spread");
+  EXPECT_EQ(result.kept[0].value.effect, "shot_noise");
+  const Assessment& best = result.best.assessment;
+  const auto k = index_of(best.unknowns, {"shot_noise", 0});
+  ASSERT_TRUE(k.has_value());
+  EXPECT_NEAR(best.fit.value[*k], 3.5714, 3.5 * best.fit.sigma[*k]);
+  EXPECT_LT(best.fit.sigma[*k], 0.005 * 3.5714);
+  EXPECT_NEAR(best.model.find("pixel_gain_spread")->values()[0], 0.0025, 0.00025);
+}
+
+TEST(PhotometryPairs, ASmallerPatternIsLeftOut) {
+  const SearchResult result = found_with_pattern(0.0006);
+  EXPECT_EQ(steps_of(result), "shot_noise ");
+  EXPECT_TRUE(result.kept.empty());
+}
+
 }  // namespace
 }  // namespace seam::measurement

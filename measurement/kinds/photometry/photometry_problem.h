@@ -23,6 +23,7 @@ class PhotometryProblem : public Problem {
   std::vector<Structure> structure(const Model& model, const Groups& groups,
                                    int fitted) const override;
   ResidualView residual_view(const Model& model, const Groups& groups) const override;
+  std::vector<Figure> figures(const Model& model) const override;
   void check_model(const Model& model) const override;
   std::string not_testable(const Model& model, const EffectDefinition& effect,
                            size_t parameter) const override;

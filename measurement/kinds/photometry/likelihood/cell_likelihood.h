@@ -68,6 +68,7 @@ class CellLikelihood {
 
   void predict_level(size_t k);
   void fill(size_t k, double illumination, double lamps, const effects::SensorExposure& exposure);
+  bool rises_to(double scale) const;
   double correction(size_t k);
   template <typename F>
   std::vector<double> row_averages(size_t k, F&& value);
@@ -144,6 +145,7 @@ class CellLikelihood {
   std::vector<double> weight_, offset_load_, gain_load_, slope_vector_;
   std::array<std::vector<double>, 2> odd_vector_;
   std::vector<char> is_odd_;  // By sample: 0, 1 hot, 2 weak; empty: none is.
+  bool falls_ = false;        // The response does within the light of a level.
   Quadratic total_;
   PhotometryScore score_;
 };

@@ -24,8 +24,9 @@ PhotometryScore CellLikelihood::run(bool counts) {
   }
   add_means();
   // Where variances differ wildly along rows, as at clipping, rows and columns are no longer told
-  // apart exactly: what comes out beyond zero is no likelihood.
-  if (!(total_.chi2 >= 0)) {
+  // apart exactly: what comes out beyond zero is no likelihood. And a response that falls within
+  // the light of the set is none.
+  if (falls_ || !(total_.chi2 >= 0)) {
     score_.chi2 = std::numeric_limits<double>::quiet_NaN();
     score_.log_likelihood = -std::numeric_limits<double>::infinity();
     return score_;
@@ -80,12 +81,13 @@ void CellLikelihood::predict_level(size_t k) {
                                          .exposure_ratio = level.exposure_ratio,
                                          .gain = level.gain,
                                          .file_bits = data_.file_bits};
+  const double per_light = effects::signal_dn(chain_, 1, exposure);
   if (!std::isnan(level.illumination)) {
     fill(k, level.illumination, lamps, exposure);
+    falls_ = falls_ || !rises_to(per_light * level.illumination * lamps);
     return;
   }
   // Unknown light: as much as fits the level's mean best.
-  const double per_light = effects::signal_dn(chain_, 1, exposure);
   double illumination = std::max(1e-6, (sorted_.reference[k] - chain_.black_dn) / per_light);
   for (int step = 0; step < 4; ++step) {
     fill(k, illumination, lamps, exposure);
@@ -95,6 +97,17 @@ void CellLikelihood::predict_level(size_t k) {
     for (size_t cell = 0; cell < sorted_.count(); ++cell)
       entry(cell, k).mean += entry(cell, k).gain_slope * relative;
   }
+  falls_ = falls_ || !rises_to(per_light * illumination * lamps);
+}
+
+// Whether the response does, to the brightest sample of a level.
+bool CellLikelihood::rises_to(double scale) const {
+  for (int c = 0; c < data_.channels; ++c) {
+    if (!effects::rises_with_light(chain_, scale * cells_.most[c], data_.colour(c),
+                                   data_.file_bits))
+      return false;
+  }
+  return true;
 }
 
 void CellLikelihood::fill(size_t k, double illumination, double lamps,

@@ -297,7 +297,12 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
   total.chi2 += pattern.chi2;
   total.log_det += pattern.log_det;
   // See CellLikelihood::run.
-  score.chi2 = total.chi2 >= 0 ? total.chi2 : std::numeric_limits<double>::quiet_NaN();
+  if (prediction.falls || !(total.chi2 >= 0)) {
+    score.chi2 = std::numeric_limits<double>::quiet_NaN();
+    score.log_likelihood = -std::numeric_limits<double>::infinity();
+    return score;
+  }
+  score.chi2 = total.chi2;
   score.log_likelihood = -0.5 * (total.chi2 + total.log_det +
                                  static_cast<double>(sums.values) * std::log(2 * maths::kPi));
   double assigned = 0;

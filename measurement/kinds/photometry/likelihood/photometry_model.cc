@@ -85,6 +85,7 @@ class LevelPredictor {
       v->resize(samples);
     if (chain_.hot_fraction > 0) out.hot_mean.resize(samples);
     if (chain_.weak_fraction > 0) out.weak_mean.resize(samples);
+    out.falls = false;
     std::vector<ResponseTable> tables;  // By channel, then height of the wave.
     const bool is_cut = is_wave_cut(chain_, exposure(mean_time_), scale);
     const size_t heights = is_cut ? kWaveHeights + 1 : 1;
@@ -95,6 +96,8 @@ class LevelPredictor {
         const double value = scale * light[i] * row_light[i / row_samples];
         low = std::min(low, value), high = std::max(high, value);
       }
+      out.falls =
+          out.falls || !effects::rises_with_light(chain_, high, data_.colour(c), data_.file_bits);
       for (size_t h = 0; h < heights; ++h) {
         const double wave_dn =
             is_cut ? chain_.wave.amplitude_dn * (2 * static_cast<double>(h) / kWaveHeights - 1) : 0;
@@ -301,6 +304,7 @@ PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& s
         LevelPredictor(data, model, out.chain, data.levels[l], sums.levels[l], set_noise_dn)
             .run(light, moving));
     out.nuisances += std::isnan(data.levels[l].illumination);
+    out.falls = out.falls || out.levels.back().falls;
   }
   return out;
 }

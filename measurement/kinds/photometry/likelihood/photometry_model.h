@@ -21,6 +21,7 @@ struct LevelPrediction {
   // mean is from that of the level's other frames, DN (flicker, drifts in time).
   std::vector<std::vector<double>> row_shift;
   double illumination = 0;  // As given, or fitted where the set leaves it blank.
+  bool falls = false;       // The response does, within this light.
 };
 
 struct PhotometryPrediction {
@@ -28,6 +29,7 @@ struct PhotometryPrediction {
   std::vector<LevelPrediction> levels;  // Empty vectors where the sums have no frames.
   int nuisances = 0;
   bool moves = false;  // row_shift is not zero.
+  bool falls = false;  // The response does, within the light of a level: it is none.
 };
 
 // Light on each sample relative to the set's illumination at a time (since the first frame): lens,

@@ -135,6 +135,27 @@ class Emva {
     return table_;
   }
 
+  std::optional<double> gain_of(const effects::SensorChain& chain) {
+    if (points_.size() < 3) return std::nullopt;
+    find_saturation();
+    const auto of = [&](const PhotometryLevel& level) {
+      const effects::SensorExposure exposure{.exposure_s = level.exposure_s,
+                                             .exposure_ratio = level.exposure_ratio,
+                                             .gain = level.gain,
+                                             .file_bits = data_.file_bits};
+      const double signal = effects::signal_dn(chain, level.illumination, exposure);
+      return effects::response_moments(chain, signal, 1, exposure);
+    };
+    std::vector<const Point*> known = below(kMostForGain);
+    std::erase_if(known, [](const Point* p) { return !std::isfinite(p->light); });
+    const auto slope = slope_through_origin(
+        known, [&](const Point& p) { return of(*p.level).mean_dn - of(*p.dark).mean_dn; },
+        [&](const Point& p) { return of(*p.level).variance_dn2 - of(*p.dark).variance_dn2; },
+        [](const Point&) { return 0.0; });
+    if (!slope || !(slope->value > 0)) return std::nullopt;
+    return slope->value;
+  }
+
  private:
   void add(const std::string& name, const std::string& unit, Value v) {
     table_.figures.push_back({name, unit, v.value, v.sigma});
@@ -298,6 +319,11 @@ class Emva {
 FigureTable emva_figures(const PhotometryData& data) {
   if (data.channels != 1) return {};
   return Emva(data).run();
+}
+
+std::optional<double> emva_gain(const PhotometryData& data, const effects::SensorChain& chain) {
+  if (data.channels != 1 || !chain.has_shot_noise()) return std::nullopt;
+  return Emva(data).gain_of(chain);
 }
 
 }  // namespace seam::measurement

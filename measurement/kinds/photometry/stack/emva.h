@@ -2,11 +2,18 @@
 // the standard's own formulas, each with the standard error that the samples leave it.
 #pragma once
 
+#include <optional>
+
+#include "effects/stages/sensor/sensor.h"
 #include "measurement/kinds/photometry/stack/photometry_data.h"
 
 namespace seam::measurement {
 
 // Nothing (no figures) for colour images, and without levels of light and dark frames in pairs.
 FigureTable emva_figures(const PhotometryData& data);
+
+// The system gain that the standard would find in these levels if they were as a sensor's model
+// says: where the response bends it is not that of the least signals. Nothing without photon noise.
+std::optional<double> emva_gain(const PhotometryData& data, const effects::SensorChain& chain);
 
 }  // namespace seam::measurement

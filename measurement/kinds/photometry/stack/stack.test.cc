@@ -138,6 +138,26 @@ TEST(PhotometryStack, EmvaFiguresOfAKnownSensor) {
   EXPECT_NEAR(first.expected, first.snr, 5 * first.sigma);
 }
 
+// A camera whose gain falls with the light by a third: the standard's figure lies between.
+TEST(PhotometryStack, TheGainOfAModelIsThatOfItsFrames) {
+  const Camera camera{.k2 = -0.2};
+  Folder out("model-gain");
+  out.write(camera, series(), ", bits: 12");
+  Facts facts;
+  const PhotometryData data = out.read(facts);
+  // 2400 photons in the first frame are 1440 electrons.
+  effects::SensorChain chain{.gain_dn = 1440 * camera.gain, .black_dn = camera.black};
+  EXPECT_FALSE(emva_gain(data, chain).has_value());
+  chain.electrons_per_dn = 1 / camera.gain;
+  ASSERT_TRUE(emva_gain(data, chain).has_value());
+  EXPECT_NEAR(*emva_gain(data, chain), camera.gain, 1e-9);
+  chain.cubic2 = camera.k2;
+  double sigma = 0;
+  const double measured = figure(facts.figures, "system gain K", &sigma);
+  EXPECT_NEAR(*emva_gain(data, chain), measured, 0.03 * measured);
+  EXPECT_LT(measured, 0.85 * camera.gain);
+}
+
 TEST(PhotometryStack, EmvaSaturationIsWhereTheNoiseIsLargest) {
   Folder folder("saturation");
   folder.write({}, series(14), ", bits: 12");

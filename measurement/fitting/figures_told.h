@@ -1,0 +1,12 @@
+// Figures that follow from a model's values, with the errors that follow from those of the fit.
+#pragma once
+
+#include <vector>
+
+#include "measurement/fitting/assess.h"
+
+namespace seam::measurement {
+
+std::vector<Figure> figures_told(const Problem& problem, const Assessment& assessment);
+
+}  // namespace seam::measurement

@@ -1,0 +1,21 @@
+// Traces that stay in the model though they are no steps. What changes predictions by less than a
+// tenth of the noise may change values of the model by many of their errors: photon noise takes
+// over the variance of a pattern that is left out, and is told with an error that knows of none.
+#pragma once
+
+#include "measurement/search/search.h"
+
+namespace seam::measurement {
+
+// The value that two fits of one model, one with an effect more, differ most about.
+struct Moved {
+  Unknown value;
+  double errors = 0;  // By so many of those that the first fit states.
+};
+Moved most_moved(const Assessment& without, const Assessment& with);
+
+// Fits those traces of the last look beside the best model that move a value by more than
+// kToldWrong of its errors, the worst first, each beside those before it. `looks` as `judge` asks.
+void keep_traces(const Problem& problem, double looks, SearchResult& result);
+
+}  // namespace seam::measurement
