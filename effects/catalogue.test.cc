@@ -96,7 +96,8 @@ std::vector<double> everything(const Model& model) {
   all.insert(all.end(), {state.x_m, state.y_m, state.theta_rad, walk.xy_sigma, walk.theta_sigma});
   const TargetShape target = target_of(model);
   const Vec3 corner = target.placed({0.1, -0.2, 0.01}, 0.5, -0.7, 1e-3 * target.flex_sigma_m);
-  all.insert(all.end(), {corner.x, corner.y, corner.z, target.scatter_sigma_m});
+  all.insert(all.end(), {corner.x, corner.y, corner.z, target.scatter_sigma_m,
+                         target.sway_shift_sigma_m, target.sway_turn_sigma_rad});
   return all;
 }
 
@@ -182,6 +183,13 @@ TEST_P(Catalogue, AnswersAreWhole) {
 
 INSTANTIATE_TEST_SUITE_P(AllEffects, Catalogue, testing::ValuesIn(effect_names()),
                          [](const auto& info) { return info.param; });
+
+TEST(CataloguePage, AndListHaveEveryEffect) {
+  for (const std::string& name : effect_names()) {
+    EXPECT_NE(catalogue_markdown().find("### `" + name + "`"), std::string::npos) << name;
+    EXPECT_NE(catalogue_list().find("\n  " + name + " "), std::string::npos) << name;
+  }
+}
 
 TEST(CataloguePage, IsTheProgramsOwn) {
   const std::string path = SEAM_SOURCE_DIR "/docs/effects.md";

@@ -104,6 +104,8 @@ std::string to_string(Need need) {
       return "points in a plane";
     case Need::several_views:
       return "the same points in three views or more";
+    case Need::several_cameras:
+      return "frames seen by several cameras at once";
     case Need::wide_view:
       return "rays far from the middle of the image";
     case Need::colour:

@@ -41,6 +41,7 @@
   X(board_warp)               \
   X(target_scatter)           \
   X(board_flex)               \
+  X(board_sway)               \
   X(pupil_shift)              \
   X(pinhole)                  \
   X(fisheye)                  \

@@ -223,6 +223,10 @@ PROOFS = [
      {"z_m": "z_m + 0.001 * (2 - 0.6**2 - 0.4**2) / math.sqrt(2)", "flex_sigma_m": "p[0]"}),
     ("board_flex", [0.001], [("half_m", 0.1), ("flex_m", -0.002)],
      {"z_m": "-0.002 * math.sqrt(2)", "flex_sigma_m": "p[0]"}),
+    ("board_sway", [0.0004, 0.002], CORNER + [("shift_x_m", 0.001), ("turn_z_rad", 0.003)],
+     {"x_m": "x_m + 0.001 - 0.003 * y_m", "y_m": "y_m + 0.003 * x_m", "z_m": "z_m",
+      "sway_shift_sigma_m": "p[0]", "sway_turn_sigma_rad": "p[1]"}),
+    ("board_sway", [0, 0.001], [], {"sway_shift_sigma_m": "0", "sway_turn_sigma_rad": "p[1]"}),
     # Geometry.
     ("pinhole", [161.9, 162.5, 88, 71], RAY, {"u_px": "p[0] * 0.24 + p[2]", "v_px": "p[1] * -0.16 + p[3]"}),
     ("pinhole", [300, 310, 159.5, 119.5], OTHER_RAY, {"u_px": "p[0] * -0.6 + p[2]", "v_px": "p[1] * 0.4 + p[3]"}),

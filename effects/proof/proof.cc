@@ -237,12 +237,15 @@ Quantities target_outcome(const Model& model, const Quantities& given) {
   const double half_m = value_of(given, "half_m", 1);
   const Vec3 p_B(value_of(given, "x_m"), value_of(given, "y_m"), value_of(given, "z_m"));
   const Vec3 placed_B =
-      shape.placed(p_B, p_B.x / half_m, p_B.y / half_m, value_of(given, "flex_m"));
+      shape.placed(p_B, p_B.x / half_m, p_B.y / half_m, value_of(given, "flex_m")) +
+      swayed_by(p_B, {value_of(given, "shift_x_m"), 0, 0}, {0, 0, value_of(given, "turn_z_rad")});
   return {{"x_m", placed_B.x},
           {"y_m", placed_B.y},
           {"z_m", placed_B.z},
           {"scatter_m", shape.scatter_sigma_m},
-          {"flex_sigma_m", shape.flex_sigma_m}};
+          {"flex_sigma_m", shape.flex_sigma_m},
+          {"sway_shift_sigma_m", shape.sway_shift_sigma_m},
+          {"sway_turn_sigma_rad", shape.sway_turn_sigma_rad}};
 }
 
 Quantities outcome(Stage stage, const Model& model, const Quantities& given) {

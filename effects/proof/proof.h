@@ -29,7 +29,8 @@
 //                -> x_m, y_m, theta_rad, xy_sigma_m, theta_sigma_rad; pose_xy_sigma_m,
 //                pose_theta_sigma_rad of a pose measured under the last command
 //   target       x_m, y_m, z_m from the middle of a board that reaches half_m [1] to each side,
-//                flex_m [0] -> x_m, y_m, z_m, scatter_m, flex_sigma_m
+//                flex_m [0]; shift_x_m, turn_z_rad [0] of a sway -> x_m, y_m, z_m, scatter_m,
+//                flex_sigma_m, sway_shift_sigma_m, sway_turn_sigma_rad
 #pragma once
 
 #include <memory>

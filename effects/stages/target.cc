@@ -20,6 +20,10 @@ Vec3 TargetShape::placed(const Vec3& p_B, double a, double b, double flex_m) con
   return p;
 }
 
+Vec3 swayed_by(const Vec3& p_B, const Vec3& shift_m, const Vec3& turn_rad) {
+  return shift_m + glm::cross(turn_rad, p_B);
+}
+
 TargetShape target_of(const Model& model) {
   TargetShape shape;
   for (const ModelEffect& effect : model.effects()) {

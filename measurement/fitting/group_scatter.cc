@@ -27,7 +27,9 @@ struct Word {
 std::vector<Word> words_of(const Problem& problem, const Model& model,
                            const std::vector<Unknown>& unknowns, const Groups& groups) {
   const Evaluation here = problem.evaluate(model, groups);
-  if (!here.valid || here.used.empty()) return {};
+  // Draws that are estimated count as residuals do, and of no group is known which are its own.
+  const bool draws = here.whitened.size() > here.used.size();
+  if (!here.valid || here.used.empty() || draws) return {};
   const auto columns = problem.jacobian(model, unknowns, groups, here);
   const Eigen::Index count = place_of(unknowns.size());
   const Word silent{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};

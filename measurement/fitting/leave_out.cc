@@ -100,7 +100,7 @@ void LeaveOut::step_means() {
   for (size_t p = 0; p < parts_.size(); ++p) {
     Eigen::MatrixXd rest = all;
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(count);
-    for (size_t i = 0; i < here_.whitened.size(); ++i) {
+    for (size_t i = 0; i < here_.used.size(); ++i) {
       if (!here_.used[i] || !parts_[p].unseen[i]) continue;
       const auto row = jacobian.row(index(i));
       rest.noalias() -= row.transpose() * row;
@@ -157,7 +157,7 @@ Model LeaveOut::model_without(size_t p) const {
   const auto seen = [&](const Model& model) {
     const Evaluation there = problem_.evaluate(model, problem_.all_groups(), &here_);
     double sum = there.valid ? 0 : std::numeric_limits<double>::infinity();
-    for (size_t i = 0; i < there.whitened.size(); ++i)
+    for (size_t i = 0; i < there.used.size(); ++i)
       sum += there.used[i] && !parts_[p].unseen[i] ? there.whitened[i] * there.whitened[i] : 0;
     return sum;
   };

@@ -42,6 +42,8 @@ std::vector<effects::Lack> lacks_of(const PointsData& data) {
     lacks.push_back({Need::joints, "the camera hangs on no joint"});
   if (rig.cycle_s() == 0)
     lacks.push_back({Need::repeating_motion, "the head's motion does not repeat"});
+  if (data.cameras.size() < 2 || rig.type() != Rig::Type::unknown)
+    lacks.push_back({Need::several_cameras, ""});
   if (!data.target.flat) lacks.push_back({Need::flat_target, "the points lie in no plane"});
   constexpr size_t kSeveral = 3;
   if (rig.type() == Rig::Type::unknown && rig.path() != Rig::Path::still)
@@ -119,6 +121,20 @@ void PointsProblem::weigh_views(const std::vector<double>& of_view) {
   data_.spread_of_view = of_view;
 }
 
+// Which views scatter least and most, of these shares of the typical scatter.
+std::string PointsProblem::least_and_most(const std::vector<double>& of_view) const {
+  const auto [least, most] = std::minmax_element(of_view.begin(), of_view.end());
+  const auto told = [&](auto view) {
+    const std::vector<int>& rows = data_.rows_of_view[static_cast<size_t>(view - of_view.begin())];
+    const int row = rows.front();
+    const std::string& camera = data_.cameras[data_.camera_of_row[row]].name;
+    return fmt::format("{:.3g} times as much in frame {}{}", *view,
+                       data_.frames[data_.frame_of_row[row]],
+                       camera.empty() ? "" : " of " + camera);
+  };
+  return fmt::format("{}, {}", told(least), told(most));
+}
+
 // The lesser of two estimates: of the image itself, and of what a camera leaves. Where views
 // scatter unlike each counts by its own noise, and both are had again.
 void PointsProblem::take_noise_of_views() {
@@ -142,20 +158,10 @@ void PointsProblem::take_noise_of_views() {
     weigh_views(noise.of_view);
     noise = estimate();
   }
-  const std::vector<double>& of_view = data_.spread_of_view;
-  const auto [least, most] = std::minmax_element(of_view.begin(), of_view.end());
-  const auto told = [&](auto view) {
-    const std::vector<int>& rows = data_.rows_of_view[static_cast<size_t>(view - of_view.begin())];
-    const int row = rows.front();
-    const std::string& camera = data_.cameras[data_.camera_of_row[row]].name;
-    return fmt::format("{:.3g} times as much in frame {}{}", *view,
-                       data_.frames[data_.frame_of_row[row]],
-                       camera.empty() ? "" : " of " + camera);
-  };
   facts_.notes.push_back(fmt::format(
-      "views scatter unlike, and each counts by its own noise: {}, {}, where {:.3g} and {:.3g} px "
-      "are typical",
-      told(least), told(most), noise.sigma[0], noise.sigma[1]));
+      "views scatter unlike, and each counts by its own noise: {}, where {:.3g} and {:.3g} px are "
+      "typical",
+      least_and_most(data_.spread_of_view), noise.sigma[0], noise.sigma[1]));
 }
 
 // What the most flexible lens leaves of still views. What else the user's model may lack only

@@ -13,7 +13,7 @@ namespace seam::measurement {
 namespace {
 
 // What a parameter is the spread of.
-enum class Spread { none, points, bendings, failing, failure };
+enum class Spread { none, points, bendings, shifts, turns, failing, failure };
 
 Spread spread_of(const Model& model, const Coordinate& c) {
   const double value = c.of(model);
@@ -25,8 +25,27 @@ Spread spread_of(const Model& model, const Coordinate& c) {
   const auto is = [&](double now, double then) { return now != then && now == value; };
   if (is(here.scatter_sigma_m, there.scatter_sigma_m)) return Spread::points;
   if (is(here.flex_sigma_m, there.flex_sigma_m)) return Spread::bendings;
+  if (is(here.sway_shift_sigma_m, there.sway_shift_sigma_m)) return Spread::shifts;
+  if (is(here.sway_turn_sigma_rad, there.sway_turn_sigma_rad)) return Spread::turns;
   if (is(few.fraction, changed.fraction)) return Spread::failing;
   return is(few.size, changed.size) ? Spread::failure : Spread::none;
+}
+
+// Null: no spread of draws.
+template <class Sums>
+auto sum_of(Spread spread, Sums& sums) -> decltype(&sums.points) {
+  switch (spread) {
+    case Spread::points:
+      return &sums.points;
+    case Spread::bendings:
+      return &sums.bendings;
+    case Spread::shifts:
+      return &sums.shifts;
+    case Spread::turns:
+      return &sums.turns;
+    default:
+      return nullptr;
+  }
 }
 
 std::vector<Unknown> of_mean(const Model& model, const std::vector<Unknown>& unknowns) {
@@ -146,7 +165,7 @@ PointsProblem::DrawsFit::Wish PointsProblem::DrawsFit::wish_of(const Coordinate&
   const Spread spread = spread_of(model_, c);
   if (spread == Spread::failing) return failing_;
   if (spread == Spread::failure) return failure_;
-  const TargetAdjustment::DrawsSum& sum = spread == Spread::points ? sums_.points : sums_.bendings;
+  const TargetAdjustment::DrawsSum& sum = *sum_of(spread, sums_);
   return {c.of(model_) * std::sqrt(sum.square / std::max(sum.freedom, 1e-9)), sum.information};
 }
 
@@ -160,8 +179,7 @@ bool PointsProblem::DrawsFit::follow() {
     const Wish wish = wish_of(c);
     const double next = std::min(std::clamp(wish.value, value / kMost, kMost * value), c.max);
     const Spread spread = spread_of(model_, c);
-    const bool of_draws = spread == Spread::points || spread == Spread::bendings;
-    if (of_draws && !(next > floor)) {
+    if (sum_of(spread, sums_) && !(next > floor)) {
       c.set(model_, 0);
       return false;
     }
@@ -199,7 +217,8 @@ bool PointsProblem::DrawsFit::go_down() {
     const bool taken = outcome == DampedSteps::Outcome::taken;
     // The nuisances alone.
     if (!taken && !move(Eigen::VectorXd::Zero(parabola->gradient.size()))) height_ = before;
-    sums_.points.square = squares_.points.square, sums_.bendings.square = squares_.bendings.square;
+    for (const Spread s : {Spread::points, Spread::bendings, Spread::shifts, Spread::turns})
+      sum_of(s, sums_)->square = sum_of(s, squares_)->square;
     if (!follow()) return false;
     const bool settled = before - height_ < kEnough * misfit2_ && moved_ < kEnough * misfit2_;
     if (settled) return true;

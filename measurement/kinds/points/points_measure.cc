@@ -23,12 +23,15 @@ Rig rig_to_make(const MeasurementSet& protocol) {
   return Rig::from_poses(protocol.file("poses"));
 }
 
-// Draws of a target: displacements of its points, the same in all frames, and the bending of each
-// frame, by counters of their numbers.
+// Draws of a target: displacements of its points, the same in all frames, the bending of each frame
+// and how it sways before cameras but the first, by counters of their numbers.
 class TargetDraw {
  public:
   TargetDraw(const PointsData& data, const Model& truth, const RandomStream& stream, bool noise)
-      : data_(data), shape_(effects::target_of(truth)), flex_(stream.child("flex")) {
+      : data_(data),
+        shape_(effects::target_of(truth)),
+        flex_(stream.child("flex")),
+        sway_(stream.child("sway")) {
     for (size_t point = 0; point < data.target.names.size(); ++point) {
       Vec3 shift(0.0);
       for (int axis = 0; axis < 3 && noise; ++axis)
@@ -36,7 +39,7 @@ class TargetDraw {
                       normal(stream.child("scatter"), 3 * point + static_cast<size_t>(axis));
       displaced_m_.push_back(shift);
     }
-    if (!noise) shape_.flex_sigma_m = 0;
+    if (!noise) shape_.flex_sigma_m = shape_.sway_shift_sigma_m = shape_.sway_turn_sigma_rad = 0;
   }
 
   Vec3 shift_W(size_t row) const {
@@ -44,13 +47,27 @@ class TargetDraw {
     const double bend_m =
         shape_.flex_sigma_m * normal(flex_, static_cast<uint64_t>(data_.frame_of_row[row]));
     const Vec3 bent(0, 0, bend_m * data_.target.bending(point, shape_));
-    return data_.target.axes_W * (displaced_m_[point] + bent);
+    return data_.target.axes_W * (displaced_m_[point] + bent + swayed(row));
   }
 
  private:
+  Vec3 swayed(size_t row) const {
+    const auto camera = static_cast<uint64_t>(data_.camera_of_row[row]);
+    if (camera == 0 || !shape_.has_sway()) return Vec3(0.0);
+    const RandomStream of_frame =
+        sway_.child(camera).child(static_cast<uint64_t>(data_.frame_of_row[row]));
+    const auto drawn = [&](uint64_t first) {
+      return Vec3(normal(of_frame, first), normal(of_frame, first + 1),
+                  normal(of_frame, first + 2));
+    };
+    return effects::swayed_by(data_.target.in_axes(static_cast<size_t>(data_.point_of_row[row])),
+                              shape_.sway_shift_sigma_m * drawn(0),
+                              shape_.sway_turn_sigma_rad * drawn(3));
+  }
+
   const PointsData& data_;
   effects::TargetShape shape_;
-  RandomStream flex_;
+  RandomStream flex_, sway_;
   std::vector<Vec3> displaced_m_;
 };
 

@@ -162,6 +162,8 @@ class PointsProblem : public Problem {
   std::vector<std::optional<Pose>> places_by_views(const Model& model, const Groups& groups) const;
 
   // points_remarks.cc
+  std::string least_and_most(const std::vector<double>& of_view) const;  // points.cc
+  void remark_on_scatter(const Evaluation& evaluation, std::vector<std::string>& remarks) const;
   void remark_on_views(const Evaluation& evaluation, std::vector<std::string>& remarks) const;
   // Of several cameras: frames in which they see the target in places of their own
   // (points_cameras.cc).

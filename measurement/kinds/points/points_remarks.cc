@@ -9,6 +9,7 @@
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/kinds/points/target/spacing.h"
+#include "measurement/noise/unlike_groups.h"
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
@@ -55,6 +56,35 @@ void PointsProblem::remark_on_views(const Evaluation& evaluation,
         "{} of the target: a bent, stretched or displaced target cannot be told from the lens, nor "
         "displaced points from noise; ten views of different tilt can",
         views == 1 ? "one view" : "two views"));
+}
+
+// A noise that the set states is one for all views, or has the sigmas of its rows: where views
+// differ by more, no effect says so.
+void PointsProblem::remark_on_scatter(const Evaluation& evaluation,
+                                      std::vector<std::string>& remarks) const {
+  // What a model misses far differs from view to view by itself.
+  constexpr double kExplained = 1.5;
+  if (facts_.channels[0].estimated || facts_.channels[1].estimated) return;
+  const Score score = score_of(*this, evaluation);
+  if (!score.valid || score.error() > kExplained) return;
+  const double taken = static_cast<double>(evaluation.nuisances) + evaluation.absorbed;
+  const double free = std::max(0.0, 1 - taken / static_cast<double>(std::max<int64_t>(1, score.n)));
+  std::vector<ResidualGroup> groups;
+  for (const std::vector<int>& rows : data_.rows_of_view) {
+    ResidualGroup& group = groups.emplace_back();
+    for (const int row : rows) {
+      for (const size_t scalar : {2 * static_cast<size_t>(row), 2 * static_cast<size_t>(row) + 1}) {
+        if (takes_part(row)) group.values.push_back(evaluation.whitened[scalar]);
+      }
+    }
+    group.freedom = free * static_cast<double>(group.values.size());
+  }
+  const std::vector<double> spreads = spreads_of_groups(groups);
+  if (spreads.empty()) return;
+  remarks.push_back(fmt::format(
+      "views scatter unlike, other than the set states: {}, where the typical view is 1; in a set "
+      "without noise and sigma_px each view's own is estimated",
+      least_and_most(spreads)));
 }
 
 void PointsProblem::remark_on_reach(const Model& model, std::vector<std::string>& remarks) const {
@@ -126,6 +156,7 @@ std::vector<std::string> PointsProblem::remarks(const Model& model) const {
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   remark_on_views(evaluation, remarks);
   if (!moves()) remark_on_agreement(model, evaluation, remarks);
+  remark_on_scatter(evaluation, remarks);
   remark_on_reach(model, remarks);
   return remarks;
 }

@@ -29,6 +29,15 @@ Eigen::Matrix3d as_eigen(const Mat3& m) {
   return out;
 }
 
+// Of the i-th number of a frame's sways: three of a shift and three of a turn for each camera.
+double sway_spread(const effects::TargetShape& shape, size_t i) {
+  return i % 6 < 3 ? shape.sway_shift_sigma_m : shape.sway_turn_sigma_rad;
+}
+
+double over_spread(double value, double spread) {
+  return spread > 0 ? value / spread : 0;
+}
+
 }  // namespace
 
 TargetAdjustment::Compiled::Compiled(const PointsData& data, const Model& model)
@@ -56,14 +65,19 @@ Index TargetAdjustment::unknowns(size_t frame) const {
 
 void TargetAdjustment::start(const std::vector<double>& values) {
   const size_t frames = state_.X_CW.size(), points = state_.displaced_m.size();
-  const bool whole = values.size() == 13 * frames + 3 * points;
+  const auto sways = static_cast<size_t>(causes_at() - sway_at(1));
+  const size_t whole_size = 13 * frames + 3 * points;
+  const bool whole = values.size() >= whole_size;
   for (size_t frame = 0; frame < frames; ++frame) {
     if (unknown_poses_ && given_.frames[frame] && !stored_pose(values, frame, state_.X_CW[frame]))
       given_.frames[frame] = 0;
     const Index causes = given_.causes.empty() ? 0 : given_.causes[frame].cols();
-    state_.extra[frame] = Eigen::VectorXd::Zero((has_flex() ? 1 : 0) + causes);
+    state_.extra[frame] = Eigen::VectorXd::Zero(causes_at() + causes);
     if (whole && has_flex())
       state_.extra[frame][0] = values[12 * frames + frame] / compiled_.shape.flex_sigma_m;
+    for (size_t i = 0; i < sways && values.size() == whole_size + sways * frames; ++i)
+      state_.extra[frame][sway_at(1) + static_cast<Index>(i)] =
+          over_spread(values[whole_size + frame * sways + i], sway_spread(compiled_.shape, i));
   }
   for (size_t point = 0; point < points && has_points(); ++point) {
     const Vector3d first = mean(point);
@@ -85,6 +99,13 @@ std::vector<double> TargetAdjustment::values_of(const State& state) const {
                          ? state.extra[frame][0] * compiled_.shape.flex_sigma_m
                          : 0);
   for (const Vec3& d : state.displaced_m) values.insert(values.end(), {d.x, d.y, d.z});
+  for (size_t frame = 0; frame < frames; ++frame) {
+    for (Index i = sway_at(1); i < causes_at(); ++i)
+      values.push_back(state.extra[frame].size() > i
+                           ? state.extra[frame][i] *
+                                 sway_spread(compiled_.shape, static_cast<size_t>(i - sway_at(1)))
+                           : 0);
+  }
   return values;
 }
 
@@ -105,6 +126,15 @@ Vec3 TargetAdjustment::place_W(const Compiled& model, const State& state, size_t
     const auto frame = static_cast<size_t>(given_.data.frame_of_row[row]);
     shift.z += state.extra[frame][0] * compiled_.shape.flex_sigma_m *
                given_.data.target.bending(point, model.shape);
+  }
+  if (sways(row)) {
+    const auto& e = state.extra[static_cast<size_t>(given_.data.frame_of_row[row])];
+    const Index at = sway_at(given_.data.camera_of_row[row]);
+    const double shift_m = compiled_.shape.sway_shift_sigma_m,
+                 turn_rad = compiled_.shape.sway_turn_sigma_rad;
+    shift += effects::swayed_by(given_.data.target.in_axes(point),
+                                shift_m * Vec3(e[at], e[at + 1], e[at + 2]),
+                                turn_rad * Vec3(e[at + 3], e[at + 4], e[at + 5]));
   }
   return model.places_W[row] + given_.data.target.axes_W * shift;
 }
@@ -169,17 +199,9 @@ bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell
   if (unknown_poses_) slopes_of_pose(state, row, by_place, cell);
   cell.by_point =
       by_place * as_eigen(unknown_poses_ ? X_CW.R * data.target.axes_W : data.target.axes_W);
-  Index at = pose_unknowns();
-  if (has_flex())
-    cell.by_view.col(at++) =
-        cell.by_point.col(2) * compiled_.shape.flex_sigma_m *
-        data.target.bending(static_cast<size_t>(data.point_of_row[row]), compiled_.shape);
-  for (Index which = 0; at < cell.by_view.cols(); ++at, ++which) {
-    for (int c = 0; c < 2; ++c) {
-      cell.by_view(c, at) = cause(frame, k, c, which);
-      cell.z[c] -= cell.by_view(c, at) * state.extra[frame][at - pose_unknowns()];
-    }
-  }
+  slopes_of_extras(row, k, cell);
+  const Index causes = unknowns(frame) - pose_unknowns() - causes_at();
+  cell.z -= cell.by_view.rightCols(causes) * state.extra[frame].tail(causes);
   cell.z = weight.cwiseProduct(cell.z);
   cell.by_view = -(weight.asDiagonal() * cell.by_view).eval();
   cell.by_point = -(weight.asDiagonal() * cell.by_point).eval();
@@ -209,10 +231,9 @@ double TargetAdjustment::square(const State& state, size_t frame) const {
     Vector2d uv;
     if (!see(compiled_, state, row, uv)) return std::numeric_limits<double>::infinity();
     Vector2d left(given_.data.u_px[row] - uv[0], given_.data.v_px[row] - uv[1]);
-    const Index first = has_flex() ? 1 : 0;
-    for (Index which = first; which < state.extra[frame].size(); ++which) {
+    for (Index which = causes_at(); which < state.extra[frame].size(); ++which) {
       for (int c = 0; c < 2; ++c)
-        left[c] -= cause(frame, k, c, which - first) * state.extra[frame][which];
+        left[c] -= cause(frame, k, c, which - causes_at()) * state.extra[frame][which];
     }
     for (int c = 0; c < 2; ++c) {
       const double z = left[c] / given_.sigma[2 * row + static_cast<size_t>(c)];

@@ -1,6 +1,7 @@
-// Displaced points of a target and bendings of its views, fitted together with the views' poses
-// where these are unknown: what `target_scatter` and `board_flex` draw once is estimated from all
-// views, held near zero by its spread. Docs: docs/fitting.md, "Draws that are estimated".
+// Displaced points of a target, bendings of its views and how it sways from one camera's picture of
+// a frame to another's, fitted together with the views' poses where these are unknown: what effects
+// of the target draw is estimated from all views, held near zero by its spread. Docs:
+// docs/fitting.md, "Draws that are estimated".
 #pragma once
 
 #include <functional>
@@ -69,7 +70,7 @@ class TargetAdjustment {
     double information = 0;  // On the logarithm of their spread.
   };
   struct DrawsSums {
-    DrawsSum points, bendings;
+    DrawsSum points, bendings, shifts, turns;
   };
   DrawsSums sums() const;
   // The squares alone, wherever it stands.
@@ -80,9 +81,11 @@ class TargetAdjustment {
 
  private:
   struct State {
-    std::vector<Pose> X_CW;              // By frame.
-    std::vector<Eigen::VectorXd> extra;  // By frame: bending / its spread, then causes.
-    std::vector<Vec3> displaced_m;       // By point.
+    std::vector<Pose> X_CW;  // By frame.
+    // By frame, over their spreads: bending, then a shift and a turn before each camera but the
+    // first, then causes.
+    std::vector<Eigen::VectorXd> extra;
+    std::vector<Vec3> displaced_m;  // By point.
   };
   // A compiled model: one for the fit, one for each moved unknown.
   struct Compiled {
@@ -102,12 +105,20 @@ class TargetAdjustment {
 
   bool has_points() const { return compiled_.shape.scatter_sigma_m > 0; }
   bool has_flex() const { return compiled_.shape.flex_sigma_m > 0; }
+  bool has_sway() const { return compiled_.shape.has_sway(); }
+  // Of a frame's extras: where those of the sway before this camera begin, and where causes do.
+  Eigen::Index sway_at(int camera) const { return (has_flex() ? 1 : 0) + 6 * (camera - 1); }
+  Eigen::Index causes_at() const {
+    return sway_at(has_sway() ? static_cast<int>(given_.data.cameras.size()) : 1);
+  }
+  bool sways(size_t row) const { return has_sway() && given_.data.camera_of_row[row] > 0; }
   Eigen::Index pose_unknowns() const { return unknown_poses_ ? 6 : 0; }
   Eigen::Index unknowns(size_t frame) const;
   Vec3 place_W(const Compiled& model, const State& state, size_t row) const;
   // The image of a row's point; null slopes: not wanted.
   bool see(const Compiled& model, const State& state, size_t row, Eigen::Vector2d& uv) const;
   bool look(const State& state, size_t row, size_t k, Cell& cell) const;
+  void slopes_of_extras(size_t row, size_t k, Cell& cell) const;
   void slopes_of_pose(const State& state, size_t row, const Eigen::Matrix<double, 2, 3>& by_C,
                       Cell& cell) const;
   double cause(size_t frame, size_t k, int channel, Eigen::Index which) const;

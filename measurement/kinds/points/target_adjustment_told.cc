@@ -79,13 +79,13 @@ void TargetAdjustment::whiten(Evaluation& evaluation) const {
   const std::vector<size_t> used = used_rows();
   for (size_t k = 0; k < used.size(); ++k) {
     const Cell& cell = cells_[k];
-    const Index causes =
+    const Index extras =
         state_.extra[static_cast<size_t>(given_.data.frame_of_row[used[k]])].size();
     for (int c = 0; c < 2; ++c) {
       const size_t scalar = 2 * used[k] + static_cast<size_t>(c);
       evaluation.whitened[scalar] = left_over(used[k], cell, evaluation)[c];
       evaluation.sigma[scalar] *=
-          std::sqrt(1 + cell.by_view.row(c).tail(causes - (has_flex() ? 1 : 0)).squaredNorm());
+          std::sqrt(1 + cell.by_view.row(c).tail(extras - causes_at()).squaredNorm());
     }
   }
   PairedBlocks draws = blocks_of_draws(used);
@@ -105,6 +105,31 @@ void TargetAdjustment::whiten(Evaluation& evaluation) const {
     evaluation.whitened.insert(evaluation.whitened.end(), {away[0], away[1], away[2]});
   }
   if (draws.factor(0)) evaluation.shared_log_det += draws.log_det();
+}
+
+// Of the image by the draws of its frame, over their spreads, and by its causes; by the point's own
+// place it is known.
+void TargetAdjustment::slopes_of_extras(size_t row, size_t k, Cell& cell) const {
+  const Target& target = given_.data.target;
+  const auto point = static_cast<size_t>(given_.data.point_of_row[row]);
+  const auto frame = static_cast<size_t>(given_.data.frame_of_row[row]);
+  auto extras = cell.by_view.rightCols(cell.by_view.cols() - pose_unknowns());
+  if (has_flex())
+    extras.col(0) = cell.by_point.col(2) * compiled_.shape.flex_sigma_m *
+                    target.bending(point, compiled_.shape);
+  extras.middleCols(sway_at(1), causes_at() - sway_at(1)).setZero();
+  for (int axis = 0; axis < 3 && sways(row); ++axis) {
+    const Index at = sway_at(given_.data.camera_of_row[row]) + axis;
+    Vec3 unit(0.0);
+    unit[axis] = 1;
+    const Vec3 turned = effects::swayed_by(target.in_axes(point), Vec3(0.0), unit);
+    extras.col(at) = compiled_.shape.sway_shift_sigma_m * cell.by_point.col(axis);
+    extras.col(at + 3) = compiled_.shape.sway_turn_sigma_rad *
+                         (cell.by_point * Vector3d(turned.x, turned.y, turned.z));
+  }
+  for (Index at = causes_at(); at < extras.cols(); ++at) {
+    for (int c = 0; c < 2; ++c) extras(c, at) = cause(frame, k, c, at - causes_at());
+  }
 }
 
 // By scalar of the used rows: residuals over their sigmas by an unknown, where it stands.
@@ -228,9 +253,14 @@ TargetAdjustment::DrawsSums TargetAdjustment::squares() const {
     const Vector3d away = Vector3d(d.x, d.y, d.z) - mean(point);
     sums.points.square += away.dot(precision(point) * away);
   }
-  for (size_t frame = 0; frame < state_.extra.size() && has_flex(); ++frame) {
-    if (given_.frames[frame])
-      sums.bendings.square += state_.extra[frame][0] * state_.extra[frame][0];
+  for (size_t frame = 0; frame < state_.extra.size(); ++frame) {
+    if (!given_.frames[frame]) continue;
+    const Eigen::VectorXd& extra = state_.extra[frame];
+    if (has_flex()) sums.bendings.square += extra[0] * extra[0];
+    for (Index at = sway_at(1); at < causes_at(); at += 6) {
+      sums.shifts.square += extra.segment<3>(at).squaredNorm();
+      sums.turns.square += extra.segment<3>(at + 3).squaredNorm();
+    }
   }
   return sums;
 }
@@ -246,11 +276,19 @@ TargetAdjustment::DrawsSums TargetAdjustment::sums() const {
     sums.points.information += 2 * (told * told).trace();
   }
   const std::vector<MatrixXd> of_views = draws.view_covariances();
-  for (size_t frame = 0; frame < of_views.size() && has_flex(); ++frame) {
+  for (size_t frame = 0; frame < of_views.size(); ++frame) {
     if (!given_.frames[frame]) continue;
-    const double told = 1 - of_views[frame](0, 0);
-    sums.bendings.freedom += told;
-    sums.bendings.information += 2 * told * told;
+    const auto add = [&](Index at, Index size, DrawsSum& sum) {
+      const MatrixXd told =
+          MatrixXd::Identity(size, size) - of_views[frame].block(at, at, size, size);
+      sum.freedom += told.trace();
+      sum.information += 2 * (told * told).trace();
+    };
+    if (has_flex()) add(0, 1, sums.bendings);
+    for (Index at = sway_at(1); at < causes_at(); at += 6) {
+      add(at, 3, sums.shifts);
+      add(at + 3, 3, sums.turns);
+    }
   }
   return sums;
 }

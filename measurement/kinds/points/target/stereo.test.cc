@@ -13,6 +13,7 @@
 #include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
 #include "measurement/search/exchanges.h"
+#include "measurement/search/search.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
@@ -61,14 +62,26 @@ struct StereoSet {
   bool moves = false;  // Before the board as it stands, seen 25 times a second.
   bool column = true;
   int odd_frame = -1;  // The board has moved by 4 mm until the right camera takes it.
+  // In each frame it has moved by so much, and turned about its middle, until then.
+  double shift_m = 0, turn_rad = 0;
 };
 
+// A corner of a board that has moved a little, in the board's axes.
+Triple swayed(const StereoSet& rig, int frame, Triple p) {
+  const auto drawn = [&](uint64_t which) {
+    return normal({7, 3}, 6 * static_cast<uint64_t>(frame) + which);
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    p = turned(p, axis, rig.turn_rad * drawn(static_cast<uint64_t>(axis)));
+  for (size_t axis = 0; axis < 3; ++axis) p[axis] += rig.shift_m * drawn(3 + axis);
+  return p;
+}
+
 // The board's corners in the left camera's frame. It leans before both of them.
-Triple corner(const StereoSet& rig, int frame, double t_s, double a, double b) {
+Triple corner(const StereoSet& rig, int frame, double t_s, Triple p) {
   const auto within = [&](uint64_t draw, double limit) {
     return limit * (2 * uniform({7, 1}, 10 * static_cast<uint64_t>(frame) + draw) - 1);
   };
-  Triple p = {a, b, 0};
   if (rig.moves) {
     p = turned(turned(p, 0, 0.4 + 0.2 * std::sin(5.1 * t_s)), 1, 0.3 * std::sin(6.7 * t_s + 1));
     p = turned(p, 2, 0.3 * std::sin(4.3 * t_s + 2));
@@ -93,7 +106,8 @@ std::filesystem::path made(const StereoSet& rig) {
       const double stamp_s = rig.moves ? 0.04 * frame : frame;
       for (int point = 0; point < 56; ++point) {
         const double a = 0.035 * (point % 8 - 3.5), b = 0.035 * (point / 8 - 3);
-        Triple p = corner(rig, frame, stamp_s + (right && rig.moves ? kLate_s : 0), a, b);
+        const Triple on_board = right ? swayed(rig, frame, {a, b, 0}) : Triple{a, b, 0};
+        Triple p = corner(rig, frame, stamp_s + (right && rig.moves ? kLate_s : 0), on_board);
         if (right && frame == rig.odd_frame) p[0] += 0.004;
         const Seen at = seen(p, right);
         ++draw;
@@ -238,6 +252,28 @@ TEST(Stereo, AFrameThatTheCamerasDidNotTakeAtOnceIsNamed) {
       EXPECT_THAT(remarks, testing::Contains(HasSubstr("frame 6: the cameras see the target")));
     }
   }
+}
+
+// A board that is held by hand, and cameras that are released one after the other.
+TEST(Stereo, ABoardThatSwaysBetweenThePicturesIsNamed) {
+  constexpr double kShift_m = 0.0008, kTurn_rad = 0.004;
+  const StereoSet sway{.name = "sway", .frames = 22, .shift_m = kShift_m, .turn_rad = kTurn_rad};
+  const auto problem = open_problem(made(sway));
+  const SearchResult result = search(*problem, model(nominal()), {}, [](const std::string&) {});
+  ASSERT_EQ(result.steps.size(), 1u);
+  EXPECT_EQ(result.steps[0].effect, "board_sway");
+  const Assessment& found = result.best.assessment;
+  EXPECT_NEAR(found.error, 1, 0.05);
+  // Of 13 frames that both took: a spread of 39 numbers is known to a tenth.
+  const effects::ModelEffect& told = *found.model.find("board_sway");
+  EXPECT_NEAR(told.value("shift_sigma_m"), kShift_m, 0.3 * kShift_m);
+  EXPECT_NEAR(told.value("turn_sigma_rad"), kTurn_rad, 0.3 * kTurn_rad);
+  expect_found(found, "camera_pose@right", "x_m", kBaseline_m[0], 2e-3);
+}
+
+TEST(Stereo, ABoardThatStandsStillDoesNotSway) {
+  const auto problem = open_problem(made({.name = "still", .frames = 20}));
+  EXPECT_TRUE(search(*problem, model(nominal()), {}, [](const std::string&) {}).steps.empty());
 }
 
 TEST(Stereo, ACameraThatNobodyPlacesOrThatIsNoneIsNamed) {

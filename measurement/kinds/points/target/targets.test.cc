@@ -150,6 +150,33 @@ TEST(Targets, ViewsThatScatterUnlikeCountEachByItsOwnNoise) {
   }
 }
 
+// Where the set states the noise nothing is told by itself: the text says which views differ.
+TEST(Targets, ViewsThatScatterOtherThanTheSetStatesAreTold) {
+  for (const double more_px : {0.0, 0.2}) {
+    const auto problem = open_problem(
+        made({.name = fmt::format("stated-{}", more_px),
+              .views = 16,
+              .spoil =
+                  [&](int frame, int& point, double& u, double& v) {
+                    const auto index = static_cast<uint64_t>(2 * (frame * kPoints + point));
+                    if (frame != 5) return;
+                    u += more_px * normal({8, 1}, index), v += more_px * normal({8, 1}, index + 1);
+                  },
+              .columns = ",sigma_px",
+              .cells = [](int) { return fmt::format(",{}", kCornerNoise_px); }}));
+    problem->prepare(pinhole_model());
+    const Assessment found = assess(*problem, pinhole_model(), refitted_unknowns(pinhole_model()));
+    const auto unlike = testing::Contains(
+        testing::AllOf(HasSubstr("other than the set states"), HasSubstr("in frame 5, where")));
+    if (more_px > 0) {
+      EXPECT_THAT(problem->remarks(found.model), unlike);
+    } else {
+      EXPECT_THAT(problem->remarks(found.model),
+                  testing::Not(testing::Contains(HasSubstr("unlike"))));
+    }
+  }
+}
+
 TEST(Targets, ViewsThatScatterAlikeHaveOneNoise) {
   const auto problem = open_problem(made({.name = "alike", .views = 16, .scatter_m = 0.0002}));
   EXPECT_THAT(problem->facts().notes, testing::Not(testing::Contains(HasSubstr("unlike"))));
