@@ -70,16 +70,18 @@ struct CastKernels {
   void (*edge_rays)(const RaySlopes* slopes, int channels, int components, const float* tile_u,
                     const float* tile_v, const int32_t* columns, int count, const float* phase_u,
                     const float* phase_v, int each, float* const* out);
-  // sum[i] += weight * factor[i] * colours[id[i] + 1]; signature[i] = signatures[id[i] + 1].
-  // Without factors they are 1.
-  void (*add_row)(const Colour* colours, const uint32_t* signatures, const int32_t* id,
-                  const float* factor, float weight, int count, Colour* sum, uint32_t* signature);
+  // sum[c][i] += weight * factor[i] * colours[id[i] + 1].rgb[c] for each colour c;
+  // signature[i] = signatures[id[i] + 1]. There are so many `places`. Without factors they are 1.
+  void (*add_row)(const Colour* colours, const uint32_t* signatures, int places, const int32_t* id,
+                  const float* factor, float weight, int count, float* const* sum,
+                  uint32_t* signature);
   // Adds `weight` times the mean colour of every column's `each` rays, less that of the one ray
   // that the column had in `first_id`, `first_factor` (by column). With three channels each has
   // rays of its own, as edge_rays orders them. Without factors they are 1.
   void (*replace)(const Colour* colours, const int32_t* id, const float* factor,
                   const int32_t* columns, int count, int each, int channels,
-                  const int32_t* first_id, const float* first_factor, float weight, Colour* sum);
+                  const int32_t* first_id, const float* first_factor, float weight,
+                  float* const* sum);
   // differs[i]: not 0 where one of the rows of signatures has another at i than the first row.
   void (*find_varying)(const uint32_t* signatures, int rows, int count, uint32_t* differs);
   // near[i]: not 0 where differs[i] or its neighbour in the row is not.

@@ -166,12 +166,10 @@ void integrate_light(const SamplingPlan& plan, const CameraRays& rays, const Fra
           samples.push_back({&scene, static_cast<float>(weights[k] / each), order[k * each + s]});
         }
       }
-      const std::vector<Colour>& light = caster.cast_row(row, samples);
-      for (int c = 0; c < 3; ++c) {
-        float* const plane = &image.planes[c][rays.at(row)];
-        for (int column = 0; column < rays.columns(); ++column)
-          plane[column] = light[column].rgb[c];
-      }
+      const size_t first = rays.at(row);
+      float* const light[3] = {&image.planes[0][first], &image.planes[1][first],
+                               &image.planes[2][first]};
+      caster.cast_row(row, samples, light);
     }
   });
 }

@@ -106,7 +106,6 @@ RowCaster::RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool 
       channels_(rays.colours_apart() ? 3 : 1),
       components_(rays.perspective ? 2 : 3),
       slopes_(channels_ * components_),
-      sums_(columns_),
       varying_(columns_),
       near_varying_(columns_),
       edge_columns_(columns_ + 1),
@@ -155,33 +154,35 @@ void RowCaster::find_spans(int row, const PreparedInstant& scene) {
   }
 }
 
-void RowCaster::cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays,
-                     Batch& batch) {
-  const HitRow hits{batch.depth.data(), batch.id.data()};
+void RowCaster::cast(const PreparedInstant& scene, std::span<const Span> spans, const Batch& batch,
+                     HitRow hits, float* factor) const {
   kernels_.clear(batch.count, hits);
   for (const Span& span : spans) {
     const int begin = batch.place[span.first], end = batch.place[span.last + 1];
     if (begin < end)
-      kernels_.cast[scene.kinds[span.shape]](scene.shapes[span.shape], batch_rays, begin, end,
+      kernels_.cast[scene.kinds[span.shape]](scene.shapes[span.shape], batch.rays(), begin, end,
                                              hits);
   }
   if (!lambert_) return;
   for (int begin = 0, end = 0; begin < batch.count; begin = end) {
-    const int32_t id = batch.id[begin];
-    for (end = begin + 1; end < batch.count && batch.id[end] == id;) ++end;
+    const int32_t id = hits.id[begin];
+    for (end = begin + 1; end < batch.count && hits.id[end] == id;) ++end;
     if (id < 0) {
-      std::fill(batch.factor.begin() + begin, batch.factor.begin() + end, 1.0f);
+      std::fill(factor + begin, factor + end, 1.0f);
     } else {
-      kernels_.shade[scene.kinds[id]](scene.shapes[id], batch_rays, batch.depth.data(), begin, end,
-                                      batch.factor.data());
+      kernels_.shade[scene.kinds[id]](scene.shapes[id], batch.rays(), hits.depth, begin, end,
+                                      factor);
     }
   }
 }
 
-void RowCaster::first_look(int row, std::span<const RowSample> samples) {
+void RowCaster::first_look(int row, std::span<const RowSample> samples, float* const* light) {
   const size_t count = samples.size() * static_cast<size_t>(columns_);
-  if (ids_.size() < count)
-    ids_.resize(count), signatures_.resize(count), factors_.resize(lambert_ ? count : 0);
+  if (signatures_.size() < count) {
+    // Rays are cast in whole blocks, beyond the last sample's end.
+    ids_.resize(count + kRayBlock);
+    signatures_.resize(count), factors_.resize(lambert_ ? count : 0);
+  }
   spans_.clear();
   spans_begin_.assign(1, 0);
   for (size_t s = 0; s < samples.size(); ++s) {
@@ -196,13 +197,13 @@ void RowCaster::first_look(int row, std::span<const RowSample> samples) {
                          pattern_.tile_v(), u, v, columns_, targets);
     find_spans(row, *sample.scene);
     spans_begin_.push_back(spans_.size());
-    cast(*sample.scene, std::span(spans_).subspan(spans_begin_[s]), row_.rays(), row_);
     const size_t place = s * columns_;
-    kernels_.add_row(sample.scene->colours.data(), sample.scene->signatures.data(), row_.id.data(),
-                     lambert_ ? row_.factor.data() : nullptr, sample.weight, columns_, sums_.data(),
-                     &signatures_[place]);
-    std::copy_n(row_.id.begin(), columns_, &ids_[place]);
-    if (lambert_) std::copy_n(row_.factor.begin(), columns_, &factors_[place]);
+    float* const factor = lambert_ ? &factors_[place] : nullptr;
+    cast(*sample.scene, std::span(spans_).subspan(spans_begin_[s]), row_,
+         {row_.depth.data(), &ids_[place]}, factor);
+    kernels_.add_row(sample.scene->colours.data(), sample.scene->signatures.data(),
+                     static_cast<int>(sample.scene->colours.size()), &ids_[place], factor,
+                     sample.weight, columns_, light, &signatures_[place]);
   }
 }
 
@@ -221,7 +222,7 @@ void RowCaster::find_varying(int samples) {
   }
 }
 
-void RowCaster::refine(int row, const RowSample& sample, int sample_index) {
+void RowCaster::refine(int row, const RowSample& sample, int sample_index, float* const* light) {
   const size_t place = static_cast<size_t>(sample_index) * columns_;
   const int each = edge_samples_;
   const int count =
@@ -237,23 +238,23 @@ void RowCaster::refine(int row, const RowSample& sample, int sample_index) {
   kernels_.edge_rays(slopes_.data(), channels_, components_, pattern_.tile_u(), pattern_.tile_v(),
                      edge_columns_.data(), count, phase_u_.data(), phase_v_.data(), each, targets);
   const size_t begin = spans_begin_[sample_index], end = spans_begin_[sample_index + 1];
-  cast(*sample.scene, std::span(spans_).subspan(begin, end - begin), edges_.rays(), edges_);
+  cast(*sample.scene, std::span(spans_).subspan(begin, end - begin), edges_,
+       {edges_.depth.data(), edges_.id.data()}, edges_.factor.data());
   kernels_.replace(sample.scene->colours.data(), edges_.id.data(),
                    lambert_ ? edges_.factor.data() : nullptr, edge_columns_.data(), count, each,
                    channels_, &ids_[place], lambert_ ? &factors_[place] : nullptr, sample.weight,
-                   sums_.data());
+                   light);
 }
 
-const std::vector<Colour>& RowCaster::cast_row(int row, std::span<const RowSample> samples) {
-  std::fill(sums_.begin(), sums_.end(), Colour{});
+void RowCaster::cast_row(int row, std::span<const RowSample> samples, float* const* light) {
+  for (int c = 0; c < 3; ++c) std::fill_n(light[c], columns_, 0.0f);
   collect_slopes(row);
-  first_look(row, samples);
-  if (edge_samples_ < 2) return sums_;
+  first_look(row, samples, light);
+  if (edge_samples_ < 2) return;
   find_varying(static_cast<int>(samples.size()));
   // A sliver of something in a pixel is often met by the rays of its neighbours in the row alone.
   kernels_.widen(varying_.data(), columns_, near_varying_.data());
-  for (size_t s = 0; s < samples.size(); ++s) refine(row, samples[s], static_cast<int>(s));
-  return sums_;
+  for (size_t s = 0; s < samples.size(); ++s) refine(row, samples[s], static_cast<int>(s), light);
 }
 
 RowCaster::Seen RowCaster::see_centres(int row, const PreparedInstant& scene) {
@@ -264,7 +265,7 @@ RowCaster::Seen RowCaster::see_centres(int row, const PreparedInstant& scene) {
   for (int k = 0; k < components_; ++k)
     std::copy_n(green.base[k].begin() + static_cast<ptrdiff_t>(rays_.at(row)), columns_,
                 targets[k]->begin());
-  cast(scene, spans_, row_.rays(), row_);
+  cast(scene, spans_, row_, {row_.depth.data(), row_.id.data()}, row_.factor.data());
   return {row_.depth.data(), row_.id.data()};
 }
 

@@ -43,8 +43,8 @@ class RowCaster {
  public:
   RowCaster(const CameraRays& rays, const SamplePattern& pattern, bool lambert, int edge_samples);
 
-  // The row's light; rays.columns() values, valid until the next call.
-  const std::vector<Colour>& cast_row(int row, std::span<const RowSample> samples);
+  // The row's light: rays.columns() values of each colour.
+  void cast_row(int row, std::span<const RowSample> samples, float* const* light);
 
   // What rays through the pixels' centres meet (green's, where colours have their own); valid until
   // the next call.
@@ -72,11 +72,12 @@ class RowCaster {
   };
 
   void find_spans(int row, const PreparedInstant& scene);
-  void cast(const PreparedInstant& scene, std::span<const Span> spans, RayRow batch_rays,
-            Batch& batch);
-  void first_look(int row, std::span<const RowSample> samples);
+  // What the batch's rays meet, and its shading.
+  void cast(const PreparedInstant& scene, std::span<const Span> spans, const Batch& batch,
+            HitRow hits, float* factor) const;
+  void first_look(int row, std::span<const RowSample> samples, float* const* light);
   void find_varying(int samples);
-  void refine(int row, const RowSample& sample, int sample_index);
+  void refine(int row, const RowSample& sample, int sample_index, float* const* light);
   void collect_slopes(int row);
 
   const CastKernels& kernels_;
@@ -88,7 +89,6 @@ class RowCaster {
   int channels_;                   // 3 where colours have rays of their own, or 1 for all.
   int components_;                 // Of a ray: x and y, and z where it is not 1.
   std::vector<RaySlopes> slopes_;  // Of the row: each channel's components.
-  std::vector<Colour> sums_;
   Batch row_, edges_;
   // Of every sample of the row: what was met, its shading, a number that stands for its look, and
   // where primitives can be seen.
