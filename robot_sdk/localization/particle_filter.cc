@@ -317,10 +317,14 @@ PoseEstimate ParticleFilter::estimate_of(const std::vector<FieldPose>& samples) 
     square += dx * dx + dy * dy;
   }
   result.spread_xy_m = static_cast<float>(std::sqrt(square / n));
-  const auto bounds = [](std::vector<float>& values, float& low, float& high) {
-    std::sort(values.begin(), values.end());
-    low = values[static_cast<size_t>(0.025 * static_cast<double>(values.size() - 1))];
-    high = values[static_cast<size_t>(0.975 * static_cast<double>(values.size() - 1))];
+  const auto in_order = [](std::vector<float>& values, double part) {
+    const auto nth =
+        values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
+  };
+  const auto bounds = [&](std::vector<float>& values, float& low, float& high) {
+    low = in_order(values, 0.025), high = in_order(values, 0.975);
   };
   bounds(xs, result.low.x_m, result.high.x_m);
   bounds(ys, result.low.y_m, result.high.y_m);

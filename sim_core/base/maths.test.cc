@@ -2,10 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "sim_core/base/hash.h"
 #include "sim_core/base/pose.h"
+#include "sim_core/base/random.h"
+#include "sim_core/base/sines.h"
 
 namespace seam {
 namespace {
@@ -82,6 +86,29 @@ TEST(Pose, InverseAndComposition) {
   for (int c = 0; c < 3; ++c) {
     for (int r = 0; r < 3; ++r) EXPECT_NEAR(R[c][r], X_BC.R[c][r], 1e-15);
   }
+}
+
+// Joint angles, tiny and huge ones, zeros of both signs.
+TEST(Maths, SinesOfPairsHaveTheBitsOfSingleOnes) {
+  const auto bits = [](double value) { return std::bit_cast<uint64_t>(value); };
+  uint64_t other = 0;
+  const auto check = [&](double a, double b) {
+    const auto pair = maths::sines_and_cosines(a, b);
+    other += bits(pair[0].sin) != bits(maths::sin(a)) || bits(pair[0].cos) != bits(maths::cos(a));
+    other += bits(pair[1].sin) != bits(maths::sin(b)) || bits(pair[1].cos) != bits(maths::cos(b));
+  };
+  for (uint64_t i = 0; i < 200'000; ++i) {
+    constexpr double kSpans[] = {4, 0.01, 1e-9, 300, 1e7, 1e17};
+    const auto draw = [&](uint64_t k) {
+      return kSpans[(i + k) % 6] * (2 * uniform({.seed = 9, .stream = i}, k) - 1);
+    };
+    check(draw(0), draw(1));
+  }
+  check(0.0, -0.0), check(-0.0, 1.5), check(2.0, 0.0);
+  EXPECT_EQ(other, 0u);
+  const auto three = maths::sines_and_cosines(0.1, -0.7, 2.9);
+  EXPECT_EQ(bits(three[1].cos), bits(maths::cos(-0.7)));
+  EXPECT_EQ(bits(three[2].sin), bits(maths::sin(2.9)));
 }
 
 }  // namespace

@@ -4,12 +4,14 @@
 #include <tuple>
 
 #include "sim_core/base/maths.h"
+#include "sim_core/base/sines.h"
 
 namespace seam {
 
-Mat3 rotation_about(const Vec3& axis, double angle_rad) {
-  const double c = maths::cos(angle_rad);
-  const double s = maths::sin(angle_rad);
+namespace {
+
+Mat3 rotation_about(const Vec3& axis, const maths::SineCosine& angle) {
+  const auto [s, c] = angle;
   const double d = 1 - c;
   const auto& [x, y, z] = std::tie(axis.x, axis.y, axis.z);
   return Mat3(c + x * x * d, y * x * d + z * s, z * x * d - y * s,  //
@@ -17,9 +19,15 @@ Mat3 rotation_about(const Vec3& axis, double angle_rad) {
               x * z * d + y * s, y * z * d - x * s, c + z * z * d);
 }
 
+}  // namespace
+
+Mat3 rotation_about(const Vec3& axis, double angle_rad) {
+  return rotation_about(axis, {maths::sin(angle_rad), maths::cos(angle_rad)});
+}
+
 Mat3 rotation_zyx(double x_rad, double y_rad, double z_rad) {
-  return rotation_about({0, 0, 1}, z_rad) * rotation_about({0, 1, 0}, y_rad) *
-         rotation_about({1, 0, 0}, x_rad);
+  const auto [x, y, z] = maths::sines_and_cosines(x_rad, y_rad, z_rad);
+  return rotation_about({0, 0, 1}, z) * rotation_about({0, 1, 0}, y) * rotation_about({1, 0, 0}, x);
 }
 
 Mat3 rotation_from_quaternion(double w, double x, double y, double z) {

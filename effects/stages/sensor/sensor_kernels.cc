@@ -1,6 +1,6 @@
 #include "effects/stages/sensor/sensor_kernels.h"
 
-#include "sim_core/base/vector_width.h"
+#include "sim_core/system/vector_width.h"
 
 namespace seam::effects {
 

@@ -1,4 +1,4 @@
-#include "sim_core/base/vector_width.h"
+#include "sim_core/system/vector_width.h"
 
 #include <algorithm>
 #include <cstdlib>
