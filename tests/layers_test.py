@@ -90,10 +90,11 @@ ROOMS = {
         "kinds/points/motion": ["kinds/points/target", "numerics"],
         "kinds/points": ["kinds", "kinds/points/motion", "kinds/points/target", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
-        "check": ["numerics", "imaging", "kinds", "sets", "problem", "fitting", "search"],
+        "check": ["numerics", "imaging", "kinds", "sets", "problem", "fitting", "search", "search/models"],
         "search": ["numerics", "problem", "fitting"],
+        "search/models": ["fitting", "search"],
         "suggest": ["numerics", "problem", "fitting", "search"],
-        "report": ["problem", "fitting", "search", "suggest"],
+        "report": ["problem", "fitting", "search", "search/models", "suggest"],
         "study": ["imaging", "kinds", "search"],
     },
     "robot_sdk": {

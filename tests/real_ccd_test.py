@@ -48,6 +48,14 @@ def main():
         assert abs(emva["dark noise"][0] - 3.0600) < 1e-3, emva
         assert abs(emva["PRNU1288"][0] - 0.43179) < 1e-3, emva
         assert abs(emva["linearity error LE"][0] - 0.09161) < 1e-3, emva
+        # The model's own gain by the same formula, and what it is told right by: a pattern that is a trace.
+        own, own_sigma = emva["K of the model"]
+        assert abs(own - GAIN) < min(0.02 * GAIN, 3 * own_sigma) and own_sigma < 0.001, (own, own_sigma)
+        assert abs(own - gain) < 3 * (own_sigma ** 2 + sigma ** 2) ** 0.5, (own, gain)
+        kept = {k["effect"]: k for k in found["kept"]}
+        assert kept["pixel_gain_spread"]["moves"] == "shot_noise.electrons_per_dn", kept
+        assert 0.003 < kept["pixel_gain_spread"]["parameters"]["sigma"]["value"] < 0.0037, kept
+        assert not set(kept) & {s["effect"] for s in found["steps"]}, kept
         assert "frames.csv:2: illumination 0.998159" in text, text
         in_another_unit(folder / "set", 1e-5)
         other, _, _ = discover(folder / "set", SET / "nominal.yaml")

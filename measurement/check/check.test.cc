@@ -8,7 +8,7 @@
 #include "measurement/check/describe.h"
 #include "measurement/check/doubts.h"
 #include "measurement/kinds/kinds.h"
-#include "measurement/search/compare.h"
+#include "measurement/search/models/compare.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {

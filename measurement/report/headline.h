@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "measurement/search/compare.h"
+#include "measurement/search/models/compare.h"
 #include "measurement/search/search.h"
 
 namespace seam::measurement {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "measurement/fitting/figures_told.h"
+#include "measurement/report/figures_told.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/target_told.h"
 

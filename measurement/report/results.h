@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "measurement/search/add_effects.h"
-#include "measurement/search/compare.h"
+#include "measurement/search/models/add_effects.h"
+#include "measurement/search/models/compare.h"
 #include "measurement/suggest/suggest.h"
 
 namespace seam::measurement {

@@ -8,7 +8,7 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/problem/made_problem.h"
 #include "measurement/report/headline.h"
-#include "measurement/search/compare.h"
+#include "measurement/search/models/compare.h"
 
 namespace seam::measurement {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "measurement/fitting/figures_told.h"
+#include "measurement/report/figures_told.h"
 #include "measurement/report/finite_or_null.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/results.h"

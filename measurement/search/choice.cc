@@ -5,6 +5,7 @@
 
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/decisions.h"
+#include "measurement/search/material.h"
 
 namespace seam::measurement {
 

@@ -9,8 +9,8 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/numerics/span.h"
 #include "measurement/problem/made_problem.h"
-#include "measurement/search/add_effects.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/models/add_effects.h"
 #include "measurement/search/search.h"
 #include "measurement/study/study.h"
 

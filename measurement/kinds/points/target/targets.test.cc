@@ -11,8 +11,8 @@
 
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
-#include "measurement/search/add_effects.h"
-#include "measurement/search/compare.h"
+#include "measurement/search/models/add_effects.h"
+#include "measurement/search/models/compare.h"
 #include "measurement/search/search.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"

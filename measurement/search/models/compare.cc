@@ -1,4 +1,4 @@
-#include "measurement/search/compare.h"
+#include "measurement/search/models/compare.h"
 
 #include <algorithm>
 #include <cmath>

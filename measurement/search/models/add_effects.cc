@@ -1,11 +1,11 @@
-#include "measurement/search/add_effects.h"
+#include "measurement/search/models/add_effects.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "measurement/fitting/group_scatter.h"
-#include "measurement/search/compare.h"
 #include "measurement/search/decisions.h"
+#include "measurement/search/models/compare.h"
 #include "measurement/search/told_apart.h"
 #include "sim_core/base/error.h"
 

@@ -1,4 +1,4 @@
-#include "measurement/fitting/figures_told.h"
+#include "measurement/report/figures_told.h"
 
 #include <gtest/gtest.h>
 
