@@ -46,6 +46,26 @@ const Advice* advice_of(const std::string& name, const std::string& other, unsig
   return nullptr;
 }
 
+// What a set's images must show or have beside them.
+std::string of_images(Need need) {
+  switch (need) {
+    case Need::several_cameras:
+      return "frames seen by several cameras at once";
+    case Need::wide_view:
+      return "rays far from the middle of the image";
+    case Need::colour:
+      return "colours";
+    case Need::light:
+      return "light";
+    case Need::frame_times:
+      return "times of the frames";
+    case Need::repeated_pixels:
+      return "the same samples at many brightnesses";
+    default:
+      return "";
+  }
+}
+
 }  // namespace
 
 std::string to_string(Need need) {
@@ -105,17 +125,12 @@ std::string to_string(Need need) {
     case Need::several_views:
       return "the same points in three views or more";
     case Need::several_cameras:
-      return "frames seen by several cameras at once";
     case Need::wide_view:
-      return "rays far from the middle of the image";
     case Need::colour:
-      return "colours";
     case Need::light:
-      return "light";
     case Need::frame_times:
-      return "times of the frames";
     case Need::repeated_pixels:
-      return "the same samples at many brightnesses";
+      return of_images(need);
   }
   return "";
 }

@@ -107,7 +107,8 @@ std::optional<std::vector<double>> lens_like(const effects::Model& model,
       continue;
     lens.set(part.definition, part.parameters);
     const bool in_its_place =
-        in.term != effects::Term::none && part.definition->replaces_term == in.term;
+        in.term != effects::Term::none &&
+        (part.definition->replaces_term == in.term || part.definition->term == in.term);
     if (!in_its_place) rest.set(part.definition, part.parameters);
   }
   effects::remove_replaced(in, rest);

@@ -42,5 +42,17 @@ TEST(LensLike, AFisheyeThatMapsAsAPinholeDoes) {
   EXPECT_GT(untouched_px, 5);
 }
 
+// A rational lens goes whole where a polynomial comes in its place: (1 - 0.2 r2) / (1 + 0.1 r2) is
+// 1 - 0.3 r2 + 0.03 r2^2 - 0.003 r2^3 ...
+TEST(LensLike, APolynomialThatMapsAsARationalLensDoes) {
+  const effects::Model plain = with("pinhole", {500, 500, 319.5, 239.5}, {});
+  const effects::Model rational = with("rational_lens", {-0.2, 0, 0, 0.1, 0, 0}, plain);
+  const auto values = lens_like(rational, *effects::find_effect("radial_polynomial"), 640, 480,
+                                /*most_rad=*/0.6);
+  ASSERT_TRUE(values);
+  EXPECT_NEAR((*values)[0], -0.3, 2e-3);
+  EXPECT_NEAR((*values)[1], 0.03, 5e-3);
+}
+
 }  // namespace
 }  // namespace seam::measurement

@@ -7,6 +7,7 @@
 #include "effects/registry.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/decisions.h"
+#include "measurement/search/told_apart.h"
 
 namespace seam::measurement {
 
@@ -130,7 +131,9 @@ std::vector<Exchange> possible_exchanges(const Problem& problem, const Grown& gr
 }
 
 bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in) {
-  return in.term == effects::Term::radial && in.term == leaving.replaces_term;
+  if (in.term != effects::Term::radial) return false;
+  const bool narrower = in.term == leaving.term && in.parameters.size() < leaving.parameters.size();
+  return in.term == leaving.replaces_term || narrower;
 }
 
 std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
@@ -142,16 +145,19 @@ std::optional<size_t> best_exchange(const Problem& problem, const Grown& grown,
   std::optional<size_t> best;
   for (size_t m = 0; m < moves.size(); ++m) {
     if (!tried[m]) continue;
-    // Of two that the data cannot tell apart the simpler stays, or comes.
-    const size_t of_it = fitted_parameters(*tried[m]), of_this = fitted_parameters(grown);
+    const EffectDefinition& leaving = *effect_by_name(moves[m].out);
+    const EffectDefinition& in = *effect_by_name(moves[m].in);
+    const bool lenses = are_lenses(leaving, in);
+    // Of two that the data cannot tell apart the simpler stays, or comes: that with fewer numbers,
+    // of lenses with as many that of the narrower family.
+    const std::pair of_it{fitted_parameters(*tried[m]), lenses ? in.parameters.size() : 0};
+    const std::pair of_this{fitted_parameters(grown), lenses ? leaving.parameters.size() : 0};
     const bool tie = cannot_tell(weight_of(*tried[m]), weight_of(grown), error);
     const double lost = grown.assessment.held_ll() - tried[m]->assessment.held_ll();
     if ((tie && of_it > of_this) || lost > (tie && of_it < of_this ? -kUnluckyLoss : 0)) continue;
     // Of lenses it comes whatever its merit, which charges three numbers that are told more than
     // four of a wider family that are not.
-    const bool simpler_lens =
-        tie && of_it < of_this &&
-        are_lenses(*effect_by_name(moves[m].out), *effect_by_name(moves[m].in));
+    const bool simpler_lens = tie && of_it < of_this && lenses;
     const std::pair its{simpler_lens, merit_of(problem, *tried[m])};
     if (its > best_of) best_of = its, best = m;
   }
@@ -166,6 +172,14 @@ std::vector<std::optional<Grown>> Exchanges::tried(const Grown& grown,
     tried[m] = with_other(grown, moves[m].out, effect_by_name(moves[m].in));
   });
   return tried;
+}
+
+Grown Exchanges::told_simply(Grown grown, const EffectByName& effect_by_name) const {
+  grown = less_tangled(problem_, std::move(grown));
+  const auto moves = possible_exchanges(problem_, grown, /*promising=*/{}, effect_by_name);
+  const auto once = tried(grown, moves, effect_by_name);
+  const auto best = best_exchange(problem_, grown, moves, once, effect_by_name);
+  return best ? less_tangled(problem_, *once[*best]) : grown;
 }
 
 std::optional<Grown> Exchanges::better(const Grown& grown,

@@ -12,7 +12,8 @@
 
 namespace seam::measurement {
 
-// Whether one lens can take the place of another that no other can stand beside.
+// Whether one lens can take the place of another that no other can stand beside, or of one of a
+// wider family.
 bool stands_for(const EffectDefinition& leaving, const EffectDefinition& in);
 
 // By name, among the catalogue's and the user's own.
@@ -47,6 +48,10 @@ class Exchanges {
   // becomes clearly better.
   std::optional<Grown> better(const Grown& grown, const std::vector<std::string>& promising,
                               const EffectByName& effect_by_name) const;
+
+  // The same model in its simplest form, in which a lens may say no more than one of a narrower
+  // family, that then takes its place.
+  Grown told_simply(Grown grown, const EffectByName& effect_by_name) const;
 
   // The model with one added effect in the place of another. Nothing where a step of Gauss and
   // Newton shows that it cannot make up for most of what is lost.

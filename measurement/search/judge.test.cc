@@ -11,7 +11,6 @@
 #include "measurement/search/candidates.h"
 #include "measurement/search/choice.h"
 #include "measurement/search/decisions.h"
-#include "measurement/search/exchanges.h"
 
 namespace seam::measurement {
 namespace {
@@ -339,36 +338,6 @@ TEST(Rank, WhileMuchIsMissedTheSimplerOfEqualLensesComesFirst) {
     rank_candidates(candidates);
     EXPECT_EQ(fitted_parameters(candidates[0]), lenses ? 3 : 4);
     EXPECT_EQ(candidates[0].indistinguishable_from.size(), 1);
-  }
-}
-
-// By prices alone three numbers that are told would cost more than four that are not.
-TEST(Exchange, OfEqualLensesTheSimplerComes) {
-  for (const bool equal : {true, false}) {
-    Bent problem;
-    Model model;
-    model.set(line(), {{.value = 0, .free = true}});
-    problem.prepare(model);
-    const auto grown = [&](const std::string& name, size_t told, size_t all, double gain) {
-      Grown g{.added = {name}};
-      const auto lens = effects::find_effect(name);
-      g.assessment.model.add_neutral(lens);
-      for (size_t k = 0; k < all; ++k) {
-        g.assessment.unknowns.push_back({name, k});
-        g.assessment.fit.value.push_back(k < told ? 0.1 : 0.01);
-        g.assessment.fit.sigma.push_back(0.02);
-      }
-      g.assessment.total_ll = gain, g.assessment.error = 1;
-      return g;
-    };
-    const Grown wide = grown("fisheye", 1, 4, 1000);
-    const std::vector<std::optional<Grown>> tried = {
-        grown("radial_polynomial", 3, 3, equal ? 999 : 990)};
-    EXPECT_LT(merit_of(problem, *tried[0]), merit_of(problem, wide));
-    const auto best =
-        best_exchange(problem, wide, {{"fisheye", "radial_polynomial"}}, tried,
-                      [](const std::string& name) { return effects::find_effect(name); });
-    EXPECT_EQ(best.has_value(), equal);
   }
 }
 

@@ -362,11 +362,10 @@ SearchResult Searcher::run() {
   }
   if (marks_changed) base_ = base();
   result.base = base_;
-  result.best = less_tangled(problem_, std::move(result.best));
+  const auto by_name = [&](const std::string& name) { return definition(name); };
+  result.best = exchanges_.told_simply(std::move(result.best), by_name);
   result.first_is_of_base = !marks_changed;
-  order_steps(
-      problem_, [&](const std::string& name) { return definition(name); }, exchanges_, promising_,
-      result);
+  order_steps(problem_, by_name, exchanges_, promising_, result);
   keep_traces(problem_, looks_, result);
   progress_("testing what structure remains");
   const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
