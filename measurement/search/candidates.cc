@@ -291,6 +291,22 @@ std::optional<Candidate> with_dependents(const Problem& problem, const Grown& ba
   return fit_prospect(problem, base, prospect, reasons);
 }
 
+std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& base,
+                                           const EffectList& own) {
+  auto all = with_dependents(problem, base, own);
+  if (!all || all->grown.assessment.error <= kUseless) return all;
+  std::optional<Candidate> most;
+  for (const auto& effect : absent_effects(problem, base.assessment.model, own)) {
+    if (!effect->servo || effect->needs_base != effects::Base::none) continue;
+    std::vector<NotTestable> reasons;
+    auto candidate = try_effect(problem, base, effect, reasons);
+    const double least = (most ? most->grown : base).assessment.total_ll;
+    if (candidate && candidate->grown.assessment.total_ll > least) most = std::move(candidate);
+  }
+  auto more = most ? with_dependents(problem, most->grown, own) : std::nullopt;
+  return more && more->grown.assessment.error < all->grown.assessment.error ? more : all;
+}
+
 Grown named_by_camera(const Problem& problem, Grown grown) {
   const std::set<std::string> cameras = cameras_named_in(problem.given());
   // What the given model says of all cameras may be that of one that it does not name.

@@ -83,6 +83,11 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
 std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
                                          const EffectList& own);
 
+// The same, and where they leave far more than the noise beside the other effect of the servo that
+// gains most: each may help nothing before the other is there.
+std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& base,
+                                           const EffectList& own);
+
 // Whether the model can have the effect: beside those that cameras share, and others of its like.
 bool has_place(const EffectDefinition& effect, Model model);
 

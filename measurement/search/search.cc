@@ -300,7 +300,7 @@ bool Searcher::widens(const Grown& grown) const {
 // What stays of all at once is what the rest cannot stand in for.
 void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
   if (!misses(base.assessment)) return;
-  const auto all = with_dependents(problem_, base, own_);
+  const auto all = with_all_of_servo(problem_, base, own_);
   // Where all of them leave far more than the noise, something else is missing.
   if (!all || all->grown.assessment.error > kUseless) return;
   // Those that go again may be as good as one that stays.

@@ -67,17 +67,33 @@ std::vector<double> turn_errors(const WalkRun& run) {
 }
 
 // Whatever a body that goes straight on is thought to turn, it would slip by. So where no turning
-// is seen, it turns as little as counts allow.
+// is seen, it turns as little as counts allow on its way between the rows that do.
 std::vector<std::array<double, 2>> slip_ticks(const WalkRun& run) {
   constexpr double kSeen = 2;  // Sigmas.
-  std::vector<double> gathered = {0};
+  const std::vector<double>&left = run.ways[0].mean(), &right = run.ways[1].mean();
+  std::vector<double> apart = {0}, sigma = turn_errors(run);
   for (size_t k = 1; k < run.ticks.size(); ++k)
-    gathered.push_back(gathered.back() + run.ticks[k][1] - run.ticks[k][0]);
-  const std::vector<double> string = taut_string(run.time_s, gathered), sigma = turn_errors(run);
+    apart.push_back(apart.back() + run.ticks[k][1] - run.ticks[k][0]);
+  const std::vector<double> string = taut_string(run.time_s, apart);
+  const auto turns = [&](size_t k) {
+    return std::abs(string[k] - string[k - 1]) >= kSeen * sigma[k];
+  };
   std::vector<std::array<double, 2>> ticks = run.rolled_ticks;
-  for (size_t k = 1; k < ticks.size(); ++k) {
-    const double turn = string[k] - string[k - 1], both = ticks[k][0] + ticks[k][1];
-    if (std::abs(turn) < kSeen * sigma[k]) ticks[k] = {0.5 * (both - turn), 0.5 * (both + turn)};
+  for (size_t from = 1, to = 1; from < ticks.size(); from = to) {
+    to = from + 1;
+    if (turns(from)) continue;
+    while (to < ticks.size() && !turns(to)) ++to;
+    const auto part = [&](const std::vector<double>& all) {
+      return std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(from - 1),
+                                 all.begin() + static_cast<std::ptrdiff_t>(to));
+    };
+    std::vector<double> tube = part(apart);
+    tube.front() = right[from - 1] - left[from - 1], tube.back() = right[to - 1] - left[to - 1];
+    const std::vector<double> way = taut_string(part(run.time_s), tube);
+    for (size_t k = from; k < to; ++k) {
+      const double turn = way[k - from + 1] - way[k - from], both = ticks[k][0] + ticks[k][1];
+      ticks[k] = {0.5 * (both - turn), 0.5 * (both + turn)};
+    }
   }
   return ticks;
 }

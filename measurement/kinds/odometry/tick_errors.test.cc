@@ -133,6 +133,38 @@ TEST_F(CoarseCounts, TellAnEvenMotionBetweenThem) {
   EXPECT_LT(by_ways, 0.1 * by_counts);
 }
 
+// A body that turns, goes straight on, and turns again, by ways that begin anywhere in a count: it
+// would slip by whatever it is thought to turn more than that.
+TEST(SlipTicks, AStraightBetweenTurnsTurnsLittle) {
+  constexpr double kTurn = 1.3;  // Ticks a row, by which wheels differ.
+  const auto is_straight = [](size_t k) { return k > 40 && k <= 80; };
+  std::vector<WalkRun> runs;
+  for (int begin = 0; begin < 20; ++begin) {
+    WalkRun run{.name = std::to_string(begin)};
+    std::array<double, 2> rolled = {0.05 * begin, 0.31}, counted = {};
+    for (size_t k = 0; k < 121; ++k) {
+      const double turn = is_straight(k) ? 0 : kTurn;
+      if (k > 0) rolled[0] += 7.37 - 0.5 * turn, rolled[1] += 7.37 + 0.5 * turn;
+      const std::array<double, 2> now = {std::round(rolled[0]), std::round(rolled[1])};
+      run.rows.push_back(k);
+      run.time_s.push_back(0.05 * static_cast<double>(k));
+      run.ticks.push_back({now[0] - counted[0], now[1] - counted[1]});
+      counted = now;
+    }
+    runs.push_back(run);
+  }
+  find_ways(runs);
+  double straight = 0, turned = 0;
+  for (const WalkRun& run : runs) {
+    for (size_t k = 1; k < run.ticks.size(); ++k) {
+      const double turn = std::abs(run.slip_ticks[k][1] - run.slip_ticks[k][0]) / 20;
+      (is_straight(k) ? straight : turned) += turn;
+    }
+  }
+  EXPECT_NEAR(turned, 80 * kTurn, 1);
+  EXPECT_NEAR(straight + turned, 80 * kTurn, 1);
+}
+
 TEST(CountErrors, AreThoseOfCountsAlone) {
   WalkRun run{.name = "0"};
   for (size_t k = 0; k < 60; ++k) {
