@@ -1,6 +1,7 @@
 #include "measurement/report/figures_told.h"
 
 #include <cmath>
+#include <utility>
 
 namespace seam::measurement {
 
@@ -37,6 +38,14 @@ std::vector<Figure> figures_told(const Problem& problem, const Assessment& asses
     figures[f].sigma = std::sqrt(variance);
   }
   return figures;
+}
+
+FigureTable figure_table(const Problem& problem, const Assessment& assessment) {
+  FigureTable table = problem.facts().figures;
+  if (table.figures.empty()) return table;
+  for (Figure& figure : figures_told(problem, assessment))
+    table.figures.push_back(std::move(figure));
+  return table;
 }
 
 }  // namespace seam::measurement

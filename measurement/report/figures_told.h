@@ -9,4 +9,7 @@ namespace seam::measurement {
 
 std::vector<Figure> figures_told(const Problem& problem, const Assessment& assessment);
 
+// The measured figures of a field's standard, and behind them those that the model gives instead.
+FigureTable figure_table(const Problem& problem, const Assessment& assessment);
+
 }  // namespace seam::measurement

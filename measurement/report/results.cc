@@ -6,6 +6,7 @@
 #include "measurement/report/figures_told.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/target_told.h"
+#include "measurement/search/kept.h"
 
 namespace seam::measurement {
 namespace {
@@ -71,10 +72,8 @@ std::string free_text(const Problem& problem, const Assessment& before,
 
 // The figures of a field's standard, and those that a model gives instead, one a line.
 std::string figures_text(const Problem& problem, const Assessment& assessment) {
-  FigureTable table = problem.facts().figures;
+  const FigureTable table = figure_table(problem, assessment);
   if (table.figures.empty()) return "";
-  for (Figure& figure : figures_told(problem, assessment))
-    table.figures.push_back(std::move(figure));
   std::string text =
       fmt::format("{} (by the standard's formulas, with standard errors):\n", table.title);
   for (const Figure& figure : table.figures)
@@ -213,13 +212,10 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
       text += fmt::format("      these data cannot tell it from {}\n", other);
   }
   for (const KeptTrace& kept : result.kept) {
-    const auto& value = kept.value;
-    const auto& parameters =
-        result.best.assessment.model.find(value.effect)->definition->parameters;
-    text += fmt::format(
-        "  kept, a trace: {}   {}; without it {}.{} would be {:.0f} of its errors off\n",
-        kept.effect, parameter_text(parameters_of(result.best.assessment, kept.effect)),
-        value.effect, parameters[value.parameter].name, kept.errors);
+    text +=
+        fmt::format("  kept, a trace: {}   {}; without it {} would be {:.0f} of its errors off\n",
+                    kept.effect, parameter_text(parameters_of(result.best.assessment, kept.effect)),
+                    moved_value(result, kept), kept.errors);
   }
   text += fmt::format("error {:.4f}, {}\n", result.best.assessment.error,
                       result.verdict == "unexplained_structure"

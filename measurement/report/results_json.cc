@@ -7,6 +7,7 @@
 #include "measurement/report/headline.h"
 #include "measurement/report/results.h"
 #include "measurement/report/target_told.h"
+#include "measurement/search/kept.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -37,10 +38,8 @@ void add_notes(ordered_json& json, const Problem& problem, const Model& model) {
 
 // The figures of a field's standard, and those that a model gives instead.
 void add_figures(ordered_json& json, const Problem& problem, const Assessment& assessment) {
-  FigureTable table = problem.facts().figures;
+  const FigureTable table = figure_table(problem, assessment);
   if (table.figures.empty()) return;
-  for (Figure& figure : figures_told(problem, assessment))
-    table.figures.push_back(std::move(figure));
   ordered_json figures = ordered_json::array(), curve = ordered_json::array();
   for (const Figure& figure : table.figures) {
     figures.push_back({{"name", figure.name},
@@ -277,13 +276,10 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
 // Traces that stay in the model, and the value that each moves most.
 ordered_json kept_json(const SearchResult& result) {
   ordered_json list = ordered_json::array();
-  const Assessment& best = result.best.assessment;
   for (const KeptTrace& kept : result.kept) {
-    const auto& value = kept.value;
-    const auto& parameters = best.model.find(value.effect)->definition->parameters;
     list.push_back({{"effect", kept.effect},
-                    {"parameters", parameters_json(best, kept.effect)},
-                    {"moves", value.effect + "." + parameters[value.parameter].name},
+                    {"parameters", parameters_json(result.best.assessment, kept.effect)},
+                    {"moves", moved_value(result, kept)},
                     {"by_errors", kept.errors}});
   }
   return list;

@@ -104,4 +104,10 @@ void keep_traces(const Problem& problem, double looks, SearchResult& result) {
   }
 }
 
+std::string moved_value(const SearchResult& result, const KeptTrace& kept) {
+  const auto& [effect, parameter] = kept.value;
+  const Model& model = result.best.assessment.model;
+  return effect + "." + model.find(effect)->definition->parameters[parameter].name;
+}
+
 }  // namespace seam::measurement

@@ -43,11 +43,15 @@ const std::vector<Primitive>& FrameScenes::parts_at(size_t k, const FigureAt& at
   return parts;
 }
 
-void FrameScenes::show_scenery(const Pose& X_CW, RowRange rows) {
+int FrameScenes::show_first(const Pose& X_CW, RowRange rows,
+                            const std::vector<Primitive>& primitives) {
+  shown_.clear();
   for (size_t i = 0; i < job_.scenery.size(); ++i) {
     if (may_be_seen(X_CW * scenery_centres_W_[i], scenery_radii_m_[i], rays_, rows))
       shown_.push_back({&job_.scenery[i], static_cast<int>(i)});
   }
+  show(primitives, static_cast<int>(job_.scenery.size()));
+  return static_cast<int>(job_.scenery.size() + primitives.size());
 }
 
 void FrameScenes::show(const std::vector<Primitive>& primitives, int first_place) {
@@ -57,11 +61,7 @@ void FrameScenes::show(const std::vector<Primitive>& primitives, int first_place
 void FrameScenes::prepare_at(size_t k, RowRange rows, PreparedInstant& out) {
   const SceneInstant& instant = job_.instants[k];
   const Pose X_CW = instant.X_WC.inverse();
-  shown_.clear();
-  show_scenery(X_CW, rows);
-  auto place = static_cast<int>(job_.scenery.size());
-  show(instant.primitives, place);
-  place += static_cast<int>(instant.primitives.size());
+  int place = show_first(X_CW, rows, instant.primitives);
   for (const FigureAt& at : instant.figures) {
     if (may_be_seen(X_CW * at.posture.p_WB, at.figure->radius_m(), rays_, rows))
       show(parts_at(k, at), place);
@@ -80,11 +80,7 @@ void FrameScenes::prepare_at(SimTime time, RowRange rows, PreparedInstant& out) 
   const auto k = static_cast<size_t>(second - job_.instants.begin()) - 1;
   const double fraction = fraction_between(a, b, time);
   const Pose X_CW = own.X_WC.inverse();
-  shown_.clear();
-  show_scenery(X_CW, rows);
-  auto place = static_cast<int>(job_.scenery.size());
-  show(own.primitives, place);
-  place += static_cast<int>(own.primitives.size());
+  int place = show_first(X_CW, rows, own.primitives);
   // As the nearer instant has them.
   const std::vector<FigureAt>& figures = (fraction < 0.5 ? a : b).figures;
   between_.resize(figures.size());

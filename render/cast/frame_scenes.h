@@ -32,7 +32,8 @@ class FrameScenes {
     std::array<std::vector<Primitive>, 2> parts;
   };
   const std::vector<Primitive>& parts_at(size_t k, const FigureAt& at);
-  void show_scenery(const Pose& X_CW, RowRange rows);
+  // Begins with the scenery and what an instant has beside figures; returns the place after them.
+  int show_first(const Pose& X_CW, RowRange rows, const std::vector<Primitive>& primitives);
   void show(const std::vector<Primitive>& primitives, int first_place);
 
   const FrameJob& job_;

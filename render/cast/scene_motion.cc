@@ -19,9 +19,31 @@ double angle_between(const Mat3& a, const Mat3& b) {
   return chord < 0.5 ? chord * 1.011 : chord * 1.571;
 }
 
+// Whether a primitive surely moves by less than `shifted`: at less work than how far it moves.
+bool moves_less(const Primitive& from, const Pose& X_WB, const Vec3& camera,
+                const Vec3& camera_step, double shifted) {
+  // A point within `reach` of the origin moves no further than the origin and `reach` times the
+  // turn, whose square is at most 1.571^2 / 2 times that of the rotations' difference; and
+  // (p + q)^2 <= 2 (p^2 + q^2).
+  const Pose& X_WA = from.X_WO;
+  const double reach = from.size.x + from.size.y + from.size.z;
+  const Vec3 step = X_WB.p - X_WA.p - camera_step, from_camera = X_WA.p - camera;
+  double turned2 = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 change = X_WA.R[k] - X_WB.R[k];
+    turned2 += glm::dot(change, change);
+  }
+  const double moved2 = 2 * (glm::dot(step, step) + 1.2341 * turned2 * (reach * reach));
+  // Of a small object no point is nearer than half as far as its origin.
+  constexpr double kNearest2 = kNearest_m * kNearest_m;
+  const double away2 = 0.25 * glm::dot(from_camera, from_camera);
+  const double nearest2 = away2 > reach * reach ? std::max(away2, kNearest2) : kNearest2;
+  return moved2 <= shifted * shifted * nearest2;
+}
+
 // Calls f(from, to) for each primitive of both instants. They come in the same order, but what
 // stands behind the camera may be left out of either, whole objects at a time
-// (World::primitives_at).
+// (World::view_of).
 template <typename F>
 void for_each_pair(const std::vector<Primitive>& a, const std::vector<Primitive>& b, F&& f) {
   for (size_t i = 0, j = 0; i < a.size() && j < b.size();) {
@@ -76,32 +98,6 @@ ImageMotion::ImageMotion(const Pose& X_WC_from, const Pose& X_WC_to)
       camera_step_(X_WC_to.p - X_WC_from.p),
       turned_(angle_between(X_WC_from.R, X_WC_to.R)),
       shifted_(std::sqrt(glm::dot(camera_step_, camera_step_)) / kNearest_m) {}
-
-namespace {
-
-// Whether a primitive surely moves by less than `shifted`: at less work than how far it moves.
-bool moves_less(const Primitive& from, const Pose& X_WB, const Vec3& camera,
-                const Vec3& camera_step, double shifted) {
-  // A point within `reach` of the origin moves no further than the origin and `reach` times the
-  // turn, whose square is at most 1.571^2 / 2 times that of the rotations' difference; and
-  // (p + q)^2 <= 2 (p^2 + q^2).
-  const Pose& X_WA = from.X_WO;
-  const double reach = from.size.x + from.size.y + from.size.z;
-  const Vec3 step = X_WB.p - X_WA.p - camera_step, from_camera = X_WA.p - camera;
-  double turned2 = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 change = X_WA.R[k] - X_WB.R[k];
-    turned2 += glm::dot(change, change);
-  }
-  const double moved2 = 2 * (glm::dot(step, step) + 1.2341 * turned2 * (reach * reach));
-  // Of a small object no point is nearer than half as far as its origin.
-  constexpr double kNearest2 = kNearest_m * kNearest_m;
-  const double away2 = 0.25 * glm::dot(from_camera, from_camera);
-  const double nearest2 = away2 > reach * reach ? std::max(away2, kNearest2) : kNearest2;
-  return moved2 <= shifted * shifted * nearest2;
-}
-
-}  // namespace
 
 void ImageMotion::add(const Primitive& from, const Primitive& to) {
   const Pose& X_WA = from.X_WO;

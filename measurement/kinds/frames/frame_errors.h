@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "effects/stages/sensor/sensor.h"
+
 namespace seam::measurement {
 
 // Renderers place an edge to about a hundredth of a pixel: 5 x 5 rays a pixel and some tens of

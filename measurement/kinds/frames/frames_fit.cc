@@ -17,6 +17,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// Two of at least four frames, far from each other and from both ends.
+std::vector<size_t> two_of(const std::vector<size_t>& frames) {
+  return {frames[frames.size() / 4], frames[3 * frames.size() / 4]};
+}
+
 class FrameFit {
  public:
   FrameFit(const FramesProblem& problem, const Model& start, const std::vector<Unknown>& unknowns,
@@ -146,9 +151,8 @@ class FrameFit {
   // here once in 40).
   bool helps_on_few() {
     constexpr double kHelps = 0.05;  // Gain of log-likelihood.
-    const size_t count = frames_.size();
-    if (count < 4) return true;
-    const std::vector<size_t> few = {frames_[count / 4], frames_[3 * count / 4]};
+    if (frames_.size() < 4) return true;
+    const std::vector<size_t> few = two_of(frames_);
     const Maximum maximum = search_spread(few);
     std::vector<double> neutral;
     for (const size_t i : spread_) neutral.push_back(space_[i].parameter->neutral);
@@ -202,8 +206,7 @@ Fit FramesProblem::fit_anew(const Model& start, const std::vector<Unknown>& unkn
   FrameFit fit(*this, start, unknowns, frames);
   if (frames.size() < 4 || !fit.is_far()) return fit.run();
   // Two frames show the way; what all say beyond is a last step or two.
-  const std::vector<size_t> few = {frames[frames.size() / 4], frames[3 * frames.size() / 4]};
-  const Model near = FrameFit(*this, start, unknowns, few).end_of_steps();
+  const Model near = FrameFit(*this, start, unknowns, two_of(frames)).end_of_steps();
   return FrameFit(*this, near, unknowns, frames).run();
 }
 

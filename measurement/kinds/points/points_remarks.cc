@@ -73,9 +73,9 @@ void PointsProblem::remark_on_scatter(const Evaluation& evaluation,
   for (const std::vector<int>& rows : data_.rows_of_view) {
     ResidualGroup& group = groups.emplace_back();
     for (const int row : rows) {
-      for (const size_t scalar : {2 * static_cast<size_t>(row), 2 * static_cast<size_t>(row) + 1}) {
-        if (takes_part(row)) group.values.push_back(evaluation.whitened[scalar]);
-      }
+      if (!takes_part(row)) continue;
+      for (const size_t scalar : {2 * static_cast<size_t>(row), 2 * static_cast<size_t>(row) + 1})
+        group.values.push_back(evaluation.whitened[scalar]);
     }
     group.freedom = free * static_cast<double>(group.values.size());
   }

@@ -138,20 +138,15 @@ Model discovered_model(const Problem& problem, const Model& start, const SearchR
   Model model = result.best.assessment.model;
   model.set_name(start.name());
   write_sigmas(model, result.best.assessment.unknowns, result.best.assessment.fit);
-  for (const Step& step : result.steps) {
-    const AddResult entry{.effect = step.effect,
-                          .parameters = parameters_of(step.after, step.effect),
-                          .error_before = step.error_before,
-                          .error_after = step.error_after};
+  const auto note = [&](const auto& came, const Assessment& after) {
+    const AddResult entry{.effect = came.effect,
+                          .parameters = parameters_of(after, came.effect),
+                          .error_before = came.error_before,
+                          .error_after = came.error_after};
     model.append_history(history_step(problem, entry));
-  }
-  for (const KeptTrace& kept : result.kept) {
-    const AddResult entry{.effect = kept.effect,
-                          .parameters = parameters_of(result.best.assessment, kept.effect),
-                          .error_before = kept.error_before,
-                          .error_after = kept.error_after};
-    model.append_history(history_step(problem, entry));
-  }
+  };
+  for (const Step& step : result.steps) note(step, step.after);
+  for (const KeptTrace& kept : result.kept) note(kept, result.best.assessment);
   return model;
 }
 
