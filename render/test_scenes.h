@@ -10,6 +10,10 @@
 
 namespace seam::render::testing {
 
+// The ERS-210's camera, which most tests look through.
+inline constexpr int kWidth = 178, kHeight = 144;
+inline constexpr double kFx = 161.9, kFy = 162.5, kCx = 88.5, kCy = 71.5;
+
 struct MovingScene {
   std::function<Pose(double t_s)> camera;  // X_WC.
   std::function<std::vector<Primitive>(double t_s)> primitives;

@@ -16,8 +16,6 @@ namespace {
 
 using namespace testing;
 
-constexpr int kWidth = 178, kHeight = 144;
-
 struct Difference {
   double mean = 0, worst = 0, within_6 = 0;
 };

@@ -19,8 +19,6 @@ namespace {
 using namespace testing;
 namespace fs = std::filesystem;
 
-constexpr int kWidth = 178, kHeight = 144;
-
 class Files : public ::testing::Test {
  protected:
   Files() {
@@ -76,13 +74,13 @@ std::string ring_obj(int around, int tube, bool closed) {
   return text + faces;
 }
 
-struct Difference {
+struct Apart {
   double mean = 0, within_6 = 0;
 };
 
 // Every 24th row, 256 instants.
-Difference against_brute_force(const MovingScene& scene, const Assets& assets, double kappa,
-                               RendererOptions options) {
+Apart against_brute_force(const MovingScene& scene, const Assets& assets, double kappa,
+                          RendererOptions options) {
   const GlDevice device(assets);
   options.opengl = &device;
   const std::string lens =
@@ -95,7 +93,7 @@ Difference against_brute_force(const MovingScene& scene, const Assets& assets, d
   const LinearImage light = Renderer(model, kWidth, kHeight, options).render_linear(job);
   const BruteLens brute{161.9, 162.5, 88.5, 71.5, kappa};
   const BruteScene exact{assets, scene.background, scene.lighting};
-  Difference found;
+  Apart found;
   size_t count = 0;
   for (int row = 5; row < kHeight; row += 24) {
     const RowWindow window = job.schedule.rows[row];
@@ -146,8 +144,7 @@ TEST_F(Files, AMeshInMotionAgreesWithEveryTriangleAlone) {
                       }};
     scene.lighting = {
         .lambert = lambert, .direction_W = Vec3(-0.6, 0.0, 0.8), .ambient = 0.4, .diffuse = 0.6};
-    const Difference found =
-        against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
+    const Apart found = against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
     EXPECT_LE(found.mean, 0.3);
     EXPECT_GE(found.within_6, 0.999);
   }
@@ -191,8 +188,7 @@ TEST_F(Files, AMeshOfFlatFacesAgrees) {
                     }};
   scene.lighting = {
       .lambert = true, .direction_W = Vec3(-0.6, 0.0, 0.8), .ambient = 0.3, .diffuse = 0.7};
-  const Difference found =
-      against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
+  const Apart found = against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
   EXPECT_LE(found.mean, 0.3);
   EXPECT_GE(found.within_6, 0.999);
 }
@@ -221,8 +217,7 @@ TEST_F(Files, AMeshOfOneColourAPartAgrees) {
              .rgb = {1, 0.9, 0.8},
              .asset = 1}};
       }};
-  const Difference found =
-      against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
+  const Apart found = against_brute_force(scene, assets, -0.2, {.edge_samples_per_pixel = 256});
   EXPECT_LE(found.mean, 0.3);
   EXPECT_GE(found.within_6, 0.999);
 }
@@ -240,7 +235,7 @@ TEST_F(Files, ATexturedRectangleAgrees) {
                                        .rgb = {0.9, 1, 0.8},
                                        .asset = 1}};
       }};
-  const Difference found = against_brute_force(scene, assets, 0, {.edge_samples_per_pixel = 256});
+  const Apart found = against_brute_force(scene, assets, 0, {.edge_samples_per_pixel = 256});
   EXPECT_LE(found.mean, 0.3);
   EXPECT_GE(found.within_6, 0.999);
 }

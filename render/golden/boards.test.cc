@@ -19,8 +19,8 @@ namespace {
 
 using namespace testing;
 
-constexpr int kWidth = 640, kHeight = 480;
-constexpr double kFocal_px = 1100, kCx = 319.5, kCy = 239.5;
+constexpr int kPictureWidth = 640, kPictureHeight = 480;
+constexpr double kFocal_px = 1100, kCentreX = 319.5, kCentreY = 239.5;
 
 struct FoundTag {
   int id;
@@ -29,10 +29,11 @@ struct FoundTag {
 
 std::vector<FoundTag> find_tags(const Frame& frame) {
   const std::unique_ptr<image_u8_t, decltype(&image_u8_destroy)> grey(
-      image_u8_create(kWidth, kHeight), image_u8_destroy);
-  for (int v = 0; v < kHeight; ++v)
-    for (int u = 0; u < kWidth; ++u)
-      grey->buf[v * grey->stride + u] = static_cast<uint8_t>(frame.rgb[3 * (v * kWidth + u) + 1]);
+      image_u8_create(kPictureWidth, kPictureHeight), image_u8_destroy);
+  for (int v = 0; v < kPictureHeight; ++v)
+    for (int u = 0; u < kPictureWidth; ++u)
+      grey->buf[v * grey->stride + u] =
+          static_cast<uint8_t>(frame.rgb[3 * (v * kPictureWidth + u) + 1]);
   const std::unique_ptr<apriltag_family_t, decltype(&tag36h11_destroy)> family(tag36h11_create(),
                                                                                tag36h11_destroy);
   const std::unique_ptr<apriltag_detector_t, decltype(&apriltag_detector_destroy)> detector(
@@ -64,7 +65,8 @@ TEST(Boards, ADetectorFindsTheTagsWhereTheNumbersSay) {
   scene.primitives = [&](double) { return board_primitives(board, X_CO, 100); };
   const effects::Model model =
       model_of("  pinhole: {fx_px: 1100, fy_px: 1100, cx_px: 319.5, cy_px: 239.5}\n");
-  const Frame frame = Renderer(model, kWidth, kHeight).render(job_of(scene, model, kHeight, 0));
+  const Frame frame = Renderer(model, kPictureWidth, kPictureHeight)
+                          .render(job_of(scene, model, kPictureHeight, 0));
   const std::vector<FoundTag> found = find_tags(frame);
   // The library's own detector loses tags that run into the small squares at their corners.
   ASSERT_GE(found.size(), 8u);
@@ -78,7 +80,8 @@ TEST(Boards, ADetectorFindsTheTagsWhereTheNumbersSay) {
     for (int corner = 0; corner < 4; ++corner) {
       const Vec3 p_C =
           X_CO * Vec3(left + across[corner] * board.tag_m, low + up[corner] * board.tag_m, 0);
-      const double u = kFocal_px * p_C.x / p_C.z + kCx, v = kFocal_px * p_C.y / p_C.z + kCy;
+      const double u = kFocal_px * p_C.x / p_C.z + kCentreX,
+                   v = kFocal_px * p_C.y / p_C.z + kCentreY;
       const double du = tag.corners[corner][0] - u, dv = tag.corners[corner][1] - v;
       EXPECT_LT(std::hypot(du, dv), 0.3) << "tag " << tag.id << " corner " << corner;
       sum[0] += du, sum[1] += dv, squares += du * du + dv * dv;

@@ -13,10 +13,8 @@ namespace {
 
 using namespace testing;
 
-constexpr int kWidth = 178, kHeight = 144;
-
 BruteLens lens_of(const Case& c) {
-  return {161.9, 162.5, 88.5, 71.5, c.kappa};
+  return {kFx, kFy, kCx, kCy, c.kappa};
 }
 
 struct Difference {

@@ -14,8 +14,6 @@ namespace {
 
 using namespace testing;
 
-constexpr int kWidth = 178, kHeight = 144;
-constexpr double kFx = 161.9, kFy = 162.5, kCx = 88.5, kCy = 71.5;
 const std::string kPinhole = "  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n";
 enum Channel { red, green, blue };
 

@@ -15,7 +15,7 @@ namespace {
 
 using namespace testing;
 
-constexpr int kWidth = 178, kHeight = 144, kPixels = kWidth * kHeight;
+constexpr int kPixels = kWidth * kHeight;
 constexpr double kSure = 4.5;
 
 // Frames of an even field by one camera, as one channel's values.

@@ -14,8 +14,7 @@ namespace {
 
 using namespace testing;
 
-constexpr double kLever_m = 0.0666, kFx = 161.9, kCx = 88.5;
-constexpr int kWidth = 178, kHeight = 144;
+constexpr double kLever_m = 0.0666;
 // The edge stands here; the wall reaches from it far to the left.
 constexpr double kEdgeX_m = 1.1, kEdgeY_m = 0.08;
 
