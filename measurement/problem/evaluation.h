@@ -91,9 +91,9 @@ struct Structure {
   std::string residual;   // Channel.
   std::string moment;     // mean | spread
   std::string covariate;  // row*pan_rate
-  double strength = 0;    // Root mean square of the explained part, in the residual's unit.
+  double strength = 0;    // Root mean square of what is explained beyond chance, in its unit.
   double p_value = 1;     // Corrected for the number of looks.
-  double explained = 0;   // Share of the residual's sum of squares.
+  double explained = 0;   // Share of the residual's sum of squares, likewise.
 };
 
 // The noise of a residual's channel, or of the first of the two that a combined one is made of.

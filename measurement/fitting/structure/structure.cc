@@ -184,13 +184,14 @@ class Tester {
     looks_ += looks;
     double total = 0;
     for (const double z : signal.z) total += z * z;
+    const double explained = static_cast<double>(signal.z.size()) * test.rms * test.rms;
     found_.push_back(
         {.residual = signal.name,
          .moment = moment,
          .covariate = covariate,
          .strength = rms * signal.sigma(),
          .p_value = test.p_value <= 1e-297 ? 1e-300 : std::min(1.0, test.p_value * looks),
-         .explained = moment == "mean" && total > 0 ? test.explained / total : 0});
+         .explained = moment == "mean" && total > 0 ? explained / total : 0});
   }
 
   double lost(const Signal& signal) const {
