@@ -63,6 +63,26 @@ std::optional<Grown> from_its_like(const Problem& problem, const Grown& grown, c
   return std::move(candidate->grown);
 }
 
+// Two forms of one lens side by side do little that the wider does not do alone, with values that
+// no data tell apart: it takes the place of both, where held-out groups lose nothing by that.
+std::optional<Grown> as_one_lens(const Problem& problem, const Grown& grown,
+                                 const EffectByName& effect_by_name) {
+  for (const std::string& wide : grown.added) {
+    const auto lens = effect_by_name(wide);
+    for (const std::string& narrow : grown.added) {
+      const EffectDefinition& other = *effect_by_name(narrow);
+      if (!are_lenses(*lens, other) || lens->term != other.term ||
+          lens->parameters.size() <= other.parameters.size())
+        continue;
+      auto one = from_its_like(problem, grown, without(without(grown, narrow), wide), lens);
+      if (one && merit_of(problem, *one) > merit_of(problem, grown) - kAnyPrice &&
+          one->assessment.held_ll() - grown.assessment.held_ll() > kUnluckyLoss)
+        return one;
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const Grown& smaller,
                                const Score& score, const Evaluation* near,
                                const std::shared_ptr<const EffectDefinition>& in) {
@@ -175,6 +195,7 @@ std::vector<std::optional<Grown>> Exchanges::tried(const Grown& grown,
 }
 
 Grown Exchanges::told_simply(Grown grown, const EffectByName& effect_by_name) const {
+  while (auto one = as_one_lens(problem_, grown, effect_by_name)) grown = *std::move(one);
   grown = less_tangled(problem_, std::move(grown));
   const auto moves = possible_exchanges(problem_, grown, /*promising=*/{}, effect_by_name);
   const auto once = tried(grown, moves, effect_by_name);

@@ -49,8 +49,8 @@ class Exchanges {
   std::optional<Grown> better(const Grown& grown, const std::vector<std::string>& promising,
                               const EffectByName& effect_by_name) const;
 
-  // The same model in its simplest form, in which a lens may say no more than one of a narrower
-  // family, that then takes its place.
+  // The same model in its simplest form: two forms of one lens are the wider of them, and a lens
+  // that says no more than one of a narrower family leaves its place to that.
   Grown told_simply(Grown grown, const EffectByName& effect_by_name) const;
 
   // The model with one added effect in the place of another. Nothing where a step of Gauss and

@@ -75,6 +75,44 @@ TEST(Material, ATwentiethOfTheNoiseIsATrace) {
   EXPECT_FALSE(candidate.significant);
 }
 
+// Points that are each off by something of their own, seen four times: their means alone explain a
+// quarter of noise by chance.
+class Displaced : public MadeProblem {
+ public:
+  static constexpr size_t kPoints = 1000, kTimes = 4;
+  Displaced()
+      : MadeProblem(points(), kSlopeNoise, [](const std::vector<double>& p, double x) {
+          return p[0] + (p.size() > 1 ? p[1] * std::sqrt(2.0) * std::sin(1.3 * x * x) : 0);
+        }) {
+    deal_into(20);
+    facts_.covariates = {{.name = "point", .type = Covariate::Type::category, .values = points()}};
+  }
+  static std::vector<double> points() {
+    std::vector<double> labels(kPoints * kTimes);
+    for (size_t i = 0; i < labels.size(); ++i) labels[i] = static_cast<double>(i % kPoints);
+    return labels;
+  }
+};
+
+TEST(Material, WhatChanceExplainsOfGroupMeansIsNotHidden) {
+  for (const double units : {0.4, 0.8}) {
+    Displaced problem;
+    Model flat, truth;
+    flat.set(level(), {{.value = 0, .free = true}});
+    truth.set(level(), {{.value = 0.3}});
+    truth.set(slope(), {{.value = units * kSlopeNoise}});
+    problem.observe(truth, {.seed = 4, .stream = 2});
+    problem.prepare(flat);
+    const Assessment assessment = assess(problem, flat, refitted_unknowns(flat));
+    const auto left = problem.structure(assessment.model, problem.all_groups(), 1);
+    ASSERT_FALSE(left.empty());
+    EXPECT_EQ(left[0].covariate, "point");
+    const double share = units * units / (1 + units * units);
+    EXPECT_NEAR(left[0].explained, share, 0.04);
+    EXPECT_EQ(hides_mean(problem, assessment), share > 0.25);
+  }
+}
+
 TEST(Material, ZeroAsksForSignificanceAlone) {
   const Candidate candidate = slope_of(0.05, 0);
   EXPECT_TRUE(candidate.significant);

@@ -250,7 +250,8 @@ std::vector<std::vector<double>> PointsProblem::starts(
   const CameraView& view = of_it == data_.cameras.end() ? data_.cameras.front() : *of_it;
   const Model own = model_of(model, view.name);
   const auto plain = effects::find_effect(effects::plain_name(effect.name));
-  if (!plain || !effects::is_excluded(*plain, own)) return Problem::starts(model, effect);
+  if (!plain || !(effects::is_excluded(*plain, own) || own.has(plain->name)))
+    return Problem::starts(model, effect);
   const auto like = lens_like(own, *plain, view.width_px, view.height_px,
                               reach_rad(model, static_cast<int>(&view - data_.cameras.data())));
   return like ? std::vector<std::vector<double>>{*like} : std::vector<std::vector<double>>{};

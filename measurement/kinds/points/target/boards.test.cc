@@ -11,6 +11,7 @@
 
 #include "effects/registry.h"
 #include "measurement/kinds/kinds.h"
+#include "measurement/search/exchanges.h"
 #include "measurement/search/models/add_effects.h"
 #include "measurement/search/models/compare.h"
 #include "measurement/search/search.h"
@@ -166,6 +167,26 @@ TEST(Boards, ARationalLensTakesThePlaceOfTheFisheye) {
   EXPECT_EQ(result.steps[0].effect, "rational_lens");
   EXPECT_LT(result.best.assessment.error, 1.1);
   EXPECT_NEAR(result.best.assessment.model.find("pinhole")->value("cx_px"), kCx_px, 2);
+}
+
+// A polynomial and a quotient side by side: their values cannot be told, those of one can.
+TEST(Boards, TwoFormsOfOneLensAreToldAsTheWider) {
+  const auto problem = open_problem(board_views({.name = "two-lenses", .lens = quotient}));
+  const auto by_name = [](const std::string& name) { return effects::find_effect(name); };
+  problem->check_model(free_pinhole(1280, 800));
+  problem->prepare(free_pinhole(1280, 800));
+  const Model nominal = free_pinhole(1280, 800);
+  Grown grown{.assessment = assess(*problem, nominal, refitted_unknowns(nominal))};
+  std::vector<NotTestable> reasons;
+  for (const std::string lens : {"radial_polynomial", "rational_lens"}) {
+    auto wider = try_effect(*problem, grown, by_name(lens), reasons);
+    ASSERT_TRUE(wider) << lens;
+    grown = std::move(wider->grown);
+  }
+  ASSERT_THAT(grown.added, testing::ElementsAre("radial_polynomial", "rational_lens"));
+  const Grown one = Exchanges(*problem).told_simply(grown, by_name);
+  EXPECT_THAT(one.added, testing::ElementsAre("rational_lens"));
+  EXPECT_LT(one.assessment.error, 1.1);
 }
 
 // What the fitted camera leaves is the same in each view, wherever the board is.
