@@ -102,6 +102,17 @@ std::optional<Grown> exchanged(const Problem& problem, const Grown& grown, const
   return std::move(candidate->grown);
 }
 
+// What came last stands where what went stood: steps are told in that order where they explain too
+// little to be ordered by what each does.
+std::optional<Grown> in_its_place(const Grown& grown, const std::string& out,
+                                  std::optional<Grown> other) {
+  if (!other) return other;
+  auto& added = other->added;
+  const auto place = std::find(grown.added.begin(), grown.added.end(), out) - grown.added.begin();
+  if (place < std::ssize(added)) std::rotate(added.begin() + place, added.end() - 1, added.end());
+  return other;
+}
+
 // All that an exchange depends on but the effects that change places.
 std::vector<double> key_of(const Problem& problem, const Grown& grown,
                            const std::vector<std::string>& change = {}) {
@@ -253,11 +264,12 @@ std::optional<Grown> Exchanges::with_other(
       stands_for(leaving, *in) && effects::camera_of(in->name) == effects::camera_of(out);
   if (!has_place(*in, smaller.assessment.model)) return std::nullopt;
   return *tried_.of(0, key_of(problem_, grown, {out, in->name + "\n" + in->source}), [&] {
-    if (like) return from_its_like(problem_, grown, smaller, in);
+    if (like) return in_its_place(grown, out, from_its_like(problem_, grown, smaller, in));
     const auto less =
         without_.of(0, key_of(problem_, grown, {out}), [&] { return without_it(grown, out); });
-    return exchanged(problem_, grown, less->grown, less->score, less->near ? &*less->near : nullptr,
-                     in);
+    return in_its_place(grown, out,
+                        exchanged(problem_, grown, less->grown, less->score,
+                                  less->near ? &*less->near : nullptr, in));
   });
 }
 

@@ -169,24 +169,39 @@ TEST(Boards, ARationalLensTakesThePlaceOfTheFisheye) {
   EXPECT_NEAR(result.best.assessment.model.find("pinhole")->value("cx_px"), kCx_px, 2);
 }
 
+// The nominal model with lenses added one after the other.
+Grown with_effects(Problem& problem, const std::vector<std::string>& names) {
+  const Model nominal = free_pinhole(1280, 800);
+  problem.check_model(nominal);
+  problem.prepare(nominal);
+  Grown grown{.assessment = assess(problem, nominal, refitted_unknowns(nominal))};
+  std::vector<NotTestable> reasons;
+  for (const std::string& name : names) {
+    auto wider = try_effect(problem, grown, effects::find_effect(name), reasons);
+    if (!wider) throw std::runtime_error("no fit of " + name);
+    grown = std::move(wider->grown);
+  }
+  return grown;
+}
+
 // A polynomial and a quotient side by side: their values cannot be told, those of one can.
 TEST(Boards, TwoFormsOfOneLensAreToldAsTheWider) {
   const auto problem = open_problem(board_views({.name = "two-lenses", .lens = quotient}));
-  const auto by_name = [](const std::string& name) { return effects::find_effect(name); };
-  problem->check_model(free_pinhole(1280, 800));
-  problem->prepare(free_pinhole(1280, 800));
-  const Model nominal = free_pinhole(1280, 800);
-  Grown grown{.assessment = assess(*problem, nominal, refitted_unknowns(nominal))};
-  std::vector<NotTestable> reasons;
-  for (const std::string lens : {"radial_polynomial", "rational_lens"}) {
-    auto wider = try_effect(*problem, grown, by_name(lens), reasons);
-    ASSERT_TRUE(wider) << lens;
-    grown = std::move(wider->grown);
-  }
-  ASSERT_THAT(grown.added, testing::ElementsAre("radial_polynomial", "rational_lens"));
-  const Grown one = Exchanges(*problem).told_simply(grown, by_name);
+  const Grown both = with_effects(*problem, {"radial_polynomial", "rational_lens"});
+  ASSERT_THAT(both.added, testing::ElementsAre("radial_polynomial", "rational_lens"));
+  const Grown one = Exchanges(*problem).told_simply(
+      both, [](const std::string& name) { return effects::find_effect(name); });
   EXPECT_THAT(one.added, testing::ElementsAre("rational_lens"));
   EXPECT_LT(one.assessment.error, 1.1);
+}
+
+TEST(Boards, WhatIsExchangedStandsWhereTheOtherStood) {
+  const auto problem = open_problem(board_views({.name = "exchanged", .lens = quotient}));
+  const Grown both = with_effects(*problem, {"radial_polynomial", "thin_prism"});
+  const auto other = Exchanges(*problem).with_other(both, "radial_polynomial",
+                                                    effects::find_effect("radial_distortion"));
+  ASSERT_TRUE(other);
+  EXPECT_THAT(other->added, testing::ElementsAre("radial_distortion", "thin_prism"));
 }
 
 // What the fitted camera leaves is the same in each view, wherever the board is.
