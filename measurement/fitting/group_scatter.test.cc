@@ -116,9 +116,8 @@ TEST(GroupScatter, StretchesOfFewGroupsTellWhatHangsTogether) {
   for (size_t i = 0; i < kRows; ++i) x.push_back(std::sin(0.7 * static_cast<double>(i)));
   double far = 0;
   for (uint64_t draw = 0; draw < kDraws; ++draw) {
-    MadeProblem problem(x, kRunNoise, [](const std::vector<double>& p, double at) {
-      return p[0] + p[1] * at;
-    });
+    MadeProblem problem(x, kRunNoise,
+                        [](const std::vector<double>& p, double at) { return p[0] + p[1] * at; });
     problem.cut_into(2);
     const RandomStream stream{draw, 5};
     std::vector<double> y;

@@ -54,8 +54,8 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   describe(set, table);
   facts_.notes = notes_of_joint_logs(table);
   const double noise_rad = facts_.channels[0].noise;
-  for (std::string note : {note_of_stiffness(table, set_, noise_rad),
-                           note_of_unlike_joints(table, set_, noise_rad)}) {
+  for (std::string note :
+       {note_of_stiffness(table, set_, noise_rad), note_of_unlike_joints(table, set_, noise_rad)}) {
     if (!note.empty()) facts_.notes.push_back(std::move(note));
   }
   add_covariates();

@@ -176,5 +176,22 @@ TEST(MotorSearch, ALatencyComesWithTheFrictionThatItHides) {
   EXPECT_NEAR(all->grown.assessment.model.find("servo_latency")->value("latency_s"), 0.0135, 0.001);
 }
 
+// Friction that is half of the load stops a joint where a motor without any swings for long: one
+// with gravity alone leaves more than 100 times the noise.
+TEST(MotorSearch, AMotorWithLargeFrictionComesWithIt) {
+  const JointsProblem problem =
+      MadeSet("motor-large-friction", false)
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 1760, back_emf_per_s: 44, gain: "
+                            "0.07}\n  gravity_torque: {rad_per_s2: 200, level_rad: -0.15}\n"
+                            "  coulomb_friction: {rad_per_s2: 112}\n"
+                            "  stribeck_friction: {rad_per_s2: 49, rad_per_s: 2.6}\n"),
+                   6);
+  const Grown base{.assessment = assess(problem, model_of("  ideal_servo: {}\n"), {})};
+  const auto all = move_with_dependents(problem, base, effects::find_effect("motor_servo"), {});
+  ASSERT_TRUE(all);
+  EXPECT_LT(all->grown.assessment.error, 50);
+  EXPECT_NEAR(all->grown.assessment.model.find("gravity_torque")->value("rad_per_s2"), 200, 20);
+}
+
 }  // namespace
 }  // namespace seam::measurement

@@ -81,8 +81,7 @@ std::string note_of_two(double hip_gain, double knee_gain) {
   const std::string knee = rows_of(knee_gain, knee_gain, false, 10, 4);
   for (size_t at = rows.find("arm"); at != std::string::npos; at = rows.find("arm"))
     rows.replace(at, 3, "hip");
-  const CsvTable table =
-      CsvTable::from_text(rows + knee.substr(knee.find('\n') + 1), "joints.csv");
+  const CsvTable table = CsvTable::from_text(rows + knee.substr(knee.find('\n') + 1), "joints.csv");
   return note_of_unlike_joints(table, logs_of(table), kNoise_rad);
 }
 
