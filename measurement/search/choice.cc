@@ -22,7 +22,7 @@ Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candida
     });
     if (better != candidates.end()) return &*better;
     const Assessment& spread = best.grown.assessment;
-    if (!misses || (!hides_mean(problem, spread) &&
+    if (!misses || (!hides_mean(problem, here.assessment, spread) &&
                     !leads_astray(problem, here.assessment, spread)))
       return &best;
     best.significant = false, best.hides_mean = true;
