@@ -11,18 +11,37 @@
 namespace seam::measurement {
 namespace {
 
-constexpr int kLeastGroups = 4;
+constexpr size_t kLeastGroups = 4;
+constexpr size_t kParts = 8;     // Of fewer groups, all together.
 constexpr double kFloor = 1e-9;  // Of the information that a parameter has alone.
 
 Eigen::Index place_of(size_t i) {
   return static_cast<Eigen::Index>(i);
 }
 
-// What one group says of the parameters.
+// What one group says of the parameters, or one part of it.
 struct Word {
   Eigen::MatrixXd information;
   Eigen::VectorXd slope;
 };
+
+bool are_few(const Groups& groups) {
+  return static_cast<size_t>(std::count(groups.begin(), groups.end(), 1)) < kLeastGroups;
+}
+
+// The group of each row; where groups are few, the stretch of its group.
+std::vector<size_t> parts_of(const Facts& facts, const Groups& groups) {
+  const auto count = static_cast<size_t>(std::count(groups.begin(), groups.end(), 1));
+  const size_t of_group = are_few(groups) && count > 0 ? kParts / count : 1;
+  std::vector<size_t> rows(groups.size(), 0), part;
+  for (const int group : facts.group_of_row) ++rows[static_cast<size_t>(group)];
+  std::vector<size_t> before(groups.size(), 0);
+  for (const int row_group : facts.group_of_row) {
+    const auto group = static_cast<size_t>(row_group);
+    part.push_back(group * of_group + before[group]++ * of_group / rows[group]);
+  }
+  return part;
+}
 
 std::vector<Word> words_of(const Problem& problem, const Model& model,
                            const std::vector<Unknown>& unknowns, const Groups& groups) {
@@ -33,12 +52,13 @@ std::vector<Word> words_of(const Problem& problem, const Model& model,
   const auto columns = problem.jacobian(model, unknowns, groups, here);
   const Eigen::Index count = place_of(unknowns.size());
   const Word silent{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
-  std::vector<Word> all(groups.size(), silent);
+  const std::vector<size_t> part_of_row = parts_of(problem.facts(), groups);
+  std::vector<Word> all(groups.size() * kParts, silent);
   Eigen::VectorXd row(count);
   for (size_t i = 0; i < here.whitened.size(); ++i) {
     if (!here.used[i]) continue;
     for (size_t k = 0; k < unknowns.size(); ++k) row[place_of(k)] = columns[k][i];
-    Word& word = all[static_cast<size_t>(problem.facts().group_of(i))];
+    Word& word = all[part_of_row[static_cast<size_t>(problem.facts().row_of[i])]];
     word.information.noalias() += row * row.transpose();
     word.slope += here.whitened[i] * row;
   }
@@ -55,7 +75,7 @@ double largest_by_chance(size_t groups) {
 
 // Variances of the parameters; empty where groups cannot tell.
 std::vector<double> sandwich(const std::vector<Word>& words) {
-  if (words.size() < kLeastGroups) return {};
+  if (words.size() < kLeastGroups) return {};  // Too few rows.
   Word whole = words.front();
   for (size_t g = 1; g < words.size(); ++g) {
     whole.information += words[g].information;
@@ -93,11 +113,12 @@ double widen_by_group_scatter(const Problem& problem, double adequate, Assessmen
   // Where one part of the groups is held out once for all, the fit has seen the others alone.
   const Groups seen =
       problem.folds().size() == 1 ? problem.training_groups() : problem.all_groups();
+  const bool misses = assessment.error > adequate;
+  if (!misses && are_few(seen)) return 1;
   const std::vector<Word> words = words_of(problem, assessment.model, unknowns, seen);
   const std::vector<double> variance = sandwich(words);
   // At the noise residuals of a group may go together all the same, as those of coarse counts do.
-  const double least =
-      assessment.error > adequate || variance.empty() ? 1 : largest_by_chance(words.size());
+  const double least = misses || variance.empty() ? 1 : largest_by_chance(words.size());
   double widest = 1;
   for (size_t k = 0; k < variance.size(); ++k) {
     const double wider = std::sqrt(std::max(0.0, variance[k])) / fit.sigma[places[k]];

@@ -107,6 +107,35 @@ TEST(GroupScatter, CoversTheTruthWhereGroupsDiffer) {
   EXPECT_NEAR(far / (2 * kDraws), 0.05, 0.025);
 }
 
+// Two runs, whose residuals are alike over some twenty rows: the scatter of two says nothing.
+TEST(GroupScatter, StretchesOfFewGroupsTellWhatHangsTogether) {
+  constexpr int kDraws = 200;
+  constexpr size_t kRows = 1200;
+  constexpr double kKept = 0.9;  // From one row to the next.
+  std::vector<double> x;
+  for (size_t i = 0; i < kRows; ++i) x.push_back(std::sin(0.7 * static_cast<double>(i)));
+  double far = 0;
+  for (uint64_t draw = 0; draw < kDraws; ++draw) {
+    MadeProblem problem(x, kRunNoise,
+                        [](const std::vector<double>& p, double at) { return p[0] + p[1] * at; });
+    problem.cut_into(2);
+    const RandomStream stream{draw, 5};
+    std::vector<double> y;
+    double alike = 0;
+    for (size_t i = 0; i < kRows; ++i) {
+      alike = kKept * alike + kRunNoise * normal(stream, i);
+      y.push_back(alike);
+    }
+    problem.take(std::move(y));
+    Assessment found = assess(problem, line_of(0, 0), kLevelAndSlope);
+    EXPECT_GT(found.error, kAdequate);
+    widen_by_group_scatter(problem, kAdequate, found);
+    const double z = found.fit.value[0] / found.fit.sigma[0];
+    far += std::abs(z) > 2.365 ? 1 : 0;  // 95 % of Student's t with 7 degrees; 59 % else.
+  }
+  EXPECT_NEAR(far / kDraws, 0.05, 0.04);
+}
+
 // Rows of a group that go together by half a noise are no misfit, and their mean is told far worse
 // than that of independent ones.
 TEST(GroupScatter, WidensAtTheNoiseWhereGroupsDifferBeyondChance) {

@@ -223,8 +223,8 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
                           : "adequate");
   if (result.errors_widened > 1.5)
     text += fmt::format(
-        "errors of parameters are up to {:.1f} times what independent noise would leave: groups "
-        "differ by so much\n",
+        "errors of parameters are up to {:.1f} times what independent noise would leave: groups, "
+        "or stretches of few, differ by so much\n",
         result.errors_widened);
   text += free_text(problem, result.base.assessment, &result.best.assessment) +
           findings_text(problem, result.best.assessment);

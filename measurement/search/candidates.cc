@@ -272,23 +272,50 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
   return prospect ? fit_prospect(problem, base, *prospect, reasons) : std::nullopt;
 }
 
-std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
-                                         const EffectList& own) {
-  const Model& model = base.assessment.model;
+namespace {
+
+// Effects of the mean that act only beside a base that the model has.
+EffectList dependents_of(const Problem& problem, const Model& model, const EffectList& own) {
   EffectList dependents = absent_effects(problem, model, own);
   std::erase_if(dependents, [](const auto& effect) {
     return effect->needs_base == effects::Base::none || effect->spread_only;
   });
-  if (dependents.empty()) return std::nullopt;
-  Prospect prospect{.effect = dependents.front()};
-  prospect.companions.assign(dependents.begin() + 1, dependents.end());
-  prospect.starts = problem.starts_together(model, *prospect.effect, prospect.companions);
+  return dependents;
+}
+
+// Fits an effect with companions from where all of them together begin.
+std::optional<Candidate> fit_together(const Problem& problem, const Grown& base,
+                                      Prospect prospect) {
+  prospect.starts =
+      problem.starts_together(base.assessment.model, *prospect.effect, prospect.companions);
   for (size_t i = 0; i < prospect.effect->parameters.size(); ++i) {
     const Parameter& parameter = prospect.effect->parameters[i];
     if (!parameter.integer && !parameter.stated) prospect.free.push_back(i);
   }
   std::vector<NotTestable> reasons;
   return fit_prospect(problem, base, prospect, reasons);
+}
+
+}  // namespace
+
+std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
+                                         const EffectList& own) {
+  const EffectList dependents = dependents_of(problem, base.assessment.model, own);
+  if (dependents.empty()) return std::nullopt;
+  return fit_together(
+      problem, base,
+      {.effect = dependents.front(), .companions = {dependents.begin() + 1, dependents.end()}});
+}
+
+std::optional<Candidate> move_with_dependents(const Problem& problem, const Grown& base,
+                                              const std::shared_ptr<const EffectDefinition>& move,
+                                              const EffectList& own) {
+  const Model& model = base.assessment.model;
+  Prospect prospect{.effect = move, .companions = effects::companions_of(*move, model)};
+  const EffectList dependents = dependents_of(problem, with_effect(model, prospect, {}), own);
+  if (dependents.empty()) return std::nullopt;
+  prospect.companions.insert(prospect.companions.end(), dependents.begin(), dependents.end());
+  return fit_together(problem, base, std::move(prospect));
 }
 
 std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& base,
@@ -337,18 +364,6 @@ Grown named_by_camera(const Problem& problem, Grown grown) {
   }
   if (changed) grown.assessment = assess(problem, model, grown.assessment.unknowns);
   return grown;
-}
-
-Grown without(const Grown& grown, const std::string& out) {
-  Grown smaller{.added = grown.added, .given_error = grown.given_error};
-  std::erase(smaller.added, out);
-  Model model = grown.assessment.model;
-  model.remove(out);
-  std::vector<Unknown> unknowns = grown.assessment.unknowns;
-  std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
-  smaller.assessment = {.model = model, .unknowns = unknowns};
-  smaller.assessment.total_ll = -1e300;
-  return smaller;
 }
 
 }  // namespace seam::measurement

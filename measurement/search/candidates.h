@@ -83,8 +83,14 @@ std::optional<Candidate> try_effect(const Problem& problem, const Grown& base,
 std::optional<Candidate> with_dependents(const Problem& problem, const Grown& base,
                                          const EffectList& own);
 
-// The same, and where they leave far more than the noise beside the other effect of the servo that
-// gains most: each may help nothing before the other is there.
+// An effect that others come with, and all that acts only beside it: where friction is large a
+// motor without any is no better than none. Nothing where nothing does.
+std::optional<Candidate> move_with_dependents(const Problem& problem, const Grown& base,
+                                              const std::shared_ptr<const EffectDefinition>& move,
+                                              const EffectList& own);
+
+// The same as with_dependents, and where they leave far more than the noise beside the other effect
+// of the servo that gains most: each may help nothing before the other is there.
 std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& base,
                                            const EffectList& own);
 
@@ -94,9 +100,6 @@ bool has_place(const EffectDefinition& effect, Model model);
 // Names an added effect of all cameras by the one camera that has none of its own of that name: it
 // acts there alone, and may be exchanged there.
 Grown named_by_camera(const Problem& problem, Grown grown);
-
-// A model less one of its added effects, not fitted again.
-Grown without(const Grown& grown, const std::string& out);
 
 // Fits every effect of the list beside the model. With `promising_only` or where predictions are
 // dear (screening_groups), and where the problem is smooth, those whose score test says that they

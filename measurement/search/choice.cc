@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/questions.h"
+#include "measurement/fitting/foretaste.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/decisions.h"
 #include "measurement/search/material.h"
@@ -20,8 +22,8 @@ Candidate* choose(const Problem& problem, const Grown& here, std::vector<Candida
     });
     if (better != candidates.end()) return &*better;
     const Assessment& spread = best.grown.assessment;
-    if (!misses ||
-        (!hides_mean(problem, spread) && !leads_astray(problem, here.assessment, spread)))
+    if (!misses || (!hides_mean(problem, here.assessment, spread) &&
+                    !leads_astray(problem, here.assessment, spread)))
       return &best;
     best.significant = false, best.hides_mean = true;
     const auto end = std::find_if(candidates.begin() + 1, candidates.end(),
@@ -130,6 +132,115 @@ bool all_useless(const Grown& base, const Looks& looks) {
          std::all_of(looks.candidates.begin(), looks.candidates.end(), [](const Candidate& c) {
            return only_widens(*c.effect) || c.grown.assessment.error > kUseless;
          });
+}
+
+Grown without(const Grown& grown, const std::string& out) {
+  Grown smaller{.added = grown.added, .given_error = grown.given_error};
+  std::erase(smaller.added, out);
+  Model model = grown.assessment.model;
+  model.remove(out);
+  std::vector<Unknown> unknowns = grown.assessment.unknowns;
+  std::erase_if(unknowns, [&](const Unknown& u) { return u.effect == out; });
+  smaller.assessment = {.model = model, .unknowns = unknowns};
+  smaller.assessment.total_ll = -1e300;
+  return smaller;
+}
+
+Grown without_at_best(const Problem& problem, const Grown& grown, const std::string& out) {
+  constexpr double kMuch = 0.5;  // Of a correlation.
+  Grown less = without(grown, out);
+  const Assessment& here = grown.assessment;
+  const std::vector<Unknown>& unknowns = here.unknowns;
+  const size_t count = unknowns.size();
+  if (here.fit.covariance.size() != count * count || here.fit.sigma.size() != count) return less;
+  Model there = less.assessment.model;
+  const auto& parameters = here.model.find(out)->definition->parameters;
+  for (size_t gone = 0; gone < count; ++gone) {
+    if (unknowns[gone].effect != out || unknowns[gone].parameter != 0) continue;
+    const double variance = here.fit.covariance[gone * count + gone];
+    const double by = parameters[0].neutral - here.fit.value[gone];
+    if (!(variance > 0) || !std::isfinite(by / variance)) return less;
+    for (size_t k = 0; k < count; ++k) {
+      const Unknown& unknown = unknowns[k];
+      if (unknown.effect == out) continue;
+      const double shared = here.fit.covariance[k * count + gone];
+      // What the data hardly tell at all goes with everything a little.
+      if (!(shared * shared > kMuch * kMuch * variance * here.fit.sigma[k] * here.fit.sigma[k]))
+        continue;
+      const auto& parameter = there.find(unknown.effect)->definition->parameters[unknown.parameter];
+      const double value = here.fit.value[k] + shared / variance * by;
+      if (!std::isfinite(value)) return less;
+      there.set_value(unknown.effect, unknown.parameter,
+                      std::clamp(value, parameter.min, parameter.max));
+    }
+  }
+  const Groups all = problem.all_groups();
+  const Score moved = problem.score(there, all), plain = problem.score(less.assessment.model, all);
+  if (moved.valid && !(plain.valid && plain.log_likelihood >= moved.log_likelihood))
+    less.assessment.model = std::move(there);
+  return less;
+}
+
+namespace {
+
+struct Pruning {
+  const EffectByName& definition;
+  double looks, material;
+};
+
+// Whether an added effect is needed beside the others, fitted again without it.
+bool is_missed(const Problem& problem, const Pruning& by, const Grown& grown,
+               const std::string& name, const Grown& less) {
+  Candidate back{.effect = by.definition(name), .grown = grown};
+  for (const Unknown& unknown : grown.assessment.unknowns) {
+    if (unknown.effect == name) back.free.push_back(unknown.parameter);
+  }
+  const Evaluation here = problem.evaluate(less.assessment.model, problem.scored_groups());
+  judge(problem, less, here, by.looks, by.material, back);
+  // Draws of the target can take the place of its mean without moving a prediction: whether they do
+  // is told by the likelihood of all groups alone.
+  const bool hidden = back.effect->stage == effects::Stage::target && !back.effect->spread_only &&
+                      back.p_value < kCandidateAlarm && has_draws(less.assessment.model);
+  // A smaller model that a fit brought to a wrong place says nothing.
+  const bool lost =
+      grown.assessment.error < kMisfit && back.gain_ll > 0 && back.total_gain_ll > kAnyPrice;
+  return back.significant || hidden || lost;
+}
+
+}  // namespace
+
+bool prune(const Problem& problem, const EffectByName& definition, double looks, double material,
+           Grown& grown) {
+  const Pruning by{definition, looks, material};
+  bool changed = false;
+  for (bool again = true; again && grown.added.size() > 1;) {
+    again = false;
+    std::vector<std::optional<Grown>> smaller(grown.added.size());
+    parallel_for(grown.added.size(), [&](size_t i) {
+      if (problem.is_smooth(grown.assessment.model) && clearly_needed(grown, grown.added[i]))
+        return;
+      if (effects::has_dependents(grown.assessment.model, grown.added[i])) return;
+      Grown less = without_at_best(problem, grown, grown.added[i]);
+      if (stays_below(problem, less.assessment.model, less.assessment.unknowns,
+                      grown.assessment.total_ll - kAnyPrice))
+        return;
+      less.assessment = assess(problem, less.assessment.model, less.assessment.unknowns);
+      if (less.assessment.valid && !is_missed(problem, by, grown, grown.added[i], less))
+        smaller[i] = std::move(less);
+    });
+    size_t best = grown.added.size();
+    for (size_t i = 0; i < smaller.size(); ++i) {
+      if (!smaller[i]) continue;
+      if (best == smaller.size() ||
+          merit_of(problem, *smaller[i]) > merit_of(problem, *smaller[best]))
+        best = i;
+    }
+    if (best < smaller.size()) {
+      grown = std::move(*smaller[best]);
+      changed = again = true;
+    }
+  }
+  return changed;
 }
 
 }  // namespace seam::measurement

@@ -1,4 +1,4 @@
-// What the search does next, by what it has looked at.
+// What the search does next, by what it has looked at, and what goes again.
 #pragma once
 
 #include <optional>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "measurement/search/candidates.h"
+#include "measurement/search/exchanges.h"
 
 namespace seam::measurement {
 
@@ -43,5 +44,18 @@ bool falls_behind(const Grown& grown, double error_before, const Grown& rival);
 
 // Whether neither the model nor any one effect beside it explains anything.
 bool all_useless(const Grown& base, const Looks& looks);
+
+// A model less one of its added effects, not fitted again.
+Grown without(const Grown& grown, const std::string& out);
+
+// The same, its other values where the fit's covariance has them once the effect is neutral, if the
+// likelihood is higher there: two frictions that stand for each other are told well as a sum alone,
+// and where joints stick and slip no slope leads from one sharing of it to another.
+Grown without_at_best(const Problem& problem, const Grown& grown, const std::string& out);
+
+// Drops, one after the other, the effects added that are not needed beside the rest, fitted again
+// without them, as a search judges that has looked at so many. Returns whether any went.
+bool prune(const Problem& problem, const EffectByName& definition, double looks, double material,
+           Grown& grown);
 
 }  // namespace seam::measurement

@@ -6,6 +6,7 @@
 #include "effects/questions.h"
 #include "effects/registry.h"
 #include "measurement/numerics/parallel_for.h"
+#include "measurement/search/choice.h"
 #include "measurement/search/decisions.h"
 #include "measurement/search/told_apart.h"
 

@@ -128,11 +128,13 @@ double native_fall(const Score& before, const Score& after) {
   return count > 0 ? 1 - std::exp(logs / count) : 0;
 }
 
-bool hides_mean(const Problem& problem, const Assessment& with_spread) {
+bool hides_mean(const Problem& problem, const Assessment& before, const Assessment& with_spread) {
+  const bool far = before.error > kUseless;
   const auto left = problem.structure(with_spread.model, problem.all_groups(),
                                       static_cast<int>(with_spread.unknowns.size()));
-  return std::any_of(left.begin(), left.end(), [](const Structure& s) {
-    return s.moment == "mean" && s.p_value < kStructureAlarm && s.explained > kHiddenMean;
+  return std::any_of(left.begin(), left.end(), [&](const Structure& s) {
+    return s.moment == "mean" && s.p_value < kStructureAlarm &&
+           (s.explained > kHiddenMean || (far && s.covariate == "neighbour"));
   });
 }
 

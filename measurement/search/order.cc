@@ -5,6 +5,7 @@
 
 #include "effects/questions.h"
 #include "measurement/numerics/parallel_for.h"
+#include "measurement/search/choice.h"
 
 namespace seam::measurement {
 namespace {

@@ -44,11 +44,15 @@ class Searcher {
   bool misses(const Assessment& assessment) const;
   Looks look_at_moves() const;
   void begin_with_moves(const Looks& moves, SearchResult& result);
+  void begin_with_whole_moves(SearchResult& result);
   void begin_with_dependents(const Grown& base, SearchResult& result);
   bool widens(const Grown& grown) const;
   void begin_with_refused(SearchResult& result);
-  bool prune(Grown& grown);
-  bool is_missed(const Grown& grown, const std::string& name, const Grown& less) const;
+  bool prune(Grown& grown) {
+    return measurement::prune(
+        problem_, [this](const std::string& name) { return definition(name); }, looks_, material_,
+        grown);
+  }
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
 
   Problem& problem_;
@@ -69,57 +73,6 @@ std::shared_ptr<const EffectDefinition> Searcher::definition(const std::string& 
     if (effect->name == name) return effect;
   }
   return nullptr;
-}
-
-// Whether an added effect is needed beside the others, fitted again without it.
-bool Searcher::is_missed(const Grown& grown, const std::string& name, const Grown& less) const {
-  Candidate back{.effect = definition(name), .grown = grown};
-  for (const Unknown& unknown : grown.assessment.unknowns) {
-    if (unknown.effect == name) back.free.push_back(unknown.parameter);
-  }
-  const Evaluation here = problem_.evaluate(less.assessment.model, problem_.scored_groups());
-  judge(problem_, less, here, looks_, material_, back);
-  // Draws of the target can take the place of its mean without moving a prediction: whether they do
-  // is told by the likelihood of all groups alone.
-  const bool hidden = back.effect->stage == effects::Stage::target && !back.effect->spread_only &&
-                      back.p_value < kCandidateAlarm && has_draws(less.assessment.model);
-  // A smaller model that a fit brought to a wrong place says nothing.
-  const bool lost =
-      grown.assessment.error < kMisfit && back.gain_ll > 0 && back.total_gain_ll > kAnyPrice;
-  return back.significant || hidden || lost;
-}
-
-// Drops effects that the others have made unnecessary.
-bool Searcher::prune(Grown& grown) {
-  bool changed = false;
-  for (bool again = true; again && grown.added.size() > 1;) {
-    again = false;
-    std::vector<std::optional<Grown>> smaller(grown.added.size());
-    parallel_for(grown.added.size(), [&](size_t i) {
-      if (problem_.is_smooth(grown.assessment.model) && clearly_needed(grown, grown.added[i]))
-        return;
-      if (effects::has_dependents(grown.assessment.model, grown.added[i])) return;
-      Grown less = without(grown, grown.added[i]);
-      if (stays_below(problem_, less.assessment.model, less.assessment.unknowns,
-                      grown.assessment.total_ll - kAnyPrice))
-        return;
-      less.assessment = assess(problem_, less.assessment.model, less.assessment.unknowns);
-      if (less.assessment.valid && !is_missed(grown, grown.added[i], less))
-        smaller[i] = std::move(less);
-    });
-    size_t best = grown.added.size();
-    for (size_t i = 0; i < smaller.size(); ++i) {
-      if (!smaller[i]) continue;
-      if (best == smaller.size() ||
-          merit_of(problem_, *smaller[i]) > merit_of(problem_, *smaller[best]))
-        best = i;
-    }
-    if (best < smaller.size()) {
-      grown = std::move(*smaller[best]);
-      changed = again = true;
-    }
-  }
-  return changed;
 }
 
 // The effects that the model lacks: those that come alone, or those that come with others.
@@ -262,6 +215,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   if (problem_.effects_imitate()) try_beginnings(result);
   if (!moves_first && misses(result.best.assessment))
     begin_with_moves(moves_ = look_at_moves(), result);
+  begin_with_whole_moves(result);
   begin_with_refused(result);
   join(moves_, result.first);
 }
@@ -288,6 +242,16 @@ void Searcher::begin_with_moves(const Looks& moves, SearchResult& result) {
     if (!candidate.significant && !fits) continue;
     begin_with_dependents(candidate.grown, result);
     if (misses(result.best.assessment) || widens(result.best)) begin_with(candidate, result);
+  }
+}
+
+// Where friction is large a motor without any is no better than none, and rules without torque win.
+void Searcher::begin_with_whole_moves(SearchResult& result) {
+  for (const Candidate& move : moves_.candidates) {
+    const Assessment& best = result.best.assessment;
+    if (best.error < kUseless || best.model.has(move.effect->name)) continue;
+    const auto all = move_with_dependents(problem_, base_, move.effect, own_);
+    if (all && all->grown.assessment.error < best.error) begin_with(*all, result);
   }
 }
 

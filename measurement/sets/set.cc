@@ -61,7 +61,8 @@ void describe_set(ConfigTable& table, MeasurementSet& set) {
   table.text({"group", "The column whose groups are held out whole."}, set.group);
   table.texts_by_name({"files", "The set's tables by name, in the folder.", true}, set.files);
   table.elsewhere({"rig", "Of points and frames: where the camera is."}, describe_rig_keys);
-  std::string scene, detector, colour_table;
+  std::string joint, scene, detector, colour_table;
+  table.text({"joint", "Of joints: the one whose rows are read; left out: all."}, joint);
   table.text({"scene", "Of frames and ranges: a seam-scene/1 file in the folder."}, scene);
   table.text({"detector", "Of ranges: the behaviour that measures."}, detector);
   table.text({"colour_table", "Of ranges: a seam-colour-table/1 file in the folder."},
@@ -120,10 +121,24 @@ std::vector<char> first_of_each(const CsvTable& table, const std::string& group,
   return kept;
 }
 
+// Leaves out the rows of all joints but one.
+void keep_joint(const ConfigNode& joint, CsvTable& table) {
+  const std::string name = joint.text();
+  const std::vector<std::string> joints = table.texts("joint");
+  std::vector<char> kept;
+  for (const std::string& one : joints) kept.push_back(one == name);
+  if (std::find(joints.begin(), joints.end(), name) == joints.end())
+    joint.fail(fmt::format("{} has no rows of joint '{}'{}", table.file(), name,
+                           suggestion_for(name, joints)));
+  table.keep_rows(kept);
+}
+
 }  // namespace
 
 CsvTable MeasurementSet::table(const std::string& name) const {
   CsvTable table = CsvTable::read(file(name));
+  if (kind == "joints" && name == "joints" && root.has("joint"))
+    keep_joint(root.at("joint"), table);
   table.exchange(exchanged.first, exchanged.second);
   if (beginning.rows > 0 && name == beginning.table)
     table.keep_rows(first_of_each(table, group, beginning.rows));

@@ -79,6 +79,28 @@ TEST(MeasurementSet, NamesStayInsideTheFolder) {
   fs::remove_all(folder);
 }
 
+TEST(MeasurementSet, OneJointAloneIsRead) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / "one-joint";
+  fs::create_directories(folder);
+  std::ofstream(folder / "joints.csv") << "time_s,joint,command_rad,measured_rad\n"
+                                          "0,hip,1,2\n0,knee,3,4\n1,hip,5,6\n";
+  const auto set_of = [&](const std::string& joint) {
+    const fs::path yaml = folder / "one.yaml";  // In the place of measurement.yaml.
+    std::ofstream(yaml) << "format: seam-measurement/1\nkind: joints\njoint: " << joint
+                        << "\nfiles: {joints: joints.csv}\n";
+    return MeasurementSet::open(yaml);
+  };
+  const CsvTable knee = set_of("knee").table("joints");
+  ASSERT_EQ(knee.rows(), 1u);
+  EXPECT_EQ(knee.line(0), 3);
+  EXPECT_EQ(set_of("hip").table("joints").numbers("measured_rad"), (std::vector<double>{2, 6}));
+  const std::string message = message_of([&] { set_of("knees").table("joints"); });
+  EXPECT_NE(message.find("one.yaml:3: joint:"), std::string::npos) << message;
+  EXPECT_NE(message.find("did you mean 'knee'"), std::string::npos) << message;
+  fs::remove_all(folder);
+}
+
 TEST(MeasurementSet, SchemaFileIsCurrent) {
   expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/schemas/measurement.schema.json",
                  MeasurementSet::schema());

@@ -53,8 +53,11 @@ JointsProblem::JointsProblem(const MeasurementSet& set) {
   predictions_.emplace(set_.logs.size());
   describe(set, table);
   facts_.notes = notes_of_joint_logs(table);
-  const std::string stiffness = note_of_stiffness(table, set_, facts_.channels[0].noise);
-  if (!stiffness.empty()) facts_.notes.push_back(stiffness);
+  const double noise_rad = facts_.channels[0].noise;
+  for (std::string note :
+       {note_of_stiffness(table, set_, noise_rad), note_of_unlike_joints(table, set_, noise_rad)}) {
+    if (!note.empty()) facts_.notes.push_back(std::move(note));
+  }
   add_covariates();
   look_for_steps();
   facts_.set.lacks = lacks();

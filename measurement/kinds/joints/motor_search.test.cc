@@ -7,6 +7,8 @@
 #include "measurement/fitting/assess.h"
 #include "measurement/kinds/joints/joints_testing.h"
 #include "measurement/search/choice.h"
+#include "measurement/search/decisions.h"
+#include "measurement/search/material.h"
 #include "measurement/search/order.h"
 
 namespace seam::measurement {
@@ -130,6 +132,25 @@ TEST(MotorSearch, AllThatActsBesideAMotorComesBeforeAWander) {
   EXPECT_FALSE(before_wander(motor + "  joint_wander: {sigma_rad: 0.003, tau_s: 0.5}\n"));
 }
 
+// A motor that misses by far is not told by errors that wander, which leave its misses as alike as
+// they were; errors that do wander are, however large.
+TEST(MotorSearch, AWanderThatLeavesWhatItIsForHidesTheMean) {
+  const std::string motor =
+      "  motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 10, gain: 0.1}\n";
+  const auto hides = [&](const std::string& truth) {
+    const JointsProblem problem = MadeSet("motor-hides").made_by(model_of(truth), 6);
+    const Model base = model_of(kFree);
+    const Grown here{.added = {"motor_servo"},
+                     .assessment = assess(problem, base, refitted_unknowns(base))};
+    EXPECT_GT(here.assessment.error, kUseless);
+    const Looks looks = look_at(problem, here, {effects::find_effect("joint_wander")}, 0.1);
+    return hides_mean(problem, here.assessment, looks.candidates.front().grown.assessment);
+  };
+  EXPECT_TRUE(hides(motor + "  coulomb_friction: {rad_per_s2: 8}\n"
+                            "  gravity_torque: {rad_per_s2: 20, level_rad: 0.3}\n"));
+  EXPECT_FALSE(hides(motor + "  joint_wander: {sigma_rad: 0.02, tau_s: 0.5}\n"));
+}
+
 // Alone the wander of a motor's log leaves no misfit at all: it is told after the motor.
 TEST(MotorSearch, StepsTellTheMotorBeforeItsWander) {
   const JointsProblem problem =
@@ -174,6 +195,23 @@ TEST(MotorSearch, ALatencyComesWithTheFrictionThatItHides) {
   ASSERT_TRUE(all);
   EXPECT_LT(all->grown.assessment.error, 1.2);
   EXPECT_NEAR(all->grown.assessment.model.find("servo_latency")->value("latency_s"), 0.0135, 0.001);
+}
+
+// Friction that is half of the load stops a joint where a motor without any swings for long: one
+// with gravity alone leaves more than 100 times the noise.
+TEST(MotorSearch, AMotorWithLargeFrictionComesWithIt) {
+  const JointsProblem problem =
+      MadeSet("motor-large-friction", false)
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 1760, back_emf_per_s: 44, gain: "
+                            "0.07}\n  gravity_torque: {rad_per_s2: 200, level_rad: -0.15}\n"
+                            "  coulomb_friction: {rad_per_s2: 112}\n"
+                            "  stribeck_friction: {rad_per_s2: 49, rad_per_s: 2.6}\n"),
+                   6);
+  const Grown base{.assessment = assess(problem, model_of("  ideal_servo: {}\n"), {})};
+  const auto all = move_with_dependents(problem, base, effects::find_effect("motor_servo"), {});
+  ASSERT_TRUE(all);
+  EXPECT_LT(all->grown.assessment.error, 50);
+  EXPECT_NEAR(all->grown.assessment.model.find("gravity_torque")->value("rad_per_s2"), 200, 20);
 }
 
 }  // namespace

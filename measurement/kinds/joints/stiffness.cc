@@ -117,18 +117,31 @@ void centre(const std::vector<size_t>& logs, std::vector<double>& gain) {
   for (const size_t log : logs) gain[log] /= middle;
 }
 
-// Of one joint's logs: changes `gain` where gains that differ explain what one does not.
-void tell_gains(const JointLogs& set, const std::vector<size_t>& logs, double noise_rad,
-                std::vector<double>& gain) {
+std::vector<Sample> samples_of_all(const JointLogs& set, const std::vector<size_t>& logs,
+                                   double noise_rad) {
   size_t rows = 0;
   for (const size_t log : logs) rows += set.logs[log].rows.size();
   std::vector<Sample> samples;
-  std::vector<size_t> told;  // Logs with enough of them.
   for (const size_t log : logs) {
     const auto some = samples_of(set, log, std::max<size_t>(1, rows / kMostSamples), noise_rad);
-    if (some.size() < kLeastSamples) continue;
-    samples.insert(samples.end(), some.begin(), some.end());
-    told.push_back(log);
+    if (some.size() >= kLeastSamples) samples.insert(samples.end(), some.begin(), some.end());
+  }
+  return samples;
+}
+
+std::map<std::string, std::vector<size_t>> logs_by_joint(const JointLogs& set) {
+  std::map<std::string, std::vector<size_t>> joints;
+  for (size_t i = 0; i < set.logs.size(); ++i) joints[set.logs[i].joint].push_back(i);
+  return joints;
+}
+
+// Of one joint's logs: changes `gain` where gains that differ explain what one does not.
+void tell_gains(const JointLogs& set, const std::vector<size_t>& logs, double noise_rad,
+                std::vector<double>& gain) {
+  const std::vector<Sample> samples = samples_of_all(set, logs, noise_rad);
+  std::vector<size_t> told;  // Logs with enough of them.
+  for (const Sample& s : samples) {
+    if (told.empty() || told.back() != s.log) told.push_back(s.log);
   }
   if (told.size() < 2) return;
   const double of_one = Curve(samples, gain).left();
@@ -149,9 +162,7 @@ void tell_gains(const JointLogs& set, const std::vector<size_t>& logs, double no
 
 std::vector<double> stiffness_of(const JointLogs& set, double noise_rad) {
   std::vector<double> gain(set.logs.size(), 1);
-  std::map<std::string, std::vector<size_t>> joints;
-  for (size_t i = 0; i < set.logs.size(); ++i) joints[set.logs[i].joint].push_back(i);
-  for (const auto& [name, logs] : joints) tell_gains(set, logs, noise_rad, gain);
+  for (const auto& [name, logs] : logs_by_joint(set)) tell_gains(set, logs, noise_rad, gain);
   return gain;
 }
 
@@ -172,6 +183,29 @@ std::string note_of_stiffness(const CsvTable& table, const JointLogs& set, doubl
       "times that of line {}; expected a column kp with the controller's gain in each row",
       table.file(), table.has("kp") ? "column kp does not change" : "no column kp", line_of(stiff),
       *stiff / *soft, line_of(soft));
+}
+
+std::string note_of_unlike_joints(const CsvTable& table, const JointLogs& set, double noise_rad) {
+  std::vector<double> gain;
+  for (const JointLog& log : set.logs) gain.push_back(log.kp[0]);
+  std::vector<Sample> all;
+  std::vector<std::string> names;
+  double alone = 0;
+  for (const auto& [name, logs] : logs_by_joint(set)) {
+    const std::vector<Sample> own = samples_of_all(set, logs, noise_rad);
+    if (own.empty()) continue;
+    alone += Curve(own, gain).left();
+    all.insert(all.end(), own.begin(), own.end());
+    names.push_back(name);
+  }
+  if (names.size() < 2) return "";
+  const double together = Curve(all, gain).left();
+  if (alone > (1 - kLeastExplained) * together) return "";
+  return fmt::format(
+      "{}:1: joints {} move unlike each other (by themselves they leave {:.2g} of what they leave "
+      "together), and a model moves all joints alike: expected one joint, which `joint: {}` in "
+      "measurement.yaml takes alone",
+      table.file(), fmt::join(names, ", "), std::sqrt(alone / together), names[0]);
 }
 
 }  // namespace seam::measurement

@@ -16,4 +16,8 @@ std::vector<double> stiffness_of(const JointLogs& set, double noise_rad);
 // A sentence for logs of one gain, or none told, whose runs differ; empty where they do not.
 std::string note_of_stiffness(const CsvTable& table, const JointLogs& set, double noise_rad);
 
+// A sentence for joints that move unlike each other: a model moves all alike. Empty where they do
+// not, or nothing tells.
+std::string note_of_unlike_joints(const CsvTable& table, const JointLogs& set, double noise_rad);
+
 }  // namespace seam::measurement

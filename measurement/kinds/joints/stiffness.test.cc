@@ -15,8 +15,9 @@ constexpr double kNoise_rad = 0.0005;
 
 // Six runs of steps of a joint that gravity and friction hold, with every other run of either gain;
 // `duty` at most.
-std::string rows_of(double even_gain, double odd_gain, bool told, double most_duty = 10) {
-  std::ranlux48_base random(3);
+std::string rows_of(double even_gain, double odd_gain, bool told, double most_duty = 10,
+                    unsigned seed = 3) {
+  std::ranlux48_base random(seed);
   std::normal_distribution<double> noise(0, kNoise_rad);
   std::uniform_real_distribution<double> angle(-1, 1);
   std::string rows =
@@ -72,6 +73,23 @@ TEST(Stiffness, GainsThatDifferAreMissedByName) {
   EXPECT_EQ(note_of(rows_of(4, 12, true)), "");
   EXPECT_EQ(note_of(rows_of(6, 6, false)), "");
   EXPECT_EQ(note_of(rows_of(6, 6, false, 1)), "");
+}
+
+// A hip with this gain and a knee with that one, which move in other ways.
+std::string note_of_two(double hip_gain, double knee_gain) {
+  std::string rows = rows_of(hip_gain, hip_gain, false);
+  const std::string knee = rows_of(knee_gain, knee_gain, false, 10, 4);
+  for (size_t at = rows.find("arm"); at != std::string::npos; at = rows.find("arm"))
+    rows.replace(at, 3, "hip");
+  const CsvTable table = CsvTable::from_text(rows + knee.substr(knee.find('\n') + 1), "joints.csv");
+  return note_of_unlike_joints(table, logs_of(table), kNoise_rad);
+}
+
+TEST(Stiffness, JointsThatMoveUnlikeEachOtherAreTold) {
+  const std::string note = note_of_two(4, 9);
+  EXPECT_TRUE(note.starts_with("joints.csv:1: joints arm, hip move unlike each other")) << note;
+  EXPECT_NE(note.find("`joint: arm` in measurement.yaml"), std::string::npos) << note;
+  EXPECT_EQ(note_of_two(6, 6), "");
 }
 
 }  // namespace
