@@ -197,7 +197,7 @@ Values odd_start(const PhotometryView& view, const Model& model, const EffectDef
 double log_likelihood(const PhotometryView& view, const Model& model) {
   if (view.cells) {
     const auto fast = cell_log_likelihood(view.data, view.sums, *view.cells, model,
-                                          view.set_noise_dn, view.channels_share);
+                                          view.set_noise_dn, view.channels_share, view.near);
     if (fast) return *fast;
   }
   const auto prediction = predict(view.data, view.sums, model, view.set_noise_dn);
