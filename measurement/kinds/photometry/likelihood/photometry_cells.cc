@@ -23,18 +23,7 @@ PhotometryScore CellLikelihood::run(bool counts) {
     score_.nuisances += std::isnan(data_.levels[sums_.present[k]].illumination);
   }
   add_means();
-  // Where variances differ wildly along rows, as at clipping, rows and columns are no longer told
-  // apart exactly: what comes out beyond zero is no likelihood. And a response that falls within
-  // the light of the set is none.
-  if (falls_ || !(total_.chi2 >= 0)) {
-    score_.chi2 = std::numeric_limits<double>::quiet_NaN();
-    score_.log_likelihood = -std::numeric_limits<double>::infinity();
-    return score_;
-  }
-  score_.chi2 = total_.chi2;
-  score_.log_likelihood = -0.5 * (total_.chi2 + total_.log_det +
-                                  static_cast<double>(sums_.values) * std::log(2 * maths::kPi));
-  share_among_frames();
+  if (set_likelihood(total_, falls_, sums_, score_)) share_among_frames();
   return score_;
 }
 
