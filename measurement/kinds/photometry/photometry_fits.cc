@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "effects/questions.h"
+#include "effects/stages/sensor/sensor.h"
 #include "measurement/kinds/photometry/photometry_problem.h"
 #include "measurement/kinds/photometry/photometry_smooth.h"
 #include "measurement/numerics/maximise.h"
@@ -20,9 +21,38 @@ bool is_logarithmic(const EffectDefinition& effect, const effects::Parameter& pa
   return effect.spread_only || parameter.name == "gamma" || parameter.name == "depth";
 }
 
+// DN that an electron makes; without photon noise they are counted in DN.
+double dn_per_electron(const effects::SensorChain& chain) {
+  return chain.has_shot_noise() ? 1 / chain.electrons_per_dn : 1;
+}
+
+bool makes_dark(const effects::ModelEffect& effect) {
+  effects::SensorChain alone;
+  if (effect.definition->sensor) effect.definition->sensor(effect.values(), alone);
+  return alone.dark_electrons_per_s > 0;
+}
+
+// The model with as many DN of electrons that need no light as another has that says otherwise how
+// many electrons make a DN: else these two would have to find each other along a bent valley, and
+// noise would stand for what is wrong on the way.
+Model with_dark_of(Model model, const Model& other) {
+  const double times =
+      dn_per_electron(effects::sensor_of(other)) / dn_per_electron(effects::sensor_of(model));
+  if (times == 1) return model;
+  for (const effects::ModelEffect& effect : other.effects()) {
+    if (!makes_dark(effect) || !model.has(effect.definition->name)) continue;
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      const double most = effect.definition->parameters[i].max;
+      model.set_value(effect.definition->name, i,
+                      std::min(times * effect.parameters[i].value, most));
+    }
+  }
+  return model;
+}
+
 }  // namespace
 
-Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unknowns,
+Fit PhotometryProblem::fit(const Model& given, const std::vector<Unknown>& unknowns,
                            const Groups& groups) const {
   // A candidate beside parameters that are at their optimum already: if it gains nothing alone, the
   // others need not move. A spread takes the place of another one, which is too wide without it.
@@ -30,8 +60,9 @@ Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unkno
   std::vector<Unknown> others, own;
   for (const Unknown& unknown : unknowns)
     (unknown.effect == candidate ? own : others).push_back(unknown);
-  Model without = start;
+  Model without = given;
   without.remove(candidate);
+  const Model start = with_dark_of(given, without);
   const auto is_spread = [&](const Unknown& unknown) {
     return start.find(unknown.effect)->definition->spread_only;
   };
@@ -50,8 +81,7 @@ Fit PhotometryProblem::fit(const Model& start, const std::vector<Unknown>& unkno
     const double base = log_likelihood(view_of(*sum), without);
     const Fit alone = fit_all(start, own, groups);
     enough = alone.log_likelihood - base < 2;
-    fit = enough ? widened(alone, start, unknowns, others.size())
-                 : fit_all(alone.model, unknowns, groups);
+    fit = enough ? widened(alone, unknowns, others.size()) : fit_all(alone.model, unknowns, groups);
   } else {
     fit = fit_all(start, unknowns, groups);
   }
@@ -85,6 +115,7 @@ std::shared_ptr<const PhotometrySums> PhotometryProblem::rough_sums(const Model&
     const std::vector<double> smooth = field.of(residual);
     for (size_t i = 0; i < mean.size(); ++i) mean[i] -= smooth[i];
   }
+  set_side_by_side(rough);
   Hasher id;
   id.add(key);
   rough.id = id.digest();
@@ -102,6 +133,7 @@ Fit PhotometryProblem::without_misfit(const Fit& fit, const Model& start,
   const std::string candidate = unknowns.back().effect;
   Model base = start;
   base.remove(candidate);
+  base = with_dark_of(base, start);
   std::vector<Unknown> spreads;
   for (const Unknown& unknown : unknowns) {
     if (start.find(unknown.effect)->definition->spread_only) spreads.push_back(unknown);
@@ -120,6 +152,7 @@ Fit PhotometryProblem::without_misfit(const Fit& fit, const Model& start,
       hides = added && apart > 0.25 * std::abs(honest) && apart > 5 * plain.sigma[spread];
       if (hides) {
         model.set_value(unknowns[i].effect, unknowns[i].parameter, honest);
+        model = with_dark_of(model, fit.model);
         held.push_back(i), told.push_back(spread);
       }
       ++spread;
@@ -148,14 +181,14 @@ Fit PhotometryProblem::without_misfit(const Fit& fit, const Model& start,
 }
 
 // A fit of the last unknowns alone, with the others as they stand.
-Fit PhotometryProblem::widened(const Fit& alone, const Model& start,
-                               const std::vector<Unknown>& unknowns, size_t fixed) const {
+Fit PhotometryProblem::widened(const Fit& alone, const std::vector<Unknown>& unknowns,
+                               size_t fixed) const {
   Fit fit = alone;
   fit.value.clear(), fit.sigma.clear(), fit.at_bound.clear();
   const size_t n = unknowns.size();
   fit.covariance.assign(n * n, 0);
   for (size_t i = 0; i < n; ++i) {
-    const auto& value = start.find(unknowns[i].effect)->parameters[unknowns[i].parameter];
+    const auto& value = alone.model.find(unknowns[i].effect)->parameters[unknowns[i].parameter];
     const bool is_fixed = i < fixed;
     fit.value.push_back(is_fixed ? value.value : alone.value[i - fixed]);
     fit.sigma.push_back(is_fixed ? value.sigma.value_or(0) : alone.sigma[i - fixed]);
@@ -213,14 +246,19 @@ Fit PhotometryProblem::fit_to(const PhotometryView& view, const Model& start,
       search.min = std::max(search.min, 1e-6 * parameter.scale);
     parameters.push_back(search);
   }
+  const bool seeks_dark =
+      std::any_of(unknowns.begin(), unknowns.end(),
+                  [&](const Unknown& unknown) { return makes_dark(*start.find(unknown.effect)); });
   const auto with = [&](const std::vector<double>& values) {
     Model model = start;
     for (size_t i = 0; i < unknowns.size(); ++i)
       model.set_value(unknowns[i].effect, unknowns[i].parameter, values[i]);
-    return model;
+    return seeks_dark ? model : with_dark_of(std::move(model), start);
   };
+  PhotometryView beside = view;
+  beside.near = &start;
   const auto likelihood = [&](const std::vector<double>& values) {
-    return log_likelihood(view, with(values));
+    return log_likelihood(beside, with(values));
   };
   Maximum maximum = maximise(likelihood, parameters, Calls::side_by_side);
   // Where a long bent valley leaves errors beyond reason, another try has steps that fit where the

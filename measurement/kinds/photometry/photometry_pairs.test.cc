@@ -24,15 +24,19 @@ Model model_with(const std::string& effects) {
 
 // What the search finds in flat fields of 24 x 18 made with `hidden` beside the nominal effects.
 SearchResult found(const std::string& name, const std::string& nominal, const std::string& hidden,
-                   const std::vector<double>& levels = {0, 0.1, 0.3, 0.6}, int frames_each = 8) {
+                   const std::vector<double>& levels = {0, 0.1, 0.3, 0.6}, int frames_each = 8,
+                   const std::vector<double>& exposures_s = {0.005}) {
   const auto folder = std::filesystem::path(testing::TempDir()) / ("pair-" + name);
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder / "protocol");
   std::string table = "frame,file,time_s,exposure_s,illumination\n";
   int frame = 0;
-  for (const double light : levels) {
-    for (int k = 0; k < frames_each; ++k, ++frame)
-      table += fmt::format("{0},{0}.png,{1:.6f},0.005,{2}\n", frame, 0.041 * frame, light);
+  for (const double exposure_s : exposures_s) {
+    for (const double light : levels) {
+      for (int k = 0; k < frames_each; ++k, ++frame)
+        table +=
+            fmt::format("{0},{0}.png,{1:.6f},{2},{3}\n", frame, 0.041 * frame, exposure_s, light);
+    }
   }
   write_file_atomically(folder / "protocol" / "frames.csv", table);
   write_file_atomically(folder / "protocol" / "measurement.yaml",
@@ -158,6 +162,29 @@ TEST(PhotometryPairs, AFluctuationBesideRowNoiseMatters) {
             {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}, 4);
   EXPECT_EQ(result.steps.size(), 3u) << steps_of(result);
   EXPECT_NE(result.best.assessment.model.find("lamp_fluctuation"), nullptr) << steps_of(result);
+}
+
+// Photon noise says how many electrons make a DN, and with it what a dark current is that was
+// counted in DN; a pattern of the dark is told beside one of the gain that leaves a hundred times
+// as much.
+TEST(PhotometryPairs, DarkCurrentBesidePhotonNoise) {
+  const std::string free =
+      "linear_response: {gain_dn: {value: 50, free: true}, black_dn: {value: 16, free: true}}, "
+      "read_noise: {sigma_dn: {value: 2, free: true}}";
+  const SearchResult result =
+      found("dark_current", free,
+            "dark_current: {electrons_per_s: 4000}, shot_noise: {electrons_per_dn: 4}, "
+            "pixel_gain_spread: {sigma: 0.08}, pixel_offset_spread: {sigma_dn: 1.5}",
+            {0, 0.2, 0.4, 0.6, 0.8}, 4, {0.005, 0.01, 0.02});
+  const Model& model = result.best.assessment.model;
+  for (const char* name :
+       {"dark_current", "shot_noise", "pixel_gain_spread", "pixel_offset_spread"})
+    ASSERT_NE(model.find(name), nullptr) << name << " of " << steps_of(result);
+  EXPECT_NEAR(model.find("shot_noise")->value("electrons_per_dn"), 4, 0.1);
+  EXPECT_NEAR(model.find("dark_current")->value("electrons_per_s"), 4000, 150);
+  EXPECT_NEAR(model.find("pixel_gain_spread")->value("sigma"), 0.08, 0.01);
+  EXPECT_NEAR(model.find("pixel_offset_spread")->value("sigma_dn"), 1.5, 0.2);
+  EXPECT_NEAR(result.best.assessment.error, 1, 0.03);
 }
 
 // The first candidate or its declared ties hold both.

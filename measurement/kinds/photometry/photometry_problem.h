@@ -18,7 +18,7 @@ class PhotometryProblem : public Problem {
   Evaluation evaluate(const Model& model, const Groups& groups,
                       const Evaluation* warm) const override;
   Score score(const Model& model, const Groups& groups) const override;
-  Fit fit(const Model& start, const std::vector<Unknown>& unknowns,
+  Fit fit(const Model& given, const std::vector<Unknown>& unknowns,
           const Groups& groups) const override;
   std::vector<Structure> structure(const Model& model, const Groups& groups,
                                    int fitted) const override;
@@ -53,8 +53,7 @@ class PhotometryProblem : public Problem {
                      const Groups& groups) const;
   Model with_straight_response(const PhotometryView& view, const Model& start,
                                const std::vector<Unknown>& unknowns) const;
-  Fit widened(const Fit& alone, const Model& start, const std::vector<Unknown>& unknowns,
-              size_t fixed) const;
+  Fit widened(const Fit& alone, const std::vector<Unknown>& unknowns, size_t fixed) const;
 
   PhotometryData data_;
   std::unique_ptr<const PhotometryData> small_;  // Of large images: a smaller sensor of them.

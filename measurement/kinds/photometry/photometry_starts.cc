@@ -28,6 +28,27 @@ Model with(const Model& model, const EffectDefinition& effect, const Values& val
   return out;
 }
 
+// What fixed patterns leave of the levels' squared residuals: a part that is the same at each and
+// one in proportion to the square of the gain. Levels count by how well they are known: unweighted,
+// what the brightest leave by their gain would be that of the dark.
+class PatternParts {
+ public:
+  void add(double left, double gain2, double square) {
+    const double w = 1 / std::max(square * square, 1e-12);
+    w_ += w, x_ += w * gain2, y_ += w * left, xx_ += w * gain2 * gain2, xy_ += w * gain2 * left;
+  }
+  // Of the dark; nothing where the levels do not tell the two apart, or leave none.
+  std::optional<double> dark() const {
+    const double across = w_ * xx_ - x_ * x_;
+    if (!(across > 1e-6 * w_ * xx_)) return std::nullopt;
+    const double dark = (xx_ * y_ - x_ * xy_) / across;
+    return dark > 0 ? std::optional(dark) : std::nullopt;
+  }
+
+ private:
+  double w_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0;
+};
+
 // Moments of the residuals, summed over levels and samples.
 effects::SensorExcess excess_of(const PhotometryView& view,
                                 const PhotometryPrediction& prediction) {
@@ -35,13 +56,14 @@ effects::SensorExcess excess_of(const PhotometryView& view,
   const PhotometryData& data = view.data;
   double n = 0, xy = 0, xx = 0, x = 0, po = 0, pg = 0, pgg = 0, count = 0;
   double row_sum = 0, row_count = 0, column_sum = 0, column_count = 0;
+  PatternParts patterns;
   for (size_t l = 0; l < view.sums.levels.size(); ++l) {
     const LevelSums& sum = view.sums.levels[l];
     const LevelPrediction& level = prediction.levels[l];
     const auto frames = static_cast<double>(sum.frames.size());
     if (frames == 0) continue;
     std::vector<double> column(static_cast<size_t>(data.width_px), 0);
-    double variance = 0;
+    double variance = 0, left_here = 0, gain2_here = 0, square_here = 0;
     for (size_t i = 0; i < sum.mean.size(); ++i) {
       const double r = sum.mean[i] - level.mean[i];
       // Without noise the file's steps hide the slope: then it is that of the light.
@@ -49,6 +71,7 @@ effects::SensorExcess excess_of(const PhotometryView& view,
       const double gain = level.gain_slope[i] > 0 ? level.gain_slope[i] : signal;
       const double g2 = gain * gain, shot = gain * data.levels[l].gain;
       const double left = r * r - level.variance[i] / frames;
+      left_here += left, gain2_here += g2, square_here += r * r;
       po += left, pg += left * g2, pgg += g2 * g2, count += 1;
       column[i / data.channels % data.width_px] += r / (data.height_px * data.channels);
       variance += level.variance[i];
@@ -57,7 +80,9 @@ effects::SensorExcess excess_of(const PhotometryView& view,
           sum.scatter[i] / ((frames - 1) * (1 - 1.0 / data.width_px)) - level.variance[i];
       n += 1, out.temporal_dn2 += v, xy += v * shot, xx += shot * shot, x += shot;
     }
-    variance /= static_cast<double>(sum.mean.size());
+    const auto samples = static_cast<double>(sum.mean.size());
+    patterns.add(left_here / samples, gain2_here / samples, square_here / samples);
+    variance /= samples;
     for (const double c : column)
       column_sum += c * c - variance / (frames * data.height_px * data.channels);
     column_count += data.width_px;
@@ -77,7 +102,7 @@ effects::SensorExcess excess_of(const PhotometryView& view,
   const double across = n > 0 ? xx - x * x / n : 0;
   if (across > 1e-6 * xx)
     out.per_signal_dn = std::max(out.per_signal_dn, (xy - x * out.temporal_dn2) / across);
-  if (count > 0) out.pattern_dn2 = po / count;
+  if (count > 0) out.pattern_dn2 = patterns.dark().value_or(po / count);
   if (pgg > 0) out.pattern_of_gain = pg / pgg;
   if (row_count > 0) out.row_dn2 = row_sum / row_count;
   if (column_count > 0) out.column_dn2 = column_sum / column_count;
@@ -197,7 +222,7 @@ Values odd_start(const PhotometryView& view, const Model& model, const EffectDef
 double log_likelihood(const PhotometryView& view, const Model& model) {
   if (view.cells) {
     const auto fast = cell_log_likelihood(view.data, view.sums, *view.cells, model,
-                                          view.set_noise_dn, view.channels_share);
+                                          view.set_noise_dn, view.channels_share, view.near);
     if (fast) return *fast;
   }
   const auto prediction = predict(view.data, view.sums, model, view.set_noise_dn);

@@ -16,6 +16,7 @@ struct PhotometryView {
   double set_noise_dn = 0;
   bool channels_share = true;
   const CellStore* cells = nullptr;  // Nothing: every sample is evaluated.
+  const Model* near = nullptr;       // As in CellStore.
 };
 
 double log_likelihood(const PhotometryView& view, const Model& model);

@@ -33,7 +33,7 @@ class CellLikelihood {
         share_(share),
         flickers_(effects::lamps_flicker(model)),
         pixels_(chain_.pixel_offset_sigma_dn > 0 || chain_.pixel_gain_sigma > 0),
-        levels_(sorted_.present.size()),
+        levels_(sums.present.size()),
         entries_(sorted_.count() * levels_) {}
 
   // The log-likelihood is minus infinity where cells cannot give one; `counts` as in cell_score.
@@ -58,7 +58,7 @@ class CellLikelihood {
     double info = 0, score = 0;
   };
 
-  const LevelSums& sum(size_t k) const { return sums_.levels[sorted_.present[k]]; }
+  const LevelSums& sum(size_t k) const { return sums_.levels[sums_.present[k]]; }
   double frames(size_t k) const { return static_cast<double>(sum(k).frames.size()); }
   Entry& entry(size_t cell, size_t k) { return entries_[cell * levels_ + k]; }
   size_t unit(size_t place, size_t channel) const {
@@ -105,7 +105,7 @@ class CellLikelihood {
   // Of residuals from the prediction: sum over a cell's samples of r_k r_l, l <= k.
   double product(size_t cell, size_t k, size_t l) {
     const Entry &a = entry(cell, k), &b = entry(cell, l);
-    const double ma = a.mean - sorted_.reference[k], mb = b.mean - sorted_.reference[l];
+    const double ma = a.mean - sums_.reference[k], mb = b.mean - sums_.reference[l];
     const size_t at = cell * levels_;
     const double of_means =
         sorted_.all_products ? sorted_.products[(at + k) * levels_ + l] : sorted_.products[at + k];
@@ -123,7 +123,7 @@ class CellLikelihood {
   double residual_sum(size_t cell, size_t k) {
     const Entry& here = entry(cell, k);
     return sorted_.mean[cell * levels_ + k] -
-           sorted_.samples[cell] * (here.mean - sorted_.reference[k]) -
+           sorted_.samples[cell] * (here.mean - sums_.reference[k]) -
            here.wave * cells_.wave_sum[cell];
   }
 

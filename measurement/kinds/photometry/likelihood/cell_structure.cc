@@ -4,6 +4,7 @@
 
 #include "measurement/kinds/photometry/likelihood/cell_likelihood.h"
 #include "measurement/kinds/photometry/likelihood/cell_solve.h"
+#include "measurement/kinds/photometry/likelihood/cell_sums.h"
 
 namespace seam::measurement {
 
@@ -37,24 +38,19 @@ void CellLikelihood::add_structure() {
 // once for all levels.
 void CellLikelihood::add_residuals(const std::vector<double>& load,
                                    std::vector<double>& along) const {
-  const size_t samples = along.size(), count = sorted_.count();
-  std::vector<double> own(count), mean(count, 0), slope(count, 0), wave(count, 0);
-  for (size_t k = 0; k < levels_; ++k) {
-    for (size_t cell = 0; cell < count; ++cell) {
-      const size_t at = cell * levels_ + k;
-      own[cell] = load[at];
-      mean[cell] += load[at] * (entries_[at].mean - sorted_.reference[k]);
+  const size_t count = sorted_.count();
+  std::vector<double> mean(count, 0), slope(count, 0), wave(count, 0);
+  for (size_t cell = 0; cell < count; ++cell) {
+    for (size_t at = cell * levels_, k = 0; k < levels_; ++at, ++k) {
+      mean[cell] += load[at] * (entries_[at].mean - sums_.reference[k]);
       slope[cell] += load[at] * entries_[at].slope;
       wave[cell] += load[at] * entries_[at].wave;
     }
-    const double* seen = sum(k).mean.data();
-    const double reference = sorted_.reference[k];
-    for (size_t i = 0; i < samples; ++i)
-      along[i] += own[sorted_.of_sample[i]] * (seen[i] - reference);
   }
-  for (size_t i = 0; i < samples; ++i) {
+  for (size_t i = 0; i < along.size(); ++i) {
     const size_t cell = sorted_.of_sample[i];
-    along[i] -= mean[cell] + slope[cell] * cells_.offset[i];
+    along[i] += side_by_side(&load[cell * levels_], levels_).dot(means_of(sums_, i)) -
+                (mean[cell] + slope[cell] * cells_.offset[i]);
     if (!cells_.wave.empty()) along[i] -= wave[cell] * cells_.wave[i];
   }
 }

@@ -174,7 +174,7 @@ void sort_wave(const PhotometryData& data, const PhotometrySums& sums,
     cells.wave_sum[cell] += w, cells.wave2[cell] += w * w;
     cells.wave_offset[cell] += w * cells.offset[i];
   }
-  cells.with_wave = weighted_sums(sums, sorted, cells.wave, sorted.present.size());
+  cells.with_wave = weighted_sums(sums, sorted, cells.wave);
 }
 
 PlaceSums sums_in(const SampleGroups& groups, const LightCells& cells) {
@@ -234,26 +234,29 @@ std::shared_ptr<const SortedSamples> CellStore::sorted(const PhotometryData& dat
 
 std::shared_ptr<const LightCells> CellStore::cells(const PhotometryData& data,
                                                    const PhotometrySums& sums,
-                                                   const effects::Model& model,
-                                                   CellNeeds needs) const {
+                                                   const effects::Model& model, CellNeeds needs,
+                                                   const effects::Model* near) const {
   const effects::SensorChain chain = effects::sensor_of(model);
   const effects::PatternWave& wave = chain.wave;
   const bool by_wave = wave_is_cut_somewhere(data, sums, chain);
-  const std::string key = light_key(sums, model) + wave_key(wave) + (by_wave ? ";cut" : "");
+  if (by_wave) near = nullptr;
+  const std::string key = light_key(sums, model) + wave_key(wave) + (by_wave ? ";cut" : "") +
+                          (near ? ";near " + light_key(sums, *near) : "");
   if (auto known = first_that_serves(
           needs, [&](CellNeeds more) { return lit_.find(with_needs(key, more)); }))
     return known;
   const std::vector<double> light = relative_light(data, model, 0);
-  LightCells cells{.sorted = sorted(data, sums, with_rounded_light(model), by_wave, needs)};
-  compare_light(data, light, cells);
-  // A parameter may be far smaller than what it is rounded to.
-  if (!stays_narrow(cells)) {
-    cells.sorted = sorted(data, sums, model, by_wave, needs);
+  LightCells cells;
+  const auto is_sorted_by = [&](const effects::Model& other) {
+    cells.sorted = sorted(data, sums, other, by_wave, needs);
     compare_light(data, light, cells);
-  }
+    return stays_narrow(cells);
+  };
+  // A parameter may be far smaller than what it is rounded to.
+  if (!(near && is_sorted_by(*near)) && !is_sorted_by(with_rounded_light(model)))
+    is_sorted_by(model);
   place_bounds(cells);
-  cells.with_offset =
-      weighted_sums(sums, *cells.sorted, cells.offset, cells.sorted->present.size());
+  cells.with_offset = weighted_sums(sums, *cells.sorted, cells.offset);
   sort_wave(data, sums, wave, cells);
   cells.in_rows = sums_in(cells.sorted->by_row, cells);
   cells.in_columns = sums_in(cells.sorted->by_column, cells);

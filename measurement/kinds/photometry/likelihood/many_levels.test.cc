@@ -2,7 +2,9 @@
 // from the whole matrix where samples of a row are alike, and close to it where they are not.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "measurement/kinds/photometry/likelihood/photometry_cells.h"
@@ -124,6 +126,40 @@ TEST(PhotometryManyLevels, FieldsThatHardlyDifferShareTheirSortedSamples) {
         "model"));
     EXPECT_NE(store.cells(data, sums, other, {})->sorted.get(), sorted);
   }
+}
+
+// Differences of a fit are no larger than what the likelihood bends by over half a standard
+// deviation: samples that changed cells on the way would look like a bend.
+TEST(PhotometryManyLevels, LikelihoodBendsEvenlyBesideTheStartOfAFit) {
+  const PhotometryData data = stack(40);
+  std::vector<int> groups(data.frames.size());
+  for (size_t f = 0; f < groups.size(); ++f) groups[f] = static_cast<int>(f);
+  const PhotometrySums sums = sum_frames(data, Groups(groups.size(), 1), groups);
+  const auto model = [](double gx) {
+    return effects::Model::from_config(ConfigNode::from_text(
+        "format: seam-model/1\neffects: {linear_response: {gain_dn: 220, black_dn: 12}, "
+        "read_noise: {sigma_dn: 1.4}, pixel_gain_spread: {sigma: 0.01}, "
+        "uneven_lighting: {gy: 0.1, gx: " +
+            std::to_string(gx) + "}}\n",
+        "model"));
+  };
+  const effects::Model start = model(-0.2);
+  // The largest change of the second difference from place to place, over the mean of it.
+  const auto unevenness = [&](const effects::Model* near) {
+    const CellStore store;
+    std::vector<double> values, bends;
+    for (int i = -10; i <= 10; ++i)
+      values.push_back(
+          *cell_log_likelihood(data, sums, store, model(-0.2 + 1e-4 * i), 0, true, near));
+    for (size_t i = 1; i + 1 < values.size(); ++i)
+      bends.push_back(values[i + 1] - 2 * values[i] + values[i - 1]);
+    const auto [least, most] = std::minmax_element(bends.begin(), bends.end());
+    const double mean =
+        std::accumulate(bends.begin(), bends.end(), 0.0) / static_cast<double>(bends.size());
+    return (*most - *least) / std::abs(mean);
+  };
+  EXPECT_LT(unevenness(&start), 0.1);
+  EXPECT_GT(unevenness(nullptr), 1);
 }
 
 }  // namespace

@@ -20,21 +20,10 @@ PhotometryScore CellLikelihood::run(bool counts) {
     predict_level(k);
     add_changes(k);
     if (counts) count_certain(k);
-    score_.nuisances += std::isnan(data_.levels[sorted_.present[k]].illumination);
+    score_.nuisances += std::isnan(data_.levels[sums_.present[k]].illumination);
   }
   add_means();
-  // Where variances differ wildly along rows, as at clipping, rows and columns are no longer told
-  // apart exactly: what comes out beyond zero is no likelihood. And a response that falls within
-  // the light of the set is none.
-  if (falls_ || !(total_.chi2 >= 0)) {
-    score_.chi2 = std::numeric_limits<double>::quiet_NaN();
-    score_.log_likelihood = -std::numeric_limits<double>::infinity();
-    return score_;
-  }
-  score_.chi2 = total_.chi2;
-  score_.log_likelihood = -0.5 * (total_.chi2 + total_.log_det +
-                                  static_cast<double>(sums_.values) * std::log(2 * maths::kPi));
-  share_among_frames();
+  if (set_likelihood(total_, falls_, sums_, score_)) share_among_frames();
   return score_;
 }
 
@@ -67,7 +56,7 @@ void CellLikelihood::count_certain(size_t k) {
 }
 
 void CellLikelihood::predict_level(size_t k) {
-  const PhotometryLevel& level = data_.levels[sorted_.present[k]];
+  const PhotometryLevel& level = data_.levels[sums_.present[k]];
   double lamps = 1;
   if (flickers_) {
     lamps = 0;
@@ -88,7 +77,7 @@ void CellLikelihood::predict_level(size_t k) {
     return;
   }
   // Unknown light: as much as fits the level's mean best.
-  double illumination = std::max(1e-6, (sorted_.reference[k] - chain_.black_dn) / per_light);
+  double illumination = std::max(1e-6, (sums_.reference[k] - chain_.black_dn) / per_light);
   for (int step = 0; step < 4; ++step) {
     fill(k, illumination, lamps, exposure);
     const double relative = correction(k);
@@ -116,7 +105,7 @@ void CellLikelihood::fill(size_t k, double illumination, double lamps,
   // Without light and dark current all levels are one.
   const bool is_one_of_all =
       scale == 0 && chain_.dark_electrons_per_s == 0 && chain_.maps.empty() &&
-      exposure.gain == data_.levels[sorted_.present[dark_level_.value_or(k)]].gain;
+      exposure.gain == data_.levels[sums_.present[dark_level_.value_or(k)]].gain;
   if (is_one_of_all && dark_level_) {
     for (size_t cell = 0; cell < sorted_.count(); ++cell)
       entry(cell, k) = entry(cell, *dark_level_);
@@ -324,7 +313,8 @@ void CellLikelihood::add_rows_of_frames(size_t k, const std::vector<double>& var
 
 std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
-                                          double set_noise_dn, bool channels_share, bool counts) {
+                                          double set_noise_dn, bool channels_share, bool counts,
+                                          const effects::Model* near) {
   if (depends_on_time(model)) return std::nullopt;
   if (effects::lamps_flicker(model) && effects::timing_of(model).line_delay_s != 0)
     return std::nullopt;
@@ -332,15 +322,17 @@ std::optional<PhotometryScore> cell_score(const PhotometryData& data, const Phot
   const effects::SensorChain chain = effects::sensor_of(model);
   const CellNeeds needs{.products = chain.pixel_offset_sigma_dn > 0 || chain.pixel_gain_sigma > 0,
                         .groups = chain.row_sigma_dn > 0 || chain.column_sigma_dn > 0};
-  const auto cells = store.cells(data, sums, model, needs);
+  const auto cells = store.cells(data, sums, model, needs, near);
   return CellLikelihood(data, sums, *cells, store.dark_responses(), model, set_noise_dn, share)
       .run(counts);
 }
 
 std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
-                                          double set_noise_dn, bool channels_share) {
-  const auto score = cell_score(data, sums, store, model, set_noise_dn, channels_share, false);
+                                          double set_noise_dn, bool channels_share,
+                                          const effects::Model* near) {
+  const auto score =
+      cell_score(data, sums, store, model, set_noise_dn, channels_share, false, near);
   if (!score) return std::nullopt;
   return score->log_likelihood;
 }

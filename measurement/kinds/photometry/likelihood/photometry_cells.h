@@ -36,11 +36,9 @@ struct CellNeeds {
 };
 
 // Samples sorted into cells by channel and a field of light, and what cells know whatever the light
-// is. Levels (k) are those that have frames.
+// is. Levels (k) are those that have frames (PhotometrySums::present).
 struct SortedSamples {
-  std::vector<size_t> present;  // The levels.
   std::vector<uint16_t> of_sample;
-  std::vector<double> reference;  // By level: what was subtracted from `mean` and `products`.
   // By cell; cells without samples are left out.
   std::vector<int> channel;
   std::vector<double> samples;
@@ -48,7 +46,7 @@ struct SortedSamples {
   // level: there nothing is linear in it over its whole height. Empty: 0.
   std::vector<double> wave_centre;
   std::vector<double> below, above;  // From the samples' mean light to the cell's bounds.
-  // By cell * levels + k: sums of a sample's mean over frames, of its scatter.
+  // By cell * levels + k: sums of a sample's mean over frames, less the reference, of its scatter.
   std::vector<double> mean, scatter;
   // By (cell * levels + k) * levels + l, l <= k: sums of products of means; of l = k alone, by cell
   // * levels + k, where there would be too many.
@@ -135,11 +133,15 @@ class Recent {
 
 // Fits move a field of light by less than a cell from look to look, and the sensor's parameters far
 // more often: samples are sorted by light whose parameters are rounded, and their sums corrected
-// for the light itself. Which cells a model gets depends on the model alone. Thread-safe.
+// for the light itself. Samples that change cells change the likelihood by what is not linear
+// within cells, which differences of a fit take for curvature: so a fit sorts by the light of the
+// model from which it starts (`near`) as far as that hardly differs. Which cells a model gets
+// depends on these models alone. Thread-safe.
 class CellStore {
  public:
   std::shared_ptr<const LightCells> cells(const PhotometryData& data, const PhotometrySums& sums,
-                                          const effects::Model& model, CellNeeds needs) const;
+                                          const effects::Model& model, CellNeeds needs,
+                                          const effects::Model* near = nullptr) const;
   const DarkResponses& dark_responses() const { return dark_; }
 
  private:
@@ -155,14 +157,15 @@ class CellStore {
 };
 
 // What score_photometry gives; nothing where cells cannot stand for the samples. `counts`: whether
-// values that are certain are counted, which takes a look at each sample.
+// values that are certain are counted, which takes a look at each sample; `near` as in CellStore.
 std::optional<PhotometryScore> cell_score(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
                                           double set_noise_dn, bool channels_share,
-                                          bool counts = true);
+                                          bool counts = true, const effects::Model* near = nullptr);
 // Its log-likelihood.
 std::optional<double> cell_log_likelihood(const PhotometryData& data, const PhotometrySums& sums,
                                           const CellStore& store, const effects::Model& model,
-                                          double set_noise_dn, bool channels_share);
+                                          double set_noise_dn, bool channels_share,
+                                          const effects::Model* near = nullptr);
 
 }  // namespace seam::measurement

@@ -260,6 +260,19 @@ bool CertainValues::fits(double mean, double square) const {
   return square < std::max(kCertain, 0.1 * least);
 }
 
+bool set_likelihood(const Quadratic& total, bool falls, const PhotometrySums& sums,
+                    PhotometryScore& score) {
+  if (falls || !(total.chi2 >= 0)) {
+    score.chi2 = std::numeric_limits<double>::quiet_NaN();
+    score.log_likelihood = -std::numeric_limits<double>::infinity();
+    return false;
+  }
+  score.chi2 = total.chi2;
+  score.log_likelihood = -0.5 * (total.chi2 + total.log_det +
+                                 static_cast<double>(sums.values) * std::log(2 * maths::kPi));
+  return true;
+}
+
 PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySums& sums,
                                  const PhotometryPrediction& prediction, bool channels_share) {
   PhotometryScore score{.values = sums.values, .nuisances = prediction.nuisances};
@@ -296,15 +309,7 @@ PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySum
   const Quadratic pattern = PatternPart(data, sums, prediction, share).run();
   total.chi2 += pattern.chi2;
   total.log_det += pattern.log_det;
-  // See CellLikelihood::run.
-  if (prediction.falls || !(total.chi2 >= 0)) {
-    score.chi2 = std::numeric_limits<double>::quiet_NaN();
-    score.log_likelihood = -std::numeric_limits<double>::infinity();
-    return score;
-  }
-  score.chi2 = total.chi2;
-  score.log_likelihood = -0.5 * (total.chi2 + total.log_det +
-                                 static_cast<double>(sums.values) * std::log(2 * maths::kPi));
+  if (!set_likelihood(total, prediction.falls, sums, score)) return score;
   double assigned = 0;
   for (const double own : score.by_frame) assigned += own;
   for (const LevelSums& sum : sums.levels) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "measurement/kinds/photometry/likelihood/photometry_model.h"
+#include "measurement/kinds/photometry/likelihood/photometry_rows.h"
 
 namespace seam::measurement {
 
@@ -37,6 +38,12 @@ struct PhotometryScore {
   double square = 0;             // Sum of squared plain residuals.
   std::vector<double> by_frame;  // Log-likelihood; what frames share is divided equally.
 };
+
+// Gives a score its chi-square and its log-likelihood. False where there is none: a response that
+// `falls` within the light of the set, and what comes out beyond zero where variances differ wildly
+// along rows, as at clipping, so that rows and columns are no longer told apart exactly.
+bool set_likelihood(const Quadratic& total, bool falls, const PhotometrySums& sums,
+                    PhotometryScore& score);
 
 // `channels_share`: row noise and column offsets are the same in all channels.
 PhotometryScore score_photometry(const PhotometryData& data, const PhotometrySums& sums,

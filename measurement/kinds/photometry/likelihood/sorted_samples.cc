@@ -1,6 +1,5 @@
 // Sorting the samples of a photometry set into cells of light.
 #include <algorithm>
-#include <numeric>
 
 #include "measurement/kinds/photometry/likelihood/cell_sums.h"
 #include "measurement/kinds/photometry/likelihood/photometry_cells.h"
@@ -51,9 +50,9 @@ LightSteps steps_of_light(const std::vector<double>& light, size_t channels, siz
 
 // The cells of the steps that have samples, and the cell of each sample.
 void number_cells(const std::vector<double>& light, const std::vector<double>& wave,
-                  size_t channels, SortedSamples& cells) {
+                  size_t channels, size_t levels, SortedSamples& cells) {
   const size_t waves = wave.empty() ? 1 : kWaveSteps;
-  auto [first, width, least] = steps_of_light(light, channels, cells.present.size(), waves > 1);
+  auto [first, width, least] = steps_of_light(light, channels, levels, waves > 1);
   // Provisional numbers: channel by channel, by light.
   std::vector<uint16_t> place(light.size());
   std::vector<double> number(first.back(), 0), sum(first.back(), 0);
@@ -88,53 +87,36 @@ void number_cells(const std::vector<double>& light, const std::vector<double>& w
   for (size_t i = 0; i < light.size(); ++i) cells.of_sample[i] = kept[place[i]];
 }
 
-// What is summed over the samples of one cell at a few levels, side by side in memory.
-struct CellSums {
-  std::array<double, kLevelsAtOnce> mean{}, scatter{}, square{};
-};
-
 // Sums over the samples of each cell, by level.
 void sum_samples(const PhotometrySums& sums, SortedSamples& cells) {
   const size_t samples = cells.of_sample.size(), count = cells.count(),
-               levels = cells.present.size();
+               levels = sums.present.size();
   for (auto* v : {&cells.mean, &cells.scatter}) v->assign(count * levels, 0);
-  cells.products.assign(count * levels * (cells.all_products ? levels : 1), 0);
-  for (const size_t level : cells.present) {
-    const std::vector<double>& seen = sums.levels[level].mean;
-    cells.reference.push_back(std::accumulate(seen.begin(), seen.end(), 0.0) /
-                              static_cast<double>(samples));
-  }
-  for (size_t k = 0; k < levels; k += kLevelsAtOnce) {
-    const SomeLevels some(sums, cells, k, levels);
-    std::vector<CellSums> own(count);
-    for (size_t i = 0; i < samples; ++i) {
-      CellSums& cell = own[cells.of_sample[i]];
-      for (size_t j = 0; j < kLevelsAtOnce; ++j) {
-        const double r = some.seen[j][i] - some.reference[j];
-        cell.mean[j] += r, cell.scatter[j] += some.scatter[j][i], cell.square[j] += r * r;
-      }
-    }
-    for (size_t c = 0; c < count; ++c) {
-      for (size_t j = 0; j < kLevelsAtOnce && k + j < levels; ++j) {
-        const size_t at = c * levels + k + j;
-        cells.mean[at] = own[c].mean[j], cells.scatter[at] = own[c].scatter[j];
-        cells.products[cells.all_products ? at * levels + k + j : at] = own[c].square[j];
-      }
-    }
+  for (size_t i = 0; i < samples; ++i)
+    side_by_side(&cells.mean[cells.of_sample[i] * levels], levels) += means_of(sums, i);
+  for (size_t k = 0; k < levels; ++k) {
+    const std::vector<double>& scatter = sums.levels[sums.present[k]].scatter;
+    std::vector<double> own(count, 0);
+    for (size_t i = 0; i < samples; ++i) own[cells.of_sample[i]] += scatter[i];
+    for (size_t cell = 0; cell < count; ++cell) cells.scatter[cell * levels + k] = own[cell];
   }
 }
 
-// Of means at different levels.
+// Of products of a sample's means: at one level, or at all pairs of them.
 void sum_products(const PhotometrySums& sums, SortedSamples& cells) {
-  const size_t levels = cells.present.size();
-  std::vector<double> one(cells.of_sample.size());
-  for (size_t k = 0; k < levels; ++k) {
-    const std::vector<double>& seen = sums.levels[cells.present[k]].mean;
-    for (size_t i = 0; i < one.size(); ++i) one[i] = seen[i] - cells.reference[k];
-    const std::vector<double> with_others = weighted_sums(sums, cells, one, k);
-    for (size_t c = 0; c < cells.count(); ++c) {
-      for (size_t l = 0; l < k; ++l)
-        cells.products[(c * levels + k) * levels + l] = with_others[c * k + l];
+  const size_t samples = cells.of_sample.size(), levels = sums.present.size();
+  const size_t each = levels * (cells.all_products ? levels : 1);
+  cells.products.assign(cells.count() * each, 0);
+  for (size_t i = 0; i < samples; ++i) {
+    const auto mean = means_of(sums, i);
+    double* own = &cells.products[cells.of_sample[i] * each];
+    if (!cells.all_products) {
+      side_by_side(own, levels) += mean.cwiseAbs2();
+      continue;
+    }
+    for (size_t k = 0; k < levels; ++k) {
+      const auto first = static_cast<Eigen::Index>(k + 1);
+      side_by_side(own + k * levels, k + 1) += mean[first - 1] * mean.head(first);
     }
   }
 }
@@ -158,14 +140,14 @@ void group_samples(const SortedSamples& cells, size_t places, F&& place_of, Samp
   for (const uint32_t own : groups.of_sample) groups.samples[own] += 1;
 }
 
-void sum_groups(const PhotometrySums& sums, const SortedSamples& cells, SampleGroups& groups) {
-  const size_t levels = cells.present.size();
+void sum_groups(const PhotometrySums& sums, SampleGroups& groups) {
+  const size_t levels = sums.present.size();
   groups.mean.assign(groups.count() * levels, 0);
-  for (size_t k = 0; k < levels; ++k) {
-    const auto& mean = sums.levels[cells.present[k]].mean;
-    for (size_t i = 0; i < mean.size(); ++i)
-      groups.mean[groups.of_sample[i] * levels + k] += mean[i];
-  }
+  for (size_t i = 0; i < groups.of_sample.size(); ++i)
+    side_by_side(&groups.mean[groups.of_sample[i] * levels], levels) += means_of(sums, i);
+  for (size_t g = 0; g < groups.count(); ++g)
+    side_by_side(&groups.mean[g * levels], levels) +=
+        groups.samples[g] * side_by_side(sums.reference.data(), levels);
 }
 
 }  // namespace
@@ -174,15 +156,12 @@ SortedSamples sort_samples(const PhotometryData& data, const PhotometrySums& sum
                            const std::vector<double>& light, const std::vector<double>& wave,
                            CellNeeds needs) {
   SortedSamples cells;
-  for (size_t l = 0; l < sums.levels.size(); ++l) {
-    if (!sums.levels[l].frames.empty()) cells.present.push_back(l);
-  }
+  const size_t levels = sums.present.size();
   const auto channels = static_cast<size_t>(data.channels);
-  number_cells(light, wave, channels, cells);
-  cells.all_products =
-      needs.products && (cells.present.size() <= kFewLevels || cells.count() == channels);
+  number_cells(light, wave, channels, levels, cells);
+  cells.all_products = needs.products && (levels <= kFewLevels || cells.count() == channels);
   sum_samples(sums, cells);
-  if (cells.all_products) sum_products(sums, cells);
+  sum_products(sums, cells);
   const auto width = static_cast<size_t>(data.width_px);
   group_samples(
       cells, static_cast<size_t>(data.height_px), [&](size_t i) { return i / channels / width; },
@@ -190,8 +169,8 @@ SortedSamples sort_samples(const PhotometryData& data, const PhotometrySums& sum
   if (needs.groups) {
     group_samples(
         cells, width, [&](size_t i) { return i / channels % width; }, cells.by_column);
-    sum_groups(sums, cells, cells.by_row);
-    sum_groups(sums, cells, cells.by_column);
+    sum_groups(sums, cells.by_row);
+    sum_groups(sums, cells.by_column);
   }
   return cells;
 }

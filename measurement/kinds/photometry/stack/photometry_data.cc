@@ -147,6 +147,23 @@ double least_at_bottom(const PhotometryData& data, const PhotometrySums& all) {
   return kPart * most;
 }
 
+void set_side_by_side(PhotometrySums& sums) {
+  sums.present.clear(), sums.reference.clear();
+  for (size_t l = 0; l < sums.levels.size(); ++l) {
+    if (!sums.levels[l].frames.empty()) sums.present.push_back(l);
+  }
+  const size_t levels = sums.present.size();
+  const size_t samples = levels > 0 ? sums.levels[sums.present.front()].mean.size() : 0;
+  sums.by_sample.resize(samples * levels);
+  for (size_t k = 0; k < levels; ++k) {
+    const std::vector<double>& mean = sums.levels[sums.present[k]].mean;
+    const double reference =
+        std::accumulate(mean.begin(), mean.end(), 0.0) / static_cast<double>(samples);
+    sums.reference.push_back(reference);
+    for (size_t i = 0; i < samples; ++i) sums.by_sample[i * levels + k] = mean[i] - reference;
+  }
+}
+
 PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
                           const std::vector<int>& group_of_frame) {
   Hasher chosen;
@@ -161,6 +178,7 @@ PhotometrySums sum_frames(const PhotometryData& data, const Groups& groups,
     sums.values += static_cast<int64_t>(sum.frames.size() * data.samples());
     sums.levels.push_back(std::move(sum));
   }
+  set_side_by_side(sums);
   return sums;
 }
 

@@ -105,7 +105,15 @@ struct PhotometrySums {
   std::vector<LevelSums> levels;  // Those without frames here have an empty `frames`.
   int64_t values = 0;             // dn values that were summed.
   uint64_t id = 0;                // The same for the same frames of a set.
+  // The means again, all levels of a sample side by side: cells of samples are summed so
+  // (likelihood/photometry_cells.h).
+  std::vector<size_t> present;    // The levels (k) that have frames.
+  std::vector<double> reference;  // By k: what `by_sample` is taken from, the mean over samples.
+  std::vector<double> by_sample;  // By sample * present levels + k.
 };
+
+// Fills `present`, `reference` and `by_sample`; once more where the levels' means have changed.
+void set_side_by_side(PhotometrySums& sums);
 
 // A part of the largest variance in time of any level.
 double least_at_top(const PhotometryData& data, const PhotometrySums& all);
