@@ -109,7 +109,7 @@ TEST(Material, WhatChanceExplainsOfGroupMeansIsNotHidden) {
     EXPECT_EQ(left[0].covariate, "point");
     const double share = units * units / (1 + units * units);
     EXPECT_NEAR(left[0].explained, share, 0.04);
-    EXPECT_EQ(hides_mean(problem, assessment), share > 0.25);
+    EXPECT_EQ(hides_mean(problem, assessment, assessment), share > 0.25);
   }
 }
 
