@@ -25,14 +25,15 @@ struct Word {
   Eigen::VectorXd slope;
 };
 
-bool are_few(const Groups& groups) {
-  return static_cast<size_t>(std::count(groups.begin(), groups.end(), 1)) < kLeastGroups;
+// Into how many stretches each group is cut: one, but where groups are few.
+size_t parts_of_each(const Groups& groups) {
+  const auto count = static_cast<size_t>(std::count(groups.begin(), groups.end(), 1));
+  return count > 0 && count < kLeastGroups ? kParts / count : 1;
 }
 
-// The group of each row; where groups are few, the stretch of its group.
+// The part of each row, numbered through all groups.
 std::vector<size_t> parts_of(const Facts& facts, const Groups& groups) {
-  const auto count = static_cast<size_t>(std::count(groups.begin(), groups.end(), 1));
-  const size_t of_group = are_few(groups) && count > 0 ? kParts / count : 1;
+  const size_t of_group = parts_of_each(groups);
   std::vector<size_t> rows(groups.size(), 0), part;
   for (const int group : facts.group_of_row) ++rows[static_cast<size_t>(group)];
   std::vector<size_t> before(groups.size(), 0);
@@ -53,7 +54,7 @@ std::vector<Word> words_of(const Problem& problem, const Model& model,
   const Eigen::Index count = place_of(unknowns.size());
   const Word silent{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
   const std::vector<size_t> part_of_row = parts_of(problem.facts(), groups);
-  std::vector<Word> all(groups.size() * kParts, silent);
+  std::vector<Word> all(groups.size() * parts_of_each(groups), silent);
   Eigen::VectorXd row(count);
   for (size_t i = 0; i < here.whitened.size(); ++i) {
     if (!here.used[i]) continue;
@@ -114,7 +115,7 @@ double widen_by_group_scatter(const Problem& problem, double adequate, Assessmen
   const Groups seen =
       problem.folds().size() == 1 ? problem.training_groups() : problem.all_groups();
   const bool misses = assessment.error > adequate;
-  if (!misses && are_few(seen)) return 1;
+  if (!misses && parts_of_each(seen) > 1) return 1;
   const std::vector<Word> words = words_of(problem, assessment.model, unknowns, seen);
   const std::vector<double> variance = sandwich(words);
   // At the noise residuals of a group may go together all the same, as those of coarse counts do.

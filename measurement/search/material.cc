@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/problem/neighbour.h"
 #include "measurement/problem/residual_view.h"
 #include "measurement/search/decisions.h"
 
@@ -134,7 +135,7 @@ bool hides_mean(const Problem& problem, const Assessment& before, const Assessme
                                       static_cast<int>(with_spread.unknowns.size()));
   return std::any_of(left.begin(), left.end(), [&](const Structure& s) {
     return s.moment == "mean" && s.p_value < kStructureAlarm &&
-           (s.explained > kHiddenMean || (far && s.covariate == "neighbour"));
+           (s.explained > kHiddenMean || (far && s.covariate == kNeighbour));
   });
 }
 

@@ -9,13 +9,12 @@
 #include "measurement/numerics/legendre.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
+#include "measurement/problem/neighbour.h"
 #include "measurement/problem/problem.h"
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
 namespace {
-
-constexpr const char* kNeighbour = "neighbour";
 
 // Residuals of one channel (or of two combined): whitened values and the rows they belong to.
 struct Signal {

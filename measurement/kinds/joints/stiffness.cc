@@ -186,12 +186,14 @@ std::string note_of_stiffness(const CsvTable& table, const JointLogs& set, doubl
 }
 
 std::string note_of_unlike_joints(const CsvTable& table, const JointLogs& set, double noise_rad) {
+  const auto joints = logs_by_joint(set);
+  if (joints.size() < 2) return "";
   std::vector<double> gain;
   for (const JointLog& log : set.logs) gain.push_back(log.kp[0]);
   std::vector<Sample> all;
   std::vector<std::string> names;
   double alone = 0;
-  for (const auto& [name, logs] : logs_by_joint(set)) {
+  for (const auto& [name, logs] : joints) {
     const std::vector<Sample> own = samples_of_all(set, logs, noise_rad);
     if (own.empty()) continue;
     alone += Curve(own, gain).left();
