@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "measurement/kinds/joints/joints.h"
 #include "sim_core/base/error.h"
+#include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
 
 namespace seam::measurement {
@@ -60,6 +62,40 @@ TEST(JointLogs, BadRowsAreNamed) {
       EXPECT_TRUE(std::string(error.what()).starts_with(expected)) << error.what();
     }
   }
+}
+
+// Noise makes a log that rests within its dead band fit several rows by where it starts: that is
+// worth what remains when the start takes all values, summed here in small steps.
+TEST(JointLogs, AStartThatHoldsOnIsNoGain) {
+  constexpr double kNoise = 0.001;
+  const std::vector<double> rest = {0.0012, -0.0004, 0.0009, 0.0017, 0.0001};
+  std::string rows = "run,time_s,joint,command_rad,measured_rad\n";
+  for (size_t k = 0; k < 10; ++k) {
+    rows += fmt::format("0,{:.2f},arm,{},{}\n", 0.01 * static_cast<double>(k), k < 4 ? 0 : 0.5,
+                        k < rest.size() ? rest[k] : 0.5);
+  }
+  const auto folder = std::filesystem::path(testing::TempDir()) / "joint-start";
+  std::filesystem::create_directories(folder);
+  write_file_atomically(folder / "joints.csv", rows);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: joints\nfiles: {joints: joints.csv}\n"
+                        "group: run\nnoise: {measured_rad: 0.001}\n");
+  const JointsProblem problem(MeasurementSet::open(folder));
+  const auto likelihood = [&](const std::string& effects) {
+    return problem.score(model_in_blocks(effects), problem.all_groups()).log_likelihood;
+  };
+  double held = 0, free = 0;  // Over all starts: of all five rows, of the first alone.
+  for (double start = -0.01; start < 0.01; start += 1e-6) {
+    double misses = 0;
+    for (const double r : rest) misses += std::pow((r - start) / kNoise, 2);
+    held += std::exp(-0.5 * misses);
+    free += std::exp(-0.5 * std::pow((rest[0] - start) / kNoise, 2));
+  }
+  double at_command = 0;
+  for (size_t k = 1; k < rest.size(); ++k) at_command += std::pow(rest[k] / kNoise, 2);
+  EXPECT_NEAR(likelihood("  ideal_servo: {}\n  stiction: {dead_band_rad: 0.01}") -
+                  likelihood("  ideal_servo: {}"),
+              std::log(held) - (std::log(free) - 0.5 * at_command), 1e-6);
 }
 
 TEST(JointNoise, IsFoundUnderASwing) {

@@ -154,7 +154,7 @@ void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, doub
       for (size_t k = 0; k < angles.size(); ++k)
         evaluation.residual[log.rows[k]] = log.measured_rad[k] - angles[k];
       evaluation.nuisance_values.insert(evaluation.nuisance_values.end(),
-                                        {start.offset_rad, start.offset_radps});
+                                        {start.offset_rad, start.offset_radps, start.log_det});
     };
     if (starts != nullptr) {
       const LogStart start{starts->at(place), starts->at(place + 1)};
@@ -189,6 +189,13 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   whiten_diagonal(*this, groups, evaluation);
   if (rounded) whiten_rounded(*rounded, evaluation);
   whiten_wander(effects::noise_of(model), groups, evaluation);
+  auto told = evaluation.nuisance_values.begin();
+  for (const JointLog& log : set_.logs) {
+    const size_t group = facts_.group_of_row[log.rows[0]];
+    if (!groups[group]) continue;
+    evaluation.log_det[group] += told[kStartValues - 1];
+    told += kStartValues;
+  }
   return evaluation;
 }
 

@@ -111,7 +111,12 @@ class JointsProblem : public Problem {
   // A log's true start less what was measured of it.
   struct LogStart {
     double offset_rad = 0, offset_radps = 0;
+    // Of how often over the rows tell it: a rule under which a log stays where it starts for a while
+    // fits that many rows by it, which chance likes. A motor's start acts on all rows under any
+    // model, which cancels: 0.
+    double log_det = 0;
   };
+  static constexpr size_t kStartValues = 3;  // In nuisance_values, by log, in this order.
   std::vector<double> predict_from(const Model& model, const JointLog& log,
                                    const LogStart& start) const;
   // A log's best start under a model, and the angles predicted from there.

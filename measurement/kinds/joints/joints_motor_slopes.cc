@@ -38,7 +38,7 @@ void JointsProblem::take_out_starts(const Model& model, const Groups& groups,
       if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
       moved.nuisance_values.at(place) += rad;
       if (unknowns_of_start(model, log) > 1) moved.nuisance_values.at(place + 1) += radps;
-      place += 2;
+      place += kStartValues;
     }
     const Evaluation there = evaluate(model, groups, &moved);
     return change_of(model, here, there);
@@ -52,7 +52,7 @@ void JointsProblem::take_out_starts(const Model& model, const Groups& groups,
   for (const JointLog& log : set_.logs) {
     if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
     const double offset_rad = here.nuisance_values.at(place);
-    place += 2;
+    place += kStartValues;
     // A start that is held near where it was measured is not free.
     if (std::abs(offset_rad) >= kFarthestStart * here.sigma[log.rows[0]]) continue;
     if (any_rate) take_out(by_angle, by_rate, log.rows);
