@@ -78,6 +78,9 @@ Score held_in_turn(const Problem& problem, const Fit& whole, const std::vector<U
     for (const Score& part : scores_held_out(problem, whole, unknowns)) pool(held, part);
     if (!held.by_group.empty()) return held;
   }
+  // Without residual vectors no part of it can be left out.
+  if (problem.facts().groups.size() == 1)
+    return problem.score_held_out(whole.model, problem.all_groups());
   for (const Groups& fold : problem.folds()) {
     const Fit fit = fit_on(problem, complement(fold), whole.model, unknowns);
     pool(held, problem.score_held_out(fit.model, fold));

@@ -83,6 +83,17 @@ TEST(Study, SetsLikeRecordings) {
   EXPECT_NEAR(bursts.rows.at(0).error, 1, 0.2) << study_text(plan, bursts);
 }
 
+// Nothing can be left out of one level of light: it is both fitted and scored.
+TEST(Study, OneGroupOfFlatFields) {
+  const StudyPlan plan{.kind = "photometry",
+                       .conditions = {.groups = 1},
+                       .seeds = 2,
+                       .folder = scratch("study-one-level")};
+  const StudyResult result = study(plan, one_by_one);
+  EXPECT_EQ(result.rows.at(0).alarms.hits, 0) << study_text(plan, result);
+  EXPECT_NEAR(result.rows.at(0).error, 1, 0.2) << study_text(plan, result);
+}
+
 // Enough of them are left out as gross errors for the rest to show nothing.
 TEST(Study, LargeErrorsOneByOneAreAnEffect) {
   const StudyPlan plan{.kind = "points",
