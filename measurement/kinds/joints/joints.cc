@@ -157,7 +157,7 @@ void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, doub
                                         {start.offset_rad, start.offset_radps, start.log_det});
     };
     if (starts != nullptr) {
-      const LogStart start{starts->at(place), starts->at(place + 1)};
+      const LogStart start{starts->at(place), starts->at(place + 1), starts->at(place + 2)};
       show(start, predict_from(model, log, start));
     } else {
       const auto known = predictions_->of(i, key, [&] { return fit_start(model, log, sigma_rad); });

@@ -112,8 +112,7 @@ class JointsProblem : public Problem {
   struct LogStart {
     double offset_rad = 0, offset_radps = 0;
     // Of how often over the rows tell it: a rule under which a log stays where it starts for a
-    // while fits that many rows by it, which chance likes. A motor's start acts on all rows under
-    // any model, which cancels: 0.
+    // while fits that many rows by it, which chance likes.
     double log_det = 0;
   };
   static constexpr size_t kStartValues = 3;  // In nuisance_values, by log, in this order.

@@ -76,9 +76,7 @@ JointsProblem::Prediction JointsProblem::fit_start(const Model& model, const Joi
   if (count > 1) solve_positive(normal, right, step);
   // The start is measured as well: a model that fails later must not move it far from there.
   const double most = kFarthestStart * sigma_rad;
-  const bool motor = effects::has_base(model, effects::Base::motor);
-  LogStart start{.offset_rad = std::clamp(step[0], -most, most),
-                 .log_det = motor ? 0 : std::log(normal(0, 0))};
+  LogStart start{.offset_rad = std::clamp(step[0], -most, most), .log_det = std::log(normal(0, 0))};
   const double widest = 0.2 * std::abs(log.start_radps);
   if (step.size() > 1) start.offset_radps = std::clamp(step[1], -widest, widest);
   if (start.offset_rad == 0 && start.offset_radps == 0) return {start, predicted};
