@@ -3,6 +3,7 @@
 part of one, another one, a blur; times; files of strangers. `images_test.py path/to/seam`
 """
 import csv
+import json
 import pathlib
 import shutil
 import struct
@@ -49,10 +50,10 @@ def targets(folder):
 
 
 def seen_in(folder):
-    """{frame: {point: (u, v, sigma)}}"""
+    """{frame: {point: (u, v)}}"""
     seen = {}
     for row in csv.DictReader((folder / "points.csv").open()):
-        seen.setdefault(row["frame"], {})[int(row["point"])] = tuple(float(row[k]) for k in ("u_px", "v_px", "sigma_px"))
+        seen.setdefault(row["frame"], {})[int(row["point"])] = tuple(float(row[k]) for k in ("u_px", "v_px"))
     return seen
 
 
@@ -61,7 +62,7 @@ def errors_of(out, target, poses):
     errors = []
     for frame, points in seen_in(out).items():
         truth = projected(target, poses[int(pathlib.Path(frame).stem)], FOCAL, WIDTH, HEIGHT)
-        errors += [(u - truth[p][0], v - truth[p][1]) for p, (u, v, _) in points.items()]
+        errors += [(u - truth[p][0], v - truth[p][1]) for p, (u, v) in points.items()]
     return np.array(errors)
 
 
@@ -70,7 +71,7 @@ def turned(out, target, poses):
     last, errors = len(target.points) - 1, []
     for frame, points in seen_in(out).items():
         truth = projected(target, poses[int(pathlib.Path(frame).stem)], FOCAL, WIDTH, HEIGHT)
-        ways = [[(u - truth[k][0], v - truth[k][1]) for k, (u, v, _) in ((way(p), s) for p, s in points.items())]
+        ways = [[(u - truth[k][0], v - truth[k][1]) for k, (u, v) in ((way(p), s) for p, s in points.items())]
                 for way in (lambda p: p, lambda p: last - p)]
         errors += min(ways, key=lambda way: np.abs(way).max())
     return np.array(errors)
@@ -92,7 +93,7 @@ def test_known_corners(folder):
 
 
 def test_scatter(folder):
-    """Noise of the sensor becomes scatter of the corners, which is told as it is; then a fit meets it."""
+    """Noise of the sensor becomes scatter of the corners: many views leave it to the fit, few have it stated."""
     target = Chessboard(8, 5, 0.03)
     poses = views(target, 8, FOCAL, WIDTH, HEIGHT)
     pictures = draw(run, target, poses, FOCAL, WIDTH, HEIGHT, folder / "noisy",
@@ -100,8 +101,17 @@ def test_scatter(folder):
     out = folder / "noisy-set"
     run("import", "images", *pictures, "--board", "8x5", "--spacing", "0.03", "--out", out)
     e = errors_of(out, target, poses)
-    told = np.sqrt(np.mean([s * s for points in seen_in(out).values() for _, _, s in points.values()]))
-    assert 0.02 < told and 0.8 < told / np.sqrt((e ** 2).mean()) < 1.2, (told, np.sqrt((e ** 2).mean()))
+    size = np.sqrt((e ** 2).mean())
+    assert "sigma_px" not in (out / "points.csv").read_text()
+    run("fit", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "fitted.yaml")
+    run("compare", "--model", folder / "fitted.yaml", "--data", out, "--json", folder / "c.json")
+    told = np.mean(list(json.loads((folder / "c.json").read_text())["noise"].values()))
+    assert 0.02 < told and 0.8 < told / size < 1.2, (told, size)
+    few = folder / "noisy-few"
+    run("import", "images", *pictures[:3], "--board", "8x5", "--spacing", "0.03", "--out", few)
+    with (few / "points.csv").open() as file:
+        told = np.sqrt(np.mean([float(row["sigma_px"]) ** 2 for row in csv.DictReader(file)]))
+    assert 0.75 < told / size < 1.25, (told, size)
     assert np.abs(e.mean(0)).max() < 0.01, e.mean(0)
     return pictures
 

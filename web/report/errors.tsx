@@ -34,7 +34,7 @@ export function ErrorFalling({ report }: { report: Report }) {
   const highest = Math.max(...points.map((p) => p.error));
   const spans = highest / lowest > 20;
   const draw = (width: number): Plot.PlotOptions => ({
-    height: 270, marginLeft: 52, marginBottom: 44, marginRight: 40, marginTop: 24,
+    height: 284, marginLeft: 52, marginBottom: 44, marginRight: 40, marginTop: 38,
     x: { type: "point", domain: points.map((p) => p.i), label: null, tickSize: 0, padding: 0.4,
       tickFormat: (i: number) => shorten(points[i].label, width / points.length) },
     y: { label: "error (1 = the noise)", grid: true, nice: !spans, tickSize: 4, ticks: 5,

@@ -21,6 +21,9 @@ namespace seam::app {
 namespace {
 
 constexpr size_t kFewestCorners = 6;  // That say anything of a view.
+// From so many views on the set's noise is told apart from what the target is off its plan
+// (measurement/kinds/points/points_noise.h), so that none is stated.
+constexpr size_t kTellNoise = 4;
 
 // Pictures that say nothing, by why.
 class LeftOut {
@@ -126,33 +129,34 @@ std::vector<SeenView> views_of(const CameraPictures& camera,
   return views;
 }
 
-// Gives each corner the scatter of its view, and leaves out views that scatter far more than
-// others.
-void measure_scatter(const std::string& said, std::vector<SeenView>& views, SetDraft& draft,
-                     LeftOut& left_out) {
+// Leaves out views that scatter far more than others.
+void leave_out_disorder(const std::string& said, std::vector<SeenView>& views, LeftOut& left_out) {
   constexpr double kMost_px = 0.3, kMostOver = 6;
-  const double usual = scatter_of(views).all_px;
-  if (usual == 0) return;
+  const Scatter scatter = scatter_of(views);
   std::vector<SeenView> kept;
-  const Scatter before = scatter_of(views);
   for (size_t v = 0; v < views.size(); ++v) {
-    if (before.view_px[v] > std::max(kMost_px, kMostOver * usual)) {
+    if (scatter.view_px[v] > std::max(kMost_px, kMostOver * scatter.all_px)) {
       left_out.add(
           said + views[v].name,
-          fmt::format("corners in disorder: they scatter by {:.2f} px", before.view_px[v]));
+          fmt::format("corners in disorder: they scatter by {:.2f} px", scatter.view_px[v]));
     } else {
       kept.push_back(std::move(views[v]));
     }
   }
   views = std::move(kept);
+}
+
+// Says what corners scatter by, and gives it to each corner of its view where `stated`.
+void tell_scatter(const std::string& said, bool stated, std::vector<SeenView>& views,
+                  SetDraft& draft) {
   const Scatter scatter = scatter_of(views);
-  for (size_t v = 0; v < views.size(); ++v) {
+  if (scatter.all_px == 0) return;
+  for (size_t v = 0; v < views.size() && stated; ++v) {
     for (SeenCorner& corner : views[v].corners)
       corner.sigma_px = std::max(1e-4, scatter.view_px[v]);
   }
-  draft.did(fmt::format(
-      "{}the corners scatter by {:.3f} px about a smooth map of each view: sigma_px, by view", said,
-      scatter.all_px));
+  draft.did(fmt::format("{}the corners scatter by {:.3f} px about a smooth map of each view{}",
+                        said, scatter.all_px, stated ? ": sigma_px, by view" : ""));
 }
 
 // Replaces the views' places by their times, in whose order they then stand; whether times are
@@ -201,7 +205,7 @@ struct Found {
   std::vector<CameraViews> cameras;
   bool times_known = true;
   LeftOut left_out;
-  size_t pictures = 0;
+  size_t pictures = 0, views = 0;
 };
 
 Found find_in(const Sources& sources, const TargetSpec& target, const ImportRequest& request,
@@ -217,10 +221,13 @@ Found find_in(const Sources& sources, const TargetSpec& target, const ImportRequ
         find_targets(camera.pictures, target, [&](size_t done) { tell_progress(done, count); });
     std::vector<SeenView> views = views_of(camera, answers, target, draft, found.left_out);
     if (!put_in_time(views, camera, times, answers, draft)) found.times_known = false;
-    measure_scatter(camera.said, views, draft, found.left_out);
+    leave_out_disorder(camera.said, views, found.left_out);
     found.pictures += count;
     found.cameras.push_back({camera.name, std::move(views)});
+    found.views += found.cameras.back().views.size();
   }
+  for (size_t c = 0; c < found.cameras.size(); ++c)
+    tell_scatter(sources.cameras[c].said, found.views < kTellNoise, found.cameras[c].views, draft);
   return found;
 }
 
@@ -246,17 +253,15 @@ void import_images(const ImportRequest& request, SetDraft& draft) {
     draft.warn(sentence);
     all += "\n  " + sentence;
   }
-  size_t taken = 0;
   for (const CameraViews& camera : found.cameras) {
-    taken += camera.views.size();
     if (camera.views.empty())
       throw InputError(
           fmt::format("no picture{} shows the target, {} of {} x {}:{}",
                       found.cameras.size() > 1 ? " of camera '" + camera.name + "'" : "",
                       target.pattern, target.columns, target.rows, all));
   }
-  draft.did(fmt::format("{} of {} pictures show the target, {} of {} x {}", taken, found.pictures,
-                        target.pattern, target.columns, target.rows));
+  draft.did(fmt::format("{} of {} pictures show the target, {} of {} x {}", found.views,
+                        found.pictures, target.pattern, target.columns, target.rows));
   tell_ambiguity(target, draft);
   const std::vector<SeenView> views =
       found.cameras.size() > 1 ? views_of_rig(std::move(found.cameras), found.times_known, draft)

@@ -3,20 +3,16 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::app {
 namespace {
 
-constexpr size_t kFewestViews = 6;  // That tell a displacement of the target.
-
 // One view's corners by their map.
 struct Mapped {
-  Eigen::MatrixXd left;                   // A row a corner: what the map leaves, u and v.
-  std::vector<Eigen::Matrix2d> Jacobian;  // From the target to the picture.
-  double freedom = 0;                     // Rows less what the map takes.
+  Eigen::MatrixXd left;  // A row a corner: what the map leaves, u and v.
+  double freedom = 0;    // Rows less what the map takes.
 };
 
 Eigen::MatrixXd powers(const Eigen::MatrixXd& xy, int degree) {
@@ -51,7 +47,8 @@ Mapped mapped(const SeenView& view) {
   }
   const Eigen::MatrixXd squares = a.transpose() * a;
   const Eigen::VectorXd h = measurement::symmetric_eigen(squares).vectors.col(0);
-  Mapped result{.left = uv, .Jacobian = {}};
+  Mapped result{.left = uv};
+  bool flat = false;              // The map shows the target's plane as a line.
   Eigen::MatrixXd seen(rows, 2);  // As the perspective has it, of unit size.
   for (Eigen::Index i = 0; i < rows; ++i) {
     const double x = xy(i, 0), y = xy(i, 1), w = h[6] * x + h[7] * y + h[8];
@@ -60,7 +57,7 @@ Mapped mapped(const SeenView& view) {
     result.left.row(i) -= scale * seen.row(i);
     Eigen::Matrix2d j;
     j << h[0] - u * h[6], h[1] - u * h[7], h[3] - v * h[6], h[4] - v * h[7];
-    result.Jacobian.emplace_back(scale / (w * size) * j);
+    flat = flat || !(std::abs((scale / (w * size) * j).determinant()) > 1e-9);
   }
   // What a lens bends, as far as the corners can tell it: a polynomial over the picture, since over
   // a tilted target the same bend is none.
@@ -70,43 +67,8 @@ Mapped mapped(const SeenView& view) {
   // A perspective has two more than the straight part of the basis.
   const double taken = static_cast<double>(basis.cols()) + (degree == 1 ? 1 : 0);
   result.freedom = std::max(0.0, static_cast<double>(rows) - taken);
-  const bool flat =
-      std::any_of(result.Jacobian.begin(), result.Jacobian.end(),
-                  [](const Eigen::Matrix2d& j) { return !(std::abs(j.determinant()) > 1e-9); });
   if (flat || !result.left.allFinite()) result.freedom = 0;
   return result;
-}
-
-// Takes out what a point's views have in common on the target; returns what fraction of the
-// variance is left of noise.
-double without_displacements(const std::vector<SeenView>& views, std::vector<Mapped>& maps) {
-  struct Sum {
-    Eigen::Vector2d displacement = Eigen::Vector2d::Zero();
-    size_t views = 0;
-  };
-  std::map<size_t, Sum> sums;
-  for (size_t v = 0; v < views.size(); ++v) {
-    for (size_t i = 0; i < views[v].corners.size() && maps[v].freedom > 0; ++i) {
-      Sum& sum = sums[views[v].corners[i].point];
-      sum.displacement += maps[v].Jacobian[i].inverse() *
-                          maps[v].left.row(static_cast<Eigen::Index>(i)).transpose();
-      ++sum.views;
-    }
-  }
-  size_t all = 0, taken = 0;
-  for (auto& [point, sum] : sums) {
-    all += sum.views, taken += sum.views >= kFewestViews ? 1 : 0;
-    sum.displacement /= static_cast<double>(sum.views);
-  }
-  for (size_t v = 0; v < views.size(); ++v) {
-    for (size_t i = 0; i < views[v].corners.size() && maps[v].freedom > 0; ++i) {
-      const Sum& sum = sums[views[v].corners[i].point];
-      if (sum.views >= kFewestViews)
-        maps[v].left.row(static_cast<Eigen::Index>(i)) -=
-            (maps[v].Jacobian[i] * sum.displacement).transpose();
-    }
-  }
-  return all == 0 ? 1 : 1 - static_cast<double>(taken) / static_cast<double>(all);
 }
 
 }  // namespace
@@ -115,12 +77,11 @@ Scatter scatter_of(const std::vector<SeenView>& views) {
   std::vector<Mapped> maps;
   for (const SeenView& view : views)
     maps.push_back(view.corners.size() >= 6 ? mapped(view) : Mapped{});
-  const double kept = without_displacements(views, maps);
   Scatter scatter;
   std::vector<double> sizes;
   for (const Mapped& map : maps) {
     scatter.view_px.push_back(
-        map.freedom > 0 ? std::sqrt(map.left.squaredNorm() / (2 * map.freedom * kept)) : 0);
+        map.freedom > 0 ? std::sqrt(map.left.squaredNorm() / (2 * map.freedom)) : 0);
     if (map.freedom > 0) sizes.push_back(scatter.view_px.back());
   }
   if (sizes.empty()) return scatter;

@@ -13,8 +13,7 @@ struct Scatter {
 };
 
 // What a smooth map from the target to the picture leaves, a perspective and a cubic: no lens has
-// to be known. Displacements that a point of the target has in all views are the target's, and are
-// taken out where enough views show it.
+// to be known. What the target itself is off its plan counts as scatter.
 Scatter scatter_of(const std::vector<SeenView>& views);
 
 }  // namespace seam::app
