@@ -101,7 +101,7 @@ Grown Searcher::grow(Grown grown, Looks* first_looks, std::vector<Candidate>& tr
     const bool misses = grown.assessment.error > kMisfit;
     Looks looks = first ? *first_looks : look(grown, /*promising_only=*/true, Asked::few_first);
     Candidate* next = choose_by_all_rows(problem_, grown, material_, looks);
-    const bool shortened = (!first && problem_.is_smooth(grown.assessment.model)) ||
+    const bool shortened = (!first && looks.shortened) ||
                            std::any_of(looks.candidates.begin(), looks.candidates.end(),
                                        [](const Candidate& candidate) { return candidate.of_few; });
     if (!next && misses && shortened) {
