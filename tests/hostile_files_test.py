@@ -217,7 +217,7 @@ class Hostile(unittest.TestCase):
             else:
                 done = subprocess.run(line, capture_output=True, timeout=LIMIT_S, **usual)
                 code, text = done.returncode, done.stdout + done.stderr
-            after = type(self).known = self.snapshot(out)
+            after = self.known = self.snapshot(out)
             shutil.rmtree(out)
             changed = sorted(path for path in before.keys() | after.keys() if before.get(path) != after.get(path))
             self.assertEqual(changed, [], text.decode(errors="replace"))
@@ -335,7 +335,7 @@ class Hostile(unittest.TestCase):
             file.execute("update runs set end = ?, error = ?", (ESCAPE, ESCAPE))
         broken = self.inputs / "broken.sqlite"
         broken.write_bytes(results.read_bytes()[:5000])
-        type(self).known = None
+        self.known = None
         for path in plans:
             self.environment["XDG_STATE_HOME"] = str(self.root / "out" / "state")
             self.walk("sweep", path, "--out", "{out}/r.sqlite")
@@ -357,7 +357,7 @@ class Hostile(unittest.TestCase):
         names.write_text(f"time_s,../../decoys/secret.txt,{ESCAPE}\n0,1,2\n0.1,2,3\n")
         link = self.inputs / "link.csv"
         link.symlink_to("../decoys/points.csv")
-        type(self).known = None
+        self.known = None
         for kind in ("images", "servo", "ranges", "opencv", "kalibr", "mrcal", "bouguet", "ros", "euroc", "tum", "emva1288", "flats", "log"):
             for source in (names, link, self.logs[1], self.inputs / "set-link"):
                 board = ["--board", "9x6", "--spacing", "0.03"] if kind == "images" else []

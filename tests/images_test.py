@@ -112,6 +112,11 @@ def test_scatter(folder):
     with (few / "points.csv").open() as file:
         told = np.sqrt(np.mean([float(row["sigma_px"]) ** 2 for row in csv.DictReader(file)]))
     assert 0.75 < told / size < 1.25, (told, size)
+    # Views of six points tell no noise of their own, however many they are.
+    target = Circles(3, 2, 0.06, 0.018)
+    small = draw(run, target, views(target, 5, FOCAL, WIDTH, HEIGHT), FOCAL, WIDTH, HEIGHT, folder / "small")
+    run("import", "images", *small, "--board", "3x2", "--spacing", "0.06", "--target", "circles", "--out", folder / "small-set")
+    run("compare", "--model", folder / "small-set" / "nominal.yaml", "--data", folder / "small-set")
     assert np.abs(e.mean(0)).max() < 0.01, e.mean(0)
     return pictures
 

@@ -30,8 +30,10 @@ def main():
             out = os.path.join(folder, name)
             run(seam, "new-effect", name, "--stage", stage, "--out", out)
             if quick and stage != "joint":
-                # Effect and test read as one, which saves their headers; plugin.cc differs by the name alone.
-                run(cxx, "-std=c++20", "-fsyntax-only", "-I", headers, "-include", f"{out}/{name}.cc", f"{out}/{name}.test.cc")
+                # All files of a stage are read as one, which saves their headers.
+                sources = sorted(os.path.join(out, file) for file in os.listdir(out) if file.endswith(".cc"))
+                first = [word for source in sources[:-1] for word in ("-include", source)]
+                run(cxx, "-std=c++20", "-fsyntax-only", "-I", headers, *first, sources[-1])
                 continue
             run("cmake", "-S", out, "-B", f"{out}/build", *given, f"-DCMAKE_CXX_COMPILER={cxx}")
             run("cmake", "--build", f"{out}/build")

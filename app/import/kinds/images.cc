@@ -14,6 +14,7 @@
 #include "app/import/pictures/picture_times.h"
 #include "app/import/pictures/rig_views.h"
 #include "app/import/pictures/scatter.h"
+#include "measurement/kinds/points/points_noise.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
@@ -21,9 +22,6 @@ namespace seam::app {
 namespace {
 
 constexpr size_t kFewestCorners = 6;  // That say anything of a view.
-// From so many views on the set's noise is told apart from what the target is off its plan
-// (measurement/kinds/points/points_noise.h), so that none is stated.
-constexpr size_t kTellNoise = 4;
 
 // Pictures that say nothing, by why.
 class LeftOut {
@@ -146,6 +144,18 @@ void leave_out_disorder(const std::string& said, std::vector<SeenView>& views, L
   views = std::move(kept);
 }
 
+// Whether the set's own estimate tells noise apart from what the target is off its plan: then none
+// is stated.
+bool tell_their_noise(const std::vector<CameraViews>& cameras) {
+  size_t telling = 0;
+  for (const CameraViews& camera : cameras) {
+    telling += static_cast<size_t>(std::count_if(
+        camera.views.begin(), camera.views.end(),
+        [](const SeenView& view) { return view.corners.size() >= measurement::kPointsTellNoise; }));
+  }
+  return telling >= measurement::kViewsTellDisplacements;
+}
+
 // Says what corners scatter by, and gives it to each corner of its view where `stated`.
 void tell_scatter(const std::string& said, bool stated, std::vector<SeenView>& views,
                   SetDraft& draft) {
@@ -205,7 +215,7 @@ struct Found {
   std::vector<CameraViews> cameras;
   bool times_known = true;
   LeftOut left_out;
-  size_t pictures = 0, views = 0;
+  size_t pictures = 0;
 };
 
 Found find_in(const Sources& sources, const TargetSpec& target, const ImportRequest& request,
@@ -224,10 +234,10 @@ Found find_in(const Sources& sources, const TargetSpec& target, const ImportRequ
     leave_out_disorder(camera.said, views, found.left_out);
     found.pictures += count;
     found.cameras.push_back({camera.name, std::move(views)});
-    found.views += found.cameras.back().views.size();
   }
+  const bool stated = !tell_their_noise(found.cameras);
   for (size_t c = 0; c < found.cameras.size(); ++c)
-    tell_scatter(sources.cameras[c].said, found.views < kTellNoise, found.cameras[c].views, draft);
+    tell_scatter(sources.cameras[c].said, stated, found.cameras[c].views, draft);
   return found;
 }
 
@@ -253,15 +263,17 @@ void import_images(const ImportRequest& request, SetDraft& draft) {
     draft.warn(sentence);
     all += "\n  " + sentence;
   }
+  size_t taken = 0;
   for (const CameraViews& camera : found.cameras) {
+    taken += camera.views.size();
     if (camera.views.empty())
       throw InputError(
           fmt::format("no picture{} shows the target, {} of {} x {}:{}",
                       found.cameras.size() > 1 ? " of camera '" + camera.name + "'" : "",
                       target.pattern, target.columns, target.rows, all));
   }
-  draft.did(fmt::format("{} of {} pictures show the target, {} of {} x {}", found.views,
-                        found.pictures, target.pattern, target.columns, target.rows));
+  draft.did(fmt::format("{} of {} pictures show the target, {} of {} x {}", taken, found.pictures,
+                        target.pattern, target.columns, target.rows));
   tell_ambiguity(target, draft);
   const std::vector<SeenView> views =
       found.cameras.size() > 1 ? views_of_rig(std::move(found.cameras), found.times_known, draft)

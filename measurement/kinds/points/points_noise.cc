@@ -1,5 +1,7 @@
 #include "measurement/kinds/points/points_noise.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -26,8 +28,6 @@ struct View {
   Eigen::VectorXd leverage[2];  // What field and shifts take of each row.
 };
 
-// Displacements are told of points that so many views show.
-constexpr size_t kSeveral = 4;
 // Of the polynomials over the target in each view, and over the camera's image in all of them.
 constexpr int kMostDegree = 8, kMostDegreeOfImage = 7;
 
@@ -98,11 +98,12 @@ ViewsNoise::ViewsNoise(const PointsData& data, const std::vector<char>& gross,
     views_.push_back(std::move(view));
   }
   if (views_.empty())
-    throw InputError(
-        "measurement.yaml: noise: found none, and no view has points enough to estimate it from "
-        "(7 or more), expected for example {u_px: 0.2, v_px: 0.2}");
+    throw InputError(fmt::format(
+        "measurement.yaml: noise: found none, and no view has points enough to estimate it "
+        "from ({} or more), expected for example {{u_px: 0.2, v_px: 0.2}}",
+        kPointsTellNoise));
   if (seen != nullptr) look_over_image();
-  if (views_.size() < kSeveral) return;
+  if (views_.size() < kViewsTellDisplacements) return;
   if (seen != nullptr) {
     displace(seen->camera);
     return;
@@ -159,7 +160,7 @@ void ViewsNoise::displace(const RoughCamera& camera) {
     }
   }
   for (size_t point = 0; point < counts.size(); ++point) {
-    const bool told = counts[point] >= kSeveral;
+    const bool told = counts[point] >= kViewsTellDisplacements;
     displaced_ = displaced_ || told;
     // Views that are all alike leave a direction open: it takes nothing then.
     const Eigen::Matrix3d ridge = 1e-6 * normal[point].trace() * Eigen::Matrix3d::Identity();

@@ -10,6 +10,11 @@
 
 namespace seam::measurement {
 
+// Displacements of a target's points are told from noise where so many views show them.
+inline constexpr size_t kViewsTellDisplacements = 4;
+// A view of fewer points says nothing of its noise.
+inline constexpr size_t kPointsTellNoise = 7;
+
 // What a camera that was fitted to the views leaves of them.
 struct SeenByCamera {
   RoughCamera camera;
