@@ -366,6 +366,11 @@ HangingLoad::HangingLoad(const TorqueModel& motor)
     : along_cos_(motor.gravity_rad_per_s2 * maths::cos(motor.level_rad)),
       along_sin_(motor.gravity_rad_per_s2 * maths::sin(motor.level_rad)) {}
 
+bool has_dry_friction(const TorqueModel& motor) {
+  return motor.coulomb_rad_per_s2 > 0 || motor.stribeck_rad_per_s2 > 0 || motor.load_fraction > 0 ||
+         motor.carried_fraction > 0;
+}
+
 double motor_acceleration(const TorqueModel& motor, const MotorInput& input,
                           const MotorState& state, double load_rad_per_s2, double rest_radps) {
   const Forces forces = forces_of(motor, input, state, load_rad_per_s2);

@@ -37,6 +37,9 @@ struct TorqueModel {
   double carried_fraction = 0;  // Of what the gears carry between drive and load.
 };
 
+// Friction that may hold a joint at rest.
+bool has_dry_friction(const TorqueModel& motor);
+
 // What acts on the motor for a while. The command may move at a constant rate.
 struct MotorInput {
   double command_rad = 0;

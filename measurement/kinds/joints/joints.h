@@ -16,6 +16,7 @@
 
 namespace seam::measurement {
 
+class MotionLook;
 class ParameterSpace;
 
 // One joint in one run.
@@ -147,6 +148,8 @@ class JointsProblem : public Problem {
   std::optional<Model> worth_damping(const Fit& fit, const std::vector<Unknown>& first,
                                      const std::vector<Unknown>& unknowns,
                                      const Groups& groups) const;
+  // The accelerations that these logs show, as far as the model can have them.
+  MotionLook motion_look(const Model& model, const std::vector<char>& chosen) const;
   // Where a fit of a motor to whole runs begins: a model that misses by far is fitted to short
   // stretches first.
   Model near_start(const Model& start, const std::vector<Unknown>& unknowns,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "effects/questions.h"
+#include "effects/stages/servo.h"
 #include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
@@ -234,6 +235,11 @@ std::optional<Model> trade_that_helps(const Model& model, const std::vector<Unkn
   return best;
 }
 
+MotionLook JointsProblem::motion_look(const Model& model, const std::vector<char>& chosen) const {
+  const bool without_friction = !effects::has_dry_friction(effects::servo_of(model).torque);
+  return MotionLook(set_, chosen, facts_.channels[0].noise, without_friction);
+}
+
 std::vector<Values> JointsProblem::starts_together(const Model& model,
                                                    const EffectDefinition& effect,
                                                    const EffectList& companions) const {
@@ -265,17 +271,21 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
   std::vector<char> chosen;
   for (const JointLog& log : set_.logs)
     chosen.push_back(training[facts_.group_of_row[log.rows[0]]]);
-  const MotionLook look(set_, chosen, facts_.channels[0].noise);
   const std::vector<Values> begun = combinations(lists);
-  const ShortRuns brief(set_, chosen, kBrief_s);
-  std::vector<Descended> found(begun.size());
-  parallel_for(begun.size(), [&](size_t c) {
+  const auto beginning = [&](const Values& values) {
     Model trial = base;
     size_t at = 0;
     for (const auto& definition : moved) {
       for (size_t i = 0; i < definition->parameters.size(); ++i)
-        trial.set_value(definition->name, i, begun[c][at++]);
+        trial.set_value(definition->name, i, values[at++]);
     }
+    return trial;
+  };
+  const MotionLook look = motion_look(beginning(begun.back()), chosen);
+  const ShortRuns brief(set_, chosen, kBrief_s);
+  std::vector<Descended> found(begun.size());
+  parallel_for(begun.size(), [&](size_t c) {
+    Model trial = beginning(begun[c]);
     // The coarse look of the motor itself is on all sides already.
     if (effect.base == effects::Base::motor) {
       found[c].by_accelerations = look.descend(trial, unknowns);
@@ -312,7 +322,7 @@ Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& 
     for (const JointLog& log : set_.logs)
       chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
     const ShortRuns brief(set_, chosen, kBrief_s), longer(set_, chosen, kLonger_s);
-    const MotionLook look(set_, chosen, facts_.channels[0].noise);
+    const MotionLook look = motion_look(start, chosen);
     for (const Model& side : worth_descending(start, both_sides(look, start, means), brief)) {
       Model here = side;
       for (const ShortRuns* stretches : {&brief, &longer}) {

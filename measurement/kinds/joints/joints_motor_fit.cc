@@ -173,7 +173,7 @@ std::optional<Model> JointsProblem::worth_damping(const Fit& fit, const std::vec
     return std::nullopt;
   std::vector<char> chosen;
   for (const JointLog& log : set_.logs) chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
-  const MotionLook look(set_, chosen, facts_.channels[0].noise);
+  const MotionLook look = motion_look(fit.model, chosen);
   const ShortRuns brief(set_, chosen, kStretch_s);
   Model plain = fit.model;
   look.descend(plain, first);

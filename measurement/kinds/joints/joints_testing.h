@@ -24,10 +24,13 @@ inline Fit fitted_to_all(const JointsProblem& problem, const Model& start) {
   return problem.fit(start, refitted_unknowns(start), problem.all_groups());
 }
 
+enum class Commands { steps, slow_sines };
+
 // Steps of a loaded joint at two gains, with releases or without, as `truth` has them, with noise.
 class MadeSet {
  public:
-  explicit MadeSet(const std::string& name, bool releases = true)
+  explicit MadeSet(const std::string& name, bool releases = true,
+                   Commands commands = Commands::steps)
       : folder_(std::filesystem::path(testing::TempDir()) / name) {
     std::filesystem::create_directories(folder_);
     const RandomStream random{5, 1};
@@ -35,7 +38,9 @@ class MadeSet {
     for (int run = 0; run < 6; ++run) {
       for (int k = 0; k < 300; ++k) {
         const int block = k / 50;
-        const double command = (uniform(random, 100 * run + block) - 0.5) * 2.4;
+        const double command = commands == Commands::steps
+                                   ? (uniform(random, 100 * run + block) - 0.5) * 2.4
+                                   : std::sin(0.01 * k * (1.5 + 0.5 * run));
         rows += fmt::format("{},{:.3f},arm,{:.4f},0,{},{}\n", run, 0.01 * k, command,
                             run % 2 == 0 ? 3 : 8, releases && block == 3 ? 0 : 1);
       }

@@ -3,7 +3,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include "effects/stages/servo.h"
 #include "measurement/fitting/parameter_space.h"
@@ -15,7 +17,7 @@
 namespace seam::measurement {
 namespace {
 
-constexpr size_t kMostInstants = 1500;
+constexpr size_t kMostInstants = 1500, kLeastMoving = 30;
 // Into so many pieces the time over which an acceleration is seen is cut: more where a command
 // steps in it.
 constexpr size_t kPieces = 4, kMostPieces = 8;
@@ -86,24 +88,32 @@ std::vector<SeenMotion> seen_motion(const JointLog& log, size_t stride, double n
   return seen;
 }
 
-MotionLook::MotionLook(const JointLogs& set, const std::vector<char>& chosen, double noise_rad) {
+MotionLook::MotionLook(const JointLogs& set, const std::vector<char>& chosen, double noise_rad,
+                       bool without_friction) {
   size_t rows = 0;
   for (size_t i = 0; i < set.logs.size(); ++i) rows += chosen[i] ? set.logs[i].rows.size() : 0;
   const size_t stride = std::max<size_t>(1, rows / kMostInstants);
   for (size_t i = 0; i < set.logs.size(); ++i) {
     if (!chosen[i]) continue;
     const JointLog& log = set.logs[i];
-    for (const SeenMotion& at : seen_motion(log, stride, noise_rad)) {
+    for (const SeenMotion& at : seen_motion(log, stride, noise_rad))
       instants_.push_back(instant_of(log, at));
-    }
   }
+  if (!without_friction) return;
+  std::vector<Instant> moving;
+  std::copy_if(instants_.begin(), instants_.end(), std::back_inserter(moving),
+               [](const Instant& at) { return at.moves; });
+  if (moving.size() >= kLeastMoving) instants_ = std::move(moving);
 }
 
 // The curvature of a parabola through even samples is a mean of the acceleration, with the weights
 // (1 - x^2)^2 over their reach: the second integral of Legendre's polynomial of degree 2. The
 // commands hold from row to row, so that a step of theirs stands at its place in this mean.
 MotionLook::Instant MotionLook::instant_of(const JointLog& log, const SeenMotion& at) {
-  Instant instant{.log = &log, .a_radps2 = at.a_radps2, .rest_radps = at.rest_radps};
+  Instant instant{.log = &log,
+                  .a_radps2 = at.a_radps2,
+                  .rest_radps = at.rest_radps,
+                  .moves = std::abs(at.w_radps) > at.rest_radps};
   const size_t first = at.row - at.reach;
   const bool steps = steps_between(log, first, at.row + at.reach);
   const size_t pieces = std::min(2 * at.reach, steps ? kMostPieces : kPieces);

@@ -24,8 +24,11 @@ std::vector<SeenMotion> seen_motion(const JointLog& log, size_t stride, double n
 
 class MotionLook {
  public:
-  // Of the logs whose flag is set.
-  MotionLook(const JointLogs& set, const std::vector<char>& chosen, double noise_rad);
+  // Of the logs whose flag is set. A joint at rest shows that friction holds it, and nothing to
+  // models `without_friction`: what most rows of a joint that sticks would tell these is that no
+  // motor drives it and no load hangs on it.
+  MotionLook(const JointLogs& set, const std::vector<char>& chosen, double noise_rad,
+             bool without_friction);
 
   // What the model misses, comparable between models: in the unit of the data.
   double cost(const Model& model) const;
@@ -43,6 +46,7 @@ class MotionLook {
   struct Instant {
     const JointLog* log;
     double a_radps2, rest_radps;
+    bool moves;
     std::vector<Piece> pieces;
     double weights = 0;  // Sum.
   };

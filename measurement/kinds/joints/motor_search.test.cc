@@ -79,6 +79,22 @@ TEST(MotorSearch, AJointThatRestsMostOfItsTimeHasAMotor) {
   EXPECT_NEAR(starts.front()[0] * starts.front()[2], 2000 * 0.05, 20);
 }
 
+// Friction holds this joint wherever its command calls it: rows at rest say of a motor without any
+// that neither drive nor load is there (a load of 36 where they count, 54 where they do not).
+TEST(MotorSearch, AJointThatFrictionHoldsHasAMotorAndALoad) {
+  const JointsProblem problem =
+      MadeSet("motor-held", /*releases=*/false, Commands::slow_sines)
+          .made_by(model_of("  motor_servo: {stall_rad_per_s2: 100, back_emf_per_s: 5, gain: 0.1}\n"
+                            "  gravity_torque: {rad_per_s2: 70, level_rad: 1.57}\n"
+                            "  load_friction: {fraction: 0.2, carried_fraction: 0.3}\n"),
+                   6);
+  const auto starts =
+      problem.starts_together(model_of("  ideal_servo: {}\n"), *effects::find_effect("motor_servo"),
+                              {effects::find_effect("gravity_torque")});
+  ASSERT_FALSE(starts.empty());
+  EXPECT_NEAR(std::abs(starts.front()[5]), 70, 20);
+}
+
 // Back-EMF and viscous friction are one where nothing is released, and so are, but for little, all
 // torques together beside a friction by load: differences that bend told them apart.
 TEST(MotorSearch, ErrorsSayWhatTheDataDoNotTell) {
