@@ -101,9 +101,9 @@ double free_drive(const TorqueModel& m, const MotorInput& in, const MotorState& 
   return m.stall_rad_per_s2 * in.voltage * duty - m.back_emf_per_s * s.w_radps;
 }
 
-double load_of(const TorqueModel& m, double q_rad) {
-  if (m.gravity_rad_per_s2 == 0) return 0;
-  return m.gravity_rad_per_s2 * maths::cos(q_rad - m.level_rad);
+// How much of the load pulls at this angle; 0 where nothing hangs on the joint.
+double pull_at(const TorqueModel& m, double q_rad) {
+  return m.gravity_rad_per_s2 == 0 ? 0 : maths::cos(q_rad - m.level_rad);
 }
 
 // What pushes and what dry friction depends on.
@@ -121,10 +121,6 @@ Forces forces_of(const TorqueModel& m, const MotorInput& in, const MotorState& s
   return forces_of(m, drive, load);
 }
 
-Forces forces_of(const TorqueModel& m, const MotorInput& in, const MotorState& s) {
-  return forces_of(m, in, s, load_of(m, s.q_rad));
-}
-
 // By how much the forces exceed what friction holds at rest.
 double beyond_rest(const TorqueModel& m, const Forces& forces) {
   const double holds = m.coulomb_rad_per_s2 + m.stribeck_rad_per_s2;
@@ -135,10 +131,10 @@ double beyond_rest(const TorqueModel& m, const Forces& forces) {
 // The motion from one state while the region holds.
 class Stretch {
  public:
-  Stretch(const TorqueModel& motor, const MotorInput& input, const MotorState& state,
+  Stretch(const TorqueModel& motor, const MotorInput& input, const MotorState& state, double pull,
           const Region& region)
       : m_(motor), in_(input), region_(region) {
-    q_[0] = state.q_rad, w_[0] = state.w_radps;
+    q_[0] = state.q_rad, w_[0] = state.w_radps, cos_[0] = pull;
     start();
     for (int k = 0; k < kOrder; ++k) extend(k);
     finish();
@@ -190,10 +186,7 @@ class Stretch {
 
  private:
   void start() {
-    if (m_.gravity_rad_per_s2 != 0) {
-      sin_[0] = maths::sin(q_[0] - m_.level_rad);
-      cos_[0] = maths::cos(q_[0] - m_.level_rad);
-    }
+    if (m_.gravity_rad_per_s2 != 0) sin_[0] = maths::sin(q_[0] - m_.level_rad);
     has_stribeck_ = m_.stribeck_rad_per_s2 != 0 && m_.stribeck_rad_per_s >= kLeastStribeck_radps;
     if (has_stribeck_) {
       // Kept above 0, so that a share of it says something.
@@ -289,16 +282,15 @@ double drive_that_breaks(const TorqueModel& m, double drive, int way, double loa
 }
 
 // How long friction holds a joint at rest, at most `dt_s`; sets the way it breaks away.
-double rest_for(const TorqueModel& m, const MotorInput& in, const MotorState& state, double dt_s,
-                int& way) {
-  const Forces forces = forces_of(m, in, state);
+double rest_for(const TorqueModel& m, const MotorInput& in, const MotorState& state, double load,
+                double dt_s, int& way) {
+  const Forces forces = forces_of(m, in, state, load);
   way = forces.net < 0 ? -1 : 1;
   if (beyond_rest(m, forces) > 0) return 0;
   if (in.command_radps == 0 || !in.enabled) return dt_s;
   // The command moves on until the net acceleration is more than friction holds.
   const double duty_per_rad = m.gain * in.kp;
   const double drive_per_duty = m.stall_rad_per_s2 * in.voltage;
-  const double load = load_of(m, state.q_rad);
   way = duty_per_rad * drive_per_duty * in.command_radps < 0 ? -1 : 1;
   const double needed = drive_that_breaks(m, forces.net + load, way, load);
   const double duty = needed / drive_per_duty;
@@ -309,8 +301,9 @@ double rest_for(const TorqueModel& m, const MotorInput& in, const MotorState& st
   return std::isfinite(t) ? std::clamp(t, 0.0, dt_s) : dt_s;
 }
 
-Region region_of(const TorqueModel& m, const MotorInput& in, const MotorState& state, int way) {
-  const Forces forces = forces_of(m, in, state);
+Region region_of(const TorqueModel& m, const MotorInput& in, const MotorState& state, double load,
+                 int way) {
+  const Forces forces = forces_of(m, in, state, load);
   return {.duty = side_of(wanted_duty(m, in, state), m.max_duty),
           .drive = side_of(free_drive(m, in, state), m.limit_rad_per_s2),
           .net = forces.net < 0 ? -1 : 1,
@@ -330,13 +323,15 @@ double advance_motor(const TorqueModel& motor, const MotorInput& input, double d
   };
   int way = state.w_radps < 0 ? -1 : 1;
   const bool rested = state.w_radps == 0;
+  const double pull = pull_at(motor, state.q_rad), load = motor.gravity_rad_per_s2 * pull;
   if (rested) {
-    pass(rest_for(motor, in, state, dt_s, way));
+    pass(rest_for(motor, in, state, load, dt_s, way));
     if (done_s >= dt_s) return dt_s;
   }
-  Region region = region_of(motor, in, state, way);
+  Region region = region_of(motor, in, state, load, way);
   for (int pieces = 0; done_s < dt_s; ++pieces) {
-    const Stretch stretch(motor, in, state, region);
+    const double pulls = pieces == 0 ? pull : pull_at(motor, state.q_rad);
+    const Stretch stretch(motor, in, state, pulls, region);
     const double h = stretch.reach(dt_s - done_s);
     if (pieces >= kMostPieces || !std::isfinite(h)) {
       state = {NAN, NAN};

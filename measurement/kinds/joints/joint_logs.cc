@@ -244,6 +244,7 @@ std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, 
 
 double noise_from_neighbours(const std::vector<std::vector<double>>& time_s,
                              const std::vector<std::vector<double>>& values) {
+  constexpr double kRepeats = 1e-12;
   std::vector<double> misses;
   double smallest_step = INFINITY;
   for (size_t s = 0; s < values.size(); ++s) {
@@ -260,11 +261,12 @@ double noise_from_neighbours(const std::vector<std::vector<double>>& time_s,
         miss -= weight * x[a];
         weight2 += weight * weight;
       }
-      misses.push_back(std::abs(miss) / std::sqrt(weight2));
+      // A joint at rest repeats what its encoder shows, which says nothing.
+      if (std::abs(miss) > kRepeats) misses.push_back(std::abs(miss) / std::sqrt(weight2));
     }
     for (size_t k = 1; k < x.size(); ++k) {
       const double step = std::abs(x[k] - x[k - 1]);
-      if (step > 1e-12) smallest_step = std::min(smallest_step, step);
+      if (step > kRepeats) smallest_step = std::min(smallest_step, step);
     }
   }
   const double floor = std::isfinite(smallest_step) ? smallest_step / std::sqrt(12.0) : 1e-9;

@@ -108,5 +108,20 @@ TEST(JointNoise, IsFoundUnderASwing) {
   EXPECT_NEAR(noise_from_neighbours({t}, {x}), 0.001, 0.00006);
 }
 
+// Three rows in four repeat a step of the encoder while the joint rests: the rounding of those that
+// move is the noise, and none of the file's last digits.
+TEST(JointNoise, IsThatOfRowsThatMove) {
+  constexpr double kStep_rad = 0.0015;
+  std::vector<double> t, x;
+  for (int k = 0; k < 4000; ++k) {
+    t.push_back(0.005 * k);
+    const double q = k % 1000 < 750 ? 0 : 0.5 * std::sin(0.02 * (k % 1000 - 750));
+    x.push_back(kStep_rad * std::round(q / kStep_rad));
+    if (k % 1000 > 750 && k % 7 == 0) x.back() += 2e-6;  // The file's own rounding.
+  }
+  EXPECT_NEAR(noise_from_neighbours({t}, {x}), kStep_rad / std::sqrt(12),
+              0.2 * kStep_rad / std::sqrt(12));
+}
+
 }  // namespace
 }  // namespace seam::measurement

@@ -67,7 +67,8 @@ std::vector<double> predict_joint_log(const Model& model, const JointLogs& set, 
                                       double start_rad, double start_radps = 0);
 
 // One sigma of a single observation, from each row against a cubic through its neighbours: robust,
-// without any model. The floor is rounding to the file's or the encoder's steps.
+// without any model. Rows that repeat their neighbours do not count. The floor is rounding to the
+// file's or the encoder's steps.
 double noise_from_neighbours(const std::vector<std::vector<double>>& time_s,
                              const std::vector<std::vector<double>>& values);
 
