@@ -36,6 +36,9 @@ struct Video {
   uint64_t seed = 1;
   std::string rig = "{pose: unknown, motion: spline}";
   std::function<bool(int)> is_kept = [](int) { return true; };  // By frame.
+  // Right of the middle stands another board, turned out of the plane of the first; the first
+  // frames do not see it, and the last see it alone.
+  bool two_boards = false;
 };
 
 using Triple = std::array<double, 3>;
@@ -100,8 +103,11 @@ std::filesystem::path made(const Video& video) {
   for (int frame = 0; frame < video.frames; ++frame) {
     if (!video.is_kept(frame)) continue;
     for (int point = 0; point < video.along * video.across; ++point) {
-      const Triple p = {0.04 * (point % video.along - 0.5 * (video.along - 1)),
-                        0.04 * (point / video.along - 0.5 * (video.across - 1)), 0};
+      Triple p = {0.04 * (point % video.along - 0.5 * (video.along - 1)),
+                  0.04 * (point / video.along - 0.5 * (video.across - 1)), 0};
+      const bool second = video.two_boards && p[0] > 0;
+      if (video.two_boards && (second ? frame < 8 : frame >= video.frames - 8)) continue;
+      if (second) p[2] = -std::sin(0.5) * p[0], p[0] *= std::cos(0.5);
       double u = 0, v = 240;
       for (int round = 0; round < 40; ++round) {
         const Triple q = hand.seen(kPeriod_s * frame + video.line_delay_s * v, p);
@@ -111,8 +117,8 @@ std::filesystem::path made(const Video& video) {
       u += kNoise_px * normal({video.seed, 4}, draw);
       v += kNoise_px * normal({video.seed, 4}, draw + 1);
       if (u < 0 || v < 0 || u > 639 || v > 479) continue;
-      rows += fmt::format("{},{:.3f},{},{:.6f},{:.6f},0,{:.5f},{:.5f}\n", frame, kPeriod_s * frame,
-                          point, p[0], p[1], u, v);
+      rows += fmt::format("{},{:.3f},{},{:.6f},{:.6f},{:.6f},{:.5f},{:.5f}\n", frame,
+                          kPeriod_s * frame, point, p[0], p[1], p[2], u, v);
     }
   }
   write_file_atomically(folder / "points.csv", rows);
@@ -182,6 +188,18 @@ TEST(Video, AGapBeginsANewStretch) {
   EXPECT_LT(found.sigma_s, 0.02 * kLineDelay_s);
   const auto problem = open_problem(made(video));
   EXPECT_THAT(problem->remarks(nominal()), testing::Contains(HasSubstr("2 stretches")));
+}
+
+TEST(Video, TwoBoardsWhosePlacesAreKnownServeAsOne) {
+  const Found found = read_out({.name = "two-boards",
+                                .line_delay_s = kLineDelay_s,
+                                .frames = 32,
+                                .along = 10,
+                                .seed = 5,
+                                .two_boards = true});
+  EXPECT_NEAR(found.line_delay_s, kLineDelay_s, 3 * found.sigma_s);
+  EXPECT_LT(found.sigma_s, 0.02 * kLineDelay_s);
+  EXPECT_NEAR(found.error, 1, 0.05);
 }
 
 TEST(Video, ADiscoveryNamesTheRollingShutterAndNothingElse) {
