@@ -12,6 +12,7 @@
 #include "measurement/kinds/series_facts.h"
 #include "measurement/noise/hidden_errors.h"
 #include "measurement/numerics/linear_algebra.h"
+#include "measurement/numerics/parallel_for.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -146,25 +147,34 @@ void JointsProblem::evaluate_logs(const Model& model, const Groups& groups, doub
   // Rows that are left out do not tell where a log starts.
   std::vector<double> key = evaluation.mean_key;
   key.push_back(static_cast<double>(times_marked()));
+  std::vector<size_t> used;
   for (size_t i = 0; i < set_.logs.size(); ++i) {
-    const JointLog& log = set_.logs[i];
-    if (!groups[facts_.group_of_row[log.rows[0]]]) continue;
-    const size_t place = evaluation.nuisance_values.size();
-    const auto show = [&](const LogStart& start, const std::vector<double>& angles) {
-      for (size_t k = 0; k < angles.size(); ++k)
-        evaluation.residual[log.rows[k]] = log.measured_rad[k] - angles[k];
-      evaluation.nuisance_values.insert(evaluation.nuisance_values.end(),
-                                        {start.offset_rad, start.offset_radps, start.log_det});
-    };
-    if (starts != nullptr) {
-      const LogStart start{starts->at(place), starts->at(place + 1), starts->at(place + 2)};
-      show(start, predict_from(model, log, start));
-    } else {
-      const auto known = predictions_->of(i, key, [&] { return fit_start(model, log, sigma_rad); });
-      show(known->start, known->angles);
-    }
-    evaluation.nuisances += unknowns_of_start(model, log);
+    if (groups[facts_.group_of_row[set_.logs[i].rows[0]]]) used.push_back(i);
   }
+  evaluation.nuisance_values.resize(kStartValues * used.size());
+  // Rules without torque take less than a thread does.
+  parallel_for(
+      used.size(),
+      [&](size_t at) {
+        const JointLog& log = set_.logs[used[at]];
+        const size_t place = kStartValues * at;
+        const auto show = [&](const LogStart& start, const std::vector<double>& angles) {
+          for (size_t k = 0; k < angles.size(); ++k)
+            evaluation.residual[log.rows[k]] = log.measured_rad[k] - angles[k];
+          evaluation.nuisance_values[place] = start.offset_rad;
+          evaluation.nuisance_values[place + 1] = start.offset_radps;
+          evaluation.nuisance_values[place + 2] = start.log_det;
+        };
+        if (starts != nullptr) {
+          const LogStart start{starts->at(place), starts->at(place + 1), starts->at(place + 2)};
+          return show(start, predict_from(model, log, start));
+        }
+        const auto known =
+            predictions_->of(used[at], key, [&] { return fit_start(model, log, sigma_rad); });
+        show(known->start, known->angles);
+      },
+      /*worth_threads=*/motor);
+  for (const size_t i : used) evaluation.nuisances += unknowns_of_start(model, set_.logs[i]);
   if (motor) evaluation.reusable = std::make_shared<char>();
 }
 

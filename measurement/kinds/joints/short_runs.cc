@@ -84,14 +84,18 @@ void ShortRuns::cut(const JointLog& log, double length_s) {
 }
 
 std::vector<double> ShortRuns::misses(const Model& model) const {
-  std::vector<double> misses;
-  misses.reserve(rows_);
-  for (const JointLog& stretch : stretches_) {
+  std::vector<double> misses(rows_);
+  std::vector<size_t> begins;
+  size_t rows = 0;
+  for (const JointLog& stretch : stretches_)
+    begins.push_back(rows), rows += stretch.measured_rad.size();
+  parallel_for(stretches_.size(), [&](size_t i) {
+    const JointLog& stretch = stretches_[i];
     const auto angles =
         predict_joint_log(model, set_, stretch, stretch.measured_rad[0], stretch.start_radps);
     for (size_t k = 0; k < angles.size(); ++k)
-      misses.push_back(stretch.measured_rad[k] - angles[k]);
-  }
+      misses[begins[i] + k] = stretch.measured_rad[k] - angles[k];
+  });
   return misses;
 }
 
