@@ -24,6 +24,15 @@ function levels(report: Report): Level[] {
   return found;
 }
 
+function left(above: boolean, structure: boolean) {
+  if (structure) {
+    return above ? "The part above the dashed line is not explained."
+      : "What is left is as large as the noise, but has structure.";
+  }
+  return above ? "The part above the dashed line shows no structure: the fitted groups tell too " +
+    "little of what the held-out ones need." : "What is left is noise.";
+}
+
 export function ErrorFalling({ report }: { report: Report }) {
   const all = steps(report.result);
   const points = levels(report).map((level, i) => ({ ...level, i }));
@@ -60,10 +69,7 @@ export function ErrorFalling({ report }: { report: Report }) {
             `Error on held-out groups, in units of the noise: ${number(points[0].error, 4)} as given, ` +
             `${number(last.error, 4)} after ${points.length - 1} ` +
             `${points.length === 2 ? "step" : "steps"}. ` +
-            (last.error >= 1.05 * floor ? "The part above the dashed line is not explained."
-              : report.result.verdict === "unexplained_structure"
-                ? "What is left is as large as the noise, but has structure."
-                : "What is left is noise.")
+            left(last.error >= 1.05 * floor, report.result.verdict === "unexplained_structure")
           } />
       </div>
       <table class="data">
