@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "effects/questions.h"
@@ -223,28 +224,65 @@ void JointsProblem::whiten_wander(const effects::Noise& noise, const Groups& gro
   errors.whiten(facts_, evaluation);
 }
 
-// Where no run that is fitted falls freely, or none is driven, the fit cannot know what the others
-// show, and what it predicts of them is a guess. Then the first run that does is fitted, and of the
-// others as many are held out as else.
-Groups JointsProblem::held_out_third() const {
-  Groups held = held_out_groups(facts_.groups);
+namespace {
+
+using Shows = std::function<bool(const JointLog&)>;
+
+// How much of its duty a controller is asked for at most, in a unit of its own.
+double most_asked(const JointLog& log) {
+  double most = 0;
+  for (size_t k = 0; k < log.kp.size(); ++k) {
+    const double asked = log.kp[k] * std::abs(log.command_rad[k] - log.measured_rad[k]);
+    if (log.enabled[k] != 0) most = std::max(most, asked);
+  }
+  return most;
+}
+
+// What some run that is fitted must show: a fall, a drive, and, where gains differ, a duty that is
+// nearly the largest, since only that may saturate.
+std::vector<Shows> to_be_shown(const std::vector<JointLog>& logs) {
+  constexpr double kNearly = 0.9;
+  std::vector<Shows> all;
   for (const bool torque : {false, true}) {
-    const auto shows = [&](const JointLog& log) {
+    all.push_back([torque](const JointLog& log) {
       return std::any_of(log.enabled.begin(), log.enabled.end(),
                          [&](char enabled) { return (enabled != 0) == torque; });
-    };
-    const auto group = [&](const JointLog& log) {
-      return static_cast<size_t>(facts_.group_of_row[log.rows[0]]);
-    };
+    });
+  }
+  double most = 0, softest = INFINITY, stiffest = 0;
+  for (const JointLog& log : logs) {
+    const auto [least, largest] = std::minmax_element(log.kp.begin(), log.kp.end());
+    most = std::max(most, most_asked(log));
+    softest = std::min(softest, *least), stiffest = std::max(stiffest, *largest);
+  }
+  if (softest < stiffest)
+    all.push_back([=](const JointLog& log) { return most_asked(log) >= kNearly * most; });
+  return all;
+}
+
+}  // namespace
+
+// What no run that is fitted shows the fit cannot know, and what it predicts of others is a guess.
+// Then the first run that does is fitted, and of the others as many are held out as else.
+Groups JointsProblem::held_out_third() const {
+  Groups held = held_out_groups(facts_.groups), trains(facts_.groups.size(), 0);
+  const auto group = [&](const JointLog& log) {
+    return static_cast<size_t>(facts_.group_of_row[log.rows[0]]);
+  };
+  for (const Shows& shows : to_be_shown(set_.logs)) {
     const auto first = std::find_if(set_.logs.begin(), set_.logs.end(), shows);
     const bool trained = std::any_of(set_.logs.begin(), set_.logs.end(), [&](const JointLog& log) {
       return !held[group(log)] && shows(log);
     });
     if (trained || first == set_.logs.end()) continue;
-    std::vector<std::string> others = facts_.groups;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(group(*first)));
-    held = held_out_groups(others);
-    held.insert(held.begin() + static_cast<std::ptrdiff_t>(group(*first)), 0);
+    trains[group(*first)] = 1;
+    std::vector<std::string> others;
+    for (size_t g = 0; g < trains.size(); ++g) {
+      if (!trains[g]) others.push_back(facts_.groups[g]);
+    }
+    const Groups of_others = held_out_groups(others);
+    auto next = of_others.begin();
+    for (size_t g = 0; g < trains.size(); ++g) held[g] = trains[g] ? 0 : *next++;
   }
   return held;
 }
