@@ -347,6 +347,27 @@ TEST(MotorLogs, ARunWithoutTorqueTrains) {
   EXPECT_TRUE(held[9]);  // Run 13.
 }
 
+// Of these runs the hash would hold out 4, the only one whose duty may saturate.
+TEST(MotorLogs, ARunThatAsksForTheLargestDutyTrains) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "motor-stiffest";
+  std::filesystem::create_directories(folder);
+  std::string rows = "run,time_s,joint,command_rad,measured_rad,kp\n";
+  for (const int run : {0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15}) {
+    for (int k = 0; k < 20; ++k)
+      rows += fmt::format("{},{:.2f},arm,0.5,{:.3f},{}\n", run, 0.01 * k, 0.001 * (k % 3),
+                          run == 4 ? 8 : 2);
+  }
+  write_file_atomically(folder / "joints.csv", rows);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: joints\ntitle: third\ngroup: run\n"
+                        "files: {joints: joints.csv}\n");
+  const JointsProblem problem(MeasurementSet::open(folder));
+  ASSERT_EQ(problem.folds().size(), 1u);
+  const Groups& held = problem.folds()[0];
+  EXPECT_EQ(std::count(held.begin(), held.end(), 1), 4);
+  EXPECT_FALSE(held[4]);
+}
+
 TEST(MotorLogs, ALogThatBeginsInMotionStartsWithItsRate) {
   // A pendulum that passes 0.1 rad at 2 rad/s, without drive.
   const Model free = model_of(std::string(kMotor) + "  gravity_torque: {rad_per_s2: 60}\n");
