@@ -1,7 +1,10 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "measurement/kinds/joints/joints.h"
 #include "sim_core/base/error.h"
@@ -121,6 +124,44 @@ TEST(JointNoise, IsThatOfRowsThatMove) {
   }
   EXPECT_NEAR(noise_from_neighbours({t}, {x}), kStep_rad / std::sqrt(12),
               0.2 * kStep_rad / std::sqrt(12));
+}
+
+// Runs whose hashes say which third is held out: 1, 4, 5 and 13, where nothing else decides.
+JointsProblem twelve_runs(const std::string& column,
+                          const std::function<int(int run, int row)>& cell) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("joints-third-" + column);
+  std::filesystem::create_directories(folder);
+  std::string rows = "run,time_s,joint,command_rad,measured_rad," + column + "\n";
+  for (const int run : {0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15}) {
+    for (int k = 0; k < 20; ++k)
+      rows += fmt::format("{},{:.2f},arm,0.5,{:.3f},{}\n", run, 0.01 * k, 0.001 * (k % 3),
+                          cell(run, k));
+  }
+  write_file_atomically(folder / "joints.csv", rows);
+  write_file_atomically(folder / "measurement.yaml",
+                        "format: seam-measurement/1\nkind: joints\ntitle: third\ngroup: run\n"
+                        "files: {joints: joints.csv}\n");
+  return JointsProblem(MeasurementSet::open(folder));
+}
+
+TEST(JointLogs, OfAllRunsWithoutTorqueOneTrains) {
+  const JointsProblem problem = twelve_runs("torque_enable", [](int run, int row) {
+    return (run == 1 || run == 5 || run == 13) && row > 10 ? 0 : 1;
+  });
+  ASSERT_EQ(problem.folds().size(), 1u);
+  const Groups& held = problem.folds()[0];
+  EXPECT_EQ(std::count(held.begin(), held.end(), 1), 4);
+  EXPECT_FALSE(held[1]);  // Run 1, the first that falls.
+  EXPECT_TRUE(held[5]);
+  EXPECT_TRUE(held[9]);  // Run 13.
+}
+
+TEST(JointLogs, TheOnlyRunWhoseDutyMaySaturateTrains) {
+  const JointsProblem problem = twelve_runs("kp", [](int run, int) { return run == 4 ? 8 : 2; });
+  ASSERT_EQ(problem.folds().size(), 1u);
+  const Groups& held = problem.folds()[0];
+  EXPECT_EQ(std::count(held.begin(), held.end(), 1), 4);
+  EXPECT_FALSE(held[4]);
 }
 
 }  // namespace

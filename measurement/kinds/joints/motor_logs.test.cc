@@ -321,53 +321,6 @@ TEST(MotorLogs, WhatActsAsAProductIsToldAsAProduct) {
   EXPECT_GT(fit.sigma[2], fit.value[2]);
 }
 
-// The hash would hold out 1, 4, 5 and 13 of these, all that fall freely among them.
-TEST(MotorLogs, ARunWithoutTorqueTrains) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "motor-third";
-  std::filesystem::create_directories(folder);
-  std::string rows = "run,time_s,joint,command_rad,measured_rad,torque_enable\n";
-  const std::vector<int> runs = {0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15};
-  for (const int run : runs) {
-    for (int k = 0; k < 20; ++k) {
-      const bool falls = run == 1 || run == 5 || run == 13;
-      rows += fmt::format("{},{:.2f},arm,0,{:.3f},{}\n", run, 0.01 * k, 0.001 * (k % 3),
-                          falls && k > 10 ? 0 : 1);
-    }
-  }
-  write_file_atomically(folder / "joints.csv", rows);
-  write_file_atomically(folder / "measurement.yaml",
-                        "format: seam-measurement/1\nkind: joints\ntitle: third\ngroup: run\n"
-                        "files: {joints: joints.csv}\n");
-  const JointsProblem problem(MeasurementSet::open(folder));
-  ASSERT_EQ(problem.folds().size(), 1u);
-  const Groups& held = problem.folds()[0];
-  EXPECT_EQ(std::count(held.begin(), held.end(), 1), 4);
-  EXPECT_FALSE(held[1]);  // Run 1, the first that falls.
-  EXPECT_TRUE(held[5]);
-  EXPECT_TRUE(held[9]);  // Run 13.
-}
-
-// Of these runs the hash would hold out 4, the only one whose duty may saturate.
-TEST(MotorLogs, ARunThatAsksForTheLargestDutyTrains) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "motor-stiffest";
-  std::filesystem::create_directories(folder);
-  std::string rows = "run,time_s,joint,command_rad,measured_rad,kp\n";
-  for (const int run : {0, 1, 2, 3, 4, 5, 6, 7, 12, 13, 14, 15}) {
-    for (int k = 0; k < 20; ++k)
-      rows += fmt::format("{},{:.2f},arm,0.5,{:.3f},{}\n", run, 0.01 * k, 0.001 * (k % 3),
-                          run == 4 ? 8 : 2);
-  }
-  write_file_atomically(folder / "joints.csv", rows);
-  write_file_atomically(folder / "measurement.yaml",
-                        "format: seam-measurement/1\nkind: joints\ntitle: third\ngroup: run\n"
-                        "files: {joints: joints.csv}\n");
-  const JointsProblem problem(MeasurementSet::open(folder));
-  ASSERT_EQ(problem.folds().size(), 1u);
-  const Groups& held = problem.folds()[0];
-  EXPECT_EQ(std::count(held.begin(), held.end(), 1), 4);
-  EXPECT_FALSE(held[4]);
-}
-
 TEST(MotorLogs, ALogThatBeginsInMotionStartsWithItsRate) {
   // A pendulum that passes 0.1 rad at 2 rad/s, without drive.
   const Model free = model_of(std::string(kMotor) + "  gravity_torque: {rad_per_s2: 60}\n");
