@@ -14,7 +14,7 @@
 #include "app/import/pictures/picture_times.h"
 #include "app/import/pictures/rig_views.h"
 #include "app/import/pictures/scatter.h"
-#include "measurement/kinds/points/points_noise.h"
+#include "measurement/kinds/points/data/points_noise.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 

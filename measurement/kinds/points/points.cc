@@ -6,7 +6,7 @@
 
 #include "measurement/fitting/assess.h"
 #include "measurement/kinds/kinds.h"
-#include "measurement/kinds/points/points_gross.h"
+#include "measurement/kinds/points/data/points_gross.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/numerics/robust.h"

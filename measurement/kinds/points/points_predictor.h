@@ -3,7 +3,7 @@
 
 #include "effects/stages/geometry.h"
 #include "effects/stages/timing.h"
-#include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/data/points_data.h"
 
 namespace seam::measurement {
 

@@ -9,8 +9,8 @@
 #include <mutex>
 
 #include "measurement/kinds/points/motion/path_adjustment.h"
-#include "measurement/kinds/points/points_data.h"
-#include "measurement/kinds/points/points_noise.h"
+#include "measurement/kinds/points/data/points_data.h"
+#include "measurement/kinds/points/data/points_noise.h"
 #include "measurement/kinds/points/points_scatter.h"
 #include "measurement/kinds/points/target/pose_solver.h"
 #include "measurement/kinds/points/target_adjustment.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/kinds/points/board_field.h"
-#include "measurement/kinds/points/points_noise.h"
+#include "measurement/kinds/points/data/board_field.h"
+#include "measurement/kinds/points/data/points_noise.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/noise/low_rank.h"

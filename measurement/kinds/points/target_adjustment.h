@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "effects/stages/geometry.h"
-#include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/data/points_data.h"
 #include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/paired_blocks.h"
 

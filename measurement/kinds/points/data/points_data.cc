@@ -1,4 +1,4 @@
-#include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/data/points_data.h"
 
 #include <fmt/ranges.h>
 

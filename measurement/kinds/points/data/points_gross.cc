@@ -1,4 +1,4 @@
-#include "measurement/kinds/points/points_gross.h"
+#include "measurement/kinds/points/data/points_gross.h"
 
 #include <fmt/ranges.h>
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/data/points_data.h"
 #include "measurement/kinds/points/target/rough_camera.h"
 
 namespace seam::measurement {

@@ -3,7 +3,7 @@
 // they would steer.
 #pragma once
 
-#include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/data/points_data.h"
 
 namespace seam::measurement {
 

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "measurement/kinds/points/points_data.h"
+#include "measurement/kinds/points/data/points_data.h"
 
 namespace seam::measurement {
 

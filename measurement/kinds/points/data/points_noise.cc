@@ -1,4 +1,4 @@
-#include "measurement/kinds/points/points_noise.h"
+#include "measurement/kinds/points/data/points_noise.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measurement/kinds/points/board_field.h"
+#include "measurement/kinds/points/data/board_field.h"
 #include "measurement/kinds/points/target/rough_camera.h"
 #include "measurement/noise/unlike_groups.h"
 #include "measurement/numerics/linear_algebra.h"

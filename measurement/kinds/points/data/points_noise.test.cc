@@ -1,5 +1,5 @@
 // The noise of points where the set does not state it.
-#include "measurement/kinds/points/points_noise.h"
+#include "measurement/kinds/points/data/points_noise.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

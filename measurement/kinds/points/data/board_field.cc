@@ -1,4 +1,4 @@
-#include "measurement/kinds/points/board_field.h"
+#include "measurement/kinds/points/data/board_field.h"
 
 #include <algorithm>
 
