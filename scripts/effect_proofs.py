@@ -231,7 +231,7 @@ PROOFS = [
     ("pinhole", [161.9, 162.5, 88, 71], RAY, {"u_px": "p[0] * 0.24 + p[2]", "v_px": "p[1] * -0.16 + p[3]"}),
     ("pinhole", [300, 310, 159.5, 119.5], OTHER_RAY, {"u_px": "p[0] * -0.6 + p[2]", "v_px": "p[1] * 0.4 + p[3]"}),
     ("pupil_shift", [0.003], RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
-    ("pupil_shift", [-0.02], OTHER_RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
+    ("pupil_shift", [-0.008], OTHER_RAY, image("x_m / slid(p, x_m, y_m, z_m)", "y_m / slid(p, x_m, y_m, z_m)")),
     ("fisheye", [-0.02, 0.001, 0, 0], RAY, image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),
     ("fisheye", [0.1, -0.02, 0.003, -0.0005], OTHER_RAY,
      image("fisheye(p, x_m, y_m, z_m) * x_m", "fisheye(p, x_m, y_m, z_m) * y_m")),

@@ -258,12 +258,17 @@ def wave(draw, size, slow, fast):
     return lambda t: sum(a * math.sin(w * t + p) for a, w, p in parts)
 
 
-def video(_, sort, number, folder):
+def video(_, sort, number, folder, target_choice=()):
     draw = random.Random(f"{sort} {number}")
+    of_target = random.Random(f"{sort} {number} target")
     size = draw.choice(SIZES[:5])
     family = draw.choice(("none", "none", "radial"))
     camera, truth = draw_lens(draw, family, size)
     plan = draw_plan(draw, draw.choice(("chess", "tags")))
+    there = plan
+    if target_choice:
+        there, target = draw_target(of_target, plan, of_target.choice(target_choice))
+        truth.update(target)
     extent = max(abs(p[0]) for p in plan)
     noise = math.exp(draw.uniform(math.log(0.08), math.log(0.3))) * (size[0] / 1280) ** 0.3
     period = draw.choice((1 / 25, 1 / 30, 1 / 60))
@@ -286,7 +291,7 @@ def video(_, sort, number, folder):
             continue
         time = k * period
         seen = []
-        for which, point in enumerate(plan):
+        for which, point in enumerate(there):
             at, v = None, 0.5 * size[1]
             for _ in range(8):
                 at = pixel(camera, truth, applied(*pose(time + delay * v), point))
@@ -368,6 +373,7 @@ SORTS = {
     "corner": still(("none", "radial", "fisheye"), FLAT, (10, 20), plan_of=corner_of_boards),
     "rough": still(("none", "radial"), FLAT, (10, 20), plan_of=rough_board),
     "video": video,
+    "printed": lambda *given: video(*given, target_choice=BENT[1:]),
     "rig": rig,
 }
 

@@ -23,14 +23,15 @@ PairedBlocks::PairedBlocks(const std::vector<Index>& view_sizes, size_t points)
   }
 }
 
-void PairedBlocks::add(size_t view, size_t point, const Slopes& by_view,
+void PairedBlocks::add(size_t view, Index from, const Slopes& by_view, size_t point,
                        const Eigen::Matrix<double, 2, 3>& by_point) {
-  views_[view].noalias() += by_view.transpose() * by_view;
+  const Index count = by_view.cols();
+  views_[view].block(from, from, count, count).noalias() += by_view.transpose() * by_view;
   if (points_.empty()) return;
   points_[point].noalias() += by_point.transpose() * by_point;
-  const Cell cell{view, point, joint_.size()};
-  joint_.resize(joint_.size() + 3 * static_cast<size_t>(by_view.cols()));
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 3>>(joint_.data() + cell.at, by_view.cols(), 3) =
+  const Cell cell{view, point, joint_.size(), view_at_[view] + from, count};
+  joint_.resize(joint_.size() + 3 * static_cast<size_t>(count));
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 3>>(joint_.data() + cell.at, count, 3) =
       by_view.transpose() * by_point;
   cells_of_view_[view].push_back(cells_.size());
   cells_of_point_[point].push_back(cells_.size());
@@ -47,7 +48,7 @@ void PairedBlocks::add_prior(size_t point, const Matrix3d& precision) {
 
 Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3>> PairedBlocks::joint(
     const Cell& cell) const {
-  return {joint_.data() + cell.at, size_of(cell.view), 3};
+  return {joint_.data() + cell.at, cell.count, 3};
 }
 
 MatrixXd PairedBlocks::damped_view(size_t view, double damping) const {
@@ -107,7 +108,7 @@ void PairedBlocks::eliminate_points(double damping) {
       point_inverse_[p] = half * half.transpose();
       auto columns = products.next(3);
       for (const size_t c : cells_of_point_[p])
-        columns.middleRows(view_at_[cells_[c].view], size_of(cells_[c].view)).noalias() +=
+        columns.middleRows(cells_[c].first, cells_[c].count).noalias() +=
             joint(cells_[c]).lazyProduct(half);
     }
   });
@@ -135,7 +136,8 @@ void PairedBlocks::eliminate_views(double damping) {
     auto columns = products.next(size);
     for (const size_t c : cells_of_view_[v])
       columns.middleRows<3>(3 * static_cast<Index>(cells_[c].point)) +=
-          joint(cells_[c]).transpose() * half;
+          joint(cells_[c]).transpose() *
+          half.middleRows(cells_[c].first - view_at_[v], cells_[c].count);
   }
 }
 
@@ -169,14 +171,13 @@ void PairedBlocks::solve(MatrixXd& views, MatrixXd& points) const {
       alone.middleRows<3>(at).noalias() = point_inverse_[p] * points.middleRows<3>(at);
     }
     for (const Cell& cell : cells_) {
-      views.middleRows(view_at_[cell.view], size_of(cell.view)).noalias() -=
+      views.middleRows(cell.first, cell.count).noalias() -=
           joint(cell).lazyProduct(alone.middleRows<3>(3 * static_cast<Index>(cell.point)));
     }
     if (views.rows() > 0) back(views);
     for (const Cell& cell : cells_) {
       points.middleRows<3>(3 * static_cast<Index>(cell.point)).noalias() -=
-          joint(cell).transpose().lazyProduct(
-              views.middleRows(view_at_[cell.view], size_of(cell.view)));
+          joint(cell).transpose().lazyProduct(views.middleRows(cell.first, cell.count));
     }
     for (size_t p = 0; p < points_.size(); ++p) {
       auto rows = points.middleRows<3>(3 * static_cast<Index>(p));
@@ -184,14 +185,17 @@ void PairedBlocks::solve(MatrixXd& views, MatrixXd& points) const {
     }
     return;
   }
+  MatrixXd alone(views.rows(), views.cols());  // As if no point followed.
+  for (size_t v = 0; v < views_.size(); ++v)
+    alone.middleRows(view_at_[v], size_of(v)) =
+        view_inverse_[v] * views.middleRows(view_at_[v], size_of(v));
   for (const Cell& cell : cells_) {
     points.middleRows<3>(3 * static_cast<Index>(cell.point)) -=
-        joint(cell).transpose() *
-        (view_inverse_[cell.view] * views.middleRows(view_at_[cell.view], size_of(cell.view)));
+        joint(cell).transpose() * alone.middleRows(cell.first, cell.count);
   }
   back(points);
   for (const Cell& cell : cells_) {
-    views.middleRows(view_at_[cell.view], size_of(cell.view)) -=
+    views.middleRows(cell.first, cell.count) -=
         joint(cell) * points.middleRows<3>(3 * static_cast<Index>(cell.point));
   }
   for (size_t v = 0; v < views_.size(); ++v) {
@@ -215,8 +219,7 @@ std::vector<Matrix3d> PairedBlocks::point_covariances() const {
     rows = MatrixXd::Zero(n, 3);
     for (const size_t c : cells_of_point_[p]) {
       const Cell& cell = cells_[c];
-      rows += inverse.middleCols(view_at_[cell.view], size_of(cell.view)) *
-              (joint(cell) * point_inverse_[p]);
+      rows += inverse.middleCols(cell.first, cell.count) * (joint(cell) * point_inverse_[p]);
     }
     all.emplace_back(point_inverse_[p] + rows.transpose() * rows);
   }
@@ -237,7 +240,8 @@ std::vector<MatrixXd> PairedBlocks::view_covariances() const {
     MatrixXd rows = MatrixXd::Zero(n, size_of(v));
     for (const size_t c : cells_of_view_[v])
       rows += inverse.middleCols<3>(3 * static_cast<Index>(cells_[c].point)) *
-              (joint(cells_[c]).transpose() * view_inverse_[v]);
+              (joint(cells_[c]).transpose() *
+               view_inverse_[v].middleRows(cells_[c].first - view_at_[v], cells_[c].count));
     all.emplace_back(view_inverse_[v] + rows.transpose() * rows);
   }
   return all;

@@ -1,5 +1,6 @@
 // Normal equations of unknowns of two sorts, such as the poses of views and the places of points,
-// where each observation joins one of each sort and nothing joins two of one sort. The sort with
+// where each observation joins one of each sort and nothing joins two of one sort. A path through
+// many views is one of them, with many unknowns. The sort with
 // more unknowns is eliminated block by block (Schur's complement), so that thousands of points in
 // tens of views, or hundreds of views of tens of points, cost little.
 #pragma once
@@ -17,8 +18,9 @@ class PairedBlocks {
   // points: views alone.
   PairedBlocks(const std::vector<Eigen::Index>& view_sizes, size_t points);
 
-  // An observation of two numbers with these derivatives.
-  void add(size_t view, size_t point, const Slopes& by_view,
+  // An observation of two numbers with these derivatives: by the view's unknowns from this one on
+  // (it hangs on no other of them), and by the point's.
+  void add(size_t view, Eigen::Index from, const Slopes& by_view, size_t point,
            const Eigen::Matrix<double, 2, 3>& by_point);
   // What an unknown is known by beforehand.
   void add_prior(size_t view, Eigen::Index unknown, double precision);
@@ -45,7 +47,9 @@ class PairedBlocks {
   // A block of the one sort as seen from a block of the other.
   struct Cell {
     size_t view, point;
-    size_t at;  // Of its product of derivatives in joint_: view's unknowns x 3, by columns.
+    size_t at;           // Of its product of derivatives in joint_: unknowns x 3, by columns.
+    Eigen::Index first;  // Among all views' unknowns, of those that it hangs on,
+    Eigen::Index count;  // and how many these are.
   };
   Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3>> joint(const Cell& cell) const;
   Eigen::MatrixXd damped_view(size_t view, double damping) const;

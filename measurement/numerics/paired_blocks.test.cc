@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <ostream>
 
@@ -41,10 +42,13 @@ TEST_P(PairedBlocksOf, AgreeWithOneDenseMatrix) {
     for (size_t p = 0; p < c.points; ++p) {
       if ((v + 2 * p) % 5 == 0) continue;  // Not every view sees every point.
       for (int again = 0; again < (p == 1 ? 2 : 1); ++again) {
-        const MatrixXd by_view = random(2, c.views[v]), by_point = random(2, 3);
-        blocks.add(v, p, by_view, by_point);
+        // Of a view's many unknowns each observation hangs on a few.
+        const Index count = std::min<Index>(c.views[v], 7);
+        const Index from = static_cast<Index>(p + again) % (c.views[v] - count + 1);
+        const MatrixXd by_view = random(2, count), by_point = random(2, 3);
+        blocks.add(v, from, by_view, p, by_point);
         MatrixXd row = MatrixXd::Zero(2, n);
-        row.middleCols(blocks.view_at(v), c.views[v]) = by_view;
+        row.middleCols(blocks.view_at(v) + from, count) = by_view;
         row.middleCols(first_point + 3 * static_cast<Index>(p), 3) = by_point;
         dense += row.transpose() * row;
       }
@@ -86,7 +90,8 @@ TEST_P(PairedBlocksOf, AgreeWithOneDenseMatrix) {
 INSTANTIATE_TEST_SUITE_P(Sizes, PairedBlocksOf,
                          testing::Values(Case{{7, 6, 0, 7}, 20},          // Points are eliminated,
                                          Case{{7, 7, 6, 7, 0, 7, 6}, 3},  // or views.
-                                         Case{{1, 1, 1}, 4}, Case{{0, 0}, 5}));
+                                         Case{{1, 1, 1}, 4}, Case{{0, 0}, 5}, Case{{24, 12}, 30},
+                                         Case{{30, 9}, 6}));
 
 TEST(PairedBlocks, SaysWhereUnknownsAreNotDetermined) {
   PairedBlocks blocks({2}, 0);

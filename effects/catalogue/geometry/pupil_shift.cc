@@ -12,11 +12,11 @@ EffectDefinition pupil_shift() {
       .stage = Stage::geometry,
       .kinds = kPoints,
       .parameters = {{.name = "forward_m",
-                      .min = -0.05,
-                      .max = 0.05,
+                      .min = -0.01,
+                      .max = 0.01,
                       .scale = 1e-3,
                       .help = "How fast the point through which rays enter moves towards the scene "
-                              "as they slant, m."}},
+                              "as they slant, m: a few millimetres in lenses of cameras."}},
       .help =
           "Rays of a wide lens do not meet in one point: slanting ones enter further forward, "
           "which shows where the scene is near (Gennery 2006).",
@@ -46,9 +46,9 @@ EffectDefinition pupil_shift() {
                  .expected = {{"u_px", 126.901222578518}, {"v_px", 45.5791747595003}},
                  .source = "python: 160 * x_m / slid(p, x_m, y_m, z_m) + 88.5, 162 * y_m / slid(p, "
                            "x_m, y_m, z_m) + 71.5"},
-                {.values = {-0.02},
+                {.values = {-0.008},
                  .given = {{"x_m", -0.45}, {"y_m", 0.3}, {"z_m", 0.75}},
-                 .expected = {{"u_px", -7.32587236171457}, {"v_px", 136.182463844157}},
+                 .expected = {{"u_px", -7.43027306101577}, {"v_px", 136.252934316186}},
                  .source = "python: 160 * x_m / slid(p, x_m, y_m, z_m) + 88.5, 162 * y_m / slid(p, "
                            "x_m, y_m, z_m) + 71.5"}},
   };

@@ -25,7 +25,7 @@ EffectDefinition board_flex() {
       .example = "board_flex: {sigma_m: 0.0001}",
       .spread_only = true,
       .draws_estimated = true,
-      .needs = {Need::flat_target, Need::several_views},
+      .needs = {Need::flat_target, Need::several_views, Need::still_views},
       .starts = {{kPoints, StartSearch::listed, {{1e-4}}}},
       .target =
           [](Values p, TargetShape& shape) {

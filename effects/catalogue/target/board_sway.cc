@@ -31,7 +31,7 @@ EffectDefinition board_sway() {
       .example = "board_sway: {shift_sigma_m: 0.0005, turn_sigma_rad: 0.001}",
       .spread_only = true,
       .draws_estimated = true,
-      .needs = {Need::several_cameras, Need::several_views},
+      .needs = {Need::several_cameras, Need::several_views, Need::still_views},
       .starts = {{kPoints, StartSearch::listed, {{2e-4, 1e-3}}}},
       .advice = {{kPoints,
                   {},

@@ -47,7 +47,8 @@ std::vector<effects::Lack> lacks_of(const PointsData& data) {
   if (!data.target.flat) lacks.push_back({Need::flat_target, "the points lie in no plane"});
   constexpr size_t kSeveral = 3;
   if (rig.type() == Rig::Type::unknown && rig.path() != Rig::Path::still)
-    lacks.push_back({Need::several_views, "draws of a target are estimated of still views only"});
+    lacks.push_back(
+        {Need::still_views, "how a target bends from view to view is told of still views only"});
   if (median_views(data.target) < kSeveral)
     lacks.push_back({Need::several_views, "most points are seen in fewer than three views"});
   const auto without = [&](const std::string& joint, std::initializer_list<Need> needs) {
@@ -208,10 +209,11 @@ void PointsProblem::place(const Model& given) {
 
 void PointsProblem::check_model(const Model& model) const {
   check_cameras(model);
-  if (moves() && effects::target_of(model).has_draws())
+  const effects::TargetShape target = effects::target_of(model);
+  if (moves() && (target.flex_sigma_m > 0 || target.has_sway()))
     throw InputError(
-        "the model draws points of the target or its bending, which are estimated of still views "
-        "only: expected rig: {pose: unknown} without motion, or a model without them");
+        "the model bends or sways the target otherwise in each view, which is told of still views "
+        "only: expected rig: {pose: unknown} without motion, or a model without that");
 }
 
 bool PointsProblem::groups_are_independent(const Model& model) const {

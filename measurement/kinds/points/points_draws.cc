@@ -11,9 +11,9 @@ namespace seam::measurement {
 
 namespace {
 
-// What tells one model from another, less one of its effects.
-std::vector<double> key_of(const Model& model, const effects::ModelEffect* less = nullptr) {
-  std::vector<double> key;
+// What tells one model from another, less one of its effects, behind what else matters.
+std::vector<double> key_of(const Model& model, std::vector<double> key = {},
+                           const effects::ModelEffect* less = nullptr) {
   for (const effects::ModelEffect& effect : model.effects()) {
     if (&effect == less) continue;
     const std::string text = effect.definition->name + "\n" + effect.definition->source;
@@ -25,10 +25,16 @@ std::vector<double> key_of(const Model& model, const effects::ModelEffect* less 
 
 }  // namespace
 
-void PointsProblem::remember_end(const Model& model, const std::vector<double>& values) const {
+// A path's controls are those of its frames.
+std::vector<double> PointsProblem::key_of_ends(const Groups& groups) const {
+  return moves() ? std::vector<double>(groups.begin(), groups.end()) : std::vector<double>();
+}
+
+void PointsProblem::remember_end(const Model& model, const Groups& groups,
+                                 const std::vector<double>& values) const {
   const std::lock_guard lock(recent_mutex_);
   if (ends_marked_ != times_marked()) ends_.clear(), ends_marked_ = times_marked();
-  ends_.emplace(key_of(model), values);
+  ends_.emplace(key_of(model, key_of_ends(groups)), values);
 }
 
 // The same model, or that to which one effect was added to be tried.
@@ -37,14 +43,14 @@ std::vector<double> PointsProblem::start_beside(const Model& model, const Groups
   const auto recall = [&](const effects::ModelEffect* less) {
     const std::lock_guard lock(recent_mutex_);
     if (ends_marked_ != times_marked()) return;
-    const auto found = ends_.find(key_of(model, less));
+    const auto found = ends_.find(key_of(model, key_of_ends(groups), less));
     if (found != ends_.end()) values = found->second;
   };
   recall(nullptr);
   for (const effects::ModelEffect& effect : model.effects()) {
     if (values.empty()) recall(&effect);
   }
-  if (values.empty() || data_.rig.type() != Rig::Type::unknown) return values;
+  if (values.empty() || data_.rig.type() != Rig::Type::unknown || moves()) return values;
   // Views that took no part there.
   Groups missing(groups.size(), 0);
   for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
@@ -92,9 +98,9 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjustment_at(
   for (size_t row = 0; row < data_.p_W.size(); ++row) given.rows.push_back(takes_part(row));
   given.sigma = sigma.empty() ? blank().sigma : sigma;
   if (data_.rig.type() != Rig::Type::unknown) given.causes = causes_by_frame(model, groups);
+  if (moves()) given.path = layout_of(groups);
   auto adjustment = std::make_unique<TargetAdjustment>(std::move(given));
-  adjustment->start(values);
-  return adjustment;
+  return adjustment->start(values) ? std::move(adjustment) : nullptr;
 }
 
 std::vector<double> PointsProblem::counted_sigma(const FewErrors& scatter,
@@ -150,8 +156,8 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
   std::unique_ptr<TargetAdjustment> adjustment;
   std::vector<double> sigma;
   bool found = false;
-  if (!start.empty()) {
-    adjustment = adjustment_at(model, groups, known, start);
+  if (!start.empty()) adjustment = adjustment_at(model, groups, known, start);
+  if (adjustment) {
     // Near the end each point counts as it will there.
     if (scatter) sigma = counted_sigma(*scatter, *adjustment);
     if (scatter) adjustment = adjustment_at(model, groups, known, start, sigma);
@@ -159,9 +165,10 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
   }
   // Else from poses of their own: linear ones, or refined where these are too far off.
   for (const bool refined : {false, true}) {
-    if (found || (refined && !unknown)) break;
-    const Evaluation poses = unknown ? evaluate_unknown(model, groups, warm, refined)
-                                     : evaluate_rig(model, groups, warm);
+    if (found || (refined && (!unknown || moves()))) break;
+    const Evaluation poses = !unknown  ? evaluate_rig(model, groups, warm)
+                             : moves() ? evaluate_moving(model, groups, warm)
+                                       : evaluate_unknown(model, groups, warm, refined);
     if (!poses.valid) continue;
     sigma.clear();
     adjustment = adjustment_at(model, groups, known, poses.nuisance_values);
@@ -175,7 +182,9 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
     evaluation.nuisance_values = adjustment->values();
     adjustment->tell_residuals(evaluation);
   }
-  for (size_t frame = 0; frame < data_.rows_of_frame.size() && unknown && found; ++frame) {
+  if (found && moves()) tell_path(model, layout_of(groups), evaluation);
+  for (size_t frame = 0; frame < data_.rows_of_frame.size() && unknown && !moves() && found;
+       ++frame) {
     const auto& rows = data_.rows_of_frame[frame];
     if (!groups[facts_.group_of_row[rows.front()]]) continue;
     Pose X_CW;

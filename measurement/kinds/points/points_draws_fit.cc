@@ -107,7 +107,8 @@ class PointsProblem::DrawsFit {
 };
 
 bool PointsProblem::DrawsFit::suits() const {
-  if (problem_.data_.rig.type() != Rig::Type::unknown || problem_.moves()) return false;
+  if (problem_.data_.rig.type() != Rig::Type::unknown) return false;
+  if (problem_.moves() && !effects::target_of(model_).has_draws()) return false;
   for (const Coordinate& c : space_) {
     if (c.parameter->fit_reciprocal || c.parameter->on_demand) return false;
     if (c.spread && spread_of(model_, c) == Spread::none) return false;
@@ -239,7 +240,7 @@ std::optional<Fit> PointsProblem::DrawsFit::run() {
   warm.nuisance_values = values_;
   const Evaluation end = problem_.evaluate(model_, groups_, &warm);
   if (!end.valid) return std::nullopt;
-  problem_.remember_end(model_, end.nuisance_values);
+  problem_.remember_end(model_, groups_, end.nuisance_values);
   return result(end);
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "effects/stages/timing.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/numerics/robust.h"
@@ -73,7 +72,7 @@ void PointsProblem::choose_knots(const Model& model) {
   double chi2 = 0;
   for (size_t i = 0; i < facts_.scalars(); ++i)
     chi2 += still.used[i] ? still.whitened[i] * still.whitened[i] : 0;
-  RowCamera camera = row_camera(model);
+  RowCamera camera(model, data_.cameras);
   for (RowClock& clock : camera.clocks) clock.line_delay_s = 0;
   for (const double periods : kPeriods) {
     knot_s_ = periods * period_s_;
@@ -127,19 +126,6 @@ PathLayout PointsProblem::layout_of(const Groups& groups) const {
                    : PathLayout::alone(frame_stamp_s_, takes_part_here, knot_s_);
 }
 
-RowCamera PointsProblem::row_camera(const Model& model) const {
-  // The path has the frames' own clock: what delays all rows alike belongs to it.
-  RowCamera camera{.cameras = {model, data_.cameras}};
-  double first_s = 0;
-  for (const CameraView& view : data_.cameras) {
-    const effects::Timing timing = effects::timing_of(model_of(model, view.name));
-    const double late_s = timing.row_middle_after_stamp_s(0, 0);
-    if (camera.clocks.empty()) first_s = late_s;
-    camera.clocks.push_back({timing.line_delay_s, late_s - first_s});
-  }
-  return camera;
-}
-
 PathAdjustment PointsProblem::path_adjustment(const Model& model, const Groups& groups,
                                               const PathLayout& layout, bool all) const {
   const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
@@ -171,59 +157,53 @@ bool PointsProblem::start_path(const Evaluation& still, const PathLayout& layout
   return still.valid;
 }
 
-namespace {
-
-constexpr size_t kNumbers = 7;  // Of a control.
-
-void store_controls(const std::vector<Control>& controls, std::vector<double>& values) {
-  for (const Control& control : controls) {
-    values.insert(values.end(), control.q.begin(), control.q.end());
-    values.insert(values.end(), {control.middle_C.x, control.middle_C.y, control.middle_C.z});
-  }
-}
-
-bool stored_controls(const std::vector<double>& values, size_t at, std::vector<Control>& controls) {
-  if (values.size() != at + kNumbers * controls.size()) return false;
-  for (Control& control : controls) {
-    const double* stored = &values[at];
-    control.q << stored[0], stored[1], stored[2], stored[3];
-    control.middle_C = Vec3(stored[4], stored[5], stored[6]);
-    at += kNumbers;
-  }
+// With displaced points between poses and controls or without; false: of other frames.
+bool PointsProblem::stored_path(const std::vector<double>& values,
+                                std::vector<Control>& controls) const {
+  const size_t frames = data_.rows_of_frame.size(), points = data_.target.names.size();
+  const size_t before = values.size() - kControlNumbers * controls.size();
+  if (before != 12 * frames && before != 13 * frames + 3 * points) return false;
+  stored_controls(values, controls);
   return true;
 }
 
-}  // namespace
-
-Evaluation PointsProblem::evaluate_moving(const Model& model, const Groups& groups,
-                                          const Evaluation* warm) const {
-  const PathLayout layout = layout_of(groups);
-  const PathAdjustment adjustment = path_adjustment(model, groups, layout);
-  const RowCamera camera = row_camera(model);
-  Evaluation evaluation = blank();
-  const size_t frames = data_.rows_of_frame.size();
+void PointsProblem::tell_path(const Model& model, const PathLayout& layout,
+                              Evaluation& evaluation) const {
+  const RowCamera camera(model, data_.cameras);
   std::vector<Control> controls(layout.controls());
-  bool found = warm && warm->valid &&
-               stored_controls(warm->nuisance_values, 12 * frames, controls) &&
-               adjustment.fit(camera, controls);
-  if (!found)
-    found = start_path(evaluate_unknown(model, groups, nullptr), layout, controls) &&
-            adjustment.fit(camera, controls);
-  evaluation.nuisance_values.assign(12 * frames, 0);
-  evaluation.valid = found;
+  stored_controls(evaluation.nuisance_values, controls);
   // Of a view that is read out at once no velocity shows.
   const bool at_once = !on_path() && camera.clocks.front().line_delay_s == 0;
   evaluation.nuisances =
       6 * static_cast<int64_t>(at_once ? layout.stretches().size() : layout.controls());
-  for (size_t frame = 0; frame < frames && found; ++frame) {
+  const double middle_s = 0.5 * camera.clocks.front().line_delay_s * data_.camera.height_px;
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
     if (!layout.takes_part(frame)) continue;
-    const double middle_s = 0.5 * camera.clocks.front().line_delay_s * data_.camera.height_px;
     const PathPoint at = path_at(layout.of_frame(frame), controls, frame_stamp_s_[frame] + middle_s,
                                  /*with_slopes=*/false);
     store_pose({at.R, at.middle_C - at.R * data_.target.middle_W}, frame,
                evaluation.nuisance_values);
   }
-  if (found) store_controls(controls, evaluation.nuisance_values);
+}
+
+Evaluation PointsProblem::evaluate_moving(const Model& model, const Groups& groups,
+                                          const Evaluation* warm) const {
+  const PathLayout layout = layout_of(groups);
+  const PathAdjustment adjustment = path_adjustment(model, groups, layout);
+  const RowCamera camera(model, data_.cameras);
+  Evaluation evaluation = blank();
+  std::vector<Control> controls(layout.controls());
+  bool found = warm && warm->valid && stored_path(warm->nuisance_values, controls) &&
+               adjustment.fit(camera, controls);
+  if (!found)
+    found = start_path(evaluate_unknown(model, groups, nullptr), layout, controls) &&
+            adjustment.fit(camera, controls);
+  evaluation.nuisance_values.assign(12 * data_.rows_of_frame.size(), 0);
+  evaluation.valid = found;
+  if (found) {
+    store_controls(controls, evaluation.nuisance_values);
+    tell_path(model, layout, evaluation);
+  }
   const PathAdjustment with_outliers = path_adjustment(model, groups, layout, /*all=*/true);
   for (const PathSighting& point : with_outliers.seen()) {  // They may come back.
     Eigen::Vector2d uv;
@@ -247,17 +227,16 @@ std::vector<std::vector<double>> PointsProblem::jacobian_moving(
                                            std::vector<double>(facts_.scalars(), 0));
   const PathLayout layout = layout_of(groups);
   const PathAdjustment adjustment = path_adjustment(model, groups, layout);
-  const RowCamera camera = row_camera(model);
+  const RowCamera camera(model, data_.cameras);
   std::vector<Control> controls(layout.controls());
-  if (!stored_controls(here.nuisance_values, 12 * data_.rows_of_frame.size(), controls))
-    return columns;
+  if (!stored_path(here.nuisance_values, controls)) return columns;
   const MovedModels moved(model, unknowns);
   const std::vector<PathSighting>& seen = adjustment.seen();
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(seen.size()),
                                               static_cast<Eigen::Index>(unknowns.size()));
   for (size_t p = 0; p < unknowns.size(); ++p) {
     const PathAdjustment there = path_adjustment(moved.models[p], groups, layout);
-    const RowCamera moved_camera = row_camera(moved.models[p]);
+    const RowCamera moved_camera(moved.models[p], data_.cameras);
     for (size_t i = 0; i < seen.size(); ++i) {
       Eigen::Vector2d before, after;
       if (!adjustment.image(camera, controls, seen[i], before) ||

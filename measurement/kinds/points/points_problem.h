@@ -8,9 +8,9 @@
 #include <memory>
 #include <mutex>
 
-#include "measurement/kinds/points/motion/path_adjustment.h"
 #include "measurement/kinds/points/data/points_data.h"
 #include "measurement/kinds/points/data/points_noise.h"
+#include "measurement/kinds/points/motion/path_adjustment.h"
 #include "measurement/kinds/points/points_scatter.h"
 #include "measurement/kinds/points/target/pose_solver.h"
 #include "measurement/kinds/points/target_adjustment.h"
@@ -111,7 +111,9 @@ class PointsProblem : public Problem {
   PathLayout layout_of(const Groups& groups) const;
   PathAdjustment path_adjustment(const Model& model, const Groups& groups, const PathLayout& layout,
                                  bool all = false) const;
-  RowCamera row_camera(const Model& model) const;
+  // Poses and nuisances of an evaluation whose nuisance values have a path's controls.
+  void tell_path(const Model& model, const PathLayout& layout, Evaluation& evaluation) const;
+  bool stored_path(const std::vector<double>& values, std::vector<Control>& controls) const;
   bool start_path(const Evaluation& still, const PathLayout& layout,
                   std::vector<Control>& controls) const;
   Evaluation evaluate_moving(const Model& model, const Groups& groups,
@@ -143,7 +145,9 @@ class PointsProblem : public Problem {
   // Where to start an adjustment of these groups: at the end of that of a model like this one, if
   // there was one.
   std::vector<double> start_beside(const Model& model, const Groups& groups) const;
-  void remember_end(const Model& model, const std::vector<double>& values) const;
+  std::vector<double> key_of_ends(const Groups& groups) const;
+  void remember_end(const Model& model, const Groups& groups,
+                    const std::vector<double>& values) const;
   // points_draws_fit.cc
   class DrawsFit;
   std::vector<Eigen::MatrixXd> causes_by_frame(const Model& model, const Groups& groups) const;

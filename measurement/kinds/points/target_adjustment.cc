@@ -19,16 +19,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-using Slopes3 = Eigen::Matrix<double, 2, 3>;
-
-Eigen::Matrix3d as_eigen(const Mat3& m) {
-  Eigen::Matrix3d out;
-  for (int c = 0; c < 3; ++c) {
-    for (int r = 0; r < 3; ++r) out(r, c) = m[c][r];
-  }
-  return out;
-}
-
 // Of the i-th number of a frame's sways: three of a shift and three of a turn for each camera.
 double sway_spread(const effects::TargetShape& shape, size_t i) {
   return i % 6 < 3 ? shape.sway_shift_sigma_m : shape.sway_turn_sigma_rad;
@@ -42,7 +32,7 @@ double over_spread(double value, double spread) {
 
 TargetAdjustment::Compiled::Compiled(const PointsData& data, const Model& model)
     : shape(effects::target_of(model)),
-      cameras(model, data.cameras),
+      camera(model, data.cameras),
       places_W(places_of_rows(data, shape)) {
   if (data.rig.type() != Rig::Type::unknown)
     predictor = std::make_shared<const PointsPredictor>(data, model);
@@ -63,13 +53,31 @@ Index TargetAdjustment::unknowns(size_t frame) const {
   return pose_unknowns() + state_.extra[frame].size();
 }
 
-void TargetAdjustment::start(const std::vector<double>& values) {
+std::vector<Index> TargetAdjustment::view_sizes() const {
+  std::vector<Index> sizes;
+  if (given_.path) {
+    for (const Stretch& stretch : given_.path->stretches())
+      sizes.push_back(kControlUnknowns * static_cast<Index>(stretch.controls));
+    return sizes;
+  }
+  for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) sizes.push_back(unknowns(frame));
+  return sizes;
+}
+
+bool TargetAdjustment::start(const std::vector<double>& values) {
   const size_t frames = state_.X_CW.size(), points = state_.displaced_m.size();
   const auto sways = static_cast<size_t>(causes_at() - sway_at(1));
   const size_t whole_size = 13 * frames + 3 * points;
-  const bool whole = values.size() >= whole_size;
+  bool whole = values.size() >= whole_size;
+  if (given_.path) {
+    state_.controls.resize(given_.path->controls());
+    const size_t of_path = kControlNumbers * state_.controls.size();
+    whole = values.size() == whole_size + of_path;
+    if (!whole && values.size() != 12 * frames + of_path) return false;
+    stored_controls(values, state_.controls);
+  }
   for (size_t frame = 0; frame < frames; ++frame) {
-    if (unknown_poses_ && given_.frames[frame] && !stored_pose(values, frame, state_.X_CW[frame]))
+    if (has_own_poses() && given_.frames[frame] && !stored_pose(values, frame, state_.X_CW[frame]))
       given_.frames[frame] = 0;
     const Index causes = given_.causes.empty() ? 0 : given_.causes[frame].cols();
     state_.extra[frame] = Eigen::VectorXd::Zero(causes_at() + causes);
@@ -86,13 +94,14 @@ void TargetAdjustment::start(const std::vector<double>& values) {
     const double* stored = &values[13 * frames + 3 * point];
     state_.displaced_m[point] = Vec3(stored[0], stored[1], stored[2]);
   }
+  return true;
 }
 
 std::vector<double> TargetAdjustment::values_of(const State& state) const {
   const size_t frames = state.X_CW.size();
   std::vector<double> values(12 * frames, 0);
   for (size_t frame = 0; frame < frames; ++frame) {
-    if (unknown_poses_ && given_.frames[frame]) store_pose(state.X_CW[frame], frame, values);
+    if (has_own_poses() && given_.frames[frame]) store_pose(state.X_CW[frame], frame, values);
   }
   for (size_t frame = 0; frame < frames; ++frame)
     values.push_back(has_flex() && state.extra[frame].size() > 0
@@ -106,6 +115,7 @@ std::vector<double> TargetAdjustment::values_of(const State& state) const {
                                  sway_spread(compiled_.shape, static_cast<size_t>(i - sway_at(1)))
                            : 0);
   }
+  store_controls(state.controls, values);
   return values;
 }
 
@@ -117,95 +127,6 @@ Matrix3d TargetAdjustment::precision(size_t point) const {
 
 Vector3d TargetAdjustment::mean(size_t point) const {
   return given_.known ? given_.known->mean_m[point] : Vector3d::Zero();
-}
-
-Vec3 TargetAdjustment::place_W(const Compiled& model, const State& state, size_t row) const {
-  const auto point = static_cast<size_t>(given_.data.point_of_row[row]);
-  Vec3 shift = state.displaced_m[point];
-  if (has_flex()) {
-    const auto frame = static_cast<size_t>(given_.data.frame_of_row[row]);
-    shift.z += state.extra[frame][0] * compiled_.shape.flex_sigma_m *
-               given_.data.target.bending(point, model.shape);
-  }
-  if (sways(row)) {
-    const auto& e = state.extra[static_cast<size_t>(given_.data.frame_of_row[row])];
-    const Index at = sway_at(given_.data.camera_of_row[row]);
-    const double shift_m = compiled_.shape.sway_shift_sigma_m,
-                 turn_rad = compiled_.shape.sway_turn_sigma_rad;
-    shift += effects::swayed_by(given_.data.target.in_axes(point),
-                                shift_m * Vec3(e[at], e[at + 1], e[at + 2]),
-                                turn_rad * Vec3(e[at + 3], e[at + 4], e[at + 5]));
-  }
-  return model.places_W[row] + given_.data.target.axes_W * shift;
-}
-
-bool TargetAdjustment::see(const Compiled& model, const State& state, size_t row,
-                           Vector2d& uv) const {
-  const PointsData& data = given_.data;
-  const Vec3 p_W = place_W(model, state, row);
-  const effects::ImagePoint image =
-      unknown_poses_
-          ? model.cameras.project(state.X_CW[static_cast<size_t>(data.frame_of_row[row])] * p_W,
-                                  data.stamp_s[row], data.v_px[row], data.camera_of_row[row])
-          : model.predictor->image_at(row, p_W);
-  uv = {image.u, image.v};
-  return image.has_place();
-}
-
-// The cause's size in a scalar of the k-th used row of its frame.
-double TargetAdjustment::cause(size_t frame, size_t k, int channel, Index which) const {
-  return given_.causes[frame](2 * static_cast<Index>(k) + channel, which);
-}
-
-void TargetAdjustment::slopes_of_pose(const State& state, size_t row, const Slopes3& by_C,
-                                      Cell& cell) const {
-  const Vec3 p_C = state.X_CW[static_cast<size_t>(given_.data.frame_of_row[row])] *
-                   place_W(compiled_, state, row);
-  // d p_C = turn x p_C + shift.
-  Matrix3d turned;
-  turned << 0, p_C.z, -p_C.y, -p_C.z, 0, p_C.x, p_C.y, -p_C.x, 0;
-  cell.by_view.leftCols<3>() = by_C * turned;
-  cell.by_view.middleCols<3>(3) = by_C;
-}
-
-bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell) const {
-  const PointsData& data = given_.data;
-  const auto frame = static_cast<size_t>(data.frame_of_row[row]);
-  const Vec3 p_W = place_W(compiled_, state, row);
-  const Pose& X_CW = state.X_CW[frame];
-  const Vec3 p = unknown_poses_ ? X_CW * p_W : p_W;
-  const auto image_of = [&](const Vec3& at) {
-    return unknown_poses_ ? compiled_.cameras.project(at, data.stamp_s[row], data.v_px[row],
-                                                      data.camera_of_row[row])
-                          : compiled_.predictor->image_at(row, at);
-  };
-  const effects::ImagePoint here = image_of(p);
-  if (!here.has_place()) return false;
-  // Of the image by the place, in the camera's axes or, where the motion is known, the world's.
-  Slopes3 by_place;
-  const double h = 1e-6 * std::max(glm::length(p), 1e-3);
-  for (int axis = 0; axis < 3; ++axis) {
-    Vec3 there = p;
-    there[axis] += h;
-    const effects::ImagePoint image = image_of(there);
-    if (!image.has_place()) return false;
-    by_place(0, axis) = (image.u - here.u) / h;
-    by_place(1, axis) = (image.v - here.v) / h;
-  }
-  const Vector2d weight(1 / given_.sigma[2 * row], 1 / given_.sigma[2 * row + 1]);
-  cell.by_view.resize(2, unknowns(frame));
-  cell.uv = Vector2d(here.u, here.v);
-  cell.z = Vector2d(data.u_px[row] - here.u, data.v_px[row] - here.v);
-  if (unknown_poses_) slopes_of_pose(state, row, by_place, cell);
-  cell.by_point =
-      by_place * as_eigen(unknown_poses_ ? X_CW.R * data.target.axes_W : data.target.axes_W);
-  slopes_of_extras(row, k, cell);
-  const Index causes = unknowns(frame) - pose_unknowns() - causes_at();
-  cell.z -= cell.by_view.rightCols(causes) * state.extra[frame].tail(causes);
-  cell.z = weight.cwiseProduct(cell.z);
-  cell.by_view = -(weight.asDiagonal() * cell.by_view).eval();
-  cell.by_point = -(weight.asDiagonal() * cell.by_point).eval();
-  return true;
 }
 
 double TargetAdjustment::prior_cost(const State& state) const {
@@ -276,12 +197,28 @@ bool TargetAdjustment::look_at_rows() {
   return std::find(seen.begin(), seen.end(), 0) == seen.end();
 }
 
+// Controls that no point tells of stay where they are.
+void TargetAdjustment::hold_unseen_controls() {
+  double largest[kControlUnknowns] = {};
+  const size_t stretches = given_.path->stretches().size();
+  const auto each = [&](auto&& act) {
+    for (size_t view = 0; view < stretches; ++view) {
+      for (Index i = 0; i < blocks_->of_view(view).rows(); ++i)
+        act(view, i, largest[i % kControlUnknowns]);
+    }
+  };
+  each([&](size_t view, Index i, double& most) {
+    most = std::max(most, blocks_->of_view(view)(i, i));
+  });
+  each([&](size_t view, Index i, double most) {
+    blocks_->add_prior(view, i, 1e-10 * most + 1e-300);
+  });
+}
+
 // The normal equations where it stands, and their right sides (minus the gradient).
 bool TargetAdjustment::build(MatrixXd& by_views, MatrixXd& by_points) {
-  std::vector<Index> sizes;
-  for (size_t frame = 0; frame < state_.X_CW.size(); ++frame) sizes.push_back(unknowns(frame));
   const size_t points = has_points() ? state_.displaced_m.size() : 0;
-  blocks_ = std::make_unique<PairedBlocks>(sizes, points);
+  blocks_ = std::make_unique<PairedBlocks>(view_sizes(), points);
   by_views = MatrixXd::Zero(blocks_->view_unknowns(), 1);
   by_points = MatrixXd::Zero(blocks_->point_unknowns(), 1);
   if (!look_at_rows()) return false;
@@ -293,18 +230,20 @@ bool TargetAdjustment::build(MatrixXd& by_views, MatrixXd& by_points) {
       if (!given_.rows[row]) continue;
       const Cell& cell = *next++;
       const auto point = static_cast<size_t>(given_.data.point_of_row[row]);
-      blocks_->add(frame, point, cell.by_view, cell.by_point);
-      by_views.middleRows(blocks_->view_at(frame), sizes[frame]) -=
+      const size_t view = view_of(frame);
+      blocks_->add(view, cell.from, cell.by_view, point, cell.by_point);
+      by_views.middleRows(blocks_->view_at(view) + cell.from, cell.by_view.cols()) -=
           cell.by_view.transpose() * cell.z;
       if (points > 0)
         by_points.middleRows<3>(3 * static_cast<Index>(point)) -=
             cell.by_point.transpose() * cell.z;
     }
-    for (Index i = pose_unknowns(); i < sizes[frame]; ++i) {
-      blocks_->add_prior(frame, i, 1);
-      by_views(blocks_->view_at(frame) + i, 0) -= state_.extra[frame][i - pose_unknowns()];
+    for (Index i = 0; i < state_.extra[frame].size(); ++i) {
+      blocks_->add_prior(frame, pose_unknowns() + i, 1);
+      by_views(blocks_->view_at(frame) + pose_unknowns() + i, 0) -= state_.extra[frame][i];
     }
   }
+  if (given_.path) hold_unseen_controls();
   for (size_t point = 0; point < points; ++point) {
     blocks_->add_prior(point, precision(point));
     const Vec3& d = state_.displaced_m[point];
@@ -317,7 +256,11 @@ bool TargetAdjustment::build(MatrixXd& by_views, MatrixXd& by_points) {
 TargetAdjustment::State TargetAdjustment::moved(const MatrixXd& views, const MatrixXd& points,
                                                 double by) const {
   State there = state_;
-  for (size_t frame = 0; frame < there.X_CW.size(); ++frame) {
+  for (size_t k = 0; k < there.controls.size(); ++k)
+    there.controls[k] = moved_control(
+        state_.controls[k],
+        by * views.block<kControlUnknowns, 1>(kControlUnknowns * static_cast<Index>(k), 0));
+  for (size_t frame = 0; frame < there.X_CW.size() && !given_.path; ++frame) {
     const Index at = blocks_->view_at(frame), size = unknowns(frame);
     if (size == 0) continue;
     if (unknown_poses_)

@@ -1,7 +1,7 @@
 // Displaced points of a target, bendings of its views and how it sways from one camera's picture of
-// a frame to another's, fitted together with the views' poses where these are unknown: what effects
-// of the target draw is estimated from all views, held near zero by its spread. Docs:
-// docs/fitting.md, "Draws that are estimated".
+// a frame to another's, fitted together with the views' poses, or the path through a video, where
+// these are unknown: what effects of the target draw is estimated from all views, held near zero by
+// its spread. Docs: docs/fitting.md, "Draws that are estimated".
 #pragma once
 
 #include <functional>
@@ -9,6 +9,7 @@
 
 #include "effects/stages/geometry.h"
 #include "measurement/kinds/points/data/points_data.h"
+#include "measurement/kinds/points/motion/path_sight.h"
 #include "measurement/numerics/damped_step.h"
 #include "measurement/numerics/paired_blocks.h"
 
@@ -34,13 +35,16 @@ class TargetAdjustment {
     // a column each of unit spread (rows: its used scalars in order). Empty: none.
     std::vector<Eigen::MatrixXd> causes = {};
     const DrawsKnown* known = nullptr;  // Null: nothing but the model's spread.
+    // Of a video the path of its frames; of it points may be displaced, nothing else drawn.
+    std::optional<PathLayout> path = std::nullopt;
   };
   explicit TargetAdjustment(Given given);
 
   // Poses to start from (12 numbers a frame, as Evaluation::nuisance_values has them), then those
   // numbers that an earlier adjustment stored behind them. Frames whose numbers are all zero take
-  // no part from here on.
-  void start(const std::vector<double>& values);
+  // no part from here on. Of a path its controls stand at the end in place of poses; false where
+  // they are those of other frames.
+  bool start(const std::vector<double>& values);
   // Goes down to the best nuisances, or so many steps of the way; false where that failed.
   bool fit(int most_steps = 30);
 
@@ -81,7 +85,8 @@ class TargetAdjustment {
 
  private:
   struct State {
-    std::vector<Pose> X_CW;  // By frame.
+    std::vector<Pose> X_CW;         // By frame.
+    std::vector<Control> controls;  // Of a path.
     // By frame, over their spreads: bending, then a shift and a turn before each camera but the
     // first, then causes.
     std::vector<Eigen::VectorXd> extra;
@@ -91,7 +96,7 @@ class TargetAdjustment {
   struct Compiled {
     Compiled(const PointsData& data, const Model& model);
     effects::TargetShape shape;
-    Cameras cameras;
+    RowCamera camera;
     std::shared_ptr<const PointsPredictor> predictor;  // Of known motion.
     std::vector<Vec3> places_W;                        // By row, without displacements.
   };
@@ -99,6 +104,7 @@ class TargetAdjustment {
   struct Cell {
     Eigen::Vector2d uv;
     Eigen::Vector2d z;
+    Eigen::Index from = 0;  // Of its view's unknowns the first that acts.
     PairedBlocks::Slopes by_view;
     Eigen::Matrix<double, 2, 3> by_point;
   };
@@ -112,12 +118,20 @@ class TargetAdjustment {
     return sway_at(has_sway() ? static_cast<int>(given_.data.cameras.size()) : 1);
   }
   bool sways(size_t row) const { return has_sway() && given_.data.camera_of_row[row] > 0; }
-  Eigen::Index pose_unknowns() const { return unknown_poses_ ? 6 : 0; }
+  bool has_own_poses() const { return unknown_poses_ && !given_.path; }
+  Eigen::Index pose_unknowns() const { return unknown_poses_ ? kControlUnknowns : 0; }
   Eigen::Index unknowns(size_t frame) const;
+  // What the blocks take for views: frames, or the stretches of a path.
+  size_t view_of(size_t frame) const {
+    return given_.path ? given_.path->stretch_of(frame) : frame;
+  }
+  std::vector<Eigen::Index> view_sizes() const;
+  PathSighting sighting(size_t row, const Vec3& place_W) const;
   Vec3 place_W(const Compiled& model, const State& state, size_t row) const;
   // The image of a row's point; null slopes: not wanted.
   bool see(const Compiled& model, const State& state, size_t row, Eigen::Vector2d& uv) const;
   bool look(const State& state, size_t row, size_t k, Cell& cell) const;
+  bool look_on_path(const State& state, size_t row, Cell& cell) const;
   void slopes_of_extras(size_t row, size_t k, Cell& cell) const;
   void slopes_of_pose(const State& state, size_t row, const Eigen::Matrix<double, 2, 3>& by_C,
                       Cell& cell) const;
@@ -128,6 +142,7 @@ class TargetAdjustment {
   double cost(const State& state) const;
   bool look_at_rows();
   double prior_cost(const State& state) const;
+  void hold_unseen_controls();
   bool build(Eigen::MatrixXd& by_views, Eigen::MatrixXd& by_points);
   Eigen::VectorXd slopes_by(const Model& moved, double step, const std::vector<size_t>& used) const;
   std::vector<double> column_of(const Eigen::VectorXd& slopes, const std::vector<size_t>& used,

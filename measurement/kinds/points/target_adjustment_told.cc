@@ -64,8 +64,8 @@ PairedBlocks TargetAdjustment::blocks_of_draws(const std::vector<size_t>& used) 
   PairedBlocks draws(sizes, has_points() ? state_.displaced_m.size() : 0);
   for (size_t k = 0; k < used.size(); ++k) {
     const auto frame = static_cast<size_t>(given_.data.frame_of_row[used[k]]);
-    draws.add(frame, static_cast<size_t>(given_.data.point_of_row[used[k]]),
-              cells_[k].by_view.rightCols(sizes[frame]), cells_[k].by_point);
+    draws.add(frame, 0, cells_[k].by_view.rightCols(sizes[frame]),
+              static_cast<size_t>(given_.data.point_of_row[used[k]]), cells_[k].by_point);
   }
   for (size_t frame = 0; frame < sizes.size(); ++frame) {
     for (Index i = 0; i < sizes[frame]; ++i) draws.add_prior(frame, i, 1);
@@ -107,31 +107,6 @@ void TargetAdjustment::whiten(Evaluation& evaluation) const {
   if (draws.factor(0)) evaluation.shared_log_det += draws.log_det();
 }
 
-// Of the image by the draws of its frame, over their spreads, and by its causes; by the point's own
-// place it is known.
-void TargetAdjustment::slopes_of_extras(size_t row, size_t k, Cell& cell) const {
-  const Target& target = given_.data.target;
-  const auto point = static_cast<size_t>(given_.data.point_of_row[row]);
-  const auto frame = static_cast<size_t>(given_.data.frame_of_row[row]);
-  auto extras = cell.by_view.rightCols(cell.by_view.cols() - pose_unknowns());
-  if (has_flex())
-    extras.col(0) = cell.by_point.col(2) * compiled_.shape.flex_sigma_m *
-                    target.bending(point, compiled_.shape);
-  extras.middleCols(sway_at(1), causes_at() - sway_at(1)).setZero();
-  for (int axis = 0; axis < 3 && sways(row); ++axis) {
-    const Index at = sway_at(given_.data.camera_of_row[row]) + axis;
-    Vec3 unit(0.0);
-    unit[axis] = 1;
-    const Vec3 turned = effects::swayed_by(target.in_axes(point), Vec3(0.0), unit);
-    extras.col(at) = compiled_.shape.sway_shift_sigma_m * cell.by_point.col(axis);
-    extras.col(at + 3) = compiled_.shape.sway_turn_sigma_rad *
-                         (cell.by_point * Vector3d(turned.x, turned.y, turned.z));
-  }
-  for (Index at = causes_at(); at < extras.cols(); ++at) {
-    for (int c = 0; c < 2; ++c) extras(c, at) = cause(frame, k, c, at - causes_at());
-  }
-}
-
 // By scalar of the used rows: residuals over their sigmas by an unknown, where it stands.
 Eigen::VectorXd TargetAdjustment::slopes_by(const Model& moved, double step,
                                             const std::vector<size_t>& used) const {
@@ -154,7 +129,8 @@ std::vector<double> TargetAdjustment::column_of(const Eigen::VectorXd& slopes,
   MatrixXd points = MatrixXd::Zero(blocks_->point_unknowns(), 1);
   const auto views_of = [&](size_t k) {
     const auto frame = static_cast<size_t>(given_.data.frame_of_row[used[k]]);
-    return views.col(0).segment(blocks_->view_at(frame), cells_[k].by_view.cols());
+    return views.col(0).segment(blocks_->view_at(view_of(frame)) + cells_[k].from,
+                                cells_[k].by_view.cols());
   };
   const auto points_of = [&](size_t k) {
     return points.col(0).segment<3>(3 * static_cast<Index>(given_.data.point_of_row[used[k]]));
@@ -174,6 +150,7 @@ std::vector<double> TargetAdjustment::column_of(const Eigen::VectorXd& slopes,
   }
   // The draws follow, too: their part of the columns, in the order of `whiten`.
   for (size_t frame = 0; frame < state_.extra.size(); ++frame) {
+    if (unknowns(frame) == 0 || state_.extra[frame].size() == 0) continue;
     const Index at = blocks_->view_at(frame) + pose_unknowns();
     for (Index i = at; i < blocks_->view_at(frame + 1); ++i) column.push_back(-views(i, 0));
   }

@@ -153,6 +153,23 @@ Control moved_control(const Control& control, const Eigen::Matrix<double, 6, 1>&
           .middle_C = control.middle_C + Vec3(by[3], by[4], by[5])};
 }
 
+void store_controls(const std::vector<Control>& controls, std::vector<double>& values) {
+  for (const Control& control : controls) {
+    values.insert(values.end(), control.q.begin(), control.q.end());
+    values.insert(values.end(), {control.middle_C.x, control.middle_C.y, control.middle_C.z});
+  }
+}
+
+void stored_controls(const std::vector<double>& values, std::vector<Control>& controls) {
+  size_t at = values.size() - kControlNumbers * controls.size();
+  for (Control& control : controls) {
+    const double* stored = &values[at];
+    control.q << stored[0], stored[1], stored[2], stored[3];
+    control.middle_C = Vec3(stored[4], stored[5], stored[6]);
+    at += kControlNumbers;
+  }
+}
+
 std::vector<Control> path_through(const PathLayout& layout, const std::vector<double>& stamp_s,
                                   const std::vector<Pose>& X_CW, const std::vector<char>& known,
                                   const Vec3& middle_W) {

@@ -32,6 +32,7 @@ class PathLayout {
   const Stretch& of_frame(size_t frame) const {
     return stretches_[static_cast<size_t>(stretch_of_frame_[frame])];
   }
+  size_t stretch_of(size_t frame) const { return static_cast<size_t>(stretch_of_frame_[frame]); }
   bool takes_part(size_t frame) const { return stretch_of_frame_[frame] >= 0; }
 
  private:
@@ -65,6 +66,12 @@ struct PathPoint {
 };
 PathPoint path_at(const Stretch& stretch, const std::vector<Control>& controls, double t_s,
                   bool with_slopes);
+
+// Controls among the nuisances of an evaluation: they are the last of these, each so many numbers.
+constexpr size_t kControlNumbers = 7;
+void store_controls(const std::vector<Control>& controls, std::vector<double>& values);
+// As many as the given ones.
+void stored_controls(const std::vector<double>& values, std::vector<Control>& controls);
 
 // A control turned about the camera's axes by the first three numbers and shifted by the others.
 Control moved_control(const Control& control, const Eigen::Matrix<double, 6, 1>& by);

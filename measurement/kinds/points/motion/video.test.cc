@@ -39,6 +39,7 @@ struct Video {
   // Right of the middle stands another board, turned out of the plane of the first; the first
   // frames do not see it, and the last see it alone.
   bool two_boards = false;
+  double displaced_m = 0;  // Each coordinate of each point's displacement, one sigma.
 };
 
 using Triple = std::array<double, 3>;
@@ -95,6 +96,13 @@ class Hand {
   Wave waves_[6][3];
 };
 
+Triple displacement(const Video& video, int point) {
+  Triple d;
+  for (uint64_t axis = 0; axis < 3; ++axis)
+    d[axis] = video.displaced_m * normal({video.seed, 5}, 3 * static_cast<uint64_t>(point) + axis);
+  return d;
+}
+
 std::filesystem::path made(const Video& video) {
   const auto folder = std::filesystem::path(testing::TempDir()) / ("video-" + video.name);
   std::filesystem::create_directories(folder);
@@ -108,9 +116,11 @@ std::filesystem::path made(const Video& video) {
       const bool second = video.two_boards && p[0] > 0;
       if (video.two_boards && (second ? frame < 8 : frame >= video.frames - 8)) continue;
       if (second) p[2] = -std::sin(0.5) * p[0], p[0] *= std::cos(0.5);
+      Triple there = p;
+      for (size_t axis = 0; axis < 3; ++axis) there[axis] += displacement(video, point)[axis];
       double u = 0, v = 240;
       for (int round = 0; round < 40; ++round) {
-        const Triple q = hand.seen(kPeriod_s * frame + video.line_delay_s * v, p);
+        const Triple q = hand.seen(kPeriod_s * frame + video.line_delay_s * v, there);
         u = kFocal_px * q[0] / q[2] + 319.5, v = kFocal_px * q[1] / q[2] + 239.5;
       }
       const auto draw = static_cast<uint64_t>(2 * (frame * 1000 + point));
@@ -216,6 +226,45 @@ TEST(Video, AGlobalShutterGetsNoRollingShutter) {
   const SearchResult result = search(*problem, nominal(), {}, [](const std::string&) {});
   EXPECT_TRUE(result.steps.empty());
   EXPECT_NEAR(result.best.assessment.error, 1, 0.06);
+}
+
+// What a printed board's corners miss is told from the lens, the rows' times and the path.
+TEST(Video, DisplacedPointsAreFoundAlongAPath) {
+  const Video video{.name = "displaced",
+                    .line_delay_s = kLineDelay_s,
+                    .frames = 30,
+                    .along = 7,
+                    .across = 5,
+                    .seed = 4,
+                    .displaced_m = 3e-4};
+  const auto problem = open_problem(made(video));
+  const SearchResult result = search(*problem, nominal(), {}, [](const std::string&) {});
+  const Model& found = result.best.assessment.model;
+  ASSERT_TRUE(found.has("target_scatter"));
+  EXPECT_TRUE(found.has("rolling_shutter"));
+  EXPECT_EQ(result.steps.size(), 2u);
+  EXPECT_NEAR(result.best.assessment.error, 1, 0.08);
+  EXPECT_NEAR(found.find("target_scatter")->value("sigma_m"), 3e-4, 6e-5);
+  EXPECT_NEAR(found.find("rolling_shutter")->value("line_delay_s"), kLineDelay_s,
+              0.02 * kLineDelay_s);
+  const std::vector<PlacedPoint> points = problem->placed_points(found);
+  ASSERT_EQ(points.size(), 35u);
+  double chi2 = 0;
+  for (const PlacedPoint& point : points) {
+    const Triple truth = displacement(video, std::stoi(point.name));
+    for (int axis = 0; axis < 2; ++axis)
+      chi2 += std::pow(
+          (point.shift_m[axis] - truth[static_cast<size_t>(axis)]) / point.sigma_m[axis], 2);
+  }
+  // Of 70: between these in 99.9 %, did all points err by themselves.
+  EXPECT_GT(chi2, 37);
+  EXPECT_LT(chi2, 115);
+}
+
+TEST(Video, BendingsOfSingleViewsAreRefusedAlongAPath) {
+  const auto problem = open_problem(made({.name = "flexing"}));
+  EXPECT_THAT([&] { problem->check_model(nominal(", board_flex: {sigma_m: 0.0001}")); },
+              testing::ThrowsMessage<InputError>(HasSubstr("still views")));
 }
 
 // Single stretches of six frames say little; those that are fitted to stay together.
