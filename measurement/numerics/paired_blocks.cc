@@ -12,6 +12,14 @@ using Eigen::Index;
 using Eigen::Matrix3d;
 using Eigen::MatrixXd;
 
+namespace {
+
+// A view of so many unknowns meets each point in many observations, whose products are added up
+// before they meet the others.
+constexpr Index kLargeView = 64;
+
+}  // namespace
+
 PairedBlocks::PairedBlocks(const std::vector<Index>& view_sizes, size_t points)
     : view_at_{0},
       points_(points, Matrix3d::Zero()),
@@ -49,6 +57,15 @@ void PairedBlocks::add_prior(size_t point, const Matrix3d& precision) {
 Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3>> PairedBlocks::joint(
     const Cell& cell) const {
   return {joint_.data() + cell.at, cell.count, 3};
+}
+
+// Of a view, by its unknowns and all points'.
+MatrixXd PairedBlocks::all_joint(size_t view) const {
+  MatrixXd all = MatrixXd::Zero(size_of(view), point_unknowns());
+  for (const size_t c : cells_of_view_[view])
+    all.block(cells_[c].first - view_at_[view], 3 * static_cast<Index>(cells_[c].point),
+              cells_[c].count, 3) += joint(cells_[c]);
+  return all;
 }
 
 MatrixXd PairedBlocks::damped_view(size_t view, double damping) const {
@@ -124,7 +141,7 @@ void PairedBlocks::eliminate_views(double damping) {
   view_inverse_.clear();
   Index widest = 1;
   for (size_t v = 0; v < views_.size(); ++v) widest = std::max(widest, size_of(v));
-  Products products(reduced_, 64 * widest);
+  Products products(reduced_, widest < kLargeView ? 64 * widest : widest);
   for (size_t v = 0; v < views_.size(); ++v) {
     const Index size = size_of(v);
     view_inverse_.emplace_back(size, size);
@@ -134,6 +151,10 @@ void PairedBlocks::eliminate_views(double damping) {
     log_det_ += 2 * MatrixXd(root.matrixL()).diagonal().array().log().sum();
     view_inverse_.back() = half * half.transpose();
     auto columns = products.next(size);
+    if (size >= kLargeView) {
+      columns.noalias() += all_joint(v).transpose() * half;
+      continue;
+    }
     for (const size_t c : cells_of_view_[v])
       columns.middleRows<3>(3 * static_cast<Index>(cells_[c].point)) +=
           joint(cells_[c]).transpose() *

@@ -52,6 +52,7 @@ class PairedBlocks {
     Eigen::Index count;  // and how many these are.
   };
   Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3>> joint(const Cell& cell) const;
+  Eigen::MatrixXd all_joint(size_t view) const;
   Eigen::MatrixXd damped_view(size_t view, double damping) const;
   Eigen::Matrix3d damped_point(size_t point, double damping) const;
   Eigen::Index size_of(size_t view) const { return view_at_[view + 1] - view_at_[view]; }

@@ -322,6 +322,12 @@ std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& 
                                            const EffectList& own) {
   auto all = with_dependents(problem, base, own);
   if (!all || all->grown.assessment.error <= kUseless) return all;
+  auto more = with_other_of_servo(problem, base, own);
+  return more && more->grown.assessment.error < all->grown.assessment.error ? more : all;
+}
+
+std::optional<Candidate> with_other_of_servo(const Problem& problem, const Grown& base,
+                                             const EffectList& own) {
   std::optional<Candidate> most;
   for (const auto& effect : absent_effects(problem, base.assessment.model, own)) {
     if (!effect->servo || effect->needs_base != effects::Base::none) continue;
@@ -330,8 +336,7 @@ std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& 
     const double least = (most ? most->grown : base).assessment.total_ll;
     if (candidate && candidate->grown.assessment.total_ll > least) most = std::move(candidate);
   }
-  auto more = most ? with_dependents(problem, most->grown, own) : std::nullopt;
-  return more && more->grown.assessment.error < all->grown.assessment.error ? more : all;
+  return most ? with_dependents(problem, most->grown, own) : std::nullopt;
 }
 
 Grown named_by_camera(const Problem& problem, Grown grown) {

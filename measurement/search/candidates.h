@@ -90,8 +90,12 @@ std::optional<Candidate> move_with_dependents(const Problem& problem, const Grow
                                               const std::shared_ptr<const EffectDefinition>& move,
                                               const EffectList& own);
 
-// The same as with_dependents, and where they leave far more than the noise beside the other effect
-// of the servo that gains most: each may help nothing before the other is there.
+// The same beside the other effect of the servo that gains most: a limit of torque may help nothing
+// before a late command is there, nor that before the limit.
+std::optional<Candidate> with_other_of_servo(const Problem& problem, const Grown& base,
+                                             const EffectList& own);
+
+// The same as with_dependents, and where they leave far more than the noise with_other_of_servo.
 std::optional<Candidate> with_all_of_servo(const Problem& problem, const Grown& base,
                                            const EffectList& own);
 

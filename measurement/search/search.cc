@@ -1,6 +1,7 @@
 #include "measurement/search/search.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "effects/questions.h"
 #include "effects/registry.h"
@@ -47,6 +48,7 @@ class Searcher {
   void begin_with_whole_moves(SearchResult& result);
   void begin_with_dependents(const Grown& base, SearchResult& result);
   bool widens(const Grown& grown) const;
+  void begin_with_rest(SearchResult& result);
   void begin_with_refused(SearchResult& result);
   bool prune(Grown& grown) {
     return measurement::prune(
@@ -63,7 +65,9 @@ class Searcher {
   const Exchanges exchanges_;
   Grown base_;
   double looks_ = 1;
-  Looks moves_;                         // Had in the last round that looked at any.
+  Looks moves_;  // Had in the last round that looked at any.
+  // Of all that acts beside a motor, where it was fitted in this round.
+  double all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   std::vector<std::string> promising_;  // Significant in some look, best first.
 };
 
@@ -201,6 +205,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   std::optional<Grown> found;
   if (earlier != nullptr) found = again(*earlier, result.first);
   if (!found) promising_.clear();
+  all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   result.best = base_;
   const bool moves_first = !found && all_useless(base_, result.first);
   if (!found) moves_ = {};
@@ -216,6 +221,7 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   if (!moves_first && misses(result.best.assessment))
     begin_with_moves(moves_ = look_at_moves(), result);
   begin_with_whole_moves(result);
+  begin_with_rest(result);
   begin_with_refused(result);
   join(moves_, result.first);
 }
@@ -265,6 +271,7 @@ bool Searcher::widens(const Grown& grown) const {
 void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
   if (!misses(base.assessment)) return;
   const auto all = with_all_of_servo(problem_, base, own_);
+  if (all) all_of_servo_ll_ = std::max(all_of_servo_ll_, all->grown.assessment.total_ll);
   // Where all of them leave far more than the noise, something else is missing.
   if (!all || all->grown.assessment.error > kUseless) return;
   // Those that go again may be as good as one that stays.
@@ -272,6 +279,16 @@ void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
     if (!base.assessment.model.has(name)) promising_.push_back(name);
   }
   begin_with(*all, result);
+}
+
+// Two of those that a motor still lacks may help nothing one by one, and lead to the truth
+// together. That something is missing shows where all that acts beside it came nearer, though
+// astray.
+void Searcher::begin_with_rest(SearchResult& result) {
+  const Assessment& best = result.best.assessment;
+  if (best.error <= kUseless || kPlainlyNearer * best.total_ll > all_of_servo_ll_) return;
+  const auto rest = with_other_of_servo(problem_, result.best, own_);
+  if (rest && rest->grown.assessment.error <= kUseless) begin_with(*rest, result);
 }
 
 // A spread may hide a mean whose own effect helps only beside it: a lag under a way that wanders.
