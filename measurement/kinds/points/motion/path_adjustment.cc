@@ -23,10 +23,11 @@ class Band {
 
   template <class Slopes>
   void add(Index first, const Slopes& slopes) {
-    const MatrixXd square = slopes.transpose().lazyProduct(slopes);
-    for (Index j = 0; j < square.cols(); ++j) {
-      for (Index i = j; i < square.rows(); ++i) entries_(i - j, first + j) += square(i, j);
-    }
+    const Index count = slopes.cols();
+    for (Index j = 0; j < count; ++j)
+      entries_.col(first + j).head(count - j) +=
+          slopes(0, j) * slopes.row(0).tail(count - j).transpose() +
+          slopes(1, j) * slopes.row(1).tail(count - j).transpose();
   }
 
   bool factor(double damping) {
