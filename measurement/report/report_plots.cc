@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "sim_core/base/error.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {
@@ -33,9 +34,17 @@ json bin_of(const Sums& sums, double low, double high) {
           {"scatter", six_digits(scatter)},   {"formal", six_digits(std::sqrt(sums.s2 / n))}};
 }
 
-// Every k-th index, so that at most `most` remain.
-size_t stride(size_t count, size_t most) {
-  return std::max<size_t>(1, (count + most - 1) / most);
+// At most `most` indices in order, one of each k drawn by lot: rows repeat (a board's corners in
+// each frame), and every k-th one may be always the same few.
+std::vector<size_t> some_of(size_t count, size_t most) {
+  const size_t k = std::max<size_t>(1, (count + most - 1) / most);
+  std::vector<size_t> some;
+  for (size_t first = 0; first < count; first += k) {
+    const double lot = uniform({.seed = 1, .stream = 0}, first);
+    some.push_back(first +
+                   static_cast<size_t>(lot * static_cast<double>(std::min(k, count - first))));
+  }
+  return some;
 }
 
 }  // namespace
@@ -75,7 +84,7 @@ json residual_plot(const ResidualView& view, const Structure& structure, const s
 
   json sample = json::array();
   if (stage == "before") {
-    for (size_t i = 0; i < channel->row.size(); i += stride(channel->row.size(), 1000)) {
+    for (const size_t i : some_of(channel->row.size(), 1000)) {
       if (std::isfinite(x(i)))
         sample.push_back({six_digits(x(i)), six_digits(channel->residual[i])});
     }
@@ -97,7 +106,7 @@ json arrow_plot(const ResidualView& view, const std::string& stage) {
   std::vector<double> dv(column.size(), NAN);
   for (size_t i = 0; i < v->row.size(); ++i) dv[v->row[i]] = v->residual[i];
   json items = json::array();
-  for (size_t i = 0; i < u->row.size(); i += stride(u->row.size(), 600)) {
+  for (const size_t i : some_of(u->row.size(), 600)) {
     const int at = u->row[i];
     if (!std::isfinite(dv[at])) continue;
     items.push_back({six_digits(column[at]), six_digits(row[at]), six_digits(u->residual[i]),
