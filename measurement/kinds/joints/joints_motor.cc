@@ -301,7 +301,44 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
     }
     found[c].by_stretches = brief.cost(trial);
   });
-  return best_by_both(std::move(found));
+  std::vector<Values> starts = best_by_both(std::move(found));
+  if (companions.empty()) {
+    if (auto limit = limit_that_helps(base, effect, training))
+      starts = {{*limit}, std::move(starts.front())};
+  }
+  return starts;
+}
+
+// Of a limit that few rows feel accelerations show next to nothing, and what a whole run loses by
+// it does not: from where it begins to act it comes down until it costs more than it gains.
+std::optional<double> JointsProblem::limit_that_helps(const Model& model,
+                                                      const EffectDefinition& effect,
+                                                      const Groups& groups) const {
+  constexpr double kNear = 1.5, kHelps = 0.9999, kWorse = 1.1, kCoarse = 1.1, kFine = 1.01;
+  constexpr double kMost = 300, kLeast = 0.1;  // In units of its scale.
+  const effects::Parameter& parameter = effect.parameters.front();
+  if (effect.parameters.size() > 1 || !parameter.fit_reciprocal) return std::nullopt;
+  const auto cost_of = [&](const Model& at) {
+    const Evaluation there = evaluate(at, groups, nullptr);
+    return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
+  };
+  const auto cost_at = [&](double size) {
+    Model there = model;
+    there.set_value(effect.name, 0, size * parameter.scale);
+    return cost_of(there);
+  };
+  const double here = cost_of(model);
+  if (!(here < kNear)) return std::nullopt;
+  double size = kMost;
+  while (size > kLeast && cost_at(size) == here) size /= kCoarse;
+  double least = kHelps * here;
+  std::optional<double> best;
+  for (size *= kCoarse; size > kLeast; size /= kFine) {
+    const double cost = cost_at(size);
+    if (!(cost < kWorse * here)) break;
+    if (cost < least) least = cost, best = size * parameter.scale;
+  }
+  return best;
 }
 
 Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& unknowns,

@@ -227,6 +227,20 @@ TEST(MotorLogs, ATorqueLimitIsFoundBehindADutyThatStoodInForIt) {
   EXPECT_NEAR(fit.value[3], 42, 0.1);
 }
 
+// A limit that acts in the largest steps alone, for a few rows: no acceleration shows it.
+TEST(MotorLogs, ALimitThatFewRowsFeelIsSeenFromWholeRuns) {
+  const Model motor =
+      model_of("  motor_servo: {stall_rad_per_s2: 4000, back_emf_per_s: 12, gain: 0.002}\n");
+  Model truth = motor;
+  truth.add_neutral(effects::find_effect("torque_limit"));
+  truth.set_value("torque_limit", 0, 80);
+  JointsProblem problem = MadeSet("motor-rare-limit").made_by(truth, 7);
+  EXPECT_LT(assess_fixed(problem, motor).error, 1.02);
+  const auto starts = problem.starts_together(motor, *effects::find_effect("torque_limit"), {});
+  ASSERT_FALSE(starts.empty());
+  EXPECT_NEAR(starts.front()[0], 80, 1);
+}
+
 // A controller's own damping counts inside the duty, back-EMF outside it: where the duty saturates
 // they differ, and the damping is asked for; else it stays at 0 and back-EMF tells of both.
 TEST(MotorLogs, DampingComesWhereTheDataAskForIt) {
