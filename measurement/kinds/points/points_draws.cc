@@ -266,8 +266,9 @@ std::vector<std::vector<double>> PointsProblem::jacobian_draws(const Model& mode
   const bool unknown = data_.rig.type() == Rig::Type::unknown;
   const std::optional<FewErrors> scatter = unknown ? scatter_of(model) : std::nullopt;
   const std::vector<double> sigma = scatter ? counted_sigma(*scatter, here) : std::vector<double>();
-  auto columns = adjustment_at(model, groups, nullptr, here.nuisance_values, sigma)
-                     ->columns(moved.models, moved.steps);
+  const auto adjustment = adjustment_at(model, groups, nullptr, here.nuisance_values, sigma);
+  auto columns = adjustment ? adjustment->columns(moved.models, moved.steps)
+                            : std::vector<std::vector<double>>();
   // What takes the place of a scattered residual costs half its square: its slope is that of the
   // cost over itself.
   for (size_t i = 0; i < sigma.size() && !columns.empty(); ++i) {

@@ -125,7 +125,7 @@ class PointsProblem : public Problem {
 
   // points_draws.cc
   // An adjustment that stands at these numbers (Evaluation::nuisance_values); no sigmas: the stated
-  // ones.
+  // ones. None where the numbers are those of another path.
   std::unique_ptr<TargetAdjustment> adjustment_at(const Model& model, const Groups& groups,
                                                   const DrawsKnown* known,
                                                   const std::vector<double>& values,
