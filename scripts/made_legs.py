@@ -86,12 +86,19 @@ class Joint:
 
     def effects(self, given):
         """Without releases viscous friction is back-EMF by another name, but that friction by load feels the one alone;
-        and a controller's own damping that is given is no unknown."""
+        and a controller's own damping that is given is no unknown. One that is not, of a motor without back-EMF whose
+        torque is cut off, is back-EMF behind a limit of torque by another name: the search tells it so."""
         j = self.inertia
         effects = {"motor_servo": {"stall_rad_per_s2": self.most / j, "back_emf_per_s": 0,
                                    "gain": self.kp / self.most, "damping_s": self.kd / self.most},
                    "gravity_torque": {"rad_per_s2": self.weight / j, "level_rad": self.hangs_at + math.pi / 2}}
-        if self.viscous and (given or self.by_load):
+        if not given and self.most < self.kp and (self.by_load or not self.viscous):
+            strong = 100 * self.kp / j  # Never reached.
+            effects["motor_servo"] = {"stall_rad_per_s2": strong, "back_emf_per_s": self.kd / j, "gain": 0.01}
+            effects["torque_limit"] = {"rad_per_s2": self.most / j}
+            if self.viscous:
+                effects["viscous_friction"] = {"per_s": self.viscous / j}
+        elif self.viscous and (given or self.by_load):
             effects["viscous_friction"] = {"per_s": self.viscous / j}
         else:
             effects["motor_servo"]["back_emf_per_s"] = self.viscous / j
