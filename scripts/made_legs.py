@@ -92,15 +92,14 @@ class Joint:
         effects = {"motor_servo": {"stall_rad_per_s2": self.most / j, "back_emf_per_s": 0,
                                    "gain": self.kp / self.most, "damping_s": self.kd / self.most},
                    "gravity_torque": {"rad_per_s2": self.weight / j, "level_rad": self.hangs_at + math.pi / 2}}
-        if not given and self.most < self.kp and (self.by_load or not self.viscous):
+        cut_off = not given and self.most < self.kp and (self.by_load or not self.viscous)
+        if cut_off:
             strong = 100 * self.kp / j  # Never reached.
             effects["motor_servo"] = {"stall_rad_per_s2": strong, "back_emf_per_s": self.kd / j, "gain": 0.01}
             effects["torque_limit"] = {"rad_per_s2": self.most / j}
-            if self.viscous:
-                effects["viscous_friction"] = {"per_s": self.viscous / j}
-        elif self.viscous and (given or self.by_load):
+        if self.viscous and (given or self.by_load):
             effects["viscous_friction"] = {"per_s": self.viscous / j}
-        else:
+        elif not cut_off:
             effects["motor_servo"]["back_emf_per_s"] = self.viscous / j
         if self.dry:
             effects["coulomb_friction"] = {"rad_per_s2": self.dry / j}

@@ -53,6 +53,9 @@ double step_of_angles(const JointLogs& set);
 // the data ask for it.
 bool is_open(const effects::ModelEffect& effect, size_t i);
 
+// What a model misses of these groups, in noise units; infinite where it predicts nothing.
+double misfit_under(const Problem& problem, const Model& model, const Groups& groups);
+
 // Models whose drive is cut off about where this one's is, by what else can do so.
 std::vector<Model> cut_off_otherwise(const Model& model, const std::vector<Unknown>& unknowns);
 

@@ -8,7 +8,6 @@
 
 #include "effects/questions.h"
 #include "effects/stages/servo.h"
-#include "measurement/fitting/parameter_space.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
 #include "measurement/kinds/joints/short_runs.h"
@@ -318,16 +317,12 @@ std::optional<double> JointsProblem::limit_that_helps(const Model& model,
   constexpr double kMost = 300, kLeast = 0.1;  // In units of its scale.
   const effects::Parameter& parameter = effect.parameters.front();
   if (effect.parameters.size() > 1 || !parameter.fit_reciprocal) return std::nullopt;
-  const auto cost_of = [&](const Model& at) {
-    const Evaluation there = evaluate(at, groups, nullptr);
-    return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
-  };
   const auto cost_at = [&](double size) {
     Model there = model;
     there.set_value(effect.name, 0, size * parameter.scale);
-    return cost_of(there);
+    return misfit_under(*this, there, groups);
   };
-  const double here = cost_of(model);
+  const double here = misfit_under(*this, model, groups);
   if (!(here < kNear)) return std::nullopt;
   double size = kMost;
   while (size > kLeast && cost_at(size) == here) size /= kCoarse;
@@ -344,10 +339,7 @@ std::optional<double> JointsProblem::limit_that_helps(const Model& model,
 Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& unknowns,
                                 const Groups& groups) const {
   constexpr double kFar = 10;  // Noise units: nothing is explained yet.
-  const auto cost_of = [&](const Model& model) {
-    const Evaluation there = evaluate(model, groups, nullptr);
-    return there.valid ? misfit_of(*this, there) : std::numeric_limits<double>::infinity();
-  };
+  const auto cost_of = [&](const Model& model) { return misfit_under(*this, model, groups); };
   std::vector<Unknown> means;
   for (const Unknown& unknown : unknowns) {
     if (!start.find(unknown.effect)->definition->spread_only) means.push_back(unknown);

@@ -14,6 +14,12 @@
 #include "measurement/numerics/linear_algebra.h"
 
 namespace seam::measurement {
+
+double misfit_under(const Problem& problem, const Model& model, const Groups& groups) {
+  const Evaluation there = problem.evaluate(model, groups);
+  return there.valid ? misfit_of(problem, there) : std::numeric_limits<double>::infinity();
+}
+
 namespace {
 
 using Values = std::vector<double>;
@@ -66,12 +72,6 @@ Fit with_waiting(const Fit& fit, const std::vector<Unknown>& some,
       told.covariance[place[i] * unknowns.size() + place[k]] = fit.covariance[i * some.size() + k];
   }
   return told;
-}
-
-// In noise units; infinite where the model predicts nothing.
-double misfit_under(const Problem& problem, const Model& model, const Groups& groups) {
-  const Evaluation there = problem.evaluate(model, groups);
-  return there.valid ? misfit_of(problem, there) : std::numeric_limits<double>::infinity();
 }
 
 // Of these models the one that misses least; none of none.

@@ -147,7 +147,7 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
                                                           const Evaluation* warm,
                                                           const DrawsKnown* known,
                                                           Evaluation& evaluation) const {
-  const bool unknown = data_.rig.type() == Rig::Type::unknown;
+  const bool unknown = data_.rig.type() == Rig::Type::unknown, still = unknown && !moves();
   const bool warm_draws =
       warm && warm->valid && warm->nuisance_values.size() > 12 * data_.rows_of_frame.size();
   const std::vector<double> start =
@@ -165,10 +165,9 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
   }
   // Else from poses of their own: linear ones, or refined where these are too far off.
   for (const bool refined : {false, true}) {
-    if (found || (refined && (!unknown || moves()))) break;
-    const Evaluation poses = !unknown  ? evaluate_rig(model, groups, warm)
-                             : moves() ? evaluate_moving(model, groups, warm)
-                                       : evaluate_unknown(model, groups, warm, refined);
+    if (found || (refined && !still)) break;
+    const Evaluation poses = still ? evaluate_unknown(model, groups, warm, refined)
+                                   : evaluate_plain(model, groups, warm);
     if (!poses.valid) continue;
     sigma.clear();
     adjustment = adjustment_at(model, groups, known, poses.nuisance_values);
@@ -183,8 +182,7 @@ std::unique_ptr<TargetAdjustment> PointsProblem::adjusted(const Model& model, co
     adjustment->tell_residuals(evaluation);
   }
   if (found && moves()) tell_path(model, layout_of(groups), evaluation);
-  for (size_t frame = 0; frame < data_.rows_of_frame.size() && unknown && !moves() && found;
-       ++frame) {
+  for (size_t frame = 0; frame < data_.rows_of_frame.size() && still && found; ++frame) {
     const auto& rows = data_.rows_of_frame[frame];
     if (!groups[facts_.group_of_row[rows.front()]]) continue;
     Pose X_CW;

@@ -133,15 +133,7 @@ PathAdjustment PointsProblem::path_adjustment(const Model& model, const Groups& 
   for (size_t row = 0; row < data_.p_W.size(); ++row) {
     if (!groups[static_cast<size_t>(facts_.group_of_row[row])] || !(all || takes_part(row)))
       continue;
-    seen.push_back({.row = row,
-                    .frame = static_cast<size_t>(data_.frame_of_row[row]),
-                    .p_T = places_W[row] - data_.target.middle_W,
-                    .u_px = data_.u_px[row],
-                    .v_px = data_.v_px[row],
-                    .sigma_u = sigma_of(row, 0),
-                    .sigma_v = sigma_of(row, 1),
-                    .stamp_s = data_.stamp_s[row],
-                    .camera = data_.camera_of_row[row]});
+    seen.push_back(path_sighting(data_, row, places_W[row], sigma_of(row, 0), sigma_of(row, 1)));
   }
   return {layout, std::move(seen)};
 }
@@ -155,16 +147,6 @@ bool PointsProblem::start_path(const Evaluation& still, const PathLayout& layout
     known.push_back(stored_pose(still.nuisance_values, frame, X_CW[frame]));
   controls = path_through(layout, frame_stamp_s_, X_CW, known, data_.target.middle_W);
   return still.valid;
-}
-
-// With displaced points between poses and controls or without; false: of other frames.
-bool PointsProblem::stored_path(const std::vector<double>& values,
-                                std::vector<Control>& controls) const {
-  const size_t frames = data_.rows_of_frame.size(), points = data_.target.names.size();
-  const size_t before = values.size() - kControlNumbers * controls.size();
-  if (before != 12 * frames && before != 13 * frames + 3 * points) return false;
-  stored_controls(values, controls);
-  return true;
 }
 
 void PointsProblem::tell_path(const Model& model, const PathLayout& layout,
@@ -193,7 +175,7 @@ Evaluation PointsProblem::evaluate_moving(const Model& model, const Groups& grou
   const RowCamera camera(model, data_.cameras);
   Evaluation evaluation = blank();
   std::vector<Control> controls(layout.controls());
-  bool found = warm && warm->valid && stored_path(warm->nuisance_values, controls) &&
+  bool found = warm && warm->valid && stored_path(data_, warm->nuisance_values, controls) &&
                adjustment.fit(camera, controls);
   if (!found)
     found = start_path(evaluate_unknown(model, groups, nullptr), layout, controls) &&
@@ -229,7 +211,7 @@ std::vector<std::vector<double>> PointsProblem::jacobian_moving(
   const PathAdjustment adjustment = path_adjustment(model, groups, layout);
   const RowCamera camera(model, data_.cameras);
   std::vector<Control> controls(layout.controls());
-  if (!stored_path(here.nuisance_values, controls)) return columns;
+  if (!stored_path(data_, here.nuisance_values, controls)) return columns;
   const MovedModels moved(model, unknowns);
   const std::vector<PathSighting>& seen = adjustment.seen();
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(seen.size()),

@@ -113,7 +113,6 @@ class PointsProblem : public Problem {
                                  bool all = false) const;
   // Poses and nuisances of an evaluation whose nuisance values have a path's controls.
   void tell_path(const Model& model, const PathLayout& layout, Evaluation& evaluation) const;
-  bool stored_path(const std::vector<double>& values, std::vector<Control>& controls) const;
   bool start_path(const Evaluation& still, const PathLayout& layout,
                   std::vector<Control>& controls) const;
   Evaluation evaluate_moving(const Model& model, const Groups& groups,

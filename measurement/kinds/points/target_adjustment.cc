@@ -64,6 +64,15 @@ std::vector<Index> TargetAdjustment::view_sizes() const {
   return sizes;
 }
 
+bool stored_path(const PointsData& data, const std::vector<double>& values,
+                 std::vector<Control>& controls) {
+  const size_t frames = data.rows_of_frame.size(), points = data.target.names.size();
+  const size_t before = values.size() - kControlNumbers * controls.size();
+  if (before != 12 * frames && before != 13 * frames + 3 * points) return false;
+  stored_controls(values, controls);
+  return true;
+}
+
 bool TargetAdjustment::start(const std::vector<double>& values) {
   const size_t frames = state_.X_CW.size(), points = state_.displaced_m.size();
   const auto sways = static_cast<size_t>(causes_at() - sway_at(1));
@@ -71,10 +80,8 @@ bool TargetAdjustment::start(const std::vector<double>& values) {
   bool whole = values.size() >= whole_size;
   if (given_.path) {
     state_.controls.resize(given_.path->controls());
-    const size_t of_path = kControlNumbers * state_.controls.size();
-    whole = values.size() == whole_size + of_path;
-    if (!whole && values.size() != 12 * frames + of_path) return false;
-    stored_controls(values, state_.controls);
+    if (!stored_path(given_.data, values, state_.controls)) return false;
+    whole = values.size() == whole_size + kControlNumbers * state_.controls.size();
   }
   for (size_t frame = 0; frame < frames; ++frame) {
     if (has_own_poses() && given_.frames[frame] && !stored_pose(values, frame, state_.X_CW[frame]))
@@ -197,7 +204,6 @@ bool TargetAdjustment::look_at_rows() {
   return std::find(seen.begin(), seen.end(), 0) == seen.end();
 }
 
-// Controls that no point tells of stay where they are.
 void TargetAdjustment::hold_unseen_controls() {
   double largest[kControlUnknowns] = {};
   const size_t stretches = given_.path->stretches().size();
@@ -211,7 +217,7 @@ void TargetAdjustment::hold_unseen_controls() {
     most = std::max(most, blocks_->of_view(view)(i, i));
   });
   each([&](size_t view, Index i, double most) {
-    blocks_->add_prior(view, i, 1e-10 * most + 1e-300);
+    blocks_->add_prior(view, i, hold_of_control(most));
   });
 }
 

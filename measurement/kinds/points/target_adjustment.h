@@ -23,6 +23,14 @@ struct DrawsKnown {
   std::vector<Eigen::Matrix3d> precision;  // 1 / m^2.
 };
 
+// A row's point at this place, as a path sees it.
+PathSighting path_sighting(const PointsData& data, size_t row, const Vec3& place_W, double sigma_u,
+                           double sigma_v);
+// A path's controls among nuisances, which may have displaced points before them; false: those of
+// other frames.
+bool stored_path(const PointsData& data, const std::vector<double>& values,
+                 std::vector<Control>& controls);
+
 class TargetAdjustment {
  public:
   struct Given {
@@ -126,7 +134,7 @@ class TargetAdjustment {
     return given_.path ? given_.path->stretch_of(frame) : frame;
   }
   std::vector<Eigen::Index> view_sizes() const;
-  PathSighting sighting(size_t row, const Vec3& place_W) const;
+  PathSighting sighting(const Compiled& model, const State& state, size_t row) const;
   Vec3 place_W(const Compiled& model, const State& state, size_t row) const;
   // The image of a row's point; null slopes: not wanted.
   bool see(const Compiled& model, const State& state, size_t row, Eigen::Vector2d& uv) const;

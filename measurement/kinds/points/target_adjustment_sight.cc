@@ -46,25 +46,32 @@ Vec3 TargetAdjustment::place_W(const Compiled& model, const State& state, size_t
   return model.places_W[row] + given_.data.target.axes_W * shift;
 }
 
-PathSighting TargetAdjustment::sighting(size_t row, const Vec3& place_W) const {
-  const PointsData& data = given_.data;
+PathSighting path_sighting(const PointsData& data, size_t row, const Vec3& place_W, double sigma_u,
+                           double sigma_v) {
   return {.row = row,
           .frame = static_cast<size_t>(data.frame_of_row[row]),
           .p_T = place_W - data.target.middle_W,
           .u_px = data.u_px[row],
           .v_px = data.v_px[row],
-          .sigma_u = given_.sigma[2 * row],
-          .sigma_v = given_.sigma[2 * row + 1],
+          .sigma_u = sigma_u,
+          .sigma_v = sigma_v,
           .stamp_s = data.stamp_s[row],
           .camera = data.camera_of_row[row]};
+}
+
+PathSighting TargetAdjustment::sighting(const Compiled& model, const State& state,
+                                        size_t row) const {
+  return path_sighting(given_.data, row, place_W(model, state, row), given_.sigma[2 * row],
+                       given_.sigma[2 * row + 1]);
 }
 
 bool TargetAdjustment::see(const Compiled& model, const State& state, size_t row,
                            Vector2d& uv) const {
   const PointsData& data = given_.data;
-  const Vec3 p_W = place_W(model, state, row);
   if (given_.path)
-    return image_on_path(*given_.path, model.camera, state.controls, sighting(row, p_W), uv);
+    return image_on_path(*given_.path, model.camera, state.controls, sighting(model, state, row),
+                         uv);
+  const Vec3 p_W = place_W(model, state, row);
   const effects::ImagePoint image =
       unknown_poses_ ? model.camera.cameras.project(
                            state.X_CW[static_cast<size_t>(data.frame_of_row[row])] * p_W,
@@ -94,7 +101,7 @@ bool TargetAdjustment::look_on_path(const State& state, size_t row, Cell& cell) 
   const size_t frame = static_cast<size_t>(given_.data.frame_of_row[row]);
   PathLook look;
   if (!measurement::look_on_path(*given_.path, compiled_.camera, state.controls,
-                                 sighting(row, place_W(compiled_, state, row)), look))
+                                 sighting(compiled_, state, row), look))
     return false;
   cell.uv = look.uv, cell.z = look.z;
   cell.from = kControlUnknowns *

@@ -29,9 +29,7 @@ class PathLayout {
 
   size_t controls() const { return controls_; }
   const std::vector<Stretch>& stretches() const { return stretches_; }
-  const Stretch& of_frame(size_t frame) const {
-    return stretches_[static_cast<size_t>(stretch_of_frame_[frame])];
-  }
+  const Stretch& of_frame(size_t frame) const { return stretches_[stretch_of(frame)]; }
   size_t stretch_of(size_t frame) const { return static_cast<size_t>(stretch_of_frame_[frame]); }
   bool takes_part(size_t frame) const { return stretch_of_frame_[frame] >= 0; }
 

@@ -31,7 +31,6 @@ class Band {
   }
 
   bool factor(double damping) {
-    // Controls that no point tells of stay where they are.
     double largest[kControlUnknowns] = {};
     for (Index j = 0; j < entries_.cols(); ++j)
       largest[j % kControlUnknowns] = std::max(largest[j % kControlUnknowns], entries_(0, j));
@@ -39,7 +38,7 @@ class Band {
     for (Index j = 0; j < entries_.cols(); ++j) {
       for (Index i = 0; i < kBand && i + j < entries_.cols(); ++i) {
         double value = entries_(i, j);
-        if (i == 0) value += damping * value + 1e-10 * largest[j % kControlUnknowns] + 1e-300;
+        if (i == 0) value += damping * value + hold_of_control(largest[j % kControlUnknowns]);
         if (value != 0) all.emplace_back(static_cast<int>(i + j), static_cast<int>(j), value);
       }
     }

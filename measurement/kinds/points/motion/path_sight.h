@@ -34,6 +34,11 @@ struct RowCamera {
 };
 
 constexpr Eigen::Index kControlUnknowns = 6;
+// Controls that no point tells of stay where they are: what holds one, of the largest that points
+// tell of its like.
+constexpr double hold_of_control(double largest) {
+  return 1e-10 * largest + 1e-300;
+}
 
 // Where a point is seen, its residuals over their sigmas, and derivatives of these: by the controls
 // that act then, and by the point's place along the world's axes.

@@ -116,8 +116,8 @@ std::filesystem::path made(const Video& video) {
       const bool second = video.two_boards && p[0] > 0;
       if (video.two_boards && (second ? frame < 8 : frame >= video.frames - 8)) continue;
       if (second) p[2] = -std::sin(0.5) * p[0], p[0] *= std::cos(0.5);
-      Triple there = p;
-      for (size_t axis = 0; axis < 3; ++axis) there[axis] += displacement(video, point)[axis];
+      const Triple by = displacement(video, point);
+      const Triple there = {p[0] + by[0], p[1] + by[1], p[2] + by[2]};
       double u = 0, v = 240;
       for (int round = 0; round < 40; ++round) {
         const Triple q = hand.seen(kPeriod_s * frame + video.line_delay_s * v, there);
