@@ -15,6 +15,7 @@
 #include "render/filter/camera_filter.h"
 #include "render/gl/device.h"
 #include "render/renderer.h"
+#include "render/test_scenes.h"
 
 namespace seam::bench {
 namespace {
@@ -141,9 +142,10 @@ BENCHMARK(frame_full_instants<32>)
     ->Unit(benchmark::kMillisecond);
 
 // The same frames drawn by OpenGL, and with a mesh of so many triangles beside the robots.
-void draw(benchmark::State& state, int mesh_triangles, int frames = kFrames) {
-  const effects::Model model = model_scaled("ers210_full.yaml", 1);
-  MatchJobs match = match_jobs(model, 144, 8, frames);
+void draw(benchmark::State& state, int mesh_triangles, int frames = kFrames, int width = 178,
+          int height = 144) {
+  const effects::Model model = model_scaled("ers210_full.yaml", width / 178.0);
+  MatchJobs match = match_jobs(model, height, 8, frames);
   std::vector<FrameJob>& jobs = match.jobs;
   render::Assets assets;
   if (mesh_triangles > 0) {
@@ -157,8 +159,8 @@ void draw(benchmark::State& state, int mesh_triangles, int frames = kFrames) {
                                       .asset = 1});
     }
   }
-  const render::GlDevice device(std::move(assets));
-  const render::Renderer renderer(model, 178, 144, {.opengl = &device});
+  const render::GlDevice device(std::move(assets), render::testing::gl_source());
+  const render::Renderer renderer(model, width, height, {.opengl = &device});
   size_t next = 0;
   for (auto _ : state)
     benchmark::DoNotOptimize(renderer.render(jobs[next++ % jobs.size()]).fingerprint);
@@ -172,6 +174,11 @@ BENCHMARK(frame_opengl)
     ->Arg(8'000)
     ->Arg(100'000)
     ->Unit(benchmark::kMillisecond);
+
+void frame_opengl_large(benchmark::State& state) {
+  draw(state, 0, kFrames, 640, 480);
+}
+BENCHMARK(frame_opengl_large)->Name("frame_opengl/640x480")->Unit(benchmark::kMillisecond);
 
 // What a million triangles take: the process's memory at its highest, all of it.
 void frame_opengl_memory(benchmark::State& state) {
@@ -190,7 +197,7 @@ void frame_opengl_contexts(benchmark::State& state) {
   const effects::Model model = model_scaled("ers210_full.yaml", 1);
   const MatchJobs match = match_jobs(model, 144, 8, kFrames);
   const std::vector<FrameJob>& jobs = match.jobs;
-  const render::GlDevice device(render::Assets{});
+  const render::GlDevice device({}, render::testing::gl_source());
   const render::Renderer renderer(model, 178, 144, {.opengl = &device});
   const auto contexts = static_cast<size_t>(state.range(0));
   for (auto _ : state) {

@@ -1,6 +1,7 @@
 // Scenes as functions of time for the tests and benchmarks of this folder, and jobs made from them.
 #pragma once
 
+#include <cstdlib>
 #include <functional>
 #include <string>
 
@@ -13,6 +14,13 @@ namespace seam::render::testing {
 // The ERS-210's camera, which most tests look through.
 inline constexpr int kWidth = 178, kHeight = 144;
 inline constexpr double kFx = 161.9, kFy = 162.5, kCx = 88.5, kCy = 71.5;
+
+// Where OpenGL of tests and benchmarks comes from, for GlDevice: SEAM_GL=egl takes a graphics
+// processor.
+inline const char* gl_source() {
+  const char* const given = std::getenv("SEAM_GL");
+  return given ? given : "auto";
+}
 
 struct MovingScene {
   std::function<Pose(double t_s)> camera;  // X_WC.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct CameraRays {
   bool perspective = true;  // All rays have z = 1.
   double focal_px = 0;      // The most pixels that a unit of x or y covers.
   std::vector<RayTable> tables;
+  // Tells them, and copies of them, from all others for as long as somebody holds it.
+  std::shared_ptr<const bool> identity = std::make_shared<const bool>(true);
 
   // Bounds of the samples inside the pixels, for culling. row_y_max[r] is the greatest y of rows up
   // to r, row_y_min[r] the least of rows from r on, so both ascend with r.

@@ -38,7 +38,7 @@ Difference between(const LinearImage& a, const LinearImage& b) {
 // what the renderers themselves differ by.
 Difference compare(const char* name, const effects::Model& model, const FrameJob& job,
                    int cast_samples, int drawn_samples) {
-  const GlDevice device;
+  const GlDevice device({}, gl_source());
   const Renderer cast(model, kWidth, kHeight, {.edge_samples_per_pixel = cast_samples});
   const Renderer drawn(model, kWidth, kHeight,
                        {.edge_samples_per_pixel = drawn_samples, .opengl = &device});
@@ -83,7 +83,7 @@ TEST(OpenGl, AgreesBehindAFisheye) {
 }
 
 TEST(OpenGl, GroundTruthAgrees) {
-  const GlDevice device;
+  const GlDevice device({}, gl_source());
   GoldenFrame golden = golden_frames()[0];
   for (SceneInstant& scene : golden.job.instants) {
     for (size_t i = 0; i < scene.primitives.size(); ++i)
@@ -115,7 +115,7 @@ TEST(OpenGl, GroundTruthAgrees) {
 }
 
 TEST(OpenGl, SameBitsAgainOnAnyThreadsAndSideBySide) {
-  const GlDevice device;
+  const GlDevice device({}, gl_source());
   const GoldenFrame golden = golden_frames()[2];
   const auto frame = [&](int threads) {
     const Renderer renderer(golden.model, kWidth, kHeight, {.threads = threads, .opengl = &device});
@@ -130,6 +130,22 @@ TEST(OpenGl, SameBitsAgainOnAnyThreadsAndSideBySide) {
     for (uint64_t& fingerprint : beside) threads.emplace_back([&] { fingerprint = frame(1); });
   }
   for (const uint64_t fingerprint : beside) EXPECT_EQ(fingerprint, first);
+}
+
+// What a graphics processor does with its pages, here by Mesa.
+TEST(OpenGl, ShadersSumWhatTheProcessorSums) {
+  const GlDevice processor({}, gl_source(), Gathering::on_processor);
+  const GlDevice shaders({}, gl_source(), Gathering::in_shaders);
+  for (const GoldenFrame& golden : golden_frames()) {
+    const auto light = [&](const GlDevice& device) {
+      return Renderer(golden.model, kWidth, kHeight, {.opengl = &device}).render_linear(golden.job);
+    };
+    const Difference found = between(light(processor), light(shaders));
+    // A sample at a texel's border may be taken for the next one's.
+    EXPECT_LE(found.mean, 1e-3) << golden.name;
+    EXPECT_LE(found.worst, 6) << golden.name;
+    EXPECT_GT(found.within_6, 0) << golden.name;
+  }
 }
 
 TEST(OpenGl, EglGivesTheBitsOfOsMesaOfOneVersion) {

@@ -24,11 +24,11 @@ Context::Context(const OffscreenGl& gl, const Assets& assets)
   faces_ = make_instances(sizeof(FaceInstance) / 16);
   for (Target* target : {&texels_, &indices_}) {
     gl_.glGenFramebuffers(1, &target->frame);
-    gl_.glGenRenderbuffers(1, &target->colour);
+    gl_.glGenTextures(1, &target->colour);
     gl_.glGenRenderbuffers(1, &target->depth);
   }
   meshes_ = std::make_unique<MeshDrawer>(
-      gl_, assets,
+      gl, assets,
       [this](const std::string& vertex, const std::string& fragment,
              const std::vector<const char*>& inputs) { return link(vertex, fragment, inputs).id; });
 }
@@ -117,13 +117,15 @@ const Context::Program& Context::shape_program(const ShapeBatch& batch, Writes w
 void Context::make_target(Target& target, GLenum format, int width, int height) const {
   if (width <= target.width && height <= target.height) return;
   target.width = std::max(width, target.width), target.height = std::max(height, target.height);
-  gl_.glBindRenderbuffer(GL_RENDERBUFFER, target.colour);
-  gl_.glRenderbufferStorage(GL_RENDERBUFFER, format, target.width, target.height);
+  gl_.glBindTexture(GL_TEXTURE_2D, target.colour);
+  gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  gl_.glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), target.width, target.height, 0,
+                   format == GL_R32F ? GL_RED : GL_RGBA, GL_FLOAT, nullptr);
   gl_.glBindRenderbuffer(GL_RENDERBUFFER, target.depth);
   gl_.glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, target.width, target.height);
   gl_.glBindFramebuffer(GL_FRAMEBUFFER, target.frame);
-  gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
-                                target.colour);
+  gl_.glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target.colour, 0);
   gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
   const GLenum status = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
   SEAM_CHECK(status == GL_FRAMEBUFFER_COMPLETE, "framebuffer of {}x{}: {}", target.width,
@@ -191,6 +193,16 @@ void Context::end_page(std::vector<float>& pixels) {
   gl_.glReadPixels(0, 0, page_width_, page_height_, page_form_, GL_FLOAT, pixels.data());
   const GLenum error = gl_.glGetError();
   SEAM_CHECK(error == GL_NO_ERROR, "OpenGL error {}", error);
+}
+
+GatherPass& Context::gather_pass() {
+  if (!gather_pass_) {
+    gather_pass_ = std::make_unique<GatherPass>(
+        gl_, [this](const std::string& vertex, const std::string& fragment) {
+          return link(kVersion + vertex, kVersion + fragment, {}).id;
+        });
+  }
+  return *gather_pass_;
 }
 
 ContextPool::Lease::Lease(ContextPool& pool) : pool_(pool) {

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "render/gl/gather_pass.h"
 #include "render/gl/mesh_drawer.h"
 #include "render/gl/offscreen/offscreen.h"
 
@@ -74,6 +75,9 @@ class Context {
   void begin_page(int width, int height, const PageLook& look);
   void draw(const PageScene& scene, const PageLook& look);
   void end_page(std::vector<float>& pixels);
+  // In place of end_page: the page as it lies there, and what sums its texels there.
+  GLuint page() const { return page_form_ == GL_RED ? indices_.colour : texels_.colour; }
+  GatherPass& gather_pass();
 
   std::string version() const;
   std::string renderer() const;
@@ -105,6 +109,7 @@ class Context {
   const Api& gl_;
   std::unique_ptr<OffscreenContext> context_;
   std::unique_ptr<MeshDrawer> meshes_;
+  std::unique_ptr<GatherPass> gather_pass_;
   std::map<std::tuple<int, bool, Writes>, Program> shape_programs_;
   Instances shapes_, faces_;
   std::map<Writes, Program> face_programs_;

@@ -12,7 +12,11 @@ namespace seam::render {
 
 namespace {
 
-constexpr int kMostTexels = 8192;  // Along a target's side.
+// Mesa draws and reads a page while it is still in the processor's caches; a graphics processor is
+// waited for at each.
+gl::PageLimits page_limits(const gl::OffscreenGl& opengl) {
+  return {.page_texels = opengl.on_processor() ? 1 << 18 : 1 << 22};
+}
 
 // Texels of a pixel at one instant. In their lattice no two see an upright or a level edge at the
 // same place, so half as many see as much as samples that stand in squares.
@@ -44,25 +48,30 @@ bool has_one_colour_each(const FrameJob& job, const std::vector<gl::ClusteredMes
 }  // namespace
 
 struct GlDevice::Impl {
-  Impl(Assets given, const std::string& source)
-      : assets(std::move(given)), opengl(gl::offscreen_gl(source)) {}
+  Impl(Assets given, const std::string& source, Gathering gathering)
+      : assets(std::move(given)),
+        opengl(gl::offscreen_gl(source)),
+        gathers_in_shaders(gathering == Gathering::by_driver ? !opengl.on_processor()
+                                                             : gathering == Gathering::in_shaders) {
+  }
 
   Assets assets;
   const gl::OffscreenGl& opengl;
+  const bool gathers_in_shaders;
+  const gl::PageLimits limits = page_limits(opengl);
   const std::vector<gl::ClusteredMesh> meshes = gl::cluster_meshes(assets);
   gl::ContextPool contexts{gl::copies_of(opengl), assets};
   std::string version, renderer;
 
-  using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&,
-                                     const std::vector<float>& texels)>;
+  using SeePage = std::function<void(const gl::Page&, const gl::StripScale&, const gl::StripView&)>;
   // Draws every page of the instants' strips and shows each.
-  void draw_pages(const FrameJob& job, const CameraRays& rays, const SampledInstants& instants,
-                  gl::StripScale samples, gl::PageLook look, gl::Palette* palette,
-                  const SeePage& see);
+  void draw_pages(gl::Context& context, const FrameJob& job, const CameraRays& rays,
+                  const SampledInstants& instants, gl::StripScale samples, gl::PageLook look,
+                  gl::Palette* palette, const SeePage& see);
 };
 
-GlDevice::GlDevice(Assets assets, const std::string& source)
-    : impl_(std::make_unique<Impl>(std::move(assets), source)) {
+GlDevice::GlDevice(Assets assets, const std::string& source, Gathering gathering)
+    : impl_(std::make_unique<Impl>(std::move(assets), source, gathering)) {
   const gl::ContextPool::Lease context(impl_->contexts);
   impl_->version = context->version();
   impl_->renderer = context->renderer();
@@ -93,19 +102,17 @@ const Assets& GlDevice::assets() const {
   return impl_->assets;
 }
 
-void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
+void GlDevice::Impl::draw_pages(gl::Context& context, const FrameJob& job, const CameraRays& rays,
                                 const SampledInstants& instants, gl::StripScale samples,
                                 gl::PageLook look, gl::Palette* palette, const SeePage& see) {
   const gl::PaintLayers layers(job.instants.front());
-  const gl::ContextPool::Lease context(contexts);
   PreparedInstant prepared;
-  std::vector<float> texels;
   for (const gl::StripView& view : gl::views_of(rays)) {
-    const gl::StripPlan plan = gl::plan_strip(instants, rays, view, samples, kMostTexels);
+    const gl::StripPlan plan = gl::plan_strip(instants, rays, view, samples, limits);
     look.shear = plan.scale.shear;
     for (const gl::Page& page : plan.pages) {
       gl::PageScene on_page;
-      context->begin_page(page.width, page.height, look);
+      context.begin_page(page.width, page.height, look);
       for (const gl::Band& band : page.bands) {
         instants.with_scene(band.instant, [&](const SceneInstant& scene) {
           prepare(scene, job, rays, band.rows, prepared);
@@ -115,9 +122,8 @@ void GlDevice::Impl::draw_pages(const FrameJob& job, const CameraRays& rays,
           gl::add_meshes(scene, meshes, place, rays, job.lighting, palette, on_page);
         });
       }
-      context->draw(on_page, look);
-      context->end_page(texels);
-      see(page, plan.scale, view, texels);
+      context.draw(on_page, look);
+      see(page, plan.scale, view);
     }
   }
 }
@@ -135,13 +141,29 @@ void GlDevice::integrate_light(const FrameJob& given, const CameraRays& rays,
                                        : gl::Writes::colour;
   for (int c = 0; c < 3 && !indexed; ++c)
     look.background[c] = static_cast<float>(job.background[c]);
-  impl_->draw_pages(job, rays, instants, texels_of_a_pixel(options, instants.fewest_a_row()), look,
-                    indexed ? &palette : nullptr,
-                    [&](const gl::Page& page, const gl::StripScale& scale,
-                        const gl::StripView& view, const std::vector<float>& texels) {
-                      gl::gather_light(page, scale, texels, indexed ? &palette.colours() : nullptr,
-                                       view, instants.schedule(), rays, options.threads, image);
-                    });
+  const gl::StripScale samples = texels_of_a_pixel(options, instants.fewest_a_row());
+  gl::Palette* const places = indexed ? &palette : nullptr;
+  const auto colours = [&] { return indexed ? &palette.colours() : nullptr; };
+  const gl::ContextPool::Lease context(impl_->contexts);
+  if (impl_->gathers_in_shaders && rays.perspective) {
+    gl::GatherPass& sums = context->gather_pass();
+    sums.begin(rays);
+    impl_->draw_pages(*context, job, rays, instants, samples, look, places,
+                      [&](const gl::Page& page, const gl::StripScale& scale, const gl::StripView&) {
+                        sums.add(context->page(), page, scale, colours(), instants.schedule(),
+                                 rays);
+                      });
+    sums.end(image);
+    return;
+  }
+  std::vector<float> texels;
+  impl_->draw_pages(
+      *context, job, rays, instants, samples, look, places,
+      [&](const gl::Page& page, const gl::StripScale& scale, const gl::StripView& view) {
+        context->end_page(texels);
+        gl::gather_light(page, scale, texels, colours(), view, instants.schedule(), rays,
+                         options.threads, image);
+      });
 }
 
 GlDevice::Centres GlDevice::see_centres(const FrameJob& given, const CameraRays& rays) const {
@@ -151,13 +173,16 @@ GlDevice::Centres GlDevice::see_centres(const FrameJob& given, const CameraRays&
   const SampledInstants instants(job, rays, {});
   const size_t pixels = static_cast<size_t>(rays.width_px) * rays.height_px;
   Centres seen{std::vector<int32_t>(pixels, -1), std::vector<float>(pixels)};
-  impl_->draw_pages(job, rays, instants, {.across = kSamples, .down = kSamples},
-                    {.writes = gl::Writes::truth}, nullptr,
-                    [&](const gl::Page& page, const gl::StripScale& scale,
-                        const gl::StripView& view, const std::vector<float>& texels) {
-                      gl::find_centres(page, scale, texels, view, instants.schedule(), rays,
-                                       seen.source, seen.depth);
-                    });
+  const gl::ContextPool::Lease context(impl_->contexts);
+  std::vector<float> texels;
+  impl_->draw_pages(
+      *context, job, rays, instants, {.across = kSamples, .down = kSamples},
+      {.writes = gl::Writes::truth}, nullptr,
+      [&](const gl::Page& page, const gl::StripScale& scale, const gl::StripView& view) {
+        context->end_page(texels);
+        gl::find_centres(page, scale, texels, view, instants.schedule(), rays, seen.source,
+                         seen.depth);
+      });
   return seen;
 }
 

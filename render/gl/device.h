@@ -14,12 +14,17 @@
 
 namespace seam::render {
 
+// Where a pixel's samples are looked up and summed: on the processor, in shaders, or in shaders
+// where the driver is a graphics processor's. Fisheyes' always on the processor.
+enum class Gathering { by_driver, on_processor, in_shaders };
+
 class GlDevice {
  public:
   // `source`: "osmesa", Mesa's software renderer; "egl", the first driver that EGL finds, that of a
   // graphics processor where there is one; "auto": osmesa, and egl where that is not installed.
   // Throws InputError where this build or this machine has no OpenGL.
-  explicit GlDevice(Assets assets = {}, const std::string& source = "auto");
+  explicit GlDevice(Assets assets = {}, const std::string& source = "auto",
+                    Gathering gathering = Gathering::by_driver);
   ~GlDevice();
   GlDevice(const GlDevice&) = delete;
   GlDevice& operator=(const GlDevice&) = delete;

@@ -12,9 +12,6 @@
 namespace seam::render::gl {
 namespace {
 
-// A page is drawn and read while it is still in the processor's caches.
-constexpr int kPageTexels = 1 << 18;
-
 using Vec3f = std::array<float, 3>;
 
 // The side of the cube around the camera that a direction meets: 0 ahead, then right, left, down,
@@ -266,8 +263,8 @@ std::vector<StripView> views_of(const CameraRays& rays) {
 }
 
 StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
-                     StripScale samples, int most_texels) {
-  StripPlan plan{.scale = scale_of(rays, view, samples, most_texels), .pages = {}};
+                     StripScale samples, const PageLimits& limits) {
+  StripPlan plan{.scale = scale_of(rays, view, samples, limits.side_texels), .pages = {}};
   const int period = std::max(instants.fewest_a_row(), 1);
   const std::vector<int> order = SamplePattern::scattered_order(period);
   std::vector<Band> bands;
@@ -293,13 +290,22 @@ StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, co
     page.bands.clear(), page.height = 0;
   };
   for (Band& band : bands) {
-    if (page.height > 0 && (page.height + band.height) * width > kPageTexels) finish();
+    const int height = page.height + band.height;
+    if (page.height > 0 && (height > limits.side_texels || height * width > limits.page_texels))
+      finish();
     band.page_y = page.height;
     page.height += band.height;
     page.bands.push_back(band);
   }
   finish();
   return plan;
+}
+
+double weight_of(const Band& band, int row, const RowSchedule& schedule, const CameraRays& rays) {
+  const int image_row = std::clamp(row - rays.border_px, 0, rays.height_px - 1);
+  const int place = band.instant - schedule.first_instant[image_row];
+  const std::vector<double>& weights = schedule.weights[image_row];
+  return place < 0 || place >= static_cast<int>(weights.size()) ? 0 : weights[place];
 }
 
 void gather_light(const Page& page, const StripScale& scale, const std::vector<float>& texels,
@@ -311,11 +317,8 @@ void gather_light(const Page& page, const StripScale& scale, const std::vector<f
     for (const Band& band : page.bands) {
       for (int row = std::max(begin, band.rows.first); row < std::min(end, band.rows.last + 1);
            ++row) {
-        const int image_row = std::clamp(row - rays.border_px, 0, rays.height_px - 1);
-        const int place = band.instant - schedule.first_instant[image_row];
-        const std::vector<double>& weights = schedule.weights[image_row];
-        if (place < 0 || place >= static_cast<int>(weights.size())) continue;
-        gather.add_row(band, row, static_cast<float>(weights[place]), image);
+        const double weight = weight_of(band, row, schedule, rays);
+        if (weight != 0) gather.add_row(band, row, static_cast<float>(weight), image);
       }
     }
   });

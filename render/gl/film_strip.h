@@ -52,10 +52,18 @@ struct StripPlan {
   std::vector<Page> pages;
 };
 
-// `samples` has the texels of a pixel. Throws InputError where the image is too large for a target
-// of `most_texels` a side.
+// What a page may hold.
+struct PageLimits {
+  int side_texels = 8192;     // Of a target; an image that needs more is refused.
+  int page_texels = 1 << 18;  // Another page begins where a further band would make it larger.
+};
+
+// `samples` has the texels of a pixel. Throws InputError where the image is too large for a target.
 StripPlan plan_strip(const SampledInstants& instants, const CameraRays& rays, const StripView& view,
-                     StripScale samples, int most_texels);
+                     StripScale samples, const PageLimits& limits);
+
+// The part of a row of rays' light that it collects at a band's instant; 0: none.
+double weight_of(const Band& band, int row, const RowSchedule& schedule, const CameraRays& rays);
 
 // Adds a page's light to the image: four floats a texel, or where there is a palette one, a place
 // in it.

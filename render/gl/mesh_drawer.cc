@@ -129,8 +129,8 @@ std::vector<ClusteredMesh> cluster_meshes(Assets& assets) {
   return meshes;
 }
 
-MeshDrawer::MeshDrawer(const Api& gl, const Assets& assets, Linker link)
-    : gl_(gl), assets_(assets), link_(std::move(link)) {
+MeshDrawer::MeshDrawer(const OffscreenGl& gl, const Assets& assets, Linker link)
+    : gl_(gl.api()), fills_piecewise_(gl.on_processor()), assets_(assets), link_(std::move(link)) {
   for (const Texture& texture : assets.textures)
     textures_.push_back(upload(texture.picture, GL_CLAMP_TO_EDGE));
   for (const Mesh& mesh : assets.meshes) meshes_.push_back(upload(mesh));
@@ -235,6 +235,7 @@ void MeshDrawer::draw_runs(const std::vector<MeshInstance::Run>& runs, size_t be
   }
   gl_.glMultiDrawElements(GL_TRIANGLES, counts_.data(), GL_UNSIGNED_INT, places_.data(),
                           static_cast<GLsizei>(counts_.size()));
+  if (!fills_piecewise_) return;
   const auto drawn = std::accumulate(counts_.begin(), counts_.end(), int64_t{0});
   if ((waiting_ += drawn) < kMostWaiting) return;
   gl_.glFlush();

@@ -11,7 +11,7 @@
 
 #include "render/assets/assets.h"
 #include "render/gl/mesh_clusters.h"
-#include "render/gl/offscreen/api.h"
+#include "render/gl/offscreen/offscreen.h"
 #include "render/gl/shaders.h"
 
 namespace seam::render::gl {
@@ -54,7 +54,7 @@ class MeshDrawer {
                                       const std::vector<const char*>& inputs)>;
   // Needs a current context. What is given outlives the drawer; meshes are in their clusters'
   // order.
-  MeshDrawer(const Api& gl, const Assets& assets, Linker link);
+  MeshDrawer(const OffscreenGl& gl, const Assets& assets, Linker link);
 
   // Of the scene's textures (from 0 on), for shapes.
   void bind_texture(uint32_t texture) const;
@@ -95,6 +95,7 @@ class MeshDrawer {
   void upload_looks(size_t place);
 
   const Api& gl_;
+  const bool fills_piecewise_;
   const Assets& assets_;
   std::vector<Loaded> meshes_;
   std::vector<GLuint> textures_;

@@ -81,7 +81,7 @@ struct Apart {
 // Every 24th row, 256 instants.
 Apart against_brute_force(const MovingScene& scene, const Assets& assets, double kappa,
                           RendererOptions options) {
-  const GlDevice device(assets);
+  const GlDevice device(assets, gl_source());
   options.opengl = &device;
   const std::string lens =
       kappa == 0 ? "" : fmt::format("  radial_distortion: {{kappa: {}}}\n", kappa);

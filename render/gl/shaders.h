@@ -208,4 +208,60 @@ bool meet(vec3 o, vec3 d, out float t, out vec3 n) {
 }
 )";
 
+// One triangle that covers the image.
+inline constexpr const char* kGatherVertex = R"(
+void main() {
+  vec2 corner = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1));
+  gl_Position = vec4(4.0 * corner - 1.0, 0.0, 1.0);
+}
+)";
+
+// A fragment is a pixel. Its rays lie in two texels of `rays` for each table: places on the plane z
+// = 1 and how they change along u, then how along v. Each column of two texels in `bands` is a band
+// of its row: the texels' offset, the band's first row on the page and its last, then its weight.
+inline constexpr const char* kGatherFragment = R"(
+uniform sampler2D rays, bands, texels, palette;
+uniform vec4 grid;   // Texels of x, of y along u, of y along v; the page's width.
+uniform vec4 count;  // Texels of a pixel across and down, bands of a row, tables of rays.
+uniform vec4 form;   // Rows of rays; the palette's width, 0 where texels are light themselves.
+out vec4 sum;
+
+vec3 light(vec2 at, vec4 band) {
+  ivec2 place = ivec2(at.x * grid.x + at.y * grid.y + band.x, at.y * grid.z + band.y);
+  place = clamp(place, ivec2(0), ivec2(int(grid.w) - 1, int(band.w)));
+  vec4 texel = texelFetch(texels, ivec2(place.x, place.y + int(band.z)), 0);
+  if (form.y == 0.0) return texel.rgb;
+  int colour = int(texel.r), width = int(form.y);
+  return texelFetch(palette, ivec2(colour % width, colour / width), 0).rgb;
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec2 share = 1.0 / count.xy;
+  vec3 all = vec3(0.0);
+  for (int table = 0; table < int(count.w); ++table) {
+    int row = 2 * table * int(form.x) + pixel.y;
+    vec4 ray = texelFetch(rays, ivec2(pixel.x, row), 0);
+    vec2 along_v = texelFetch(rays, ivec2(pixel.x, row + int(form.x)), 0).xy;
+    vec3 seen = vec3(0.0);
+    for (int k = 0; k < int(count.z); ++k) {
+      float weight = texelFetch(bands, ivec2(2 * k + 1, pixel.y), 0).x;
+      if (weight == 0.0) continue;
+      vec4 band = texelFetch(bands, ivec2(2 * k, pixel.y), 0);
+      vec3 at_once = vec3(0.0);
+      for (int b = 0; b < int(count.y); ++b) {
+        for (int a = 0; a < int(count.x); ++a) {
+          vec2 d = (vec2(a, b) + 0.5) * share - 0.5;
+          at_once += light(ray.xy + d.x * ray.zw + d.y * along_v, band);
+        }
+      }
+      seen += weight * at_once;
+    }
+    if (int(count.w) == 1) all = seen;
+    else all[table] = seen[table];
+  }
+  sum = vec4(all * share.x * share.y, 1.0);
+}
+)";
+
 }  // namespace seam::render::gl

@@ -5,6 +5,7 @@
 #include "effects/stages/row_schedule.h"
 #include "render/gl/device.h"
 #include "render/renderer.h"
+#include "render/test_scenes.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/maths.h"
 
@@ -137,7 +138,7 @@ std::string opengl_frame_lines() {
   assets.textures.push_back({waves(), ""});
   assets.meshes.push_back(ring());
   assets.meshes[0].pictures.push_back(waves());
-  const GlDevice device(std::move(assets));
+  const GlDevice device(std::move(assets), testing::gl_source());
   std::vector<GoldenFrame> frames = golden_frames();
   for (const bool lambert : {false, true}) {
     GoldenFrame meshes = frames[lambert ? 1 : 2];

@@ -24,7 +24,7 @@ struct GlDevice::Impl {
   Assets none;
 };
 
-GlDevice::GlDevice(Assets, const std::string&) {
+GlDevice::GlDevice(Assets, const std::string&, Gathering) {
   throw InputError(fmt::format(
       "renderer 'opengl': {}, or take --renderer analytic for scenes of shapes", kMissing));
 }

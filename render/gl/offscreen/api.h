@@ -16,16 +16,15 @@ namespace seam::render::gl {
 #define SEAM_GL_FUNCTIONS(F) \
   F(glActiveTexture) F(glAttachShader) F(glBindAttribLocation) F(glBindBuffer) \
   F(glBindFramebuffer) F(glBindRenderbuffer) F(glBindTexture) F(glBindVertexArray) \
-  F(glBufferData) F(glCheckFramebufferStatus) F(glClear) F(glClearColor) F(glClearDepth) \
-  F(glCompileShader) F(glCreateProgram) F(glCreateShader) F(glDeleteShader) F(glDepthFunc) \
-  F(glDisable) F(glDrawArraysInstanced) F(glEnable) \
-  F(glEnableVertexAttribArray) F(glFlush) F(glFramebufferRenderbuffer) F(glFrontFace) \
-  F(glGenBuffers) \
-  F(glGenFramebuffers) F(glGenRenderbuffers) F(glGenTextures) F(glGenVertexArrays) \
-  F(glGenerateMipmap) F(glGetError) F(glGetIntegerv) F(glGetProgramInfoLog) \
+  F(glBlendFunc) F(glBufferData) F(glCheckFramebufferStatus) F(glClear) F(glClearColor) \
+  F(glClearDepth) F(glCompileShader) F(glCreateProgram) F(glCreateShader) F(glDeleteShader) \
+  F(glDepthFunc) F(glDisable) F(glDrawArraysInstanced) F(glEnable) F(glEnableVertexAttribArray) \
+  F(glFlush) F(glFramebufferRenderbuffer) F(glFramebufferTexture2D) F(glFrontFace) \
+  F(glGenBuffers) F(glGenFramebuffers) F(glGenRenderbuffers) F(glGenTextures) \
+  F(glGenVertexArrays) F(glGenerateMipmap) F(glGetError) F(glGetIntegerv) F(glGetProgramInfoLog) \
   F(glGetProgramiv) F(glGetShaderInfoLog) F(glGetShaderiv) F(glGetString) \
-  F(glGetUniformLocation) F(glLinkProgram) F(glMultiDrawElements) F(glPixelStorei) F(glReadPixels) \
-  F(glRenderbufferStorage) F(glScissor) F(glShaderSource) F(glTexImage2D) \
+  F(glGetUniformLocation) F(glLinkProgram) F(glMultiDrawElements) F(glPixelStorei) \
+  F(glReadPixels) F(glRenderbufferStorage) F(glScissor) F(glShaderSource) F(glTexImage2D) \
   F(glTexParameteri) F(glUniform1f) F(glUniform1i) F(glUniform3f) F(glUniform4f) \
   F(glUniformMatrix3fv) F(glUseProgram) F(glVertexAttribDivisor) F(glVertexAttribPointer) \
   F(glViewport)

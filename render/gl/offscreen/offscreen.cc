@@ -43,7 +43,7 @@ std::unique_ptr<OffscreenGl> load_alike(std::unique_ptr<OffscreenGl> load()) {
   // Of drivers that are not there our own errors tell, where they matter.
   const EnvironmentFor quiet("EGL_LOG_LEVEL", "fatal");
   std::unique_ptr<OffscreenGl> made = load();
-  made->make_context();
+  made->ask_driver();
   return made;
 }
 
@@ -56,15 +56,14 @@ const OffscreenGl& only() {
 
 }  // namespace
 
-std::string OffscreenGl::driver() const {
+void OffscreenGl::ask_driver() {
   const std::unique_ptr<OffscreenContext> context = make_context();
   context->make_current();
   const auto text = [&](GLenum name) {
     return reinterpret_cast<const char*>(api_.glGetString(name));
   };
-  std::string driver = fmt::format("{}, {}", text(GL_VERSION), text(GL_RENDERER));
+  driver_ = fmt::format("{}, {}", text(GL_VERSION), text(GL_RENDERER));
   context->release();
-  return driver;
 }
 
 std::vector<const OffscreenGl*> copies_of(const OffscreenGl& gl) {

@@ -26,10 +26,14 @@ class OffscreenGl {
   const Api& api() const { return api_; }
   // "osmesa" or "egl".
   const char* source() const { return source_; }
-  // Of its driver, "VERSION, RENDERER". Makes a context.
-  std::string driver() const;
+  // Of its driver, "VERSION, RENDERER".
+  const std::string& driver() const { return driver_; }
+  // Whether that is Mesa's renderer on the processor: what it draws should stay in the caches.
+  bool on_processor() const { return driver_.find("llvmpipe") != std::string::npos; }
   // OpenGL 3.3, core profile. Throws InputError where there is none.
   virtual std::unique_ptr<OffscreenContext> make_context() const = 0;
+  // Makes a first context and asks it for the driver. For offscreen_gl alone.
+  void ask_driver();
 
  protected:
   OffscreenGl(const char* source, Api api) : source_(source), api_(api) {}
@@ -37,6 +41,7 @@ class OffscreenGl {
  private:
   const char* source_;
   Api api_;
+  std::string driver_;
 };
 
 // "osmesa", "egl", or "auto": OSMesa, and EGL where that is not installed. Made once for the
