@@ -157,7 +157,9 @@ float Palette::index_of(const Colour& colour) {
 void add_shapes(const PreparedInstant& prepared, const SceneInstant& scene,
                 const PaintLayers& layers, const BandPlace& where, const CameraRays& rays,
                 bool lambert, Palette* palette, PageScene& out) {
-  const auto& [band, page, scale, view] = where;
+  const Band& band = where.band;
+  const StripScale& scale = where.scale;
+  const StripView& view = where.view;
   const auto low_y = static_cast<float>(band.page_y);
   const auto high_y = static_cast<float>(band.page_y + band.height);
   const std::array<float, 4> ray = ray_of(where);
