@@ -222,14 +222,22 @@ void RowCaster::find_varying(int samples) {
   }
 }
 
-void RowCaster::refine(int row, const RowSample& sample, int sample_index, float* const* light) {
+// The same columns at each sample: where nothing near varies, all samples differ from their
+// neighbours as the first one does.
+int RowCaster::find_edges() {
+  // A sliver of something in a pixel is often met by the rays of its neighbours in the row alone.
+  kernels_.widen(varying_.data(), columns_, near_varying_.data());
+  const int rays = edge_samples_ * channels_;
+  const int count = kernels_.find_edges(signatures_.data(), near_varying_.data(), columns_, rays,
+                                        edge_columns_.data(), edges_.place.data());
+  edges_.resize(count * rays);
+  return count;
+}
+
+void RowCaster::refine(int row, const RowSample& sample, int sample_index, int count,
+                       float* const* light) {
   const size_t place = static_cast<size_t>(sample_index) * columns_;
   const int each = edge_samples_;
-  const int count =
-      kernels_.find_edges(&signatures_[place], near_varying_.data(), columns_, each * channels_,
-                          edge_columns_.data(), edges_.place.data());
-  if (count == 0) return;
-  edges_.resize(count * each * channels_);
   for (int j = 0; j < each; ++j) {
     phase_u_[j] = SamplePattern::phase_u(row, sample.place * each + j);
     phase_v_[j] = SamplePattern::phase_v(row, sample.place * each + j);
@@ -252,9 +260,10 @@ void RowCaster::cast_row(int row, std::span<const RowSample> samples, float* con
   first_look(row, samples, light);
   if (edge_samples_ < 2) return;
   find_varying(static_cast<int>(samples.size()));
-  // A sliver of something in a pixel is often met by the rays of its neighbours in the row alone.
-  kernels_.widen(varying_.data(), columns_, near_varying_.data());
-  for (size_t s = 0; s < samples.size(); ++s) refine(row, samples[s], static_cast<int>(s), light);
+  const int edges = find_edges();
+  if (edges == 0) return;
+  for (size_t s = 0; s < samples.size(); ++s)
+    refine(row, samples[s], static_cast<int>(s), edges, light);
 }
 
 RowCaster::Seen RowCaster::see_centres(int row, const PreparedInstant& scene) {

@@ -77,7 +77,10 @@ class RowCaster {
             HitRow hits, float* factor) const;
   void first_look(int row, std::span<const RowSample> samples, float* const* light);
   void find_varying(int samples);
-  void refine(int row, const RowSample& sample, int sample_index, float* const* light);
+  // Returns how many there are.
+  int find_edges();
+  // Casts edge rays in so many columns.
+  void refine(int row, const RowSample& sample, int sample_index, int count, float* const* light);
   void collect_slopes(int row);
 
   const CastKernels& kernels_;
