@@ -52,7 +52,7 @@ part "ThreadSanitizer: scheduler and renderer" build_and_test tsan 'Simulation|S
 part "other CPUs and vector widths: same frames" scripts/bits_matrix.sh "${bits[@]}"
 part "$fault_runs fault runs" env SEAM_FAULT_RUNS=$fault_runs build/tests/test_scheduler --gtest_filter='Faults*'
 part "$fault_mixes mixes of all faults, ten simulated minutes each" env SEAM_FAULT_MIXES=$fault_mixes python3 tests/fault_mix_test.py build "$PWD" /usr/bin/python3
-part "real recordings, and searches that take minutes" ctest --test-dir build -C all -R '^(real_|made_servos|detector_proof|docs.real_lens|outcomes.settings)' --output-on-failure
+part "real recordings, and searches that take minutes" ctest --test-dir build -C all -R '^(real_|made_servos|made_legs|detector_proof|docs.real_lens|outcomes.settings)' --output-on-failure
 part "exported models, read by OpenCV and mrcal; the same corners given to them" ctest --test-dir build -R '^(export|camera_peers)$' --output-on-failure
 part "the recorded match with its frames" build/seam replay verify replays/match.mcap
 part "$kills kills, resumed" env SEAM_KILLS=$kills python3 tests/replay_test.py build/seam tests/mcap_node

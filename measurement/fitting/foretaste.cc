@@ -41,7 +41,10 @@ bool stays_below(const Problem& problem, const Model& model, const std::vector<U
   const auto few = foretasters(problem, model, kFewRows);
   if (!few) return false;
   const Foretaste taste = foretaste(problem, *few, model, unknowns);
-  return taste.assessment.valid && taste.most_ll < log_likelihood;
+  if (!taste.assessment.valid || taste.most_ll >= log_likelihood) return false;
+  // Few rows may lead a fit astray that begins where it need not move.
+  const Score begins = problem.score(model, problem.all_groups());
+  return !begins.valid || begins.log_likelihood < log_likelihood;
 }
 
 }  // namespace seam::measurement

@@ -178,8 +178,8 @@ auto named(const FileName& file, const Read& read) {
     check_fingerprint(file, asset.fingerprint);
     return asset;
   } catch (const InputError& error) {
-    throw InputError(
-        fmt::format("{}: {}", (fs::path(file.folder) / file.name).string(), error.what()));
+    const std::string name = (fs::path(file.folder) / file.name).string(), why = error.what();
+    throw InputError(why.starts_with(name) ? why : fmt::format("{}: {}", name, why));
   }
 }
 
