@@ -145,7 +145,7 @@ void GlDevice::integrate_light(const FrameJob& given, const CameraRays& rays,
   gl::Palette* const places = indexed ? &palette : nullptr;
   const auto colours = [&] { return indexed ? &palette.colours() : nullptr; };
   const gl::ContextPool::Lease context(impl_->contexts);
-  if (impl_->gathers_in_shaders && rays.perspective) {
+  if (impl_->gathers_in_shaders && context->gather_pass().holds(rays)) {
     gl::GatherPass& sums = context->gather_pass();
     sums.begin(rays);
     impl_->draw_pages(*context, job, rays, instants, samples, look, places,

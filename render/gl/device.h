@@ -15,7 +15,7 @@
 namespace seam::render {
 
 // Where a pixel's samples are looked up and summed: on the processor, in shaders, or in shaders
-// where the driver is a graphics processor's. Fisheyes' always on the processor.
+// where the driver is a graphics processor's. Fisheyes' and huge images' always on the processor.
 enum class Gathering { by_driver, on_processor, in_shaders };
 
 class GlDevice {

@@ -18,6 +18,7 @@ GatherPass::GatherPass(const Api& gl, const Linker& link)
   gl_.glGenFramebuffers(1, &frame_);
   for (GLuint* texture : {&sums_, &rays_, &bands_, &palette_}) *texture = make_texture();
   gl_.glUseProgram(program_);
+  gl_.glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_texels_);
   int unit = 0;
   for (const char* name : {"rays", "bands", "texels", "palette"})
     gl_.glUniform1i(gl_.glGetUniformLocation(program_, name), unit++);
@@ -48,8 +49,7 @@ void GatherPass::upload_rays(const CameraRays& rays) {
     for (size_t i = 0; i < count; ++i)
       floats_.insert(floats_.end(), {table.along_v[0][i], table.along_v[1][i], 0, 0});
   }
-  upload(rays_, rays.columns(), 2 * rays.rows() * static_cast<int>(rays.tables.size()),
-         floats_.data());
+  upload(rays_, rays.columns(), height_of(rays), floats_.data());
   held_ = rays.identity;
 }
 
@@ -77,6 +77,10 @@ int GatherPass::upload_bands(const Page& page, const RowSchedule& schedule,
   });
   upload(bands_, 2 * most, rays.rows(), floats_.data());
   return most;
+}
+
+bool GatherPass::holds(const CameraRays& rays) const {
+  return rays.perspective && std::max(rays.columns(), height_of(rays)) <= most_texels_;
 }
 
 void GatherPass::begin(const CameraRays& rays) {

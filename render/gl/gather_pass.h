@@ -20,6 +20,8 @@ class GatherPass {
   using Linker = std::function<GLuint(const std::string& vertex, const std::string& fragment)>;
   GatherPass(const Api& gl, const Linker& link);
 
+  // Whether textures can hold what it needs of these rays: of perspective ones, not of huge images.
+  bool holds(const CameraRays& rays) const;
   // A new frame, dark so far.
   void begin(const CameraRays& rays);
   // Adds the light of a page, whose texels are this texture: as gather_light has it.
@@ -32,6 +34,9 @@ class GatherPass {
   GLuint make_texture() const;
   void upload(GLuint texture, int width, int height, const float* rgba) const;
   void upload_rays(const CameraRays& rays);
+  static int height_of(const CameraRays& rays) {
+    return 2 * rays.rows() * static_cast<int>(rays.tables.size());
+  }
   // Of each row the bands in which it collects light. Returns the most of one row.
   int upload_bands(const Page& page, const RowSchedule& schedule, const CameraRays& rays);
 
@@ -39,6 +44,7 @@ class GatherPass {
   GLuint program_ = 0, no_inputs_ = 0, frame_ = 0;
   GLuint sums_ = 0, rays_ = 0, bands_ = 0, palette_ = 0;
   int columns_ = 0, rows_ = 0;
+  int most_texels_ = 0;               // Along a texture's side.
   std::shared_ptr<const bool> held_;  // CameraRays::identity of those that lie there.
   std::vector<float> floats_;         // Of one call.
 };
