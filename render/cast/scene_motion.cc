@@ -93,8 +93,9 @@ SceneInstant interpolate(const SceneInstant& a, const SceneInstant& b, SimTime t
   return scene;
 }
 
-ImageMotion::ImageMotion(const Pose& X_WC_from, const Pose& X_WC_to)
-    : camera_(X_WC_from.p),
+ImageMotion::ImageMotion(const Pose& X_WC_from, const Pose& X_WC_to, InSight in_sight)
+    : in_sight_(std::move(in_sight)),
+      camera_(X_WC_from.p),
       camera_step_(X_WC_to.p - X_WC_from.p),
       turned_(angle_between(X_WC_from.R, X_WC_to.R)),
       shifted_(std::sqrt(glm::dot(camera_step_, camera_step_)) / kNearest_m) {}
@@ -111,7 +112,8 @@ void ImageMotion::add(const Primitive& from, const Primitive& to) {
   const double distance =
       std::max(std::sqrt(glm::dot(from_camera, from_camera)) - radius, kNearest_m);
   const double moved = std::sqrt(glm::dot(step, step)) + angle_between(X_WA.R, X_WB.R) * radius;
-  shifted_ = std::max(shifted_, moved / distance);
+  if (moved / distance > shifted_ && (!in_sight_ || in_sight_(from, to)))
+    shifted_ = moved / distance;
 }
 
 void ImageMotion::add_all(const std::vector<Primitive>& from, const std::vector<Primitive>& to) {

@@ -1,6 +1,8 @@
 // How a scene moves between two instants.
 #pragma once
 
+#include <functional>
+
 #include "sim_core/scene/scene.h"
 
 namespace seam::render {
@@ -19,7 +21,9 @@ double fraction_between(const SceneInstant& a, const SceneInstant& b, SimTime ti
 // pose to another; of what else moves as far as it was added. In multiples of the focal length.
 class ImageMotion {
  public:
-  ImageMotion(const Pose& X_WC_from, const Pose& X_WC_to);
+  // Whether a primitive can be seen at one of the two instants; what can not is not added.
+  using InSight = std::function<bool(const Primitive& from, const Primitive& to)>;
+  ImageMotion(const Pose& X_WC_from, const Pose& X_WC_to, InSight in_sight = nullptr);
 
   double most() const { return turned_ + shifted_; }
   void add(const Primitive& from, const Primitive& to);
@@ -30,6 +34,7 @@ class ImageMotion {
   double most_with(const Vec3& p_W, double radius_m, double moved_m) const;
 
  private:
+  InSight in_sight_;
   Vec3 camera_, camera_step_;
   double turned_;
   double shifted_;
