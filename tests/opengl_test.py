@@ -75,6 +75,8 @@ class Room(unittest.TestCase):
         drawn = {path.name: path.read_bytes() for path in (self.folder / "eyes").glob("*.png")}
         self.frame("--out", self.folder / "at.png")
         self.assertEqual(sorted(drawn), ["red1_000002.png", "red1_000003.png"])
+        code, text = seam("replay", "frames", log, "--robot", "red1", "--renderer", "analytic", "--out", self.folder / "none")
+        self.assertEqual((code, "--renderer opengl" in text), (1, True), text)
         at = np.array(Image.open(self.folder / "at.png"))
         self.assertTrue((np.array(Image.open(self.folder / "eyes/red1_000003.png")) == at).all())
         code, text = seam("replay", "verify", log)
@@ -212,6 +214,22 @@ class Set(unittest.TestCase):
 
 
 class Shapes(unittest.TestCase):
+    def test_a_recorded_run_is_drawn_by_the_other_renderer(self):
+        with tempfile.TemporaryDirectory() as folder:
+            log, found = pathlib.Path(folder) / "run.mcap", []
+            code, text = seam("run", SWING, "--set", "duration_s=0.2", "--log", log)
+            self.assertEqual(code, 0, text)
+            for renderer in ("auto", "opengl"):
+                code, text = seam("replay", "frames", log, "--robot", "red1", "--renderer", renderer, "--out",
+                                  pathlib.Path(folder) / renderer)
+                self.assertEqual(code, 0, text)
+                found.append([np.array(Image.open(path)).astype(int)
+                              for path in sorted((pathlib.Path(folder) / renderer).glob("*.png"))])
+            self.assertGreater(len(found[0]), 2)
+            apart = abs(np.array(found[0]) - np.array(found[1]))
+            self.assertGreater(apart.max(), 0)
+            self.assertLessEqual(apart.mean(), 0.3)
+
     def test_both_renderers_make_nearly_the_same_frame(self):
         with tempfile.TemporaryDirectory() as folder:
             found = []

@@ -11,7 +11,7 @@ struct ReplayMatch::Impl {
   const scheduler::Log& log;
   ReplayOptions options;
   Simulator simulator;
-  std::optional<Simulator> other_models;  // Only its renderer is used.
+  std::optional<Simulator> other_cameras;  // Only its renderer is used.
   std::optional<scheduler::Rewinder> rewinder;
 };
 
@@ -40,10 +40,11 @@ ReplayMatch::ReplayMatch(const scheduler::Log& log, const ReplayOptions& options
   SimulatorOptions simulator_options;
   simulator_options.render_workers = options.render_threads;
   impl_.reset(new Impl{log, options, make_simulator(log.header(), simulator_options), {}, {}});
-  // Other models change what cameras see, never what happened.
-  if (!options.models.empty()) {
+  // Other models and renderers change what cameras see, never what happened.
+  if (!options.models.empty() || options.drawing != "auto" || options.gl != "auto") {
     simulator_options.models = options.models;
-    impl_->other_models = make_simulator(log.header(), simulator_options);
+    simulator_options.drawing = options.drawing, simulator_options.gl = options.gl;
+    impl_->other_cameras = make_simulator(log.header(), simulator_options);
   }
 }
 ReplayMatch::~ReplayMatch() = default;
@@ -56,7 +57,7 @@ World& ReplayMatch::world() {
 }
 
 CameraRenderer& ReplayMatch::renderer() {
-  return impl_->other_models ? *impl_->other_models->renderer : *impl_->simulator.renderer;
+  return impl_->other_cameras ? *impl_->other_cameras->renderer : *impl_->simulator.renderer;
 }
 
 std::string ReplayMatch::why_other_pixels() const {

@@ -16,6 +16,8 @@ namespace seam::app {
 struct ReplayOptions {
   // `[ROBOT=]MODEL` as given to --model: other models than the log's.
   std::vector<std::string> models;
+  // As SimulatorOptions has them: other ones than the log's; "auto": the log's.
+  std::string drawing = "auto", gl = "auto";
   int render_threads = 0;  // 0: as many as the machine has.
 };
 

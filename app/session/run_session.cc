@@ -298,15 +298,17 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
   return Session(simulator, options, outputs).run(wrap, std::move(observers));
 }
 
-void add_drawing_option(Command command, SimulatorOptions& simulator) {
+void add_drawing_options(Command command, std::string& drawing, std::string& gl,
+                         const std::string& automatic) {
   command
-      .add_option("--renderer", simulator.drawing,
+      .add_option("--renderer", drawing,
                   "What makes frames: `analytic`, the ray caster of shapes; `opengl`, which also\n"
-                  "draws meshes and textures; `auto`: opengl where the scene needs it")
+                  "draws meshes and textures; `auto`: " +
+                      automatic)
       .one_of({"auto", "analytic", "opengl"})
       .show_default();
   command
-      .add_option("--gl", simulator.gl,
+      .add_option("--gl", gl,
                   "Where OpenGL comes from: `osmesa`, Mesa on the processor; `egl`, a graphics\n"
                   "processor's driver where there is one, else Mesa's; `auto`: osmesa, and egl\n"
                   "where that is not installed")
@@ -342,7 +344,7 @@ void add_session_options(Command command, SessionOptions& session, SimulatorOpti
       .add_option("--render-threads", simulator.render_workers,
                   "Frames made at once; 0 is one for each core")
       .range(0, 64);
-  add_drawing_option(command, simulator);
+  add_drawing_options(command, simulator.drawing, simulator.gl);
   add_remote_rendering_options(command, session.rendering);
 }
 

@@ -92,8 +92,9 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 // The summary on stdout and, where asked for, as JSON; the exit code.
 int report(const SessionSummary& summary, SessionOutputs& outputs);
 
-// `--renderer auto|analytic|opengl`, `--gl auto|osmesa|egl`.
-void add_drawing_option(Command command, SimulatorOptions& simulator);
+// `--renderer auto|analytic|opengl`, `--gl auto|osmesa|egl`; what `auto` takes for a renderer.
+void add_drawing_options(Command command, std::string& drawing, std::string& gl,
+                         const std::string& automatic = "opengl where the scene needs it");
 
 // The options that run and serve share.
 void add_session_options(Command command, SessionOptions& session, SimulatorOptions& simulator);

@@ -109,7 +109,7 @@ void add_frame(app::Command app) {
                      "A seam-colour-table/1 file for the colour stage");
   command.add_option("--model", settings->simulator.models,
                      "[ROBOT=]FILE: another camera model than the scenario's");
-  app::add_drawing_option(command, settings->simulator);
+  app::add_drawing_options(command, settings->simulator.drawing, settings->simulator.gl);
   command.add_option("--seed", settings->simulator.seed, "Another seed than the scenario's");
   command.footer(
       "Example: seam frame scenarios/head_swing.yaml --robot red1 --at 0.5 --stages stages --out "

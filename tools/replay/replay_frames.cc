@@ -4,6 +4,7 @@
 
 #include "app/logs/replay_match.h"
 #include "app/session/frame_files.h"
+#include "app/session/run_session.h"
 #include "scheduler/replay/frame_maker.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
@@ -18,13 +19,13 @@ struct FramesSettings {
   std::string out;
   double from_s = 0;
   std::optional<double> to_s;
-  std::vector<std::string> models;
+  app::ReplayOptions replay;
   bool force = false;
 };
 
 void write_frames(const FramesSettings& settings) {
   const scheduler::Log log = scheduler::Log::open(settings.file);
-  app::ReplayMatch match(log, {.models = settings.models});
+  app::ReplayMatch match(log, settings.replay);
   const int robot = match.robot(settings.robot);
   const SimTime from = SimTime::from_s(settings.from_s);
   const SimTime to = settings.to_s ? SimTime::from_s(*settings.to_s) : log.end_time();
@@ -57,8 +58,9 @@ void add_replay_frames(app::Command replay) {
       .range(0.0, 9e9);
   command.add_option("--to", settings->to_s, "Simulated seconds: the last stamp (the log's end)")
       .range(0.0, 9e9);
-  command.add_option("--model", settings->models,
+  command.add_option("--model", settings->replay.models,
                      "[ROBOT=]FILE: another camera model than the run's");
+  app::add_drawing_options(command, settings->replay.drawing, settings->replay.gl, "as the run's");
   command.add_flag("--force", settings->force, "Replaces the frames that the folder holds");
   command.footer(
       "Example: seam replay frames match.mcap --robot red1 --from 10 --to 12 --out eyes");
