@@ -359,6 +359,17 @@ TEST(MotorLogs, ALogThatBeginsInMotionStartsWithItsRate) {
   EXPECT_EQ(logs_of(",torque_enable", rows).logs[0].start_radps, 0);
 }
 
+// A cubic through rows of rest, a jump of the command and rows of motion begins with a slope, and
+// noise of the first step may agree with it.
+TEST(MotorLogs, NoiseBeforeAJumpIsNoRate) {
+  std::string rows;
+  const double mrad[] = {-0.445, 0.427, -0.046, -0.637, -3.778, -8.101, -15.664, -23.970, -34.231};
+  for (size_t k = 0; k < std::size(mrad); ++k)
+    rows += fmt::format("0,{:.3f},arm,{},{}\n", 0.005 * static_cast<double>(k), k < 2 ? 0 : -0.75,
+                        1e-3 * mrad[k]);
+  EXPECT_EQ(logs_of("", rows).logs[0].start_radps, 0);
+}
+
 // A joint that begins to sag and is held again shows steps of its encoder, at once.
 TEST(MotorLogs, StepsOfAnEncoderAreNoRate) {
   const auto rate_of = [&](const std::vector<double>& steps) {
