@@ -209,9 +209,11 @@ for seen in robot.observations():
         while self.finished("r.sqlite") == 0:
             self.assertLess(time.monotonic(), end)
             time.sleep(0.05)
-        # Meanwhile nobody else writes it.
+        # Meanwhile nobody else writes it; stopped, so that it does not end meanwhile.
+        process.send_signal(signal.SIGSTOP)
         self.assertIn("another process writes this file", self.sweep("r.sqlite", code=1))
         process.send_signal(signal.SIGINT)
+        process.send_signal(signal.SIGCONT)
         out, err = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 1, out + err)
         self.assertIn("the same command goes on", out)

@@ -85,8 +85,8 @@ double rate_at_start(const JointLog& log, double step_rad) {
                                    step_rad * step_rad / 12);
   const double rate = c[1] / span, error = std::sqrt(variance * inverse(1, 1)) / span;
   if (std::abs(rate) < kClearly * error) return 0;
-  // A joint in motion moves in the first step, too, and half as far as in the first two. Noise alone
-  // looks so in one of them at times, hardly in both.
+  // A joint in motion moves in the first step, too, and half as far as in the first two. Noise
+  // alone looks so in one of them at times, hardly in both.
   const double first = log.measured_rad[1] - log.measured_rad[0];
   const double both = log.measured_rad[2] - log.measured_rad[0];
   const bool moves = first * rate > 0.5 * rate * rate * log.time_s[1] &&
