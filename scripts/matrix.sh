@@ -39,7 +39,7 @@ build_and_test() {  # build_and_test PRESET FILTER
 }
 
 without_opengl() {  # What the option leaves out is not missed by the rest, and is asked for by name.
-  cmake --preset release -B build-no-opengl -DSEAM_OPENGL=OFF >/dev/null && cmake --build build-no-opengl --target seam test_render &&
+  cmake --preset release -B build-no-opengl -DSEAM_OPENGL=OFF >/dev/null && cmake --build build-no-opengl --target program test_render &&
     ctest --test-dir build-no-opengl -R '^opengl$|GoldenFrames' --output-on-failure -j "$(nproc)"
 }
 

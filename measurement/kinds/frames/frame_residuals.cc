@@ -224,7 +224,8 @@ std::vector<std::vector<double>> FramesProblem::slopes_of(const Model& model,
   const bool far = mean_square(here) > 2;
   std::vector<double> plus, minus;
   for (size_t u = 0; u < unknowns.size(); ++u) {
-    const auto& [effect, index] = unknowns[u];
+    const std::string& effect = unknowns[u].effect;
+    const size_t index = unknowns[u].parameter;
     const auto& parameter = model.find(effect)->definition->parameters[index];
     const double value = model.find(effect)->parameters[index].value;
     double h = step_of(model, unknowns[u], here.frames);

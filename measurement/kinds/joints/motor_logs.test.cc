@@ -71,8 +71,8 @@ TEST(MotorLogs, BadRowsAreNamed) {
        "joints.csv:3: column torque_enable: found '2', expected 0 (off) or 1 (on)"},
       {",kp", "-1", "joints.csv:3: column kp: found '-1', expected a gain, 0 or more"}};
   for (const auto& [column, value, expected] : bad) {
-    const std::string what =
-        message_of([&] { logs_of(column, "0,0,arm,0,0,1\n0,0.1,arm,0,0," + value + "\n"); });
+    const std::string rows = "0,0,arm,0,0,1\n0,0.1,arm,0,0," + value + "\n";
+    const std::string what = message_of([&, name = column] { logs_of(name, rows); });
     EXPECT_TRUE(what.starts_with(expected)) << what;
   }
 }
