@@ -101,26 +101,26 @@ void FrameScenes::prepare_at(SimTime time, RowRange rows, PreparedInstant& out) 
   prepare(own.X_WC, shown_, job_, rays_, rows, out);
 }
 
-bool FrameScenes::in_sight(const SceneInstant& instant, const Vec3& p_W, double radius_m) const {
-  return may_be_seen(instant.X_WC.inverse() * p_W, radius_m, rays_, {0, rays_.rows() - 1});
-}
-
 double FrameScenes::motion_px(size_t k, double enough_px) {
   const SceneInstant &a = job_.instants[k], &b = job_.instants[k + 1];
-  const auto sees_figure = [&](const SceneInstant& instant, const FigureAt& at) {
-    return in_sight(instant, at.posture.p_WB, at.figure->radius_m());
+  const Pose X_CW_a = a.X_WC.inverse(), X_CW_b = b.X_WC.inverse();
+  const auto in_sight = [&](const Pose& X_CW, const Vec3& p_W, double radius_m) {
+    return may_be_seen(X_CW * p_W, radius_m, rays_, {0, rays_.rows() - 1});
   };
-  const auto sees_part = [&](const SceneInstant& instant, const Primitive& part) {
-    return in_sight(instant, part.X_WO * bounding_centre(part), bounding_radius(part));
+  const auto sees_figure = [&](const Pose& X_CW, const FigureAt& at) {
+    return in_sight(X_CW, at.posture.p_WB, at.figure->radius_m());
+  };
+  const auto sees_part = [&](const Pose& X_CW, const Primitive& part) {
+    return in_sight(X_CW, part.X_WO * bounding_centre(part), bounding_radius(part));
   };
   // What is out of sight may move as it likes.
   ImageMotion motion(a.X_WC, b.X_WC, [&](const Primitive& from, const Primitive& to) {
-    return sees_part(a, from) || sees_part(b, to);
+    return sees_part(X_CW_a, from) || sees_part(X_CW_b, to);
   });
   motion.add_all(a.primitives, b.primitives);
   for (const FigureAt& from : a.figures) {
     const FigureAt* const to = find(b.figures, from.figure);
-    if (!to || (!sees_figure(a, from) && !sees_figure(b, *to))) continue;
+    if (!to || (!sees_figure(X_CW_a, from) && !sees_figure(X_CW_b, *to))) continue;
     const double moved_m = from.figure->motion_bound_m(from.posture, to->posture);
     const double most = motion.most_with(from.posture.p_WB, from.figure->radius_m(), moved_m);
     if (rays_.focal_px * most > enough_px) motion.add_all(parts_at(k, from), parts_at(k + 1, *to));

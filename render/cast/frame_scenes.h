@@ -32,7 +32,6 @@ class FrameScenes {
     std::array<std::vector<Primitive>, 2> parts;
   };
   const std::vector<Primitive>& parts_at(size_t k, const FigureAt& at);
-  bool in_sight(const SceneInstant& instant, const Vec3& p_W, double radius_m) const;
   // Begins with the scenery and what an instant has beside figures; returns the place after them.
   int show_first(const Pose& X_CW, RowRange rows, const std::vector<Primitive>& primitives);
   void show(const std::vector<Primitive>& primitives, int first_place);

@@ -24,7 +24,7 @@ Context::Context(const OffscreenGl& gl, const Assets& assets)
   faces_ = make_instances(sizeof(FaceInstance) / 16);
   for (Target* target : {&texels_, &indices_}) {
     gl_.glGenFramebuffers(1, &target->frame);
-    gl_.glGenTextures(1, &target->colour);
+    target->colour = gl_.make_texture();
     gl_.glGenRenderbuffers(1, &target->depth);
   }
   meshes_ = std::make_unique<MeshDrawer>(
@@ -118,8 +118,6 @@ void Context::make_target(Target& target, GLenum format, int width, int height) 
   if (width <= target.width && height <= target.height) return;
   target.width = std::max(width, target.width), target.height = std::max(height, target.height);
   gl_.glBindTexture(GL_TEXTURE_2D, target.colour);
-  gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   gl_.glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), target.width, target.height, 0,
                    format == GL_R32F ? GL_RED : GL_RGBA, GL_FLOAT, nullptr);
   gl_.glBindRenderbuffer(GL_RENDERBUFFER, target.depth);
@@ -127,9 +125,7 @@ void Context::make_target(Target& target, GLenum format, int width, int height) 
   gl_.glBindFramebuffer(GL_FRAMEBUFFER, target.frame);
   gl_.glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, target.colour, 0);
   gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, target.depth);
-  const GLenum status = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  SEAM_CHECK(status == GL_FRAMEBUFFER_COMPLETE, "framebuffer of {}x{}: {}", target.width,
-             target.height, status);
+  gl_.check_framebuffer(target.width, target.height);
 }
 
 void Context::begin_page(int width, int height, const PageLook& look) {
@@ -188,11 +184,7 @@ void Context::draw(const PageScene& scene, const PageLook& look) {
 }
 
 void Context::end_page(std::vector<float>& pixels) {
-  const size_t floats = page_form_ == GL_RED ? 1 : 4;
-  pixels.resize(floats * page_width_ * page_height_);
-  gl_.glReadPixels(0, 0, page_width_, page_height_, page_form_, GL_FLOAT, pixels.data());
-  const GLenum error = gl_.glGetError();
-  SEAM_CHECK(error == GL_NO_ERROR, "OpenGL error {}", error);
+  gl_.read(page_width_, page_height_, page_form_, pixels);
 }
 
 GatherPass& Context::gather_pass() {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "render/gl/shaders.h"
-#include "sim_core/base/error.h"
 
 namespace seam::render::gl {
 namespace {
@@ -16,21 +15,14 @@ GatherPass::GatherPass(const Api& gl, const Linker& link)
     : gl_(gl), program_(link(kGatherVertex, kGatherFragment)) {
   gl_.glGenVertexArrays(1, &no_inputs_);
   gl_.glGenFramebuffers(1, &frame_);
-  for (GLuint* texture : {&sums_, &rays_, &bands_, &palette_}) *texture = make_texture();
+  for (GLuint* texture : {&sums_, &rays_, &bands_, &palette_}) *texture = gl_.make_texture();
   gl_.glUseProgram(program_);
+  const auto find = [&](const char* name) { return gl_.glGetUniformLocation(program_, name); };
+  grid_ = find("grid"), count_ = find("count"), form_ = find("form");
   gl_.glGetIntegerv(GL_MAX_TEXTURE_SIZE, &most_texels_);
   int unit = 0;
   for (const char* name : {"rays", "bands", "texels", "palette"})
-    gl_.glUniform1i(gl_.glGetUniformLocation(program_, name), unit++);
-}
-
-GLuint GatherPass::make_texture() const {
-  GLuint texture = 0;
-  gl_.glGenTextures(1, &texture);
-  gl_.glBindTexture(GL_TEXTURE_2D, texture);
-  gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  return texture;
+    gl_.glUniform1i(find(name), unit++);
 }
 
 void GatherPass::upload(GLuint texture, int width, int height, const float* rgba) const {
@@ -90,9 +82,7 @@ void GatherPass::begin(const CameraRays& rays) {
     columns_ = rays.columns(), rows_ = rays.rows();
     upload(sums_, columns_, rows_, nullptr);
     gl_.glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, sums_, 0);
-    const GLenum status = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
-    SEAM_CHECK(status == GL_FRAMEBUFFER_COMPLETE, "framebuffer of {}x{}: {}", columns_, rows_,
-               status);
+    gl_.check_framebuffer(columns_, rows_);
   }
   gl_.glDisable(GL_SCISSOR_TEST);
   gl_.glClearColor(0, 0, 0, 0);
@@ -110,14 +100,11 @@ void GatherPass::add(GLuint texels, const Page& page, const StripScale& scale,
     upload(palette_, kPaletteWidth, height, floats_.data());
   }
   gl_.glUseProgram(program_);
-  const auto set = [&](const char* name, float x, float y, float z, float w) {
-    gl_.glUniform4f(gl_.glGetUniformLocation(program_, name), x, y, z, w);
-  };
-  set("grid", scale.u_per_unit, scale.shear * scale.v_per_unit, scale.v_per_unit,
-      static_cast<float>(page.width));
-  set("count", static_cast<float>(scale.across), static_cast<float>(scale.down),
-      static_cast<float>(bands), static_cast<float>(rays.tables.size()));
-  set("form", static_cast<float>(rays.rows()), palette ? kPaletteWidth : 0, 0, 0);
+  gl_.glUniform4f(grid_, scale.u_per_unit, scale.shear * scale.v_per_unit, scale.v_per_unit,
+                  static_cast<float>(page.width));
+  gl_.glUniform4f(count_, static_cast<float>(scale.across), static_cast<float>(scale.down),
+                  static_cast<float>(bands), static_cast<float>(rays.tables.size()));
+  gl_.glUniform4f(form_, static_cast<float>(rays.rows()), palette ? kPaletteWidth : 0, 0, 0);
   GLenum unit = GL_TEXTURE0;
   for (const GLuint texture : {rays_, bands_, texels, palette_}) {
     gl_.glActiveTexture(unit++);
@@ -137,12 +124,9 @@ void GatherPass::add(GLuint texels, const Page& page, const StripScale& scale,
 }
 
 void GatherPass::end(LinearImage& image) {
-  const size_t pixels = static_cast<size_t>(columns_) * rows_;
-  floats_.resize(4 * pixels);
   gl_.glBindFramebuffer(GL_FRAMEBUFFER, frame_);
-  gl_.glReadPixels(0, 0, columns_, rows_, GL_RGBA, GL_FLOAT, floats_.data());
-  const GLenum error = gl_.glGetError();
-  SEAM_CHECK(error == GL_NO_ERROR, "OpenGL error {}", error);
+  gl_.read(columns_, rows_, GL_RGBA, floats_);
+  const size_t pixels = floats_.size() / 4;
   for (size_t c = 0; c < 3; ++c) {
     for (size_t i = 0; i < pixels; ++i) image.planes[c][i] = floats_[4 * i + c];
   }

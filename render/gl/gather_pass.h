@@ -31,7 +31,6 @@ class GatherPass {
   void end(LinearImage& image);
 
  private:
-  GLuint make_texture() const;
   void upload(GLuint texture, int width, int height, const float* rgba) const;
   void upload_rays(const CameraRays& rays);
   static int height_of(const CameraRays& rays) {
@@ -42,6 +41,7 @@ class GatherPass {
 
   const Api& gl_;
   GLuint program_ = 0, no_inputs_ = 0, frame_ = 0;
+  GLint grid_ = -1, count_ = -1, form_ = -1;
   GLuint sums_ = 0, rays_ = 0, bands_ = 0, palette_ = 0;
   int columns_ = 0, rows_ = 0;
   int most_texels_ = 0;               // Along a texture's side.

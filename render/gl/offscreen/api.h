@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
@@ -34,6 +35,13 @@ struct Api {
 #define SEAM_GL_MEMBER(name) decltype(&::name) name = nullptr;
   SEAM_GL_FUNCTIONS(SEAM_GL_MEMBER)
 #undef SEAM_GL_MEMBER
+
+  // A texture whose texels are taken as they are.
+  GLuint make_texture() const;
+  // Throws where the framebuffer that is bound, of this size, cannot be drawn into.
+  void check_framebuffer(int width, int height) const;
+  // What lies in the framebuffer that is bound: one float a texel (GL_RED) or four (GL_RGBA).
+  void read(int width, int height, GLenum form, std::vector<float>& texels) const;
 
   // `find` gives a function by its name, `library` is what errors call it. Throws InputError where
   // one is missing.
