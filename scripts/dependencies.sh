@@ -10,7 +10,7 @@ packages=(
   libboost-math-dev libpng-dev libjpeg-dev libtiff-dev libosmesa6-dev libegl-dev libgl1-mesa-dri libassimp-dev libtinyxml2-dev libapriltag-dev libzstd-dev
   libopencv-contrib-dev libexif-dev liblz4-dev libbz2-dev zlib1g-dev libsqlite3-dev libcpp-httplib-dev libgtest-dev libgmock-dev
   libbenchmark-dev
-  gnuplot-nox nodejs npm chromium fonts-dejavu-core iproute2 procps
+  gnuplot-nox nodejs npm chromium fonts-dejavu-core iproute2 procps file
 )
 missing=()
 for package in "${packages[@]}"; do
