@@ -4,6 +4,7 @@
 
 #include "app/scene_assets.h"
 #include "app/trust/tokens.h"
+#include "effects/questions.h"
 #include "effects/stages/robot_parts.h"
 #include "scheduler/log/log_records.h"
 #include "sim_core/base/error.h"
@@ -36,7 +37,8 @@ effects::Model model_of(const RobotSpec& robot) {
                     model.name(), effect.definition->name));
   }
   // An individual belongs to the robot's id, whatever the seed of the run.
-  return model.individual(RandomStream{}.child("individual").child(robot.id));
+  return effects::without_points_own(
+      model.individual(RandomStream{}.child("individual").child(robot.id)));
 }
 
 void replace_models(Scenario& scenario, const std::vector<std::string>& models) {

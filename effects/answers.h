@@ -65,6 +65,7 @@ enum class Need {
   forward_walk,      // It walks forward (sideways, turns) in some run.
   sideways_walk,
   turning,
+  both_turns,       // It turns to the left, and to the right.
   path,             // It covers a distance.
   bearings,         // Directions, not distances alone.
   distances,        // Distances, not directions alone.

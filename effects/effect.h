@@ -28,6 +28,7 @@ struct Detection;       // detector.h
 struct Locomotion;      // locomotion.h
 struct Noise;           // noise.h
 struct VelocitySample;  // locomotion.h
+struct Tracker;         // locomotion.h
 struct TargetShape;     // target.h
 
 enum class JointRole;  // joint_track.h
@@ -99,10 +100,16 @@ struct EffectDefinition {
   // Play of the robot's joint of this role; a servo log has one joint, which `servo` knows.
   std::function<double(Values, JointRole)> play_rad;
   std::function<double(Values, const JointSample&)> joint_map;  // A formula on the angle.
-  std::function<void(Values, Pose&)> mount;                 // X_LC of the camera in its last link.
-  std::function<void(Values, TargetShape&)> target;         // Where the points of a target are.
-  std::function<void(Values, ImagePoint&)> geometry;        // Ray to image point, in stage order.
-  std::function<void(Values, ImagePoint&)> image_map;       // Acts on (u, v) after all of geometry.
+  std::function<void(Values, Pose&)> mount;          // X_LC of the camera in its last link.
+  std::function<void(Values, TargetShape&)> target;  // Where the points of a target are.
+  // The camera's lens: ray to image point, in stage order, then (u, v) after all of geometry.
+  // Images and measured points follow both; an effect whose `kinds` are points alone moves no
+  // image.
+  std::function<void(Values, ImagePoint&)> geometry;
+  std::function<void(Values, ImagePoint&)> image_map;
+  // What a detector of corners does to the (u, v) that it reports, after all of the above: it acts
+  // on measured points alone and never on images.
+  std::function<void(Values, ImagePoint&)> corner_detector;
   std::function<void(Values, Optics&)> optics;              // Point spread, glare.
   std::function<double(Values, const ImagePoint&)> gain;    // Gain field over the image.
   std::function<double(Values, const LightWindow&)> light;  // Mean of the lamps in a window.
@@ -110,7 +117,9 @@ struct EffectDefinition {
   std::function<void(Values, Detection&)> detector;         // Range and bearing.
   std::function<void(Values, Locomotion&)> locomotion;      // Commanded to true body velocity.
   std::function<void(Values, VelocitySample&)> velocity_map;  // A formula on the body velocity.
-  std::function<void(Values, Noise&)> noise;                  // Errors that are not white.
+  // Which point of the body a measured pose is of: the body moves as it would without.
+  std::function<void(Values, Tracker&)> tracker;
+  std::function<void(Values, Noise&)> noise;  // Errors that are not white.
   // Keys of a scenario, by path, with the values that they have in its place.
   std::function<std::vector<std::pair<std::string, double>>(Values)> scenario;
 

@@ -34,9 +34,9 @@ std::vector<std::string> kind_names() {
 }
 
 std::string to_string(Stage stage) {
-  static const char* const kNames[] = {"timing",     "joint",  "mount",   "geometry",
-                                       "radiometry", "light",  "sensor",  "detector",
-                                       "locomotion", "target", "scenario"};
+  static const char* const kNames[] = {"timing",     "joint",  "mount",           "geometry",
+                                       "radiometry", "light",  "sensor",          "detector",
+                                       "locomotion", "target", "corner_detector", "scenario"};
   return kNames[static_cast<int>(stage)];
 }
 

@@ -19,7 +19,8 @@ enum class Stage {
   detector,
   locomotion,
   target,
-  scenario  // Keys of a scenario: of whole runs alone.
+  corner_detector,  // Where a detector reports the points of an image: measured points alone.
+  scenario          // Keys of a scenario: of whole runs alone.
 };
 std::string to_string(Stage stage);
 

@@ -12,7 +12,7 @@
 
 #include "effects/effect.h"
 
-#define SEAM_PLUGIN_VERSION 3
+#define SEAM_PLUGIN_VERSION 4
 
 #define SEAM_PLUGIN(effects)             \
   extern "C" int seam_plugin_version() { \

@@ -18,8 +18,8 @@ std::vector<Need> needs_of_stage(const EffectDefinition& effect) {
   std::vector<Need> needs;
   // Where one camera of several is shows beside the others.
   const bool beside_others = effect.stage == Stage::mount && !camera_of(effect.name).empty();
-  const bool told_without_pose =
-      effect.stage == Stage::geometry || effect.stage == Stage::target || beside_others;
+  const bool told_without_pose = effect.stage == Stage::geometry || effect.stage == Stage::target ||
+                                 effect.stage == Stage::corner_detector || beside_others;
   if (!told_without_pose && (effect.kinds & kPoints) != 0) needs.push_back(Need::known_pose);
   if (effect.stage == Stage::timing) needs.push_back(Need::moving_view);
   if (effect.stage == Stage::locomotion) needs.push_back(Need::moving_body);
@@ -106,6 +106,8 @@ std::string to_string(Need need) {
       return "a walk sideways";
     case Need::turning:
       return "a turn";
+    case Need::both_turns:
+      return "turns to the left and to the right";
     case Need::path:
       return "a walk";
     case Need::bearings:
@@ -147,7 +149,20 @@ std::vector<Need> needs_of(const EffectDefinition& effect, size_t parameter) {
   return needs;
 }
 
+bool of_points_alone(const EffectDefinition& effect) {
+  return effect.kinds == kPoints;
+}
+
+Model without_points_own(const Model& model) {
+  Model rest = model;
+  for (const ModelEffect& effect : model.effects()) {
+    if (of_points_alone(*effect.definition)) rest.remove(effect.definition->name);
+  }
+  return rest;
+}
+
 bool acts_in_runs(const EffectDefinition& effect) {
+  if (of_points_alone(effect)) return false;
   return effect.timing || effect.encoder || effect.logged || effect.servo || effect.play_rad ||
          effect.joint_map || effect.mount || effect.geometry || effect.image_map || effect.optics ||
          effect.gain || effect.light || effect.sensor || effect.locomotion || effect.velocity_map ||

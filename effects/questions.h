@@ -17,6 +17,12 @@ std::string to_string(Need need);
 // the parameter, in this order.
 std::vector<Need> needs_of(const EffectDefinition& effect, size_t parameter);
 
+// Whether it says something of measured points alone (a detector of corners, a target): images,
+// runs and files of other programs pass it by, whichever hooks it sets.
+bool of_points_alone(const EffectDefinition& effect);
+// The model without these.
+Model without_points_own(const Model& model);
+
 // Whether the simulator runs it: it changes robots or their images, not only what is told of a
 // measurement (noises, detectors, targets).
 bool acts_in_runs(const EffectDefinition& effect);

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "effects/model.h"
+#include "effects/questions.h"
 #include "sim_core/base/error.h"
 
 // The order of these lines is the order of composition.
@@ -129,7 +130,7 @@ namespace {
 // What belongs to a camera and its place, and moves means.
 bool may_be_one_cameras(const EffectDefinition& effect) {
   const bool its_own = effect.stage == Stage::geometry || effect.stage == Stage::mount ||
-                       effect.stage == Stage::timing;
+                       effect.stage == Stage::timing || effect.stage == Stage::corner_detector;
   return its_own && !effect.spread_only && (effect.kinds & kPoints) != 0;
 }
 
@@ -182,6 +183,12 @@ void register_effect(EffectDefinition definition) {
   if (find_effect(definition.name)) {
     throw InputError(
         fmt::format("effect '{}' exists already, expected a new name", definition.name));
+  }
+  if (definition.corner_detector && !of_points_alone(definition)) {
+    throw InputError(
+        fmt::format("effect '{}': a detector of corners acts on measured points alone, expected "
+                    ".kinds = kPoints (what images show, too, is a `geometry` or `image_map` hook)",
+                    definition.name));
   }
   mutable_catalogue().push_back(std::make_shared<const EffectDefinition>(std::move(definition)));
 }

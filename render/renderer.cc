@@ -67,15 +67,15 @@ struct Renderer::Impl {
   mutable std::mutex patterns_mutex;
   mutable std::map<std::pair<uint64_t, uint64_t>, std::unique_ptr<effects::FixedPattern>> patterns;
 
-  Impl(const effects::Model& m, int width, int height, const RendererOptions& o)
-      : model(m),
+  Impl(const effects::Model& whole, int width, int height, const RendererOptions& o)
+      : model(effects::without_points_own(whole)),
         options(o),
         width_px(width),
         height_px(height),
-        projection(m, width, height),
-        optics(effects::optics_of(m)),
-        gain_field(m, effects::Stage::radiometry, width, height),
-        sensor(effects::sensor_of(m)),
+        projection(model, width, height),
+        optics(effects::optics_of(model)),
+        gain_field(model, effects::Stage::radiometry, width, height),
+        sensor(effects::sensor_of(model)),
         filter(optics, gain_field, width, height),
         moving_lens(geometry_varies_with_time(projection)),
         rays(find_rays()) {}

@@ -8,8 +8,8 @@ import subprocess
 import sys
 import tempfile
 
-STAGES = ["timing", "joint", "mount", "geometry", "radiometry", "light", "sensor", "detector", "locomotion",
-          "target"]
+STAGES = ["timing", "joint", "mount", "geometry", "corner_detector", "radiometry", "light", "sensor", "detector",
+          "locomotion", "target"]
 
 
 def run(*command):

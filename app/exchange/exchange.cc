@@ -158,8 +158,14 @@ Exported Exporter::run() {
   find_size();
   Model kept = model_;
   std::vector<const ModelEffect*> lost;
+  std::vector<std::string> of_points;
   for (const ModelEffect& effect : model_.effects()) {
     const std::string& name = effect.definition->name;
+    if (effects::of_points_alone(*effect.definition)) {
+      kept.remove(name);
+      of_points.push_back(name);
+      continue;
+    }
     if (holds(effect) && !asked_to_drop(name)) continue;
     if (!asked_to_drop(name) && !asked_to_drop("all"))
       throw InputError(
@@ -169,6 +175,11 @@ Exported Exporter::run() {
     lost.push_back(&effect);
     kept.remove(name);
   }
+  if (!of_points.empty())
+    out_.notes.push_back(fmt::format(
+        "left out, since it is of measured points (a target, a detector of corners) and "
+        "moves no image: {}",
+        fmt::join(of_points, ", ")));
   const LensFit fit = best_lens(projection_of(kept), format_.lenses);
   if (!std::isfinite(fit.rms_px))
     throw InputError(fmt::format("{} has no lens that sees as wide as this model's", format_.name));

@@ -29,12 +29,12 @@ struct StageVariables {
 };
 
 const std::vector<StageVariables>& stages() {
+  static const std::vector<std::string> of_image = {"x",  "y",  "r2", "u", "v",  "cx",
+                                                    "cy", "fx", "fy", "t", "row"};
   static const std::vector<StageVariables> all = {
       {Stage::joint, {"q", "rate", "command", "t"}, {"q"}, kJoints | kPoints | kFrames | kRanges},
-      {Stage::geometry,
-       {"x", "y", "r2", "u", "v", "cx", "cy", "fx", "fy", "t", "row"},
-       {"u", "v"},
-       kPoints | kFrames | kRanges},
+      {Stage::geometry, of_image, {"u", "v"}, kPoints | kFrames | kRanges},
+      {Stage::corner_detector, of_image, {"u", "v"}, kPoints},
       {Stage::radiometry, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
       {Stage::light, {"u", "v", "rho", "t"}, {"gain"}, kPhotometry | kFrames | kRanges},
       {Stage::sensor, {"mean", "t"}, {"mean"}, kPhotometry | kFrames | kRanges},
@@ -85,14 +85,16 @@ constexpr size_t kMostInputs = 64;
 void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
   switch (effect.stage) {
     case Stage::geometry:
-      effect.image_map = [program](Values p, ImagePoint& at) {
-        Outputs out = {at.u, at.v};
-        const double r2 = at.x * at.x + at.y * at.y;
-        program->run(
-            std::array{at.x, at.y, r2, at.u, at.v, at.cx, at.cy, at.fx, at.fy, at.t_s, at.row}, p,
-            out);
-        at.u = out[0], at.v = out[1];
-      };
+    case Stage::corner_detector:
+      (effect.stage == Stage::geometry ? effect.image_map : effect.corner_detector) =
+          [program](Values p, ImagePoint& at) {
+            Outputs out = {at.u, at.v};
+            const double r2 = at.x * at.x + at.y * at.y;
+            program->run(
+                std::array{at.x, at.y, r2, at.u, at.v, at.cx, at.cy, at.fx, at.fy, at.t_s, at.row},
+                p, out);
+            at.u = out[0], at.v = out[1];
+          };
       break;
     case Stage::joint:
       effect.joint_map = [program, columns = effect.columns](Values p, const JointSample& at) {

@@ -64,7 +64,9 @@ ImagePoint image_point(double u, double v, double t_s) {
 
 std::vector<Output> run_geometry(const ModelEffect& effect, const std::vector<double>& at) {
   ImagePoint point = image_point(at[0], at[1], at[2]);
-  effect.definition->image_map(effect.values(), point);
+  const EffectDefinition& definition = *effect.definition;
+  (definition.image_map ? definition.image_map : definition.corner_detector)(effect.values(),
+                                                                             point);
   return {{"u", point.u}, {"v", point.v}};
 }
 
@@ -100,6 +102,7 @@ const std::vector<Trial>& trials() {
        kLargestOutput,
        run_joint},
       {Stage::geometry, {kU, kV, kTime}, kLargestOfImage, run_geometry},
+      {Stage::corner_detector, {kU, kV, kTime}, kLargestOfImage, run_geometry},
       {Stage::radiometry, {kU, kV, kTime}, kLargestOfImage, run_gain},
       {Stage::light, {kU, kV, kTime}, kLargestOfImage, run_gain},
       {Stage::sensor, {{"mean", 0, 255}, kTime}, kLargestOfImage, run_sensor},

@@ -10,8 +10,8 @@
 
 namespace seam::effects {
 
-Projection::Projection(const Model& model, int width_px, int height_px)
-    : width_px_(width_px), height_px_(height_px) {
+Projection::Projection(const Model& model, int width_px, int height_px, Reaches end)
+    : width_px_(width_px), height_px_(height_px), end_(end) {
   if (base_of(model, Base::projection) == nullptr) {
     throw InputError(fmt::format("the model has no '{}', expected one: it makes the image",
                                  base_name(Base::projection)));
@@ -25,12 +25,17 @@ Projection::Projection(const Model& model, int width_px, int height_px)
     if (!camera_of(effect.definition->name).empty())
       throw InputError(fmt::format("'{}' is one camera's own, expected a model of one camera",
                                    effect.definition->name));
-    if (effect.definition->geometry || effect.definition->image_map) effects_.push_back(effect);
+    const EffectDefinition& definition = *effect.definition;
+    const bool lens = definition.geometry || definition.image_map;
+    const bool acts = end == Reaches::detector ? lens || definition.corner_detector
+                                               : lens && !of_points_alone(definition);
+    if (acts) effects_.push_back(effect);
   }
 }
 
 std::string Projection::key() const {
-  std::string key = fmt::format("{}x{};", width_px_, height_px_);
+  std::string key =
+      fmt::format("{}x{}{};", width_px_, height_px_, end_ == Reaches::light ? "" : "d");
   for (const ModelEffect& effect : effects_) key += exact_key(effect);
   return key;
 }
@@ -58,6 +63,13 @@ ImagePoint Projection::project(const Vec3& p_C, double t_s, double row, int chan
   ImagePoint point = before_formulas(p_C, t_s, row, channel);
   for (const ModelEffect& effect : effects_) {
     if (effect.definition->image_map) effect.definition->image_map(effect.values(), point);
+  }
+  point.light_v = point.v;
+  if (end_ == Reaches::detector) {
+    for (const ModelEffect& effect : effects_) {
+      if (effect.definition->corner_detector)
+        effect.definition->corner_detector(effect.values(), point);
+    }
   }
   if (!std::isfinite(point.u) || !std::isfinite(point.v)) point.visible = point.at_edge = false;
   return point;

@@ -11,15 +11,18 @@ namespace seam::effects {
 // What geometry effects read and change, in this order: projection (pinhole sets the intrinsics;
 // fisheye replaces x, y), radial terms, tangential terms, focal length and principal point;
 // then u = fx xd + cx, v = fy yd + cy; then `image_map` hooks (expression effects) act on u, v.
+// Where a detector of corners reports the point, `corner_detector` hooks act last.
 struct ImagePoint {
   Vec3 p_C{0.0};  // The point (or a direction) in the camera's frame: x right, y down, z forward.
   double x = 0, y = 0;    // Normalised pinhole coordinates p.x / p.z, p.y / p.z, before distortion.
   double xd = 0, yd = 0;  // After distortion.
   double fx = 0, fy = 0, cx = 0, cy = 0;  // Pixels.
   double u = 0, v = 0;                    // Pixels; (0, 0) is the centre of the top-left pixel.
-  double t_s = 0;                         // Time of the observation since the set's reference.
-  double row = 0;                         // The (distorted) row at which it is seen.
-  int channel = 1;                        // 0 red, 1 green, 2 blue; grey is green.
+  // v where the light falls, before what a detector of corners makes of it: which row sees it.
+  double light_v = 0;
+  double t_s = 0;   // Time of the observation since the set's reference.
+  double row = 0;   // The (distorted) row at which it is seen.
+  int channel = 1;  // 0 red, 1 green, 2 blue; grey is green.
   int width_px = 0, height_px = 0;
   bool visible = true;   // False when no image point exists (behind the camera, outside the
                          // range in which the distortion is defined).
@@ -56,10 +59,14 @@ double fold_before(double beyond, const Grows& grows) {
   return inside;
 }
 
+// What a projection leads to: where light falls on the sensor (images, files of other programs), or
+// where a detector of corners reports a point (measured points).
+enum class Reaches { light, detector };
+
 // The geometry of one model, ready to project many points.
 class Projection {
  public:
-  Projection(const Model& model, int width_px, int height_px);
+  Projection(const Model& model, int width_px, int height_px, Reaches end = Reaches::light);
 
   // The image point of a point in the camera's frame; invisible ones have `visible` false.
   ImagePoint project(const Vec3& p_C, double t_s = 0, double row = 0, int channel = 1) const;
@@ -82,9 +89,10 @@ class Projection {
  private:
   ImagePoint before_formulas(const Vec3& p_C, double t_s, double row, int channel) const;
 
-  std::vector<ModelEffect> effects_;  // Those with geometry or image_map hooks, in order.
+  std::vector<ModelEffect> effects_;  // Those that act on the way, in order.
   int width_px_;
   int height_px_;
+  Reaches end_;
 };
 
 // X_LC: the camera in its last link after mount effects (includes the camera's axes).

@@ -44,6 +44,11 @@ const StageTemplate kTemplates[] = {
      "      .geometry = [](Values p, ImagePoint& point) { point.cx += p[0]; },\n",
      "  seam::effects::ImagePoint point;\n  effect.geometry(values, point);\n  return point.cx;\n",
      "{\"z_m\", 1}", "u_px", 88.51, 88.7},
+    {"corner_detector", "kPoints", "stages/geometry.h",
+     "      .corner_detector = [](Values p, ImagePoint& point) { point.u += p[0]; },\n",
+     "  seam::effects::ImagePoint point;\n  effect.corner_detector(values, point);\n  return "
+     "point.u;\n",
+     "{\"z_m\", 1}", "u_px", 88.51, 88.7},
     {"radiometry", "kPhotometry | kFrames", "stages/optics.h",
      "      .gain = [](Values p, const ImagePoint& point) { return p[0] == 0 ? 1 : 1 - p[0] * "
      "point.v / point.height_px; },\n",
@@ -192,8 +197,10 @@ void add_new_effect(app::Command app) {
   command
       .add_option(
           "--stage", *stage,
-          "timing, joint, mount, geometry, radiometry, light, sensor, detector, locomotion or "
-          "target")
+          "timing, joint, mount, geometry (the lens, as images show it, too), corner_detector "
+          "(where "
+          "a detector reports a point: measured points alone), radiometry, light, sensor, detector "
+          "(of ranges and bearings), locomotion or target")
       .required();
   command.add_option("--out", *out, "The folder to write (default: NAME)");
   command.footer(

@@ -32,8 +32,9 @@ BodyVelocity rolled(const Wheels& wheels, const BodyVelocity& told) {
 
 BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& told) {
   const BodyVelocity v = walk.wheels.driven ? rolled(walk.wheels, told) : told;
-  return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale),
-          v.omega_radps * (1 + walk.omega_scale)};
+  double omega_radps = v.omega_radps * (1 + walk.omega_scale);
+  if (walk.turn_asymmetry != 0) omega_radps += walk.turn_asymmetry * std::abs(told.omega_radps);
+  return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale), omega_radps};
 }
 
 // The command as followed `t_s` after the state's time.
@@ -108,7 +109,8 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
 }
 
 // Where nothing bends what is followed, it fades from one velocity to another.
-void fade(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
+void fade_one_way(const Locomotion& walk, const BodyVelocity& command, double dt_s,
+                  WalkState& state) {
   const BodyVelocity followed = followed_after(walk, command, state, dt_s);
   move_along({.from = scaled(walk, state.followed),
               .to = scaled(walk, command),
@@ -119,7 +121,28 @@ void fade(const Locomotion& walk, const BodyVelocity& command, double dt_s, Walk
   state.t_s += dt_s;
 }
 
+void fade(const Locomotion& walk, const BodyVelocity& command, double dt_s, WalkState& state) {
+  // A turn to the left and one to the right are not of one law: the way from one to the other is
+  // two, which meet where the body does not turn.
+  const double from = state.followed.omega_radps, to = command.omega_radps;
+  const double still_s = from * to < 0 ? walk.tau_s * maths::log(1 - from / to) : dt_s;
+  if (walk.turn_asymmetry != 0 && still_s < dt_s) {
+    const double left_s = dt_s - still_s;
+    fade_one_way(walk, command, still_s, state);
+    state.followed.omega_radps = 0;
+    dt_s = left_s;
+  }
+  fade_one_way(walk, command, dt_s, state);
+}
+
 }  // namespace
+
+Place Tracker::seen(const Place& body) const {
+  const double c = maths::cos(body.theta_rad), s = maths::sin(body.theta_rad);
+  return {.x_m = body.x_m + (c - 1) * x_m - s * y_m,
+          .y_m = body.y_m + s * x_m + (c - 1) * y_m,
+          .theta_rad = body.theta_rad};
+}
 
 void move_along_arc(const BodyVelocity& v, double dt_s, double& x_m, double& y_m,
                     double& theta_rad) {
@@ -144,6 +167,7 @@ Locomotion locomotion_of(const Model& model) {
   for (const ModelEffect& effect : model.effects()) {
     if (effect.definition->locomotion) effect.definition->locomotion(effect.values(), walk);
     if (effect.definition->velocity_map) walk.formulas.push_back(effect);
+    if (effect.definition->tracker) effect.definition->tracker(effect.values(), walk.tracker);
   }
   return walk;
 }

@@ -39,6 +39,15 @@ struct Wheels {
   }
 };
 
+// The point of the body that a measured pose is of, from where the body turns about: forward, and
+// to the left. Only measurements know of it.
+struct Tracker {
+  double x_m = 0, y_m = 0;
+
+  // Where the point is, from where it was at the start of the way.
+  Place seen(const Place& body) const;
+};
+
 // What the locomotion effects of a model add up to.
 struct Locomotion {
   Wheels wheels;
@@ -46,11 +55,13 @@ struct Locomotion {
   double vy_scale = 0;
   double omega_scale = 0;
   double heading_rad_per_m = 0;
+  double turn_asymmetry = 0;  // Of |omega|: added to turns to the left, taken from the others.
   double tau_s = 0;
   // Random walk: independent steps in body x, y and theta, variance sigma^2 a metre of path.
   double xy_sigma = 0;
   double theta_sigma = 0;
   std::vector<ModelEffect> formulas;  // Expression effects, in order.
+  Tracker tracker;
 };
 
 Locomotion locomotion_of(const Model& model);

@@ -1,5 +1,6 @@
 #include "measurement/kinds/frames/frame_data.h"
 
+#include "effects/questions.h"
 #include "effects/stages/row_schedule.h"
 #include "effects/stages/timing.h"
 #include "measurement/numerics/parallel_for.h"
@@ -45,8 +46,9 @@ FrameJob FrameProtocol::job(size_t frame, const Model& model, const Rig::Motion&
   return job;
 }
 
-std::vector<LightImage> FrameProtocol::render(const Model& model, const std::vector<size_t>& frames,
+std::vector<LightImage> FrameProtocol::render(const Model& whole, const std::vector<size_t>& frames,
                                               Detail detail) const {
+  const Model model = effects::without_points_own(whole);
   const auto frame_predictor = predictor(model, detail);
   const Rig::Motion motion = rig_.motion(model);
   std::vector<LightImage> light(frames.size());

@@ -36,8 +36,9 @@ void copy_scene(const std::filesystem::path& out, const MeasurementSet& protocol
 
 }  // namespace
 
-void measure_frames(const Model& truth, const MeasurementSet& protocol,
+void measure_frames(const Model& whole, const MeasurementSet& protocol,
                     const MeasureOptions& options, const Instruments& instruments) {
+  const Model truth = effects::without_points_own(whole);
   const CsvTable table = protocol.table("frames");
   const FrameProtocol frames(protocol, table, instruments);
   const auto files = table.texts("file");

@@ -35,11 +35,11 @@ effects::ImagePoint PointsPredictor::image_at(size_t row, const Vec3& p_W, doubl
     point = projection.project(motion.to_camera(t, p_W, joint_errors), t, v);
     if (!point.visible) return point;
     // The row at which the point is seen is the fixed point of v -> image row; secant steps.
-    f = point.v - v;
+    f = point.light_v - v;
     if (std::abs(f) < 1e-8) break;
     const double slope = step == 0 || v == previous_v ? -1 : (f - previous_f) / (v - previous_v);
     previous_v = v, previous_f = f;
-    v = std::abs(slope) > 0.1 ? v - f / slope : point.v;
+    v = std::abs(slope) > 0.1 ? v - f / slope : point.light_v;
   }
   // No row sees a point that runs away from each: one far beside the image of a fast camera.
   if (!(std::abs(f) < kSettled_px)) point.visible = false;

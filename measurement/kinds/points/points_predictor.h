@@ -21,8 +21,9 @@ class PointsPredictor {
       : data_(data), places_W_(places_of_rows(data, effects::target_of(model))) {
     for (const CameraView& view : data.cameras) {
       const Model own = model_of(model, view.name);
-      eyes_.push_back({effects::timing_of(own), data.rig.motion(own),
-                       effects::Projection(own, view.width_px, view.height_px)});
+      eyes_.push_back(
+          {effects::timing_of(own), data.rig.motion(own),
+           effects::Projection(own, view.width_px, view.height_px, effects::Reaches::detector)});
     }
   }
 

@@ -35,11 +35,11 @@ effects::ImagePoint seen_at(const RowCamera& camera, const Stretch& stretch,
     const PathPoint path = path_at(stretch, controls, instant_s, /*with_slopes=*/false);
     image =
         camera.cameras.project(path.R * point.p_T + path.middle_C, point.stamp_s, v, point.camera);
-    const double f = image.v - v;
+    const double f = image.light_v - v;
     if (!image.visible || clock.line_delay_s == 0 || std::abs(f) < kExact_px) break;
     const double slope = step == 0 || v == previous_v ? -1 : (f - previous_f) / (v - previous_v);
     previous_v = v, previous_f = f;
-    v = std::abs(slope) > 0.1 ? v - f / slope : image.v;
+    v = std::abs(slope) > 0.1 ? v - f / slope : image.light_v;
   }
   return image;
 }

@@ -5,7 +5,7 @@ namespace seam::effects {
 EffectDefinition point_scatter() {
   return {
       .name = "point_scatter",
-      .stage = Stage::geometry,
+      .stage = Stage::corner_detector,
       .kinds = kPoints,
       .parameters =
           {{.name = "fraction",
