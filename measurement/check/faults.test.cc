@@ -111,8 +111,12 @@ class Faults : public testing::Test {
 
   // A board that is turned a little from view to view; `mirror` and `repeat` spoil one view.
   MeasurementSet board(int mirror, int repeat, double metres = 1, double seconds = 1,
-                       const char* period = "0.5") const {
+                       const char* period = "0.5", int lines = 0) const {
     std::string text = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
+    // Rows of four corners that were seen alone, each with its noise.
+    for (int k = 0; k < 4 * lines; ++k)
+      text += fmt::format("line{0},9,{1},{2},0,0,{3:.4f},{4:.4f}\n", k / 4, k % 4, 0.03 * (k % 4),
+                          200 + 30 * (k % 4) + 0.1 * std::sin(7 * k), 200 + 0.1 * std::cos(9 * k));
     for (int frame = 0; frame < 8; ++frame) {
       const double turn = 0.1 * (frame == repeat ? frame - 1 : frame);
       for (int i = 0; i < 12; ++i) {
@@ -340,6 +344,10 @@ TEST_F(Faults, ViewsThatRepeatOrAreMirroredAreTold) {
   EXPECT_THAT(faults_of_values(board(3, -1)),
               ElementsAre(HasSubstr("1 of 8 views show the target mirrored against the others, the "
                                     "first is 3")));
+  // Points on a line have no handedness.
+  EXPECT_THAT(faults_of_values(board(-1, -1, 1, 1, "0.5", 6)), IsEmpty());
+  EXPECT_THAT(faults_of_values(board(3, -1, 1, 1, "0.5", 6)),
+              ElementsAre(HasSubstr("1 of 8 views show the target mirrored")));
 }
 
 }  // namespace

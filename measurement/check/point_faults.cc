@@ -4,16 +4,19 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "measurement/check/fault_parts.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/pose_of_view.h"
 
 namespace seam::measurement {
 namespace {
 
+// What one camera shows in one frame.
 struct View {
-  std::string name;
+  std::string name, camera;
   Rows rows;
 };
 
@@ -31,13 +34,20 @@ double handedness(const Numbers& x, const Numbers& y, const Numbers& u, const Nu
   return map(0, 0) * map(1, 1) - map(0, 1) * map(1, 0);
 }
 
+// In the order in which they were taken, camera by camera.
 std::vector<View> views_of(const CsvTable& table, const std::string& group) {
   std::vector<View> views;
+  std::map<std::pair<std::string, std::string>, size_t> known;
   for (size_t row = 0; row < table.rows(); ++row) {
-    const std::string name(table.cell(row, table.has("frame") ? "frame" : group));
-    if (views.empty() || views.back().name != name) views.push_back({name, {}});
-    views.back().rows.push_back(row);
+    const std::string frame(table.cell(row, table.has("frame") ? "frame" : group));
+    const std::string camera(table.has("camera") ? table.cell(row, "camera") : "");
+    const auto place = known.emplace(std::pair(camera, frame), views.size());
+    if (place.second)
+      views.push_back({frame + (camera.empty() ? "" : " of camera " + camera), camera, {}});
+    views[place.first->second].rows.push_back(row);
   }
+  std::stable_sort(views.begin(), views.end(),
+                   [](const View& a, const View& b) { return a.camera < b.camera; });
   return views;
 }
 
@@ -72,7 +82,6 @@ void tell_units(const MeasurementSet& set, const CsvTable& table, bool held_befo
 }  // namespace
 
 void point_faults(const MeasurementSet& set, std::vector<std::string>& found) {
-  constexpr size_t kFewest = 4;
   const CsvTable table = set.table("points");
   if (!has_all(table, {"u_px", "v_px", "x_m", "y_m", "z_m", "frame"})) return;
   const Numbers u = table.numbers("u_px"), v = table.numbers("v_px");
@@ -81,19 +90,24 @@ void point_faults(const MeasurementSet& set, std::vector<std::string>& found) {
   const bool held_before_it = set.root.has("rig") && set.root.at("rig").has("pose");
   tell_units(set, table, held_before_it, found);
   const auto views = views_of(table, set.group);
+  const std::optional<double> noise_px = stated_noise_px(set, table);
   size_t mirrored = 0, repeated = 0, looked_at = 0;
   std::string first_mirrored, first_repeated;
   for (size_t i = 0; i < views.size(); ++i) {
     const Rows& rows = views[i].rows;
-    if (rows.size() < kFewest) continue;
-    if (flat && held_before_it) {
+    if (rows.size() < kPointsOfPose) continue;
+    std::vector<Vec3> points_m, image_px;
+    for (const size_t row : rows)
+      points_m.emplace_back(x[row], y[row], z[row]), image_px.emplace_back(u[row], v[row], 0);
+    // Points on a line have no handedness.
+    if (flat && held_before_it && why_no_pose(points_m, image_px, noise_px).empty()) {
       ++looked_at;
       if (handedness(x, y, u, v, rows) < 0 && mirrored++ == 0) first_mirrored = views[i].name;
     }
     const auto same = [&](size_t a, size_t b) {
       return u[a] == u[b] && v[a] == v[b] && x[a] == x[b] && y[a] == y[b] && z[a] == z[b];
     };
-    if (i > 0 &&
+    if (i > 0 && views[i - 1].camera == views[i].camera &&
         std::equal(rows.begin(), rows.end(), views[i - 1].rows.begin(), views[i - 1].rows.end(),
                    same) &&
         repeated++ == 0)

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "effects/stages/geometry.h"
 #include "measurement/numerics/robust.h"
+#include "measurement/sets/pose_of_view.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -21,32 +23,72 @@ Covariate named(const std::string& name, std::vector<double> values,
   return {.name = name, .type = type, .values = std::move(values)};
 }
 
-// A view whose pose is not known and that shows fewer points than a pose has unknowns to be told
-// from tells nothing: its rows take no part, and the facts say so.
-void leave_out_poor_views(CsvTable& table, Facts& facts) {
-  constexpr size_t kLeastPoints = 4;  // Three give up to four poses, and nothing to check them by.
+// What one camera shows in one frame, of a set whose poses are not known.
+struct ViewShown {
+  std::string name;
+  int frame = 0;
+  std::vector<Vec3> points_m, image_px;
+  std::string lack;  // Why its points fix no pose; empty: they do.
+};
+
+std::vector<ViewShown> views_shown(const MeasurementSet& set, const CsvTable& table,
+                                   std::vector<int>& view_of_row) {
+  std::vector<std::string> names;
+  std::vector<std::string> of_row = table.texts("frame");
   std::vector<std::string> frames;
-  const std::vector<int> frame_of_row = number_groups(table.texts("frame"), frames);
-  std::vector<size_t> points(frames.size(), 0);
-  for (const int frame : frame_of_row) ++points[frame];
-  std::vector<std::string> poor;
-  for (size_t frame = 0; frame < frames.size(); ++frame) {
-    if (points[frame] < kLeastPoints) poor.push_back(frames[frame]);
+  const std::vector<int> frame_of_row = number_groups(of_row, frames);
+  for (size_t row = 0; row < table.rows() && table.has("camera"); ++row)
+    of_row[row] += fmt::format(" of camera {}", table.cell(row, "camera"));
+  view_of_row = number_groups(of_row, names);
+  const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"),
+                            z = table.numbers("z_m"), u = table.numbers("u_px"),
+                            v = table.numbers("v_px");
+  const bool weighted = table.has("weight");
+  std::vector<ViewShown> views(names.size());
+  for (size_t row = 0; row < table.rows(); ++row) {
+    ViewShown& view = views[static_cast<size_t>(view_of_row[row])];
+    view.frame = frame_of_row[row];
+    if (weighted && table.cell(row, "weight") == "0") continue;  // Takes no part.
+    view.points_m.emplace_back(x[row], y[row], z[row]);
+    view.image_px.emplace_back(u[row], v[row], 0);
   }
-  if (poor.empty()) return;
-  const std::string needed = fmt::format(
-      "fewer than {} points: that is too few to tell a pose of 6 unknowns and a model by",
-      kLeastPoints);
-  if (poor.size() == frames.size())
-    throw InputError(fmt::format("{}: every view (frame) shows {}", table.file(), needed));
-  const size_t told = std::min<size_t>(poor.size(), 8);
-  facts.notes.push_back(
-      fmt::format("frame {}{} left out, {} of {} views: they show {}",
-                  fmt::join(poor.begin(), poor.begin() + static_cast<std::ptrdiff_t>(told), ", "),
-                  told < poor.size() ? fmt::format(" and {} more", poor.size() - told) : "",
-                  poor.size(), frames.size(), needed));
+  const std::optional<double> noise_px = stated_noise_px(set, table);
+  for (size_t i = 0; i < views.size(); ++i) {
+    views[i].name = names[i];
+    views[i].lack = why_no_pose(views[i].points_m, views[i].image_px, noise_px);
+  }
+  return views;
+}
+
+// A view whose pose is not known, and whose points do not fix one, tells nothing: its rows take no
+// part, and the facts say so. Few points do where another camera sees the same frame.
+void leave_out_poor_views(const MeasurementSet& set, CsvTable& table, Facts& facts) {
+  std::vector<int> view_of_row;
+  std::vector<ViewShown> views = views_shown(set, table, view_of_row);
+  std::set<int> posed;
+  for (const ViewShown& view : views) {
+    if (view.lack.empty()) posed.insert(view.frame);
+  }
+  std::map<std::string, std::vector<std::string>> poor;  // Names of views by what they lack.
+  for (ViewShown& view : views) {
+    if (view.points_m.size() < kPointsOfPose && posed.contains(view.frame)) view.lack.clear();
+    if (!view.lack.empty()) poor[view.lack].push_back(view.name);
+  }
+  for (const auto& [lack, names] : poor) {
+    if (names.size() == views.size())
+      throw InputError(fmt::format("{}: every view (frame) shows {}", table.file(), lack));
+    const size_t told = std::min<size_t>(names.size(), 8);
+    facts.notes.push_back(fmt::format(
+        "frame {}{} left out, {} of {} views: they show {}",
+        fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(told), ", "),
+        told < names.size() ? fmt::format(" and {} more", names.size() - told) : "", names.size(),
+        views.size(), lack));
+  }
+  if (posed.empty())
+    throw InputError(fmt::format("{}: no view (frame) fixes a pose. {}", table.file(),
+                                 fmt::join(facts.notes, ". ")));
   std::vector<char> kept;
-  for (const int frame : frame_of_row) kept.push_back(points[frame] >= kLeastPoints);
+  for (const int view : view_of_row) kept.push_back(views[static_cast<size_t>(view)].lack.empty());
   table.keep_rows(kept);
 }
 
@@ -130,7 +172,7 @@ PointsData read_points(const MeasurementSet& set, Rig rig, bool measured, Facts&
   if (data.camera.width_px == 0) set.root.at("camera").fail("missing");
   CsvTable table = set.table("points");
   if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
-  if (measured && data.rig.type() == Rig::Type::unknown) leave_out_poor_views(table, facts);
+  if (measured && data.rig.type() == Rig::Type::unknown) leave_out_poor_views(set, table, facts);
   facts.set.kind = effects::kPoints;
   facts.title = set.title;
   facts.width_px = data.camera.width_px, facts.height_px = data.camera.height_px;
