@@ -16,6 +16,7 @@ class AssetReader {
 
  private:
   render::Assets assets_;
+  render::AssetFiles files_;
   FilePlaces meshes_, textures_;
 };
 

@@ -33,6 +33,28 @@ std::string file_for_opengl(const Scenario& scenario) {
 
 }  // namespace
 
+render::Assets read_assets(Scenario& scenario) {
+  AssetReader reader;
+  for (ObjectSpec& object : scenario.objects) read_for(object, reader);
+  for (RobotSpec& robot : scenario.robots)
+    for (BodyPart& part : robot.body.parts) read_for(part, reader);
+  return reader.take();
+}
+
+render::Assets read_assets(const SceneFiles& files) {
+  // Each is there once: places are those of the scene.
+  AssetReader reader;
+  for (SceneFiles::MeshFile mesh : files.meshes) reader.mesh(mesh.file, mesh.scale);
+  for (FileName texture : files.textures) reader.texture(texture);
+  return reader.take();
+}
+
+render::Assets read_assets(RobotBody& body) {
+  AssetReader reader;
+  for (BodyPart& part : body.parts) read_for(part, reader);
+  return reader.take();
+}
+
 std::unique_ptr<render::GlDevice> device_for(Scenario& scenario, const std::string& drawing,
                                              const std::string& gl) {
   const std::string needy = file_for_opengl(scenario);
@@ -43,11 +65,7 @@ std::unique_ptr<render::GlDevice> device_for(Scenario& scenario, const std::stri
         scenario.name, needy));
   }
   if (needy.empty() && drawing != "opengl") return nullptr;
-  AssetReader reader;
-  for (ObjectSpec& object : scenario.objects) read_for(object, reader);
-  for (RobotSpec& robot : scenario.robots)
-    for (BodyPart& part : robot.body.parts) read_for(part, reader);
-  return std::make_unique<render::GlDevice>(reader.take(), gl);
+  return std::make_unique<render::GlDevice>(read_assets(scenario), gl);
 }
 
 }  // namespace seam::app

@@ -1,6 +1,6 @@
 #include "app/predictors/frame_predictor.h"
 
-#include "app/asset_reader.h"
+#include "app/scene_assets.h"
 #include "render/cast/ray_store.h"
 #include "render/gl/device.h"
 #include "render/renderer.h"
@@ -47,11 +47,7 @@ class RenderedFrames final : public measurement::FramePredictor {
 
 Device device_of(const SceneFiles& files) {
   if (files.empty()) return nullptr;
-  // In the order of the files, of which each is there once: places are those of the scene.
-  AssetReader reader;
-  for (SceneFiles::MeshFile mesh : files.meshes) reader.mesh(mesh.file, mesh.scale);
-  for (FileName texture : files.textures) reader.texture(texture);
-  return std::make_shared<const render::GlDevice>(reader.take());
+  return std::make_shared<const render::GlDevice>(read_assets(files));
 }
 
 }  // namespace

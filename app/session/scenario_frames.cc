@@ -1,7 +1,9 @@
 #include "app/session/scenario_frames.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "app/camera_warnings.h"
 #include "app/scratch_folder.h"
 #include "app/session/run_session.h"
 #include "app/session/session_outputs.h"
@@ -55,8 +57,13 @@ void visit_frames(Scenario scenario, const SimulatorOptions& options, size_t rob
   simulator.world.restore(beginning);
   scheduler::Rewinder rewinder(log, simulator.world);
   const render::Renderer& camera = simulator.renderer->camera(static_cast<int>(robot));
+  bool is_first = true;
   scheduler::make_frames(rewinder, *simulator.renderer, static_cast<int>(robot), from, to,
-                         [&](const scheduler::FinishedFrame& frame) { visit(frame, camera); });
+                         [&](const scheduler::FinishedFrame& frame) {
+                           if (std::exchange(is_first, false))
+                             warn_of_frame(simulator, robot, *frame.job);
+                           visit(frame, camera);
+                         });
 }
 
 }  // namespace

@@ -31,10 +31,10 @@ inline std::string bytes_of(const Assets& assets) {
   for (const Mesh& mesh : assets.meshes) {
     bytes.add(mesh.vertices), bytes.add(mesh.indices), bytes.add(mesh.parts);
     bytes.add(static_cast<uint64_t>(mesh.pictures.size()));
-    for (const Picture& picture : mesh.pictures) add_picture(picture, bytes);
+    for (const auto& picture : mesh.pictures) add_picture(*picture, bytes);
   }
   bytes.add(static_cast<uint64_t>(assets.textures.size()));
-  for (const Texture& texture : assets.textures) add_picture(texture.picture, bytes);
+  for (const Texture& texture : assets.textures) add_picture(*texture.picture, bytes);
   return bytes.bytes();
 }
 
@@ -46,7 +46,7 @@ inline Assets assets_of(const std::string& text) {
     Mesh mesh;
     bytes.read(mesh.vertices), bytes.read(mesh.indices), bytes.read(mesh.parts);
     for (uint64_t pictures = bytes.number(); pictures > 0; --pictures)
-      mesh.pictures.push_back(read_picture(bytes));
+      mesh.pictures.push_back(std::make_shared<const Picture>(read_picture(bytes)));
     for (const uint32_t index : mesh.indices) {
       if (index >= mesh.vertices.size()) throw InputError("assets: an index beyond the vertices");
     }
@@ -58,7 +58,7 @@ inline Assets assets_of(const std::string& text) {
     assets.meshes.push_back(std::move(mesh));
   }
   for (uint64_t left = bytes.number(); left > 0; --left)
-    assets.textures.push_back({read_picture(bytes), ""});
+    assets.textures.push_back({std::make_shared<const Picture>(read_picture(bytes)), ""});
   return assets;
 }
 

@@ -12,10 +12,11 @@ Assets some_assets() {
         {.p = {0.5f * i, 1, -2}, .n = {0, 0, 1}, .uv = {0, 1}, .rgb = {1, 0, 0}});
   mesh.indices = {0, 1, 2, 2, 1, 3};
   mesh.parts = {{.first = 0, .count = 3}, {.first = 3, .count = 3, .picture = 0}};
-  mesh.pictures.push_back({2, 1, {1, 2, 3, 4, 5, 6}});
+  mesh.pictures.push_back(std::make_shared<Picture>(Picture{2, 1, {1, 2, 3, 4, 5, 6}}));
   Assets assets;
   assets.meshes.push_back(mesh);
-  assets.textures.push_back({{1, 2, {9, 8, 7, 6, 5, 4}}, "fingerprint"});
+  assets.textures.push_back(
+      {std::make_shared<Picture>(Picture{1, 2, {9, 8, 7, 6, 5, 4}}), "fingerprint"});
   return assets;
 }
 
@@ -29,9 +30,9 @@ TEST(AssetsBytes, ComeBackAsTheyWere) {
   ASSERT_EQ(mesh.parts.size(), 2u);
   EXPECT_EQ(mesh.parts[1].picture, 0);
   ASSERT_EQ(mesh.pictures.size(), 1u);
-  EXPECT_EQ(mesh.pictures[0].width_px, 2);
+  EXPECT_EQ(mesh.pictures[0]->width_px, 2);
   ASSERT_EQ(back.textures.size(), 1u);
-  EXPECT_EQ(back.textures[0].picture.rgb, (std::vector<uint8_t>{9, 8, 7, 6, 5, 4}));
+  EXPECT_EQ(back.textures[0].picture->rgb, (std::vector<uint8_t>{9, 8, 7, 6, 5, 4}));
 }
 
 TEST(AssetsBytes, BrokenOnesAreRefused) {
@@ -48,7 +49,7 @@ TEST(AssetsBytes, BrokenOnesAreRefused) {
   beyond.meshes[0].parts[1].picture = 1;
   EXPECT_THROW(assets_of(bytes_of(beyond)), InputError);
   beyond = some_assets();
-  beyond.textures[0].picture.height_px = 3;
+  beyond.textures[0].picture = std::make_shared<Picture>(Picture{1, 3, {9, 8, 7, 6, 5, 4}});
   EXPECT_THROW(assets_of(bytes_of(beyond)), InputError);
 }
 

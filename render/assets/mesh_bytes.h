@@ -3,6 +3,7 @@
 
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -22,7 +23,8 @@ struct ReadMesh {
   std::vector<uint32_t> indices;
   std::vector<MeshPart> parts;
   std::vector<PictureSource> pictures;
-  std::vector<std::string> files;  // All that were read, relative to the folder.
+  std::vector<std::string> files;   // All that were read, relative to the folder.
+  std::vector<std::string> missed;  // And those that were looked for and are not there.
 };
 
 class ByteWriter {
@@ -47,7 +49,7 @@ class ByteWriter {
 // Throws InputError at the end of the bytes.
 class ByteReader {
  public:
-  explicit ByteReader(const std::string& bytes) : bytes_(bytes) {}
+  explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
   uint64_t number() {
     uint64_t value = 0;
     take(&value, 1, sizeof(value));
@@ -74,7 +76,7 @@ class ByteReader {
     if (count > 0) std::memcpy(out, bytes_.data() + at_, count * each);
     at_ += count * each;
   }
-  const std::string& bytes_;
+  std::string_view bytes_;
   size_t at_ = 0;
 };
 
@@ -82,7 +84,19 @@ class ByteReader {
 // for each face.
 void join_flat_faces(ReadMesh& mesh);
 
-// Reads the file by Assimp; runs in the process of its own.
-ReadMesh import_mesh(const std::filesystem::path& folder, const std::string& name);
+constexpr size_t kMostVertices = 8'000'000;
+
+// ".stl", in lower case. Throws InputError where files of this ending are not read.
+std::string mesh_ending(const std::string& name);
+
+// Reads the file, whose bytes are given, by Assimp; runs in the process of its own.
+ReadMesh import_mesh(const std::filesystem::path& folder, const std::string& name,
+                     const std::string& bytes);
+// Of Assimp, which decides with the bytes what a mesh becomes.
+std::string mesh_library_version();
+
+// The same in that process. `limits`: for its time.
+ReadMesh import_mesh_apart(const std::filesystem::path& folder, const std::string& name,
+                           const std::string& bytes, AssetLimits& limits);
 
 }  // namespace seam::render

@@ -4,6 +4,7 @@
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <assimp/version.h>
 #include <dlfcn.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <cstdio>
 #include <map>
 
+#include "render/assets/gltf_limits.h"
 #include "render/assets/mesh_bytes.h"
 #include "sim_core/input/file_names.h"
 
@@ -37,7 +39,9 @@ struct Library {
 
 struct Folder {
   fs::path root;
-  std::vector<std::string> opened;
+  std::string name;          // Of the mesh's file,
+  const std::string& bytes;  // which was read by whoever looked at it first.
+  std::vector<std::string> opened, missed;
 };
 
 Folder& folder_of(aiFileIO* io) {
@@ -69,17 +73,22 @@ aiReturn seek(aiFile* file, size_t offset, aiOrigin origin) {
 }
 void flush_nothing(aiFile*) {}
 
+std::FILE* open_bytes(const std::string& bytes) {
+  return fmemopen(const_cast<char*>(bytes.data()), bytes.size(), "rb");
+}
+
 aiFile* open_inside(aiFileIO* io, const char* name, const char* mode) {
   Folder& folder = folder_of(io);
   const std::string inside =
       fs::path(name).lexically_normal().lexically_relative(folder.root).string();
-  if (mode[0] != 'r' || !why_not_inside(folder.root, inside).empty() ||
-      !fs::is_regular_file(folder.root / inside))
-    return nullptr;
-  std::FILE* const stream = std::fopen((folder.root / inside).c_str(), "rb");
+  if (mode[0] != 'r' || !why_not_inside(folder.root, inside).empty()) return nullptr;
+  std::FILE* const stream = inside == folder.name ? open_bytes(folder.bytes)
+                            : fs::is_regular_file(folder.root / inside)
+                                ? std::fopen((folder.root / inside).c_str(), "rb")
+                                : nullptr;
+  std::vector<std::string>& asked = stream ? folder.opened : folder.missed;
+  if (std::find(asked.begin(), asked.end(), inside) == asked.end()) asked.push_back(inside);
   if (!stream) return nullptr;
-  if (std::find(folder.opened.begin(), folder.opened.end(), inside) == folder.opened.end())
-    folder.opened.push_back(inside);
   return new aiFile{read_some,
                     write_nothing,
                     tell,
@@ -208,36 +217,138 @@ void add_part(const aiMesh& mesh, const Materials& materials, bool y_is_up, Read
   if (part.count > 0) out.parts.push_back(part);
 }
 
-}  // namespace
+// ---- What is left of a file's scene before it is checked ----
 
-ReadMesh import_mesh(const fs::path& folder, const std::string& name) {
-  const Library library;
-  Folder inside{folder.lexically_normal(), {}};
-  aiFileIO io{open_inside, close_file, reinterpret_cast<char*>(&inside)};
+// Readers leave points and lines among triangles, and their faces with names of vertices that are
+// not there.
+void keep_triangles(aiMesh& mesh) {
+  unsigned kept = 0;
+  mesh.mPrimitiveTypes &= static_cast<unsigned>(aiPrimitiveType_NGONEncodingFlag);
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    aiFace& face = mesh.mFaces[f];
+    if (face.mNumIndices < 3) continue;
+    for (unsigned k = 0; k < face.mNumIndices; ++k) {
+      if (face.mIndices[k] >= mesh.mNumVertices)
+        throw InputError(
+            fmt::format("face {} names vertex {} of {}", f, face.mIndices[k], mesh.mNumVertices));
+    }
+    mesh.mPrimitiveTypes |=
+        face.mNumIndices == 3 ? aiPrimitiveType_TRIANGLE : aiPrimitiveType_POLYGON;
+    std::swap(mesh.mFaces[kept].mNumIndices, face.mNumIndices);
+    std::swap(mesh.mFaces[kept].mIndices, face.mIndices);
+    ++kept;
+  }
+  mesh.mNumFaces = kept;
+  mesh.mNumBones = 0, mesh.mBones = nullptr;
+  mesh.mNumAnimMeshes = 0, mesh.mAnimMeshes = nullptr;
+}
+
+constexpr unsigned kGone = ~0u;
+
+// `places`: of each mesh among those that are left.
+void rename_meshes(aiNode* root, const std::vector<unsigned>& places) {
+  for (std::vector<aiNode*> nodes{root}; !nodes.empty();) {
+    aiNode& node = *nodes.back();
+    nodes.pop_back();
+    unsigned kept = 0;
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) {
+      const unsigned mesh = node.mMeshes[i];
+      if (mesh < places.size() && places[mesh] != kGone) node.mMeshes[kept++] = places[mesh];
+    }
+    node.mNumMeshes = kept;
+    if (kept == 0) node.mMeshes = nullptr;
+    nodes.insert(nodes.end(), node.mChildren, node.mChildren + node.mNumChildren);
+  }
+}
+
+// Cameras, lamps and motion are no part of a mesh: whatever is wrong with them does not matter.
+// What is taken out is not freed: the process ends soon.
+void keep_meshes(aiScene& scene) {
+  scene.mNumCameras = 0, scene.mCameras = nullptr;
+  scene.mNumLights = 0, scene.mLights = nullptr;
+  scene.mNumAnimations = 0, scene.mAnimations = nullptr;
+  std::vector<unsigned> places;
+  unsigned kept = 0;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    aiMesh* const mesh = scene.mMeshes[m];
+    keep_triangles(*mesh);
+    places.push_back(mesh->mNumFaces > 0 ? kept : kGone);
+    if (mesh->mNumFaces > 0) scene.mMeshes[kept++] = mesh;
+  }
+  scene.mNumMeshes = kept;
+  if (kept == 0) throw InputError("found no triangles");
+  if (scene.mRootNode) rename_meshes(scene.mRootNode, places);
+}
+
+// A library's reason in words that its users know.
+std::string reason_of(const std::string& raw, const std::string& ending) {
+  if (raw.find("alloc") != std::string::npos)
+    return "it needs more memory than meshes may take, expected a smaller one";
+  std::string reason = fmt::format(
+      "its content is no {} that can be read, expected one that is whole: export it again",
+      ending.substr(1));
+  const bool is_plain = raw.find("ai") == std::string::npos &&
+                        raw.find("::") == std::string::npos &&
+                        raw.find("No suitable reader") == std::string::npos;
+  return is_plain && !raw.empty() ? fmt::format("{} ({})", reason, raw) : reason;
+}
+
+const aiScene& scene_of(const Library& library, Folder& inside, const std::string& ending) {
   constexpr unsigned kSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenNormals |
                               aiProcess_PreTransformVertices | aiProcess_JoinIdenticalVertices |
                               aiProcess_ValidateDataStructure | aiProcess_FlipUVs |
                               aiProcess_GenUVCoords;
-  const aiScene* const scene = library.find<decltype(aiImportFileExWithProperties)>(
-      "aiImportFileExWithProperties")((inside.root / name).c_str(), kSteps, &io, nullptr);
+  aiFileIO io{open_inside, close_file, reinterpret_cast<char*>(&inside)};
+  const aiScene* scene = library.find<decltype(aiImportFileExWithProperties)>(
+      "aiImportFileExWithProperties")((inside.root / inside.name).c_str(), 0, &io, nullptr);
+  if (scene) {
+    keep_meshes(*const_cast<aiScene*>(scene));
+    scene = library.find<decltype(aiApplyPostProcessing)>("aiApplyPostProcessing")(scene, kSteps);
+  }
+  if (!scene)
+    throw InputError(
+        reason_of(library.find<decltype(aiGetErrorString)>("aiGetErrorString")(), ending));
+  return *scene;
+}
+
+}  // namespace
+
+std::string mesh_library_version() {
+  const Library library;
+  return fmt::format("{}.{}.{}.{}",
+                     library.find<decltype(aiGetVersionMajor)>("aiGetVersionMajor")(),
+                     library.find<decltype(aiGetVersionMinor)>("aiGetVersionMinor")(),
+                     library.find<decltype(aiGetVersionPatch)>("aiGetVersionPatch")(),
+                     library.find<decltype(aiGetVersionRevision)>("aiGetVersionRevision")());
+}
+
+ReadMesh import_mesh(const fs::path& folder, const std::string& name, const std::string& bytes) {
+  const Library library;
+  const std::string ending = mesh_ending(name);
+  if (ending == ".gltf" || ending == ".glb") check_gltf(bytes);
+  Folder inside{
+      folder.lexically_normal(), fs::path(name).lexically_normal().string(), bytes, {}, {}};
+  const aiScene& scene = scene_of(library, inside, ending);
   ReadMesh out;
-  if (!scene) throw InputError(library.find<decltype(aiGetErrorString)>("aiGetErrorString")());
-  std::string ending = fs::path(name).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
   const bool y_is_up = ending == ".gltf" || ending == ".glb" || ending == ".dae";
-  Materials materials(library, *scene, out);
+  Materials materials(library, scene, out);
   if (ending == ".dae") materials.set_collada();
-  size_t triangles = 0;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) triangles += scene->mMeshes[m]->mNumFaces;
+  size_t triangles = 0, vertices = 0;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m)
+    triangles += scene.mMeshes[m]->mNumFaces, vertices += scene.mMeshes[m]->mNumVertices;
   if (triangles > kMostTriangles)
     throw InputError(
         fmt::format("found {} triangles, expected at most {}", triangles, kMostTriangles));
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m)
-    add_part(*scene->mMeshes[m], materials, y_is_up, out);
+  if (vertices > kMostVertices)
+    throw InputError(
+        fmt::format("found {} vertices, expected at most {}: join those that are equal", vertices,
+                    kMostVertices));
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m)
+    add_part(*scene.mMeshes[m], materials, y_is_up, out);
   if (out.indices.empty()) throw InputError("found no triangles");
   join_flat_faces(out);
   out.files = inside.opened;
+  out.missed = inside.missed;
   return out;
 }
 

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <numeric>
 
-#include "render/gl/closed_mesh.h"
+#include "render/assets/mesh_clusters.h"
 
 namespace seam::render::gl {
 namespace {
@@ -122,9 +122,10 @@ std::vector<ClusteredMesh> cluster_meshes(Assets& assets) {
   std::vector<ClusteredMesh> meshes;
   for (Mesh& mesh : assets.meshes) {
     ClusteredMesh& clustered = meshes.emplace_back();
-    clustered.turn = turn_seen_from_outside(mesh);
-    for (const MeshPart& part : mesh.parts)
-      clustered.parts.push_back({make_clusters(mesh, part, mesh.indices), one_colour(mesh, part)});
+    prepare_mesh(mesh);
+    clustered.turn = mesh.prepared->turn;
+    for (size_t i = 0; i < mesh.parts.size(); ++i)
+      clustered.parts.push_back({mesh.prepared->clusters[i], one_colour(mesh, mesh.parts[i])});
   }
   return meshes;
 }
@@ -132,8 +133,9 @@ std::vector<ClusteredMesh> cluster_meshes(Assets& assets) {
 MeshDrawer::MeshDrawer(const OffscreenGl& gl, const Assets& assets, Linker link)
     : gl_(gl.api()), fills_piecewise_(gl.on_processor()), assets_(assets), link_(std::move(link)) {
   for (const Texture& texture : assets.textures)
-    textures_.push_back(upload(texture.picture, GL_CLAMP_TO_EDGE));
-  for (const Mesh& mesh : assets.meshes) meshes_.push_back(upload(mesh));
+    textures_.push_back(upload(*texture.picture, GL_CLAMP_TO_EDGE));
+  std::map<const Picture*, GLuint> pictures;
+  for (const Mesh& mesh : assets.meshes) meshes_.push_back(upload(mesh, pictures));
 }
 
 const MeshDrawer::Program& MeshDrawer::program(Writes writes, Form form) {
@@ -181,7 +183,8 @@ void MeshDrawer::set_inputs(const std::vector<float>& values, std::span<const In
   }
 }
 
-MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh) const {
+MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh,
+                                      std::map<const Picture*, GLuint>& pictures) const {
   Loaded loaded;
   gl_.glGenVertexArrays(1, &loaded.vertices);
   gl_.glBindVertexArray(loaded.vertices);
@@ -196,11 +199,13 @@ MeshDrawer::Loaded MeshDrawer::upload(const Mesh& mesh) const {
   gl_.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
   gl_.glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * 4),
                    mesh.indices.data(), GL_STATIC_DRAW);
-  std::vector<GLuint> pictures;
-  for (const Picture& picture : mesh.pictures) pictures.push_back(upload(picture, GL_REPEAT));
+  for (const auto& picture : mesh.pictures) {
+    GLuint& texture = pictures[picture.get()];
+    if (texture == 0) texture = upload(*picture, GL_REPEAT);
+  }
   for (const MeshPart& part : mesh.parts)
     loaded.parts.push_back({{.textured = part.picture >= 0, .flat = part.flat != 0},
-                            part.picture < 0 ? 0 : pictures[part.picture]});
+                            part.picture < 0 ? 0 : pictures[mesh.pictures[part.picture].get()]});
   return loaded;
 }
 

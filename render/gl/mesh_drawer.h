@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "render/assets/assets.h"
-#include "render/gl/mesh_clusters.h"
 #include "render/gl/offscreen/offscreen.h"
 #include "render/gl/shaders.h"
 
@@ -91,7 +90,8 @@ class MeshDrawer {
   };
   void set_inputs(const std::vector<float>& values, std::span<const Input> inputs) const;
   // Places alone; the rest, which takes more than twice as much, where a frame needs it.
-  Loaded upload(const Mesh& mesh) const;
+  // `pictures`: those that are there, which meshes share.
+  Loaded upload(const Mesh& mesh, std::map<const Picture*, GLuint>& pictures) const;
   void upload_looks(size_t place);
 
   const Api& gl_;

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "render/gl/closed_mesh.h"
+#include "render/assets/closed_mesh.h"
 #include "render/gl/device.h"
 #include "render/golden/brute_triangles.h"
 #include "render/renderer.h"
@@ -131,7 +131,7 @@ TEST_F(Files, AMeshInMotionAgreesWithEveryTriangleAlone) {
     Assets assets;
     assets.meshes.push_back(read_mesh(put("ring.obj", ring_obj(10, 5, lambert)), 1));
     EXPECT_EQ(assets.meshes[0].indices.size(), 3u * 2 * 10 * 5);
-    EXPECT_EQ(gl::turn_seen_from_outside(assets.meshes[0]), lambert ? 1 : 0);
+    EXPECT_EQ(turn_seen_from_outside(assets.meshes[0]), lambert ? 1 : 0);
     ASSERT_EQ(assets.meshes[0].pictures.size(), 1u);
     MovingScene scene{[](double t) { return head_camera(0.3, 2.0 * (t - 0.02), -0.1, 0.05); },
                       [&](double t) {
@@ -176,7 +176,7 @@ TEST_F(Files, AMeshOfFlatFacesAgrees) {
   EXPECT_EQ(mesh.parts[0].flat, 1);
   EXPECT_EQ(mesh.vertices.size(), static_cast<size_t>(kAround * kTube));
   EXPECT_EQ(mesh.indices.size(), static_cast<size_t>(3 * 2 * kAround * kTube));
-  EXPECT_EQ(gl::turn_seen_from_outside(mesh), 1);
+  EXPECT_EQ(turn_seen_from_outside(mesh), 1);
   MovingScene scene{[](double t) { return head_camera(0.3, 2.0 * (t - 0.02), -0.1, 0.05); },
                     [&](double t) {
                       return std::vector<Primitive>{

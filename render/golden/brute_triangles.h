@@ -72,7 +72,7 @@ inline void meet_mesh(const Mesh& mesh, const Primitive& primitive, const Vec3& 
         for (int a = 0; a < 3; ++a) best.rgb[a] += weight[k] * corner[k]->rgb[a];
       }
       const Rgb look =
-          part.picture < 0 ? Rgb{1, 1, 1} : texel(mesh.pictures[part.picture], u, v, true);
+          part.picture < 0 ? Rgb{1, 1, 1} : texel(*mesh.pictures[part.picture], u, v, true);
       for (int a = 0; a < 3; ++a) best.rgb[a] *= look[a] * primitive.rgb[a];
       if (part.flat != 0) normal = glm::cross(e1, e2);
       normal = primitive.X_WO.R * (normal / std::sqrt(glm::dot(normal, normal)));
@@ -108,7 +108,7 @@ inline Rgb radiance_of(const BruteScene& scene, const std::vector<Primitive>& pr
       meet_mesh(scene.assets.meshes[primitive.asset - 1], primitive, from, toward, best);
     else
       meet_rectangle(
-          primitive.asset == 0 ? nullptr : &scene.assets.textures[primitive.asset - 1].picture,
+          primitive.asset == 0 ? nullptr : scene.assets.textures[primitive.asset - 1].picture.get(),
           primitive, from, toward, best);
   }
   if (best.t > 1e29) return scene.background;

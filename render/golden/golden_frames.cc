@@ -135,9 +135,9 @@ std::string golden_frame_lines(int threads) {
 
 std::string opengl_frame_lines() {
   Assets assets;
-  assets.textures.push_back({waves(), ""});
+  assets.textures.push_back({std::make_shared<Picture>(waves()), ""});
   assets.meshes.push_back(ring());
-  assets.meshes[0].pictures.push_back(waves());
+  assets.meshes[0].pictures.push_back(std::make_shared<Picture>(waves()));
   const GlDevice device(std::move(assets), testing::gl_source());
   std::vector<GoldenFrame> frames = golden_frames();
   for (const bool lambert : {false, true}) {

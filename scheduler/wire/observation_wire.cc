@@ -16,7 +16,7 @@ void joints_to(const RobotSensors& sensors, const JointReading& reading, v1::Joi
   wire.set_tilt_rad(joints_rad[kTilt]);
   wire.set_pan_rad(joints_rad[kPan]);
   wire.set_roll_rad(joints_rad[kRoll]);
-  wire.mutable_legs_rad()->Add(joints_rad.begin() + kHeadJoints, joints_rad.end());
+  wire.mutable_legs_rad()->Add(joints_rad.begin() + kHeadJoints, joints_rad.begin() + kJoints);
 }
 
 void sensors_to(const Observation& observation, v1::Sensors& wire) {

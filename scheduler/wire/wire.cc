@@ -61,9 +61,9 @@ std::optional<FieldError> joints_from(const v1::Decision& wire, RobotCommand& co
     JointFrame joint_frame{SimDuration::from_ns(frame.offset_ns()), {}};
     for (int k = 0; k < frame.targets_size(); ++k) {
       const v1::JointTarget& target = frame.targets(k);
-      if (target.joint() >= kJoints)
+      if (target.joint() >= kMostJoints)
         return error(fmt::format("joints[{}].targets[{}].joint", i, k), target.joint(),
-                     fmt::format("a number from 0 to {}", kJoints - 1));
+                     fmt::format("a number from 0 to {}", kMostJoints - 1));
       joint_frame.targets.push_back(
           {static_cast<int>(target.joint()), target.angle_rad(), target.max_speed_rad_s()});
     }
@@ -175,12 +175,12 @@ void action_to(const SupervisorAction& action, const std::vector<std::string>& r
 }  // namespace
 
 std::optional<FieldError> unfit_for(const RobotBody& body, const v1::Decision& wire) {
-  if (!body.tree.present()) return std::nullopt;
-  if (wire.has_head())
+  const bool is_tree = body.tree.present();
+  if (is_tree && wire.has_head())
     return FieldError{"head", fmt::format("a {} has no head with tilt, pan and roll, expected "
                                           "joints by their numbers",
                                           body.name)};
-  if (wire.kick() != v1::KICK_NONE)
+  if (is_tree && wire.kick() != v1::KICK_NONE)
     return FieldError{"kick", fmt::format("a {} has no kicks", body.name)};
   for (int i = 0; i < wire.joints_size(); ++i) {
     for (int k = 0; k < wire.joints(i).targets_size(); ++k) {

@@ -17,9 +17,8 @@ constexpr uint64_t kMaxPixels = 64'000'000;
 constexpr uint64_t kMaxPngBytes = uint64_t{512} << 20;
 
 struct PngBytes {
-  std::string bytes;
+  std::string_view bytes;
   size_t position = 0;
-  std::string message;
 };
 
 void on_error(png_structp png, png_const_charp message) {
@@ -46,45 +45,89 @@ Image read_png(const std::filesystem::path& path) {
   return decode_png(read_file(path, kMaxPngBytes), path.string());
 }
 
-Image decode_png(std::string bytes, const std::string& name) {
-  PngBytes reader{std::move(bytes), 0, {}};
+namespace {
+
+// Frees what libpng holds, whichever way is taken out.
+struct PngReader {
   std::string message;
-  Image image;
-  std::vector<png_byte> row;
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &message, on_error, on_warning);
   png_infop info = png_create_info_struct(png);
-  if (setjmp(png_jmpbuf(png)) != 0) {
-    png_destroy_read_struct(&png, &info, nullptr);
-    throw InputError(fmt::format("{}: not a readable PNG: {}", name, message));
-  }
-  png_set_read_fn(png, &reader, read_bytes);
-  png_read_info(png, info);
-  image.width_px = static_cast<int>(png_get_image_width(png, info));
-  image.height_px = static_cast<int>(png_get_image_height(png, info));
-  image.bits = png_get_bit_depth(png, info);
-  const int colour = png_get_color_type(png, info);
-  if (static_cast<uint64_t>(image.width_px) * image.height_px > kMaxPixels)
+  ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+// The two below: false with a message where libpng gives up. No object with a destructor may be
+// made in them, for longjmp skips it.
+bool read_header(PngReader& reader, PngBytes& bytes, PngHeader& header) {
+  png_structp const png = reader.png;
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_read_fn(png, &bytes, read_bytes);
+  png_read_info(png, reader.info);
+  header.width_px = static_cast<int>(png_get_image_width(png, reader.info));
+  header.height_px = static_cast<int>(png_get_image_height(png, reader.info));
+  header.bits = png_get_bit_depth(png, reader.info);
+  const int colour = png_get_color_type(png, reader.info);
+  if (static_cast<uint64_t>(header.width_px) * header.height_px > kMaxPixels)
     png_error(png, "more than 64 million pixels");
-  if (image.bits < 8) png_set_expand_gray_1_2_4_to_8(png), image.bits = 8;
+  if (header.bits < 8) png_set_expand_gray_1_2_4_to_8(png), header.bits = 8;
   if (colour == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
   if ((colour & PNG_COLOR_MASK_ALPHA) != 0) png_set_strip_alpha(png);
-  png_read_update_info(png, info);
-  image.channels = png_get_channels(png, info);
-  if (image.channels != 1 && image.channels != 3) png_error(png, "expected grey or RGB");
-  if (png_get_interlace_type(png, info) != PNG_INTERLACE_NONE)
+  png_read_update_info(png, reader.info);
+  header.channels = png_get_channels(png, reader.info);
+  if (header.channels != 1 && header.channels != 3) png_error(png, "expected grey or RGB");
+  if (png_get_interlace_type(png, reader.info) != PNG_INTERLACE_NONE)
     png_error(png, "interlaced, expected plain rows");
-  row.resize(png_get_rowbytes(png, info));
-  image.samples.reserve(static_cast<size_t>(image.width_px) * image.height_px * image.channels);
-  for (int v = 0; v < image.height_px; ++v) {
-    png_read_row(png, row.data(), nullptr);
-    const size_t count = static_cast<size_t>(image.width_px) * image.channels;
-    for (size_t i = 0; i < count; ++i) {
-      image.samples.push_back(
-          image.bits == 16 ? static_cast<uint16_t>(row[2 * i] << 8 | row[2 * i + 1]) : row[i]);
-    }
+  return true;
+}
+
+bool read_row(PngReader& reader, png_bytep row) {
+  if (setjmp(png_jmpbuf(reader.png)) != 0) return false;
+  png_read_row(reader.png, row, nullptr);
+  return true;
+}
+bool read_end(PngReader& reader) {
+  if (setjmp(png_jmpbuf(reader.png)) != 0) return false;
+  png_read_end(reader.png, nullptr);
+  return true;
+}
+
+}  // namespace
+
+void read_png_rows(std::string_view bytes, const std::string& name,
+                   const std::function<void(const PngHeader&)>& begin,
+                   const std::function<void(std::span<const uint8_t>)>& row) {
+  PngBytes source{bytes};
+  PngReader reader;
+  PngHeader header;
+  const auto fail = [&] {
+    throw InputError(fmt::format("{}: not a readable PNG: {}", name, reader.message));
+  };
+  if (!read_header(reader, source, header)) fail();
+  begin(header);
+  std::vector<png_byte> read(png_get_rowbytes(reader.png, reader.info));
+  for (int v = 0; v < header.height_px; ++v) {
+    if (!read_row(reader, read.data())) fail();
+    row(read);
   }
-  png_read_end(png, nullptr);
-  png_destroy_read_struct(&png, &info, nullptr);
+  if (!read_end(reader)) fail();
+}
+
+Image decode_png(std::string bytes, const std::string& name) {
+  Image image;
+  read_png_rows(
+      bytes, name,
+      [&](const PngHeader& header) {
+        image = header;
+        image.samples.reserve(static_cast<size_t>(image.width_px) * image.height_px *
+                              image.channels);
+      },
+      [&](std::span<const uint8_t> row) {
+        if (image.bits == 8) {
+          image.samples.insert(image.samples.end(), row.begin(), row.end());
+          return;
+        }
+        for (size_t i = 0; i + 1 < row.size(); i += 2)
+          image.samples.push_back(static_cast<uint16_t>(row[i] << 8 | row[i + 1]));
+      });
   return image;
 }
 

@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace seam {
@@ -29,6 +32,15 @@ struct Image {
 Image read_png(const std::filesystem::path& path);
 // The same of a file's bytes; `name` is what errors call it.
 Image decode_png(std::string bytes, const std::string& name);
+
+// A picture's size and form: an Image without its samples.
+using PngHeader = Image;
+// The same row by row, for those that keep less of it: `begin` is called with what the header says,
+// before memory is taken for pixels, then `row` with each row's bytes, samples of 16 bits with the
+// higher byte first. Either may throw.
+void read_png_rows(std::string_view bytes, const std::string& name,
+                   const std::function<void(const PngHeader&)>& begin,
+                   const std::function<void(std::span<const uint8_t>)>& row);
 
 // The bytes of a PNG file.
 std::string encode_png(const Image& image);

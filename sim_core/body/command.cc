@@ -18,9 +18,9 @@ std::optional<std::string> out_of_range(const std::string& field, double value, 
 
 std::optional<std::string> invalid_target(const std::string& field, const JointTarget& target) {
   using Limits = CommandLimits;
-  if (target.joint < 0 || target.joint >= kJoints) {
+  if (target.joint < 0 || target.joint >= kMostJoints) {
     return fmt::format("{}.joint: found {}, expected a joint from 0 to {}", field, target.joint,
-                       kJoints - 1);
+                       kMostJoints - 1);
   }
   const double angle = Limits::kMaxAngleRad;
   if (auto bad = out_of_range(field + ".angle_rad", target.angle_rad, -angle, angle)) return bad;

@@ -47,7 +47,7 @@ struct RobotCommand {
 // The limits that no command may exceed, whatever the robot.
 struct CommandLimits {
   static constexpr int kMaxJointFrames = 64;
-  static constexpr int kMaxTargetsAFrame = kJoints;
+  static constexpr int kMaxTargetsAFrame = kMostJoints;
   static constexpr double kMaxAngleRad = 7;
   static constexpr double kMaxSpeedRadps = 100;
   static constexpr double kMaxWalkMps = 10;

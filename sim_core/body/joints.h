@@ -1,4 +1,4 @@
-// The joints of an ERS-210, by index.
+// The joints of an ERS-210, by index; of other robots as many as their trees have.
 #pragma once
 
 #include <array>
@@ -50,6 +50,8 @@ constexpr int leg_joint(int leg, int joint) {
   return kHeadJoints + leg * kJointsALeg + joint;
 }
 
-using JointAngles = std::array<double, kJoints>;
+// Of a robot of any build: humanoids with hands have some 60.
+inline constexpr int kMostJoints = 64;
+using JointAngles = std::array<double, kMostJoints>;
 
 }  // namespace seam

@@ -94,8 +94,9 @@ std::optional<std::string> KinematicTree::drive(size_t place) {
   if (link.joint.empty())
     return fmt::format("the joint of link '{}' moves and has no name", link.name);
   if (joint_called(link.joint)) return fmt::format("two joints are called '{}'", link.joint);
-  if (driven_.size() == kJoints)
-    return fmt::format("more than {} joints that move, of which '{}' is one", kJoints, link.joint);
+  if (driven_.size() == kMostJoints)
+    return fmt::format("more than {} joints that move, of which '{}' is one", kMostJoints,
+                       link.joint);
   connections_[place].joint = driven_.size();
   driven_.push_back(place);
   return std::nullopt;

@@ -174,6 +174,10 @@ void describe_legs(ConfigTable& table, RobotBody& body) {
 
 }  // namespace
 
+const std::string& shape_name(Shape shape) {
+  return kShapeNames.at(static_cast<size_t>(shape));
+}
+
 const KickSpec& RobotBody::kick(Kick kick) const {
   static const KickSpec kNone;
   const auto index = static_cast<size_t>(kick);

@@ -87,6 +87,7 @@ struct KickSpec {
 
 struct RobotBody {
   std::string name = "robot";
+  std::vector<std::string> notes;  // Warnings of the reader: what of its file is left out.
   KinematicTree tree;
   // Of a tree: whether walk commands move its base, and how high the root's frame is over ground.
   bool moves = false;
@@ -97,7 +98,7 @@ struct RobotBody {
   Vec3 tilt_axis_m{0.075, 0, 0.05};
   double roll_height_m = 0.048;
   double camera_forward_m = 0.0666;
-  std::array<JointLimits, kJoints> joints;
+  std::array<JointLimits, kMostJoints> joints;
   // Legs.
   double shoulder_x_m = 0.065;
   double shoulder_y_m = 0.0625;
@@ -127,6 +128,9 @@ struct RobotBody {
   Rgb blue_rgb{0.02, 0.03, 0.3};
   std::vector<BodyPart> parts;
 };
+
+// As files call it.
+const std::string& shape_name(Shape shape);
 
 void describe(ConfigTable& table, RobotBody& body);
 

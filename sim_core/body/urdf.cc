@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -44,8 +45,7 @@ class UrdfReader {
     const XMLElement* const root = document.RootElement();
     if (!root || std::string_view(root->Name()) != "robot")
       fail(root ? root->GetLineNum() : 1, "found no <robot>, expected a URDF file");
-    if (root->Attribute("xmlns:xacro"))
-      fail(root->GetLineNum(), "found a xacro file, expected URDF: expand it with `xacro FILE`");
+    refuse_xacro(*root);
     body_.name = attribute(*root, "name");
     for (const XMLElement& material : all(*root, "material")) read_material(material);
     for (const XMLElement& joint : all(*root, "joint")) read_joint(joint);
@@ -60,6 +60,31 @@ class UrdfReader {
   [[noreturn]] void fail(int line, fmt::format_string<Values...> text, Values&&... values) const {
     throw InputError(fmt::format("{}, line {}: {}", path_.string(), line,
                                  shown(fmt::format(text, std::forward<Values>(values)...))));
+  }
+
+  template <typename... Values>
+  void note(int line, fmt::format_string<Values...> text, Values&&... values) {
+    body_.notes.push_back(fmt::format("{}, line {}: {}", path_.string(), line,
+                                      shown(fmt::format(text, std::forward<Values>(values)...))));
+  }
+
+  // xacro leaves its namespace on <robot>: only what it would have replaced is unexpanded.
+  void refuse_xacro(const XMLElement& element) const {
+    const auto refuse = [&](const std::string& found) {
+      fail(element.GetLineNum(),
+           "found {}, which is xacro, expected URDF: expand it with `xacro FILE`", found);
+    };
+    if (std::string_view(element.Name()).starts_with("xacro:"))
+      refuse(fmt::format("<{}>", element.Name()));
+    const auto look = [&](const char* text) {
+      for (const char* const opening : {"${", "$("})
+        if (text && std::strstr(text, opening)) refuse(fmt::format("'{}'", text));
+    };
+    for (auto* value = element.FirstAttribute(); value; value = value->Next()) look(value->Value());
+    for (auto* node = element.FirstChild(); node; node = node->NextSibling()) {
+      if (node->ToText()) look(node->Value());
+      if (node->ToElement()) refuse_xacro(*node->ToElement());
+    }
   }
 
   static std::vector<std::reference_wrapper<const XMLElement>> all(const XMLElement& in,
@@ -108,7 +133,7 @@ class UrdfReader {
   }
   double length(const XMLElement& element, const char* name) const {
     const double value = numbers(element, name, 1).front();
-    if (!(value > 0)) fail(element.GetLineNum(), "{}=\"{}\": expected more than 0", name, value);
+    if (!(value >= 0)) fail(element.GetLineNum(), "{}=\"{}\": expected at least 0", name, value);
     return value;
   }
   Vec3 vector(const XMLElement& element, const char* name, const Vec3& otherwise) const {
@@ -247,36 +272,46 @@ class UrdfReader {
         else if (name && colours_.contains(name))
           part.rgb = colours_.at(name);
       }
-      read_geometry(child(visual, "geometry"), part);
-      body_.parts.push_back(std::move(part));
+      const XMLElement& geometry = child(visual, "geometry");
+      if (read_geometry(geometry, part))
+        body_.parts.push_back(std::move(part));
+      else
+        note(geometry.GetLineNum(), "the shape of link '{}' has no volume and is left out",
+             body_.tree.links[place].name);
     }
   }
 
-  void read_geometry(const XMLElement& geometry, BodyPart& part) {
+  // False where it has no volume: a placeholder, which viewers do not draw either.
+  bool read_geometry(const XMLElement& geometry, BodyPart& part) {
     if (const XMLElement* const box = geometry.FirstChildElement("box")) {
       part.shape = Shape::box;
-      part.size_m = vector(*box, "size", Vec3(0.0));
-      if (!(std::min({part.size_m.x, part.size_m.y, part.size_m.z}) > 0))
-        fail(box->GetLineNum(), "<box> without its three edges of more than 0");
+      const std::vector<double> edges = numbers(*box, "size", 3);
+      const double least = *std::min_element(edges.begin(), edges.end());
+      if (least < 0)
+        fail(box->GetLineNum(), "<box> with an edge of {}, expected at least 0", least);
+      part.size_m = {edges[0], edges[1], edges[2]};
+      return least > 0;
     } else if (const XMLElement* const sphere = geometry.FirstChildElement("sphere")) {
       part.shape = Shape::sphere;
       part.size_m = {length(*sphere, "radius"), 0, 0};
+      return part.size_m.x > 0;
     } else if (const XMLElement* const cylinder = geometry.FirstChildElement("cylinder")) {
       part.shape = Shape::cylinder;
       part.size_m = {length(*cylinder, "radius"), 0, length(*cylinder, "length")};
       // Of a URDF's cylinder the origin is the middle.
       const Mat3 R = rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z);
       part.centre_m -= 0.5 * part.size_m.z * R[2];
+      return part.size_m.x > 0 && part.size_m.z > 0;
     } else if (const XMLElement* const mesh = geometry.FirstChildElement("mesh")) {
       part.shape = Shape::mesh;
-      read_mesh(*mesh, part);
-    } else {
-      fail(geometry.GetLineNum(), "<geometry> has no box, cylinder, sphere or mesh");
+      return read_mesh(*mesh, part);
     }
+    fail(geometry.GetLineNum(), "<geometry> has no box, cylinder, sphere or mesh");
   }
 
-  void read_mesh(const XMLElement& mesh, BodyPart& part) const {
+  bool read_mesh(const XMLElement& mesh, BodyPart& part) const {
     const Vec3 scale = vector(mesh, "scale", Vec3(1.0));
+    if (scale.x == 0 || scale.y == 0 || scale.z == 0) return false;
     if (!(scale.x > 0) || scale.y != scale.x || scale.z != scale.x)
       fail(mesh.GetLineNum(),
            "scale=\"{} {} {}\": expected the same number of more than 0 along each axis", scale.x,
@@ -292,6 +327,7 @@ class UrdfReader {
     // What is in the colours of its own file stays so.
     if (!part.mesh.name.ends_with(".stl") && !part.mesh.name.ends_with(".STL"))
       part.rgb = {1, 1, 1};
+    return true;
   }
 
   // Relative to the folder.

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <utility>
+#include <vector>
 
 #include "sim_core/base/error.h"
 #include "sim_core/scenario/scenario.h"
@@ -116,8 +118,71 @@ TEST_F(Urdf, BadFilesAreNamedWithTheirLine) {
   expect_error(two + joint("j", "a", "b", "fixed", "<origin xyz=\"0 0\"/>"), "found 2 numbers");
   expect_error("", "found no links");
   expect_error("<link", "found no XML");
-  std::ofstream(folder_ / "robot.urdf") << "<robot name=\"r\" xmlns:xacro=\"x\"/>";
-  EXPECT_THROW(body_from_urdf({"robot.urdf", folder_.string(), ""}, {}), InputError);
+}
+
+// xacro leaves its namespace on what it has expanded.
+TEST_F(Urdf, OnlyWhatIsNotExpandedIsXacro) {
+  const auto why_not = [&](const std::string& inside) -> std::string {
+    std::ofstream(folder_ / "robot.urdf")
+        << "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n"
+        << inside << "</robot>";
+    try {
+      body_from_urdf({"robot.urdf", folder_.string(), ""}, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string link = "<link name=\"a\"/>\n";
+  EXPECT_EQ(why_not(link + "<!-- <xacro:arm/> ${width} -->"), "");
+  EXPECT_EQ(why_not("<link name=\"a\"><collision name=\"$5\"/></link>"), "");
+  for (const auto& [inside, found] : std::vector<std::pair<std::string, std::string>>{
+           {link + "<xacro:property name=\"w\" value=\"1\"/>", "line 3: found <xacro:property>"},
+           {"<link name=\"a\">\n<xacro:if value=\"1\"/></link>", "line 3: found <xacro:if>"},
+           {link + "<link name=\"${side}_b\"/>", "line 3: found '${side}_b'"},
+           {link + "<gazebo><file>$(find arm)/a.yaml</file></gazebo>", "'$(find arm)/a.yaml'"}}) {
+    EXPECT_NE(why_not(inside).find(found), std::string::npos) << why_not(inside);
+    EXPECT_NE(why_not(inside).find("expand it with `xacro FILE`"), std::string::npos);
+  }
+}
+
+TEST_F(Urdf, ShapesWithoutVolumeAreLeftOutAndSaid) {
+  const auto link = [](const std::string& shape) {
+    return "<link name=\"hand\">\n<visual><geometry>" + shape + "</geometry></visual></link>";
+  };
+  for (const char* shape :
+       {"<box size=\"0 0 0\"/>", "<box size=\"0.1 0 0.1\"/>", "<sphere radius=\"0\"/>",
+        "<cylinder radius=\"0\" length=\"1\"/>", "<cylinder radius=\"0.1\" length=\"0.0\"/>",
+        "<mesh filename=\"none.stl\" scale=\"0 0 0\"/>"}) {
+    const RobotBody body = read(link(shape));
+    EXPECT_TRUE(body.parts.empty()) << shape;
+    ASSERT_EQ(body.notes.size(), 1u) << shape;
+    EXPECT_NE(body.notes[0].find("robot.urdf, line 3: the shape of link 'hand' has no volume"),
+              std::string::npos)
+        << body.notes[0];
+  }
+  EXPECT_EQ(read(link("<box size=\"1 1 1\"/>")).notes.size(), 0u);
+  expect_error(link("<box size=\"1 -1 1\"/>"), "an edge of -1, expected at least 0");
+  expect_error(link("<box/>"), "<box> has no size");
+  expect_error(link("<sphere radius=\"-1\"/>"), "expected at least 0");
+  expect_error(link("<sphere/>"), "<sphere> has no radius");
+}
+
+TEST_F(Urdf, HumanoidsHaveSixtyFourJoints) {
+  const auto chain = [](int joints) {
+    std::string text = "<link name=\"l0\"/>";
+    for (int i = 1; i <= joints; ++i)
+      text += "<link name=\"l" + std::to_string(i) + "\"/>" +
+              joint("j" + std::to_string(i), "l" + std::to_string(i - 1), "l" + std::to_string(i),
+                    "continuous");
+    return text;
+  };
+  RobotBody body = read(chain(64));
+  EXPECT_EQ(body.tree.connect(), std::nullopt);
+  EXPECT_EQ(body.joint_count(), 64u);
+  EXPECT_EQ(body.joint_name(63), "j64");
+  body = read(chain(65));
+  EXPECT_NE(body.tree.connect().value_or("").find("more than 64 joints"), std::string::npos);
 }
 
 TEST_F(Urdf, AScenarioHoldsTheWholeRobot) {

@@ -124,7 +124,7 @@ void describe_servos(ConfigTable& table, RobotSpec& robot) {
   if (robot.servos.empty() && table.writes()) return;
   table.list(
       {"servos", "Joints with models of their own, in place of the camera model's joint effects."},
-      robot.servos.size(), kJoints, [&](size_t count) { robot.servos.resize(count); },
+      robot.servos.size(), kMostJoints, [&](size_t count) { robot.servos.resize(count); },
       [&](ConfigTable& t, size_t i) { describe_servo(t, robot.servos[i]); });
   for (const JointServo& servo : robot.servos) {
     bool known = false;
@@ -318,6 +318,14 @@ std::string Scenario::schema() {
   Scenario scenario;
   return config_schema("SEAM scenario",
                        [&](ConfigTable& table) { describe_scenario(table, scenario, true); });
+}
+
+std::vector<std::string> Scenario::notes() const {
+  std::vector<std::string> all;
+  for (const RobotSpec& robot : robots)
+    for (const std::string& note : robot.body.notes)
+      if (std::find(all.begin(), all.end(), note) == all.end()) all.push_back(note);
+  return all;
 }
 
 size_t Scenario::robot_index(const std::string& id) const {

@@ -161,6 +161,9 @@ struct Scenario {
   // JSON Schema (docs/schemas/scenario.schema.json).
   static std::string schema();
 
+  // Warnings of those who read the robots' files, each once.
+  std::vector<std::string> notes() const;
+
   // Index of the robot with this id, or robots.size().
   size_t robot_index(const std::string& id) const;
 };

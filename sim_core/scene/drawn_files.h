@@ -3,9 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
-#include <tuple>
+#include <utility>
 
 #include "sim_core/input/config_table.h"
 
@@ -26,7 +27,7 @@ inline void describe_texture(ConfigTable& table, FileName& file) {
       file);
 }
 
-// The files of one sort, each once: their places, from 1 on.
+// The files of one sort, each once whatever it is called: their places, from 1 on.
 class FilePlaces {
  public:
   struct Place {
@@ -34,13 +35,15 @@ class FilePlaces {
     bool is_new;
   };
   Place of(const FileName& file, double scale = 1) {
+    const std::filesystem::path path = std::filesystem::path(file.folder) / file.name;
     const auto next = static_cast<uint32_t>(places_.size()) + 1;
-    const auto [found, is_new] = places_.try_emplace({file.folder, file.name, scale}, next);
+    const auto [found, is_new] =
+        places_.try_emplace({path.lexically_normal().string(), scale}, next);
     return {found->second, is_new};
   }
 
  private:
-  std::map<std::tuple<std::string, std::string, double>, uint32_t> places_;
+  std::map<std::pair<std::string, double>, uint32_t> places_;
 };
 
 }  // namespace seam

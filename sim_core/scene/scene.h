@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "sim_core/base/pose.h"
@@ -67,7 +68,7 @@ struct Lighting {
 struct Posture {
   Vec3 turn_rad{0.0};  // R_WB = Rz(z) Ry(y) Rx(x).
   Vec3 p_WB{0.0};
-  std::array<double, 15> joints_rad{};  // As JointAngles.
+  std::array<double, 64> joints_rad{};  // As JointAngles.
 };
 
 // What moves by its joints: a robot. A frame samples its light at many instants, at most of which
@@ -80,6 +81,8 @@ class Figure {
   virtual void add_parts(const Posture& posture, std::vector<Primitive>& out) const = 0;
   // No point of the balls about its parts (bounding_ball.h) is ever farther from p_WB.
   virtual double radius_m() const = 0;
+  // What people call one of them.
+  virtual std::string part_name(size_t) const { return "a figure"; }
   // No point of these balls is farther from where it is in the other posture.
   virtual double motion_bound_m(const Posture& a, const Posture& b) const = 0;
 };

@@ -1,5 +1,7 @@
 #include "sim_core/world/robot_figure.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -55,7 +57,7 @@ RobotFigure::RobotFigure(const RobotSpec& spec, uint16_t object_id, Parts parts)
   const double upper_m = maths::length(body.upper_leg_offset_m, body.upper_leg_m);
   for (const BodyPart& part : body.parts) {
     if (parts == Parts::before_own_lens && is_behind_lens(body, part)) continue;
-    parts_.push_back({part.link, on_link(spec, part, object_id)});
+    parts_.push_back({&part, on_link(spec, part, object_id)});
     const double extent = extent_m(parts_.back().on_link);
     double from_body_m = extent;
     if (body.tree.present()) {
@@ -80,8 +82,17 @@ void RobotFigure::add_parts(const Posture& posture, std::vector<Primitive>& out)
   for (Pose& X : X_WLinks) X = X_WB * X;
   for (const Part& part : parts_) {
     out.push_back(part.on_link);
-    out.back().X_WO = X_WLinks[part.link] * part.on_link.X_WO;
+    out.back().X_WO = X_WLinks[part.part->link] * part.on_link.X_WO;
   }
+}
+
+std::string RobotFigure::part_name(size_t index) const {
+  const BodyPart& part = *parts_.at(index).part;
+  const std::string link = body_->tree.present()
+                               ? fmt::format("link '{}'", body_->tree.links[part.link].name)
+                               : fmt::format("a {}", body_->name);
+  if (part.shape == Shape::mesh) return fmt::format("the mesh '{}' of {}", part.mesh.name, link);
+  return fmt::format("the {} of {}", shape_name(part.shape), link);
 }
 
 double RobotFigure::joints_motion_bound_m(const JointAngles& a, const JointAngles& b) const {

@@ -22,11 +22,12 @@ class RobotFigure final : public Figure {
   size_t part_count() const override { return parts_.size(); }
   void add_parts(const Posture& posture, std::vector<Primitive>& out) const override;
   double radius_m() const override { return radius_m_; }
+  std::string part_name(size_t part) const override;
   double motion_bound_m(const Posture& a, const Posture& b) const override;
 
  private:
   struct Part {
-    size_t link;
+    const BodyPart* part;
     Primitive on_link;  // X_WO is its pose on the link.
   };
   double joints_motion_bound_m(const JointAngles& a, const JointAngles& b) const;

@@ -27,7 +27,6 @@ void forget(std::vector<Reading>& readings, SimDuration latency, SimTime time, T
 }
 
 constexpr auto kTime = [](const auto& reading) { return reading.time; };
-constexpr auto kJointTime = [](const auto& joints) { return joints.reading.time; };
 
 // Whether a sensor samples at `time`: its clock ticks at phase + i * period.
 bool samples_at(const SensorSpec& sensor, SimTime time) {
@@ -40,12 +39,15 @@ bool samples_at(const SensorSpec& sensor, SimTime time) {
 SensorSuite::SensorSuite(const RobotSpec& robot, SimDuration memory, RandomStream stream)
     : spec_(&robot.sensors), memory_(memory), stream_(stream) {
   const KinematicTree& tree = robot.body.tree;
-  if (tree.present()) tree_joints_ = static_cast<int>(tree.joint_count());
+  if (tree.present()) {
+    tree_joints_ = static_cast<int>(tree.joint_count());
+    kept_joints_ = std::max(kept_joints_, tree.joint_count());
+  }
   joints_.resize(1);
   odometry_.resize(1);
   accelerations_.resize(1);
   paws_.resize(1);
-  joints_[0].reading.time = SimTime::from_ns(-(int64_t{1} << 60));  // Before any log.
+  joints_[0].time = SimTime::from_ns(-(int64_t{1} << 60));  // Before any log.
 }
 
 std::vector<SimTime> SensorSuite::sampling_times(SimTime after, SimTime until) const {
@@ -68,9 +70,10 @@ void SensorSuite::sample(SimTime time, const SensorTruth& truth) {
     JointReading reading{time, truth.encoders_rad};
     if (spec_->joints.sigma > 0) {
       const RandomStream noise = stream_.child("joints").child(tick);
-      for (size_t j = 0; j < kJoints; ++j) reading.rad[j] += spec_->joints.sigma * normal(noise, j);
+      for (size_t j = 0; j < kept_joints_; ++j)
+        reading.rad[j] += spec_->joints.sigma * normal(noise, j);
     }
-    joints_.push_back({reading});
+    joints_.push_back(reading);
   }
   if (samples_at(spec_->odometry, time)) {
     const Pose2& now = truth.dead_reckoning;
@@ -111,7 +114,7 @@ void SensorSuite::forget_old(SimTime time) {
   forget(odometry_, spec_->odometry.latency, time, kTime);
   forget(accelerations_, spec_->accelerometer.latency, time, kTime);
   forget(paws_, spec_->paws.latency, time, kTime);
-  forget(joints_, spec_->joints.latency + memory_, time, kJointTime);
+  forget(joints_, spec_->joints.latency + memory_, time, kTime);
 }
 
 RobotSensors SensorSuite::read(SimTime time, SimTime since) const {
@@ -119,10 +122,10 @@ RobotSensors SensorSuite::read(SimTime time, SimTime since) const {
   sensors.time = time;
   sensors.tree_joints = tree_joints_;
   const SimDuration latency = spec_->joints.latency;
-  sensors.joints = newest(joints_, latency, time, kJointTime).reading;
-  for (const Joints& joints : joints_) {
-    const SimTime delivered = joints.reading.time + latency;
-    if (delivered > since && delivered <= time) sensors.joint_log.push_back(joints.reading);
+  sensors.joints = newest(joints_, latency, time, kTime);
+  for (const JointReading& reading : joints_) {
+    const SimTime delivered = reading.time + latency;
+    if (delivered > since && delivered <= time) sensors.joint_log.push_back(reading);
   }
   const Odometry& odometry = newest(odometry_, spec_->odometry.latency, time, kTime);
   sensors.odometry_time = odometry.time;
@@ -156,13 +159,12 @@ void SensorSuite::Paws::visit(StateVisitor& visitor) {
   for (bool& contact : value) visitor.field("paw_contact", contact);
 }
 
-void SensorSuite::Joints::visit(StateVisitor& visitor) {
-  visitor.field("joints_time", reading.time);
-  for (double& angle : reading.rad) visitor.field("joints_rad", angle);
-}
-
 void SensorSuite::visit(StateVisitor& visitor) {
-  visitor.list("joint_readings", joints_);
+  joints_.resize(visitor.list_size("joint_readings", joints_.size()));
+  for (JointReading& reading : joints_) {
+    visitor.field("joints_time", reading.time);
+    for (size_t j = 0; j < kept_joints_; ++j) visitor.field("joints_rad", reading.rad[j]);
+  }
   visitor.list("odometry_readings", odometry_);
   visitor.list("acceleration_readings", accelerations_);
   visitor.list("paw_readings", paws_);

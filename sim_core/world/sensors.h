@@ -76,18 +76,16 @@ class SensorSuite {
     std::array<bool, kLegs> value{};
     void visit(StateVisitor& visitor);
   };
-  struct Joints {
-    JointReading reading;
-    void visit(StateVisitor& visitor);
-  };
   void forget_old(SimTime time);
 
   const SensorsSpec* spec_;
   std::optional<int> tree_joints_;
+  // How many angles of a reading are state. No fewer than an ERS-210's, as older logs have it.
+  size_t kept_joints_ = kJoints;
   SimDuration memory_;
   RandomStream stream_;
   // Readings still needed: those not delivered yet, and the newest delivered one. Ascending.
-  std::vector<Joints> joints_;
+  std::vector<JointReading> joints_;
   std::vector<Odometry> odometry_;
   std::vector<Acceleration> accelerations_;
   std::vector<Paws> paws_;

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "app/predictors/instruments.h"
+#include "app/scene_assets.h"
 #include "app/sweep/table.h"
 #include "effects/formulas/formula_ranges.h"
 #include "effects/model.h"
@@ -60,9 +61,23 @@ std::string model_text(const ConfigNode& root) {
   return text;
 }
 
+// Reads the meshes and textures, too, where this build can: what is wrong with them is told here,
+// and not by the first frame.
+template <class Named>
+std::string assets_text(Named& named) {
+  if (!render::reads_assets()) return "";
+  const render::Assets assets = app::read_assets(named);
+  if (assets.meshes.empty() && assets.textures.empty()) return "";
+  size_t triangles = 0;
+  for (const render::Mesh& mesh : assets.meshes) triangles += mesh.indices.size() / 3;
+  return fmt::format("  files        {} meshes of {} triangles, {} textures\n",
+                     assets.meshes.size(), triangles, assets.textures.size());
+}
+
 // The camera models inside are for effects/ to check.
 std::string scenario_text(const ConfigNode& root) {
-  const Scenario scenario = Scenario::from_file(root.file());
+  Scenario scenario = Scenario::from_file(root.file());
+  const std::string assets = assets_text(scenario);
   std::string text =
       fmt::format("scenario: {}\n  duration     {:g} s, step {:g} s, seed {}\n", scenario.name,
                   scenario.duration.s(), scenario.step.s(), scenario.seed);
@@ -79,6 +94,8 @@ std::string scenario_text(const ConfigNode& root) {
     }
     text += "\n";
   }
+  text += assets;
+  for (const std::string& note : scenario.notes()) text += fmt::format("warning: {}\n", note);
   return text;
 }
 
@@ -87,7 +104,8 @@ std::string scene_text(const ConfigNode& root) {
   std::vector<Primitive> objects;
   scene->primitives_at(SimTime(), objects);
   return fmt::format("scene: {} objects, shading {}\n", objects.size(),
-                     scene->lighting().lambert ? "lambert" : "flat");
+                     scene->lighting().lambert ? "lambert" : "flat") +
+         assets_text(scene->files());
 }
 
 std::string field_text(const ConfigNode& root) {
@@ -99,8 +117,12 @@ std::string field_text(const ConfigNode& root) {
 std::string robot_text(const ConfigNode& root) {
   RobotBody body;
   read_config(root, [&](ConfigTable& table) { describe(table, body); });
-  return fmt::format("robot: {} joints, {} parts, footprint {:g} m x {:g} m\n", body.joints.size(),
-                     body.parts.size(), body.footprint_length_m, body.footprint_width_m);
+  std::string text =
+      fmt::format("robot: {} joints, {} parts, footprint {:g} m x {:g} m\n", body.joint_count(),
+                  body.parts.size(), body.footprint_length_m, body.footprint_width_m) +
+      assets_text(body);
+  for (const std::string& note : body.notes) text += fmt::format("warning: {}\n", note);
+  return text;
 }
 
 std::string colour_table_text(const ConfigNode& root) {

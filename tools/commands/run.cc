@@ -1,4 +1,5 @@
 // `seam run SCENARIO`: server and behaviours in one process tree.
+#include "app/camera_warnings.h"
 #include "app/session/run_session.h"
 #include "app/session/runs_made_here.h"
 #include "app/session/session_outputs.h"
@@ -27,6 +28,7 @@ void add_run(app::Command app) {
     app::SessionOutputs outputs(options->session);
     app::Simulator simulator = app::make_simulator(
         app::load_scenario(options->scenario, options->simulator), options->simulator);
+    app::warn_of_robots(simulator);
     if (outputs.log) app::RunsMadeHere().note(simulator);
     const app::SessionSummary summary = app::run_session(simulator, options->session, outputs);
     if (const int code = report(summary, outputs); code != 0) throw ExitCode{code};

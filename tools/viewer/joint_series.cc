@@ -1,5 +1,7 @@
 #include "tools/viewer/joint_series.h"
 
+#include "sim_core/base/maths.h"
+
 namespace seam::tools {
 
 void add_joint_series(app::ReplayMatch& match, ViewIndex& index) {
@@ -16,6 +18,13 @@ void add_joint_series(app::ReplayMatch& match, ViewIndex& index) {
         series.t.push_back(t);
         series.values.push_back(angles_rad[joint]);
       }
+      const Pose X_WC =
+          match.world().camera_link_pose(i, time) * match.renderer().mount(static_cast<int>(i));
+      const Vec3 ahead = X_WC.R[2];
+      index.robots[i].cameras.push_back(
+          {static_cast<float>(X_WC.p.x), static_cast<float>(X_WC.p.y),
+           static_cast<float>(maths::atan2(ahead.y, ahead.x)),
+           static_cast<float>(maths::atan2(ahead.z, maths::length(ahead.x, ahead.y)))});
     }
   }
 }

@@ -6,8 +6,8 @@
 
 namespace seam::tools {
 
-// Adds "NAME_rad" to the series of each such robot, at the times of its poses, by running the
-// log's world again; returns at once where there is none.
+// Adds "NAME_rad" to the series of each such robot, and its camera's places, at the times of its
+// poses, by running the log's world again; returns at once where there is none.
 void add_joint_series(app::ReplayMatch& match, ViewIndex& index);
 
 }  // namespace seam::tools

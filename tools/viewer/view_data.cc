@@ -57,6 +57,11 @@ struct ViewData::Impl {
     return *match_;
   }
 
+  // The log's world runs again for it: when it is first asked for.
+  void add_joints() {
+    if (!std::exchange(has_joints, true)) add_joint_series(match(), index);
+  }
+
   int robot(const Query& query) {
     const std::string id = text_of(query, "robot", "");
     const auto& robots = log.header().robots;
@@ -188,6 +193,7 @@ std::string ViewData::info() {
 
 std::string ViewData::truth(const Query& query) {
   const std::lock_guard lock(impl_->mutex);
+  impl_->add_joints();
   const double from = number_of(query, "from", 0);
   const double to = std::min(number_of(query, "to", from + 10), from + 120);
   const auto every = static_cast<size_t>(std::max<int64_t>(1, integer_of(query, "every", 1)));
@@ -203,9 +209,14 @@ std::string ViewData::truth(const Query& query) {
     const std::vector<float>& values = index.poses[row];
     times.push_back(index.pose_t[row]);
     for (size_t i = 0; i < robots.size(); ++i) {
-      poses[robots[i]].push_back(
-          std::vector<float>(values.begin() + static_cast<ptrdiff_t>(6 * i),
-                             values.begin() + static_cast<ptrdiff_t>(6 * i + 6)));
+      std::vector<float> numbers(values.begin() + static_cast<ptrdiff_t>(6 * i),
+                                 values.begin() + static_cast<ptrdiff_t>(6 * i + 6));
+      if (row < index.robots[i].cameras.size()) {
+        const CameraPlace& camera = index.robots[i].cameras[row];
+        numbers.insert(numbers.end(),
+                       {camera.x_m, camera.y_m, camera.heading_rad, camera.elevation_rad});
+      }
+      poses[robots[i]].push_back(std::move(numbers));
     }
     ball.push_back(std::vector<float>(values.end() - 3, values.end()));
   }
@@ -272,7 +283,7 @@ std::string ViewData::debug(const Query& query) {
 
 std::string ViewData::series(const Query& query) {
   const std::lock_guard lock(impl_->mutex);
-  if (!std::exchange(impl_->has_joints, true)) add_joint_series(impl_->match(), impl_->index);
+  impl_->add_joints();
   const RobotIndex& robot = impl_->robot_index(query);
   const std::string names = text_of(query, "names", "");
   if (names.empty()) {

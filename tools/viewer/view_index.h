@@ -19,10 +19,18 @@ struct DebugEntry {
   scheduler::DebugItem item;
 };
 
+// Where a camera is and where it looks, as a map shows it.
+struct CameraPlace {
+  float x_m, y_m;
+  float heading_rad;    // Of the optical axis, seen from above.
+  float elevation_rad;  // Over the level.
+};
+
 struct RobotIndex {
   std::vector<scheduler::FrameRecord> frames;
   std::vector<DebugEntry> debug;
   std::map<std::string, Series> series;  // Poses, commands, debug values.
+  std::vector<CameraPlace> cameras;      // At pose_t, of a robot without an ERS-210's head.
 };
 
 struct ViewIndex {

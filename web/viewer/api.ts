@@ -44,7 +44,7 @@ export interface LogInfo {
 export interface Truth {
   t: number[];
   ball?: [number, number, number][];
-  /** x, y, heading, then tilt, pan, roll. */
+  /** x, y, heading, then tilt, pan, roll; of a robot without such a head its camera's x, y, heading, elevation, too. */
   robots: Record<string, number[][]>;
 }
 

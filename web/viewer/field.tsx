@@ -129,14 +129,15 @@ function drawTrails(context: CanvasRenderingContext2D, frame: Frame, replay: Rep
 
 /** The wedge of the field that the camera takes in. */
 function drawView(context: CanvasRenderingContext2D, frame: Frame, pose: Pose): void {
-  const centre = pose.heading + pose.pan;
-  const reach = 1.5 * frame.scale;
+  const { x, y, heading, elevation } = pose.camera;
+  const [left, top] = [frame.x(x), frame.y(y)];
+  // What looks steeply up or down takes in little of the plane ahead.
+  const reach = 1.5 * frame.scale * Math.max(0.2, Math.cos(elevation));
   context.beginPath();
-  context.moveTo(frame.x(pose.x), frame.y(pose.y));
-  context.arc(frame.x(pose.x), frame.y(pose.y), reach, -centre - halfView_rad, -centre + halfView_rad);
+  context.moveTo(left, top);
+  context.arc(left, top, reach, -heading - halfView_rad, -heading + halfView_rad);
   context.closePath();
-  const gradient = context.createRadialGradient(frame.x(pose.x), frame.y(pose.y), 0, frame.x(pose.x),
-    frame.y(pose.y), reach);
+  const gradient = context.createRadialGradient(left, top, 0, left, top, reach);
   gradient.addColorStop(0, "rgba(255,255,255,0.5)");
   gradient.addColorStop(1, "rgba(255,255,255,0.06)");
   context.fillStyle = gradient;
@@ -157,7 +158,7 @@ function drawRobot(context: CanvasRenderingContext2D, frame: Frame, pose: Pose, 
   context.strokeStyle = chosen ? "#ffe14d" : "#ffffff";
   context.stroke();
   context.translate(length / 2, 0);
-  context.rotate(-pose.pan);
+  context.rotate(pose.heading - pose.camera.heading);
   context.beginPath();
   context.moveTo(width * 0.42, 0);
   context.lineTo(-width * 0.1, width * 0.3);

@@ -9,6 +9,15 @@ export interface Pose {
   tilt: number;
   pan: number;
   roll: number;
+  camera: CameraPlace;
+}
+
+/** Where a camera is on the field, and where its optical axis leads. */
+export interface CameraPlace {
+  x: number;
+  y: number;
+  heading: number;
+  elevation: number;
 }
 
 export class Replay {
@@ -76,6 +85,18 @@ function angleBetween(a: number, b: number, w: number): number {
   return a + turn * w;
 }
 
+/** A head turns its camera by `pan`; other robots' rows say where theirs is. */
+function cameraOf(pose: Omit<Pose, "camera">, a: number[], b: number[], w: number): CameraPlace {
+  if (a.length < 10 || b.length < 10)
+    return { x: pose.x, y: pose.y, heading: pose.heading + pose.pan, elevation: 0 };
+  return {
+    x: between(a[6], b[6], w),
+    y: between(a[7], b[7], w),
+    heading: angleBetween(a[8], b[8], w),
+    elevation: between(a[9], b[9], w),
+  };
+}
+
 /** Where everything is at `t`, drawn between the two recorded instants around it. */
 export function sample(truth: Truth, t: number): { ball?: number[]; robots: Map<string, Pose> } {
   const i = Math.max(0, lastAt({ length: truth.t.length, at: (k) => truth.t[k] }, t));
@@ -86,14 +107,15 @@ export function sample(truth: Truth, t: number): { ball?: number[]; robots: Map<
   for (const [id, rows] of Object.entries(truth.robots)) {
     const [a, b] = [rows[i], rows[j]];
     if (!a || !b) continue;
-    robots.set(id, {
+    const pose = {
       x: between(a[0], b[0], w),
       y: between(a[1], b[1], w),
       heading: angleBetween(a[2], b[2], w),
       tilt: between(a[3] ?? 0, b[3] ?? 0, w),
       pan: between(a[4] ?? 0, b[4] ?? 0, w),
       roll: between(a[5] ?? 0, b[5] ?? 0, w),
-    });
+    };
+    robots.set(id, { ...pose, camera: cameraOf(pose, a, b, w) });
   }
   const [p, q] = [truth.ball?.[i], truth.ball?.[j]];
   return { ball: p && q ? [between(p[0], q[0], w), between(p[1], q[1], w)] : undefined, robots };

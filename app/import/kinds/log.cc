@@ -81,7 +81,7 @@ class RobotLog {
   std::vector<int64_t> times_;
   std::vector<PlanarPose> poses_;
   std::vector<JointAngles> joints_rad_;
-  std::array<std::map<int64_t, double>, kJoints> targets_;  // By the time they act.
+  std::array<std::map<int64_t, double>, kMostJoints> targets_;  // By the time they act.
   std::vector<VelocityCommand> walk_;
 };
 

@@ -51,10 +51,13 @@ GlDevice::Centres GlDevice::see_centres(const FrameJob&, const CameraRays&) cons
   return {};
 }
 
-Mesh read_mesh(const FileName& file, double) {
+bool reads_assets() {
+  return false;
+}
+Mesh AssetFiles::mesh(const FileName& file, double) {
   refuse(file);
 }
-Texture read_texture(const FileName& file) {
+Texture AssetFiles::texture(const FileName& file) {
   refuse(file);
 }
 

@@ -1,13 +1,13 @@
-#include "render/gl/closed_mesh.h"
+#include "render/assets/closed_mesh.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "render/gl/mesh_clusters.h"
+#include "render/assets/mesh_clusters.h"
 #include "sim_core/base/random.h"
 
-namespace seam::render::gl {
+namespace seam::render {
 namespace {
 
 // Every vertex anew for each triangle, as STL files have them.
@@ -119,4 +119,4 @@ TEST(ClosedMesh, ClustersThatLookAwayShowNothing) {
 }
 
 }  // namespace
-}  // namespace seam::render::gl
+}  // namespace seam::render

@@ -1,10 +1,12 @@
-#include "render/gl/mesh_clusters.h"
+#include "render/assets/mesh_clusters.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace seam::render::gl {
+#include "render/assets/closed_mesh.h"
+
+namespace seam::render {
 namespace {
 
 // Fewer would cost more in calls than they save in triangles.
@@ -112,4 +114,12 @@ std::vector<MeshCluster> make_clusters(const Mesh& mesh, const MeshPart& part,
   return clusters;
 }
 
-}  // namespace seam::render::gl
+void prepare_mesh(Mesh& mesh) {
+  if (mesh.prepared) return;
+  PreparedMesh made{.clusters = {}, .turn = turn_seen_from_outside(mesh)};
+  for (const MeshPart& part : mesh.parts)
+    made.clusters.push_back(make_clusters(mesh, part, mesh.indices));
+  mesh.prepared = std::move(made);
+}
+
+}  // namespace seam::render

@@ -1,14 +1,15 @@
-#include "render/gl/closed_mesh.h"
+#include "render/assets/closed_mesh.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <utility>
 
 #include "sim_core/base/maths.h"
 
-namespace seam::render::gl {
+namespace seam::render {
 namespace {
 
 using Triangle = std::array<uint32_t, 3>;
@@ -85,43 +86,74 @@ std::vector<double> volumes(const Mesh& mesh, const std::vector<Triangle>& trian
   return of_piece;
 }
 
-// The turn of the first triangle that a level or upright ray meets, 0 where it meets none.
-int first_met(const Mesh& mesh, const std::vector<Triangle>& triangles, int axis, double a,
-              double b, bool from_above) {
-  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  double nearest = -1e30;
-  int turn = 0;
-  for (const Triangle& t : triangles) {
-    Vec3 p[3];
+// Rays along one axis, from above and from below, at places that stand in a square.
+class Rays {
+ public:
+  Rays(const Mesh& mesh, size_t axis)
+      : mesh_(mesh), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3) {}
+
+  void meet(const Triangle& t) {
+    const Vec3 p[3] = {mesh_.place_of(t[0]), mesh_.place_of(t[1]), mesh_.place_of(t[2])};
+    const auto [first_a, last_a] = near(p[0][u_], p[1][u_], p[2][u_], kAlong);
+    const auto [first_b, last_b] = near(p[0][v_], p[1][v_], p[2][v_], kAcross);
+    for (int j = first_b; j <= last_b; ++j)
+      for (int i = first_a; i <= last_a; ++i) meet(p, i, j);
+  }
+  // Whether some ray meets a triangle that runs so before all others.
+  bool saw(int turn) const {
+    return std::any_of(rays_.begin(), rays_.end(), [&](const std::array<Met, 2>& both) {
+      return both[0].turn == turn || both[1].turn == turn;
+    });
+  }
+
+ private:
+  static constexpr int kAside = 8;
+  static constexpr double kAlong = 0.4871, kAcross = 0.5237;  // Where edges hardly ever are.
+  struct Met {
+    double height = -1e30;
+    int turn = 0;
+  };
+
+  double place(int i, double shift) const {
+    return ((i + shift) / kAside * 2 - 1) * mesh_.radius_m;
+  }
+  // The places that three values may lie around.
+  std::pair<int, int> near(double a, double b, double c, double shift) const {
+    const auto index = [&](double x) {
+      return static_cast<int>(std::floor((x / mesh_.radius_m + 1) / 2 * kAside - shift));
+    };
+    return {std::max(0, index(std::min({a, b, c}))),
+            std::min(kAside - 1, index(std::max({a, b, c})) + 1)};
+  }
+  void meet(const Vec3 (&p)[3], int i, int j) {
+    const double a = place(i, kAlong), b = place(j, kAcross);
     double side[3];
-    for (size_t k = 0; k < 3; ++k) p[k] = mesh.place_of(t[k]);
     for (size_t k = 0; k < 3; ++k) {
       const Vec3 &from = p[(k + 1) % 3], &to = p[(k + 2) % 3];
-      side[k] = (to[u] - from[u]) * (b - from[v]) - (to[v] - from[v]) * (a - from[u]);
+      side[k] = (to[u_] - from[u_]) * (b - from[v_]) - (to[v_] - from[v_]) * (a - from[u_]);
     }
     const bool left = side[0] > 0 && side[1] > 0 && side[2] > 0;
     const bool right = side[0] < 0 && side[1] < 0 && side[2] < 0;
-    if (!left && !right) continue;
-    const double along = (side[0] * p[0][axis] + side[1] * p[1][axis] + side[2] * p[2][axis]) /
+    if (!left && !right) return;
+    const double along = (side[0] * p[0][axis_] + side[1] * p[1][axis_] + side[2] * p[2][axis_]) /
                          (side[0] + side[1] + side[2]);
-    const double height = from_above ? along : -along;
-    if (height > nearest) nearest = height, turn = left == from_above ? 1 : -1;
+    std::array<Met, 2>& both = rays_[static_cast<size_t>(j * kAside + i)];
+    if (along > both[0].height) both[0] = {along, left ? 1 : -1};
+    if (-along > both[1].height) both[1] = {-along, left ? -1 : 1};
   }
-  return turn;
-}
+
+  const Mesh& mesh_;
+  size_t axis_, u_, v_;
+  std::array<std::array<Met, 2>, kAside * kAside> rays_;  // From above, from below.
+};
 
 // A body that runs through itself may show its inside, though all its volume is counted right: rays
 // from six sides try.
 bool shows_this_turn(const Mesh& mesh, const std::vector<Triangle>& triangles, int turn) {
-  constexpr double kTests = 4e7;
-  const double wanted = std::sqrt(kTests / (6.0 * static_cast<double>(triangles.size())));
-  const int across = static_cast<int>(std::clamp(wanted, 2.0, 8.0));
-  for (int ray = 0; ray < 6 * across * across; ++ray) {
-    const double a = (ray / 6 % across + 0.4871) / across * 2 - 1;
-    const double b = (ray / 6 / across + 0.5237) / across * 2 - 1;
-    const int met =
-        first_met(mesh, triangles, ray % 3, a * mesh.radius_m, b * mesh.radius_m, ray / 3 % 2 == 0);
-    if (met == -turn) return false;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    Rays rays(mesh, axis);
+    for (const Triangle& t : triangles) rays.meet(t);
+    if (rays.saw(-turn)) return false;
   }
   return true;
 }
@@ -140,4 +172,4 @@ int turn_seen_from_outside(const Mesh& mesh) {
   return shows_this_turn(mesh, triangles, turn) ? turn : 0;
 }
 
-}  // namespace seam::render::gl
+}  // namespace seam::render
