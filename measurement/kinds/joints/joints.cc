@@ -313,7 +313,8 @@ std::vector<effects::Lack> JointsProblem::lacks() const {
   std::vector<effects::Lack> lacks = {
       {Need::tilt_reversals, "width_rad is the play of a logged joint"},
       {Need::roll_reversals, "width_rad is the play of a logged joint"}};
-  if (largest_step_rad_ == 0) lacks.push_back({Need::encoder_steps, ""});
+  if (largest_step_rad_ == 0)
+    lacks.push_back({Need::encoder_steps, "the logged angles are multiples of no step"});
   if (!has(JointRole::tilt)) lacks.push_back({Need::tilt_joint, "the set has no tilt joint"});
   if (!has(JointRole::roll)) lacks.push_back({Need::roll_joint, "the set has no roll joint"});
   if (!has(JointRole::pan)) {

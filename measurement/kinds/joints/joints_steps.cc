@@ -2,10 +2,12 @@
 // them.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "effects/stages/noise.h"
 #include "measurement/kinds/joints/joints.h"
+#include "measurement/noise/value_steps.h"
 #include "measurement/numerics/moments.h"
 
 namespace seam::measurement {
@@ -70,27 +72,17 @@ double noise_by_flicker(const JointLogs& set, double step_rad) {
 }  // namespace
 
 double step_of_angles(const JointLogs& set) {
-  std::vector<double> angles;
-  for (const JointLog& log : set.logs)
-    angles.insert(angles.end(), log.measured_rad.begin(), log.measured_rad.end());
-  std::sort(angles.begin(), angles.end());
-  // The file's own rounding makes multiples differ by this much.
-  constexpr double kPrinted_rad = 1.5e-6;
-  double step = INFINITY;
-  for (size_t i = 1; i < angles.size(); ++i) {
-    const double gap = angles[i] - angles[i - 1];
-    if (gap > 2 * kPrinted_rad) step = std::min(step, gap);
+  // Angles are written with 6 decimals by `seam measure`: what is no coarser is no encoder's.
+  constexpr double kFinest_rad = 3e-5;
+  std::map<std::string, std::vector<double>> angles;  // By joint: each may have an offset.
+  for (const JointLog& log : set.logs) {
+    std::vector<double>& all = angles[log.joint];
+    all.insert(all.end(), log.measured_rad.begin(), log.measured_rad.end());
   }
-  if (!std::isfinite(step) || step <= 20 * kPrinted_rad) return 0;
-  // Many multiples apart, rounding errors of the step add up: refine it on the way out.
-  for (double& angle : angles) angle = std::abs(angle);
-  std::sort(angles.begin(), angles.end());
-  for (const double size : angles) {
-    const double count = std::round(size / step);
-    if (!(std::abs(size - count * step) < kPrinted_rad * (1 + 0.02 * count))) return 0;
-    if (count > 0) step = size / count;
-  }
-  return step;
+  std::vector<std::vector<double>> series;
+  for (auto& [joint, all] : angles) series.push_back(std::move(all));
+  const double step_rad = step_of_values(series);
+  return step_rad > kFinest_rad ? step_rad : 0;
 }
 
 void JointsProblem::look_for_steps() {

@@ -1,10 +1,19 @@
-// Encoders with steps where the set does not state its noise.
+// Encoders with steps: how their rounding counts, and that their step is found.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <functional>
 #include <numbers>
 
+#include "effects/questions.h"
+#include "effects/registry.h"
 #include "measurement/kinds/joints/joints_testing.h"
+#include "measurement/kinds/kinds.h"
+#include "measurement/search/models/add_effects.h"
+#include "sim_core/base/output.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {
@@ -79,6 +88,84 @@ TEST(JointSteps, AWanderIsNoLikelierThanTheStepsThatMadeIt) {
   };
   EXPECT_GT(likelihood_of(fast),
             likelihood_of(fast + "  joint_wander: {sigma_rad: 0.0015, tau_s: 0.9}\n") + 10);
+}
+
+// Logs of a joint that follows its command with a lag, rounded to steps, in digits of many files.
+constexpr double kDegrees = 180 / std::numbers::pi, kNoise_rad = 4e-4, kLag_s = 0.06;
+
+double rounded(double value, double to) {
+  return std::round(value / to) * to;
+}
+
+// How an angle stands in a file, in radians with 9 decimals after it was converted.
+using Written = std::function<double(double)>;
+double degrees_4(double x) {
+  return rounded(x * kDegrees, 1e-4) / kDegrees;
+}
+double radians_4(double x) {
+  return rounded(x, 1e-4);
+}
+double radians(double x) {
+  return x;
+}
+
+std::filesystem::path log_in(const std::string& name, double step_rad, const Written& written) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("steps-" + name);
+  std::filesystem::create_directories(folder);
+  std::string rows = "run,time_s,joint,command_rad,measured_rad\n";
+  uint64_t draw = 0;
+  for (int run = 0; run < 6; ++run) {
+    double angle = 0;
+    for (int k = 0; k < 150; ++k) {
+      const double command = 0.9 * std::sin(0.9 * run + 0.07 * k);  // Never at rest.
+      if (k == 0) angle = command;
+      const double seen = angle + kNoise_rad * normal({7, 2}, draw++);
+      rows += fmt::format("{},{:.2f},pan,{:.6f},{:.9f}\n", run, 0.02 * k, command,
+                          written(step_rad > 0 ? rounded(seen, step_rad) : seen));
+      angle += (command - angle) * (1 - std::exp(-0.02 / kLag_s));
+    }
+  }
+  write_file_atomically(folder / "joints.csv", rows);
+  write_file_atomically(folder / "measurement.yaml",
+                        fmt::format("format: seam-measurement/1\nkind: joints\ntitle: steps\n"
+                                    "noise: {{measured_rad: {}}}\ngroup: run\n"
+                                    "files: {{joints: joints.csv}}\n",
+                                    kNoise_rad));
+  return folder;
+}
+
+Model lag() {
+  return model_of("  servo_lag: {tau_s: {value: 0.05, free: true}}\n");
+}
+
+TEST(JointSteps, AreFoundInAnyDigits) {
+  constexpr double kTick = 2 * std::numbers::pi / 1024;
+  for (const auto& [name, step, written] :
+       std::initializer_list<std::tuple<std::string, double, Written>>{
+           {"degrees", kTick, degrees_4},
+           {"few-decimals", kTick, radians_4},
+           {"ticks", kTick, radians},
+           {"odd", 0.0037, degrees_4}}) {
+    const auto problem = open_problem(log_in(name, step, written));
+    const auto effect = effects::find_effect("encoder_quantisation");
+    ASSERT_EQ(effects::reason_against(*effect, 0, problem->facts().set), "") << name;
+    const AddResult added = add_effects(*problem, lag(), {effect});
+    EXPECT_GT(added.error_before, 1.5) << name;
+    EXPECT_NEAR(added.error_after, 1, 0.12) << name;
+    EXPECT_NEAR(added.model.find("encoder_quantisation")->values()[0], step, 0.02 * step) << name;
+    EXPECT_NEAR(added.model.find("servo_lag")->values()[0], kLag_s, 2e-3) << name;
+  }
+}
+
+TEST(JointSteps, NoneAreSeenWhereThereAreNone) {
+  for (const auto& [name, written] : std::initializer_list<std::pair<std::string, Written>>{
+           {"none-degrees", degrees_4}, {"none", radians}}) {
+    const auto problem = open_problem(log_in(name, 0, written));
+    EXPECT_THAT(effects::reason_against(*effects::find_effect("encoder_quantisation"), 0,
+                                        problem->facts().set),
+                testing::HasSubstr("multiples of no step"))
+        << name;
+  }
 }
 
 }  // namespace
