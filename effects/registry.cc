@@ -90,6 +90,7 @@
   X(heading_wander)           \
   X(landmark_bias)            \
   X(landmark_scatter)         \
+  X(landmark_delay)           \
   X(range_tail)               \
   X(ideal_odometry)           \
   X(differential_drive)       \

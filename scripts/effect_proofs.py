@@ -345,6 +345,8 @@ PROOFS = [
     ("ideal_odometry", [], [("vx_mps", 0.2), ("for_s", 3)], {"x_m": "0.2 * 3", "y_m": "0", "theta_rad": "0"}),
     ("ideal_odometry", [], HALF, {"x_m": "walked(p, [((0.2, -0.1, 0.5), 2)])[0]",
                                   "y_m": "walked(p, [((0.2, -0.1, 0.5), 2)])[1]", "theta_rad": "1"}),
+    ("landmark_delay", [0.1], [("range_m", 2)], {"delay_sigma_m": "p[0]", "place_sigma_m": "0"}),
+    ("landmark_delay", [0.3], [("range_m", 1), ("lag_s", 5)], {"delay_sigma_m": "p[0]", "range_covariance_m2": "0"}),
     ("odometry_scale", [-0.1, 0.2, 0.05], HALF,
      {"x_m": "walked(p, [((0.18, -0.12, 0.525), 2)])[0]", "y_m": "walked(p, [((0.18, -0.12, 0.525), 2)])[1]",
       "theta_rad": "0.525 * 2"}),

@@ -189,6 +189,7 @@ Quantities detector_outcome(const Model& model, const Quantities& given) {
           {"place_sigma_m", std::sqrt(noise.place_variance)},
           {"range_covariance_m2", covariance_of(noise.range, lag_s) + noise.range_bias_variance},
           {"bearing_covariance_rad2",
+          {"delay_sigma_m", std::sqrt(noise.delay_variance)},
            covariance_of(noise.bearing, lag_s) + noise.bearing_bias_variance},
           {"heading_covariance_rad2", covariance_of(noise.heading, lag_s)},
           {"tail_mean_m", noise.range_tail.fraction * noise.range_tail.size},

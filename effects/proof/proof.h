@@ -23,7 +23,8 @@
 //                pattern_variance_dn2, wave_dn; value_dn -> file_dn; with gain_dn 200, black_dn 8
 //   detector     range_m, bearing_rad -> range_m, bearing_rad, range_sigma_m, bearing_sigma_rad;
 //                lag_s [0] -> range_covariance_m2, bearing_covariance_rad2 of one landmark's
-//                errors, heading_covariance_rad2; tail_mean_m, tail_variance_m2; place_sigma_m
+//                errors, heading_covariance_rad2; tail_mean_m, tail_variance_m2; place_sigma_m,
+//                delay_sigma_m
 //   locomotion   vx_mps [0], vy_mps [0], omega_radps [0], for_s (ends a leg); or the leg's
 //                left_ticks and right_ticks, of wheels with 1 mm a tick, 0.2 m apart
 //                -> x_m, y_m, theta_rad, xy_sigma_m, theta_sigma_rad; pose_xy_sigma_m,

@@ -44,6 +44,7 @@ struct Noise {
   // Of one landmark in one run.
   std::vector<Wander> range, bearing;
   double range_bias_variance = 0, bearing_bias_variance = 0;
+  double delay_variance = 0;    // Of all ranges of a landmark, in all runs.
   double place_variance = 0;    // Of each landmark's x and of its y in the map, in all runs.
   std::vector<Wander> heading;  // Shared by all bearings of a run.
   std::vector<Wander> joint;    // Of a logged joint.
@@ -53,7 +54,8 @@ struct Noise {
 
   bool hangs_together() const {
     return !range.empty() || !bearing.empty() || !heading.empty() || !joint.empty() ||
-           range_bias_variance > 0 || bearing_bias_variance > 0 || place_variance > 0;
+           range_bias_variance > 0 || bearing_bias_variance > 0 || delay_variance > 0 ||
+           place_variance > 0;
   }
 };
 

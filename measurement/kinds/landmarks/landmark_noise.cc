@@ -82,6 +82,10 @@ std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts
     place_of_landmark.push_back(errors.add(noise.place_variance, kLasting));
     errors.add(noise.place_variance, kLasting);
   }
+  std::vector<int> delay_of_landmark;
+  const bool delayed = noise.delay_variance > 0;
+  for (size_t k = 0; delayed && k < data.landmarks.size(); ++k)
+    delay_of_landmark.push_back(errors.add(noise.delay_variance, kLasting));
   std::vector<int> unknown;
   for (size_t k = 0; k < common.size(); ++k) unknown.push_back(errors.add(1, kLasting));
   std::vector<ErrorsOfRun> runs;
@@ -93,8 +97,9 @@ std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts
     runs.emplace_back(noise, errors);
     own_latency.push_back(jitter ? errors.add(1, 0) : -1);
   }
-  // Runs that share the landmarks' places are one part, whose residuals come in order of time.
-  if (displaced)
+  // Runs that share the landmarks' places or delays are one part, whose residuals come in order of
+  // time.
+  if (displaced || delayed)
     std::stable_sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
       return data.stamp_s[a.first] < data.stamp_s[b.first];
     });
@@ -109,6 +114,7 @@ std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts
       if (jitter) shares.push_back({own_latency[run], late[c]});
       for (int axis = 0; displaced && axis < 2; ++axis)
         shares.push_back({place_of_landmark[landmark] + axis, moved[c][axis]});
+      if (delayed && c == 0) shares.push_back({delay_of_landmark[landmark], 1});
       for (size_t k = 0; k < common.size(); ++k)
         shares.push_back({unknown[k], common[k][static_cast<size_t>(data.scalars[row][c])]});
       errors.observe(static_cast<size_t>(data.scalars[row][c]), data.stamp_s[row], shares,
@@ -116,10 +122,17 @@ std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts
     }
   }
   const std::vector<HiddenErrors::Learnt> learnt = errors.learn(facts, evaluation);
-  std::vector<Displacement> displacements;
-  for (const int x : place_of_landmark)
-    displacements.push_back({{learnt[x].mean, learnt[x + 1].mean},
-                             {learnt[x].variance, learnt[x + 1].variance, learnt[x].with_next}});
+  std::vector<Displacement> displacements(displaced || delayed ? data.landmarks.size() : 0);
+  for (size_t k = 0; k < place_of_landmark.size(); ++k) {
+    const int x = place_of_landmark[k];
+    displacements[k].mean_m = {learnt[x].mean, learnt[x + 1].mean};
+    displacements[k].covariance_m2 = {learnt[x].variance, learnt[x + 1].variance,
+                                      learnt[x].with_next};
+  }
+  for (size_t k = 0; k < delay_of_landmark.size(); ++k) {
+    const auto& [mean, variance, next] = learnt[delay_of_landmark[k]];
+    displacements[k].delay_m = mean, displacements[k].delay_variance_m2 = variance;
+  }
   return displacements;
 }
 

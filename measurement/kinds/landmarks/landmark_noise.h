@@ -25,15 +25,16 @@ using PlaceSlopes = std::function<std::array<std::array<double, 2>, 2>(int row)>
 // By scalar: by how much a residual grows with something unknown that all have in common.
 using CommonSlopes = std::vector<double>;
 
-// What all residuals say of a landmark's error of place.
+// What all residuals say of a landmark's error of place, and of the delay in its ranges.
 struct Displacement {
   std::array<double, 2> mean_m = {0, 0};
   // Variances of x and y, and their covariance.
   std::array<double, 3> covariance_m2 = {0, 0, 0};
+  double delay_m = 0, delay_variance_m2 = 0;
 };
 
-// Whitens an evaluation that whiten_diagonal has filled. Returns, where places are uncertain, the
-// displacement of each landmark. Unknowns in `common` have sigma 1.
+// Whitens an evaluation that whiten_diagonal has filled. Returns, where places or delays are
+// uncertain, what is found of each landmark. Unknowns in `common` have sigma 1.
 std::vector<Displacement> whiten_landmarks(const LandmarkData& data, const Facts& facts,
                                            const std::vector<std::vector<int>>& rows_of_errors,
                                            const effects::Noise& noise, const JitterSlopes& jitter,

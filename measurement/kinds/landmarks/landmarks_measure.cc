@@ -36,6 +36,10 @@ void measure_landmarks(const Model& truth, const MeasurementSet& protocol,
   for (size_t k = 0; k < data.landmarks.size(); ++k)
     places.push_back({place_sigma_m * normal(stream.child("place"), 2 * k),
                       place_sigma_m * normal(stream.child("place"), 2 * k + 1)});
+  std::vector<double> delays_m;
+  const double delay_sigma_m = std::sqrt(effects::noise_of(truth).delay_variance);
+  for (size_t k = 0; k < data.landmarks.size(); ++k)
+    delays_m.push_back(delay_sigma_m * normal(stream.child("delay"), k));
   CsvWriter out(columns);
   for (size_t row = 0; row < data.stamp_s.size(); ++row) {
     const double late =
@@ -50,7 +54,8 @@ void measure_landmarks(const Model& truth, const MeasurementSet& protocol,
                       normal(stream.child("noise"), 2 * row);
       seen.bearing_rad += std::hypot(stated("bearing_rad"), std::sqrt(seen.bearing_variance)) *
                           normal(stream.child("noise"), 2 * row + 1);
-      seen.range_m += errors.range_m[row], seen.bearing_rad += errors.bearing_rad[row];
+      seen.range_m += errors.range_m[row] + delays_m[data.landmark_of_row[row]];
+      seen.bearing_rad += errors.bearing_rad[row];
     }
     // No detector reports a range that is none.
     const bool in_front = seen.range_m > 0;
