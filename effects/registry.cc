@@ -89,8 +89,8 @@
   X(bearing_wander)           \
   X(heading_wander)           \
   X(landmark_bias)            \
-  X(landmark_scatter)         \
   X(landmark_delay)           \
+  X(landmark_scatter)         \
   X(range_tail)               \
   X(ideal_odometry)           \
   X(differential_drive)       \
