@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "effects/effect_keys.h"
 #include "effects/questions.h"
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
@@ -122,7 +123,7 @@ Model Model::from_config(const ConfigNode& root) {
   root.at("format").choice({"seam-model/1"});
   model.name_ = root.text_or("name", "unnamed");
   const ConfigNode effects = root.at("effects");
-  for (const std::string& name : effects.keys()) {
+  for (const std::string& name : effect_keys(effects)) {
     const ConfigNode node = effects.at(name);
     if (node.is_map() && node.has("stage")) {
       const auto definition = expression_effect(name, node);

@@ -70,7 +70,7 @@ struct Program {
   // Runs every formula on the same inputs, then hands out the results.
   void run(std::span<const double> variables, Values p, Outputs& outputs) const {
     if (absent(p)) return;
-    std::array<double, 64> inputs;
+    std::array<double, kMostInputs> inputs;
     const size_t count = variables.size() + p.size();
     std::copy(variables.begin(), variables.end(), inputs.begin());
     std::copy(p.begin(), p.end(), inputs.begin() + static_cast<std::ptrdiff_t>(variables.size()));
@@ -78,8 +78,6 @@ struct Program {
       outputs[output[i]] = formulas[i]({inputs.data(), count});
   }
 };
-
-constexpr size_t kMostInputs = 64;
 
 // Hooks of one stage that run the program.
 void set_hook(EffectDefinition& effect, const std::shared_ptr<const Program>& program) {
@@ -176,6 +174,19 @@ bool is_neutral(const Program& program, const StageVariables& stage, size_t colu
   return true;
 }
 
+std::vector<Parameter> parameters_of(const ConfigNode& effect, const StageVariables& stage) {
+  std::vector<Parameter> found;
+  const auto parameters = effect.find("parameters");
+  if (!parameters) return found;
+  for (const std::string& key : parameter_keys(*parameters)) {
+    if (std::find(stage.variables.begin(), stage.variables.end(), key) != stage.variables.end()) {
+      parameters->fail(fmt::format("'{}' is a variable of the stage, expected another name", key));
+    }
+    found.push_back(formula_parameter(key, parameters->at(key)));
+  }
+  return found;
+}
+
 }  // namespace
 
 std::shared_ptr<const EffectDefinition> expression_effect(const std::string& name,
@@ -196,16 +207,10 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
     effect->source += "    signature: " + yaml_quoted(effect->signature) + "\n";
   auto program = std::make_shared<Program>();
   std::vector<std::string> inputs = stage.variables, parameter_names;
-  if (const auto parameters = node.find("parameters")) {
-    for (const std::string& key : parameters->keys()) {
-      if (std::find(inputs.begin(), inputs.end(), key) != inputs.end()) {
-        parameters->fail(
-            fmt::format("'{}' is a variable of the stage, expected another name", key));
-      }
-      effect->parameters.push_back(formula_parameter(key, parameters->at(key)));
-      program->neutral.push_back(effect->parameters.back().neutral);
-      parameter_names.push_back(key);
-    }
+  effect->parameters = parameters_of(node, stage);
+  for (const Parameter& parameter : effect->parameters) {
+    program->neutral.push_back(parameter.neutral);
+    parameter_names.push_back(parameter.name);
   }
   // What a joint's formula names besides is a column of the log.
   std::vector<std::pair<int, std::string>> texts;
@@ -220,6 +225,8 @@ std::shared_ptr<const EffectDefinition> expression_effect(const std::string& nam
         };
         if (!known(inputs) && !known(parameter_names))
           effect->columns.push_back(used), inputs.push_back(used);
+        if (inputs.size() > kMostInputs)
+          node.fail(fmt::format("more than {} variables and columns", kMostInputs));
       }
     }
     if (texts.empty())

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +8,7 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/walk/locomotion.h"
+#include "sim_core/base/error.h"
 
 namespace seam::effects {
 namespace {
@@ -36,6 +38,50 @@ TEST(Formula, ErrorsNameWhatIsWrong) {
   for (const char* text : {"", "1 +", "sin(", "y + 1", "foo(x)", "x = 3", "\"a\"", "1 2"}) {
     EXPECT_ANY_THROW(Formula(text, {"x"})) << text;
   }
+}
+
+std::string error_of_model(const std::string& effects) {
+  try {
+    model_of(effects);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Formula, ControlCharactersAndEndlessTextsAreRefused) {
+  EXPECT_THROW(Formula(std::string("x\0+1", 4), {"x"}), InputError);
+  EXPECT_THROW(Formula("x + \x1b 1", {"x"}), InputError);
+  EXPECT_EQ(Formula("x +\n\t1", {"x"})(std::array{2.0}), 3);
+  std::string sum = "x";
+  for (int i = 0; i < 10'000; ++i) sum += "+x";
+  EXPECT_THROW(Formula(sum, {"x"}), InputError);
+}
+
+// Each of these took a minute, or did not end.
+TEST(Expression, ManyFormulasAndParametersAreCountedFirst) {
+  std::string formulas, parameters, settings;
+  for (int i = 0; i < 300; ++i) {
+    formulas += fmt::format("  e{}: {{stage: geometry, u: u, parameters: {{k: 0}}}}\n", i);
+    settings += fmt::format("{}p{}: k", i > 0 ? ", " : "", i);
+  }
+  for (int i = 0; i < 100; ++i) parameters += fmt::format("{}k{}: 0", i > 0 ? ", " : "", i);
+  EXPECT_EQ(error_of_model(formulas),
+            "test.yaml:3: effects: found 300 formulas, expected 200 at most");
+  EXPECT_EQ(error_of_model("  e: {stage: scenario, parameters: {k: 0}, set: {" + settings + "}}"),
+            "test.yaml:3: effects: found 300 formulas, expected 200 at most");
+  for (const char* rest : {"stage: geometry, u: u", "stage: scenario, set: {seed: k1}"}) {
+    EXPECT_EQ(error_of_model(fmt::format("  e: {{{}, parameters: {{{}}}}}", rest, parameters)),
+              "test.yaml:3: effects.e.parameters: found 100 parameters, expected 64 at most");
+  }
+  std::string effects;
+  for (int i = 0; i < 1001; ++i) effects += fmt::format("  e{}: {{}}\n", i);
+  EXPECT_EQ(error_of_model(effects),
+            "test.yaml:3: effects: found 1001 effects, expected 1000 at most");
+  std::string columns = "q";
+  for (int i = 0; i < 1000; ++i) columns += fmt::format("+c{}", i);
+  EXPECT_THAT(error_of_model("  e: {stage: joint, q: " + columns + "}"),
+              testing::HasSubstr("more than 64 variables and columns"));
 }
 
 TEST(Expression, ActsOnTheImageAndIsAbsentAtNeutral) {

@@ -147,6 +147,22 @@ struct Compiled {
 
 std::atomic<uint64_t> next_id{1};
 
+// The parser takes a NUL for the end, and its time grows with the length.
+void check_text(const std::string& text) {
+  constexpr size_t kMostCharacters = 10'000;
+  if (text.size() > kMostCharacters)
+    throw InputError(
+        fmt::format("formula of {} characters, expected {} at most", text.size(), kMostCharacters));
+  const auto odd = std::find_if(text.begin(), text.end(), [](char c) {
+    return c != '\t' && c != '\n' && c != '\r' &&
+           (static_cast<unsigned char>(c) < 0x20 || c == 0x7F);
+  });
+  if (odd != text.end())
+    throw InputError(fmt::format("formula '{}...': character {} is a control character (code {})",
+                                 text.substr(0, static_cast<size_t>(odd - text.begin())),
+                                 odd - text.begin() + 1, static_cast<int>(*odd)));
+}
+
 }  // namespace
 
 Formula::Formula(const std::string& text, std::vector<std::string> variables)
@@ -175,6 +191,7 @@ double Formula::operator()(std::span<const double> values) const {
 }
 
 std::vector<std::string> Formula::names_in(const std::string& text) {
+  check_text(text);
   try {
     const auto parser = bare_parser();
     parser->SetExpr(text);

@@ -4,7 +4,17 @@
 
 #include <algorithm>
 
+#include "sim_core/base/error.h"
+
 namespace seam::effects {
+
+std::vector<std::string> parameter_keys(const ConfigNode& parameters) {
+  std::vector<std::string> keys = parameters.keys();
+  if (keys.size() > kMostInputs)
+    parameters.fail(
+        fmt::format("found {} parameters, expected {} at most", keys.size(), kMostInputs));
+  return keys;
+}
 
 Parameter formula_parameter(const std::string& name, const ConfigNode& node) {
   Parameter parameter{.name = name, .min = -1e6, .max = 1e6, .scale = 0};

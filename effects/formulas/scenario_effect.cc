@@ -32,7 +32,7 @@ std::shared_ptr<const EffectDefinition> scenario_effect(const std::string& name,
   std::vector<std::string> names;
   std::vector<double> neutral;
   const ConfigNode parameters = node.at("parameters");
-  for (const std::string& key : parameters.keys()) {
+  for (const std::string& key : parameter_keys(parameters)) {
     effect->parameters.push_back(formula_parameter(key, parameters.at(key)));
     neutral.push_back(effect->parameters.back().neutral);
     names.push_back(key);

@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -14,6 +15,8 @@ namespace {
 
 constexpr uint64_t kMaxConfigBytes = 16 << 20;
 constexpr int kMaxDepth = 64;
+// Of a map: yaml-cpp looks through all keys for each one.
+constexpr size_t kMostKeys = 5000;
 
 // yaml-cpp recurses over nesting, so that depth must be bounded before it parses: brackets for flow
 // style, indentation for block style (a "- - - -" line nests without indentation, hence both).
@@ -52,6 +55,20 @@ void refuse_hostile_nesting(const std::string& text, const std::string& name) {
       throw InputError(fmt::format("{}:{}: nested deeper than {} levels", name, line, kMaxDepth));
     }
   }
+}
+
+// Names go into messages, formulas, tables and names of files.
+bool has_control_characters(std::string_view text) {
+  return std::any_of(text.begin(), text.end(), [](char c) {
+    const auto code = static_cast<unsigned char>(c);
+    return code < 0x20 || code == 0x7F;
+  });
+}
+
+void check_map(const ConfigNode& node) {
+  if (!node.yaml().IsMap()) node.fail("expected a map of keys to values");
+  if (node.yaml().size() > kMostKeys)
+    node.fail(fmt::format("found {} keys, expected {} at most", node.yaml().size(), kMostKeys));
 }
 
 }  // namespace
@@ -104,7 +121,7 @@ void ConfigNode::fail(const std::string& message) const {
 }
 
 bool ConfigNode::has(const std::string& key) const {
-  if (!node_->IsMap()) fail("expected a map of keys to values");
+  check_map(*this);
   asked_->insert(key);
   return (*node_)[key].IsDefined() && !(*node_)[key].IsNull();
 }
@@ -121,10 +138,12 @@ ConfigNode ConfigNode::at(const std::string& key) const {
 }
 
 std::vector<std::string> ConfigNode::keys() const {
-  if (!node_->IsMap()) fail("expected a map of keys to values");
+  check_map(*this);
   std::vector<std::string> keys;
   for (const auto& entry : *node_) {
     if (!entry.first.IsScalar()) fail("expected plain words as keys");
+    if (has_control_characters(entry.first.Scalar()))
+      fail("found a control character in a key, expected plain words");
     keys.push_back(entry.first.Scalar());
   }
   return keys;
@@ -204,6 +223,9 @@ bool ConfigNode::boolean() const {
 
 std::string ConfigNode::text() const {
   if (!node_->IsScalar()) fail("expected text");
+  // Other control characters are shown as they are written (sim_core/input/shown_text.h); a NUL
+  // ends a text for many a library.
+  if (node_->Scalar().find('\0') != std::string::npos) fail("found a NUL, expected plain text");
   return node_->Scalar();
 }
 

@@ -48,5 +48,23 @@ TEST(Config, HostileNestingIsRefused) {
   EXPECT_NE(error_of(dashes + "1", [](const auto&) {}).find("nested deeper"), std::string::npos);
 }
 
+TEST(Config, MapsOfManyKeysAreRefusedBeforeOneIsLookedUp) {
+  std::string text;
+  for (int i = 0; i < 90'000; ++i) text += "k" + std::to_string(i) + ": 1\n";
+  EXPECT_EQ(error_of(text, [](const auto& root) { root.has("k0"); }),
+            "robot.yaml:1: found 90000 keys, expected 5000 at most");
+  EXPECT_EQ(error_of(text, [](const auto& root) { root.keys(); }),
+            "robot.yaml:1: found 90000 keys, expected 5000 at most");
+}
+
+TEST(Config, ControlCharactersAreRefusedInKeysAndTexts) {
+  EXPECT_EQ(error_of("a: \"x\\0y\"\n", [](const auto& root) { root.at("a").text(); }),
+            "robot.yaml:1: a: found a NUL, expected plain text");
+  EXPECT_EQ(error_of("\"x\\ey\": 1\n", [](const auto& root) { root.keys(); }),
+            "robot.yaml:1: found a control character in a key, expected plain words");
+  EXPECT_EQ(error_of("a: \"x\\ny\\e[2J\"\n", [](const auto& root) { root.at("a").text(); }),
+            "no error");
+}
+
 }  // namespace
 }  // namespace seam

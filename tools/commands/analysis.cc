@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "app/predictors/instruments.h"
+#include "effects/effect_keys.h"
 #include "effects/registry.h"
 #include "measurement/check/doubts.h"
 #include "measurement/kinds/kinds.h"
@@ -114,7 +115,7 @@ measurement::EffectList effects_named(const std::string& name_or_file) {
   const ConfigNode root = ConfigNode::from_file(name_or_file);
   measurement::EffectList list;
   const ConfigNode effects = root.at("effects");
-  for (const std::string& name : effects.keys()) {
+  for (const std::string& name : effects::effect_keys(effects)) {
     const ConfigNode node = effects.at(name);
     if (node.is_map() && node.has("stage")) {
       list.push_back(effects::expression_effect(name, node));
