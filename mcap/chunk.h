@@ -23,6 +23,9 @@ struct Limits {
   // A chunk may unpack to this many times (its compressed size + 256 bytes): more is a bomb.
   // The writer stores a chunk uncompressed rather than beyond it.
   uint64_t expansion = 250;
+  // All chunks of a file together, uncompressed, where a scan reads them all: beyond it the scan
+  // throws InputError.
+  uint64_t all_chunks_bytes = ~uint64_t{0};
 };
 
 // Whether a chunk of this compressed size may unpack to this size.

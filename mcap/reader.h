@@ -44,8 +44,9 @@ struct Contents {
   std::vector<ChunkPlace> chunks;            // In the order of the file.
   std::vector<AttachmentIndex> attachments;  // In the order of the file.
   std::vector<Metadata> metadata;
-  bool complete = false;     // The data section has its end: the writer finished.
-  std::vector<Loss> losses;  // In the order of the file.
+  uint64_t unpacked_bytes = 0;  // Of a scan: all its chunks, uncompressed.
+  bool complete = false;        // The data section has its end: the writer finished.
+  std::vector<Loss> losses;     // In the order of the file.
   // Of a scan: what stands behind the end of the file proper. Nothing reads it.
   std::optional<Loss> behind_end;
   // Of a scan: the index is whole, and tells something else than the data. Readers by the index are

@@ -180,6 +180,10 @@ class Scanner {
   // A chunk counts only when it is whole: unpacked, its CRC right, its records well formed.
   void add_chunk(uint64_t start, std::string_view content) {
     const Chunk chunk = decode_chunk(content);
+    if (chunk.uncompressed_size > limits_.all_chunks_bytes - contents_.unpacked_bytes)
+      throw InputError(fmt::format("{}: byte {}: its chunks unpack to more than {} MB",
+                                   input_.name(), start, limits_.all_chunks_bytes >> 20));
+    contents_.unpacked_bytes += chunk.uncompressed_size;
     const std::string records = unpack(chunk, limits_);
     ChunkPlace place{
         start, kRecordHeadBytes + content.size(), chunk.start_time_ns, chunk.end_time_ns, {}};

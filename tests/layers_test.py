@@ -106,9 +106,10 @@ ROOMS = {
         "examples": [".", "vision", "localization", "team"],
     },
     "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
-            "import/draft": ["exchange"], "import/files": [], "import/bags": [],
+            "import/draft": ["exchange"], "import/files": [], "import/bags": ["import/files"],
             "import/pictures": [".", "import/draft", "import/files", "import/bags"],
-            "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],
+            "import/servo": ["import/draft", "import/files", "import/bags"],
+            "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "import/servo", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],
             "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
     "detector": {".": []},
     "tools": {
@@ -151,7 +152,7 @@ BANNED = {
 CLOCK = re.compile(r"\b(?:system_clock|steady_clock|high_resolution_clock|gettimeofday|clock_gettime)\b|\btime\s*\(\s*(?:nullptr|NULL)")
 CLOCK_PLACES = {
     "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "app/sweep/sweep_progress.h",
-    "app/sweep/sweep_progress.cc", "robot_sdk/robot.cc",
+    "app/sweep/sweep_progress.cc", "app/import/bags/reading_progress.cc", "app/import/bags/reading_progress.h", "robot_sdk/robot.cc",
     "scheduler/listen/accept_loop.cc", "scheduler/listen/connection_count.h", "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
     "scheduler/clients/client_hub.h", "scheduler/server/server.cc", "scheduler/server/stream.h",
     "scheduler/server/direct_lines.h", "scheduler/clients/token_tries.h",

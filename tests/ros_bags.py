@@ -58,16 +58,25 @@ class Cdr:
         return self
 
 
-def ros1_bag(messages, compression="none"):
-    """messages: (topic, type, seconds, bytes)."""
-    import bz2
+def ros1_record(head, data):
+    fields = b"".join(struct.pack("<I", len(k) + 1 + len(v)) + k.encode() + b"=" + v for k, v in head.items())
+    return struct.pack("<I", len(fields)) + fields + struct.pack("<I", len(data)) + data
 
-    def record(head, data):
-        fields = b"".join(struct.pack("<I", len(k) + 1 + len(v)) + k.encode() + b"=" + v for k, v in head.items())
-        return struct.pack("<I", len(fields)) + fields + struct.pack("<I", len(data)) + data
+
+def ros1_chunks(packed, size, compression, times):
+    """A bag of one chunk, again and again."""
+    head = {"op": b"\x05", "compression": compression.encode(), "size": struct.pack("<I", size)}
+    return b"#ROSBAG V2.0\n" + ros1_record({"op": b"\x03", "index_pos": bytes(8)}, b" " * 100) + times * ros1_record(head, packed)
+
+
+def ros1_bag(messages, compression="none", definitions={}):
+    """messages: (topic, type, seconds, bytes). definitions: their texts by type."""
+    import bz2
+    record = ros1_record
 
     def connection(i, topic, kind):
-        inside = b"".join(struct.pack("<I", len(f)) + f for f in (b"topic=" + topic.encode(), b"type=" + kind.encode()))
+        facts = {"topic": topic, "type": kind, "message_definition": definitions.get(kind, "")}
+        inside = b"".join(struct.pack("<I", len(f)) + f for f in (f"{k}={v}".encode() for k, v in facts.items()))
         return record({"op": b"\x07", "conn": struct.pack("<I", i), "topic": topic.encode()}, inside)
 
     topics = list(dict.fromkeys((m[0], m[1]) for m in messages))
@@ -76,12 +85,11 @@ def ros1_bag(messages, compression="none"):
         stamp = struct.pack("<II", int(t), int(round(t % 1 * 1e9)))
         chunk += record({"op": b"\x02", "conn": struct.pack("<I", topics.index((topic, kind))), "time": stamp}, data)
     packed = {"none": bytes, "bz2": bz2.compress, "lz4": lz4_frame}[compression](chunk)
-    return (b"#ROSBAG V2.0\n" + record({"op": b"\x03", "index_pos": bytes(8)}, b" " * 100) +
-            record({"op": b"\x05", "compression": compression.encode(), "size": struct.pack("<I", len(chunk))}, packed))
+    return ros1_chunks(packed, len(chunk), compression, 1)
 
 
-def mcap_file(messages, compression="", encoding="cdr"):
-    """`compression` of its one chunk: none, "lz4", "zstd"; "direct": messages outside of chunks."""
+def mcap_file(messages, compression="", encoding="cdr", definitions={}, repeat=1):
+    """`compression` of its one chunk, which stands `repeat` times: none, "lz4", "zstd"; "direct": messages outside of chunks."""
     def record(op, data):
         return bytes([op]) + struct.pack("<Q", len(data)) + data
 
@@ -93,7 +101,8 @@ def mcap_file(messages, compression="", encoding="cdr"):
     inside = b""
     for i, (topic, kind) in enumerate(topics):
         package, name = kind.split("/")
-        inside += record(3, struct.pack("<H", i + 1) + text(f"{package}/msg/{name}") + text("ros2msg") + text(""))
+        inside += record(3, struct.pack("<H", i + 1) + text(f"{package}/msg/{name}") + text("ros2msg") +
+                         text(definitions.get(kind, "")))
         inside += record(4, struct.pack("<HH", i, i + 1) + text(topic) + text(encoding) + struct.pack("<I", 0))
     for number, (topic, kind, t, data) in enumerate(messages):
         ns = int(round(t * 1e9))
@@ -103,5 +112,5 @@ def mcap_file(messages, compression="", encoding="cdr"):
         return out + inside + record(15, struct.pack("<I", 0)) + record(2, struct.pack("<QQI", 0, 0, 0)) + b"\x89MCAP0\r\n"
     packed = {"lz4": lz4_frame, "zstd": zstd_frame}.get(compression, bytes)(inside)
     chunk = struct.pack("<QQQI", min(times), max(times), len(inside), zlib.crc32(inside)) + text(compression)
-    out += record(6, chunk + struct.pack("<Q", len(packed)) + packed) + record(15, struct.pack("<I", 0))
+    out += repeat * record(6, chunk + struct.pack("<Q", len(packed)) + packed) + record(15, struct.pack("<I", 0))
     return out + record(2, struct.pack("<QQI", 0, 0, 0)) + b"\x89MCAP0\r\n"

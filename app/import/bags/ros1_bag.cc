@@ -67,8 +67,9 @@ std::string unpacked_lz4(const std::string& packed, uint32_t size, const std::st
 
 class Ros1Bag {
  public:
-  Ros1Bag(const mcap::Input& input, std::vector<BagTopic>& topics, const BagVisit& visit)
-      : input_(input), name_(input.name()), topics_(topics), visit_(visit) {}
+  Ros1Bag(const mcap::Input& input, std::vector<BagTopic>& topics, const BagVisit& visit,
+          UnpackBudget& budget)
+      : input_(input), name_(input.name()), topics_(topics), visit_(visit), budget_(budget) {}
 
   void read() {
     constexpr uint64_t kStart = 13;  // "#ROSBAG V2.0\n".
@@ -104,10 +105,11 @@ class Ros1Bag {
     return input_.read(at, size);
   }
 
-  static uint8_t op_of(const std::map<std::string, std::string>& fields) {
+  uint8_t op_of(const std::map<std::string, std::string>& fields) const {
     const auto found = fields.find("op");
-    return found == fields.end() || found->second.empty() ? 0
-                                                          : static_cast<uint8_t>(found->second[0]);
+    if (found == fields.end() || found->second.empty())
+      throw InputError(fmt::format("{}: a record does not say what it is: damaged", name_));
+    return static_cast<uint8_t>(found->second[0]);
   }
 
   void take_connection(const std::map<std::string, std::string>& fields, std::string_view data) {
@@ -124,7 +126,10 @@ class Ros1Bag {
       }
     }
     place_[id] = topics_.size();
-    topics_.push_back({.name = name, .type = type == facts.end() ? "" : type->second});
+    const auto definition = facts.find("message_definition");
+    topics_.push_back({.name = name,
+                       .type = type == facts.end() ? "" : type->second,
+                       .definition = definition == facts.end() ? "" : definition->second});
   }
 
   void take_message(const std::map<std::string, std::string>& fields, std::string_view data) {
@@ -145,6 +150,7 @@ class Ros1Bag {
                                    size, kMaxChunkBytes));
     const auto found = fields.find("compression");
     const std::string how = found == fields.end() ? "none" : found->second;
+    if (how == "bz2" || how == "lz4") budget_.take(size);
     if (how == "bz2") {
       packed = unpacked_bz2(packed, size, name_);
     } else if (how == "lz4") {
@@ -173,14 +179,15 @@ class Ros1Bag {
   const std::string& name_;
   std::vector<BagTopic>& topics_;
   const BagVisit& visit_;
+  UnpackBudget& budget_;
   std::map<uint32_t, size_t> place_;  // Of a connection's topic.
 };
 
 }  // namespace
 
 std::vector<std::string> read_ros1_bag(const mcap::Input& input, std::vector<BagTopic>& topics,
-                                       const BagVisit& visit) {
-  Ros1Bag(input, topics, visit).read();
+                                       const BagVisit& visit, UnpackBudget& budget) {
+  Ros1Bag(input, topics, visit, budget).read();
   return {};
 }
 

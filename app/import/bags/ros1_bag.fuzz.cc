@@ -29,10 +29,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   read_fields(bytes, RosForm::cdr);
   std::vector<BagTopic> topics;
   try {
-    read_ros1_bag(seam::mcap::MemoryInput(bytes, "input"), topics,
-                  [](size_t, int64_t, std::string_view message, RosForm form) {
-                    read_fields(message, form);
-                  });
+    seam::app::UnpackBudget budget("input");
+    read_ros1_bag(
+        seam::mcap::MemoryInput(bytes, "input"), topics,
+        [](size_t, int64_t, std::string_view message, RosForm form) { read_fields(message, form); },
+        budget);
   } catch (const seam::InputError&) {
   }
   return 0;

@@ -7,6 +7,8 @@
 #include <optional>
 #include <set>
 
+#include "app/import/bags/reading_progress.h"
+#include "app/import/bags/ros_definition.h"
 #include "mcap/reader.h"
 #include "sim_core/base/error.h"
 
@@ -14,12 +16,6 @@ namespace seam::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-// ROS 2 says "sensor_msgs/msg/JointState".
-std::string plain_type(const std::string& type) {
-  const size_t middle = type.find("/msg/");
-  return middle == std::string::npos ? type : type.substr(0, middle) + type.substr(middle + 4);
-}
 
 [[noreturn]] void fail_of_sqlite(const fs::path& path) {
   throw InputError(fmt::format(
@@ -64,6 +60,26 @@ std::vector<fs::path> parts_of(const fs::path& path) {
   return found;
 }
 
+// A file that tells how far its reading is.
+class WatchedInput : public mcap::Input {
+ public:
+  // `before`: bytes of the parts that were read before it.
+  WatchedInput(const fs::path& path, uint64_t before, ReadingProgress& progress)
+      : input_(mcap::open_file(path)), before_(before), progress_(progress) {}
+
+  uint64_t size() const override { return input_->size(); }
+  std::string read(uint64_t offset, uint64_t size) const override {
+    progress_.at(before_ + offset);
+    return input_->read(offset, size);
+  }
+  const std::string& name() const override { return input_->name(); }
+
+ private:
+  std::unique_ptr<mcap::Input> input_;
+  uint64_t before_;
+  ReadingProgress& progress_;
+};
+
 // What a topic's messages are, in the words of errors.
 std::string encodings_in(const mcap::Contents& contents) {
   std::set<std::string> encodings;
@@ -72,9 +88,10 @@ std::string encodings_in(const mcap::Contents& contents) {
 }
 
 std::vector<std::string> read_mcap(const mcap::Input& input, std::vector<BagTopic>& topics,
-                                   const BagVisit& visit) {
-  // Black pictures pack well; what a chunk may hold bounds the memory all the same.
-  constexpr mcap::Limits kOfBags{.chunk_bytes = uint64_t{256} << 20, .expansion = 100'000};
+                                   const BagVisit& visit, UnpackBudget& budget) {
+  // Black pictures pack well; what a chunk and all of them may hold bounds memory and time.
+  const mcap::Limits of_bags{
+      .chunk_bytes = uint64_t{256} << 20, .expansion = 100'000, .all_chunks_bytes = budget.left()};
   std::map<uint16_t, std::optional<size_t>> places;  // Of a channel; none: not of ROS.
   const auto place_of = [&](const mcap::Contents& contents, uint16_t id) -> std::optional<size_t> {
     if (const auto known = places.find(id); known != places.end()) return known->second;
@@ -84,9 +101,12 @@ std::vector<std::string> read_mcap(const mcap::Input& input, std::vector<BagTopi
     const std::string& encoding = channel->second.message_encoding;
     if (encoding != "cdr" && encoding != "ros1") return place;
     const auto schema = contents.schemas.find(channel->second.schema_id);
-    const BagTopic topic{
-        .name = channel->second.topic,
-        .type = schema == contents.schemas.end() ? "" : plain_type(schema->second.name)};
+    BagTopic topic{.name = channel->second.topic};
+    if (schema != contents.schemas.end()) {
+      topic.type = plain_ros_type(schema->second.name);
+      const std::string& language = schema->second.encoding;
+      if (language == "ros2msg" || language == "ros1msg") topic.definition = schema->second.data;
+    }
     // Parts of a bag, and several writers of a topic, have channels of their own.
     const auto known = std::find_if(topics.begin(), topics.end(), [&](const BagTopic& other) {
       return other.name == topic.name && other.type == topic.type;
@@ -96,7 +116,7 @@ std::vector<std::string> read_mcap(const mcap::Input& input, std::vector<BagTopi
     return place;
   };
   const mcap::Contents contents = mcap::scan_messages(
-      input, kOfBags, [&](const mcap::Contents& so_far, const mcap::Message& message) {
+      input, of_bags, [&](const mcap::Contents& so_far, const mcap::Message& message) {
         const auto place = place_of(so_far, message.channel_id);
         if (!place) return;
         const bool ros1 = so_far.channels.at(message.channel_id).message_encoding == "ros1";
@@ -104,6 +124,7 @@ std::vector<std::string> read_mcap(const mcap::Input& input, std::vector<BagTopi
         visit(*place, static_cast<int64_t>(message.log_time_ns), message.data,
               ros1 ? RosForm::ros1 : RosForm::cdr);
       });
+  budget.take(contents.unpacked_bytes);
   for (const auto& [id, channel] : contents.channels) place_of(contents, id);
   std::vector<std::string> losses;
   for (const mcap::Loss& loss : contents.losses) {
@@ -116,31 +137,44 @@ std::vector<std::string> read_mcap(const mcap::Input& input, std::vector<BagTopi
   return losses;
 }
 
-std::vector<std::string> read_part(const fs::path& path, std::vector<BagTopic>& topics,
-                                   const BagVisit& visit) {
-  const auto input = mcap::open_file(path);
+std::vector<std::string> read_part(const fs::path& path, const mcap::Input& input,
+                                   std::vector<BagTopic>& topics, const BagVisit& visit,
+                                   UnpackBudget& budget) {
   const std::string name = path.string();
-  const std::string start = input->read(0, std::min<uint64_t>(input->size(), 32));
+  const std::string start = input.read(0, std::min<uint64_t>(input.size(), 32));
   if (start.empty()) throw InputError(fmt::format("{}: is empty, expected a bag", name));
   if (start.starts_with("version https://git-lfs"))
     throw InputError(
         fmt::format("{}:1: found a pointer of Git LFS: fetch the bag, git lfs pull", name));
   if (start.starts_with("SQLite format")) fail_of_sqlite(path);
   if (start.starts_with("\x28\xB5\x2F\xFD") || start.starts_with("\x1F\x8B")) fail_of_packed(path);
-  if (start.starts_with("#ROSBAG V2.0\n")) return read_ros1_bag(*input, topics, visit);
+  if (start.starts_with("#ROSBAG V2.0\n")) return read_ros1_bag(input, topics, visit, budget);
   if (start.starts_with("#ROSBAG"))
     throw InputError(fmt::format("{}: found {}, expected version 2.0: rosbag migrates it", name,
                                  start.substr(0, start.find('\n'))));
-  return read_mcap(*input, topics, visit);
+  return read_mcap(input, topics, visit, budget);
 }
 
 }  // namespace
 
 std::vector<std::string> read_bag(const fs::path& source, std::vector<BagTopic>& topics,
                                   const BagVisit& visit) {
+  const std::vector<fs::path> parts = parts_of(source);
+  // Recordings pack to a half or a tenth.
+  constexpr uint64_t kMostExpansion = 20;
+  uint64_t bytes = 0, before = 0;
+  for (const fs::path& part : parts) {
+    std::error_code ignored;
+    const uint64_t size = fs::file_size(part, ignored);
+    if (!ignored) bytes += size;
+  }
+  UnpackBudget budget(source.string(), std::max(UnpackBudget::kBytes, kMostExpansion * bytes));
+  ReadingProgress progress(source.filename().string(), bytes);
   std::vector<std::string> losses;
-  for (const fs::path& part : parts_of(source)) {
-    const auto of_part = read_part(part, topics, visit);
+  for (const fs::path& part : parts) {
+    const WatchedInput input(part, before, progress);
+    const auto of_part = read_part(part, input, topics, visit, budget);
+    before += input.size();
     losses.insert(losses.end(), of_part.begin(), of_part.end());
   }
   if (topics.empty())

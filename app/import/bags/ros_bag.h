@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/import/bags/ros_message.h"
+#include "app/import/files/budget.h"
 #include "mcap/io.h"
 
 namespace seam::app {
@@ -18,6 +19,7 @@ struct BagTopic {
   std::string name;
   std::string type;  // "sensor_msgs/JointState", in either ROS.
   uint64_t messages = 0;
+  std::string definition;  // The text of the type's; empty: the bag has none that is understood.
 };
 
 // Calls `visit` for each message in the order of the file, with the place of its topic in `topics`,
@@ -29,8 +31,9 @@ using BagVisit =
 // read. Throws InputError where it is no bag, or holds nothing.
 std::vector<std::string> read_bag(const std::filesystem::path& path, std::vector<BagTopic>& topics,
                                   const BagVisit& visit);
-// The same of a file that is open already, of version 2.0 (ROS 1).
+// The same of a file that is open already, of version 2.0 (ROS 1). Its compressed chunks take from
+// the budget of the whole bag.
 std::vector<std::string> read_ros1_bag(const mcap::Input& input, std::vector<BagTopic>& topics,
-                                       const BagVisit& visit);
+                                       const BagVisit& visit, UnpackBudget& budget);
 
 }  // namespace seam::app

@@ -1,6 +1,6 @@
 #include "app/import/bags/ros_message.h"
 
-#include <cstring>
+#include <bit>
 
 #include "sim_core/base/error.h"
 
@@ -29,20 +29,20 @@ std::string_view RosMessage::raw(size_t size, size_t alignment) {
   return bytes;
 }
 
+uint64_t RosMessage::word(size_t size) {
+  const std::string_view bytes = raw(size, size);
+  uint64_t bits = 0;
+  for (size_t i = 0; i < size; ++i)
+    bits = bits << 8 | static_cast<uint8_t>(bytes[big_ ? i : size - 1 - i]);
+  return bits;
+}
+
 uint32_t RosMessage::number() {
-  const std::string_view bytes = raw(4, 4);
-  uint32_t value = 0;
-  for (size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<uint8_t>(bytes[big_ ? i : 3 - i]);
-  return value;
+  return static_cast<uint32_t>(word(4));
 }
 
 double RosMessage::real() {
-  const std::string_view bytes = raw(8, 8);
-  uint64_t bits = 0;
-  for (size_t i = 0; i < 8; ++i) bits = bits << 8 | static_cast<uint8_t>(bytes[big_ ? i : 7 - i]);
-  double value;
-  std::memcpy(&value, &bits, sizeof value);
-  return value;
+  return std::bit_cast<double>(word(8));
 }
 
 uint8_t RosMessage::byte() {

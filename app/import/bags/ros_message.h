@@ -19,10 +19,11 @@ class RosMessage {
   // `name` is what errors call the message.
   RosMessage(std::string_view bytes, RosForm form, std::string name);
 
-  uint32_t number();         // uint32 and int32.
-  double real();             // float64.
-  uint8_t byte();            // uint8 and bool.
-  std::string_view bytes();  // A list of uint8.
+  uint64_t word(size_t size);  // The bits of a number of 1, 2, 4 or 8 bytes.
+  uint32_t number();           // uint32 and int32.
+  double real();               // float64.
+  uint8_t byte();              // uint8 and bool.
+  std::string_view bytes();    // A list of uint8.
   std::string text();
   std::vector<double> reals();  // A list.
   std::vector<std::string> texts();

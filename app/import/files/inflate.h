@@ -1,16 +1,17 @@
 // Deflated bytes of strangers.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <string_view>
+
+#include "app/import/files/budget.h"
 
 namespace seam::app {
 
 enum class Deflate { zlib, raw };
 
-// Throws InputError, naming `where`, for damaged bytes and for more than `limit_bytes`.
-std::string inflated(std::string_view packed, Deflate form, uint64_t limit_bytes,
+// Throws InputError, naming `where`, for damaged bytes and for more than the budget has.
+std::string inflated(std::string_view packed, Deflate form, UnpackBudget& budget,
                      const std::string& where);
 
 }  // namespace seam::app

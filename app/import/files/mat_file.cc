@@ -15,7 +15,6 @@
 namespace seam::app {
 namespace {
 
-constexpr uint64_t kMaxUnpacked = uint64_t{1} << 30;
 constexpr size_t kMaxArrays = 100'000;
 constexpr size_t kMaxDimensions = 32;
 enum : uint32_t { kInt8 = 1, kUint8, kInt16, kUint16, kInt32, kUint32, kSingle, kDouble = 9 };
@@ -124,8 +123,8 @@ double value_at(uint32_t type, std::string_view bytes, size_t at, bool swapped) 
 }
 
 // One matrix; false where it is no array of numbers or characters.
-bool read_matrix(std::string_view bytes, bool swapped, const std::string& file, std::string& name,
-                 MatArray& array) {
+bool read_matrix(std::string_view bytes, bool swapped, const std::string& file,
+                 UnpackBudget& budget, std::string& name, MatArray& array) {
   Elements parts(bytes, swapped, file);
   const auto flags = parts.next();
   if (flags.data.size() < 8) parts.fail("has an array without flags");
@@ -137,7 +136,7 @@ bool read_matrix(std::string_view bytes, bool swapped, const std::string& file, 
   uint64_t count = 1;
   for (size_t at = 0; at < dimensions.data.size(); at += 4) {
     const auto size = number<int32_t>(dimensions.data, at, swapped);
-    if (size < 0 || (size > 0 && count > kMaxUnpacked / static_cast<uint64_t>(size)))
+    if (size < 0 || (size > 0 && count > UnpackBudget::kBytes / static_cast<uint64_t>(size)))
       parts.fail("has an array of impossible dimensions");
     count *= static_cast<uint64_t>(size);
     if (at == 0) array.rows = static_cast<size_t>(size);
@@ -153,6 +152,8 @@ bool read_matrix(std::string_view bytes, bool swapped, const std::string& file, 
   if (data.data.size() / size < count)
     parts.fail(
         fmt::format("holds {} of the {} values of '{}'", data.data.size() / size, count, name));
+  // A byte of the file becomes eight here.
+  budget.take(count * sizeof(double));
   array.values.reserve(count);
   for (uint64_t i = 0; i < count; ++i)
     array.values.push_back(value_at(data.type, data.data, i * size, swapped));
@@ -181,20 +182,19 @@ MatFile MatFile::from_bytes(const std::string& bytes, const std::string& name) {
     throw InputError(fmt::format("{}: the MAT-file says no byte order: damaged", name));
   const bool swapped = mark == "MI";
   Elements elements(std::string_view(bytes).substr(kHeader), swapped, name);
-  uint64_t unpacked = 0;
+  UnpackBudget budget(name);
   while (!elements.done()) {
     auto element = elements.next();
     std::string inner;
     if (element.type == kCompressed) {
-      inner = inflated(element.data, Deflate::zlib, kMaxUnpacked - unpacked, name);
-      unpacked += inner.size();
+      inner = inflated(element.data, Deflate::zlib, budget, name);
       Elements one(inner, swapped, name);
       element = one.next();
     }
     if (element.type != kMatrix) continue;
     std::string of;
     MatArray array;
-    if (!read_matrix(element.data, swapped, name, of, array)) continue;
+    if (!read_matrix(element.data, swapped, name, budget, of, array)) continue;
     mat.arrays_[of] = std::move(array);
     if (mat.arrays_.size() > kMaxArrays)
       throw InputError(fmt::format("{}: more than {} arrays", name, kMaxArrays));

@@ -14,8 +14,6 @@
 namespace seam::app {
 namespace {
 
-constexpr uint64_t kMaxArchiveBytes = uint64_t{512} << 20;
-
 // Little-endian numbers at a place that was checked.
 template <typename T>
 T number(std::string_view bytes, size_t at) {
@@ -49,25 +47,29 @@ double value_at(char type, size_t size, const char* at, const std::string& name)
 }
 
 // False where the array holds objects.
-bool read_npy(std::string_view bytes, const std::string& name, NpyArray& array) {
+bool read_npy(std::string_view bytes, const std::string& name, UnpackBudget& budget,
+              NpyArray& array) {
   if (bytes.size() < 10 || !bytes.starts_with("\x93NUMPY")) damaged(name, "no array of numpy");
   const bool first_version = bytes[6] == 1;
   const size_t head = first_version ? 10 : 12;
   if (bytes.size() < head) damaged(name, "its head is short");
   const size_t length = first_version ? number<uint16_t>(bytes, 8) : number<uint32_t>(bytes, 8);
   if (length > bytes.size() - head) damaged(name, "its head is longer than it");
+  constexpr size_t kMostHead = 64 << 10, kMostDimensions = 32;  // Numpy's own limits.
+  if (length > kMostHead) damaged(name, "its head is too long");
   const auto facts = python_literal(std::string(bytes.substr(head, length)), name);
   if (!facts.is_object() || !facts.contains("descr") || !facts["descr"].is_string() ||
       !facts.contains("shape") || !facts["shape"].is_array())
     damaged(name, "its head says no type and shape");
   const auto type = facts["descr"].get<std::string>();
   uint64_t count = 1;
+  if (facts["shape"].size() > kMostDimensions) damaged(name, "its shape is impossible");
   for (const auto& size : facts["shape"]) {
     const double value = size.is_number() ? size.get<double>() : -1;
     if (!(value >= 0 && value <= 1e9 && value == std::floor(value)))
       damaged(name, "its shape is impossible");
     array.shape.push_back(static_cast<size_t>(value));
-    if (value > 0 && count > kMaxArchiveBytes / static_cast<uint64_t>(value))
+    if (value > 0 && count > UnpackBudget::kBytes / static_cast<uint64_t>(value))
       damaged(name, "its shape is impossible");
     count *= static_cast<uint64_t>(value);
   }
@@ -90,6 +92,8 @@ bool read_npy(std::string_view bytes, const std::string& name, NpyArray& array) 
                          facts["fortran_order"].get<bool>() && array.shape.size() > 1;
   if (by_column)
     throw InputError(fmt::format("{}: found an array by columns, expected one by rows", name));
+  // A byte of the file becomes eight here.
+  budget.take(count * sizeof(double));
   array.values.reserve(count);
   for (uint64_t i = 0; i < count; ++i)
     array.values.push_back(value_at(type[1], size, data.data() + i * size, name));
@@ -108,7 +112,7 @@ std::map<std::string, NpyArray> read_npz(const std::string& bytes, const std::st
   const size_t entries = number<uint16_t>(all, end + 10);
   size_t at = number<uint32_t>(all, end + 16);
   std::map<std::string, NpyArray> arrays;
-  uint64_t unpacked = 0;
+  UnpackBudget budget(name);
   for (size_t i = 0; i < entries; ++i) {
     if (at > all.size() || all.size() - at < kEntry || all.substr(at, 4) != "PK\x01\x02")
       damaged(name, "its list of files ends early");
@@ -126,14 +130,18 @@ std::map<std::string, NpyArray> read_npz(const std::string& bytes, const std::st
     if (data > all.size() || packed > all.size() - data) damaged(name, "a file lies outside");
     if (method != kStored && method != kDeflated)
       throw InputError(fmt::format("{}: packed by method {}, expected deflate", name, method));
-    std::string content(all.substr(data, packed));
-    if (method == kDeflated)
-      content = inflated(content, Deflate::raw, kMaxArchiveBytes - unpacked, name);
-    unpacked += content.size();
-    if (unpacked > kMaxArchiveBytes) damaged(name, "too much to unpack");
+    const std::string_view stored = all.substr(data, packed);
+    std::string unpacked;
+    if (method == kDeflated) {
+      unpacked = inflated(stored, Deflate::raw, budget, name);
+    } else {
+      // Many entries may name the same bytes.
+      budget.take(stored.size());
+    }
+    const std::string_view content = method == kDeflated ? unpacked : stored;
     if (of.ends_with(".npy")) of.resize(of.size() - 4);
     NpyArray array;
-    if (read_npy(content, name + ": " + of, array)) arrays[of] = std::move(array);
+    if (read_npy(content, name + ": " + of, budget, array)) arrays[of] = std::move(array);
   }
   return arrays;
 }
