@@ -73,6 +73,114 @@ def test_ros(folder):
         refused("ros", folder / name, out=folder / "alone", words=["/cmd_vel (geometry_msgs/Twist, 400 messages)", "--map"])
 
 
+RULE = "=" * 80 + "\n"
+POINT = RULE + """MSG: trajectory_msgs/JointTrajectoryPoint
+float64[] positions
+float64[] velocities
+float64[] accelerations
+float64[] effort
+duration time_from_start
+"""
+HEADER = RULE + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
+HEADER2 = RULE + """MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+""" + RULE + "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n" + RULE + \
+    "MSG: builtin_interfaces/Duration\nint32 sec\nuint32 nanosec\n"
+
+
+def trajectory_state(ros1, fields):
+    """The definition of a JointTrajectoryControllerState with these points."""
+    text = "# Of one controller\nstd_msgs/Header header\nstring[] joint_names\nint32 VERSION=2  # a constant\n" + "".join(
+        f"trajectory_msgs/JointTrajectoryPoint {field}\n" for field in fields) + "string[] multi_dof_joint_names\n"
+    return text + (HEADER + POINT if ros1 else HEADER2 + POINT.replace("duration", "builtin_interfaces/Duration"))
+
+
+def test_controllers(folder):
+    """Command and state in one message: the old fields, the new ones, both with the old ones left empty, one joint a
+    message, several in a list, and a message of one's own."""
+    t, command, measured = servo_log(300)
+
+    def check(out, joints):
+        rows = rows_of(out / "joints.csv")
+        for joint, factor in joints.items():
+            mine = [r for r in rows if r["joint"] == joint]
+            assert np.allclose([float(r["command_rad"]) for r in mine], factor * command, atol=1e-12), joint
+            assert np.allclose([float(r["measured_rad"]) for r in mine], factor * measured, atol=1e-12), joint
+            assert np.allclose([float(r["time_s"]) for r in mine], t + 50, atol=1e-6), joint
+        assert len(rows) == len(joints) * len(t), len(rows)
+
+    def point(message, positions):
+        message.reals(positions).reals([]).reals([]).reals([]).put("I", 0, 0)
+
+    kind = "control_msgs/JointTrajectoryControllerState"
+    for ros1, fields, filled in ((True, ["desired", "actual", "error"], ("desired", "actual")),
+                                 (False, ["desired", "actual", "error"], ("desired", "actual")),
+                                 (False, ["reference", "feedback", "error", "output"], ("reference", "feedback")),
+                                 (False, ["desired", "actual", "reference", "feedback", "error"], ("reference", "feedback")),
+                                 (False, ["desired", "actual", "reference", "feedback", "error"], ("desired", "actual"))):
+        messages = [("/jtc/controller_state", kind, 49.0, Cdr(ros1).header(49.0).texts([]).data)]
+        for a, b, c in zip(t + 50, command, measured):
+            message = Cdr(ros1).header(a).texts(["arm", "wrist"])
+            for field in fields:
+                point(message, [b, 0.5 * b] if field == filled[0] else [c, 0.5 * c] if field == filled[1] else [])
+            messages.append(("/jtc/controller_state", kind, a + 0.01, message.texts([]).data))
+        # Before the first trajectory a controller has no reference.
+        empty = Cdr(ros1).header(49.0).texts(["arm", "wrist"])
+        for field in fields:
+            point(empty, [0, 0] if field == filled[1] else [])
+        messages[0] = ("/jtc/controller_state", kind, 49.0, empty.texts([]).data)
+        name = f"{filled[0]}-{len(fields)}-{ros1}"
+        (folder / name).write_bytes((ros1_bag if ros1 else mcap_file)(messages, definitions={kind: trajectory_state(ros1, fields)}))
+        said = imported("ros", folder / name, out=folder / f"out-{name}")
+        assert f"{filled[0]}.positions and {filled[1]}.positions of /jtc/controller_state" in said, said
+        assert "1 messages without command or state" in said, said
+        check(folder / f"out-{name}", {"arm": 1, "wrist": 0.5})
+
+    # A controller for each joint, as ROS 1 has them; that of several in a list; a message of nobody's package.
+    one = "Header header\nfloat64 set_point\nfloat64 process_value\nfloat64 error\nfloat64 command\nbool antiwindup\n" + HEADER
+    many = "std_msgs/Header header\ncontrol_msgs/SingleDOFState[] dof_states\n" + HEADER2 + RULE + \
+        "MSG: control_msgs/SingleDOFState\nstring name\nfloat64 reference\nfloat64 feedback\nfloat32 error\n"
+    own = "std_msgs/Header header\nint16 mode\nstring<=20 name\nfloat64[2] goal_position\nfloat64[<=4] present_position\n" + HEADER2
+    single, several, mine = [], [], []
+    for a, b, c in zip(t + 50, command, measured):
+        for joint, factor in (("arm", 1), ("wrist", 0.5)):
+            single.append((f"/{joint}_controller/state", "control_msgs/JointControllerState", a,
+                           Cdr(True).header(a).put("d", factor * b, factor * c, 0, 7).put("B", 1).data))
+        message = Cdr(False).header(a).put("I", 2)
+        for joint, factor in (("arm", 1), ("wrist", 0.5)):
+            message.text(joint).put("d", factor * b, factor * c).put("f", 0)
+        several.append(("/pid/controller_state", "control_msgs/MultiDOFStateStamped", a, message.data))
+        mine.append(("/servos", "my_msgs/ServoLog", a,
+                     Cdr(False).header(a).put("h", -3).text("left").put("d", b, 0.5 * b).reals([c, 0.5 * c]).data))
+    for name, data, joints in (
+            ("single.bag", ros1_bag(single, "bz2", {"control_msgs/JointControllerState": one}),
+             {"arm_controller": 1, "wrist_controller": 0.5}),
+            ("several.mcap", mcap_file(several, "zstd", definitions={"control_msgs/MultiDOFStateStamped": many}),
+             {"arm": 1, "wrist": 0.5}),
+            ("own.mcap", mcap_file(mine, definitions={"my_msgs/ServoLog": own}), {"joint0": 1, "joint1": 0.5})):
+        (folder / name).write_bytes(data)
+        imported("ros", folder / name, out=folder / f"out-{name}")
+        check(folder / f"out-{name}", joints)
+    # The wrist turned about, as --reverse does it.
+    turned = [(topic, kind, a, data) for topic, kind, a, data in single]
+    (folder / "single.bag").write_bytes(ros1_bag(turned, "none", {"control_msgs/JointControllerState": one}))
+    imported("ros", folder / "single.bag", "--reverse", "wrist_controller", out=folder / "turned")
+    rows = [r for r in rows_of(folder / "turned" / "joints.csv") if r["joint"] == "wrist_controller"]
+    assert np.allclose([float(r["measured_rad"]) for r in rows], -0.5 * measured, atol=1e-12)
+    # Definitions that do not hold are told, and never followed without end.
+    for text, words in (("my_msgs/ServoLog again\n" + HEADER2, "nested too deep"), ("my_msgs/None other\n", "missing"),
+                        ("float64\n", "expected TYPE NAME")):
+        (folder / "bad.mcap").write_bytes(mcap_file(mine, definitions={"my_msgs/ServoLog": text}))
+        refused("ros", folder / "bad.mcap", out=folder / "none", words=["found no joints with commands"])
+        (folder / "bad.mcap").write_bytes(mcap_file(mine + bag_messages(False)[0], definitions={"my_msgs/ServoLog": text}))
+        assert words in imported("ros", folder / "bad.mcap", out=folder / f"beside-{len(words)}")
+    huge = "std_msgs/Header header\nmy_msgs/A[1000000] x\nfloat64 goal\nfloat64 position\n" + HEADER2 + RULE + \
+        "MSG: my_msgs/A\nmy_msgs/B[1000000] y\n" + RULE + "MSG: my_msgs/B\nfloat64[0] z\n"
+    (folder / "huge.mcap").write_bytes(mcap_file(mine, definitions={"my_msgs/ServoLog": huge}))
+    refused("ros", folder / "huge.mcap", out=folder / "none", words=["elements: damaged"])
+
+
 def test_dark(folder):
     """A chunk that packs as well as black pictures do is no bomb."""
     joints, _, _ = bag_messages(False)

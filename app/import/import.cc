@@ -16,8 +16,9 @@ const std::vector<ImportKind>& import_kinds() {
        .options = {"target", "board", "spacing", "length-unit", "time-unit", "map", "camera"},
        .fill = import_images},
       {.name = "servo",
-       .help = "logs of commanded and measured angles: CSV or JSON, a file a run",
-       .options = {"map", "unit", "time-unit"},
+       .help = "logs of commanded and measured angles: CSV or JSON, a file a run, or commands and "
+               "states in two files",
+       .options = {"map", "unit", "time-unit", "reverse", "off-where"},
        .fill = import_servo},
       {.name = "ranges",
        .help = "ranges to beacons, their places and a path: the Plaza sets' .mat, or three CSV",
@@ -41,9 +42,10 @@ const std::vector<ImportKind>& import_kinds() {
        .fill = import_bouguet},
       {.name = "ros",
        .help =
-           "a bag of ROS 2 (MCAP) or ROS 1: joints or a walk with commands, pictures, CameraInfo, "
-           "poses and TF; camera_info YAML",
-       .options = {"map", "unit", "time-unit", "board", "spacing", "length-unit", "size", "camera"},
+           "a bag of ROS 2 (MCAP) or ROS 1: states of controllers, joints or a walk with commands, "
+           "pictures, CameraInfo, poses and TF; camera_info YAML",
+       .options = {"map", "unit", "time-unit", "board", "spacing", "length-unit", "size", "camera",
+                   "reverse"},
        .fill = import_ros},
       {.name = "euroc",
        .help = "an ASL folder or its ground truth, as poses; with a second trajectory as a walk",

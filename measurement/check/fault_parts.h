@@ -27,6 +27,16 @@ std::map<std::string, Rows> rows_by(const CsvTable& table, const std::vector<std
 std::string place(const CsvTable& table, size_t row);
 bool has_all(const CsvTable& table, std::initializer_list<const char*> columns);
 
+// What a command and the angle measured under it, row by row at even steps, say of each other: a
+// copy, one ahead of its cause, two columns that count opposite ways. `acts`: whether the drive is
+// on in a row. `joint` is its name in the sentences.
+std::vector<std::string> faults_of_command(const Numbers& command, const Numbers& measured,
+                                           const std::vector<char>& acts, const std::string& joint);
+// Rows whose command is 0 although the drive is off there: the joint, which else stays close to its
+// commands, stays away from 0 for longer than it would take to arrive. `acts` as above.
+Rows rows_without_drive(const Numbers& command, const Numbers& measured,
+                        const std::vector<char>& acts);
+
 // Each adds sentences.
 void joint_faults(const MeasurementSet& set, std::vector<std::string>& found);
 void walk_faults(const MeasurementSet& set, std::vector<std::string>& found);

@@ -16,9 +16,4 @@ std::vector<std::string> faults_of_values(const MeasurementSet& set);
 // Of the clocks: steps that are no seconds, jumps, logs that do not cover the observations.
 std::vector<std::string> faults_of_clocks(const MeasurementSet& set);
 
-// What a command and the angle measured under it, row by row at even steps, say of each other: a
-// copy, or one ahead of its cause.
-std::vector<std::string> faults_of_command(const std::vector<double>& command,
-                                           const std::vector<double>& measured);
-
 }  // namespace seam::measurement

@@ -1,5 +1,5 @@
 // Faults of servo logs: units of angles, commands that are no commands.
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,51 +37,38 @@ bool are_whole(const Numbers& values) {
                      [](double value) { return value == std::floor(value); });
 }
 
-}  // namespace
-
-void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
-  const CsvTable table = set.table("joints");
-  if (!has_all(table, {"command_rad", "measured_rad"})) return;
-  const Numbers commands = table.numbers_or_blank("command_rad");
-  const Numbers angles = table.numbers_or_blank("measured_rad");
-  size_t equal = 0, moved = 0, wraps = 0;
-  std::string wraps_at;
-  std::map<std::string, std::pair<size_t, std::string>> said;  // By sentence: how often, where.
-  double command_span = 0, angle_span = 0;
-  for (const auto& [name, rows] : rows_by(table, {"run", "joint"})) {
-    Numbers command = at(commands, rows), angle = at(angles, rows);
-    const auto blank = [](double value) { return std::isnan(value); };
-    if (std::any_of(command.begin(), command.end(), blank) ||
-        std::any_of(angle.begin(), angle.end(), blank))
-      continue;
-    for (const size_t i : jumps_by_a_turn(angle)) {
-      if (wraps++ == 0) wraps_at = place(table, rows[i]);
+// The lines of rows in ascending order: "6, 9-18, 33".
+std::string lines_text(const CsvTable& table, const Rows& rows) {
+  constexpr size_t kMostParts = 8;
+  std::vector<std::string> parts;
+  for (size_t i = 0; i < rows.size();) {
+    size_t last = i;
+    while (last + 1 < rows.size() && rows[last + 1] == rows[last] + 1) ++last;
+    if (parts.size() == kMostParts) {
+      parts.push_back("...");
+      break;
     }
-    for (size_t i = 1; i < rows.size(); ++i) {
-      if (angle[i] == angle[i - 1]) continue;
-      ++moved;
-      equal += command[i] == angle[i] ? 1 : 0;
-    }
-    command_span = std::max(command_span, span_of(command));
-    angle_span = std::max(angle_span, span_of(angle));
-    for (const std::string& sentence : faults_of_command(command, angle)) {
-      auto& [count, where] = said[sentence];
-      if (count++ == 0) where = fmt::format("{} ({})", place(table, rows[0]), name);
-    }
+    parts.push_back(last == i ? fmt::format("{}", table.line(rows[i]))
+                              : fmt::format("{}-{}", table.line(rows[i]), table.line(rows[last])));
+    i = last + 1;
   }
-  if (moved >= 20 && equal * 10 > moved * 9)
-    found.push_back(fmt::format(
-        "{}: command_rad and measured_rad are equal in {} of {} rows in which the joint moves: the "
-        "command column is really the measurement",
-        table.file(), equal, moved));
-  if (wraps > 0)
-    found.push_back(fmt::format(
-        "{}: measured_rad jumps by a whole turn in this row{}: it is stated within one turn, "
-        "expected angles that go on (and commands with them)",
-        wraps_at, wraps > 1 ? fmt::format(" and {} others", wraps - 1) : ""));
-  for (const auto& [sentence, where] : said)
-    found.push_back(fmt::format("{}: {}{}", where.second, sentence,
-                                where.first > 1 ? fmt::format(" ({} runs)", where.first) : ""));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void tell_rows_without_drive(const CsvTable& table, Rows rows, std::vector<std::string>& found) {
+  // One or two such rows are a glitch of the log.
+  constexpr size_t kFewest = 3;
+  if (rows.size() < kFewest) return;
+  std::sort(rows.begin(), rows.end());
+  found.push_back(fmt::format(
+      "{}: command_rad is 0 in {} rows while the joint stays away from 0 (lines {}): was the drive "
+      "off there? Mark such rows with torque_enable 0 (seam import servo: --off-where command=0)",
+      table.file(), rows.size(), lines_text(table, rows)));
+}
+
+// `command_span` and `angle_span` are those of the run that spans most.
+void tell_units(const CsvTable& table, const Numbers& commands, const Numbers& angles,
+                double command_span, double angle_span, std::vector<std::string>& found) {
   // Both alike: no ratio tells it, but no joint of a robot turns so far.
   constexpr double kMost_rad = 20;
   if (command_span > kMost_rad && angle_span > kMost_rad)
@@ -104,40 +91,63 @@ void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
   tell_unit(command_span / angle_span, "command_rad", commands);
 }
 
-std::vector<std::string> faults_of_command(const std::vector<double>& command,
-                                           const std::vector<double>& measured) {
-  constexpr int kMostRows = 20;
-  std::vector<std::string> found;
-  const size_t n = command.size();
-  const double span = span_of(command);
-  if (n < 3 * kMostRows || span < 1e-9 || span_of(measured) < 1e-9 || command == measured)
-    return found;
-  // Root mean square of what stays when the command is held against the angle `lag` rows later.
-  const auto miss = [&](int lag) {
-    double sum = 0, mean = 0;
-    size_t count = 0;
-    for (size_t k = kMostRows; k + kMostRows < n; ++k) {
-      const double d = measured[static_cast<size_t>(static_cast<int>(k) + lag)] - command[k];
-      sum += d * d, mean += d, ++count;
+}  // namespace
+
+void joint_faults(const MeasurementSet& set, std::vector<std::string>& found) {
+  const CsvTable table = set.table("joints");
+  if (!has_all(table, {"command_rad", "measured_rad"})) return;
+  const Numbers commands = table.numbers_or_blank("command_rad");
+  const Numbers angles = table.numbers_or_blank("measured_rad");
+  const Numbers enabled =
+      table.has("torque_enable") ? table.numbers_or_blank("torque_enable") : Numbers();
+  size_t equal = 0, moved = 0, wraps = 0;
+  Rows without_drive;
+  std::string wraps_at;
+  std::map<std::string, std::pair<size_t, std::string>> said;  // By sentence: how often, where.
+  double command_span = 0, angle_span = 0;
+  for (const auto& [name, rows] : rows_by(table, {"run", "joint"})) {
+    Numbers command = at(commands, rows), angle = at(angles, rows);
+    const auto blank = [](double value) { return std::isnan(value); };
+    if (std::any_of(command.begin(), command.end(), blank) ||
+        std::any_of(angle.begin(), angle.end(), blank))
+      continue;
+    for (const size_t i : jumps_by_a_turn(angle)) {
+      if (wraps++ == 0) wraps_at = place(table, rows[i]);
     }
-    const double m = mean / static_cast<double>(count);
-    return std::sqrt(std::max(0.0, sum / static_cast<double>(count) - m * m));
-  };
-  int best = 0;
-  for (int lag = -kMostRows; lag <= kMostRows; ++lag) {
-    if (miss(lag) < miss(best)) best = lag;
+    for (size_t i = 1; i < rows.size(); ++i) {
+      if (angle[i] == angle[i - 1]) continue;
+      ++moved;
+      equal += command[i] == angle[i] ? 1 : 0;
+    }
+    command_span = std::max(command_span, span_of(command));
+    angle_span = std::max(angle_span, span_of(angle));
+    std::vector<char> acts(rows.size(), 1);
+    for (size_t i = 0; i < rows.size() && !enabled.empty(); ++i) acts[i] = enabled[rows[i]] != 0;
+    for (const size_t i : rows_without_drive(command, angle, acts)) {
+      without_drive.push_back(rows[i]);
+      acts[i] = 0;
+    }
+    const std::string joint(table.has("joint") ? table.cell(rows[0], "joint") : "");
+    for (const std::string& sentence : faults_of_command(command, angle, acts, joint)) {
+      auto& [count, where] = said[sentence];
+      if (count++ == 0) where = fmt::format("{} ({})", place(table, rows[0]), name);
+    }
   }
-  // Later it may be: a servo that is late and else ideal.
-  if (best >= 0) return found;
-  if (miss(best) < 1e-6 * span) {
-    found.push_back(
-        fmt::format("the command is the measurement {} rows earlier: is it a copy of it?", -best));
-  } else if (miss(best) < 0.7 * miss(0) && miss(best) < 0.7 * miss(-best)) {
+  if (moved >= 20 && equal * 10 > moved * 9)
     found.push_back(fmt::format(
-        "the measured angle is {} rows ahead of the command: are the two columns exchanged?",
-        -best));
-  }
-  return found;
+        "{}: command_rad and measured_rad are equal in {} of {} rows in which the joint moves: the "
+        "command column is really the measurement",
+        table.file(), equal, moved));
+  if (wraps > 0)
+    found.push_back(fmt::format(
+        "{}: measured_rad jumps by a whole turn in this row{}: it is stated within one turn, "
+        "expected angles that go on (and commands with them)",
+        wraps_at, wraps > 1 ? fmt::format(" and {} others", wraps - 1) : ""));
+  tell_rows_without_drive(table, without_drive, found);
+  for (const auto& [sentence, where] : said)
+    found.push_back(fmt::format("{}: {}{}", where.second, sentence,
+                                where.first > 1 ? fmt::format(" ({} runs)", where.first) : ""));
+  tell_units(table, commands, angles, command_span, angle_span, found);
 }
 
 }  // namespace seam::measurement

@@ -4,7 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 
 #include "app/predictors/instruments.h"
@@ -16,7 +19,7 @@ namespace {
 
 struct ImportFlags {
   std::string kind, out, map, unit, time_unit, length_unit, board, target, size, camera, part,
-      title;
+      title, reverse, off_where;
   std::optional<double> spacing;
   std::vector<std::string> sources;
 };
@@ -69,6 +72,8 @@ void check_options(const ImportFlags& flags, const app::ImportKind& kind) {
       {"size", !flags.size.empty()},
       {"camera", !flags.camera.empty()},
       {"part", !flags.part.empty()},
+      {"reverse", !flags.reverse.empty()},
+      {"off-where", !flags.off_where.empty()},
   };
   for (const auto& [option, is_given] : given) {
     const bool known =
@@ -79,8 +84,34 @@ void check_options(const ImportFlags& flags, const app::ImportKind& kind) {
   }
 }
 
+// SIGNAL=VALUE, where a value of "none" is a blank cell.
+std::pair<std::string, double> off_where_in(const std::string& text) {
+  const size_t equals = text.find('=');
+  const std::string value = equals == std::string::npos ? "" : text.substr(equals + 1);
+  const bool none = value == "none";
+  double number = std::numeric_limits<double>::quiet_NaN();
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  const bool is_number =
+      error == std::errc() && end == value.data() + value.size() && std::isfinite(number);
+  if (equals == 0 || value.empty() || (!none && !is_number))
+    throw UsageError(
+        fmt::format("--off-where {}: expected SIGNAL=NUMBER or SIGNAL=none, like command=0", text));
+  return {text.substr(0, equals), none ? std::numeric_limits<double>::quiet_NaN() : number};
+}
+
+std::vector<std::string> listed(const std::string& text) {
+  std::vector<std::string> names;
+  for (size_t start = 0; start < text.size();) {
+    const size_t end = std::min(text.find(',', start), text.size());
+    if (end > start) names.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+  return names;
+}
+
 app::ImportRequest request_of(const ImportFlags& flags) {
   app::ImportRequest request{.names = names_in(flags.map),
+                             .reversed = listed(flags.reverse),
                              .unit = flags.unit,
                              .time_unit = flags.time_unit,
                              .length_unit = flags.length_unit,
@@ -90,6 +121,7 @@ app::ImportRequest request_of(const ImportFlags& flags) {
   for (const std::string& source : flags.sources) request.sources.emplace_back(source);
   std::tie(request.board_columns, request.board_rows) = pair_in("board", flags.board, "9x6");
   std::tie(request.width_px, request.height_px) = pair_in("size", flags.size, "640x480");
+  if (!flags.off_where.empty()) request.off_where = off_where_in(flags.off_where);
   // A unit that is none is said before anything is read.
   if (!request.unit.empty()) app::radians_in(request.unit);
   if (!request.time_unit.empty()) app::nanoseconds_in(request.time_unit);
@@ -140,6 +172,12 @@ void add_import(app::Command app) {
   command.add_option("--camera", flags->camera,
                      "Which camera or robot, where the files hold several; of pictures also "
                      "several, for a set of a rig: left,right");
+  command.add_option("--reverse", flags->reverse,
+                     "Joints whose measured angles count the other way than their commands: "
+                     "JOINT,JOINT; they get the other sign");
+  command.add_option("--off-where", flags->off_where,
+                     "Rows in which the drive is off, by a value of a signal: command=0, or "
+                     "command=none for a blank cell; they get torque_enable 0");
   command.add_option("--title", flags->title, "A line for people");
   command.footer(
       kinds_help() +

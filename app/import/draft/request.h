@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@ struct ImportRequest {
   std::vector<std::filesystem::path> sources;
   // What a quantity is called in the files, by our name for it.
   std::map<std::string, std::string> names;
+  std::vector<std::string> reversed;  // Joints whose measured angles get the other sign.
+  // Rows in which a drive is off: a signal of the files, and its value there, NaN for none.
+  std::optional<std::pair<std::string, double>> off_where;
   std::string unit;                       // Of angles; empty: not given.
   std::string time_unit;                  // Likewise.
   std::string length_unit;                // Likewise.

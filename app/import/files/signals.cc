@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "app/import/files/cell_lists.h"
 #include "app/import/files/source_file.h"
 #include "app/import/files/text_table.h"
 #include "sim_core/base/error.h"
@@ -142,7 +143,7 @@ class JsonSignals {
       } else if (is_list_of_numbers(child) || is_table_of_numbers(child)) {
         add_list(key, child, within);
       } else if (is_list_of(child, &json::is_string)) {
-        log_.texts[key] = child.get<std::vector<std::string>>();
+        log_.lists[key] = child.get<std::vector<std::string>>();
       } else if (child.is_object()) {
         add_columns(child, within + key + ".");
       } else if (child.is_number()) {
@@ -197,6 +198,112 @@ json json_of_lines(const std::string& text, const std::string& name) {
   return list.size() > 1 ? list : json(nullptr);
 }
 
+void add_column(SignalLog& log, const TextTable& table, size_t c) {
+  std::vector<double> values;
+  std::vector<int64_t> ns;
+  std::vector<std::string> words;
+  size_t numbers = 0;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    double value = kNone;
+    int64_t exact = 0;
+    const std::string text_of_cell = lower(std::string(table.cell(row, c)));
+    if (text_of_cell == "true" || text_of_cell == "false") value = text_of_cell == "true" ? 1 : 0;
+    const bool timed = parse_time_ns(table.cell(row, c), 1'000'000'000, exact);
+    if (!parse_number(text_of_cell, value) && std::isnan(value) && timed)
+      value = 1e-9 * static_cast<double>(exact);
+    numbers += std::isnan(value) ? 0 : 1;
+    values.push_back(value), ns.push_back(exact);
+    words.emplace_back(table.cell(row, c));
+  }
+  const std::string& name = table.columns()[c];
+  if (numbers * 2 < table.rows()) log.texts[name] = std::move(words);
+  if (numbers == 0) return;
+  log.names.push_back(name);
+  log.full_names.push_back(table.full_name(c));
+  log.values.push_back(std::move(values));
+  log.exact_ns.push_back(std::move(ns));
+}
+
+// A column whose cells are lists of `count` items: NAME[0], NAME[1], ... where they are numbers;
+// else words by row and item, as texts NAME[0], ...
+void add_lists(SignalLog& log, const TextTable& table, size_t c, size_t count) {
+  if (count > kMaxSignals || log.names.size() + count > kMaxSignals)
+    throw InputError(fmt::format("{}: more than {} signals", log.file, kMaxSignals));
+  std::vector<std::vector<double>> values(count);
+  std::vector<std::vector<std::string>> words(count);
+  std::vector<std::string_view> items;
+  bool numeric = true;
+  for (size_t row = 0; row < table.rows(); ++row) {
+    const bool blank = table.cell(row, c).empty();
+    if (!blank && (!list_in(table.cell(row, c), items) || items.size() != count))
+      table.fail(row, c, fmt::format("a list of {} items as in the rows above", count));
+    for (size_t i = 0; i < count; ++i) {
+      double value = kNone;
+      const std::string item = blank ? "" : std::string(items[i]);
+      numeric = (parse_number(item, value) || blank || lower(item) == "nan") && numeric;
+      values[i].push_back(value), words[i].push_back(item);
+    }
+  }
+  for (size_t i = 0; i < count; ++i) {
+    const std::string name = fmt::format("{}[{}]", table.columns()[c], i);
+    if (!numeric) {
+      log.texts[name] = std::move(words[i]);
+      continue;
+    }
+    log.names.push_back(name);
+    log.full_names.push_back(fmt::format("{}[{}]", table.full_name(c), i));
+    log.values.push_back(std::move(values[i]));
+    log.exact_ns.emplace_back(table.rows(), 0);
+  }
+}
+
+// Lists of names, whose order may change from row to row: the numbers beside them in that of the
+// first row, and the names once.
+void order_by_names(SignalLog& log) {
+  for (const auto& [first, in_first] : std::map(log.texts)) {
+    if (!first.ends_with("[0]")) continue;
+    const std::string base = first.substr(0, first.size() - 3);
+    std::vector<const std::vector<std::string>*> names;
+    for (size_t i = 0; log.texts.contains(fmt::format("{}[{}]", base, i)); ++i)
+      names.push_back(&log.texts.at(fmt::format("{}[{}]", base, i)));
+    const auto is_short = [&](const auto* words) { return words->size() != log.rows(); };
+    if (std::any_of(names.begin(), names.end(), is_short)) continue;
+    std::vector<std::string>& list = log.lists[base];
+    std::map<std::string, size_t> place;
+    for (const auto* of_item : names) {
+      place.emplace(of_item->front(), list.size());
+      list.push_back(of_item->front());
+    }
+    // Of each list of numbers that is as long, its signals.
+    std::vector<std::vector<size_t>> lists;
+    for (size_t c = 0; c < log.names.size(); ++c) {
+      const size_t bracket = log.names[c].find("[0]");
+      if (bracket == std::string::npos) continue;
+      const std::string of = log.names[c].substr(0, bracket);
+      std::vector<size_t> signals;
+      for (int at = 0; (at = log.find({fmt::format("{}[{}]", of, signals.size())})) >= 0;)
+        signals.push_back(static_cast<size_t>(at));
+      if (signals.size() == names.size()) lists.push_back(signals);
+    }
+    for (size_t row = 1; row < log.rows(); ++row) {
+      std::vector<size_t> to;
+      for (const auto* of_item : names) {
+        const auto found = place.find((*of_item)[row]);
+        if (found == place.end())
+          throw InputError(
+              fmt::format("{}: {}: found the joint '{}', expected those of the first row",
+                          log.places[row], base, (*of_item)[row]));
+        to.push_back(found->second);
+      }
+      for (const std::vector<size_t>& signals : lists) {
+        std::vector<double> before;
+        for (const size_t signal : signals) before.push_back(log.values[signal][row]);
+        for (size_t i = 0; i < to.size(); ++i) log.values[signals[to[i]]][row] = before[i];
+      }
+    }
+  }
+}
+
 void read_table(SignalLog& log, std::string text) {
   const TextTable table = TextTable::from_text(std::move(text), log.file);
   if (table.columns().empty())
@@ -211,29 +318,14 @@ void read_table(SignalLog& log, std::string text) {
   for (size_t row = 0; row < table.rows(); ++row)
     log.places.push_back(fmt::format("{}:{}", log.file, table.line(row)));
   for (size_t c = 0; c < table.width(); ++c) {
-    std::vector<double> values;
-    std::vector<int64_t> ns;
-    std::vector<std::string> words;
-    size_t numbers = 0;
-    for (size_t row = 0; row < table.rows(); ++row) {
-      double value = kNone;
-      int64_t exact = 0;
-      const std::string text_of_cell = lower(std::string(table.cell(row, c)));
-      if (text_of_cell == "true" || text_of_cell == "false") value = text_of_cell == "true" ? 1 : 0;
-      const bool timed = parse_time_ns(table.cell(row, c), 1'000'000'000, exact);
-      if (!parse_number(text_of_cell, value) && std::isnan(value) && timed)
-        value = 1e-9 * static_cast<double>(exact);
-      numbers += std::isnan(value) ? 0 : 1;
-      values.push_back(value), ns.push_back(exact);
-      words.emplace_back(table.cell(row, c));
+    std::vector<std::string_view> items;
+    size_t first = 0;
+    while (first + 1 < table.rows() && table.cell(first, c).empty()) ++first;
+    if (table.rows() > 0 && list_in(table.cell(first, c), items)) {
+      add_lists(log, table, c, items.size());
+    } else {
+      add_column(log, table, c);
     }
-    const std::string& name = table.columns()[c];
-    if (numbers * 2 < table.rows()) log.texts[name] = std::move(words);
-    if (numbers == 0) continue;
-    log.names.push_back(name);
-    log.full_names.push_back(table.full_name(c));
-    log.values.push_back(std::move(values));
-    log.exact_ns.push_back(std::move(ns));
   }
 }
 
@@ -253,6 +345,12 @@ int SignalLog::find(const std::vector<std::string>& wanted) const {
 
 SignalLog signals_of_text(std::string text, const std::string& name) {
   SignalLog log{.file = name};
+  if (text.starts_with("PAR1"))
+    throw InputError(fmt::format(
+        "{0}: found a Parquet file, which is not read, expected CSV or JSON: convert it, python3 "
+        "-c \"import pandas; pandas.read_parquet('{0}').to_json('episodes.jsonl', "
+        "orient='records', lines=True)\"",
+        name));
   const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && (text[first] == '{' || text[first] == '[')) {
     const json root = json_of_lines(text, name);
@@ -263,6 +361,7 @@ SignalLog signals_of_text(std::string text, const std::string& name) {
   } else {
     read_table(log, std::move(text));
   }
+  order_by_names(log);
   return log;
 }
 

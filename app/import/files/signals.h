@@ -15,6 +15,8 @@ struct SignalLog {
   std::vector<std::vector<double>> values;     // By signal, NaN where a row has none.
   std::vector<std::vector<int64_t>> exact_ns;  // By signal, of seconds: what a double cannot hold.
   std::map<std::string, std::vector<std::string>> texts;  // Signals that are words.
+  // Lists of words that each row repeats, or that stand once for all: names of joints.
+  std::map<std::string, std::vector<std::string>> lists;
   std::map<std::string, double> constants;  // What stands once for the whole log (JSON).
   std::vector<std::string> places;          // "file:line" or "file: entries[3]" of each row.
 
@@ -25,8 +27,8 @@ struct SignalLog {
 };
 
 // CSV by its rows; JSON as a list of objects (anywhere in it), as an object of equally long lists,
-// or with such lists in objects below. Lists in rows become signals NAME[0], NAME[1]. Throws
-// InputError.
+// or with such lists in objects below. Lists in rows and cells become signals NAME[0], NAME[1].
+// Throws InputError.
 SignalLog read_signals(const std::filesystem::path& path);
 SignalLog signals_of_text(std::string text, const std::string& name);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "app/import/bags/reading_progress.h"
 #include "app/import/draft/photometry_draft.h"
 #include "app/import/files/source_file.h"
 #include "app/import/files/text_table.h"
@@ -24,7 +25,11 @@ class Descriptor {
     std::string row;
     for (line_ = 1; std::getline(text, row); ++line_) take(row);
     if (bits_ == 0) fail("the line 'n BITS WIDTH HEIGHT' is missing");
-    for (size_t i = 0; i < images_.size(); ++i) add(images_[i]);
+    ReadingProgress progress("emva1288", images_.size(), "pictures", 1);
+    for (size_t i = 0; i < images_.size(); ++i) {
+      progress.at(i);
+      add(images_[i]);
+    }
     stack_.finish(bits_, path_.string());
     draft_.did(
         fmt::format("exposures in ns and photons a pixel from {}; light is photons over "

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "app/import/bags/reading_progress.h"
 #include "app/import/draft/checks.h"
 #include "app/import/draft/photometry_draft.h"
 #include "app/import/files/fits.h"
@@ -114,7 +115,11 @@ class FlatsImport {
                              : lower(flat.name).find("bias") == std::string::npos;
     });
     if (exposed != flats_.end()) std::rotate(flats_.begin(), exposed, std::next(exposed));
-    for (Flat& flat : flats_) add(flat);
+    ReadingProgress progress("flats", flats_.size(), "pictures", 1);
+    for (size_t i = 0; i < flats_.size(); ++i) {
+      progress.at(i);
+      add(flats_[i]);
+    }
     stack_.finish(0, request_.sources.front().string());
     for (const auto& [from, count] : said_by_)
       draft_.did(fmt::format("exposures of {} frames from {}", count, from));

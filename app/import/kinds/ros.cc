@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "app/import/bags/ros_bag.h"
 #include "app/import/draft/checks.h"
 #include "app/import/draft/points_draft.h"
+#include "app/import/draft/reversal.h"
 #include "app/import/draft/walk_draft.h"
 #include "app/import/kinds/kinds.h"
 #include "app/import/kinds/ros_data.h"
@@ -19,7 +21,8 @@ namespace {
 
 class RosImport {
  public:
-  RosImport(const ImportRequest& request, SetDraft& draft) : request_(request), draft_(draft) {}
+  RosImport(const ImportRequest& request, SetDraft& draft)
+      : request_(request), draft_(draft), reversal_(request) {}
   void run();
 
  private:
@@ -32,15 +35,22 @@ class RosImport {
   void take_transforms();
   const PlainCamera* chosen_camera() const;
   bool joints();
+  // `known`: of types that are known as a controller's state alone.
+  bool controllers(bool known);
   bool walk();
   bool camera();
   bool poses();
   void joint_rows(const std::string& name, const std::vector<JointSampleRow>& measured,
                   size_t place, const std::vector<JointSampleRow>& commands,
                   measurement::CsvWriter& table, size_t& rows);
+  void add_joint(const std::string& name, const std::vector<int64_t>& times,
+                 std::vector<double>& command, std::vector<double>& angle,
+                 measurement::CsvWriter& table, size_t& rows);
+  size_t controller_rows(size_t topic, std::set<std::string>& taken, measurement::CsvWriter& table);
 
   const ImportRequest& request_;
   SetDraft& draft_;
+  Reversal reversal_;
   BagData data_;
 };
 
@@ -74,10 +84,8 @@ bool contains(const std::string& text, const char* part) {
 // Where a joint stands in a message; by the name, or by its place where the message has none.
 std::optional<double> position_of(const JointSampleRow& row, const std::string& name,
                                   size_t place) {
-  const auto found = std::find(row.names.begin(), row.names.end(), name);
-  if (!row.names.empty() && found == row.names.end()) return std::nullopt;
-  const size_t at = row.names.empty() ? place : static_cast<size_t>(found - row.names.begin());
-  return at < row.positions.size() ? std::optional(row.positions[at]) : std::nullopt;
+  const std::optional<size_t> at = row.names ? row.names->find(name) : std::optional(place);
+  return at && *at < row.positions.size() ? std::optional(row.positions[*at]) : std::nullopt;
 }
 
 void RosImport::joint_rows(const std::string& name, const std::vector<JointSampleRow>& measured,
@@ -97,6 +105,12 @@ void RosImport::joint_rows(const std::string& name, const std::vector<JointSampl
     times.push_back(row.log_ns);
     command.push_back(*now), angle.push_back(*value);
   }
+  add_joint(name, times, command, angle, table, rows);
+}
+
+void RosImport::add_joint(const std::string& name, const std::vector<int64_t>& times,
+                          std::vector<double>& command, std::vector<double>& angle,
+                          measurement::CsvWriter& table, size_t& rows) {
   if (times.size() < 3) return;
   const RowPlace where = [&](size_t i) {
     return fmt::format("joint {} at {} s", name, seconds_text(times[i]));
@@ -104,6 +118,7 @@ void RosImport::joint_rows(const std::string& name, const std::vector<JointSampl
   check_times(times, where, request_, 2, draft_);
   to_radians(command, "command", where, request_, draft_);
   to_radians(angle, "position", where, request_, draft_);
+  reversal_.apply(name, command, angle);
   for (size_t i = 0; i < times.size(); ++i, ++rows)
     table.row({"0", seconds_text(times[i]), name, exact(command[i]), exact(angle[i])});
 }
@@ -122,12 +137,15 @@ bool RosImport::joints() {
   const auto& seen = data_.joints[*measured];
   measurement::CsvWriter table({"run", "time_s", "joint", "command_rad", "measured_rad"});
   size_t rows = 0;
-  const auto& names = seen.front().names;
+  // Without names of its own a state has none.
+  const std::vector<std::string> names =
+      seen.front().names ? seen.front().names->list : std::vector<std::string>();
   for (size_t i = 0; i < names.size(); ++i)
     joint_rows(names[i], seen, i, data_.joints[*command], table, rows);
   if (rows == 0)
     throw InputError(fmt::format("{} and {} have no joint in common while both were recorded",
                                  data_.topics[*measured].name, data_.topics[*command].name));
+  reversal_.finish({names.begin(), names.end()}, draft_);
   draft_.kind = "joints";
   draft_.group = "joint";
   draft_.effects = "  ideal_servo: {}\n";
@@ -135,11 +153,72 @@ bool RosImport::joints() {
   draft_.did(fmt::format("{} rows: angles of {} under commands of {}, by the times of recording",
                          rows, data_.topics[*measured].name, data_.topics[*command].name));
   draft_.could_not_know("how long messages were on their way: a command acts from the next row on");
-  if (names.size() > 1 && data_.joints[*command].front().names.empty())
+  if (names.size() > 1 && !data_.joints[*command].front().names)
     draft_.could_not_know(fmt::format(
         "which joint each number of {} is for: it has no names, so they are taken in the order of "
         "{}: {}",
         data_.topics[*command].name, data_.topics[*measured].name, fmt::join(names, ", ")));
+  return true;
+}
+
+size_t RosImport::controller_rows(size_t topic, std::set<std::string>& taken,
+                                  measurement::CsvWriter& table) {
+  auto& [state, samples, without] = data_.controllers.at(topic);
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const auto& a, const auto& b) { return a.ns < b.ns; });
+  struct Rows {
+    std::vector<int64_t> times;
+    std::vector<double> command, angle;
+  };
+  std::map<std::string, Rows> joints;
+  size_t no_numbers = 0, rows = 0;
+  for (const ControllerState::Sample& sample : samples) {
+    for (size_t i = 0; i < sample.command.size(); ++i) {
+      Rows& of = joints[sample.names->list[i]];
+      const bool good = std::isfinite(sample.command[i]) && std::isfinite(sample.measured[i]);
+      no_numbers += good ? 0 : 1;
+      if (!good || (!of.times.empty() && of.times.back() == sample.ns)) continue;
+      of.times.push_back(sample.ns);
+      of.command.push_back(sample.command[i]), of.angle.push_back(sample.measured[i]);
+    }
+  }
+  const std::string& name = data_.topics[topic].name;
+  for (auto& [joint, of] : joints) {
+    const size_t before = rows;
+    if (taken.contains(joint)) {
+      draft_.warn(fmt::format("{} tells of joint {} again: left out", name, joint));
+    } else {
+      add_joint(joint, of.times, of.command, of.angle, table, rows);
+    }
+    if (rows > before) taken.insert(joint);
+  }
+  if (rows == 0) return 0;
+  draft_.did(fmt::format("{} rows: {} of {}, by the stamps of its messages", rows,
+                         state.fields_text(), name));
+  if (without + no_numbers > 0)
+    draft_.warn(
+        fmt::format("{}: {} messages without command or state and {} rows that are no "
+                    "numbers: left out",
+                    name, without, no_numbers));
+  return rows;
+}
+
+bool RosImport::controllers(bool known) {
+  const std::string mapped = request_.name_of("measured");
+  measurement::CsvWriter table({"run", "time_s", "joint", "command_rad", "measured_rad"});
+  std::set<std::string> joints;
+  size_t rows = 0;
+  for (const auto& [topic, of] : data_.controllers) {
+    const bool wanted =
+        mapped.empty() ? of.state.is_known() == known : data_.topics[topic].name == mapped;
+    if (wanted) rows += controller_rows(topic, joints, table);
+  }
+  if (rows == 0) return false;
+  reversal_.finish(joints, draft_);
+  draft_.kind = "joints";
+  draft_.group = "joint";
+  draft_.effects = "  ideal_servo: {}\n";
+  draft_.add_table("joints", table);
   return true;
 }
 
@@ -260,7 +339,8 @@ void RosImport::run() {
   for (const BagTopic& topic : data_.topics) {
     if (topic.messages == 0) draft_.warn(fmt::format("topic {} is empty", topic.name));
   }
-  if (joints() || walk()) return;
+  // A message that holds both is worth more than two topics, which are joined by guessed delays.
+  if (controllers(true) || joints() || walk() || controllers(false)) return;
   const bool shows =
       std::any_of(data_.topics.begin(), data_.topics.end(), [](const BagTopic& topic) {
         return topic.type == "sensor_msgs/Image" || topic.type == "sensor_msgs/CompressedImage";
@@ -270,7 +350,8 @@ void RosImport::run() {
   if (!request_.name_of("measured").empty() && poses()) return;
   if (camera() || poses()) return;
   throw InputError(fmt::format(
-      "{}: found no joints with commands (JointState, and another topic), no walk (Odometry with "
+      "{}: found no joints with commands (a controller's state, or JointState and another topic), "
+      "no walk (Odometry with "
       "cmd_vel, or with poses), no CameraInfo and no poses among its topics: {}; say which, --map "
       "measured=/TOPIC,command=/TOPIC",
       name, topics_text()));

@@ -1,6 +1,8 @@
 #include "app/import/kinds/ros_data.h"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "sim_core/base/error.h"
 
@@ -13,12 +15,13 @@ int64_t stamp_or_log(const RosMessage::Header& header, int64_t log_ns) {
 
 class BagReader {
  public:
-  BagReader(BagData& data, SetDraft& draft) : data_(data), draft_(draft) {}
+  BagReader(BagData& data, SetDraft& draft, const std::string& bag)
+      : data_(data), draft_(draft), kept_(bag) {}
 
   void take(size_t topic, int64_t log_ns, std::string_view bytes, RosForm form) {
     const BagTopic& of = data_.topics[topic];
     const auto reader = kReaders.find(of.type);
-    if (reader == kReaders.end()) return;
+    if (reader == kReaders.end()) return controller(topic, log_ns, bytes, form);
     RosMessage message(bytes, form, of.name);
     (this->*reader->second)(topic, log_ns, message);
   }
@@ -27,19 +30,66 @@ class BagReader {
   using Read = void (BagReader::*)(size_t, int64_t, RosMessage&);
   static const std::map<std::string, Read> kReaders;
 
+  // A topic of a type without a reader of its own.
+  void controller(size_t topic, int64_t log_ns, std::string_view bytes, RosForm form) {
+    if (is_none_.contains(topic)) return;
+    auto found = data_.controllers.find(topic);
+    if (found == data_.controllers.end()) {
+      auto state = controller_of(topic);
+      if (!state) {
+        is_none_.insert(topic);
+        return;
+      }
+      found = data_.controllers.emplace(topic, BagData::ControllerRows{std::move(*state)}).first;
+    }
+    auto sample = found->second.state.read(bytes, form, log_ns);
+    if (!sample) {
+      ++found->second.without;
+      return;
+    }
+    check_joints(topic, sample->names->list.size());
+    kept_.take(sizeof(*sample) + 16 * sample->command.size());
+    found->second.rows.push_back(std::move(*sample));
+  }
+  std::optional<ControllerState> controller_of(size_t topic) {
+    try {
+      return ControllerState::of(data_.topics[topic]);
+    } catch (const InputError& error) {
+      draft_.warn(fmt::format("topic {} is not read: {}", data_.topics[topic].name, error.what()));
+      return std::nullopt;
+    }
+  }
+  void check_joints(size_t topic, size_t count) const {
+    constexpr size_t kMostJoints = 1000;
+    if (count > kMostJoints)
+      throw InputError(fmt::format("{}: a message of {} joints, expected {} at most",
+                                   data_.topics[topic].name, count, kMostJoints));
+  }
+  void add_joints(size_t topic, JointSampleRow row, std::vector<std::string> names) {
+    check_joints(topic, std::max(names.size(), row.positions.size()));
+    SharedNames& last = names_[topic];
+    if (!names.empty()) {
+      const SharedNames before = last;
+      row.names = share_names(last, std::move(names));
+      if (last != before) kept_.take(150 * row.names->list.size());
+    }
+    kept_.take(sizeof(row) + 8 * row.positions.size());
+    data_.joints[topic].push_back(std::move(row));
+  }
+
   void joint_state(size_t topic, int64_t log_ns, RosMessage& message) {
     const auto header = message.header();
     auto names = message.texts();
     auto positions = message.reals();
-    data_.joints[topic].push_back(
-        {log_ns, stamp_or_log(header, log_ns), std::move(names), std::move(positions)});
+    add_joints(topic, {log_ns, stamp_or_log(header, log_ns), nullptr, std::move(positions)},
+               std::move(names));
   }
   void joint_trajectory(size_t topic, int64_t log_ns, RosMessage& message) {
     message.header();
     auto names = message.texts();
     if (message.count(16) == 0) return;
     auto positions = message.reals();
-    data_.joints[topic].push_back({log_ns, log_ns, std::move(names), std::move(positions)});
+    add_joints(topic, {log_ns, log_ns, nullptr, std::move(positions)}, std::move(names));
   }
   void numbers(size_t topic, int64_t log_ns, RosMessage& message) {
     for (uint32_t left = message.count(12); left > 0; --left) {
@@ -47,10 +97,10 @@ class BagReader {
       message.number(), message.number();
     }
     message.number();
-    data_.joints[topic].push_back({log_ns, log_ns, {}, message.reals()});
+    add_joints(topic, {log_ns, log_ns, nullptr, message.reals()}, {});
   }
   void one_number(size_t topic, int64_t log_ns, RosMessage& message) {
-    data_.joints[topic].push_back({log_ns, log_ns, {}, {message.real()}});
+    add_joints(topic, {log_ns, log_ns, nullptr, {message.real()}}, {});
   }
   void odometry(size_t topic, int64_t log_ns, RosMessage& message) {
     const auto header = message.header();
@@ -99,6 +149,9 @@ class BagReader {
 
   BagData& data_;
   SetDraft& draft_;
+  UnpackBudget kept_;                    // Of rows: they outlive the chunk that they came from.
+  std::map<size_t, SharedNames> names_;  // By topic, the last.
+  std::set<size_t> is_none_;             // Topics that no reader understands.
 };
 
 const std::map<std::string, BagReader::Read> BagReader::kReaders = {
@@ -121,7 +174,7 @@ const std::map<std::string, BagReader::Read> BagReader::kReaders = {
 
 BagData read_bag_data(const std::filesystem::path& bag, SetDraft& draft) {
   BagData data;
-  BagReader reader(data, draft);
+  BagReader reader(data, draft, bag.string());
   const auto losses = read_bag(
       bag, data.topics, [&](size_t topic, int64_t log_ns, std::string_view bytes, RosForm form) {
         reader.take(topic, log_ns, bytes, form);

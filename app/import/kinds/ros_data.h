@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "app/import/bags/controller_state.h"
+#include "app/import/bags/joint_names.h"
 #include "app/import/bags/ros_bag.h"
 #include "app/import/draft/set_draft.h"
 #include "app/import/draft/walk_draft.h"
@@ -15,7 +17,7 @@ namespace seam::app {
 
 struct JointSampleRow {
   int64_t log_ns = 0, stamp_ns = 0;
-  std::vector<std::string> names;
+  SharedNames names;  // None of a message without names.
   std::vector<double> positions;
 };
 
@@ -23,6 +25,13 @@ struct JointSampleRow {
 struct BagData {
   std::vector<BagTopic> topics;
   std::map<size_t, std::vector<JointSampleRow>> joints;
+  // Of controllers that tell command and state in one message.
+  struct ControllerRows {
+    ControllerState state;
+    std::vector<ControllerState::Sample> rows;
+    size_t without = 0;  // Messages that hold no command beside a state.
+  };
+  std::map<size_t, ControllerRows> controllers;
   std::map<size_t, std::vector<PoseRow>> odometry, poses;
   std::map<size_t, std::string> frames;                   // In which poses of a topic are.
   std::map<size_t, std::vector<VelocityCommand>> twists;  // By the time of recording.

@@ -6,18 +6,23 @@
 #include <set>
 
 #include "app/import/draft/checks.h"
+#include "app/import/draft/reversal.h"
 #include "app/import/files/signals.h"
 #include "app/import/kinds/kinds.h"
-#include "app/import/kinds/servo_columns.h"
+#include "app/import/servo/servo_columns.h"
+#include "app/import/servo/servo_join.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
 namespace {
 
 using Names = std::vector<std::string>;
+constexpr const char* kEnabled = "torque_enable";
+
 class ServoImport {
  public:
-  ServoImport(const ImportRequest& request, SetDraft& draft) : request_(request), draft_(draft) {}
+  ServoImport(const ImportRequest& request, SetDraft& draft)
+      : request_(request), draft_(draft), reversal_(request_) {}
   void run();
 
  private:
@@ -29,18 +34,19 @@ class ServoImport {
                 const std::vector<size_t>& rows, size_t time);
   void look_at(const std::vector<double>& command, const std::vector<double>& measured,
                const RowPlace& place);
-  std::string cell(const SignalLog& log, const std::string& column, size_t row) const;
+  std::string cell(const SignalLog& log, const std::string& column, size_t row, bool off) const;
   void write();
 
-  const ImportRequest& request_;
+  ImportRequest request_;
   SetDraft& draft_;
+  Reversal reversal_;
   std::vector<SignalLog> logs_;
   std::vector<std::string> extra_;       // Columns beside ours, by their name in the set.
   std::map<std::string, Names> called_;  // What they are called in the files.
   std::vector<std::vector<std::string>> rows_;
   std::set<std::string> runs_, joints_;
   std::set<std::string> named_units_;  // Of angles, where columns say them.
-  size_t repeated_ = 0, stale_ = 0;
+  size_t repeated_ = 0, stale_ = 0, off_ = 0;
 };
 
 // What the pair of columns says of itself: a command that is the measurement, or follows it.
@@ -60,7 +66,10 @@ void ServoImport::look_at(const std::vector<double>& command, const std::vector<
                     place(0)));
 }
 
-std::string ServoImport::cell(const SignalLog& log, const std::string& column, size_t row) const {
+std::string ServoImport::cell(const SignalLog& log, const std::string& column, size_t row,
+                              bool off) const {
+  if (off && column == kEnabled) return "0";
+  if (column == kEnabled && called_.at(column).empty()) return "1";
   const int at = log.find(called_.at(column));
   double value = NAN;
   if (at >= 0) {
@@ -80,6 +89,7 @@ void ServoImport::add_rows(const SignalLog& log, const std::string& run, const J
   std::vector<int64_t> ns;
   std::vector<double> command, measured;
   std::vector<size_t> kept;
+  const std::vector<char> off = servo_off_rows(request_, log, joint);
   const RowPlace place = [&](size_t i) { return log.places[kept[i]]; };
   for (const size_t row : rows) {
     const double t = log.values[time][row];
@@ -97,7 +107,10 @@ void ServoImport::add_rows(const SignalLog& log, const std::string& run, const J
       continue;
     }
     ns.push_back(at);
-    command.push_back(log.values[joint.command][row]);
+    const double asked = log.values[joint.command][row];
+    // Where the drive is off no command is needed: the last one stays.
+    const bool holds = off[row] != 0 && !std::isfinite(asked);
+    command.push_back(!holds ? asked : command.empty() ? 0 : command.back());
     measured.push_back(log.values[joint.measured][row]);
   }
   check_times(ns, place, request_, 0.5, draft_);
@@ -109,6 +122,7 @@ void ServoImport::add_rows(const SignalLog& log, const std::string& run, const J
   };
   in_radians(command, joint.command);
   in_radians(measured, joint.measured);
+  reversal_.apply(joint.joint, command, measured);
   look_at(command, measured, place);
   size_t longest = 0, same = 0;
   for (size_t i = 0; i < ns.size(); ++i) {
@@ -116,7 +130,9 @@ void ServoImport::add_rows(const SignalLog& log, const std::string& run, const J
     longest = std::max(longest, same);
     std::vector<std::string> cells = {run, seconds_text(ns[i]), joint.joint, exact(command[i]),
                                       exact(measured[i])};
-    for (const std::string& column : extra_) cells.push_back(cell(log, column, kept[i]));
+    const bool is_off = off[kept[i]] != 0;
+    off_ += is_off ? 1 : 0;
+    for (const std::string& column : extra_) cells.push_back(cell(log, column, kept[i], is_off));
     rows_.push_back(std::move(cells));
   }
   stale_ = std::max(stale_, longest);
@@ -133,7 +149,9 @@ std::string plain(std::string text) {
 
 void ServoImport::add_log(const SignalLog& log, const std::string& run) {
   const size_t time = time_in(log);
-  const std::string of_run = request_.name_of("run").empty() ? "run" : request_.name_of("run");
+  std::string of_run = request_.name_of("run");
+  // As learning robots' data sets call it.
+  if (of_run.empty()) of_run = log.find({"episode_index"}) >= 0 ? "episode_index" : "run";
   const std::string of_joint =
       request_.name_of("joint").empty() ? "joint" : request_.name_of("joint");
   const auto word = [&](const std::string& name, size_t row) {
@@ -175,6 +193,9 @@ void ServoImport::write() {
   draft_.add_table("joints", table);
   draft_.did(fmt::format("{} rows of {} runs of joint {}", rows_.size(), runs_.size(),
                          fmt::join(joints_, ", ")));
+  reversal_.finish(joints_, draft_);
+  if (request_.off_where)
+    draft_.did(fmt::format("torque_enable 0 in {} rows of {} (--off-where)", off_, rows_.size()));
   for (const std::string& unit : named_units_)
     draft_.did(fmt::format("angles from {} to rad, as their columns are named", unit));
   if (!request_.unit.empty()) draft_.did(fmt::format("angles from {} to rad", request_.unit));
@@ -197,7 +218,8 @@ void ServoImport::write() {
 }
 
 void ServoImport::run() {
-  for (const auto& source : request_.sources) logs_.push_back(read_signals(source));
+  ServoLogs found = servo_logs(request_, draft_);
+  logs_ = std::move(found.logs), request_ = std::move(found.request);
   std::set<std::string> taken;
   const auto keep = [&](const std::string& ours, const std::string& quantity, Names usual,
                         const SignalLog& log) {
@@ -214,7 +236,11 @@ void ServoImport::run() {
   for (const SignalLog& log : logs_) {
     keep("kp", "kp", servo_names().gains, log);
     keep("voltage_v", "voltage", servo_names().voltages, log);
-    keep("torque_enable", "torque_enable", servo_names().enabled, log);
+    keep(kEnabled, kEnabled, servo_names().enabled, log);
+  }
+  if (request_.off_where && !called_.contains(kEnabled)) {
+    extra_.emplace_back(kEnabled);
+    called_[kEnabled] = {};
   }
   // All else that has a number in every row.
   for (const Names& names : {servo_names().times, servo_names().commands, servo_names().measured})
@@ -231,7 +257,8 @@ void ServoImport::run() {
       const bool whole = std::all_of(log.values[c].begin(), log.values[c].end(),
                                      [](double value) { return std::isfinite(value); });
       const bool ours = name.find('[') != std::string::npos || name.ends_with("_ctrl") ||
-                        name.ends_with("_qpos") || name == "run" || name == "joint";
+                        name.ends_with("_qpos") || name == "run" || name == "joint" ||
+                        name == "episode_index";
       if (!whole || ours || taken.contains(name) || called_.contains(plain(name))) continue;
       extra_.push_back(plain(name));
       called_[plain(name)] = {name};
@@ -239,7 +266,7 @@ void ServoImport::run() {
   }
   std::set<std::string> stems;
   for (size_t i = 0; i < logs_.size(); ++i) {
-    std::string stem = plain(request_.sources[i].stem().string());
+    std::string stem = plain(found.runs[i]);
     if (!stems.insert(stem).second) stem = fmt::format("{}-{}", stem, i);
     add_log(logs_[i], stem);
   }

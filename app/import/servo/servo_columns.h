@@ -26,6 +26,13 @@ struct JointColumns {
 size_t servo_signal(const ImportRequest& request, const SignalLog& log, const std::string& quantity,
                     const std::vector<std::string>& usual);
 
+// What the items of its lists are called by; empty where the log does not say it.
+std::vector<std::string> joint_names_in(const SignalLog& log);
+
+// By row: whether the drive is off there, as --off-where says.
+std::vector<char> servo_off_rows(const ImportRequest& request, const SignalLog& log,
+                                 const JointColumns& joint);
+
 // Never empty: throws InputError where there is none.
 std::vector<JointColumns> servo_joints(const ImportRequest& request, const SignalLog& log);
 

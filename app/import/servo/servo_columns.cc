@@ -1,4 +1,4 @@
-#include "app/import/kinds/servo_columns.h"
+#include "app/import/servo/servo_columns.h"
 
 #include <fmt/ranges.h>
 
@@ -25,14 +25,12 @@ std::vector<JointColumns> numbered_joints(const ImportRequest& request, const Si
                     measured = first("measured", servo_names().measured);
   std::vector<JointColumns> joints;
   if (command.empty() || measured.empty()) return joints;
-  const auto named = log.texts.find("joint_names");
+  const std::vector<std::string> named = joint_names_in(log);
   for (size_t i = 0;; ++i) {
     const int c = log.find({fmt::format("{}[{}]", command, i)});
     const int m = log.find({fmt::format("{}[{}]", measured, i)});
     if (c < 0 || m < 0) return joints;
-    joints.push_back({named != log.texts.end() && i < named->second.size()
-                          ? named->second[i]
-                          : fmt::format("joint{}", i),
+    joints.push_back({i < named.size() ? named[i] : fmt::format("joint{}", i),
                       static_cast<size_t>(c), static_cast<size_t>(m)});
   }
 }
@@ -166,6 +164,36 @@ size_t servo_signal(const ImportRequest& request, const SignalLog& log, const st
                                  quantity, suggestion_for(mapped, log.names)));
   throw InputError(fmt::format("{}: found no signal for '{}' among {}; say which, --map {}=NAME",
                                log.file, quantity, fmt::join(log.names, ", "), quantity));
+}
+
+std::vector<std::string> joint_names_in(const SignalLog& log) {
+  for (const char* name : {"joint_names", "joints", "names", "name", "motor_names", "motors"}) {
+    if (const auto found = log.lists.find(name); found != log.lists.end()) return found->second;
+  }
+  return {};
+}
+
+std::vector<char> servo_off_rows(const ImportRequest& request, const SignalLog& log,
+                                 const JointColumns& joint) {
+  std::vector<char> off(log.rows(), 0);
+  if (!request.off_where) return off;
+  const auto& [signal, value] = *request.off_where;
+  size_t column = 0;
+  if (signal == "command" || signal == "measured") {
+    column = signal == "command" ? joint.command : joint.measured;
+  } else {
+    const std::string mapped = request.name_of(signal);
+    const int found = log.find({mapped.empty() ? signal : mapped});
+    if (found < 0)
+      throw InputError(fmt::format("{}: signal '{}' (--off-where) is missing{}", log.file, signal,
+                                   suggestion_for(signal, log.names)));
+    column = static_cast<size_t>(found);
+  }
+  for (size_t row = 0; row < off.size(); ++row) {
+    const double at = log.values[column][row];
+    off[row] = std::isnan(value) ? std::isnan(at) : at == value;
+  }
+  return off;
 }
 
 std::vector<JointColumns> servo_joints(const ImportRequest& request, const SignalLog& log) {

@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""`seam import servo` of logs with a habit of their own, made here with the truth known: joints that count the other way,
+commands of 0 where the drive is off, commands and states in two files. `import_servo_test.py path/to/seam`"""
+import json
+
+import numpy as np
+
+from importing import RNG, imported, refused, rows_of, run, run_tests, servo_log
+
+
+def column(folder, name, **where):
+    return np.array([float(r[name]) for r in rows_of(folder / "joints.csv") if all(r[k] == v for k, v in where.items())])
+
+
+def lag_of(folder, out):
+    run("add", "servo_lag", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "lag.yaml", "--json",
+        folder / "lag.json", "--force")
+    return json.loads((folder / "lag.json").read_text())["parameters"]["tau_s"]
+
+
+def table(path, header, *columns):
+    path.write_text(header + "\n" + "".join(",".join(f"{x:.6f}" for x in row) + "\n" for row in zip(*columns)))
+    return path
+
+
+def test_reversed(folder):
+    """Asked for, and right once the sign is given: as degrees, and as an encoder that counts down from a turn."""
+    t, command, measured = servo_log()
+    files = [table(folder / f"flip{k}.csv", "time,goal,present", t, command, -measured) for k in range(3)]
+    named = ["--map", "command=goal,measured=present"]
+    said = imported("servo", *files, *named, "--unit", "rad", out=folder / "asked")
+    assert "does one of the two columns count the other way?" in said and "--reverse joint" in said, said
+    assert "(3 runs)" in said and "exchanged" not in said, said
+    assert "count the other way?" in run("check", folder / "asked")
+    said = imported("servo", *files, *named, "--unit", "rad", "--reverse", "joint", out=folder / "given")
+    assert "measured angles of joint with the other sign" in said and "warning" not in said, said
+    assert np.allclose(column(folder / "given", "measured_rad", run="flip0"), measured, atol=1e-6)
+    tau = lag_of(folder, folder / "given")
+    assert abs(tau["value"] - 0.05) < 4 * tau["sigma"] + 1e-4, tau
+
+    ticks = 4096 / (2 * np.pi)
+    down = table(folder / "down.csv", "time,goal,present", t, 2048 + ticks * command, 2048 - ticks * measured)
+    said = imported("servo", down, *named, "--unit", "ticks:4096", "--reverse", "joint", out=folder / "down")
+    assert "whole turns added" in said, said
+    assert np.allclose(column(folder / "down", "measured_rad") - np.pi, measured, atol=1e-4)
+    # Of two joints one.
+    two = table(folder / "two.csv", "time,arm_cmd,arm_pos,lift_cmd,lift_pos", t, command, measured, command, -measured)
+    said = imported("servo", two, out=folder / "two")
+    assert "--reverse lift" in said and "--reverse arm" not in said, said
+    imported("servo", two, "--reverse", "lift", out=folder / "both")
+    for joint in ("arm", "lift"):
+        assert np.allclose(column(folder / "both", "measured_rad", joint=joint), measured, atol=1e-5)
+    refused("servo", two, "--reverse", "lfit", out=folder / "none", words=["'lfit'", "did you mean 'lift'", "arm, lift"])
+
+
+def test_off(folder):
+    """A drive that is off in parts of a log, where its command reads 0 or nothing."""
+    t, command, measured = servo_log()
+    off = (np.arange(len(t)) % 100) > 70
+    held = measured + 2
+    for k in range(1, len(t)):
+        held[k] = held[k - 1] if off[k] else held[k - 1] + (command[k] + 2 - held[k - 1]) * (1 - np.exp(-0.01 / 0.05))
+    held += 1e-4 * RNG.standard_normal(len(t))
+    log = table(folder / "off.csv", "time,command,position", t, np.where(off, 0, command + 2), held)
+    said = imported("servo", log, out=folder / "asked")
+    assert f"command_rad is 0 in {off.sum()} rows" in said and "was the drive off there?" in said, said
+    assert "lines 73-101, 173-201" in said and "--off-where command=0" in said, said
+    said = imported("servo", log, "--off-where", "command=0", out=folder / "marked")
+    assert f"torque_enable 0 in {off.sum()} rows of {len(t)}" in said and "warning" not in said, said
+    assert np.array_equal(column(folder / "marked", "torque_enable"), 1 - off)
+    # No command at all there, by another column, and beside a column that marks other rows.
+    lines = log.read_text().splitlines()
+    blank = [lines[0]] + [",".join([a.split(",")[0], "" if o else a.split(",")[1], a.split(",")[2]])
+                          for a, o in zip(lines[1:], off)]
+    (folder / "blank.csv").write_text("\n".join(blank) + "\n")
+    refused("servo", folder / "blank.csv", out=folder / "none", words=["blank.csv:73", "finite"])
+    imported("servo", folder / "blank.csv", "--off-where", "command=none", out=folder / "blank")
+    assert np.array_equal(column(folder / "blank", "torque_enable"), 1 - off)
+    table(folder / "mode.csv", "time,command,position,mode,torque_enable", t, command, measured, 3 * off, t > 1)
+    imported("servo", folder / "mode.csv", "--off-where", "mode=3", out=folder / "mode")
+    assert np.array_equal(column(folder / "mode", "torque_enable"), (t > 1) & ~off)
+    refused("servo", log, "--off-where", "mode=3", out=folder / "none", words=["'mode' (--off-where) is missing"])
+    refused("servo", log, "--off-where", "command", out=folder / "none", words=["SIGNAL=NUMBER"], code=2)
+
+
+def two_joints():
+    """Commands and angles of two joints, logged by two processes at times of their own; the command of each state row."""
+    t, command, measured = servo_log()
+    asked, seen = t + 0.002 * RNG.random(len(t)), t + 0.0025 + 0.002 * RNG.random(len(t))
+    command, measured = np.stack([command, -0.5 * command], 1), np.stack([measured, -0.5 * measured], 1)
+    before = np.searchsorted(asked, seen, side="right") - 1
+    return asked, command, seen, measured, command[before]
+
+
+def lists(path, header, times, rows, before="", separator=", ", behind=None):
+    path.parent.mkdir(exist_ok=True)
+    lines = [header]
+    for k, (t, row) in enumerate(zip(times, rows)):
+        tail = "" if behind is None else "," + behind(k)
+        lines.append(f'{before}{1e6 * t:.0f},"[{separator.join(f"{x:.6f}" for x in row)}]"{tail}')
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def check_pair(out, measured, command, joints):
+    for i, joint in enumerate(joints):
+        assert np.allclose(column(out, "measured_rad", joint=joint), measured[:, i], atol=1e-5), joint
+        assert np.allclose(column(out, "command_rad", joint=joint), command[:, i], atol=1e-5), joint
+
+
+def test_two_files(folder):
+    """A file of commands and one of states: lists in cells by place and by name, columns by joint, several runs."""
+    asked, command, seen, measured, expected = two_joints()
+    units = ["--unit", "rad", "--time-unit", "us"]
+    pair = [lists(folder / "control.csv", "type,timestamp,positions", asked, command, "Control,"),
+            lists(folder / "state_motor.csv", "type,timestamp,positions,currents", seen, measured, "StateMotor,",
+                  behind=lambda k: '"[0.1, 0.2]"')]
+    for order in (pair, pair[::-1]):
+        out = folder / order[0].stem
+        said = imported("servo", *order, *units, out=out)
+        assert "commands and states of 1 pairs of files joined by time" in said and "warning" not in said, said
+        check_pair(out, measured, expected, ["joint0", "joint1"])
+    tau = lag_of(folder, folder / "control")
+    assert abs(tau["value"] - 0.05) < 0.004, tau
+    # States before the first command have none, and are counted.
+    late = lists(folder / "late" / "control.csv", "timestamp,positions", asked[100:], command[100:])
+    said = imported("servo", late, pair[1], *units, "--map",
+                    f"command={late}:positions,measured=state_motor.csv:positions", out=folder / "cut")
+    first = int(np.searchsorted(seen, asked[100]))
+    assert f"{first} of {len(seen)} states stand before the first command" in said, said
+    check_pair(folder / "cut", measured[first:], expected[first:], ["joint0", "joint1"])
+    # Names of joints in a column, in another order in each file, and from row to row.
+    named = [lists(folder / "n" / "commands.csv", "timestamp,goal,names", asked, command[:, ::-1], separator=" ",
+                   behind=lambda k: '"[\'lift\', \'arm\']"'),
+             lists(folder / "n" / "states.csv", "timestamp,angles,names", seen,
+                   np.where((np.arange(len(seen)) % 2 == 1)[:, None], measured[:, ::-1], measured),
+                   behind=lambda k: '"[""lift"", ""arm""]"' if k % 2 else '"[""arm"", ""lift""]"')]
+    imported("servo", *named, *units, out=folder / "named")
+    check_pair(folder / "named", measured, expected, ["arm", "lift"])
+    # A column a joint, in two runs, told apart by folders.
+    files = []
+    for k in range(2):
+        (folder / f"run{k}").mkdir()
+        files.append(table(folder / f"run{k}" / "targets.csv", "t,arm,lift", asked, *((1 + k) * command.T)))
+        files.append(table(folder / f"run{k}" / "joint_states.csv", "t,arm,lift,arm_velocity", seen, *((1 + k) * measured.T), seen))
+    said = imported("servo", *files, out=folder / "runs")
+    for k in range(2):
+        for i, joint in enumerate(("arm", "lift")):
+            got = column(folder / "runs", "measured_rad", run=f"run{k}-joint_states", joint=joint)
+            assert np.allclose(got, (1 + k) * measured[:, i], atol=1e-5), (k, joint)
+    refused("servo", files[1], files[3], out=folder / "none", words=["run0/joint_states.csv (states)", "no pairs"])
+    far = lists(folder / "far" / "control.csv", "timestamp,positions", asked + 1000, command)
+    refused("servo", far, pair[1], *units, "--map", f"command={far}:positions,measured=state_motor.csv:positions",
+            out=folder / "none", words=["do not overlap in time"])
+    one = lists(folder / "one" / "control.csv", "timestamp,positions", asked, command[:, :1])
+    refused("servo", one, folder / "state_motor.csv", *units, "--map",
+            f"command={one}:positions,measured=state_motor.csv:positions", out=folder / "none", words=["1 commands", "2 angles"])
+    ragged = pair[0].read_text().replace("]", ", 1]", 9).replace(", 1]", "]", 8)
+    (folder / "control.csv").write_text(ragged)
+    refused("servo", *pair, *units, out=folder / "none", words=["control.csv:10", "a list of 2 items"])
+
+
+def test_episodes(folder):
+    """Episodes of a learning robot as JSON Lines, and as the Parquet file that is to be converted."""
+    t, command, measured = servo_log()
+    lines = [json.dumps({"action": [c, 2 * c], "observation.state": [m, 2 * m], "timestamp": a, "frame_index": k,
+                         "episode_index": e}) for e in range(2) for k, (a, c, m) in enumerate(zip(t, command, measured))]
+    (folder / "episodes.jsonl").write_text("\n".join(lines) + "\n")
+    imported("servo", folder / "episodes.jsonl", "--unit", "rad", out=folder / "out")
+    for episode in ("0", "1"):
+        assert np.allclose(column(folder / "out", "measured_rad", run=episode, joint="joint1"), 2 * measured, atol=1e-12)
+    (folder / "episode_000000.parquet").write_bytes(b"PAR1" + bytes(100) + b"PAR1")
+    refused("servo", folder / "episode_000000.parquet", out=folder / "none",
+            words=["Parquet", "pandas.read_parquet", "lines=True"])
+
+
+run_tests(globals())
