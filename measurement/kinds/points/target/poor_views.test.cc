@@ -22,36 +22,37 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr double kFocal_px = 600, kNoise_px = 0.1, kApart_m = 0.03;
-constexpr int kAlong = 9, kAcross = 6, kGood = 10;
+constexpr double kPinhole_px = 600, kPinholeNoise_px = 0.1, kPitch_m = 0.03;
+constexpr int kCornersAlong = 9, kCornersAcross = 6, kGoodViews = 10;
 
 // Which corners a poor view shows, and how far it is tilted.
-struct Poor {
+struct PoorView {
   std::string name;
   std::function<bool(int along, int across)> shown;
   double tilt_rad = 0.4;
   double height_m = 0;  // Of every second point, across the line.
 };
 
-struct PoorSet {
+struct PoorViewsSet {
   std::string name, noise = "noise: {u_px: 0.1, v_px: 0.1}\n";
-  std::vector<Poor> poor;
+  std::vector<PoorView> poor;
   bool good = true;
 };
 
-std::filesystem::path made(const PoorSet& what) {
+std::filesystem::path poor_set(const PoorViewsSet& what) {
   const auto folder = std::filesystem::path(testing::TempDir()) / ("poor-" + what.name);
   std::filesystem::create_directories(folder);
   std::string rows = "frame,time_s,point,x_m,y_m,z_m,u_px,v_px\n";
   uint64_t draw = 0;
   const RandomStream random{19, 0};
-  const auto view = [&](const std::string& name, int frame, const Poor& poor) {
+  const auto view = [&](const std::string& name, int frame, const PoorView& poor) {
     const double turn = 0.5 * frame, tilt = poor.tilt_rad * (frame % 2 == 0 ? 1 : -1),
                  roll = 0.3 * (frame % 3);
-    for (int point = 0; point < kAlong * kAcross; ++point) {
-      if (!poor.shown(point % kAlong, point / kAlong)) continue;
-      const double x = kApart_m * (point % kAlong - 4),
-                   y = kApart_m * (point / kAlong - 2.5) + (point % 2 == 0 ? poor.height_m : 0);
+    for (int point = 0; point < kCornersAlong * kCornersAcross; ++point) {
+      if (!poor.shown(point % kCornersAlong, point / kCornersAlong)) continue;
+      const double x = kPitch_m * (point % kCornersAlong - 4),
+                   y = kPitch_m * (point / kCornersAlong - 2.5) +
+                       (point % 2 == 0 ? poor.height_m : 0);
       const double a = std::cos(roll) * x - std::sin(roll) * y,
                    b = std::sin(roll) * x + std::cos(roll) * y;
       // Tilted about an axis in the image that turns from view to view.
@@ -60,16 +61,17 @@ std::filesystem::path made(const PoorSet& what) {
       const double flat = std::cos(tilt) * across, deep = 0.5 + std::sin(tilt) * across;
       const double X = std::cos(turn) * along - std::sin(turn) * flat,
                    Y = std::sin(turn) * along + std::cos(turn) * flat;
-      rows += fmt::format("{},{},{},{:.6f},{:.6f},0,{:.4f},{:.4f}\n", name, frame, point, x, y,
-                          319.5 + kFocal_px * X / deep + kNoise_px * normal(random, draw),
-                          239.5 + kFocal_px * Y / deep + kNoise_px * normal(random, draw + 1));
+      rows +=
+          fmt::format("{},{},{},{:.6f},{:.6f},0,{:.4f},{:.4f}\n", name, frame, point, x, y,
+                      319.5 + kPinhole_px * X / deep + kPinholeNoise_px * normal(random, draw),
+                      239.5 + kPinhole_px * Y / deep + kPinholeNoise_px * normal(random, draw + 1));
       draw += 2;
     }
   };
-  for (int frame = 0; frame < kGood && what.good; ++frame)
+  for (int frame = 0; frame < kGoodViews && what.good; ++frame)
     view(fmt::format("good{}", frame), frame, {"", [](int, int) { return true; }});
   for (size_t i = 0; i < what.poor.size(); ++i)
-    view(what.poor[i].name, kGood + static_cast<int>(i), what.poor[i]);
+    view(what.poor[i].name, kGoodViews + static_cast<int>(i), what.poor[i]);
   write_file_atomically(folder / "points.csv", rows);
   write_file_atomically(folder / "measurement.yaml",
                         "format: seam-measurement/1\nkind: points\ncamera: {width_px: 640, "
@@ -91,19 +93,19 @@ bool of_a_row(int along, int across) {
   return across == 2 && along < 5;
 }
 
-void expect_good(const PoorSet& what, const std::vector<std::string>& notes) {
-  const auto problem = open_problem(made(what));
+void expect_good(const PoorViewsSet& what, const std::vector<std::string>& notes) {
+  const auto problem = open_problem(poor_set(what));
   for (const std::string& note : notes)
     EXPECT_THAT(problem->facts().notes, Contains(HasSubstr(note))) << what.name;
   EXPECT_EQ(problem->facts().notes.size(), notes.size()) << what.name;
-  EXPECT_EQ(problem->facts().groups.size(), static_cast<size_t>(kGood));
+  EXPECT_EQ(problem->facts().groups.size(), static_cast<size_t>(kGoodViews));
   const CompareResult result = compare(*problem, free_camera());
   EXPECT_NEAR(result.base.assessment.error, 1, 0.08) << what.name;
-  EXPECT_NEAR(result.base.assessment.model.find("pinhole")->values()[0], kFocal_px, 2);
+  EXPECT_NEAR(result.base.assessment.model.find("pinhole")->values()[0], kPinhole_px, 2);
 }
 
 TEST(PoorViews, PointsOnALineFixNoPose) {
-  PoorSet what{.name = "line"};
+  PoorViewsSet what{.name = "line"};
   what.poor = {{"row", of_a_row},
                {"column", [](int along, int) { return along == 3; }},
                {"diagonal", [](int along, int across) { return along == across; }}};
@@ -114,13 +116,13 @@ TEST(PoorViews, PointsOnALineFixNoPose) {
 }
 
 TEST(PoorViews, NearlyOnALineCountsAsOnIt) {
-  PoorSet what{.name = "near-line"};
+  PoorViewsSet what{.name = "near-line"};
   what.poor = {{"near", of_a_row, 0.4, 2e-4}};  // 0.12 px to either side: the noise.
   expect_good(what, {"frame near left out, 1 of 11 views"});
 }
 
 TEST(PoorViews, OnePlaceEdgeOnAndTooFew) {
-  PoorSet what{.name = "others"};
+  PoorViewsSet what{.name = "others"};
   what.poor = {{"three", [](int along, int across) { return along < 3 && across == along % 2; }},
                {"edge", [](int, int) { return true; }, M_PI / 2 - 1e-3}};
   expect_good(what, {"frame three left out, 1 of 12 views: they show fewer than 4 points",
@@ -130,22 +132,22 @@ TEST(PoorViews, OnePlaceEdgeOnAndTooFew) {
 
 // The width that two rows have is enough.
 TEST(PoorViews, TwoRowsOfCornersAreKept) {
-  PoorSet what{.name = "two-rows"};
+  PoorViewsSet what{.name = "two-rows"};
   what.poor = {{"two", [](int along, int across) { return across < 2 && along < 5; }}};
-  const auto problem = open_problem(made(what));
+  const auto problem = open_problem(poor_set(what));
   EXPECT_THAT(problem->facts().notes, IsEmpty());
   EXPECT_NEAR(compare(*problem, free_camera()).base.assessment.error, 1, 0.08);
 }
 
 TEST(PoorViews, ASetOfNothingElseIsRefused) {
-  PoorSet what{.name = "nothing-else", .good = false};
+  PoorViewsSet what{.name = "nothing-else", .good = false};
   what.poor = {{"a", of_a_row}, {"b", of_a_row}};
-  EXPECT_THAT([&] { open_problem(made(what)); },
+  EXPECT_THAT([&] { open_problem(poor_set(what)); },
               testing::ThrowsMessage<InputError>(
                   AllOf(HasSubstr("points.csv: every view (frame) shows points on one line"))));
   what.poor.push_back({"c", [](int along, int across) { return along == 1 && across < 2; }});
   EXPECT_THAT(
-      [&] { open_problem(made(what)); },
+      [&] { open_problem(poor_set(what)); },
       testing::ThrowsMessage<InputError>(AllOf(HasSubstr("no view (frame) fixes a pose"),
                                                HasSubstr("frame a, b"), HasSubstr("frame c"))));
 }
