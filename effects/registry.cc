@@ -100,6 +100,8 @@
   X(odometry_scale)           \
   X(walk_lag)                 \
   X(heading_drift)            \
+  X(turn_asymmetry)           \
+  X(tracker_offset)           \
   X(walk_noise)               \
   X(pose_noise)
 

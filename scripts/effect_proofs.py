@@ -56,6 +56,11 @@ def walked(p, legs, scale=lambda p, v: v, steps=400000):
     return x, y, theta
 
 
+def beside(p, v):
+    """Velocity of a point (p[0], p[1]) off the axle."""
+    return v[0] - p[1] * v[2], v[1] + p[0] * v[2], v[2]
+
+
 def swung(at_s, stall=200, back_emf=10, gain=0.5, damping=0, most=1, limit=math.inf, gravity=0, level=0, viscous=0,
           coulomb=0, stribeck=0, slow=1, load=0, command=1, steps=40000):
     """A motor's joint from rest at 0, in small steps of Runge and Kutta; where it does not come to rest on its way."""
@@ -365,6 +370,16 @@ PROOFS = [
     ("walk_lag", [0.2], [("vx_mps", 0.3), ("for_s", 1)], {"x_m": "0.3 * (1 - p[0] * (1 - math.exp(-1 / p[0])))"}, TEN_MICROMETRES),
     ("walk_lag", [0.2], ON,
      {"x_m": "0.3 * (0.5 - p[0] * (1 - math.exp(-2.5))) + 0.3 * (1 - math.exp(-2.5)) * p[0] * (1 - math.exp(-2.5))"}, TEN_MICROMETRES),
+    ("tracker_offset", [0.08, 0.02], [("vx_mps", 0.2), ("omega_radps", 0.5), ("for_s", 2)],
+     {"x_m": "walked(p, [((0.2, 0, 0.5), 2)], beside)[0]", "y_m": "walked(p, [((0.2, 0, 0.5), 2)], beside)[1]",
+      "theta_rad": "1"}),
+    ("tracker_offset", [-0.3, 0.1], [("omega_radps", -1), ("for_s", 1.5)],
+     {"x_m": "-p[0] + p[0] * math.cos(1.5) + p[1] * math.sin(1.5)",
+      "y_m": "-p[1] - p[0] * math.sin(1.5) + p[1] * math.cos(1.5)"}),
+    ("turn_asymmetry", [0.025], [("omega_radps", 0.8), ("for_s", 2), ("omega_radps", -0.8), ("for_s", 3)],
+     {"theta_rad": "1.6 * (1 + p[0]) - 2.4 * (1 - p[0])"}),
+    ("turn_asymmetry", [-0.1], [("vx_mps", 0.3), ("omega_radps", -0.5), ("for_s", 2)],
+     {"x_m": "0.3 / 0.55 * math.sin(1.1)", "y_m": "-0.3 / 0.55 * (1 - math.cos(1.1))", "theta_rad": "-1.1"}),
     ("heading_drift", [0.05], [("vx_mps", 0.2), ("for_s", 5)],
      {"x_m": "math.sin(p[0]) / p[0]", "y_m": "(1 - math.cos(p[0])) / p[0]", "theta_rad": "p[0]"}),
     ("heading_drift", [-1], [("vx_mps", 0.3), ("vy_mps", 0.4), ("for_s", 2)], {"theta_rad": "p[0] * 0.5 * 2"}),
@@ -390,7 +405,7 @@ def number(value):
 def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
-                 tangential=tangential, rational=rational, swung=swung, sprung=sprung)
+                 tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
     text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"

@@ -223,9 +223,10 @@ Quantities walk_outcome(const Model& model, const Quantities& given) {
     xy2 += growth * growth * pose.xy_sigma_m * pose.xy_sigma_m;
     theta2 += growth * growth * pose.theta_sigma_rad * pose.theta_sigma_rad;
   }
-  return {{"x_m", state.x_m},
-          {"y_m", state.y_m},
-          {"theta_rad", state.theta_rad},
+  const Place seen = walk.tracker.seen(state);
+  return {{"x_m", seen.x_m},
+          {"y_m", seen.y_m},
+          {"theta_rad", seen.theta_rad},
           {"xy_sigma_m", walk.xy_sigma * root},
           {"theta_sigma_rad", walk.theta_sigma * root},
           {"pose_xy_sigma_m", std::sqrt(xy2)},

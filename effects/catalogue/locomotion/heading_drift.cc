@@ -17,7 +17,11 @@ EffectDefinition heading_drift() {
       .signature = "heading error with distance",
       .example = "heading_drift: {rad_per_m: 0.05}",
       .needs = {Need::commanded_walk, Need::path},
-      .advice = {{kOdometry, {}, "long straight walks"}},
+      .advice =
+          {{kOdometry,
+            {},
+            "Walk several metres straight on, and turn on the spot: a drift turns the heading "
+            "with the way, and not in a turn on the spot."}},
       .locomotion = [](Values p, Locomotion& walk) { walk.heading_rad_per_m += p[0]; },
       .proof = {{.values = {0.05},
                  .given = {{"vx_mps", 0.2}, {"for_s", 5}},

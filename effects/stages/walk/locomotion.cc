@@ -108,12 +108,16 @@ void integrate(const Locomotion& walk, const BodyVelocity& command, double dt_s,
   state.t_s = start.t_s + dt_s;
 }
 
-// Where nothing bends what is followed, it fades from one velocity to another.
-void fade_one_way(const Locomotion& walk, const BodyVelocity& command, double dt_s,
+// Where nothing bends what is followed, it fades from one velocity to another. All turns are to one
+// side (1: left, -1: right), though those of the command may be to the other.
+void fade_one_way(const Locomotion& walk, const BodyVelocity& command, double dt_s, double side,
                   WalkState& state) {
   const BodyVelocity followed = followed_after(walk, command, state, dt_s);
+  BodyVelocity to = scaled(walk, command);
+  if (side * command.omega_radps < 0)
+    to.omega_radps -= 2 * walk.turn_asymmetry * std::abs(command.omega_radps);
   move_along({.from = scaled(walk, state.followed),
-              .to = scaled(walk, command),
+              .to = to,
               .tau_s = walk.tau_s,
               .heading_rad_per_m = walk.heading_rad_per_m},
              dt_s, state);
@@ -128,11 +132,12 @@ void fade(const Locomotion& walk, const BodyVelocity& command, double dt_s, Walk
   const double still_s = from * to < 0 ? walk.tau_s * maths::log(1 - from / to) : dt_s;
   if (walk.turn_asymmetry != 0 && still_s < dt_s) {
     const double left_s = dt_s - still_s;
-    fade_one_way(walk, command, still_s, state);
+    fade_one_way(walk, command, still_s, from > 0 ? 1 : -1, state);
     state.followed.omega_radps = 0;
     dt_s = left_s;
   }
-  fade_one_way(walk, command, dt_s, state);
+  const double turning = state.followed.omega_radps != 0 ? state.followed.omega_radps : to;
+  fade_one_way(walk, command, dt_s, turning > 0 ? 1 : -1, state);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 // as exact arcs.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -44,8 +45,13 @@ struct Wheels {
 struct Tracker {
   double x_m = 0, y_m = 0;
 
+  bool is_axle() const { return x_m == 0 && y_m == 0; }
   // Where the point is, from where it was at the start of the way.
   Place seen(const Place& body) const;
+  // How far a turn by a small angle moves it under this heading, a radian.
+  std::array<double, 2> by_turn(double cosine, double sine) const {
+    return {-sine * x_m - cosine * y_m, cosine * x_m - sine * y_m};
+  }
 };
 
 // What the locomotion effects of a model add up to.

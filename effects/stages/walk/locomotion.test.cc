@@ -23,7 +23,8 @@ WalkState brute_force(const Locomotion& w, const std::vector<BodyVelocity>& comm
       const double mo = w.tau_s > 0 ? (om + before_o) / 2 : om;
       const double fx = mx * (1 + w.vx_scale), fy = my * (1 + w.vy_scale),
                    path = std::hypot(fx, fy) * h;
-      const double turn = mo * (1 + w.omega_scale) * h + w.heading_rad_per_m * path;
+      const double turn = mo * (1 + w.omega_scale) * h + w.turn_asymmetry * std::abs(mo) * h +
+                          w.heading_rad_per_m * path;
       const double mid = s.theta_rad + turn / 2;
       s.x_m += (std::cos(mid) * fx - std::sin(mid) * fy) * h;
       s.y_m += (std::sin(mid) * fx + std::cos(mid) * fy) * h;
@@ -37,11 +38,12 @@ TEST(Locomotion, AgreesWithSmallSteps) {
   const std::vector<BodyVelocity> commands = {
       {0.2, 0, 0.5}, {0.1, -0.15, -2}, {0, 0, 1}, {0.3, 0.05, 1e-7}, {0, 0, 0}};
   for (double tau : {0.0, 0.004, 0.15, 2.0}) {
-    for (double drift : {0.0, 0.3}) {
+    for (double drift : {0.0, 0.3, -0.2}) {
       const Locomotion w{.vx_scale = -0.1,
                          .vy_scale = 0.2,
                          .omega_scale = 0.05,
                          .heading_rad_per_m = drift,
+                         .turn_asymmetry = drift < 0 ? 0.3 : 0,
                          .tau_s = tau};
       WalkState s;
       for (const BodyVelocity& c : commands) advance_walk(w, c, 0.4, s);
@@ -52,6 +54,27 @@ TEST(Locomotion, AgreesWithSmallSteps) {
       EXPECT_NEAR(s.theta_rad, b.theta_rad, 1e-5) << tau;
       EXPECT_NEAR(s.path_m, b.path_m, 1e-5) << tau;
     }
+  }
+}
+
+// The point's own velocity, (vx - y omega, vy + x omega) in the body's axes, by small steps.
+TEST(Locomotion, APointBesideTheAxleMovesByItsOwnVelocity) {
+  const Tracker tracker{.x_m = 0.08, .y_m = -0.3};
+  WalkState s;
+  double x = 0, y = 0, theta = 0;
+  for (const BodyVelocity& c : {BodyVelocity{0.2, 0.1, 0.9}, {0, 0, -2}, {-0.3, 0, 0.1}}) {
+    advance_walk({}, c, 0.7, s);
+    constexpr int kSteps = 20000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double h = 0.7 / kSteps, mid = theta + c.omega_radps * h / 2;
+      const double along = c.vx_mps + 0.3 * c.omega_radps, across = c.vy_mps + 0.08 * c.omega_radps;
+      x += (std::cos(mid) * along - std::sin(mid) * across) * h;
+      y += (std::sin(mid) * along + std::cos(mid) * across) * h;
+      theta += c.omega_radps * h;
+    }
+    EXPECT_NEAR(tracker.seen(s).x_m, x, 1e-8);
+    EXPECT_NEAR(tracker.seen(s).y_m, y, 1e-8);
+    EXPECT_NEAR(tracker.seen(s).theta_rad, theta, 1e-10);
   }
 }
 

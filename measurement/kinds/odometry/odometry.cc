@@ -204,6 +204,10 @@ std::vector<effects::Lack> OdometryProblem::lacks(const effects::Wheels& wheels)
   if (!ever([](const BodyVelocity& v) { return v.vy_mps; }))
     lacks.push_back({Need::sideways_walk, "the body never walks sideways"});
   if (!turns) lacks.push_back({Need::turning, "the body never turns"});
+  const bool both_ways = ever([](const BodyVelocity& v) { return v.omega_radps > 0; }) &&
+                         ever([](const BodyVelocity& v) { return v.omega_radps < 0; });
+  if (!both_ways)
+    lacks.push_back({Need::both_turns, "the body never turns to the left and to the right"});
   if (!moves) lacks.push_back({Need::path, "the body never walks"});
   if (!moves && !turns) lacks.push_back({Need::moving_view, "the body never moves"});
   return lacks;

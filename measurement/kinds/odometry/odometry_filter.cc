@@ -32,10 +32,20 @@ struct Belief {
     }
   }
 
+  // The body turns a little more, which swings the measured point round the axle.
+  void turn(const std::array<double, 2>& swing, double variance) {
+    for (int i = 0; i < 2; ++i) {
+      P(i, 2) = P(2, i) += variance * swing[i];
+      for (int j = 0; j < 2; ++j) P(i, j) += variance * swing[i] * swing[j];
+    }
+    P(2, 2) += variance;
+  }
+
   // A wheel has rolled by what its error is more than at the row before. `c` and `s` are of the
   // heading there.
-  void roll_on(const effects::Wheels& wheels, const std::array<RolledWay::Step, 2>& error,
-               const WalkPose& step, double c, double s) requires(N == 7) {
+  void roll_on(const effects::Wheels& wheels, const effects::Tracker& tracker,
+               const std::array<RolledWay::Step, 2>& error, const WalkPose& step, double c,
+               double s) requires(N == 7) {
     const double base_m = wheels.base_m * (1 + wheels.base_scale);
     Eigen::Matrix<double, N, N> F = Eigen::Matrix<double, N, N>::Identity();
     Eigen::Matrix<double, N, N> fresh = Eigen::Matrix<double, N, N>::Zero();
@@ -44,10 +54,12 @@ struct Belief {
           wheels.metres_per_tick * (1 + (wheel == 0 ? wheels.left_scale : wheels.right_scale));
       const double along = 0.5 * metres, turn = (wheel == 0 ? -metres : metres) / base_m;
       const double half = 0.5 * turn;
-      // What a tick more does to the pose, which it turns on its way, and to the errors.
+      // What a tick more does to the pose, which it turns on its way, and to the errors. The
+      // measured point swings round the axle.
+      const std::array<double, 2> swing = tracker.by_turn(c, s);
       Eigen::Matrix<double, 3, 1> by_tick;
-      by_tick << c * along - half * (s * step[0] + c * step[1]),
-          s * along + half * (c * step[0] - s * step[1]), turn;
+      by_tick << c * along - half * (s * step[0] + c * step[1]) + turn * swing[0],
+          s * along + half * (c * step[0] - s * step[1]) + turn * swing[1], turn;
       const int at = 3 + 2 * wheel;
       const auto& [kept, new_error] = error[static_cast<size_t>(wheel)];
       F.template block<3, 2>(0, at) = by_tick * (kept.row(0) - Eigen::RowVector2d(1, 0));
@@ -98,11 +110,14 @@ double OdometryProblem::filter(const effects::Locomotion& walk, const WalkRun& r
       const double c = maths::cos(belief.mean[2]), s = maths::sin(belief.mean[2]);
       belief.move(walked.steps[k], c, s);
       if constexpr (N == 7)
-        belief.roll_on(walk.wheels, walked.counted.step[k], walked.steps[k], c, s);
+        belief.roll_on(walk.wheels, walk.tracker, walked.counted.step[k], walked.steps[k], c, s);
       const double metres = path[k].path_m - path[k - 1].path_m;
       belief.P(0, 0) += q_xy * metres;
       belief.P(1, 1) += q_xy * metres;
-      belief.P(2, 2) += q_theta * metres;
+      std::array<double, 2> swing = {0, 0};
+      if (q_theta > 0 && !walk.tracker.is_axle())
+        swing = walk.tracker.by_turn(maths::cos(belief.mean[2]), maths::sin(belief.mean[2]));
+      belief.turn(swing, q_theta * metres);
     }
     for (int channel = 0; channel < 3; ++channel) {
       const int here = scalar(run.rows[k], channel);

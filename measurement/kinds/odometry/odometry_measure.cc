@@ -82,7 +82,11 @@ std::vector<WalkPose> wander(const effects::Locomotion& walk,
       // The slip is in the body's frame after the turn.
       const double ct = maths::cos(turn), st = maths::sin(turn);
       along += ct * nx - st * ny, across += st * nx + ct * ny;
-      turn += root * walk.theta_sigma * normal(random, 3 * k + 2);
+      const double more = root * walk.theta_sigma * normal(random, 3 * k + 2);
+      turn += more;
+      // The measured point swings round the axle by what the body turns more.
+      const std::array<double, 2> swing = walk.tracker.by_turn(ct, st);
+      along += more * swing[0], across += more * swing[1];
       pose = {pose[0] + c * along - s * across, pose[1] + s * along + c * across, pose[2] + turn};
     }
     poses.push_back(pose);

@@ -247,6 +247,12 @@ std::vector<effects::WalkState> predict_walk(const effects::Locomotion& walk, co
     seen[k] = path[before];
     drive.advance(before, t - run.time_s[before], seen[k]);
   }
+  if (!walk.tracker.is_axle()) {
+    for (effects::WalkState& state : seen) {
+      const auto point = walk.tracker.seen(state);
+      state.x_m = point.x_m, state.y_m = point.y_m;
+    }
+  }
   return seen;
 }
 
