@@ -7,9 +7,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <new>
 
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
+#include "sim_core/signals/half_made.h"
 #include "tools/command.h"
 
 namespace seam::tools {
@@ -47,6 +49,7 @@ void keep_freed_memory() {
 
 int run_program(const std::string& name, const std::function<int()>& work) {
   keep_freed_memory();
+  remove_half_made_on_signals();
   try {
     open_standard_streams();
     return finish_output(name, work());
@@ -55,6 +58,10 @@ int run_program(const std::string& name, const std::function<int()>& work) {
   } catch (const UsageError& error) {
     std::fprintf(stderr, "%s: %s\n", name.c_str(), shown_lines(error.what()).c_str());
     return 2;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s: there is not enough memory (or a limit of it, ulimit -v)\n",
+                 name.c_str());
+    return 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", name.c_str(), shown_lines(error.what()).c_str());
     return 1;

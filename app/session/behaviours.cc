@@ -15,6 +15,7 @@
 #include "app/session/standbys.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
+#include "sim_core/signals/half_made.h"
 #include "sim_core/system/own_files.h"
 #include "sim_core/system/thread.h"
 
@@ -211,6 +212,7 @@ SignalWatch::SignalWatch(std::function<void()> stop, std::function<void()> child
               first = now;
               stop();
             } else if (now - first > kImpatient) {
+              remove_half_made();
               _exit(130);  // PDEATHSIG ends the behaviours.
             }
           }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sim_core/base/error.h"
+#include "sim_core/signals/half_made.h"
 
 namespace seam {
 namespace {
@@ -100,6 +101,7 @@ void OutputFile::open_temporary() {
     temporary_ = target_;
     temporary_ += fmt::format(".{}-{}.part", ::getpid(), attempt);
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode_);
+    if (descriptor_ >= 0) is_half_made(temporary_);
     if (descriptor_ >= 0) break;
     const int error = errno;
     temporary_.clear();
@@ -172,6 +174,7 @@ void OutputFile::commit() {
   if (synced_) sync();
   if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
   if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) fail(errno);
+  if (!temporary_.empty()) is_made(temporary_);
   temporary_.clear();
   renamed_ = false;
 }
@@ -184,6 +187,7 @@ void OutputFile::fill(std::string_view contents) {
 
 void OutputFile::abandon() noexcept {
   if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (!temporary_.empty()) is_made(temporary_);
   if (remove_if_empty_) ::unlink(target_.c_str());
   if (descriptor_ >= 0) ::close(descriptor_);
   temporary_.clear();

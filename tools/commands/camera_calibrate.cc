@@ -11,6 +11,7 @@
 #include "sim_core/base/maths.h"
 #include "sim_core/base/output.h"
 #include "sim_core/base/random.h"
+#include "sim_core/signals/half_made.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
 
@@ -107,7 +108,8 @@ class Unfinished {
   explicit Unfinished(const std::filesystem::path& out)
       : out_(out),
         out_is_new_(!std::filesystem::exists(out)),
-        path_(folder_for(out / ".unfinished")) {}
+        path_(folder_for(out / ".unfinished")),
+        half_made_(path_) {}
   ~Unfinished() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
@@ -130,6 +132,7 @@ class Unfinished {
   std::filesystem::path out_;
   bool out_is_new_;
   std::filesystem::path path_;
+  HalfMade half_made_;
 };
 
 void calibrate(const CalibrateSettings& settings) {

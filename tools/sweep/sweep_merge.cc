@@ -2,11 +2,13 @@
 #include <fmt/ranges.h>
 
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 
 #include "app/sweep/results.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
+#include "sim_core/signals/half_made.h"
 #include "tools/sweep/sweep.h"
 
 namespace seam::tools {
@@ -29,14 +31,18 @@ void require_like(const app::ResultsFile& first, const app::ResultsFile& other) 
 
 // Made beside its place and renamed when it is whole.
 struct Unfinished {
-  explicit Unfinished(fs::path path) : path(std::move(path)) { remove(); }
+  explicit Unfinished(const fs::path& place) : path(place) {
+    remove();
+    for (const char* suffix : kSuffixes) half_made.emplace_back(path.string() + suffix);
+  }
   ~Unfinished() { remove(); }
   void remove() const {
     std::error_code ignored;
-    for (const char* suffix : {"", "-wal", "-shm", "-journal"})
-      fs::remove(path.string() + suffix, ignored);
+    for (const char* suffix : kSuffixes) fs::remove(path.string() + suffix, ignored);
   }
+  static constexpr const char* kSuffixes[] = {"", "-wal", "-shm", "-journal"};
   fs::path path;
+  std::deque<HalfMade> half_made;
 };
 
 void merge(const std::vector<std::string>& files, const std::string& out) {

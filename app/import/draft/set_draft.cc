@@ -17,6 +17,7 @@
 #include "sim_core/base/output.h"
 #include "sim_core/input/file_names.h"
 #include "sim_core/input/shown_text.h"
+#include "sim_core/signals/half_made.h"
 
 namespace seam::app {
 
@@ -59,13 +60,16 @@ SetDraft::SetDraft(fs::path out) : out_(std::move(out)) {
     throw InputError(
         fmt::format("{}: cannot make a folder like this: {}", pattern, std::strerror(errno)));
   folder_ = pattern;
+  is_half_made(folder_);
   // As folders are made elsewhere, less the umask.
   fs::permissions(folder_, fs::status(parent).permissions() & fs::perms::all, error);
 }
 
 SetDraft::~SetDraft() {
   std::error_code ignored;
-  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  if (folder_.empty()) return;
+  fs::remove_all(folder_, ignored);
+  is_made(folder_);
 }
 
 void SetDraft::add_table(const std::string& name, const measurement::CsvWriter& table) {
@@ -150,6 +154,7 @@ void SetDraft::finish(const std::string& came_from) {
   fs::rename(folder_, out_, error);
   if (error)
     throw InputError(fmt::format("{}: cannot be made: {}", out_.string(), error.message()));
+  is_made(folder_);
   folder_.clear();
 }
 
