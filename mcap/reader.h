@@ -54,6 +54,10 @@ struct Contents {
   bool index_misleads = false;
 };
 
+// What is damaged of the index of a file whose writer finished: readers by the index are misled,
+// though the data may be whole.
+std::optional<Loss> index_damage(const Contents& scanned);
+
 class Reader {
  public:
   // Through the summary where it is whole, else by a scan. Throws InputError where the file is no

@@ -231,8 +231,7 @@ class Scanner {
     try {
       contents_.index_misleads = !same_contents(read_summary(input_, limits_), contents_);
     } catch (const Malformed& error) {
-      lose(start, input_.size(), fmt::format("the index at the end is lost: {}", error.what()),
-           true);
+      lose(start, input_.size(), error.what(), true);
     }
   }
 
@@ -337,6 +336,14 @@ class Scanner {
 };
 
 }  // namespace
+
+std::optional<Loss> index_damage(const Contents& scanned) {
+  for (const Loss& loss : scanned.losses) {
+    // Without a byte lost, and without an end: the writer was killed before it wrote the index.
+    if (loss.index_only && (scanned.complete || loss.bytes > 0)) return loss;
+  }
+  return std::nullopt;
+}
 
 Contents scan_file(const Input& input, const Limits& limits) {
   return Scanner(input, limits, nullptr).run();

@@ -276,7 +276,7 @@ class Mix:
         if self.log_bytes() < SMALLEST_LOG and self.end not in ("finished", "stopped", "aborted"):
             return ""
         done = subprocess.run([SEAM, "replay", "verify", self.log, "--no-frames"], capture_output=True, text=True)
-        if self.end not in ("finished", "aborted") and "the log has no step to compare" in done.stdout:
+        if self.end not in ("finished", "aborted") and "nothing to compare: the run ended before its first step" in done.stdout:
             self.end += " before the first step"
             return ""
         found = re.search(r"the same: .* up to ([0-9.]+) s", done.stdout)

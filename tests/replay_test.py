@@ -12,6 +12,7 @@ import random
 import shutil
 import signal
 import statistics
+import struct
 import subprocess
 import sys
 import tempfile
@@ -29,6 +30,7 @@ duration_s: 3
 seed: 5
 field: {ROOT}/models/field_2002.yaml
 ball: {{x_m: 0.3, y_m: 0.2, vx_mps: 0.4}}
+lighting: {{lambert: true, direction: [0.3, -0.2, 0.9]}}
 robots:
   - id: red1
     team: red
@@ -152,6 +154,41 @@ class Replay(unittest.TestCase):
         self.verify(corrupted, 1)
         seam("replay", "recover", corrupted, "--out", out, check=3)
 
+    def test_a_damaged_index_is_named_and_made_anew(self):
+        damaged, mended, report = self.folder / "index.mcap", self.folder / "mended.mcap", self.folder / "index.json"
+        whole = bytearray(self.log.read_bytes())
+        (summary,) = struct.unpack_from("<Q", whole, len(whole) - 8 - 20)  # The footer's first field.
+        whole[summary + 20] ^= 0x10
+        damaged.write_bytes(whole)
+        said = seam("replay", "verify", damaged, "--json", report, check=0).stdout
+        self.assertIn("the index is damaged at offset", said)
+        self.assertIn("the same", said)
+        self.assertIn("damaged", json.loads(report.read_text())["index"])
+        said = seam("replay", "recover", damaged, "--out", mended, "--json", report, check=0).stdout
+        self.assertIn("the index is damaged at offset", said)
+        self.assertIn("a new index was written", said)
+        self.assertIn("damaged", json.loads(report.read_text())["index"])
+        self.assertNotIn("index", seam("replay", "verify", mended, "--json", report, check=0).stdout)
+        self.assertIsNone(json.loads(report.read_text())["index"])
+
+    def test_a_run_that_ended_before_its_first_step_is_no_divergence(self):
+        scenario = self.folder / "early.yaml"
+        scenario.write_text(SCENARIO)
+        for number, sent in enumerate((signal.SIGTERM, signal.SIGKILL)):
+            log = self.folder / f"early{number}.mcap"
+            # It waits for a renderer, which never comes.
+            server = subprocess.Popen([SEAM, "serve", scenario, "--listen", f"unix:{self.folder}/early{number}", "--renderers", "1",
+                                       "--log", log], stdout=subprocess.PIPE, text=True)
+            self.assertIn("listening", server.stdout.readline())
+            server.send_signal(sent)
+            server.wait(60)
+            server.stdout.close()
+            done = seam("replay", "verify", log)
+            self.assertNotIn("divergence", done.stdout)
+            said = {signal.SIGTERM: (0, "nothing to compare: the run ended before its first step"),
+                    signal.SIGKILL: (1, "the run was killed before it wrote one")}[sent]
+            self.assertEqual((done.returncode, said[1] in done.stdout), (said[0], True), done.stdout)
+
     def test_killed_runs_resume_to_the_same_end(self):
         """kill -9 of server and behaviours at a random moment. How far the run had come is known from the pictures that it
         wrote (--frames), of which there is one each 0.04 s: the log must reach at least to one second before."""
@@ -163,6 +200,7 @@ class Replay(unittest.TestCase):
         worst_s, open_ends = 0.0, 0
         for number in range(KILLS):
             log, pictures = self.folder / "killed.mcap", self.folder / f"pictures{number}"
+            log.unlink(missing_ok=True)  # Else the new log would grow beside it.
             run = subprocess.Popen([SEAM, "run", scenario, "--log", log, "--frames", pictures, "--force"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
             # A moment of the run, however fast the machine is: after some picture, and a little later.

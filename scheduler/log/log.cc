@@ -47,6 +47,9 @@ Log::Log(mcap::Reader reader) : reader_(std::make_unique<mcap::Reader>(std::move
   try {
     LogCursor cursor(*this, {Topic::header});
     const std::optional<LogRecord> header = cursor.next();
+    if (!header && reader_->contents().header.profile == kLogFormat) {
+      throw InputError("no /seam/header: the run was killed before it wrote one; run it again");
+    }
     if (!header) throw InputError("no /seam/header: not a SEAM log");
     header_ = std::get<RunHeader>(*header);
   } catch (const InputError& error) {

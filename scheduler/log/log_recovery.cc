@@ -31,9 +31,9 @@ void add_conventional_channels(mcap::Contents& contents) {
 std::vector<Recovery::Loss> losses_in_time(const mcap::Contents& contents) {
   std::vector<Recovery::Loss> losses;
   for (const mcap::Loss& loss : contents.losses) {
-    // A file without an end did lose its last moments, though no byte of it is bad.
-    if (loss.index_only && contents.complete) continue;
-    if (loss.index_only && loss.bytes > 0) continue;
+    // A file without an end did lose its last moments, though no byte of it is bad. What else is
+    // lost of an index is written anew.
+    if (loss.index_only && (contents.complete || loss.bytes > 0)) continue;
     Recovery::Loss in_time{loss, SimTime(), std::nullopt};
     for (const mcap::ChunkPlace& chunk : contents.chunks) {
       if (chunk.offset < loss.offset) in_time.from = sim_time(chunk.end_time_ns);
@@ -54,6 +54,7 @@ Recovery recover_log(std::unique_ptr<mcap::Input> input, mcap::Output& output) {
   Recovery recovery;
   recovery.losses = losses_in_time(contents);
   recovery.behind_end = contents.behind_end;
+  recovery.index = mcap::index_damage(contents);
   if (contents.chunks.empty()) {
     throw InputError(reader.name() + ": no message is left to recover");
   }

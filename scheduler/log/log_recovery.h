@@ -25,6 +25,8 @@ struct Recovery {
   // Messages of channels whose definition is lost, and which no convention tells.
   uint64_t unknown_messages = 0;
   std::vector<Loss> losses;  // Indexes that could be made anew do not count.
+  // What is damaged of the index, which is written anew: nothing is lost by it.
+  std::optional<mcap::Loss> index;
   // What stands behind the file's end, for instance another log: it is not copied.
   std::optional<mcap::Loss> behind_end;
   bool whole() const { return losses.empty() && unknown_messages == 0 && !behind_end; }

@@ -6,6 +6,8 @@
 #include <map>
 
 #include "scheduler/wire/wire.h"
+#include "sim_core/base/config.h"
+#include "sim_core/base/error.h"
 
 namespace seam::scheduler {
 namespace {
@@ -15,10 +17,60 @@ std::string joined(const Names& names) {
   return fmt::format("[{}]", fmt::join(names, ", "));
 }
 
+// What stands at each key of a scenario's text, by its path.
+void add_values(const ConfigNode& node, const std::string& path,
+                std::map<std::string, std::string>& values) {
+  if (node.is_map()) {
+    for (const std::string& key : node.keys())
+      add_values(node.at(key), path.empty() ? key : path + "." + key, values);
+  } else if (node.is_scalar() || node.is_null()) {
+    values[path] = node.is_null() ? "" : node.text();
+  } else {
+    size_t i = 0;
+    for (const ConfigNode& item : node.items())
+      add_values(item, fmt::format("{}[{}]", path, i++), values);
+  }
+}
+
+std::map<std::string, std::string> values_of(const RunHeader& header) {
+  std::map<std::string, std::string> values;
+  try {
+    add_values(ConfigNode::from_text(header.scenario_text, header.scenario_name), "", values);
+  } catch (const InputError&) {
+    values.clear();  // No YAML: only that the texts differ can be told.
+  }
+  return values;
+}
+
+// The first keys in which two scenarios differ, with both values.
+std::string scenario_difference(const RunHeader& a, const RunHeader& b) {
+  constexpr size_t kShown = 3, kLongest = 60;
+  const auto values_a = values_of(a), values_b = values_of(b);
+  std::map<std::string, std::pair<std::string, std::string>> others;
+  for (const auto& [path, value] : values_a) others[path].first = value;
+  for (const auto& [path, value] : values_b) others[path].second = value;
+  std::erase_if(others, [](const auto& item) { return item.second.first == item.second.second; });
+  std::string text = a.scenario_name == b.scenario_name
+                         ? fmt::format("scenario {}", a.scenario_name)
+                         : fmt::format("scenarios {} and {}", a.scenario_name, b.scenario_name);
+  if (others.empty()) return text + ": written in other words";
+  size_t shown = 0;
+  const auto value = [](const std::string& whole) {
+    return whole.empty() ? "nothing" : whole.substr(0, kLongest);
+  };
+  for (const auto& [path, both] : others) {
+    if (shown == kShown) break;
+    text += fmt::format("{} {}: {} and {}", shown++ == 0 ? ":" : ";", path, value(both.first),
+                        value(both.second));
+  }
+  if (others.size() > kShown) text += fmt::format("; {} more keys", others.size() - kShown);
+  return text;
+}
+
 void compare_headers(const RunHeader& a, const RunHeader& b, std::vector<std::string>& found) {
   if (a.seed != b.seed) found.push_back(fmt::format("seed: {} and {}", a.seed, b.seed));
   if (a.scenario_text != b.scenario_text) {
-    found.push_back(fmt::format("scenario: {} and {} differ", a.scenario_name, b.scenario_name));
+    found.push_back(scenario_difference(a, b));
   }
   if (a.robots != b.robots) {
     found.push_back(fmt::format("robots: {} and {}", joined(a.robots), joined(b.robots)));

@@ -1,9 +1,16 @@
 // `seam replay ...`: what can be done with the log of a run. One file a subcommand.
 #include "tools/replay/replay.h"
 
+#include <fmt/format.h>
+
 #include "tools/command.h"
 
 namespace seam::tools {
+
+std::string index_sentence(const mcap::Loss& damage) {
+  return fmt::format("the index is damaged at offset {} ({} bytes): {}", damage.offset,
+                     damage.bytes, damage.what);
+}
 
 void add_replay(app::Command app) {
   app::Command replay =

@@ -1,7 +1,10 @@
 // The subcommands of `seam replay`: `tools/replay_<name>.cc` defines add_replay_<name>.
 #pragma once
 
+#include <string>
+
 #include "app/command_line.h"
+#include "mcap/reader.h"
 
 namespace seam::tools {
 
@@ -11,5 +14,8 @@ namespace seam::tools {
 #define SEAM_DECLARE(name) void add_replay_##name(app::Command replay);
 SEAM_REPLAY_COMMANDS(SEAM_DECLARE)
 #undef SEAM_DECLARE
+
+// "the index is damaged at offset 71000: ...": of a log whose data may be whole.
+std::string index_sentence(const mcap::Loss& damage);
 
 }  // namespace seam::tools

@@ -33,13 +33,15 @@ void write_json(OutputFile& out, const scheduler::Recovery& recovery) {
   if (const auto& rest = recovery.behind_end) {
     behind = {{"offset", rest->offset}, {"bytes", rest->bytes}, {"what", rest->what}};
   }
-  const nlohmann::ordered_json json = {{"format", "seam-recover/1"},
-                                       {"whole", recovery.whole()},
-                                       {"messages", recovery.messages},
-                                       {"chunks", recovery.chunks},
-                                       {"unknown_messages", recovery.unknown_messages},
-                                       {"losses", std::move(losses)},
-                                       {"behind_end", std::move(behind)}};
+  const nlohmann::ordered_json json = {
+      {"format", "seam-recover/1"},
+      {"whole", recovery.whole()},
+      {"messages", recovery.messages},
+      {"chunks", recovery.chunks},
+      {"unknown_messages", recovery.unknown_messages},
+      {"losses", std::move(losses)},
+      {"index", recovery.index ? nlohmann::ordered_json(index_sentence(*recovery.index)) : nullptr},
+      {"behind_end", std::move(behind)}};
   out.fill(json.dump(2) + "\n");
 }
 
@@ -55,6 +57,9 @@ void tell(const scheduler::Recovery& recovery) {
     std::printf("behind the end of the log, not copied: %llu bytes at offset %llu: %s\n",
                 static_cast<unsigned long long>(rest->bytes),
                 static_cast<unsigned long long>(rest->offset), rest->what.c_str());
+  }
+  if (recovery.index) {
+    std::printf("%s; a new index was written\n", index_sentence(*recovery.index).c_str());
   }
   if (recovery.unknown_messages > 0) {
     std::printf("lost: %llu messages of channels whose definition is lost\n",

@@ -25,6 +25,7 @@ struct VerifySettings {
 
 struct Outcome {
   scheduler::Verification found;
+  std::optional<mcap::Loss> index;  // What is damaged of the index.
   bool unreadable = false;
 };
 
@@ -52,6 +53,7 @@ Outcome verify(const VerifySettings& settings) {
     const bool frames = settings.frames && other_pixels.empty();
     Outcome outcome{scheduler::verify(log, {match.scenario(), match.world(),
                                             frames ? &match.renderer() : nullptr, match.header()})};
+    outcome.index = mcap::index_damage(log.file().contents());
     if (!other_pixels.empty()) outcome.found.not_compared.push_back(other_pixels);
     return outcome;
   } catch (const InputError& error) {
@@ -76,6 +78,7 @@ void write_json(OutputFile& out, const Outcome& outcome) {
   json["verified_until_ns"] = found.until.ns();
   json["has_end"] = found.has_end;
   json["not_compared"] = found.not_compared;
+  json["index"] = outcome.index ? nlohmann::ordered_json(index_sentence(*outcome.index)) : nullptr;
   json["readable"] = !outcome.unreadable;
   out.fill(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
@@ -84,7 +87,10 @@ void tell_same(const std::string& file, const scheduler::Verification& found) {
   const auto steps = static_cast<unsigned long long>(found.steps);
   const auto frames = static_cast<unsigned long long>(found.frames);
   const std::string until = app::seconds(found.until);
-  if (found.has_end) {
+  if (found.steps == 0) {
+    std::printf("%s: nothing to compare: the run ended before its first step%s\n", file.c_str(),
+                found.has_end ? "" : "; the log has no end");
+  } else if (found.has_end) {
     std::printf("%s: the same: %llu steps and %llu frames up to %s\n", file.c_str(), steps, frames,
                 until.c_str());
   } else {
@@ -101,6 +107,10 @@ void verify_log(const VerifySettings& settings) {
   OutputFile json(settings.json, {.inputs = {settings.file}});
   const Outcome outcome = verify(settings);
   if (json) write_json(json, outcome);
+  if (outcome.index) {
+    std::printf("%s: %s; write it anew: seam replay recover %s --out FILE\n", settings.file.c_str(),
+                index_sentence(*outcome.index).c_str(), settings.file.c_str());
+  }
   if (!outcome.found.divergence) return tell_same(settings.file, outcome.found);
   const Divergence& first = *outcome.found.divergence;
   if (outcome.unreadable) {
