@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -196,9 +197,10 @@ void describe_lighting(ConfigTable& table, Lighting& lighting) {
       {"lambert", "Shade by the light's direction; otherwise each object shows its own colour."},
       lighting.lambert);
   table.vec3({"direction", "Towards the light; any length."}, lighting.direction_W);
+  // Kept as it was written, so that a scenario which is written and read again is the same one.
   const double length = glm::length(lighting.direction_W);
-  table.require(length > 0, "direction", "expected a direction, found no length");
-  lighting.direction_W /= length;
+  table.require(length > 0 && std::isfinite(length), "direction",
+                "expected a direction, found no length that can be told");
   table.number({"ambient", "Light from all sides."}, lighting.ambient, {0, 10});
   table.number({"diffuse", "Light from that direction."}, lighting.diffuse, {0, 10});
 }

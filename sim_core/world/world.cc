@@ -59,6 +59,8 @@ World::Impl::Impl(const Scenario& given, const RobotPartsFactory& parts)
       referee(scenario),
       radio(scenario.radio, ids_of(scenario), teams_of(scenario),
             root_of(scenario).child("radio")) {
+  // A scenario keeps its direction as it was written; a world's is of length 1.
+  scenario.lighting.direction_W /= glm::length(scenario.lighting.direction_W);
   const auto substeps = static_cast<size_t>(scenario.physics_substeps);
   for (const RobotSpec& spec : scenario.robots) {
     const RandomStream stream = root_of(scenario).child("robot").child(std::string_view(spec.id));
