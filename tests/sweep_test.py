@@ -146,6 +146,21 @@ for seen in robot.observations():
             time.sleep(0.05)
         self.assertEqual(left, [])
 
+    def test_the_time_left_counts_the_start_of_a_run(self):
+        """Boards of many squares: the world takes longer to make than the run does."""
+        boards = "".join(f"  - {{shape: board, pattern: chessboard, columns: 100, rows: 100, pitch_m: 0.01, pose: {{x_m: {i}}}}}\n"
+                         for i in range(40))
+        (self.here / "swing.yaml").write_text(SWING.replace("duration_s: 0.2", "duration_s: 0.05") + "objects:\n" + boards)
+        (self.here / "plan.yaml").write_text("format: seam-sweep/1\nscenario: swing.yaml\nseeds: [1, 3]\n")
+        took_s = []
+        for _ in range(2):  # The second time no run is left.
+            began = time.monotonic()
+            self.seam("sweep", "plan.yaml", "--out", "boards.sqlite", "--jobs", 1)
+            took_s.append(time.monotonic() - began)
+        self.seam("sweep", "status", "boards.sqlite", "--json", "status.json")
+        wall_s = json.loads((self.here / "status.json").read_text())["wall_s"]
+        self.assertGreater(wall_s, 0.5 * (took_s[0] - took_s[1]))
+
     def start(self, out):
         process = subprocess.Popen([SEAM, "sweep", "plan.yaml", "--out", out, "--jobs", "2"], cwd=self.here,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment())

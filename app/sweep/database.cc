@@ -8,11 +8,18 @@
 #include <memory>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 
 namespace seam::app {
 namespace {
 
 constexpr int kBusy_ms = 10'000;  // Of waiting for another program that writes.
+constexpr int kMostValueBytes = 64 << 20;
+// Work is counted in SQLite's virtual instructions: a scan of a table takes a few a byte of the
+// file.
+constexpr int kWorkUnit = 100'000;
+constexpr uint64_t kWorkPerByte = 100;
+constexpr uint64_t kLeastWork = 50'000'000;  // About a second.
 
 struct Finalise {
   void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
@@ -59,6 +66,65 @@ Database::Database(const std::filesystem::path& file, Mode mode) : file_(file) {
     throw InputError(fmt::format("{}: {}", file.string(), why));
   }
   sqlite3_busy_timeout(handle_, kBusy_ms);
+  sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, kMostValueBytes);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  for (const int option : {SQLITE_DBCONFIG_TRUSTED_SCHEMA, SQLITE_DBCONFIG_ENABLE_TRIGGER,
+                           SQLITE_DBCONFIG_ENABLE_VIEW})
+    sqlite3_db_config(handle_, option, 0, nullptr);
+  sqlite3_progress_handler(handle_, kWorkUnit, &Database::count_work, this);
+}
+
+uint64_t Database::bytes() const {
+  const auto size = [](const std::filesystem::path& file) {
+    std::error_code unknown;
+    const auto found = std::filesystem::file_size(file, unknown);
+    return unknown ? uint64_t{0} : uint64_t{found};
+  };
+  uint64_t all = size(file_) + size(file_.string() + "-wal");
+  for (const auto& [name, file] : attached_) all += size(file);
+  return all;
+}
+
+void Database::attach(const std::filesystem::path& other, const std::string& name) {
+  execute("ATTACH ? AS " + sql_name(name), {std::filesystem::absolute(other).string()});
+  attached_[name] = other;
+}
+
+void Database::detach(const std::string& name) {
+  execute("DETACH " + sql_name(name));
+  attached_.erase(name);
+}
+
+int Database::count_work(void* database) {
+  auto& left = static_cast<Database*>(database)->work_left_;
+  if (left == 0) return 1;
+  --left;
+  return 0;
+}
+
+void Database::require_plain_tables() const {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(fmt::format(
+        "{}: {}, expected plain tables as SEAM writes them: take the file as it was made",
+        file_.string(), what));
+  };
+  query("SELECT type, name, coalesce(sql, '') FROM sqlite_master", {}, [&](const SqlRow& row) {
+    const std::string type = text_of(row[0]), name = shown(text_of(row[1]));
+    if (type != "table" && type != "index") refuse(fmt::format("holds the {} '{}'", type, name));
+    if (type == "table" && text_of(row[2]).starts_with("CREATE VIRTUAL"))
+      refuse(fmt::format("holds the virtual table '{}'", name));
+  });
+  // Its value is worked out whenever it is read.
+  query(
+      "SELECT t.name, c.name FROM pragma_table_list AS t, pragma_table_xinfo(t.name) AS c "
+      "WHERE c.hidden > 1",
+      {}, [&](const SqlRow& row) {
+        refuse(fmt::format("the table '{}' has the generated column '{}'", shown(text_of(row[0])),
+                           shown(text_of(row[1]))));
+      });
+  const std::string sound = text_of(value("PRAGMA quick_check(1)"));
+  if (sound != "ok")
+    throw InputError(fmt::format("{}: is damaged: {}", file_.string(), shown(sound)));
 }
 
 Database::~Database() {
@@ -76,6 +142,10 @@ void Database::fail(int code) const {
     what = "another program writes this file now";
   } else if (kind == SQLITE_NOTADB) {
     what = "is no SQLite file";
+  } else if (kind == SQLITE_INTERRUPT) {
+    what = "reading it takes more work than a file of its size can need: it was made to do so";
+  } else if (kind == SQLITE_TOOBIG) {
+    what = fmt::format("a value of more than {} MiB", kMostValueBytes >> 20);
   }
   throw InputError(fmt::format("{}: {}", file_.string(), what));
 }
@@ -86,6 +156,7 @@ void Database::execute(const std::string& sql, const std::vector<SqlValue>& valu
 
 void Database::query(const std::string& sql, const std::vector<SqlValue>& values,
                      const std::function<void(const SqlRow&)>& take) const {
+  work_left_ = (kLeastWork + kWorkPerByte * bytes()) / kWorkUnit;
   sqlite3_stmt* raw = nullptr;
   int code = sqlite3_prepare_v2(handle_, sql.c_str(), static_cast<int>(sql.size()), &raw, nullptr);
   const Statement statement(raw);
@@ -135,6 +206,7 @@ OwnedDatabase own_database(const std::filesystem::path& file) {
   if (fresh) owned.database->execute("PRAGMA user_version = 1");  // Now the file is there.
   owned.lock = std::make_unique<WriterLock>(file);
   owned.has_tables = whole_of(owned.database->value("SELECT count(*) FROM sqlite_master")) != 0;
+  if (owned.has_tables) owned.database->require_plain_tables();
   return owned;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <variant>
@@ -17,7 +18,9 @@ namespace seam::app {
 using SqlValue = std::variant<std::monostate, int64_t, double, std::string>;
 using SqlRow = std::vector<SqlValue>;
 
-// Errors are InputErrors that name the file and say what to do.
+// Errors are InputErrors that name the file and say what to do. A file may be of a stranger's
+// making: views and triggers are never run, a value has at most 64 MiB, and a query takes no more
+// work than a file of its size can need.
 class Database {
  public:
   enum class Mode { read, write, create };
@@ -30,13 +33,22 @@ class Database {
   void execute(const std::string& sql, const std::vector<SqlValue>& values = {});
   void query(const std::string& sql, const std::vector<SqlValue>& values,
              const std::function<void(const SqlRow&)>& take) const;
+  // Another file, which SQL calls `name` from now on; its size counts for the work of queries.
+  void attach(const std::filesystem::path& other, const std::string& name);
+  void detach(const std::string& name);
+  // Throws InputError where the file is damaged, or holds anything but tables of plain columns.
+  void require_plain_tables() const;
   // The first column of the first row; NULL where there is none.
   SqlValue value(const std::string& sql, const std::vector<SqlValue>& values = {}) const;
 
  private:
   [[noreturn]] void fail(int code) const;
+  uint64_t bytes() const;  // Of all files.
+  static int count_work(void* database);
 
   std::filesystem::path file_;
+  std::map<std::string, std::filesystem::path> attached_;
+  mutable uint64_t work_left_ = 0;  // Of the present query, in units of kWorkUnit.
   sqlite3* handle_ = nullptr;
 };
 

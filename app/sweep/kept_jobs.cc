@@ -59,13 +59,14 @@ bool KeptJobs::run(uint64_t first, uint64_t last, const std::function<std::strin
   if (!options_.file.empty() && !kept_.database) open();
   std::vector<bool> finished(last - first, false);
   if (kept_.database) {
-    kept_.database->query("SELECT job, result FROM jobs WHERE job >= ? AND job < ? ORDER BY job",
-                          {static_cast<int64_t>(first), static_cast<int64_t>(last)},
-                          [&](const SqlRow& row) {
-                            const auto job = static_cast<uint64_t>(whole_of(row[0]));
-                            finished[job - first] = true;
-                            done(job, text_of(row[1]));
-                          });
+    kept_.database->query(
+        "SELECT job, result FROM jobs WHERE typeof(job) = "
+        "'integer' AND job >= ? AND job < ? ORDER BY job",
+        {static_cast<int64_t>(first), static_cast<int64_t>(last)}, [&](const SqlRow& row) {
+          const auto job = static_cast<uint64_t>(whole_of(row[0]));
+          finished[job - first] = true;
+          done(job, text_of(row[1]));
+        });
   }
   const auto left = static_cast<uint64_t>(std::count(finished.begin(), finished.end(), false));
   SweepProgress progress(left, options_.what);

@@ -8,6 +8,7 @@
 #include "app/session/run_session.h"
 #include "app/session/session_outputs.h"
 #include "app/simulator.h"
+#include "app/sweep/sweep_progress.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 
@@ -87,7 +88,11 @@ void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, Prog
   record.key = key_of(simulator.header.scenario_text, simulator.scenario, makers, prints);
   SessionOptions session{.force = true, .progress = false, .standbys = options.standbys};
   const std::string name = fmt::format("run_{:06}", record.run);
-  const fs::path log = options.files / (name + ".mcap"), partial = options.files / (name + ".part");
+  const fs::path log = options.files / (name + ".mcap");
+  const fs::path partial = partial_log(options.files, record.run);
+  // Of a run whose process was killed: it begins anew.
+  std::error_code unknown;
+  if (plan.keep().logs) fs::remove(partial, unknown);
   if (plan.keep().logs) session.log = partial.string();
   if (plan.keep().frames) session.frames = (options.files / name).string();
   SessionSummary summary;
@@ -96,11 +101,13 @@ void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, Prog
     summary = run_session(simulator, session, outputs);
   }
   record.end = kEnds[static_cast<size_t>(summary.end)];
-  if (summary.end == scheduler::EndReason::stopped) return;
+  if (summary.end == scheduler::EndReason::stopped) {
+    fs::remove(partial, unknown);
+    return;
+  }
   if (summary.end == scheduler::EndReason::aborted) record.error = summary.abort_reason;
   if (plan.keep().logs) fs::rename(partial, log);
   record.sim_s = summary.sim_s;
-  record.wall_s = summary.wall_s;
   record.frames = summary.frames;
   record.decisions = summary.decisions;
   record.fingerprint = to_hex(summary.fingerprint);
@@ -117,9 +124,14 @@ Json json_of(const std::optional<double>& value) {
 
 }  // namespace
 
+fs::path partial_log(const fs::path& files, uint64_t run) {
+  return files / fmt::format("run_{:06}.part", run);
+}
+
 RunRecord make_run(const SweepPlan& plan, uint64_t run, const Makers& makers, ProgramPrints& prints,
                    const OneRunOptions& options) {
   RunRecord record{.run = run};
+  const Stopwatch watch;
   try {
     Scenario scenario = plan.scenario(run);
     record.seed = scenario.seed;
@@ -127,6 +139,7 @@ RunRecord make_run(const SweepPlan& plan, uint64_t run, const Makers& makers, Pr
   } catch (const std::exception& error) {
     record.error = error.what();
   }
+  record.wall_s = watch.s();
   record.error.resize(std::min(record.error.size(), kMostErrorBytes));
   return record;
 }

@@ -17,6 +17,9 @@ struct OneRunOptions {
   Standbys* standbys = nullptr;  // Behaviours of the process's runs.
 };
 
+// Where the log of a run grows until the run is finished.
+std::filesystem::path partial_log(const std::filesystem::path& files, uint64_t run);
+
 // Never throws for what a run's own settings bring about: the record then says what went wrong.
 // `end` is `stopped` where a signal ended it, and then there is nothing to keep.
 RunRecord make_run(const SweepPlan& plan, uint64_t run, const Makers& makers, ProgramPrints& prints,

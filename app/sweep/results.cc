@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
@@ -45,9 +46,9 @@ SqlValue sql_of(const WrittenValue& value) {
 class Attachment {
  public:
   Attachment(Database& database, const fs::path& file) : database_(database) {
-    database_.execute("ATTACH ? AS other", {fs::absolute(file).string()});
+    database_.attach(file, "other");
   }
-  ~Attachment() { database_.execute("DETACH other"); }
+  ~Attachment() { database_.detach("other"); }
   Attachment(const Attachment&) = delete;
   Attachment& operator=(const Attachment&) = delete;
 
@@ -55,20 +56,58 @@ class Attachment {
   Database& database_;
 };
 
-RunRecord record_of(const SqlRow& row) {
+// The columns of a row, each of its kind: a file may be of a stranger's making.
+class RowReader {
+ public:
+  RowReader(const fs::path& file, const SqlRow& row) : file_(file), row_(row) {}
+
+  std::string text(size_t column) const {
+    if (!std::holds_alternative<std::string>(row_[column])) refuse(column, "a text");
+    return text_of(row_[column]);
+  }
+  int64_t whole(size_t column, int64_t least) const {
+    const auto* found = std::get_if<int64_t>(&row_[column]);
+    if (found == nullptr || *found < least)
+      refuse(column, least < 0 ? "a whole number" : "a whole number from 0 on");
+    return *found;
+  }
+  double seconds(size_t column) const {
+    const auto found = number_of(row_[column]);
+    if (!found || !(*found >= 0 && *found < 1e12)) refuse(column, "seconds");
+    return *found;
+  }
+  std::optional<int> score(size_t column) const {
+    if (std::holds_alternative<std::monostate>(row_[column])) return std::nullopt;
+    const int64_t found = whole(column, 0);
+    if (found > std::numeric_limits<int>::max()) refuse(column, "a score");
+    return static_cast<int>(found);
+  }
+
+ private:
+  [[noreturn]] void refuse(size_t column, const char* expected) const {
+    throw InputError(fmt::format("{}: table runs, the row of run {}, column {}: expected {}",
+                                 file_.string(), whole_of(row_[0]), kFixedColumns[column],
+                                 expected));
+  }
+  const fs::path& file_;
+  const SqlRow& row_;
+};
+
+RunRecord record_of(const fs::path& file, const SqlRow& row) {
+  const RowReader read(file, row);
   RunRecord record;
-  record.run = static_cast<uint64_t>(whole_of(row[0]));
-  record.key = text_of(row[1]);
-  record.error = text_of(row[3]);
-  record.seed = whole_of(row[4]);
-  record.end = text_of(row[5]);
-  record.sim_s = number_of(row[6]).value_or(0);
-  record.wall_s = number_of(row[7]).value_or(0);
-  record.frames = static_cast<uint64_t>(whole_of(row[8]));
-  record.decisions = static_cast<uint64_t>(whole_of(row[9]));
-  record.fingerprint = text_of(row[10]);
-  if (const auto score = number_of(row[11])) record.red_score = static_cast<int>(*score);
-  if (const auto score = number_of(row[12])) record.blue_score = static_cast<int>(*score);
+  record.run = static_cast<uint64_t>(read.whole(0, 0));
+  record.key = read.text(1);
+  record.error = read.text(3);
+  record.seed = read.whole(4, std::numeric_limits<int64_t>::min());
+  record.end = read.text(5);
+  record.sim_s = read.seconds(6);
+  record.wall_s = read.seconds(7);
+  record.frames = static_cast<uint64_t>(read.whole(8, 0));
+  record.decisions = static_cast<uint64_t>(read.whole(9, 0));
+  record.fingerprint = read.text(10);
+  record.red_score = read.score(11);
+  record.blue_score = read.score(12);
   for (size_t i = kFixed; i < row.size(); ++i) record.kept.push_back(number_of(row[i]));
   return record;
 }
@@ -105,6 +144,7 @@ ResultsFile::~ResultsFile() = default;
 
 ResultsFile ResultsFile::for_reading(const fs::path& file) {
   ResultsFile results(file, std::make_unique<Database>(file, Database::Mode::read));
+  results.database_->require_plain_tables();
   results.read_head(/*known=*/nullptr);
   return results;
 }
@@ -192,6 +232,14 @@ void ResultsFile::read_head(const SweepPlan* known) {
   }
   makers_ = {get("version"), get("program"), get("behaviours")};
   shard_ = shard_from_text(get("shard"));
+  // Whoever reads rows asks the plan about their numbers.
+  database_->query(
+      "SELECT run FROM runs WHERE typeof(run) <> 'integer' OR run < 0 OR run >= ? LIMIT 1",
+      {static_cast<int64_t>(plan_->runs())}, [&](const SqlRow& row) {
+        throw InputError(
+            fmt::format("{}: table runs, the row of run {}: expected a run of the plan, 0 to {}",
+                        path_.string(), whole_of(row[0]), plan_->runs() - 1));
+      });
 }
 
 std::vector<std::string> ResultsFile::columns() const {
@@ -253,13 +301,14 @@ SweepCounts ResultsFile::counts() const {
 std::optional<RunRecord> ResultsFile::record(uint64_t run) const {
   std::optional<RunRecord> found;
   database_->query(fmt::format("SELECT {} FROM runs WHERE run = ?", fmt::join(columns(), ", ")),
-                   {static_cast<int64_t>(run)}, [&](const SqlRow& row) { found = record_of(row); });
+                   {static_cast<int64_t>(run)},
+                   [&](const SqlRow& row) { found = record_of(path_, row); });
   return found;
 }
 
 void ResultsFile::each(const std::function<void(const RunRecord&)>& take) const {
   database_->query(fmt::format("SELECT {} FROM runs ORDER BY run", fmt::join(columns(), ", ")), {},
-                   [&](const SqlRow& row) { take(record_of(row)); });
+                   [&](const SqlRow& row) { take(record_of(path_, row)); });
 }
 
 std::vector<uint64_t> ResultsFile::missing(size_t most) const {

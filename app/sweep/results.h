@@ -43,7 +43,7 @@ struct RunRecord {
   int64_t seed = 0;
   std::string end;  // finished, aborted; empty where it did not begin.
   double sim_s = 0;
-  double wall_s = 0;
+  double wall_s = 0;  // From its scenario on: making the world and its pictures ready counts.
   uint64_t frames = 0, decisions = 0;
   std::string fingerprint;
   std::optional<int> red_score, blue_score;

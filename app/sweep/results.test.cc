@@ -1,5 +1,6 @@
 #include "app/sweep/results.h"
 
+#include <fstream>
 #include <limits>
 
 #include "app/sweep/one_run.h"
@@ -177,6 +178,70 @@ TEST_F(Results, DuplicatesThatDifferAreRefused) {
   }
   first.take_over(ResultsFile::for_reading(folder_.path("c.sqlite")));  // Of a failure and a run.
   EXPECT_TRUE(same_result(*first.record(1), record(1, 3)));
+}
+
+// Files of strangers: nothing in them is run, and what is wrong is named.
+TEST_F(Results, FilesOfStrangersAreTablesWithRowsOfThePlan) {
+  const std::pair<std::vector<std::string>, const char*> changes[] = {
+      {{"UPDATE runs SET run = -5 WHERE run = 0"}, "the row of run -5: expected a run of the plan"},
+      {{"UPDATE runs SET run = 6 WHERE run = 0"},
+       "the row of run 6: expected a run of the plan, 0 to 5"},
+      {{"ALTER TABLE runs RENAME TO kept",
+        "CREATE VIEW runs AS SELECT kept.* FROM kept, (WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL "
+        "SELECT x + 1 FROM c) SELECT x FROM c)"},
+       "holds the view 'runs'"},
+      {{"CREATE TRIGGER t AFTER INSERT ON runs BEGIN DELETE FROM runs; END"},
+       "holds the trigger 't'"},
+      {{"CREATE TABLE more(a, b AS (hex(zeroblob(400000000))))"}, "the generated column 'b'"},
+      {{"UPDATE runs SET red_score = 1e300 WHERE run = 1"}, "the row of run 1, column red_score"},
+      {{"UPDATE runs SET frames = -1 WHERE run = 1"}, "the row of run 1, column frames"},
+      {{"UPDATE runs SET end = 3.5 WHERE run = 1", "UPDATE runs SET end = x'00' WHERE run = 1",
+        "UPDATE runs SET key = NULL WHERE run = 1"},
+       "the row of run 1, column key"},
+      {{"UPDATE runs SET wall_s = 9e999 WHERE run = 1"}, "the row of run 1, column wall_s"}};
+  for (const auto& [statements, expected] : changes) {
+    const auto file = folder_.path("stranger.sqlite");
+    std::filesystem::remove(file);
+    {
+      auto results = open("stranger.sqlite");
+      for (uint64_t run = 0; run < 3; ++run) results.add(record(run, 1));
+      results.close();
+    }
+    {
+      Database database(file, Database::Mode::write);
+      for (const std::string& statement : statements) database.execute(statement);
+    }
+    EXPECT_THAT(why_not([&] { table("stranger.sqlite"); }), testing::HasSubstr(expected));
+  }
+}
+
+TEST_F(Results, AQueryEndsWhateverItIsAsked) {
+  open("a.sqlite").close();
+  const Database database(folder_.path("a.sqlite"), Database::Mode::read);
+  EXPECT_THAT(why_not([&] {
+                database.value(
+                    "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) "
+                    "SELECT max(x) FROM c");
+              }),
+              testing::HasSubstr("more work than a file of its size can need"));
+  EXPECT_THAT(why_not([&] { database.value("SELECT hex(zeroblob(400000000))"); }),
+              testing::HasSubstr("a value of more than 64 MiB"));
+  EXPECT_EQ(whole_of(database.value("SELECT 7")), 7);
+}
+
+TEST_F(Results, ADamagedFileIsNamed) {
+  {
+    auto results = open("a.sqlite");
+    for (uint64_t run = 0; run < 6; ++run) results.add(record(run, 1));
+    results.close();
+  }
+  const auto file = folder_.path("a.sqlite");
+  const auto bytes = static_cast<std::streamoff>(std::filesystem::file_size(file));
+  std::fstream damage(file, std::ios::in | std::ios::out | std::ios::binary);
+  damage.seekp(bytes - 40);
+  damage << std::string(30, '\xff');
+  damage.close();
+  EXPECT_THAT(why_not([&] { table("a.sqlite"); }), testing::HasSubstr("a.sqlite"));
 }
 
 TEST(Shard, CoversThePlanOnce) {

@@ -1,6 +1,7 @@
 #include "app/sweep/sweep.h"
 
 #include <algorithm>
+#include <set>
 
 #include "app/sweep/one_run.h"
 #include "app/sweep/sweep_progress.h"
@@ -26,14 +27,20 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
   SweepOutcome outcome;
   SweepProgress progress(runs.size());
   size_t next = 0;
+  std::set<uint64_t> begun;
   const auto take = [&](const RunRecord& record) {
     ++outcome.made;
+    begun.erase(record.run);
     outcome.failed += record.failed() ? 1 : 0;
     progress.count(record.failed());
     done(record);
   };
   const WorkerCalls calls{
-      .next = [&] { return next < runs.size() ? std::optional(runs[next++]) : std::nullopt; },
+      .next = [&]() -> std::optional<uint64_t> {
+        if (next == runs.size()) return std::nullopt;
+        begun.insert(runs[next]);
+        return runs[next++];
+      },
       .work =
           [&](uint64_t run) {
             const RunRecord record = make_run(plan, run, makers, prints, options);
@@ -45,6 +52,9 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
       .tick = [&] { progress.show(); }};
   const auto most = static_cast<size_t>(workers);
   outcome.interrupted = !run_in_workers(static_cast<int>(std::min(most, runs.size())), calls);
+  // Of processes that were killed since they did not end in time.
+  std::error_code unknown;
+  for (const uint64_t run : begun) fs::remove(partial_log(files, run), unknown);
   return outcome;
 }
 

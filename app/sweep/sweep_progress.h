@@ -11,6 +11,17 @@ namespace seam::app {
 // "1 h 05 min", "3 min 20 s", "12 s".
 std::string duration_text(double seconds);
 
+// Time on the wall since it was made.
+class Stopwatch {
+ public:
+  double s() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
 class SweepProgress {
  public:
   explicit SweepProgress(uint64_t total, const char* what = "runs");
