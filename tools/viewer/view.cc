@@ -11,6 +11,7 @@
 #include "sim_core/base/error.h"
 #include "sim_core/system/own_files.h"
 #include "tools/command.h"
+#include "tools/viewer/gated_server.h"
 #include "tools/viewer/loopback_host.h"
 #include "tools/viewer/view_data.h"
 
@@ -63,6 +64,7 @@ class Viewer {
     const int bound = port == 0 ? server_.bind_to_any_port("127.0.0.1")
                                 : (server_.bind_to_port("127.0.0.1", port) ? port : -1);
     if (bound < 0) throw InputError(fmt::format("--port {}: cannot be had", port));
+    server_.lengthen_queue();
     std::printf("http://127.0.0.1:%d/\nCtrl-C ends it.\n", bound);
     std::fflush(stdout);
     server_.listen_after_bind();
@@ -136,7 +138,7 @@ class Viewer {
   }
 
   std::vector<std::unique_ptr<ViewData>> logs_;
-  httplib::Server server_;
+  GatedServer server_;
   std::once_flag compared_;
   std::string difference_;
 };

@@ -1,0 +1,180 @@
+#include "tools/viewer/gated_server.h"
+
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include "sim_core/system/thread.h"
+
+namespace seam::tools {
+namespace {
+
+constexpr int kThreads = 8;  // A browser asks for about six things at once.
+constexpr int kTick_ms = 250;
+constexpr int kMostTicks = 40;  // Ten seconds for a request.
+constexpr int kWrite_ms = 5000;
+
+// A request that came as a whole, and the socket for its answer.
+class WholeRequest final : public httplib::Stream {
+ public:
+  WholeRequest(int socket, std::string bytes) : socket_(socket), bytes_(std::move(bytes)) {}
+
+  bool is_readable() const override { return at_ < bytes_.size(); }
+  bool is_writable() const override {
+    pollfd ready{socket_, POLLOUT, 0};
+    return ::poll(&ready, 1, kWrite_ms) == 1 && (ready.revents & POLLOUT) != 0;
+  }
+  ssize_t read(char* place, size_t size) override {
+    const size_t taken = bytes_.copy(place, size, at_);
+    at_ += taken;
+    return static_cast<ssize_t>(taken);
+  }
+  ssize_t write(const char* bytes, size_t size) override {
+    if (!is_writable()) return -1;
+    return ::send(socket_, bytes, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+  }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    address_by(::getpeername, ip, port);
+  }
+  void get_local_ip_and_port(std::string& ip, int& port) const override {
+    address_by(::getsockname, ip, port);
+  }
+  socket_t socket() const override { return socket_; }
+
+ private:
+  template <typename Ask>
+  void address_by(Ask ask, std::string& ip, int& port) const {
+    sockaddr_in address{};
+    socklen_t size = sizeof address;
+    char text[INET_ADDRSTRLEN] = {};
+    if (ask(socket_, reinterpret_cast<sockaddr*>(&address), &size) != 0) return;
+    ip = ::inet_ntop(AF_INET, &address.sin_addr, text, sizeof text) == nullptr ? "" : text;
+    port = ntohs(address.sin_port);
+  }
+
+  int socket_;
+  std::string bytes_;
+  size_t at_ = 0;
+};
+
+// httplib gives each connection to a queue of tasks: here the task only hands it on.
+class NoQueue final : public httplib::TaskQueue {
+ public:
+  void enqueue(std::function<void()> task) override { task(); }
+  void shutdown() override {}
+};
+
+void drop(int& socket) {
+  ::close(std::exchange(socket, -1));
+}
+
+}  // namespace
+
+GatedServer::GatedServer() {
+  new_task_queue = [] { return new NoQueue; };
+  // A thread that the system refuses ends the constructor: those that run are told to end.
+  try {
+    threads_.push_back(start_thread([this] { watch(); }));
+    for (int i = 0; i < kThreads; ++i) threads_.push_back(start_thread([this] { answer(); }));
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    queued_.notify_all();
+    wake_.ring();
+    throw;
+  }
+}
+
+void GatedServer::lengthen_queue() {
+  ::listen(svr_sock_, static_cast<int>(kMostWaiting));
+}
+
+GatedServer::~GatedServer() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  queued_.notify_all();
+  wake_.ring();
+  threads_.clear();  // Joins them.
+  for (Connection& connection : waiting_) drop(connection.socket);
+  for (Connection& connection : whole_) drop(connection.socket);
+  for (int& socket : taken_) drop(socket);
+}
+
+bool GatedServer::process_and_close_socket(socket_t socket) {
+  {
+    const std::lock_guard lock(mutex_);
+    taken_.push_back(socket);
+  }
+  wake_.ring();
+  return true;
+}
+
+void GatedServer::watch() {
+  std::vector<pollfd> ready;
+  while (true) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (ending_) return;
+      for (const int socket : std::exchange(taken_, {})) waiting_.push_back({socket, "", 0});
+    }
+    // Who has waited longest makes room, so that a whole request of somebody new is read.
+    while (waiting_.size() > kMostWaiting) {
+      drop(waiting_.front().socket);
+      waiting_.pop_front();
+    }
+    ready.assign(1, {wake_.descriptor(), POLLIN, 0});
+    for (const Connection& connection : waiting_) ready.push_back({connection.socket, POLLIN, 0});
+    const int count = ::poll(ready.data(), ready.size(), kTick_ms);
+    if (ready[0].revents != 0) wake_.clear();
+    for (size_t i = 0; i < waiting_.size(); ++i) {
+      Connection& connection = waiting_[i];
+      if (ready[i + 1].revents != 0) {
+        read_from(connection);
+      } else if (count == 0 && ++connection.ticks > kMostTicks) {
+        drop(connection.socket);
+      }
+    }
+    std::erase_if(waiting_, [](const Connection& connection) { return connection.socket < 0; });
+  }
+}
+
+void GatedServer::read_from(Connection& connection) {
+  char bytes[4096];
+  const ssize_t size = ::recv(connection.socket, bytes, sizeof bytes, MSG_DONTWAIT);
+  if (size < 0 && (errno == EAGAIN || errno == EINTR)) return;
+  if (size > 0) connection.bytes.append(bytes, static_cast<size_t>(size));
+  if (size <= 0 || connection.bytes.size() > kMostHeadBytes) return drop(connection.socket);
+  if (connection.bytes.find("\r\n\r\n") == std::string::npos) return;
+  const std::lock_guard lock(mutex_);
+  if (whole_.size() >= kMostQueued) return drop(connection.socket);
+  whole_.push_back({std::exchange(connection.socket, -1), std::move(connection.bytes), 0});
+  queued_.notify_one();
+}
+
+void GatedServer::answer() {
+  while (true) {
+    Connection connection;
+    {
+      std::unique_lock lock(mutex_);
+      queued_.wait(lock, [&] { return ending_ || !whole_.empty(); });
+      if (ending_) return;
+      connection = std::move(whole_.front());
+      whole_.pop_front();
+    }
+    WholeRequest request(connection.socket, std::move(connection.bytes));
+    bool closed = false;
+    // One request a connection: the next one would wait in this thread.
+    process_request(request, /*close_connection=*/true, closed, nullptr);
+    ::shutdown(connection.socket, SHUT_WR);
+    drop(connection.socket);
+  }
+}
+
+}  // namespace seam::tools
