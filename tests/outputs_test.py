@@ -183,6 +183,67 @@ class Outputs(unittest.TestCase):
         self.refused("--force", *eyes)
         self.assertEqual(seam(*eyes, "--force").returncode, 0)
 
+    def test_a_log_is_replaced_when_the_new_one_is_whole(self):
+        log, part = self.here / "l.mcap", self.here / "l.mcap.part"
+        log.write_bytes(self.log.read_bytes())
+        log.chmod(0o640)
+        before = log.read_bytes()
+        run = self.start("run", self.long, "--log", log, "--force")
+        while not (part.exists() and part.stat().st_size > 100_000):
+            self.assertIsNone(run.poll())
+            time.sleep(0.01)
+        self.assertEqual(log.read_bytes(), before)
+        self.refused("another run is writing", "run", self.scenario, "--log", log, "--force")
+        run.kill()  # What it wrote stays beside the old log.
+        run.wait()
+        self.assertEqual(log.read_bytes(), before)
+        self.assertEqual(seam("replay", "verify", part, "--no-frames").returncode, 0)
+        limited = ["bash", "-c", 'trap "" XFSZ; ulimit -f "$1"; shift; exec "$@"', "limit"]
+        failed = subprocess.run([*limited, "1", SEAM, "run", self.long, "--log", log, "--force"], capture_output=True, text=True,
+                                timeout=LIMIT_S)
+        self.assertEqual(failed.returncode, 1, failed.stderr)
+        self.assertEqual(log.read_bytes(), before)
+        self.assertFalse(part.exists())
+        self.assertEqual(seam("run", self.scenario, "--log", log, "--force", "--seed", 5).returncode, 0)
+        self.assertNotEqual(log.read_bytes(), before)
+        self.assertEqual(sorted(path.name for path in self.here.iterdir()), ["l.mcap"])
+        self.assertEqual(log.stat().st_mode & 0o777, 0o640)
+
+    def protocol(self):
+        """A small protocol of points."""
+        done = seam("camera-calibrate", "--model", SOURCE / "models/ers210_full.yaml", "--out", self.here / "sets", "--frames", 4,
+                    "--points", 20, "--levels", 1, "--repeats", 2)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return self.here / "sets/protocols/room"
+
+    def test_a_set_is_overwritten_only_where_asked(self):
+        protocol, made = self.protocol(), self.here / "made"
+        command = ["measure", "--model", SOURCE / "models/ers210_full.yaml", "--protocol", protocol, "--out", made, "--seed"]
+        self.assertEqual(seam(*command, 1).returncode, 0)
+        before = {path.name: path.read_bytes() for path in made.iterdir()}
+        self.refused("--force", *command, 2)
+        self.assertEqual({path.name: path.read_bytes() for path in made.iterdir()}, before)
+        (made / "notes.txt").write_text("mine")
+        done = seam(*command, 2, "--force")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual({path.name for path in made.iterdir()}, {*before, "notes.txt"})
+        self.assertNotEqual({path.name: path.read_bytes() for path in made.iterdir()}, before)
+        self.refused("the protocol itself", "measure", "--model", SOURCE / "models/ers210_full.yaml", "--protocol", protocol, "--out",
+                     protocol, "--force")
+        self.assertEqual(sorted(path.name for path in self.here.iterdir()), ["made", "sets"])
+
+    def test_a_signal_leaves_nothing_half_made(self):
+        made = self.here / "sets"
+        for sent in (signal.SIGINT, signal.SIGTERM):
+            run = self.start("camera-calibrate", "--model", SOURCE / "models/ers210_full.yaml", "--out", made, "--frames", 4000,
+                             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+            while not (made / ".unfinished").exists():
+                self.assertIsNone(run.poll())
+                time.sleep(0.001)
+            run.send_signal(sent)
+            self.assertEqual(run.wait(LIMIT_S), -sent)
+            self.assertEqual(list(made.iterdir()), [])
+
     def test_one_writer_a_log_and_one_server_a_socket(self):
         log, address = self.here / "l.mcap", f"unix:{self.here}/socket"
         serve = ["serve", self.long, "--listen", address]
@@ -230,6 +291,18 @@ class Outputs(unittest.TestCase):
         time.sleep(0.3)
         run.terminate()
         self.assertEqual(run.wait(LIMIT_S), -signal.SIGTERM)
+
+    def test_limits_of_the_system_are_errors(self):
+        """Few open files, little memory: a message, and no process that is aborted."""
+        refused = 0
+        for limit, values in (("-n", (5, 6, 8, 12, 14, 16, 20, 26)), ("-v", (60_000, 150_000, 300_000, 400_000, 500_000, 600_000))):
+            for value in values:
+                done = subprocess.run(["bash", "-c", 'ulimit "$1" "$2"; shift 2; exec "$@"', "limit", limit, str(value), SEAM, "run",
+                                       self.scenario], capture_output=True, text=True, timeout=LIMIT_S)
+                self.assertIn(done.returncode, (0, 1), (limit, value, done.stderr))
+                self.assertTrue(done.returncode == 0 or "seam: " in done.stderr, (limit, value, done.stderr))
+                refused += done.returncode
+        self.assertGreaterEqual(refused, 8)
 
     def test_a_thread_that_cannot_start_is_an_error(self):
         source, library = self.here / "no_threads.c", self.here / "no_threads.so"

@@ -15,6 +15,7 @@
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/output.h"
+#include "sim_core/system/resources.h"
 
 namespace seam::app {
 
@@ -162,7 +163,7 @@ class Session {
     behaviours_.wait_for_end(2);
     renderers_.wait_for_end(2);
     if (!outputs_.log) return summary;
-    outputs_.log->close();
+    outputs_.finish_log();
     std::error_code unknown;
     summary.log_bytes = std::filesystem::file_size(options_.log, unknown);
     if (unknown) summary.log_bytes = 0;
@@ -204,6 +205,9 @@ class Session {
 
 void Session::serve() {
   const Scenario& scenario = simulator_.scenario;
+  // gRPC ends the process where it is refused one.
+  const int robots = static_cast<int>(scenario.robots.size());
+  require_resources(/*threads=*/16 + 2 * robots, /*files=*/24 + 4 * robots);
   RemoteRenderingOptions rendering = options_.rendering;
   render_token_ = scenario.render_token.empty() ? new_token() : scenario.render_token;
   rendering.frames.token = render_token_;

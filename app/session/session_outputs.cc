@@ -1,10 +1,64 @@
 #include "app/session/session_outputs.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 
 #include "sim_core/base/error.h"
 
 namespace seam::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Whether a log of this name replaces a file: what a link below /proc leads to (as /dev/stdout) is
+// written where it is.
+bool replaces_file(const fs::path& log) {
+  std::error_code unknown;
+  if (!fs::is_regular_file(log, unknown)) return false;
+  for (fs::path path = log; fs::is_symlink(path, unknown);
+       path = path.parent_path() / fs::read_symlink(path)) {
+    if (fs::weakly_canonical(fs::absolute(path).parent_path()).string().starts_with("/proc"))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+ReplacedLog::ReplacedLog(const fs::path& log) : log_(fs::canonical(log)), growing_(log_) {
+  growing_ += ".part";
+  lock_ = ::open(log_.c_str(), O_WRONLY | O_CLOEXEC);
+  if (lock_ >= 0 && ::flock(lock_, LOCK_EX | LOCK_NB) == 0) return;
+  const std::string why = lock_ >= 0 ? "another run is writing this file"
+                                     : fmt::format("cannot be written: {}", std::strerror(errno));
+  if (lock_ >= 0) ::close(lock_);
+  throw InputError(fmt::format("{}: {}", log.string(), why));
+}
+
+ReplacedLog::~ReplacedLog() {
+  if (!growing_.empty()) ::unlink(growing_.c_str());
+  ::close(lock_);
+}
+
+void ReplacedLog::finish() {
+  std::error_code error;
+  fs::permissions(growing_, fs::status(log_).permissions(), error);
+  fs::rename(growing_, log_, error);
+  if (error)
+    throw InputError(fmt::format("{}: cannot be written: {}", log_.string(), error.message()));
+  growing_.clear();
+}
+
+void SessionOutputs::finish_log() {
+  log->close();
+  if (replaced) replaced->finish();
+}
 
 SessionOutputs::SessionOutputs(const SessionOptions& options) {
   if (!options.sign_key.empty()) {
@@ -20,7 +74,9 @@ SessionOutputs::SessionOutputs(const SessionOptions& options) {
     log_rules.overwrite = options.force;
     log_rules.durable = options.durable;
     log_rules.mode = S_IRUSR | S_IWUSR;
-    log = mcap::create_file(options.log, log_rules);
+    refuse_same_file(options.log, rules.inputs);
+    if (options.force && replaces_file(options.log)) replaced.emplace(options.log);
+    log = mcap::create_file(replaced ? replaced->growing() : fs::path(options.log), log_rules);
     rules.inputs.emplace_back(options.log);
   }
   json = OutputFile(options.json, rules);

@@ -2,6 +2,7 @@
 // run writes or that is read meanwhile is told at once.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -13,10 +14,32 @@
 
 namespace seam::app {
 
+// A log that is there and is to be overwritten: it stays until the new one, which grows beside it,
+// is whole. Nobody else writes it meanwhile.
+class ReplacedLog {
+ public:
+  // Throws InputError where another run writes it.
+  explicit ReplacedLog(const std::filesystem::path& log);
+  ~ReplacedLog();  // Without `finish` the new log goes. A killed process leaves both.
+  ReplacedLog(const ReplacedLog&) = delete;
+  ReplacedLog& operator=(const ReplacedLog&) = delete;
+
+  const std::filesystem::path& growing() const { return growing_; }
+  void finish();
+
+ private:
+  std::filesystem::path log_, growing_;
+  int lock_ = -1;
+};
+
 struct SessionOutputs {
   // Throws InputError and UsageError.
   explicit SessionOutputs(const SessionOptions& options);
 
+  // The log is complete; throws InputError where it cannot be.
+  void finish_log();
+
+  std::optional<ReplacedLog> replaced;
   std::unique_ptr<mcap::Output> log;  // None: not asked for.
   std::optional<SigningKey> key;      // Signs the log when it is whole.
   std::optional<FrameFiles> frames;

@@ -3,7 +3,9 @@
 #include <system_error>
 
 #include "app/predictors/instruments.h"
+#include "app/scratch_folder.h"
 #include "measurement/kinds/kinds.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
@@ -13,25 +15,35 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The folder of a set, which goes again where the set is not made.
+// The folder of a set. The set is made beside it and moved there once it is whole, file by file, so
+// that whatever else is in the folder stays.
 class FolderOfSet {
  public:
-  explicit FolderOfSet(fs::path folder) : folder_(std::move(folder)) {
+  FolderOfSet(const fs::path& folder, const fs::path& protocol, bool overwrite)
+      : folder_(folder), made_(app::ScratchFolder::beside(folder)) {
     std::error_code unknown;
-    was_there_ = fs::exists(folder_, unknown);
+    if (fs::equivalent(folder_, protocol, unknown))
+      throw InputError(fmt::format("{}: the protocol itself, expected another folder to write to",
+                                   folder_.string()));
+    if (fs::exists(folder_, unknown)) make_output_folder(folder_);  // Says why it cannot be.
+    if (!overwrite && fs::exists(folder_ / "measurement.yaml", unknown))
+      throw InputError(fmt::format(
+          "{}: holds a measurement set already; give another --out, or --force to overwrite it",
+          folder_.string()));
+  }
+  const fs::path& made() const { return made_.path(); }
+  void finish() const {
     make_output_folder(folder_);
+    for (const auto& entry : fs::recursive_directory_iterator(made())) {
+      if (!entry.is_regular_file()) continue;
+      const fs::path name = entry.path().lexically_relative(made());
+      fs::rename(entry.path(), measurement::written_path(folder_, name.string()));
+    }
   }
-  ~FolderOfSet() {
-    std::error_code unknown;
-    if (!is_made_ && !was_there_) fs::remove_all(folder_, unknown);
-  }
-  FolderOfSet(const FolderOfSet&) = delete;
-  FolderOfSet& operator=(const FolderOfSet&) = delete;
-  void is_made() { is_made_ = true; }
 
  private:
   fs::path folder_;
-  bool was_there_ = true, is_made_ = false;
+  app::ScratchFolder made_;
 };
 
 }  // namespace
@@ -42,6 +54,7 @@ void add_measure(app::Command app) {
   struct Flags {
     std::string model, protocol, out, noise = "on";
     uint64_t seed = 0;
+    bool force = false;
     app::OutcomeRunsOptions runs;
   };
   auto flags = std::make_shared<Flags>();
@@ -53,17 +66,18 @@ void add_measure(app::Command app) {
   command.add_option("--seed", flags->seed, "Seed of all noise").show_default();
   command.add_option("--out", flags->out, "The folder to write").required();
   command.add_option("--noise", flags->noise, "on or off").one_of({"on", "off"}).show_default();
+  command.add_flag("--force", flags->force, "Overwrites a set that is there");
   add_run_flags(command, flags->runs);
   command.footer(
       "Example: seam measure --model truth.yaml --protocol sets/points-a --seed 1 --out made");
   command.callback([flags] {
     const effects::Model truth = read_model(flags->model);
     const auto protocol = measurement::MeasurementSet::open(flags->protocol);
-    FolderOfSet folder(flags->out);
+    const FolderOfSet folder(flags->out, flags->protocol, flags->force);
     measurement::measure_set(
-        truth, protocol, {.seed = flags->seed, .noise = flags->noise == "on", .out = flags->out},
+        truth, protocol, {.seed = flags->seed, .noise = flags->noise == "on", .out = folder.made()},
         app::instruments(flags->runs));
-    folder.is_made();
+    folder.finish();
     std::printf("%s\n", flags->out.c_str());
   });
 }
