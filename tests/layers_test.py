@@ -31,7 +31,8 @@ FOLDERS = {
 # ends in "/*" stands for each room below it, which know nothing of each other.
 ROOMS = {
     "sim_core": {
-        "base": [],
+        "signals": [],
+        "base": ["signals"],
         "system": ["base"],
         "input": ["base"],
         "scene": ["base", "input"],
@@ -295,8 +296,23 @@ def merge_findings(name, text):
             yield f"{name}:{number}: a merge that was not ended: choose a side"
 
 
+def project_version():
+    return re.search(r"project\(seam VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+
+
+def version_findings(name, text, version):
+    """The version stands in CMakeLists.txt; what CMake does not make states the same one."""
+    stated = {"CITATION.cff": r"^version: (.*)$", "web/package.json": r'^  "version": "(.*)"'}.get(name)
+    if stated and re.findall(stated, text, flags=re.M) != [version]:
+        yield f"{name}: not the version {version} of CMakeLists.txt"
+    if name.endswith((".cc", ".h")) and not is_test(name) and f'{version}"' in text:
+        yield f"{name}: a version in a literal: SEAM_VERSION or seam_built_from.h have that of CMakeLists.txt"
+
+
 def findings():
-    found = []
+    found, version = [], project_version()
+    for name in tracked("*.h", "*.cc", "CITATION.cff", "web/package.json"):
+        found += version_findings(name, (ROOT / name).read_text(encoding="utf-8"), version)
     for name in tracked("*.sh", "*.py", "*.md", "*.txt", "*.cmake", "*.yaml", "*.ts", "*.tsx", "*.json", "*.proto"):
         found += merge_findings(name, (ROOT / name).read_text(encoding="utf-8"))
     for name in tracked("*.h", "*.cc", "*.inc"):
@@ -324,6 +340,8 @@ def self_test():
         assert any(alarm in finding for finding in heard), f"no alarm '{alarm}': {heard}"
     assert not list(findings_in("measurement/kinds/points/x.cc", ['#include "measurement/numerics/maximise.h"']))
     assert list(merge_findings("x.sh", "<" * 7 + " HEAD\n"))
+    assert list(version_findings("app/x.cc", 'puts("seam 1.2.3");', "1.2.3"))
+    assert list(version_findings("CITATION.cff", "version: 1.2.2\n", "1.2.3"))
     assert list(crowded_rooms([f"app/{i}.cc" for i in range(MAX_FILES + 1)]))
     print("ok")
 

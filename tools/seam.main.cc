@@ -2,6 +2,7 @@
 #include <google/protobuf/stubs/logging.h>
 
 #include "app/plugins.h"
+#include "seam_built_from.h"
 #include "tools/command.h"
 #include "tools/program.h"
 
@@ -14,7 +15,7 @@ int main(int argc, char** argv) {
     // effects.
     std::vector<std::string> plugins;
     return seam::app::parse_and_run(
-        "SEAM: simulator of environment and measurement", "seam", "seam 0.1.0",
+        "SEAM: simulator of environment and measurement", "seam", "seam " SEAM_BUILT_FROM,
         seam::app::load_plugins({argv + 1, argv + argc}), [&plugins](seam::app::Command app) {
           app.require_subcommand();
           app.add_option("--plugin", plugins,

@@ -9,6 +9,7 @@
 #include "app/plugins.h"
 #include "app/session/remote_rendering.h"
 #include "scheduler/remote_render/render_client.h"
+#include "seam_built_from.h"
 #include "tools/program.h"
 
 namespace {
@@ -64,7 +65,7 @@ int main(int argc, char** argv) {
   return seam::tools::run_program("seam-render", [&] {
     return seam::app::parse_and_run(
         "Renders frames of a run on this machine, the same bits as in the server", "seam-render",
-        "seam-render " SEAM_VERSION, seam::app::load_plugins({argv + 1, argv + argc}),
+        "seam-render " SEAM_BUILT_FROM, seam::app::load_plugins({argv + 1, argv + argc}),
         [&](seam::app::Command app) { add_options(app, options); });
   });
 }

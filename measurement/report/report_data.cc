@@ -156,7 +156,7 @@ std::string document(const Problem& problem, const ReportHeader& header, const S
   const json report = {{"format", "seam-report/1"},
                        {"title", problem.facts().title},
                        {"command", header.command},
-                       {"version", "0.1.0"},
+                       {"version", SEAM_VERSION},
                        {"model", model_json(stages.before->model, header.model_file)},
                        {"data", data_json(problem, *stages.before, header.data_folder)},
                        {"result", json::parse(result)},
@@ -205,7 +205,7 @@ std::string models_report(const std::vector<LensMap>& maps, const std::string& a
   return json{{"format", "seam-report/1"},
               {"title", fmt::format("{} and {}", a, b)},
               {"command", header.command},
-              {"version", "0.1.0"},
+              {"version", SEAM_VERSION},
               {"result", json::parse(models_json(maps, a, b))},
               {"plots", {{"lens_error", maps_json(maps, "after", "Difference")}}}}
       .dump();
@@ -239,7 +239,7 @@ std::string history_report(const Model& model, const ReportHeader& header) {
   return json{{"format", "seam-report/1"},
               {"title", fmt::format("How the model {} came about", model.name())},
               {"command", header.command},
-              {"version", "0.1.0"},
+              {"version", SEAM_VERSION},
               {"model", model_json(model, header.model_file)},
               {"result", json::parse(history_json(model))}}
       .dump();
