@@ -1,8 +1,10 @@
 #include "app/data_file.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 #include "sim_core/system/own_files.h"
 
 namespace seam::app {
@@ -26,6 +28,17 @@ fs::path data_file(const std::string& name) {
         fmt::format("{}: not found here nor beside the program, expected SEAM's own files", name));
   }
   return beside;
+}
+
+fs::path given_or_ours(const fs::path& name) {
+  std::error_code unknown;
+  const std::string first = name.empty() ? "" : name.begin()->string();
+  if (fs::exists(name, unknown) || (first != "scenarios" && first != "models")) return name;
+  const fs::path shared = find_shared(name.string());
+  if (shared.empty()) return name;
+  std::fprintf(stderr, "%s is not here: %s is used\n", shown(name.string()).c_str(),
+               shown(shared.string()).c_str());
+  return shared;
 }
 
 bool is_our_data(const fs::path& path) {

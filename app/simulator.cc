@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "app/data_file.h"
 #include "app/scene_assets.h"
 #include "app/trust/tokens.h"
 #include "effects/questions.h"
@@ -101,7 +102,7 @@ std::vector<effects::Model> models_of(const Scenario& scenario) {
 }
 
 Scenario load_scenario(const std::filesystem::path& file, const SimulatorOptions& options) {
-  Scenario scenario = without_fingerprints(Scenario::from_file(file));
+  Scenario scenario = without_fingerprints(Scenario::from_file(given_or_ours(file)));
   std::vector<ScenarioChange> changes;
   for (const std::string& text : options.changes) changes.push_back(change_from_text(text));
   scenario = changed_scenario(scenario, changes, ".");

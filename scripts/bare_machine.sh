@@ -68,6 +68,7 @@ if [ -n "$mirror" ]; then
   copy_if_there "${keys[@]}"
 fi
 apt-config dump | grep -E '^Acquire::' >"$root/etc/apt/apt.conf.d/90settings-of-the-host" || true
+echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/throw-away"  # Nobody needs these packages after a power cut.
 for file in /etc/resolv.conf /etc/hosts "${copies[@]}"; do
   [ ! -e "$file" ] || { mkdir -p "$root$(dirname "$file")"; cp -L "$file" "$root$file"; }
 done

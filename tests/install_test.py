@@ -104,6 +104,11 @@ def check_program(prefix, folder):
         "--renderers", "1", "--json", folder / "run.json", cwd=folder)
     assert json.loads((folder / "run.json").read_text())["end"] == "finished"
     run(seam, "replay", "verify", folder / "run.mcap")
+    # The examples of the help, from a folder that holds none of these files.
+    said = run(seam, "run", "scenarios/head_swing.yaml", "--set", "duration_s=0.1", cwd=folder)
+    assert f"scenarios/head_swing.yaml is not here: {scenarios}" in said, said
+    run(seam, "export", "models/ideal_camera.yaml", "--to", "opencv", "--out", folder / "lens.yaml", cwd=folder)
+    assert "no_such.yaml" in run(seam, "run", "scenarios/no_such.yaml", cwd=folder, code=1)
     # A result's page has its plots, and the viewer its page.
     run(seam, "camera-calibrate", "--model", prefix / "share/seam/models/ers210_full.yaml", "--out", folder / "sets", "--frames",
         "4", "--points", "20", "--levels", "1", "--repeats", "2", cwd=folder)
@@ -146,7 +151,9 @@ def check_outside_project(prefix, folder):
         folders = re.findall(r"-I((?:\\.|\S)+)", flags)
         assert any((pathlib.Path(folder.replace("\\", "")) / header).exists() for folder in folders), (name, flags)
         version = subprocess.run(["pkg-config", "--modversion", name], env=paths, capture_output=True, text=True, check=True)
-        assert version.stdout.strip() in run(seam, "--version")
+        said = run(seam, "--version").strip()
+        assert re.fullmatch(rf"seam {re.escape(version.stdout.strip())}( \(commit [0-9a-f]+(-changed)?\))?", said), said
+        assert said.removeprefix("seam ") == run(prefix / "bin/seam-render", "--version").strip().removeprefix("seam-render ")
 
 
 def check_python(prefix, folder):

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "app/data_file.h"
 #include "app/predictors/instruments.h"
 #include "effects/effect_keys.h"
 #include "effects/registry.h"
@@ -49,7 +50,7 @@ std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags) {
 }
 
 effects::Model read_model(const std::string& path) {
-  return effects::Model::from_file(path);
+  return effects::Model::from_file(app::given_or_ours(path));
 }
 
 void add_material_flag(app::Command command, AnalysisFlags& flags) {

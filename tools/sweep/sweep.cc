@@ -3,6 +3,7 @@
 
 #include <cstdio>
 
+#include "app/data_file.h"
 #include "app/session/runs_made_here.h"
 #include "app/sweep/makers.h"
 #include "app/sweep/sweep.h"
@@ -24,7 +25,7 @@ void sweep(const SweepOptions& options) {
     throw UsageError("sweep: give a plan and --out RESULTS, or a subcommand (seam sweep --help)");
   const app::Shard shard = app::shard_from_text(options.shard);
   refuse_same_file(options.out, {options.plan});
-  const auto plan = app::SweepPlan::from_file(options.plan);
+  const auto plan = app::SweepPlan::from_file(app::given_or_ours(options.plan));
   app::ProgramPrints prints;
   const app::Makers makers = app::makers_of(plan, prints);
   app::RunsMadeHere().note(app::made_by(plan, makers));

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "app/data_file.h"
 #include "app/sweep/plan/plan.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -161,7 +162,7 @@ void submit_to_slurm(const Job& job, bool only_write) {
 void submit(const SweepSubmitOptions& options) {
   if (options.slurm == options.snakemake) throw UsageError("submit: give --slurm or --snakemake");
   refuse_same_file(options.out, {options.plan});
-  const auto plan = app::SweepPlan::from_file(options.plan);
+  const auto plan = app::SweepPlan::from_file(app::given_or_ours(options.plan));
   if (static_cast<uint64_t>(options.shards) > plan.runs())
     throw InputError(fmt::format("--shards {}: the plan has {} runs", options.shards, plan.runs()));
   const fs::path out = fs::absolute(options.out);
