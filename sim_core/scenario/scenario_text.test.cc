@@ -15,12 +15,12 @@
 namespace seam {
 namespace {
 
-const std::string kSource = SEAM_SOURCE_DIR;
+const std::string kRoot = SEAM_SOURCE_DIR;
 
 // One of each: a robot of legs, an arm, all kinds of objects, models with names and numbers.
 std::string full_scenario() {
   const std::string ers210 =
-      "    body: '" + kSource + "/models/robot_ers210.yaml'\n    camera: {model: '" + kSource +
+      "    body: '" + kRoot + "/models/robot_ers210.yaml'\n    camera: {model: '" + kRoot +
       "/models/ers210_full.yaml', clock: {drift_ppm: 3.5, jitter_sigma_s: 0.001}}\n";
   return "format: seam-scenario/1\nname: full\nduration_s: 1.5\nlighting: {lambert: true, "
          "direction: [0.3, -0.2, 0.9], ambient: 0.3, diffuse: 0.7}\nrobots:\n"
@@ -106,7 +106,7 @@ std::string disturbed(const std::string& text, RandomStream random) {
 }
 
 TEST(ScenarioText, WrittenAndReadItIsTheSameWhateverItsFieldsHold) {
-  const std::string whole = Scenario::from_text(full_scenario(), kSource + "/full.yaml").to_yaml();
+  const std::string whole = Scenario::from_text(full_scenario(), kRoot + "/full.yaml").to_yaml();
   size_t others = 0;
   for (uint64_t trial = 0; trial < 8; ++trial) {
     const std::string given = disturbed(whole, RandomStream(trial).child("scenario"));
@@ -137,7 +137,7 @@ TEST(ScenarioText, KeepsTextsAndWholeNumbersOfAnySort) {
         std::string("lines\nand\ttabs\r\n"), std::string("\xc3\xa4\xe2\x82\xac"), std::string("-"),
         std::string(""), std::string("null"), std::string("\x01\x7f"), std::string("<<"),
         std::string("00012"), std::string("1_000")}) {
-    Scenario scenario = Scenario::from_text(full_scenario(), kSource + "/full.yaml");
+    Scenario scenario = Scenario::from_text(full_scenario(), kRoot + "/full.yaml");
     scenario.name = scenario.description = text;
     scenario.robots[0].behaviour.command = {"head_swing", text, text};
     scenario.robots[1].token = text;
@@ -157,7 +157,7 @@ TEST(ScenarioText, KeepsTextsAndWholeNumbersOfAnySort) {
 }
 
 TEST(ScenarioText, TheWorldsLightHasLengthOneWhateverTheScenarioSays) {
-  const Scenario scenario = Scenario::from_text(full_scenario(), kSource + "/full.yaml");
+  const Scenario scenario = Scenario::from_text(full_scenario(), kRoot + "/full.yaml");
   const Scenario again = Scenario::from_text(scenario.to_yaml(), "again");
   EXPECT_EQ(scenario.lighting.direction_W, Vec3(0.3, -0.2, 0.9));
   EXPECT_EQ(again.lighting.direction_W, scenario.lighting.direction_W);
