@@ -91,25 +91,27 @@ TEST(JointSteps, AWanderIsNoLikelierThanTheStepsThatMadeIt) {
 }
 
 // Logs of a joint that follows its command with a lag, rounded to steps, in digits of many files.
-constexpr double kDegrees = 180 / std::numbers::pi, kNoise_rad = 4e-4, kLag_s = 0.06;
+constexpr double kDegreesOfRadian = 180 / std::numbers::pi, kLoggedNoise_rad = 4e-4,
+                 kTrueLag_s = 0.06;
 
-double rounded(double value, double to) {
+double rounded_to(double value, double to) {
   return std::round(value / to) * to;
 }
 
 // How an angle stands in a file, in radians with 9 decimals after it was converted.
-using Written = std::function<double(double)>;
+using WrittenAngle = std::function<double(double)>;
 double degrees_4(double x) {
-  return rounded(x * kDegrees, 1e-4) / kDegrees;
+  return rounded_to(x * kDegreesOfRadian, 1e-4) / kDegreesOfRadian;
 }
 double radians_4(double x) {
-  return rounded(x, 1e-4);
+  return rounded_to(x, 1e-4);
 }
 double radians(double x) {
   return x;
 }
 
-std::filesystem::path log_in(const std::string& name, double step_rad, const Written& written) {
+std::filesystem::path log_of_lag(const std::string& name, double step_rad,
+                                 const WrittenAngle& written) {
   const auto folder = std::filesystem::path(testing::TempDir()) / ("steps-" + name);
   std::filesystem::create_directories(folder);
   std::string rows = "run,time_s,joint,command_rad,measured_rad\n";
@@ -119,10 +121,10 @@ std::filesystem::path log_in(const std::string& name, double step_rad, const Wri
     for (int k = 0; k < 150; ++k) {
       const double command = 0.9 * std::sin(0.9 * run + 0.07 * k);  // Never at rest.
       if (k == 0) angle = command;
-      const double seen = angle + kNoise_rad * normal({7, 2}, draw++);
+      const double seen = angle + kLoggedNoise_rad * normal({7, 2}, draw++);
       rows += fmt::format("{},{:.2f},pan,{:.6f},{:.9f}\n", run, 0.02 * k, command,
-                          written(step_rad > 0 ? rounded(seen, step_rad) : seen));
-      angle += (command - angle) * (1 - std::exp(-0.02 / kLag_s));
+                          written(step_rad > 0 ? rounded_to(seen, step_rad) : seen));
+      angle += (command - angle) * (1 - std::exp(-0.02 / kTrueLag_s));
     }
   }
   write_file_atomically(folder / "joints.csv", rows);
@@ -130,37 +132,37 @@ std::filesystem::path log_in(const std::string& name, double step_rad, const Wri
                         fmt::format("format: seam-measurement/1\nkind: joints\ntitle: steps\n"
                                     "noise: {{measured_rad: {}}}\ngroup: run\n"
                                     "files: {{joints: joints.csv}}\n",
-                                    kNoise_rad));
+                                    kLoggedNoise_rad));
   return folder;
 }
 
-Model lag() {
+Model lag_model() {
   return model_of("  servo_lag: {tau_s: {value: 0.05, free: true}}\n");
 }
 
 TEST(JointSteps, AreFoundInAnyDigits) {
   constexpr double kTick = 2 * std::numbers::pi / 1024;
   for (const auto& [name, step, written] :
-       std::initializer_list<std::tuple<std::string, double, Written>>{
+       std::initializer_list<std::tuple<std::string, double, WrittenAngle>>{
            {"degrees", kTick, degrees_4},
            {"few-decimals", kTick, radians_4},
            {"ticks", kTick, radians},
            {"odd", 0.0037, degrees_4}}) {
-    const auto problem = open_problem(log_in(name, step, written));
+    const auto problem = open_problem(log_of_lag(name, step, written));
     const auto effect = effects::find_effect("encoder_quantisation");
     ASSERT_EQ(effects::reason_against(*effect, 0, problem->facts().set), "") << name;
-    const AddResult added = add_effects(*problem, lag(), {effect});
+    const AddResult added = add_effects(*problem, lag_model(), {effect});
     EXPECT_GT(added.error_before, 1.5) << name;
     EXPECT_NEAR(added.error_after, 1, 0.12) << name;
     EXPECT_NEAR(added.model.find("encoder_quantisation")->values()[0], step, 0.02 * step) << name;
-    EXPECT_NEAR(added.model.find("servo_lag")->values()[0], kLag_s, 2e-3) << name;
+    EXPECT_NEAR(added.model.find("servo_lag")->values()[0], kTrueLag_s, 2e-3) << name;
   }
 }
 
 TEST(JointSteps, NoneAreSeenWhereThereAreNone) {
-  for (const auto& [name, written] : std::initializer_list<std::pair<std::string, Written>>{
+  for (const auto& [name, written] : std::initializer_list<std::pair<std::string, WrittenAngle>>{
            {"none-degrees", degrees_4}, {"none", radians}}) {
-    const auto problem = open_problem(log_in(name, 0, written));
+    const auto problem = open_problem(log_of_lag(name, 0, written));
     EXPECT_THAT(effects::reason_against(*effects::find_effect("encoder_quantisation"), 0,
                                         problem->facts().set),
                 testing::HasSubstr("multiples of no step"))
