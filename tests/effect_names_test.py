@@ -19,8 +19,10 @@ STREAM_FOLDER = "effects/stages/"
 MEANT_OTHERWISE = {
     ("render/renderer.cc", "vignetting"): "the picture of the gain field, in `seam frame --stages`",
     ("app/import/kinds/flats.cc", "exposure"): "a column's name in other people's tables",
+    ("app/import/cameras/foreign_cameras.cc", "pinhole"): "basalt's own word for a camera model",
     ("app/import/kinds/kalibr.cc", "pinhole"): "Kalibr's own word for a camera model",
     ("app/import/kinds/opencv.cc", "fisheye"): "OpenCV's and ROS's own word for a lens",
+    ("app/exchange/lens.cc", "fisheye"): "a form of lens, in the words of other programs",
     ("app/import/pictures/camera_info.cc", "fisheye"): "ROS's own word for a lens",
 }
 

@@ -87,6 +87,21 @@ effects:
     assert root.find(".//dynamics").attrib == {"damping": "10", "friction": "5"}
     limit = root.find(".//limit")
     assert (float(limit.get("effort")), float(limit.get("velocity"))) == (180, 22.5), limit.attrib
+    # What the stiffness is to be multiplied by; a set whose controller had one gain gets that one.
+    data = folder / "log"
+    data.mkdir()
+    (data / "measurement.yaml").write_text("format: seam-measurement/1\nkind: joints\ngroup: run\nfiles: {runs: runs.csv}\n")
+    rows = ["run,time_s,joint,command_rad,measured_rad,kp"]
+    for kp in (6, 12):
+        rows += [f"{kp},{0.01 * i:.2f},arm,{0.1 * i:.3f},{0.09 * i:.3f},{kp}" for i in range(20)]
+    (data / "runs.csv").write_text("\n".join(rows) + "\n")
+    for more, words in [([], "multiply kp by the gain"), (["--data", str(data)], "6, 12")]:
+        root, said = export_servo("mjcf", *more)
+        assert words in said and words in (folder / "arm.mjcf").read_text(), said
+        assert root.find(".//position").get("kp") == "100"
+    (data / "runs.csv").write_text("\n".join(rows[:21]) + "\n")
+    root, said = export_servo("mjcf", "--data", str(data))
+    assert root.find(".//position").get("kp") == "600" and "controller gain of the set, 6" in said, said
     model.write_text(text + "  servo_latency: {latency_s: 0.02}\n")
     _, said = export_servo("mjcf", code=1)
     assert "'servo_latency'" in said
@@ -154,7 +169,12 @@ def main():
         effects = json.loads(out.read_text())["effects"]
         assert effects["rolling_shutter"]["line_delay_s"] == {"value": 0.0002, "sigma": 1e-6}
 
-        opencv, _ = export(folder, "opencv", "opencv.yaml", "--drop", "all", *SIZE)
+        _, said = export(folder, "mrcal", "x", "--form", "fisheye", "--drop", "all", *SIZE, code=2)
+        assert "ordinary, rational" in said, said
+        fisheye, said = export(folder, "opencv", "fisheye.yaml", "--form", "fisheye", "--drop", "all", *SIZE)
+        assert "lens: fisheye" in said and "# Lens: fisheye" in fisheye.read_text(), said
+        opencv, said = export(folder, "opencv", "opencv.yaml", "--drop", "all", *SIZE)
+        assert "lens: ordinary (k1, k2, p1, p2, k3)" in said and "# Lens: ordinary" in opencv.read_text(), said
         mrcal_file, _ = export(folder, "mrcal", "mrcal.cameramodel", "--drop", "all", *SIZE)
         try:
             import cv2

@@ -32,6 +32,17 @@ std::vector<double> at_least(std::vector<double> coefficients, size_t count) {
   return coefficients;
 }
 
+// The same numbers are another lens in another form: each file says which form it holds.
+std::string form_comment(const Lens& lens) {
+  return fmt::format("# Lens: {}\n", words_of(lens.family));
+}
+
+// By the names of ROS, which readers of OpenCV's files know, too.
+const char* distortion_model(const Lens& lens) {
+  if (lens.family == LensFamily::equidistant) return "equidistant";
+  return form_of(lens.family) == LensForm::rational ? "rational_polynomial" : "plumb_bob";
+}
+
 }  // namespace
 
 std::string opencv_text(const PlainCamera& camera) {
@@ -41,30 +52,29 @@ std::string opencv_text(const PlainCamera& camera) {
     return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: {}\n",
                        name, rows, columns, list_of(numbers));
   };
-  return fmt::format("%YAML:1.0\n---\ncamera_name: {}\nimage_width: {}\nimage_height: {}\n",
-                     quoted(camera.name), camera.width_px, camera.height_px) +
-         fmt::format("fisheye_model: {}\n", fisheye ? 1 : 0) +
+  return fmt::format("%YAML:1.0\n---\n{}camera_name: {}\nimage_width: {}\nimage_height: {}\n",
+                     form_comment(camera.lens), quoted(camera.name), camera.width_px,
+                     camera.height_px) +
+         fmt::format("fisheye_model: {}\ndistortion_model: {}\n", fisheye ? 1 : 0,
+                     distortion_model(camera.lens)) +
          matrix("camera_matrix", 3, 3, matrix_of(camera.lens)) +
          matrix("distortion_coefficients", static_cast<int>(fisheye ? k.size() : 1),
                 fisheye ? 1 : k.size(), k);
 }
 
 std::string ros_text(const PlainCamera& camera) {
-  const LensFamily family = camera.lens.family;
-  const bool fisheye = family == LensFamily::equidistant;
-  const char* model = fisheye                          ? "equidistant"
-                      : family == LensFamily::rational ? "rational_polynomial"
-                                                       : "plumb_bob";
+  const bool fisheye = camera.lens.family == LensFamily::equidistant;
   const std::vector<double> k = at_least(camera.lens.coefficients, fisheye ? 4 : 5);
   const auto matrix = [](const char* name, int rows, size_t columns, const auto& numbers) {
     return fmt::format("{}:\n  rows: {}\n  cols: {}\n  data: {}\n", name, rows, columns,
                        list_of(numbers));
   };
   const Lens& l = camera.lens;
-  return fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n", camera.width_px,
+  return form_comment(l) +
+         fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n", camera.width_px,
                      camera.height_px, quoted(camera.name)) +
          matrix("camera_matrix", 3, 3, matrix_of(l)) +
-         fmt::format("distortion_model: {}\n", model) +
+         fmt::format("distortion_model: {}\n", distortion_model(l)) +
          matrix("distortion_coefficients", 1, k.size(), k) +
          matrix("rectification_matrix", 3, 3, std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1}) +
          matrix("projection_matrix", 3, 4,
@@ -78,23 +88,26 @@ std::string mrcal_text(const PlainCamera& camera) {
   numbers.insert(numbers.end(), lens.coefficients.begin(), lens.coefficients.end());
   const std::string model =
       count == 0 ? "LENSMODEL_PINHOLE" : fmt::format("LENSMODEL_OPENCV{}", count);
-  return fmt::format(
-      "{{\n    'lensmodel':  '{}',\n\n    # fx, fy, cx, cy, then OpenCV's coefficients\n"
-      "    'intrinsics': {},\n\n    # the camera's own frame is the reference\n"
-      "    'extrinsics': [0, 0, 0, 0, 0, 0],\n\n    'imagersize': [{}, {}]\n}}\n",
-      model, list_of(numbers), camera.width_px, camera.height_px);
+  return form_comment(lens) +
+         fmt::format(
+             "{{\n    'lensmodel':  '{}',\n\n    # fx, fy, cx, cy, then OpenCV's coefficients\n"
+             "    'intrinsics': {},\n\n    # the camera's own frame is the reference\n"
+             "    'extrinsics': [0, 0, 0, 0, 0, 0],\n\n    'imagersize': [{}, {}]\n}}\n",
+             model, list_of(numbers), camera.width_px, camera.height_px);
 }
 
 std::string kalibr_text(const PlainCamera& camera) {
   const Lens& lens = camera.lens;
   const bool fisheye = lens.family == LensFamily::equidistant;
-  return fmt::format(
-      "cam0:\n  camera_model: pinhole\n  intrinsics: {}\n  distortion_model: {}\n"
-      "  distortion_coeffs: {}\n  resolution: [{}, {}]\n  line_delay: {}\n"
-      "  timeshift_cam_imu: {}\n  rostopic: {}\n",
-      list_of({lens.fx_px, lens.fy_px, lens.cx_px, lens.cy_px}), fisheye ? "equidistant" : "radtan",
-      list_of(at_least(lens.coefficients, 4)), camera.width_px, camera.height_px,
-      camera.line_delay_s, camera.time_shift_s, quoted("/" + camera.name));
+  return form_comment(lens) +
+         fmt::format(
+             "cam0:\n  camera_model: pinhole\n  intrinsics: {}\n  distortion_model: {}\n"
+             "  distortion_coeffs: {}\n  resolution: [{}, {}]\n  line_delay: {}\n"
+             "  timeshift_cam_imu: {}\n  rostopic: {}\n",
+             list_of({lens.fx_px, lens.fy_px, lens.cx_px, lens.cy_px}),
+             fisheye ? "equidistant" : "radtan", list_of(at_least(lens.coefficients, 4)),
+             camera.width_px, camera.height_px, camera.line_delay_s, camera.time_shift_s,
+             quoted("/" + camera.name));
 }
 
 }  // namespace seam::app

@@ -1,5 +1,7 @@
 #include "app/exchange/exchange.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -44,6 +46,16 @@ bool is_plain_lens(const Projection& projection) {
   return true;
 }
 
+// Whether the effect is a property of the camera. What acts on the target, the robot's joints, the
+// lamps or the detector is none, nor is where the camera stands: a camera's file loses nothing
+// without it.
+bool is_of_camera(const effects::EffectDefinition& effect) {
+  if (effect.base != effects::Base::none) return true;
+  return !effects::of_points_alone(effect) &&
+         (effect.geometry || effect.image_map || effect.timing || effect.optics || effect.gain ||
+          effect.sensor);
+}
+
 class Exporter {
  public:
   Exporter(const Model& model, const ExchangeFormat& format, const ExportOptions& options)
@@ -54,6 +66,8 @@ class Exporter {
  private:
   void find_size();
   bool holds(const ModelEffect& effect) const;
+  LensFit find_lens(const Model& kept);
+  void split(Model& kept, std::vector<const ModelEffect*>& lost);
   bool asked_to_drop(const std::string& name) const;
   void check_drops() const;
   std::string cost_of(const ModelEffect& effect) const;
@@ -130,9 +144,8 @@ std::string Exporter::cost_of(const ModelEffect& effect) const {
     return fmt::format("up to {:.3g} px while the camera turns by 1 rad/s",
                        late_s * camera_.lens.fx_px);
   }
-  if (!definition.geometry && !definition.image_map && !definition.mount)
-    return "0 px: it moves no image point";
-  if (definition.mount) return "0 px in the camera's own frame: it moves the camera";
+  if (!definition.geometry && !definition.image_map)
+    return "no image point moves: brightness and noise are no longer told";
   Model without = model_;
   without.remove(definition.name);
   const Projection with = projection_of(model_), rest = projection_of(without);
@@ -150,20 +163,14 @@ std::string Exporter::cost_of(const ModelEffect& effect) const {
   return fmt::format("up to {:.3g} px over the image", most);
 }
 
-Exported Exporter::run() {
-  if (!effects::has_base(model_, effects::Base::projection))
-    throw InputError(fmt::format("{} holds a camera, expected a model with '{}'", format_.name,
-                                 effects::base_name(effects::Base::projection)));
-  check_drops();
-  find_size();
-  Model kept = model_;
-  std::vector<const ModelEffect*> lost;
-  std::vector<std::string> of_points;
+// What the format holds, and what it loses. What is no property of the camera is neither.
+void Exporter::split(Model& kept, std::vector<const ModelEffect*>& lost) {
+  std::vector<std::string> foreign;
   for (const ModelEffect& effect : model_.effects()) {
     const std::string& name = effect.definition->name;
-    if (effects::of_points_alone(*effect.definition)) {
+    if (!is_of_camera(*effect.definition)) {
+      foreign.push_back(name);
       kept.remove(name);
-      of_points.push_back(name);
       continue;
     }
     if (holds(effect) && !asked_to_drop(name)) continue;
@@ -175,22 +182,50 @@ Exported Exporter::run() {
     lost.push_back(&effect);
     kept.remove(name);
   }
-  if (!of_points.empty())
-    out_.notes.push_back(fmt::format(
-        "left out, since it is of measured points (a target, a detector of corners) and "
-        "moves no image: {}",
-        fmt::join(of_points, ", ")));
-  const LensFit fit = best_lens(projection_of(kept), format_.lenses);
+  if (!foreign.empty())
+    out_.notes.push_back(fmt::format("not in the file, since it is no property of the camera: {}",
+                                     fmt::join(foreign, ", ")));
+}
+
+LensFit Exporter::find_lens(const Model& kept) {
+  std::vector<LensFamily> families;
+  std::vector<std::string> forms;
+  for (const LensFamily family : format_.lenses) {
+    const std::string form = name_of(form_of(family));
+    if (std::find(forms.begin(), forms.end(), form) == forms.end()) forms.push_back(form);
+    if (options_.form.empty() || options_.form == form) families.push_back(family);
+  }
+  if (families.empty())
+    throw UsageError(fmt::format("--form {}: {} has no such form of a lens{}, expected {}",
+                                 options_.form, format_.name, suggestion_for(options_.form, forms),
+                                 fmt::join(forms, ", ")));
+  LensFit fit = best_lens(projection_of(kept), families);
   if (!std::isfinite(fit.rms_px))
-    throw InputError(fmt::format("{} has no lens that sees as wide as this model's", format_.name));
+    throw InputError(fmt::format(
+        "{} has no {}lens that sees as wide as this model's: the image holds rays at right angles "
+        "to the axis, expected --form fisheye or a format that has one",
+        format_.name, options_.form.empty() ? "" : options_.form + " "));
   if (!fit.exact())
     out_.notes.push_back(
         fmt::format("{} has no lens of this form: its nearest misses by {:.3g} px "
                     "(root mean square), {:.3g} px at most over the image",
                     format_.name, fit.rms_px, fit.most_px));
+  return fit;
+}
+
+Exported Exporter::run() {
+  if (!effects::has_base(model_, effects::Base::projection))
+    throw InputError(fmt::format("{} holds a camera, expected a model with '{}'", format_.name,
+                                 effects::base_name(effects::Base::projection)));
+  check_drops();
+  find_size();
+  Model kept = model_;
+  std::vector<const ModelEffect*> lost;
+  split(kept, lost);
+  camera_.lens = find_lens(kept).lens;
+  out_.form = words_of(camera_.lens.family);
   const effects::Timing timing = effects::timing_of(kept);
   camera_.name = model_.name().empty() ? "camera" : model_.name();
-  camera_.lens = fit.lens;
   camera_.line_delay_s = timing.line_delay_s;
   camera_.time_shift_s = timing.row_middle_after_stamp_s(0, 0);
   for (const ModelEffect* effect : lost)
@@ -237,7 +272,11 @@ const std::vector<ExchangeFormat>& exchange_formats() {
 
 Exported export_model(const Model& model, const ExchangeFormat& format,
                       const ExportOptions& options) {
-  if (format.text_of_all != nullptr) return {.text = format.text_of_all(model), .notes = {}};
+  if (!options.form.empty() && format.text == nullptr)
+    throw UsageError(
+        fmt::format("--form {}: {} holds no form of a lens to choose", options.form, format.name));
+  if (format.text_of_all != nullptr)
+    return {.text = format.text_of_all(model), .form = "", .notes = {}};
   if (format.text_of_servo != nullptr) return export_servo(model, format, options);
   return Exporter(model, format, options).run();
 }

@@ -3,6 +3,8 @@
 // name, or dropped where the user says so, and then what that costs is told.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,7 @@
 #include "effects/model.h"
 #include "effects/stages/servo.h"
 #include "effects/stages/timing.h"
+#include "sim_core/base/pose.h"
 
 namespace seam::app {
 
@@ -22,6 +25,16 @@ struct PlainCamera {
   // What is added to a frame's stamp for the middle of its first row's exposure, by the clock of
   // the joints' log.
   double time_shift_s = 0;
+  // Where it stands in the first camera's frame, of a rig; none: not known.
+  std::optional<Pose> X_FC = std::nullopt;
+  // Standard errors of fx, fy, cx and cy; none: the file states none.
+  std::optional<std::array<double, 4>> sigma_px = std::nullopt;
+};
+
+// The controller's gains (column kp) of the servo's log, each once.
+struct ServoGains {
+  bool known = false;          // A log was named; without a column kp its gain counts as 1.
+  std::vector<double> values;  // Ascending.
 };
 
 struct ExchangeFormat {
@@ -34,8 +47,8 @@ struct ExchangeFormat {
   // Of a format that holds whatever a model says; then it has no `text`.
   std::string (*text_of_all)(const effects::Model& model) = nullptr;
   // Of a format that holds a servo in the place of a camera.
-  std::string (*text_of_servo)(const effects::Model& model,
-                               const effects::ServoModel& servo) = nullptr;
+  std::string (*text_of_servo)(const effects::Model& model, const effects::ServoModel& servo,
+                               const ServoGains& gains) = nullptr;
   bool (*holds_servo)(const effects::ServoModel& servo) = nullptr;
   bool holds_gain = false;
 };
@@ -45,10 +58,13 @@ const std::vector<ExchangeFormat>& exchange_formats();
 struct ExportOptions {
   int width_px = 0, height_px = 0;  // Of the image; 0: twice the principal point.
   std::vector<std::string> drop;    // Names of effects, or "all".
+  std::string form;                 // Of the lens, by name_of; empty: whichever fits.
+  ServoGains gains;
 };
 
 struct Exported {
   std::string text;
+  std::string form;                // Of the lens, in words; empty: no lens.
   std::vector<std::string> notes;  // Sentences: what was assumed, approximated, dropped at a cost.
 };
 

@@ -109,5 +109,85 @@ TEST(Export, TakesTheSizeFromThePrincipalPointAndSaysSo) {
   EXPECT_THAT(exported.notes[0], testing::HasSubstr("178 x 144 px"));
 }
 
+// 31 degrees to either side, with a radial effect that no format has: a fisheye misses by less, but
+// most programs would read its four numbers as k1, k2, p1, p2.
+TEST(Export, TakesTheOrdinaryFormOfAnOrdinaryLens) {
+  const effects::Model model = model_of(
+      "pinhole: {fx_px: 600, fy_px: 601, cx_px: 321, cy_px: 237}, radial_distortion: {kappa: "
+      "-0.2}");
+  const ExportOptions size{.width_px = 640, .height_px = 480};
+  for (const char* name : {"opencv", "ros", "kalibr"}) {
+    const Exported exported = export_model(model, format(name), size);
+    EXPECT_THAT(exported.form, testing::StartsWith("ordinary (k1, k2, p1, p2")) << name;
+    EXPECT_THAT(exported.text, testing::HasSubstr("# Lens: ordinary (k1, k2, p1, p2")) << name;
+    ExportOptions chosen = size;
+    chosen.form = "fisheye";
+    const Exported fisheye = export_model(model, format(name), chosen);
+    EXPECT_THAT(fisheye.form, testing::StartsWith("fisheye"));
+    EXPECT_THAT(fisheye.text, testing::HasSubstr("equidistant"));
+  }
+  // Read the usual way it is the model's lens: 0.3 px is far below what another form gives, 46 px.
+  const LensFit fit = best_lens(effects::Projection(model, 640, 480),
+                                {LensFamily::radtan, LensFamily::equidistant});
+  EXPECT_EQ(fit.lens.family, LensFamily::radtan);
+  EXPECT_LT(fit.most_px, 0.3);
+}
+
+TEST(Export, TakesTheFisheyeOfAFisheye) {
+  const effects::Model model =
+      model_of(kPinhole + ", fisheye: {k1: 0.02, k2: -0.003, k3: 0.001, k4: 0}");
+  const Exported exported =
+      export_model(model, format("opencv"), {.width_px = 178, .height_px = 144});
+  EXPECT_THAT(exported.form, testing::StartsWith("fisheye"));
+}
+
+TEST(Export, AFormMustBeOneOfTheFormat) {
+  const ExportOptions wrong{.width_px = 178, .height_px = 144, .form = "fisheye"};
+  EXPECT_THROW(export_model(model_of(kPinhole), format("mrcal"), wrong), UsageError);
+  EXPECT_THROW(export_model(model_of(kPinhole), format("json"), wrong), UsageError);
+  const ExportOptions rational{.width_px = 178, .height_px = 144, .form = "rational"};
+  EXPECT_THAT(export_model(model_of(kPinhole), format("mrcal"), rational).form,
+              testing::StartsWith("rational"));
+}
+
+TEST(Export, WhatIsNoPropertyOfTheCameraIsNoLoss) {
+  const ExportOptions size{.width_px = 178, .height_px = 144};
+  const std::string plain = export_model(model_of(kPinhole), format("opencv"), size).text;
+  for (const std::string effect :
+       {"board_warp: {x_m: 0.0003, y_m: -0.0001}", "target_scatter: {sigma_m: 0.001}",
+        "board_scale: {x_scale: 0.001}", "point_scatter: {fraction: 0.03, sigma_px: 1.5}"}) {
+    const Exported exported =
+        export_model(model_of(kPinhole + ", " + effect), format("opencv"), size);
+    EXPECT_EQ(exported.text, plain) << effect;
+    ASSERT_EQ(exported.notes.size(), 1u);
+    EXPECT_THAT(exported.notes[0], testing::HasSubstr(effect.substr(0, effect.find(':'))));
+    EXPECT_THAT(exported.notes[0], testing::HasSubstr("no property of the camera"));
+  }
+}
+
+TEST(Export, SaysWhatKpIsToBeMultipliedBy) {
+  const effects::Model model = model_of(
+      "motor_servo: {stall_rad_per_s2: 200, back_emf_per_s: 8, gain: 0.5, damping_s: 0.01, "
+      "max_duty: 0.9}");
+  const auto exported = [&](const ServoGains& gains) {
+    return export_model(model, format("mjcf"), {.gains = gains});
+  };
+  const auto both = [](const Exported& what, const std::string& words) {
+    EXPECT_THAT(what.text, testing::HasSubstr(words));
+    EXPECT_THAT(what.notes, testing::Contains(testing::HasSubstr(words)));
+  };
+  // 200 rad/s^2 x 0.5 for each rad and unit of gain.
+  both(exported({}), "multiply kp by the gain");
+  EXPECT_THAT(exported({}).text, testing::HasSubstr("kp=\"100\" kv=\"2\""));
+  const Exported two = exported({.known = true, .values = {6, 12}});
+  both(two, "multiply kp by the gain");
+  both(two, "6, 12");
+  EXPECT_THAT(two.text, testing::HasSubstr("kp=\"100\""));
+  const Exported one = exported({.known = true, .values = {6}});
+  both(one, "controller gain of the set, 6");
+  EXPECT_THAT(one.text, testing::HasSubstr("kp=\"600\" kv=\"2\""));
+  both(exported({.known = true}), "no column kp");
+}
+
 }  // namespace
 }  // namespace seam::app

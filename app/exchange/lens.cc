@@ -11,11 +11,6 @@
 namespace seam::app {
 namespace {
 
-struct Sight {
-  Vec3 p_C;
-  double u = 0, v = 0;
-};
-
 // Rays through a grid of pixels, borders included. Where the lens maps no ray to a pixel there is
 // none.
 std::vector<Sight> sights_of(const effects::Projection& projection) {
@@ -111,6 +106,38 @@ size_t coefficient_count(LensFamily family) {
   return 0;
 }
 
+LensForm form_of(LensFamily family) {
+  if (family == LensFamily::equidistant) return LensForm::fisheye;
+  const bool rational = family == LensFamily::rational || family == LensFamily::thin_prism;
+  return rational ? LensForm::rational : LensForm::ordinary;
+}
+
+std::string name_of(LensForm form) {
+  if (form == LensForm::ordinary) return "ordinary";
+  return form == LensForm::rational ? "rational" : "fisheye";
+}
+
+std::string words_of(LensFamily family) {
+  const auto with = [&](const char* coefficients) {
+    return fmt::format("{} ({})", name_of(form_of(family)), coefficients);
+  };
+  switch (family) {
+    case LensFamily::pinhole:
+      return with("perspective without distortion");
+    case LensFamily::radtan:
+      return with("k1, k2, p1, p2");
+    case LensFamily::plumb_bob:
+      return with("k1, k2, p1, p2, k3");
+    case LensFamily::rational:
+      return with("k1, k2, p1, p2, k3, k4, k5, k6");
+    case LensFamily::thin_prism:
+      return with("k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4");
+    case LensFamily::equidistant:
+      return with("k1, k2, k3, k4 of the angle from the axis, not k1, k2, p1, p2");
+  }
+  return "";
+}
+
 std::array<double, 2> Lens::project(const Vec3& p_C) const {
   if (family == LensFamily::equidistant) return fisheye_point(*this, p_C);
   const auto c = [&](size_t i) { return i < coefficients.size() ? coefficients[i] : 0; };
@@ -125,7 +152,11 @@ std::array<double, 2> Lens::project(const Vec3& p_C) const {
 }
 
 LensFit fit_lens(const effects::Projection& projection, LensFamily family) {
-  const std::vector<Sight> sights = sights_of(projection);
+  return fit_lens(sights_of(projection), family, projection.width_px(), projection.height_px());
+}
+
+LensFit fit_lens(const std::vector<Sight>& sights, LensFamily family, double width_px,
+                 double height_px) {
   // A perspective lens sees nothing at right angles to its axis or behind it.
   const bool wide = std::any_of(sights.begin(), sights.end(), [](const Sight& sight) {
     return sight.p_C.z < 0.02 * glm::length(sight.p_C);
@@ -133,12 +164,11 @@ LensFit fit_lens(const effects::Projection& projection, LensFamily family) {
   if (wide && family != LensFamily::equidistant)
     return {.lens = {.family = family}, .rms_px = HUGE_VAL, .most_px = HUGE_VAL};
   // From the ideal lens, whose focal lengths and centre come out of a few of the same rays.
-  const double width = projection.width_px(), height = projection.height_px();
   Lens lens{.family = family,
-            .fx_px = width,
-            .fy_px = width,
-            .cx_px = 0.5 * (width - 1),
-            .cy_px = 0.5 * (height - 1),
+            .fx_px = width_px,
+            .fy_px = width_px,
+            .cx_px = 0.5 * (width_px - 1),
+            .cy_px = 0.5 * (height_px - 1),
             .coefficients = std::vector<double>(coefficient_count(family), 0)};
   Eigen::VectorXd numbers = numbers_of(lens);
   Eigen::VectorXd miss = misses(lens, sights);
@@ -163,13 +193,29 @@ LensFit fit_lens(const effects::Projection& projection, LensFamily family) {
 }
 
 LensFit best_lens(const effects::Projection& projection, const std::vector<LensFamily>& families) {
-  std::optional<LensFit> best;
+  return best_lens(sights_of(projection), families, projection.width_px(), projection.height_px());
+}
+
+LensFit best_lens(const std::vector<Sight>& sights, const std::vector<LensFamily>& families,
+                  double width_px, double height_px) {
+  constexpr double kUnseen_px = 0.01;  // Corner detectors scatter by 0.05 px at best.
+  constexpr double kVisible_px = 0.5;  // What calibrations leave at the corners.
+  std::optional<LensFit> unseen, nearest, fisheye;
   for (const LensFamily family : families) {
-    LensFit fit = fit_lens(projection, family);
+    LensFit fit = fit_lens(sights, family, width_px, height_px);
     if (fit.exact()) return fit;
-    if (!best || fit.rms_px < best->rms_px) best = std::move(fit);
+    if (form_of(family) == LensForm::fisheye) {
+      fisheye = std::move(fit);
+      continue;
+    }
+    if (!unseen && fit.most_px < kUnseen_px) unseen = fit;
+    if (!nearest || fit.rms_px < nearest->rms_px) nearest = std::move(fit);
   }
-  return *best;
+  if (unseen) return *unseen;
+  if (!nearest) return *fisheye;
+  const bool needs_fisheye =
+      fisheye && nearest->most_px > kVisible_px && fisheye->most_px < 0.5 * nearest->most_px;
+  return needs_fisheye ? *fisheye : *nearest;
 }
 
 }  // namespace seam::app

@@ -25,6 +25,14 @@ enum class LensFamily {
 
 size_t coefficient_count(LensFamily family);
 
+// How other programs read a list of coefficients: a file's reader must know which.
+enum class LensForm { ordinary, rational, fisheye };
+
+LensForm form_of(LensFamily family);
+std::string name_of(LensForm form);
+// The form and its coefficients in the order of the file, for people.
+std::string words_of(LensFamily family);
+
 struct Lens {
   LensFamily family = LensFamily::pinhole;
   double fx_px = 0, fy_px = 0, cx_px = 0, cy_px = 0;
@@ -40,11 +48,25 @@ struct LensFit {
   bool exact() const { return most_px < 1e-6; }
 };
 
+// A direction in the camera's frame and its pixel.
+struct Sight {
+  Vec3 p_C;
+  double u = 0, v = 0;
+};
+
 // The lens of the family that comes nearest to a projection: least squares over rays through a grid
 // of pixels. Throws InputError where the projection maps too few rays into its image.
 LensFit fit_lens(const effects::Projection& projection, LensFamily family);
+// The same of sights in an image of this size.
+LensFit fit_lens(const std::vector<Sight>& sights, LensFamily family, double width_px,
+                 double height_px);
 
-// The first family that holds the projection exactly, else that which misses it least.
+// The first family that holds the projection exactly. Else a perspective form: the first that
+// misses by less than any calibration can show, or the nearest. A fisheye only where every
+// perspective form misses visibly and the fisheye misses less than half as much: most programs read
+// perspective coefficients, and the numbers of a fisheye read as k1, k2, p1, p2 are another lens.
 LensFit best_lens(const effects::Projection& projection, const std::vector<LensFamily>& families);
+LensFit best_lens(const std::vector<Sight>& sights, const std::vector<LensFamily>& families,
+                  double width_px, double height_px);
 
 }  // namespace seam::app

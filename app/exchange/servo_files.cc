@@ -40,10 +40,11 @@ std::string in_attribute(const std::string& text) {
 }
 
 // The parameters with their sigmas, which neither format has room for elsewhere.
-std::string parameters_comment(const Model& model) {
+std::string parameters_comment(const Model& model, const std::string& on_gain) {
   std::string text =
       "  <!-- Torques are those of an inertia of 1 kg m^2 (joint and load): multiply "
       "them by yours.\n";
+  if (!on_gain.empty()) text += fmt::format("       {}.\n", in_comment(on_gain));
   for (const ModelEffect& effect : model.effects()) {
     for (size_t i = 0; i < effect.parameters.size(); ++i) {
       const effects::ParameterValue& value = effect.parameters[i];
@@ -54,6 +55,28 @@ std::string parameters_comment(const Model& model) {
     }
   }
   return text + "  -->\n";
+}
+
+// The gain of the controller (column kp of the log) that the file's stiffness is for.
+double stated_gain(const ServoGains& gains) {
+  return gains.values.size() == 1 ? gains.values.front() : 1;
+}
+
+// What the stiffness must be multiplied by; the fitted `gain` is for one unit of the log's kp.
+std::string gain_words(const ServoGains& gains) {
+  if (gains.values.size() == 1)
+    return fmt::format("kp is for the controller gain of the set, {:.6g} (column kp)",
+                       gains.values.front());
+  if (gains.known && gains.values.empty())
+    return "kp is for the controller gain of the set, which has no column kp";
+  std::string values;
+  for (const double value : gains.values)
+    values += fmt::format("{}{:.6g}", values.empty() ? ": the set has " : ", ", value);
+  return fmt::format(
+      "kp is for a controller gain of 1: multiply kp by the gain that the controller runs at "
+      "(column "
+      "kp of the servo's log{}{})",
+      values, gains.known ? "" : "; --data SET reads it");
 }
 
 double drive_limit(const TorqueModel& motor) {
@@ -105,7 +128,7 @@ bool urdf_holds(const ServoModel& servo) {
   return is_simple(servo) && servo.tau_s == 0;
 }
 
-std::string mjcf_text(const Model& model, const ServoModel& servo) {
+std::string mjcf_text(const Model& model, const ServoModel& servo, const ServoGains& gains) {
   const TorqueModel& t = servo.torque;
   std::string joint, actuator;
   if (t.present) {
@@ -115,16 +138,18 @@ std::string mjcf_text(const Model& model, const ServoModel& servo) {
     actuator = fmt::format(
         " kp=\"{:.9g}\" kv=\"{:.9g}\" forcelimited=\"true\" "
         "forcerange=\"{:.9g} {:.9g}\"",
-        t.stall_rad_per_s2 * t.gain, t.stall_rad_per_s2 * t.damping_s, -limit, limit);
+        t.stall_rad_per_s2 * t.gain * stated_gain(gains), t.stall_rad_per_s2 * t.damping_s, -limit,
+        limit);
   }
   if (servo.tau_s > 0) actuator += fmt::format(" timeconst=\"{:.9g}\"", servo.tau_s);
   return fmt::format(
       "<mujoco model=\"{0}\">\n{1}  <default>\n    <default class=\"{0}\">\n      <joint{2}/>\n"
       "      <position{3}/>\n    </default>\n  </default>\n</mujoco>\n",
-      in_attribute(model.name()), parameters_comment(model), joint, actuator);
+      in_attribute(model.name()), parameters_comment(model, t.present ? gain_words(gains) : ""),
+      joint, actuator);
 }
 
-std::string urdf_text(const Model& model, const ServoModel& servo) {
+std::string urdf_text(const Model& model, const ServoModel& servo, const ServoGains&) {
   constexpr double kUnlimited = 1e9;  // Both limits must be said.
   const TorqueModel& t = servo.torque;
   double velocity = servo.rad_per_s, effort = kUnlimited;
@@ -141,7 +166,7 @@ std::string urdf_text(const Model& model, const ServoModel& servo) {
       "  <link name=\"arm\"/>\n  <joint name=\"{0}\" type=\"continuous\">\n"
       "    <parent link=\"base\"/>\n    <child link=\"arm\"/>\n    <axis xyz=\"0 0 1\"/>\n{2}"
       "    <limit effort=\"{3:.9g}\" velocity=\"{4:.9g}\"/>\n  </joint>\n</robot>\n",
-      in_attribute(model.name()), parameters_comment(model), dynamics, effort,
+      in_attribute(model.name()), parameters_comment(model, ""), dynamics, effort,
       std::min(velocity, kUnlimited));
 }
 
@@ -187,11 +212,14 @@ Exported export_servo(const Model& model, const ExchangeFormat& format,
           "which acts with the torque off, too");
     if (std::isfinite(servo.torque.limit_rad_per_s2))
       out.notes.push_back("the limit of torque stands with that of the motor");
-    if (!format.holds_gain)
-      out.notes.push_back(fmt::format("{} has no controller: the gain of {:.6g} is in the comment",
-                                      format.name, servo.torque.gain));
+    out.notes.push_back(
+        format.holds_gain
+            ? gain_words(options.gains)
+            : fmt::format("{} has no controller: the gain of {:.6g} for each unit of kp is in the "
+                          "comment",
+                          format.name, servo.torque.gain));
   }
-  out.text = format.text_of_servo(kept, servo);
+  out.text = format.text_of_servo(kept, servo, options.gains);
   return out;
 }
 

@@ -10,8 +10,10 @@
 namespace seam::app {
 
 // Elements of MuJoCo's MJCF, and of a URDF.
-std::string mjcf_text(const effects::Model& model, const effects::ServoModel& servo);
-std::string urdf_text(const effects::Model& model, const effects::ServoModel& servo);
+std::string mjcf_text(const effects::Model& model, const effects::ServoModel& servo,
+                      const ServoGains& gains);
+std::string urdf_text(const effects::Model& model, const effects::ServoModel& servo,
+                      const ServoGains& gains);
 // Whether the format has a place for all that stands in a servo.
 bool mjcf_holds(const effects::ServoModel& servo);
 bool urdf_holds(const effects::ServoModel& servo);

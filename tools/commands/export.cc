@@ -1,7 +1,9 @@
 // `seam export`: a model as a file of another program.
+#include <algorithm>
 #include <cstdio>
 
 #include "app/exchange/exchange.h"
+#include "measurement/kinds/kinds.h"
 #include "measurement/sets/set.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
@@ -12,7 +14,7 @@ namespace seam::tools {
 namespace {
 
 struct ExportFlags {
-  std::string model, to, out, size, data;
+  std::string model, to, out, size, data, form;
   std::vector<std::string> drop;
 };
 
@@ -26,8 +28,26 @@ const app::ExchangeFormat& format_named(const std::string& name) {
                                suggestion_for(name, names), fmt::join(names, ", ")));
 }
 
-app::ExportOptions options_of(const ExportFlags& flags) {
-  app::ExportOptions options{.drop = flags.drop};
+// The gains at which the controller of the set's servo ran. Rows without drive have a gain of 0.
+app::ServoGains gains_of(const measurement::MeasurementSet& set) {
+  app::ServoGains gains{.known = true};
+  const auto table = set.table(measurement::find_kind(set.kind).observations.file);
+  if (!table.has("kp")) return gains;
+  for (const double kp : table.numbers("kp")) {
+    if (kp > 0) gains.values.push_back(kp);
+  }
+  std::sort(gains.values.begin(), gains.values.end());
+  gains.values.erase(std::unique(gains.values.begin(), gains.values.end()), gains.values.end());
+  return gains;
+}
+
+app::ExportOptions options_of(const ExportFlags& flags, const app::ExchangeFormat& format) {
+  app::ExportOptions options{.drop = flags.drop, .form = flags.form};
+  if (format.text_of_servo != nullptr) {
+    if (!flags.data.empty())
+      options.gains = gains_of(measurement::MeasurementSet::open(flags.data));
+    return options;
+  }
   if (!flags.size.empty()) {
     char end = 0;
     if (std::sscanf(flags.size.c_str(), "%5dx%5d%c", &options.width_px, &options.height_px, &end) !=
@@ -67,21 +87,27 @@ void add_export(app::Command app) {
                      "An effect that the format cannot hold, to be left out at a cost that is "
                      "told; 'all': all of them; may be given several times");
   command.add_option("--size", flags->size, "Of the image, WIDTHxHEIGHT in pixels");
-  command.add_option("--data", flags->data, "A measurement set whose camera has the size");
+  command.add_option("--data", flags->data,
+                     "A measurement set: its camera has the size, its servo's log the gain");
+  command.add_option("--form", flags->form,
+                     "Of the lens: ordinary, rational or fisheye, where the format has it");
   command.footer(
       formats_help() +
       "What a format cannot hold is an error that names the effect, or with --drop a warning with\n"
-      "the error that this costs, in pixels or mrad. A lens of another form is fitted over the "
-      "image, and\n"
-      "what the fit misses is told.\n"
+      "the error that this costs, in pixels or mrad. What is no property of the camera (a bent "
+      "board)\n"
+      "is no loss. A lens of another form is fitted over the image, and what the fit misses is "
+      "told:\n"
+      "the ordinary form where it fits, else the nearest; file and output say which.\n"
       "Example: seam export models/ideal_camera.yaml --to kalibr --out camchain.yaml");
   command.callback([flags] {
     const app::ExchangeFormat& format = format_named(flags->to);
     OutputFile out(flags->out, {.inputs = {flags->model}});
     const effects::Model model = read_model(flags->model);
-    const app::Exported exported = app::export_model(model, format, options_of(*flags));
+    const app::Exported exported = app::export_model(model, format, options_of(*flags, format));
     out.fill(exported.text);
     std::printf("%s: %s\n", flags->out.c_str(), format.help.c_str());
+    if (!exported.form.empty()) std::printf("  lens: %s\n", exported.form.c_str());
     for (const std::string& note : exported.notes) std::printf("  note: %s\n", note.c_str());
   });
 }
