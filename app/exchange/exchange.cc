@@ -199,6 +199,14 @@ LensFit Exporter::find_lens(const Model& kept) {
     throw UsageError(fmt::format("--form {}: {} has no such form of a lens{}, expected {}",
                                  options_.form, format_.name, suggestion_for(options_.form, forms),
                                  fmt::join(forms, ", ")));
+  // A model whose lens is another one than a perspective lens keeps its form.
+  const bool wide =
+      std::any_of(kept.effects().begin(), kept.effects().end(), [](const ModelEffect& effect) {
+        return effect.definition->replaces_term == effects::Term::radial;
+      });
+  if (wide)
+    std::stable_partition(families.begin(), families.end(),
+                          [](LensFamily family) { return form_of(family) == LensForm::fisheye; });
   LensFit fit = best_lens(projection_of(kept), families);
   if (!std::isfinite(fit.rms_px))
     throw InputError(fmt::format(

@@ -203,8 +203,9 @@ LensFit best_lens(const std::vector<Sight>& sights, const std::vector<LensFamily
   std::optional<LensFit> unseen, nearest, fisheye;
   for (const LensFamily family : families) {
     LensFit fit = fit_lens(sights, family, width_px, height_px);
-    if (fit.exact()) return fit;
-    if (form_of(family) == LensForm::fisheye) {
+    const bool fisheye_form = form_of(family) == LensForm::fisheye;
+    if (fit.exact() && (!fisheye_form || family == families.front())) return fit;
+    if (fisheye_form) {
       fisheye = std::move(fit);
       continue;
     }

@@ -61,7 +61,8 @@ LensFit fit_lens(const effects::Projection& projection, LensFamily family);
 LensFit fit_lens(const std::vector<Sight>& sights, LensFamily family, double width_px,
                  double height_px);
 
-// The first family that holds the projection exactly. Else a perspective form: the first that
+// The first family that holds the projection exactly, a fisheye only where it stands first: within
+// 40 degrees it holds many lenses of other forms. Else a perspective form: the first that
 // misses by less than any calibration can show, or the nearest. A fisheye only where every
 // perspective form misses visibly and the fisheye misses less than half as much: most programs read
 // perspective coefficients, and the numbers of a fisheye read as k1, k2, p1, p2 are another lens.
