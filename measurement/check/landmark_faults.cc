@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "measurement/check/fault_parts.h"
@@ -14,7 +15,8 @@ struct Ranges {
   Numbers range, bearing;  // Not a number where blank.
   Numbers x, y, theta;     // Where the robot was.
   Numbers beacon_x, beacon_y;
-  Rows beacon;  // Its row in the table of places.
+  Numbers above;  // The beacon's height over the robot; 0 where the set states none.
+  Rows beacon;    // Its row in the table of places.
 
   // The median of | range - distance |, with x and y of the beacons as they stand or exchanged.
   double miss(bool exchanged) const {
@@ -38,7 +40,7 @@ struct Ranges {
   double distance(size_t i, bool exchanged) const {
     const double bx = exchanged ? beacon_y[i] : beacon_x[i];
     const double by = exchanged ? beacon_x[i] : beacon_y[i];
-    return std::hypot(bx - x[i], by - y[i]);
+    return std::hypot(std::hypot(bx - x[i], by - y[i]), above[i]);
   }
 };
 
@@ -48,6 +50,10 @@ Ranges ranges_of(const MeasurementSet& set, const CsvTable& seen) {
   for (size_t row = 0; row < places.rows(); ++row)
     beacon[std::string(places.cell(row, "landmark"))] = row;
   const Numbers bx = places.numbers("x_m"), by = places.numbers("y_m");
+  const auto heights = [&](const CsvTable& table) {
+    return places.has("z_m") && table.has("z_m") ? table.numbers("z_m") : Numbers(table.rows(), 0);
+  };
+  const Numbers bz = heights(places), pz = heights(poses);
   const Numbers px = poses.numbers("x_m"), py = poses.numbers("y_m");
   const auto pose_times = poses.times_ns("time_s"), times = seen.times_ns("time_s");
   const auto column = [&](const char* name) {
@@ -71,6 +77,7 @@ Ranges ranges_of(const MeasurementSet& set, const CsvTable& seen) {
     found.theta.push_back(ptheta[*next]);
     found.x.push_back(px[*next]), found.y.push_back(py[*next]);
     found.beacon_x.push_back(bx[known->second]), found.beacon_y.push_back(by[known->second]);
+    found.above.push_back(bz[known->second] - pz[*next]);
     found.beacon.push_back(known->second);
   }
   return found;
@@ -105,12 +112,13 @@ void tell_bearings(const Ranges& ranges, const MeasurementSet& set,
 
 // Landmarks at the very place of another: nobody measured where they stand.
 void tell_shared_places(const CsvTable& places, std::vector<std::string>& found) {
-  const Numbers x = places.numbers("x_m"), y = places.numbers("y_m");
-  std::map<std::pair<double, double>, size_t> first;
+  const Numbers x = places.numbers("x_m"), y = places.numbers("y_m"),
+                z = places.has("z_m") ? places.numbers("z_m") : Numbers(places.rows(), 0);
+  std::map<std::array<double, 3>, size_t> first;
   size_t shared = 0;
   std::string told;
   for (size_t row = 0; row < places.rows(); ++row) {
-    const auto [other, is_new] = first.try_emplace({x[row], y[row]}, row);
+    const auto [other, is_new] = first.try_emplace({x[row], y[row], z[row]}, row);
     if (is_new || shared++ > 0) continue;
     told =
         fmt::format("{}: landmark {} stands at {:g}, {:g}, the very place of landmark {} (line {})",

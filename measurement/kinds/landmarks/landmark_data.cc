@@ -28,16 +28,19 @@ void read_walks(const MeasurementSet& set, LandmarkData& data, std::vector<std::
   if (!has_run) runs = {""};
   const std::vector<double> x = table.numbers("x_m"), y = table.numbers("y_m"),
                             theta = table.numbers("theta_rad");
+  const bool has_z = table.has("z_m");
+  const std::vector<double> z = has_z ? table.numbers("z_m") : std::vector<double>{};
   for (size_t run = 0; run < runs.size(); ++run) {
     std::vector<size_t> rows, keep;
     for (size_t row = 0; row < table.rows(); ++row) {
       if (run_of_row[row] == static_cast<int>(run)) rows.push_back(row);
     }
     const std::vector<double> times = log_seconds(table, "time_s", reference_ns, rows, keep);
-    std::vector<double> px, py, heading;
+    std::vector<double> px, py, pz, heading;
     for (const size_t row : keep) {
       px.push_back(x[row]);
       py.push_back(y[row]);
+      if (has_z) pz.push_back(z[row]);
       heading.push_back(heading.empty()
                             ? theta[row]
                             : heading.back() + maths::wrap_angle(theta[row] - heading.back()));
@@ -45,8 +48,9 @@ void read_walks(const MeasurementSet& set, LandmarkData& data, std::vector<std::
     std::vector<double> steps;
     for (size_t i = 0; i + 1 < times.size(); ++i) steps.push_back(times[i + 1] - times[i]);
     const double gap = steps.empty() ? 1 : 6 * median_of(steps);
-    data.walks.push_back(
-        {Spline(times, px, gap), Spline(times, py, gap), Spline(times, heading, gap)});
+    data.walks.push_back({Spline(times, px, gap), Spline(times, py, gap),
+                          Spline(times, heading, gap),
+                          has_z ? std::optional(Spline(times, pz, gap)) : std::nullopt});
   }
 }
 
@@ -63,15 +67,18 @@ std::vector<std::string> time_blocks(const std::vector<double>& stamps) {
   return blocks;
 }
 
-using Places = std::map<std::string, std::pair<double, double>>;
+using Places = std::map<std::string, std::array<double, 3>>;
 
-Places read_places(const MeasurementSet& set) {
+Places read_places(const MeasurementSet& set, bool& heights) {
   Places places;
   const CsvTable known = set.table("landmarks");
+  heights = known.has("z_m");
   const std::vector<double> lx = known.numbers("x_m"), ly = known.numbers("y_m");
+  const std::vector<double> lz =
+      heights ? known.numbers("z_m") : std::vector<double>(known.rows(), 0);
   const std::vector<std::string> names = known.texts("landmark");
   for (size_t row = 0; row < known.rows(); ++row) {
-    if (!places.emplace(names[row], std::pair(lx[row], ly[row])).second) {
+    if (!places.emplace(names[row], std::array{lx[row], ly[row], lz[row]}).second) {
       known.fail(row, "landmark", names[row], "each landmark once");
     }
   }
@@ -96,8 +103,9 @@ std::vector<std::string> read_rows(const MeasurementSet& set, const CsvTable& ta
     if (found == landmarks.end())
       table.fail(row, "landmark", landmark,
                  "a landmark with a place in " + set.files.at("landmarks"));
-    data.landmark_x.push_back(found->second.first);
-    data.landmark_y.push_back(found->second.second);
+    data.landmark_x.push_back(found->second[0]);
+    data.landmark_y.push_back(found->second[1]);
+    data.landmark_z.push_back(found->second[2]);
     data.stamp_s.push_back(1e-9 * static_cast<double>(ns[row] - reference_ns));
     const std::vector<double>& times = data.walks[data.walk_of_row[row]].x.times();
     if (data.stamp_s[row] < times.front() - 1 || data.stamp_s[row] > times.back() + 1) {
@@ -155,7 +163,10 @@ LandmarkData read_landmarks(const MeasurementSet& set, bool measured, Facts& fac
   std::vector<std::string> runs;
   int64_t reference_ns = 0;
   read_walks(set, data, runs, reference_ns);
-  const Places landmarks = read_places(set);
+  const Places landmarks = read_places(set, data.heights);
+  if (!data.heights && data.walks.front().z)
+    facts.notes.push_back(
+        "poses state heights (z_m) and landmarks do not: all is taken to lie in a plane");
   const CsvTable table = set.table("observations");
   if (table.rows() == 0) throw InputError(table.file() + ": no rows, expected observations");
   facts.set.kind = effects::kLandmarks;

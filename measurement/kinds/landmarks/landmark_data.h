@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,13 +13,17 @@ namespace seam::measurement {
 
 struct PlanePose {
   double x_m, y_m, theta_rad;
+  double z_m = 0;
 };
 
 // One run's measured poses.
 struct Walk {
-  Spline x, y, theta;  // Heading unwrapped.
+  Spline x, y, theta;       // Heading unwrapped.
+  std::optional<Spline> z;  // Of the robot's origin; none: it stays at z = 0.
 
-  PlanePose at(double t_s) const { return {x.value(t_s), y.value(t_s), theta.value(t_s)}; }
+  PlanePose at(double t_s) const {
+    return {x.value(t_s), y.value(t_s), theta.value(t_s), z ? z->value(t_s) : 0};
+  }
 };
 
 inline constexpr std::array<const char*, 2> kLandmarkColumns = {"range_m", "bearing_rad"};
@@ -26,8 +31,9 @@ inline constexpr std::array<const char*, 2> kLandmarkColumns = {"range_m", "bear
 struct LandmarkData {
   std::vector<Walk> walks;
   std::vector<int> walk_of_row;
-  std::vector<double> stamp_s;                 // Since the first time of the poses.
-  std::vector<double> landmark_x, landmark_y;  // By row.
+  std::vector<double> stamp_s;                             // Since the first time of the poses.
+  std::vector<double> landmark_x, landmark_y, landmark_z;  // By row.
+  bool heights = false;  // Whether those of landmarks are known; else all lies in a plane.
   std::vector<int> landmark_of_row;
   std::vector<std::string> landmarks;        // Their names.
   std::vector<double> range_m, bearing_rad;  // NaN where blank.

@@ -23,8 +23,8 @@ class LandmarkPredictor {
       has_spreads_ = has_spreads_ || effect.definition->spread_only;
       detectors_.push_back(effect);
     }
-    // Landmarks lie in the plane: of the mount's rotation only the yaw matters. The camera looks
-    // along its z, which is the link's x.
+    // Bearings are angles in the plane: of the mount's rotation only the yaw matters. The camera
+    // looks along its z, which is the link's x.
     yaw_rad_ = std::atan2(X_LC_.R[2].y, X_LC_.R[2].x);
   }
 
@@ -39,7 +39,8 @@ class LandmarkPredictor {
     const double c = std::cos(pose.theta_rad), s = std::sin(pose.theta_rad);
     const double ahead = c * dx + s * dy - X_LC_.p.x;
     const double left = -s * dx + c * dy - X_LC_.p.y;
-    effects::Detection seen{.range_m = std::hypot(ahead, left),
+    const double above = data_.heights ? data_.landmark_z[row] - pose.z_m - X_LC_.p.z : 0;
+    effects::Detection seen{.range_m = std::hypot(std::hypot(ahead, left), above),
                             .bearing_rad = maths::wrap_angle(std::atan2(left, ahead) - yaw_rad_),
                             .t_s = t};
     for (const effects::ModelEffect& effect : detectors_)

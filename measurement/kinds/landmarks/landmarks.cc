@@ -19,19 +19,23 @@ class LandmarksProblem : public Problem {
   explicit LandmarksProblem(const MeasurementSet& set) : data_(read_landmarks(set, true, facts_)) {
     facts_.fingerprint = set.fingerprint();
     rows_of_errors_ = rows_of_errors(data_, facts_);
-    facts_.set.lacks = {{effects::Need::space, "ranges and bearings in the plane do not see it"}};
+    facts_.set.lacks = {
+        {effects::Need::space, data_.heights
+                                   ? "bearings are angles in the plane, and heights are taken as "
+                                     "the set states them"
+                                   : "ranges and bearings in the plane do not see it"}};
     if (data_.channels[0] < 0)
       facts_.set.lacks.push_back({effects::Need::distances, "no range was measured"});
     if (data_.channels[1] < 0)
       facts_.set.lacks.push_back({effects::Need::bearings, "no bearing was measured"});
     add_covariates();
-    const LandmarkPredictor ideal(data_, Model::from_config(ConfigNode::from_text(
-                                             "format: seam-model/1\neffects: {}\n", "none")));
-    if (!sees_from_sides(ideal))
+    if (!sees_from_sides())
       facts_.set.lacks.push_back(
           {effects::Need::landmark_places,
            "each landmark is seen from one side alone, from where its place and a bias of the "
            "detector look the same"});
+    const LandmarkPredictor ideal(data_, Model::from_config(ConfigNode::from_text(
+                                             "format: seam-model/1\neffects: {}\n", "none")));
     for (int c = 0; c < 2; ++c) {
       if (data_.channels[c] < 0) continue;
       const auto stated = set.noise.find(kLandmarkColumns[c]);
@@ -83,7 +87,7 @@ class LandmarksProblem : public Problem {
                                             const Groups& groups, Evaluation& evaluation,
                                             const std::vector<CommonSlopes>& common) const;
   std::vector<CommonSlopes> slopes_by_parameters(const Model& model, const Evaluation& here) const;
-  bool sees_from_sides(const LandmarkPredictor& ideal) const;
+  bool sees_from_sides() const;
   void whiten_frames(const LandmarkPredictor& predictor, const Groups& groups,
                      Evaluation& evaluation) const;
 
@@ -279,16 +283,17 @@ std::vector<Finding> LandmarksProblem::findings(const Model& model) const {
 
 // Whether some landmark is seen from sides that lie clearly apart: from one side alone, a range
 // that is too long is a landmark that lies too near, and a bearing likewise.
-bool LandmarksProblem::sees_from_sides(const LandmarkPredictor& ideal) const {
+bool LandmarksProblem::sees_from_sides() const {
   constexpr double kNarrow = 0.97;  // Length of the mean direction: within 25 degrees to each side.
   const size_t n = data_.landmarks.size();
   std::vector<double> east(n, 0), north(n, 0), count(n, 0);
   for (size_t row = 0; row < data_.stamp_s.size(); ++row) {
     const PlanePose pose = data_.walks[data_.walk_of_row[row]].at(data_.stamp_s[row]);
-    const double range = std::max(ideal.detect(row).range_m, 1e-9);
+    const double dx = data_.landmark_x[row] - pose.x_m, dy = data_.landmark_y[row] - pose.y_m;
+    const double way = std::max(std::hypot(dx, dy), 1e-9);
     const int k = data_.landmark_of_row[row];
-    east[k] += (data_.landmark_x[row] - pose.x_m) / range;
-    north[k] += (data_.landmark_y[row] - pose.y_m) / range;
+    east[k] += dx / way;
+    north[k] += dy / way;
     ++count[k];
   }
   for (size_t k = 0; k < n; ++k) {
