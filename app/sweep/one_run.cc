@@ -18,7 +18,14 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr const char* kEnds[] = {"finished", "stopped", "aborted"};
-constexpr size_t kMostErrorBytes = 4000;
+constexpr size_t kMostErrorBytes = 16'000;
+
+// Why a run failed, and under it what its behaviours printed last.
+std::string error_of(const SessionSummary& summary) {
+  std::string text = summary.abort_reason;
+  for (const std::string& line : summary.last_lines) text += "\n" + line;
+  return text;
+}
 
 std::string key_of(const std::string& scenario_text, const Scenario& scenario, const Makers& makers,
                    ProgramPrints& prints) {
@@ -85,7 +92,11 @@ void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, Prog
   Simulator simulator = make_simulator(
       std::move(scenario), {.render_workers = options.render_workers, .cameras_when_used = true});
   record.key = key_of(simulator.header.scenario_text, simulator.scenario, makers, prints);
-  SessionOptions session{.force = true, .progress = false, .standbys = options.standbys};
+  SessionOptions session{.force = true,
+                         .progress = false,
+                         .show_printed = false,
+                         .wall_limit_s = plan.wall_limit_s(),
+                         .standbys = options.standbys};
   const std::string name = fmt::format("run_{:06}", record.run);
   const fs::path log = options.files / (name + ".mcap"), partial = options.files / (name + ".part");
   if (plan.keep().logs) session.log = partial.string();
@@ -97,7 +108,7 @@ void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, Prog
   }
   record.end = kEnds[static_cast<size_t>(summary.end)];
   if (summary.end == scheduler::EndReason::stopped) return;
-  if (summary.end == scheduler::EndReason::aborted) record.error = summary.abort_reason;
+  if (summary.end == scheduler::EndReason::aborted) record.error = error_of(summary);
   if (plan.keep().logs) fs::rename(partial, log);
   record.sim_s = summary.sim_s;
   record.wall_s = summary.wall_s;
@@ -127,7 +138,12 @@ RunRecord make_run(const SweepPlan& plan, uint64_t run, const Makers& makers, Pr
   } catch (const std::exception& error) {
     record.error = error.what();
   }
-  record.error.resize(std::min(record.error.size(), kMostErrorBytes));
+  // Of much that was printed the end says most.
+  if (record.error.size() > kMostErrorBytes) {
+    const std::string first = record.error.substr(0, record.error.find('\n'));
+    const std::string last = record.error.substr(record.error.size() - kMostErrorBytes / 2);
+    record.error = first.substr(0, kMostErrorBytes / 2) + "\n..." + last;
+  }
   return record;
 }
 
