@@ -86,6 +86,8 @@ grpc::Status Robot::Implementation::drive(Stream& stream) {
 
 Connection Connection::from(int argc, char** argv) {
   stand_by();
+  // `seam run` reads what is printed through a pipe, and gives each line the time at which it came.
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
   const auto value = [&](const std::string& option, const char* variable) -> std::string {
     for (int i = 1; i + 1 < argc; ++i)
       if (option == argv[i]) return argv[i + 1];
@@ -244,10 +246,12 @@ void Robot::log_text(std::string_view name, std::string_view text) {
   item.set_text(text.data(), text.size());
 }
 
-void Robot::log_drawing(std::string_view name, const std::vector<double>& xy, bool in_image) {
+void Robot::log_drawing(std::string_view name, const std::vector<double>& xy, bool in_image,
+                        std::optional<uint64_t> frame_index) {
   v1::DebugItem& item = *implementation_->decision().add_debug();
   item.set_name(name.data(), name.size());
   item.mutable_drawing()->set_in_image(in_image);
+  if (frame_index) item.mutable_drawing()->set_frame_index(*frame_index);
   item.mutable_drawing()->mutable_points()->Add(xy.begin(), xy.end());
 }
 

@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -192,8 +193,10 @@ class Robot {
   // ---- For the log and the viewer ----
   void log_value(std::string_view name, double value);
   void log_text(std::string_view name, std::string_view text);
-  // x, y pairs on the field (metres, world frame) or in the image (pixels), joined by a line.
-  void log_drawing(std::string_view name, const std::vector<double>& xy, bool in_image = false);
+  // x, y pairs on the field (metres, world frame) or in the image (pixels), joined by a line. A
+  // drawing in the image belongs to the newest frame that this robot was sent, or to `frame_index`.
+  void log_drawing(std::string_view name, const std::vector<double>& xy, bool in_image = false,
+                   std::optional<uint64_t> frame_index = std::nullopt);
 
  private:
   struct Implementation;

@@ -10,10 +10,12 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace seam::sdk {
 namespace {
@@ -25,6 +27,25 @@ bool has_threads() {
   std::error_code unknown;
   const std::filesystem::directory_iterator tasks("/proc/self/task", unknown);
   return unknown || std::distance(begin(tasks), end(tasks)) != 1;
+}
+
+// The settings of the next run, and the descriptor that came with them.
+ssize_t receive(int socket, std::array<char, 1 << 16>& buffer, int& output) {
+  iovec content{buffer.data(), buffer.size() - 1};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> beside{};
+  msghdr message{};
+  message.msg_iov = &content, message.msg_iovlen = 1;
+  message.msg_control = beside.data(), message.msg_controllen = beside.size();
+  const ssize_t size = recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
+  const cmsghdr* header = size > 0 ? CMSG_FIRSTHDR(&message) : nullptr;
+  if (header != nullptr && header->cmsg_type == SCM_RIGHTS)
+    std::memcpy(&output, CMSG_DATA(header), sizeof(int));
+  return size;
+}
+
+void print_to(int output) {
+  for (const int own : {STDOUT_FILENO, STDERR_FILENO}) dup2(output, own);
+  close(output);
 }
 
 // In the process that is to play: it belongs to who runs the simulation, as if started by it.
@@ -55,6 +76,7 @@ void stand_by() {
   const pid_t simulator = getppid();
   std::array<char, 1 << 16> buffer{};
   Settings settings;  // Of the first run: those of the environment.
+  int output = -1;    // Where the next client is to print; -1: where this process does.
   while (true) {
     std::fflush(nullptr);
     // A grandchild, so that it is the simulator's to wait for and not this process's.
@@ -62,10 +84,12 @@ void stand_by() {
     if (between == 0) {
       const pid_t self = getpid();
       if (fork() != 0) _exit(0);
+      if (output >= 0) print_to(output);
       return become_client(self, simulator, socket, settings);
     }
     waitpid(between, nullptr, 0);
-    const ssize_t size = recv(socket, buffer.data(), buffer.size() - 1, 0);
+    if (output >= 0) close(std::exchange(output, -1));
+    const ssize_t size = receive(socket, buffer, output);
     if (between < 0 || size <= 0) _exit(0);
     settings.assign(buffer.data(), static_cast<size_t>(size));
   }

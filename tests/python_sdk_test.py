@@ -4,6 +4,7 @@ to do, and what is refused.
 
 Usage: python_sdk_test.py BUILD_DIR SOURCE_DIR PYTHON [unittest arguments]; PYTHON is the interpreter that has gRPC.
 """
+import io
 import json
 import os
 import pathlib
@@ -12,6 +13,10 @@ import subprocess
 import sys
 import tempfile
 import unittest
+
+from PIL import Image
+
+from viewing import viewer
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 SOURCE = pathlib.Path(sys.argv[2]).resolve()
@@ -128,6 +133,47 @@ if robot.name == "r0":
         self.assertRegex(debug, r"r0,word,text,hello\b")
         self.assertRegex(debug, r"r0,way,")
         self.assertIn("leg_forward", (tables / "decisions.csv").read_text())
+
+    def test_a_mark_belongs_to_the_frame_that_the_decision_was_made_from(self):
+        """A swinging head marks the ball in the newest frame that it has, and sometimes in an older one by its number."""
+        notes = self.here / "notes.json"
+        program = self.program(f"""
+import numpy
+robot = seam_sdk.Robot()
+robot.request_all_frames()
+marked, older = [], None
+for seen in robot.observations():
+    robot.head(tilt_rad=-0.2, pan_rad=0.35 * math.sin(6e-9 * seen.time_ns))
+    for frame in seen.frames:
+        rgb = frame.rgb_array().astype(int)
+        v, u = numpy.nonzero((rgb[:, :, 0] > 130) & (rgb[:, :, 0] > 1.6 * rgb[:, :, 1]) & (rgb[:, :, 2] < 80))
+        if len(u) < 9:
+            continue
+        middle = numpy.argmin((u - u.mean()) ** 2 + (v - v.mean()) ** 2)
+        spot = (int(u[middle]), int(v[middle]))
+        robot.log_drawing("ball", [spot], in_image=True)
+        marked.append(["ball", seen.time_ns, frame.index, *spot, *frame.rgb_array()[spot[1], spot[0]].tolist()])
+        if older:
+            robot.log_drawing("before", [older[1:3]], in_image=True, frame_index=older[0])
+            marked.append(["before", seen.time_ns, *older])
+        older = [frame.index, *spot, *marked[-1 - bool(older)][5:]]
+open({str(notes)!r}, "w").write(json.dumps(marked))
+""")
+        log = self.here / "run.mcap"
+        self.run_json(self.write(scenario(program, duration_s=1.5)), "--log", log)
+        marked = json.loads(notes.read_text())
+        self.assertGreater(len(marked), 40)
+        with viewer(SEAM, log) as ask:
+            items = ask("debug", robot="r0", to=2)["items"]
+            told = [[item["name"], round(item["t"] * 1e9), item["frame"], *item["points"][0]] for item in items]
+            self.assertEqual(told, [one[:5] for one in marked])
+            decisions = {round(one["t"] * 1e9): one.get("frame") for one in ask("decisions", robot="r0", to=2)["decisions"]}
+            for name, time_ns, index, u, v, *rgb in marked:
+                if name == "ball":
+                    self.assertEqual(decisions[time_ns], index)
+            for _, _, index, u, v, *rgb in marked[::9]:
+                picture = Image.open(io.BytesIO(ask("frame", robot="r0", index=index)))
+                self.assertEqual(list(picture.getpixel((u, v))), rgb)
 
     def test_a_bad_order_is_refused_with_its_field_and_the_run_goes_on(self):
         program = self.program("""

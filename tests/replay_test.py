@@ -121,6 +121,12 @@ class Replay(unittest.TestCase):
         diff = json.loads((self.folder / "diff.json").read_text())
         self.assertEqual(diff["first_decision"]["robot"], robot)
         self.assertEqual(diff["first_decision"]["time_ns"], changed["time_ns"])
+        # The command's first joint target was changed: it is named, with both values, and the frame was the same.
+        self.assertEqual(len(diff["first_decision"]["fields"]), 1)
+        field = diff["first_decision"]["fields"][0]
+        self.assertRegex(field["field"], "^(tilt|pan|roll)_rad$")
+        self.assertNotEqual(field["a"], field["b"])
+        self.assertTrue(diff["first_decision"]["frame"] is None or diff["first_decision"]["frame"]["same"])
 
     def test_other_writers_and_older_logs_verify(self):
         self.need_node()

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "app/logs/decision_fields.h"
 #include "app/logs/replay_match.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
@@ -12,6 +14,10 @@ namespace seam::app {
 
 scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler::Log& b) {
   scheduler::LogDifference difference = scheduler::compare_logs(a, b);
+  if (auto& decision = difference.first_decision; decision && decision->a && decision->b) {
+    decision->fields =
+        other_fields(decision->a->answer, decision->b->answer, JointNames(a.header()));
+  }
   if (!difference.first) return difference;
   try {
     ReplayMatch match_a(a), match_b(b);
@@ -28,6 +34,55 @@ scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler:
   return difference;
 }
 
+namespace {
+
+// A number to four digits where that still tells the two apart.
+std::pair<std::string, std::string> for_people(
+    const scheduler::LogDifference::FirstDecision::Field& field) {
+  const auto brief = [](const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    return whole ? fmt::format("{:.4g}", value) : text.empty() ? "nothing" : text;
+  };
+  const std::string a = brief(field.a), b = brief(field.b);
+  return a == b ? std::pair(field.a, field.b) : std::pair(a, b);
+}
+
+// The two decisions beside each other, and whether they were made from the same frame.
+std::string to_text(const scheduler::LogDifference::FirstDecision& decision) {
+  std::string text;
+  for (const auto& field : decision.fields) {
+    const auto [a, b] = for_people(field);
+    text += fmt::format("  {:<24} {} and {}\n", field.name, a, b);
+  }
+  if (const auto same = decision.same_frame()) {
+    text += fmt::format("  {:<24} {} and {}, {}\n", "decided from frame", decision.a->frame->index,
+                        decision.b->frame->index, *same ? "the same pixels" : "other pixels");
+  }
+  return text;
+}
+
+nlohmann::ordered_json to_json(const scheduler::LogDifference::FirstDecision& decision) {
+  nlohmann::ordered_json json = {{"time_ns", decision.time.ns()},
+                                 {"robot", decision.robot},
+                                 {"fields", nlohmann::ordered_json::array()},
+                                 {"frame", nullptr}};
+  for (const auto& field : decision.fields)
+    json["fields"].push_back({{"field", field.name}, {"a", field.a}, {"b", field.b}});
+  if (const auto same = decision.same_frame()) {
+    json["frame"] = {
+        {"a", decision.a->frame->index}, {"b", decision.b->frame->index}, {"same", *same}};
+  }
+  return json;
+}
+
+std::string dumped(const nlohmann::ordered_json& json, int indent) {
+  return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
 std::string to_text(const scheduler::LogDifference& difference) {
   std::string text;
   for (const std::string& line : difference.header) text += shown(line) + "\n";
@@ -35,6 +90,7 @@ std::string to_text(const scheduler::LogDifference& difference) {
     const std::string& robot = difference.first_decision->robot;
     text += fmt::format("first other decision: {}, {}\n", seconds(difference.first_decision->time),
                         robot.empty() ? "where other robots decide, or at other times" : robot);
+    text += to_text(*difference.first_decision);
   }
   if (difference.first) {
     const auto& first = *difference.first;
@@ -73,16 +129,13 @@ std::string to_json(const scheduler::LogDifference& difference) {
                      {"a", first.a},
                      {"b", first.b}};
   }
-  if (difference.first_decision) {
-    json["first_decision"] = {{"time_ns", difference.first_decision->time.ns()},
-                              {"robot", difference.first_decision->robot}};
-  }
+  if (difference.first_decision) json["first_decision"] = to_json(*difference.first_decision);
   json["spread"] = nlohmann::ordered_json::array();
   for (const auto& step : difference.spread) {
     json["spread"].push_back({{"time_ns", step.time.ns()}, {"section", step.section}});
   }
   json["ends_ns"] = {difference.end_a.ns(), difference.end_b.ns()};
-  return json.dump(2);
+  return dumped(json, 2);
 }
 
 std::string to_view_json(const scheduler::LogDifference& difference) {
@@ -90,7 +143,13 @@ std::string to_view_json(const scheduler::LogDifference& difference) {
                                  {"header", difference.header},
                                  {"compared_until_s", difference.compared_until.s()},
                                  {"first", nullptr},
+                                 {"first_decision", nullptr},
                                  {"spread", nlohmann::ordered_json::array()}};
+  if (difference.first_decision) {
+    json["first_decision"] = to_json(*difference.first_decision);
+    json["first_decision"]["time_ns"] = std::to_string(difference.first_decision->time.ns());
+    json["first_decision"]["t"] = difference.first_decision->time.s();
+  }
   if (difference.first) {
     const auto& first = *difference.first;
     json["first"] = {{"t", first.time.s()},
@@ -103,7 +162,7 @@ std::string to_view_json(const scheduler::LogDifference& difference) {
   for (const auto& step : difference.spread) {
     json["spread"].push_back({{"t", step.time.s()}, {"section", step.section}});
   }
-  return json.dump();
+  return dumped(json, -1);
 }
 
 }  // namespace seam::app

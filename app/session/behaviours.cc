@@ -151,6 +151,8 @@ pid_t start_program(const BehaviourProcess& process, int inherited) {
     sigprocmask(SIG_SETMASK, &none, nullptr);
     ::signal(SIGPIPE, SIG_DFL);
     if (inherited >= 0) fcntl(inherited, F_SETFD, 0);
+    if (process.output >= 0)
+      for (const int own : {STDOUT_FILENO, STDERR_FILENO}) dup2(process.output, own);
     execve(argv[0], argv.data(), envp.data());
     _exit(127);
   }

@@ -17,6 +17,7 @@ struct BehaviourProcess {
   std::string robot;
   std::vector<std::string> command;                // argv[0] a program's full path.
   std::map<std::string, std::string> environment;  // Added to ours, or in place of it.
+  int output = -1;  // Where it writes what it prints; -1: where we do.
 };
 
 // The program that a scenario means by `name`: with a slash the path itself, else among the

@@ -13,6 +13,9 @@ void LoggedSummary::add(double value) {
   max = std::max(max, value);
   sum += value;
   sum_of_squares += value * value;
+  const double off = value - running_mean;
+  running_mean += off / static_cast<double>(count);
+  sum_about_mean += off * (value - running_mean);
 }
 
 double LoggedSummary::get(Statistic statistic) const {
@@ -30,6 +33,8 @@ double LoggedSummary::get(Statistic statistic) const {
       return max;
     case Statistic::rms:
       return std::sqrt(sum_of_squares / n);
+    case Statistic::std:
+      return count < 2 ? 0 : std::sqrt(sum_about_mean / (n - 1));
     case Statistic::count:
       return n;
   }

@@ -12,15 +12,19 @@
 
 namespace seam::app {
 
-enum class Statistic : uint8_t { last, first, mean, min, max, rms, count };
-inline constexpr std::array<const char*, 7> kStatisticNames = {"last", "first", "mean", "min",
-                                                               "max",  "rms",   "count"};
+// `std`: the standard deviation of the values about their mean, 0 of a single one.
+enum class Statistic : uint8_t { last, first, mean, min, max, rms, std, count };
+inline constexpr std::array<const char*, 8> kStatisticNames = {"last", "first", "mean", "min",
+                                                               "max",  "rms",   "std",  "count"};
 
 struct LoggedSummary {
   uint64_t count = 0;
   double first = 0, last = 0;
   double min = 0, max = 0;
   double sum = 0, sum_of_squares = 0;  // In the order of simulated time.
+  // Welford's running mean and sum of squares about it: the difference of the sums above would lose
+  // digits where values are alike.
+  double running_mean = 0, sum_about_mean = 0;
 
   void add(double value);
   double get(Statistic statistic) const;

@@ -1,5 +1,6 @@
 #include "app/session/run_session.h"
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -9,6 +10,7 @@
 
 #include "app/scratch_folder.h"
 #include "app/session/behaviours.h"
+#include "app/session/printed_output.h"
 #include "app/session/progress.h"
 #include "app/session/session_outputs.h"
 #include "sim_core/base/error.h"
@@ -46,6 +48,24 @@ class AbortReason final : public scheduler::SimulationObserver {
     std::fprintf(stderr, "%s\n", line.c_str());
   }
   std::string text;
+};
+
+// Hands what behaviours printed before a turn to the log, in front of it.
+class Printing final : public scheduler::SimulationObserver {
+ public:
+  Printing(PrintedOutput& output, scheduler::Recorder* recorder)
+      : output_(output), recorder_(recorder) {}
+  void on_turn(SimTime time, const scheduler::Turn&) override { pass_on(time); }
+  void on_end(SimTime time, scheduler::EndReason, uint64_t) override { pass_on(time); }
+
+ private:
+  void pass_on(SimTime time) {
+    for (const scheduler::PrintedLine& line : output_.take(time))
+      if (recorder_ != nullptr) recorder_->note_printed(line);
+  }
+
+  PrintedOutput& output_;
+  scheduler::Recorder* recorder_;
 };
 
 std::string token_text(const std::vector<scheduler::HubRobot>& robots,
@@ -154,14 +174,22 @@ class Session {
                      std::vector<scheduler::SimulationObserver*> observers) {
     serve();
     start_processes();
+    Printing printing(printed_, recorder_ ? &*recorder_ : nullptr);
+    observers.push_back(&printing);
     observers.push_back(&aborted_);
     observers.push_back(&logged_);
     observers.push_back(&memory_);
     if (recorder_) observers.push_back(&*recorder_);
     if (outputs_.frames) observers.push_back(&*outputs_.frames);
     SessionSummary summary = simulate(wrap, std::move(observers));
+    if (passed_limit_) {
+      summary.end = scheduler::EndReason::aborted;
+      summary.abort_reason = *passed_limit_;
+    }
     behaviours_.wait_for_end(2);
     renderers_.wait_for_end(2);
+    printed_.take(SimTime());  // What programs print at their very end is shown, too.
+    summary.last_lines = printed_.last_lines();
     if (!outputs_.log) return summary;
     outputs_.finish_log();
     std::error_code unknown;
@@ -177,6 +205,7 @@ class Session {
   SessionSummary simulate(const WrapSource& wrap,
                           std::vector<scheduler::SimulationObserver*> observers);
   void reap();
+  void watch_limit();
 
   Simulator& simulator_;
   const SessionOptions& options_;
@@ -198,9 +227,12 @@ class Session {
   std::unique_ptr<scheduler::RemoteRenderer> remote_;
   std::optional<scheduler::Server> server_;
   const Closer closer_{control_};
+  PrintedOutput printed_{[this] { return control_.time(); }, options_.show_printed};
   Behaviours renderers_;
   Behaviours behaviours_{options_.standbys};
   std::atomic<bool> renderer_ended_ = false;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::optional<std::string> passed_limit_;  // The watching thread's, until that has ended.
 };
 
 void Session::serve() {
@@ -245,11 +277,29 @@ void Session::start_processes() {
                                 {"SEAM_LINE", lines_},
                                 {"SEAM_ROBOT", robot.id},
                                 {"SEAM_TOKEN", robot.token}});
+    process.output = printed_.open(robot.id);
     behaviours_.start(process);
+    close(std::exchange(process.output, -1));
   }
+  printed_.start();
+}
+
+// Ends a run that takes too long, and notes for whom it waited.
+void Session::watch_limit() {
+  if (!options_.wall_limit_s || passed_limit_) return;
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start_;
+  if (wall.count() < *options_.wall_limit_s) return;
+  double since_s = 0;
+  const auto waiting = hub_.waiting_for(since_s);
+  passed_limit_ = fmt::format(
+      "the limit of {} s on the wall passed at {:.3f} s{}", *options_.wall_limit_s,
+      control_.time().s(),
+      waiting.empty() ? "" : fmt::format(", waiting for {}", fmt::join(waiting, ", ")));
+  control_.stop();
 }
 
 void Session::reap() {
+  watch_limit();
   renderers_.reap([&](const std::string& name, const std::string& how) {
     if (how != "ended with exit code 0") std::fprintf(stderr, "%s %s\n", name.c_str(), how.c_str());
     renderer_ended_ = true;

@@ -40,6 +40,8 @@ struct SessionOptions {
   RemoteRenderingOptions rendering;
   std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
   bool progress = true;                                      // On a terminal.
+  bool show_printed = true;      // What behaviours print goes to stderr, each line with its robot.
+  std::optional<double> wall_limit_s;  // A run that takes longer is aborted.
   Standbys* standbys = nullptr;  // Of a process that makes many runs; null: none.
 };
 
@@ -74,6 +76,7 @@ struct SessionSummary {
   uint64_t log_bytes = 0;            // Of the replay log; 0: none.
   scheduler::EndReason end = scheduler::EndReason::finished;
   std::string abort_reason;
+  std::vector<std::string> last_lines;  // That behaviours printed, at most 50 a robot.
 
   double real_time_factor() const { return wall_s > 0 ? sim_s / wall_s : 0; }
 };

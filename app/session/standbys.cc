@@ -7,6 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstring>
 #include <optional>
 
 #include "sim_core/base/error.h"
@@ -31,10 +33,27 @@ std::optional<pid_t> client_told(int socket) {
   return client;
 }
 
-std::optional<pid_t> new_client(int socket, const std::map<std::string, std::string>& environment) {
+// The environment of a run, and with it the descriptor that the client is to print to.
+bool send_settings(int socket, const BehaviourProcess& process) {
   std::string settings;
-  for (const auto& [name, value] : environment) settings.append(name + "=" + value).push_back('\0');
-  if (send(socket, settings.data(), settings.size(), MSG_NOSIGNAL) < 0) return std::nullopt;
+  for (const auto& [name, value] : process.environment)
+    settings.append(name + "=" + value).push_back('\0');
+  iovec content{settings.data(), settings.size()};
+  msghdr message{};
+  message.msg_iov = &content, message.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> beside{};
+  if (process.output >= 0) {
+    message.msg_control = beside.data(), message.msg_controllen = beside.size();
+    cmsghdr* header = CMSG_FIRSTHDR(&message);
+    header->cmsg_level = SOL_SOCKET, header->cmsg_type = SCM_RIGHTS;
+    header->cmsg_len = CMSG_LEN(sizeof(int));
+    std::memcpy(CMSG_DATA(header), &process.output, sizeof(int));
+  }
+  return sendmsg(socket, &message, MSG_NOSIGNAL) >= 0;
+}
+
+std::optional<pid_t> new_client(int socket, const BehaviourProcess& process) {
+  if (!send_settings(socket, process)) return std::nullopt;
   pollfd waiting{socket, POLLIN, 0};
   if (poll(&waiting, 1, kFork_ms) != 1) return std::nullopt;
   return client_told(socket);
@@ -71,7 +90,7 @@ pid_t Standbys::start(const BehaviourProcess& process) {
   const auto found = by_command_.find(process.command);
   if (found != by_command_.end() && !found->second.stands_by) return start_program(process);
   if (found != by_command_.end()) {
-    if (const auto client = new_client(found->second.socket, process.environment)) return *client;
+    if (const auto client = new_client(found->second.socket, process)) return *client;
     end(found->second);
     by_command_.erase(found);
   }

@@ -19,7 +19,14 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr const char* kEnds[] = {"finished", "stopped", "aborted"};
-constexpr size_t kMostErrorBytes = 4000;
+constexpr size_t kMostErrorBytes = 16'000;
+
+// Why a run failed, and under it what its behaviours printed last.
+std::string error_of(const SessionSummary& summary) {
+  std::string text = summary.abort_reason;
+  for (const std::string& line : summary.last_lines) text += "\n" + line;
+  return text;
+}
 
 std::string key_of(const std::string& scenario_text, const Scenario& scenario, const Makers& makers,
                    ProgramPrints& prints) {
@@ -86,7 +93,11 @@ void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, Prog
   Simulator simulator = make_simulator(
       std::move(scenario), {.render_workers = options.render_workers, .cameras_when_used = true});
   record.key = key_of(simulator.header.scenario_text, simulator.scenario, makers, prints);
-  SessionOptions session{.force = true, .progress = false, .standbys = options.standbys};
+  SessionOptions session{.force = true,
+                         .progress = false,
+                         .show_printed = false,
+                         .wall_limit_s = plan.wall_limit_s(),
+                         .standbys = options.standbys};
   const std::string name = fmt::format("run_{:06}", record.run);
   const fs::path log = options.files / (name + ".mcap");
   const fs::path partial = partial_log(options.files, record.run);
@@ -105,7 +116,7 @@ void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, Prog
     fs::remove(partial, unknown);
     return;
   }
-  if (summary.end == scheduler::EndReason::aborted) record.error = summary.abort_reason;
+  if (summary.end == scheduler::EndReason::aborted) record.error = error_of(summary);
   if (plan.keep().logs) fs::rename(partial, log);
   record.sim_s = summary.sim_s;
   record.frames = summary.frames;
@@ -140,7 +151,12 @@ RunRecord make_run(const SweepPlan& plan, uint64_t run, const Makers& makers, Pr
     record.error = error.what();
   }
   record.wall_s = watch.s();
-  record.error.resize(std::min(record.error.size(), kMostErrorBytes));
+  // Of much that was printed the end says most.
+  if (record.error.size() > kMostErrorBytes) {
+    const std::string first = record.error.substr(0, record.error.find('\n'));
+    const std::string last = record.error.substr(record.error.size() - kMostErrorBytes / 2);
+    record.error = first.substr(0, kMostErrorBytes / 2) + "\n..." + last;
+  }
   return record;
 }
 

@@ -39,7 +39,8 @@ struct Makers {
 struct RunRecord {
   uint64_t run = 0;
   std::string key;    // Fingerprint of all that the run depends on.
-  std::string error;  // Empty: it went as it should.
+  // Empty: it went as it should. Else why not, and in further lines what its behaviours printed last.
+  std::string error;
   int64_t seed = 0;
   std::string end;  // finished, aborted; empty where it did not begin.
   double sim_s = 0;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "foxglove/image.pb.h"
+#include "foxglove/log.pb.h"
 #include "foxglove/scene.pb.h"
 #include "foxglove/transforms.pb.h"
 #include "scheduler/log/log_records.h"
@@ -233,6 +234,7 @@ std::string descriptor_set_of(std::string_view message_name) {
 #undef SEAM_NAME_ONCE
   foxglove::CompressedImage::descriptor();
   foxglove::FrameTransforms::descriptor();
+  foxglove::Log::descriptor();
   foxglove::SceneUpdate::descriptor();
   const google::protobuf::Descriptor* descriptor =
       google::protobuf::DescriptorPool::generated_pool()->FindMessageTypeByName(

@@ -26,5 +26,7 @@ struct ShownMessage {
 inline constexpr ShownMessage kPictures{"/camera/", "foxglove.CompressedImage"};
 inline constexpr ShownMessage kTransforms{"/tf", "foxglove.FrameTransforms"};
 inline constexpr ShownMessage kSceneUpdates{"/scene", "foxglove.SceneUpdate"};
+// What behaviours print; written where one prints something.
+inline constexpr ShownMessage kPrinted{"/printed", "foxglove.Log"};
 
 }  // namespace seam::scheduler

@@ -170,6 +170,13 @@ void Recorder::on_event(const SimulationEvent& event) {
   note(Topic::event, event.time, event);
 }
 
+void Recorder::note_printed(const PrintedLine& line) {
+  batches_.add([this, line] {
+    if (printed_channel_ == 0) printed_channel_ = add_channel(kPrinted.topic, kPrinted.schema);
+    writer_.write(printed_channel_, log_time(line.time), encode(line));
+  });
+}
+
 void Recorder::on_end(SimTime time, EndReason reason, uint64_t fingerprint) {
   note(Topic::end, time, EndRecord{time, reason, fingerprint, steps_, frames_, 0});
   batches_.finish();

@@ -14,6 +14,7 @@
 #include "scheduler/log/field_sums.h"
 #include "scheduler/log/inputs_hash.h"
 #include "scheduler/log/log_records.h"
+#include "scheduler/log/printed_line.h"
 #include "scheduler/loop/observer.h"
 #include "sim_core/world/world.h"
 
@@ -42,6 +43,8 @@ class Recorder final : public SimulationObserver {
   void on_frame(SimTime time, const FrameJob& job, const Frame& frame) override;
   void on_event(const SimulationEvent& event) override;
   void on_end(SimTime time, EndReason reason, uint64_t fingerprint) override;
+  // Between the run's records, in the order of time.
+  void note_printed(const PrintedLine& line);
 
  private:
   uint16_t add_channel(std::string_view topic, std::string_view message_name);
@@ -63,6 +66,7 @@ class Recorder final : public SimulationObserver {
   std::map<std::string, uint16_t> picture_channels_;      // By robot.
   uint16_t transforms_channel_ = 0;
   uint16_t scene_channel_ = 0;
+  uint16_t printed_channel_ = 0;  // 0 until a line was printed; the writing thread's.
   bool scene_written_ = false;
   SimTime chunk_start_;
   std::optional<SimTime> last_snapshot_;

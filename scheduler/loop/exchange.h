@@ -34,6 +34,8 @@ struct DebugItem {
   std::string text;            // For `text`.
   std::vector<double> points;  // For `drawing`: x, y pairs, metres in W or pixels by `in_image`.
   bool in_image = false;
+  // Of a drawing in the image: its frame. None: the newest that the robot had when it decided.
+  std::optional<uint64_t> frame_index;
 };
 
 // A client's answer to one observation; acts at the observation's time + the decision latency.

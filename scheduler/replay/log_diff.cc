@@ -92,6 +92,18 @@ std::string decision_bytes(Answer answer, const std::vector<std::string>& robots
   return encode_turn(SimTime(), turn, robots);
 }
 
+// The newest frame that a robot had been sent at an instant.
+std::optional<FrameRecord> newest_frame(const Log& log, int robot, SimTime time) {
+  std::optional<FrameRecord> newest;
+  LogCursor cursor(log, {Topic::frame});
+  while (const std::optional<LogRecord> record = cursor.next()) {
+    const FrameRecord& frame = std::get<FrameRecord>(*record);
+    if (frame.time > time) break;
+    if (frame.robot == robot) newest = frame;
+  }
+  return newest;
+}
+
 std::optional<LogDifference::FirstDecision> first_other_decision(const Log& a, const Log& b) {
   LogCursor cursor_a(a, {Topic::turn});
   LogCursor cursor_b(b, {Topic::turn});
@@ -110,10 +122,14 @@ std::optional<LogDifference::FirstDecision> first_other_decision(const Log& a, c
       const Answer& answer_a = turn_a.turn.answers[i];
       const Answer& answer_b = turn_b.turn.answers[i];
       const std::string& name_a = a.header().robots.at(static_cast<size_t>(answer_a.robot));
-      if (name_a != b.header().robots.at(static_cast<size_t>(answer_b.robot)) ||
-          decision_bytes(answer_a, a.header().robots) !=
-              decision_bytes(answer_b, b.header().robots)) {
+      if (name_a != b.header().robots.at(static_cast<size_t>(answer_b.robot)))
         return LogDifference::FirstDecision{time, name_a};
+      if (decision_bytes(answer_a, a.header().robots) !=
+          decision_bytes(answer_b, b.header().robots)) {
+        using Side = LogDifference::FirstDecision::Side;
+        return LogDifference::FirstDecision{time, name_a,
+                                            Side{answer_a, newest_frame(a, answer_a.robot, time)},
+                                            Side{answer_b, newest_frame(b, answer_b.robot, time)}};
       }
     }
     if (turn_a.turn.actions.size() != turn_b.turn.actions.size()) {

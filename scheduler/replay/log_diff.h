@@ -23,8 +23,25 @@ struct LogDifference {
     std::string section;  // Of the state, or "frame/ROBOT".
   };
   struct FirstDecision {
+    // One run's side of it: the decision, and the newest frame that the robot had been sent by
+    // then.
+    struct Side {
+      Answer answer;
+      std::optional<FrameRecord> frame;
+    };
     SimTime time;
     std::string robot;
+    std::optional<Side> a, b;  // Where the robot decided at this instant in both runs.
+    // What differs, by names (app/logs/decision_fields.h); a side that lacks a field has "".
+    struct Field {
+      std::string name, a, b;
+    };
+    std::vector<Field> fields;
+    // Whether both decided from the same pixels; none where one had no frame.
+    std::optional<bool> same_frame() const {
+      if (!a || !b || !a->frame || !b->frame) return std::nullopt;
+      return a->frame->index == b->frame->index && a->frame->fingerprint == b->frame->fingerprint;
+    }
   };
 
   // Differences of what the runs depend on, as sentences: seed, scenario, files, robots.

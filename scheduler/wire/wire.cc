@@ -140,6 +140,7 @@ std::optional<FieldError> debug_from(const v1::Decision& wire, Decision& decisio
       out.kind = DebugItem::Kind::drawing;
       out.points.assign(item.drawing().points().begin(), item.drawing().points().end());
       out.in_image = item.drawing().in_image();
+      if (item.drawing().has_frame_index()) out.frame_index = item.drawing().frame_index();
     } else {
       out.text = item.text();
     }
@@ -248,6 +249,7 @@ void decision_to_wire(const Decision& decision, uint64_t sequence, v1::Decision&
         break;
       case DebugItem::Kind::drawing:
         out.mutable_drawing()->set_in_image(item.in_image);
+        if (item.frame_index) out.mutable_drawing()->set_frame_index(*item.frame_index);
         out.mutable_drawing()->mutable_points()->Add(item.points.begin(), item.points.end());
         break;
     }

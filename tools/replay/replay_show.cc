@@ -1,9 +1,11 @@
 // `seam replay show F [--at T]`: what a log holds, or the state at a time.
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/logs/replay_match.h"
+#include "scheduler/log/printed_line.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/output.h"
@@ -17,7 +19,11 @@ namespace {
 struct ShowSettings {
   std::string file;
   std::optional<double> at_s;
-  std::string robot;  // Empty: all.
+  std::string robot;               // Empty: all.
+  std::vector<std::string> kinds;  // Of events; empty: all but radio.
+  double from_s = 0;
+  double to_s = 9e9;
+  bool all = false;  // However many.
   std::string json;
 };
 
@@ -25,6 +31,8 @@ const char* to_text(scheduler::EndReason reason) {
   constexpr const char* kWords[] = {"finished", "stopped", "aborted"};
   return kWords[static_cast<int>(reason)];
 }
+
+constexpr std::string_view kPrintedKind = "printed";
 
 const char* to_text(scheduler::EventKind kind) {
   constexpr const char* kWords[] = {"referee", "radio", "world", "policy", "fault", "debug"};
@@ -139,28 +147,55 @@ void print_state(const nlohmann::ordered_json& json) {
   for (const auto& [section, fields] : json["sections"].items()) print_section(section, fields);
 }
 
-void print_events(const scheduler::Log& log) {
-  constexpr int kMost = 40;
-  scheduler::LogCursor cursor(log, {scheduler::Topic::event});
-  int printed = 0;
-  uint64_t left_out = 0;
-  while (const auto record = cursor.next()) {
+// An event, or a line that a behaviour printed.
+struct Happening {
+  SimTime time;
+  std::string kind, robot, name, detail;
+};
+
+std::vector<Happening> happenings(const scheduler::Log& log, const ShowSettings& settings) {
+  std::vector<Happening> found;
+  const auto keep = [&](Happening one) {
+    const bool wanted = settings.kinds.empty()
+                            ? one.kind != "radio"
+                            : std::ranges::find(settings.kinds, one.kind) != settings.kinds.end();
+    if (wanted && (settings.robot.empty() || one.robot == settings.robot) &&
+        one.time.s() >= settings.from_s && one.time.s() <= settings.to_s)
+      found.push_back(std::move(one));
+  };
+  scheduler::LogCursor events(log, {scheduler::Topic::event});
+  while (const auto record = events.next()) {
     const auto& event = std::get<scheduler::SimulationEvent>(*record);
-    if (event.kind == scheduler::EventKind::radio || ++printed > kMost) {
-      ++left_out;
-      continue;
-    }
-    std::printf("  %10s  %-8s %-8s %s %s\n", app::seconds(event.time).c_str(), to_text(event.kind),
-                shown(event.robot).c_str(), shown(event.name).c_str(), shown(event.detail).c_str());
+    keep({event.time, to_text(event.kind), event.robot, event.name, event.detail});
   }
-  if (left_out > 0) {
-    std::printf("  and %llu more: seam replay export\n", static_cast<unsigned long long>(left_out));
+  scheduler::PrintedCursor lines(log);
+  while (const auto line = lines.next())
+    keep({line->time, std::string(kPrintedKind), line->robot, "", line->text});
+  std::ranges::stable_sort(found, {}, &Happening::time);
+  return found;
+}
+
+// How a run began and how it ended are shown always; what lies between where there is room.
+void print_events(const scheduler::Log& log, const ShowSettings& settings) {
+  constexpr size_t kMost = 40;
+  const std::vector<Happening> found = happenings(log, settings);
+  const bool cut = !settings.all && found.size() > kMost;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (cut && i == kMost / 2) {
+      std::printf("  ... %zu between: --all, --kind, --robot, --from, --to\n",
+                  found.size() - kMost);
+      i = found.size() - kMost / 2;
+    }
+    const Happening& one = found[i];
+    std::printf("  %10s  %-8s %-8s %s%s%s\n", app::seconds(one.time).c_str(), one.kind.c_str(),
+                shown(one.robot).c_str(), shown(one.name).c_str(), one.name.empty() ? "" : " ",
+                shown(one.detail).c_str());
   }
 }
 
 void show(const ShowSettings& settings) {
-  if (!settings.robot.empty() && !settings.at_s)
-    throw UsageError("--robot: expected --at too, for whose state is shown");
+  if (settings.at_s && (settings.all || !settings.kinds.empty()))
+    throw UsageError("--at shows the state: --kind and --all are for events");
   OutputFile out(settings.json, {.inputs = {settings.file}});
   const scheduler::Log log = scheduler::Log::open(settings.file);
   if (settings.at_s) {
@@ -176,22 +211,38 @@ void show(const ShowSettings& settings) {
   }
   const nlohmann::ordered_json summary = summary_of(log);
   out.fill(summary.dump(2) + "\n");
+  if (!settings.robot.empty() &&
+      std::ranges::find(log.header().robots, settings.robot) == log.header().robots.end())
+    throw UsageError("--robot: there is no '" + shown(settings.robot) + "'" +
+                     suggestion_for(settings.robot, log.header().robots));
   print_summary(summary);
-  print_events(log);
+  print_events(log, settings);
 }
 
 }  // namespace
 
 void add_replay_show(app::Command replay) {
-  app::Command command =
-      replay.add_subcommand("show", "What a log holds, or the whole state at a time");
+  app::Command command = replay.add_subcommand(
+      "show", "What a log holds and what happened, or the whole state at a time");
   auto settings = std::make_shared<ShowSettings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--at", settings->at_s, "Simulated seconds: show the state at this time")
       .range(-1e9, 9e9);
-  command.add_option("--robot", settings->robot, "Of the state, this robot's part alone");
+  command.add_option("--robot", settings->robot,
+                     "Of the state, or of events, this robot's part alone");
+  command
+      .add_option(
+          "--kind", settings->kinds,
+          "Of events these kinds alone: referee, radio, world, policy, fault, and `printed`,\n"
+          "what behaviours wrote to stdout and stderr. All but radio where not given")
+      .one_of({"referee", "radio", "world", "policy", "fault", "printed"});
+  command.add_option("--from", settings->from_s, "Simulated seconds: events from this time on");
+  command.add_option("--to", settings->to_s, "Events up to this time");
+  command.add_flag("--all", settings->all, "All such events, not the first and last 20");
   command.add_option("--json", settings->json, "Write the same to this file");
-  command.footer("Example: seam replay show match.mcap --at 12.5");
+  command.footer(
+      "Example: seam replay show match.mcap --at 12.5\n"
+      "Example: seam replay show match.mcap --kind printed --robot red1 --from 10 --to 20");
   command.callback([settings] { show(*settings); });
 }
 

@@ -59,16 +59,17 @@ std::vector<uint64_t> sample_of(std::vector<uint64_t> runs, const std::string& s
 
 std::vector<uint64_t> chosen_runs(const app::ResultsFile& results,
                                   const SweepRerunOptions& options) {
-  std::vector<uint64_t> finished;
+  std::vector<uint64_t> finished, failed;
   results.each([&](const app::RunRecord& record) {
-    if (!record.failed()) finished.push_back(record.run);
+    (record.failed() ? failed : finished).push_back(record.run);
   });
   if (options.runs.empty()) return sample_of(std::move(finished), options.sample, options.seed);
   std::vector<uint64_t> chosen;
   for (const std::string& text : options.runs) {
     const auto run = static_cast<uint64_t>(number_from(text, "--run", "the number of a run"));
-    if (!std::binary_search(finished.begin(), finished.end(), run))
-      throw InputError(fmt::format("{}: run {} is not finished there", options.file, text));
+    if (!std::binary_search(finished.begin(), finished.end(), run) &&
+        !std::binary_search(failed.begin(), failed.end(), run))
+      throw InputError(fmt::format("{}: run {} is not there", options.file, text));
     chosen.push_back(run);
   }
   return chosen;
@@ -120,12 +121,15 @@ void rerun(const SweepRerunOptions& options) {
   const app::SweepOutcome outcome = app::make_runs(
       plan, runs, makers, options.jobs, scratch.path(), [&](const app::RunRecord& now) {
         const auto before = results.record(now.run);
-        if (before && !now.failed() && app::same_result(*before, now)) return;
-        ++different;
+        if (before && !before->failed() && !now.failed() && app::same_result(*before, now)) return;
+        const bool failed_before = before && before->failed();
+        if (!failed_before || !now.failed()) ++different;
         const std::string what =
-            now.failed() ? "failed now: " + now.error : differences(plan, *before, now);
+            now.failed()    ? (failed_before ? "failed again: " : "failed now: ") + now.error
+            : failed_before ? "finished now, and failed before"
+                            : differences(plan, *before, now);
         std::printf("run %llu: %s\n", static_cast<unsigned long long>(now.run),
-                    shown(what).c_str());
+                    shown_lines(what).c_str());
       });
   std::printf("%llu of %zu runs made again, %llu of them differ\n",
               static_cast<unsigned long long>(outcome.made), runs.size(),
@@ -137,12 +141,14 @@ void rerun(const SweepRerunOptions& options) {
 
 void add_sweep_rerun(app::Command sweep) {
   app::Command command = sweep.add_subcommand(
-      "rerun", "Makes finished runs again from the results alone, and compares them to the bit");
+      "rerun", "Makes runs again from the results alone, and compares them to the bit");
   auto options = std::make_shared<SweepRerunOptions>();
   command.add_option("RESULTS", options->file, "A file that `seam sweep` made").required();
   command.add_option("--sample", options->sample,
                      "So many of them: a percentage such as 1%, or a number; left out: all");
-  command.add_option("--run", options->runs, "These runs, by their numbers");
+  command.add_option("--run", options->runs,
+                     "These runs, by their numbers; also failed ones, which\n"
+                     "then show what their behaviours print");
   command.add_option("--seed", options->seed, "Of the choice of a sample").show_default();
   command.add_option("--jobs", options->jobs, "Runs at once; 0 is one for each core")
       .range(0, 1024);

@@ -255,6 +255,10 @@ std::string ViewData::events(const Query&) {
   const std::lock_guard lock(impl_->mutex);
   json events = json::array();
   for (const auto& event : impl_->index.events) events.push_back(json_of(event));
+  for (const auto& line : impl_->index.printed) events.push_back(json_of(line));
+  std::stable_sort(events.begin(), events.end(), [](const json& a, const json& b) {
+    return a["t"].get<double>() < b["t"].get<double>();
+  });
   return json{{"events", std::move(events)}}.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -267,6 +271,21 @@ std::string ViewData::steps(const Query& query) {
   auto step = std::lower_bound(steps.begin(), steps.end(), SimTime::from_s(from));
   for (; step != steps.end() && *step < SimTime::from_s(to); ++step) times.push_back(step->s());
   return json{{"t", std::move(times)}}.dump();
+}
+
+std::string ViewData::decisions(const Query& query) {
+  const std::lock_guard lock(impl_->mutex);
+  const auto& all = impl_->robot_index(query).decisions;
+  const double from = number_of(query, "from", 0);
+  const double to = std::min(number_of(query, "to", from + 10), from + 60);
+  auto entry = std::lower_bound(all.begin(), all.end(), from,
+                                [](const DecisionEntry& e, double t) { return e.t < t; });
+  json decisions = json::array();
+  for (; entry != all.end() && entry->t < to; ++entry) {
+    decisions.push_back({{"t", entry->t}});
+    if (entry->frame_index) decisions.back()["frame"] = *entry->frame_index;
+  }
+  return json{{"decisions", std::move(decisions)}}.dump();
 }
 
 std::string ViewData::debug(const Query& query) {

@@ -30,6 +30,7 @@ class ViewData {
   std::string state(const Query& query);
   std::string events(const Query& query);
   std::string steps(const Query& query);
+  std::string decisions(const Query& query);
   std::string debug(const Query& query);
   std::string series(const Query& query);
   std::string frames(const Query& query);

@@ -11,6 +11,7 @@ using scheduler::Answer;
 
 // Beyond this a log of a talkative behaviour would not fit into memory.
 constexpr size_t kMaxDebugItems = 500'000;
+constexpr size_t kMostPrinted = 200'000;
 
 void add(Series& series, double t, double value) {
   series.t.push_back(t);
@@ -50,14 +51,25 @@ class Indexer {
     for (const Answer& answer : turn.turn.answers) {
       // A decoded turn may name a robot that the header does not have.
       if (static_cast<size_t>(answer.robot) >= index_.robots.size()) continue;
-      take(turn.time.s(), answer);
+      take(turn.time, answer);
     }
   }
 
  private:
-  void take(double t, const Answer& answer) {
+  // Frames that are finished at an instant are sent with that instant's observation.
+  static std::optional<uint64_t> newest_frame(const RobotIndex& robot, SimTime time) {
+    const auto sent = std::find_if(robot.frames.rbegin(), robot.frames.rend(),
+                                   [&](const auto& frame) { return frame.time <= time; });
+    if (sent == robot.frames.rend()) return std::nullopt;
+    return sent->index;
+  }
+
+  void take(SimTime time, const Answer& answer) {
+    const double t = time.s();
     const auto place = static_cast<size_t>(answer.robot);
     RobotIndex& robot = index_.robots[place];
+    const std::optional<uint64_t> frame_index = newest_frame(robot, time);
+    robot.decisions.push_back({t, frame_index});
     const RobotCommand& command = answer.decision.command;
     if (command.walk) {
       add(robot.series["command.vx_m_s"], t, command.walk->vx_mps);
@@ -74,7 +86,8 @@ class Indexer {
       if (item.kind == scheduler::DebugItem::Kind::value) {
         add(robot.series["debug." + item.name], t, item.value);
       }
-      if (robot.debug.size() < kMaxDebugItems) robot.debug.push_back({t, item});
+      if (robot.debug.size() < kMaxDebugItems)
+        robot.debug.push_back({t, item, item.frame_index ? item.frame_index : frame_index});
     }
   }
 
@@ -90,6 +103,11 @@ ViewIndex index_log(const scheduler::Log& log) {
   Indexer indexer(log, index);
   scheduler::LogCursor cursor(log, {Topic::step, Topic::turn, Topic::frame, Topic::event});
   while (const auto record = cursor.next()) std::visit(indexer, *record);
+  scheduler::PrintedCursor printed(log);
+  while (auto line = printed.next()) {
+    if (index.printed.size() == kMostPrinted) break;
+    index.printed.push_back(std::move(*line));
+  }
   return index;
 }
 

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "scheduler/log/log.h"
+#include "scheduler/log/printed_line.h"
 
 namespace seam::tools {
 
@@ -14,9 +15,16 @@ struct Series {
   std::vector<double> values;
 };
 
+// A decision, and the newest frame that the robot had been sent when it decided.
+struct DecisionEntry {
+  double t = 0;
+  std::optional<uint64_t> frame_index;
+};
+
 struct DebugEntry {
   double t = 0;
   scheduler::DebugItem item;
+  std::optional<uint64_t> frame_index;  // The item's own, else its decision's.
 };
 
 // Where a camera is and where it looks, as a map shows it.
@@ -28,6 +36,7 @@ struct CameraPlace {
 
 struct RobotIndex {
   std::vector<scheduler::FrameRecord> frames;
+  std::vector<DecisionEntry> decisions;
   std::vector<DebugEntry> debug;
   std::map<std::string, Series> series;  // Poses, commands, debug values.
   std::vector<CameraPlace> cameras;      // At pose_t, of a robot without an ERS-210's head.
@@ -39,6 +48,7 @@ struct ViewIndex {
   std::vector<SimTime> step_times;
   std::vector<uint64_t> step_fingerprints;
   std::vector<scheduler::SimulationEvent> events;
+  std::vector<scheduler::PrintedLine> printed;
   std::vector<RobotIndex> robots;
 };
 

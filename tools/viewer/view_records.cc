@@ -15,9 +15,18 @@ json json_of(const scheduler::SimulationEvent& event) {
           {"detail", event.detail}};
 }
 
+json json_of(const scheduler::PrintedLine& line) {
+  return {{"t", line.time.s()},
+          {"kind", "printed"},
+          {"robot", line.robot},
+          {"name", "printed"},
+          {"detail", line.text}};
+}
+
 json json_of(const DebugEntry& entry) {
   const scheduler::DebugItem& item = entry.item;
   json one = {{"t", entry.t}, {"name", item.name}};
+  if (entry.frame_index) one["frame"] = *entry.frame_index;
   if (item.kind == scheduler::DebugItem::Kind::value) one["value"] = item.value;
   if (item.kind == scheduler::DebugItem::Kind::text) one["text"] = item.text;
   if (item.kind == scheduler::DebugItem::Kind::drawing) {

@@ -10,6 +10,7 @@
 namespace seam::tools {
 
 nlohmann::json json_of(const scheduler::SimulationEvent& event);
+nlohmann::json json_of(const scheduler::PrintedLine& line);
 nlohmann::json json_of(const DebugEntry& entry);
 // When a row collects light, and where the camera is in the middle of that.
 nlohmann::json json_of(const RowWindow& row, const Pose& X_WC);

@@ -60,6 +60,7 @@ function events(length_s) {
   const all = [];
   for (let t = 0; t < length_s; t += 0.5) all.push({ t, kind: "radio", robot: robots[Math.round(2 * t) % 8].id, name: "message", detail: "" });
   all.push({ t: 0, kind: "referee", robot: "", name: "kick-off", detail: "red" });
+  for (let t = 0.2; t < length_s; t += 10) all.push({ t, kind: "printed", robot: "red2", name: "printed", detail: `ball at ${t}` });
   for (let t = 47; t < length_s; t += 94) all.push({ t, kind: "referee", robot: "", name: "goal", detail: t % 188 === 47 ? "red" : "blue" });
   for (let t = 80; t < length_s; t += 131) all.push({ t, kind: "referee", robot: "blue2", name: "pushing", detail: "taken out for 30 s" });
   if (length_s > 312) {
@@ -77,13 +78,20 @@ function debug(log, robot, from, to) {
     const [x, y] = ball(t);
     const [rx, ry] = pose(log, i, t);
     const u = 60 + 40 * Math.sin(t);
+    const frame = seenBy(t);
     items.push({ t, name: "ball distance", value: Math.hypot(x - rx, y - ry) });
     items.push({ t, name: "role", text: i % 4 === 0 ? "keeper" : "striker" });
-    items.push({ t, name: "ball", in_image: true, points: [[u, 70], [u + 24, 70], [u + 24, 94], [u, 94], [u, 70]] });
-    items.push({ t, name: "beacon", in_image: true, points: [[140, 30]] });
+    items.push({ t, name: "ball", frame, in_image: true, points: [[u, 70], [u + 24, 70], [u + 24, 94], [u, 94], [u, 70]] });
+    items.push({ t, name: "beacon", frame, in_image: true, points: [[140, 30]] });
     items.push({ t, name: "ball estimate", in_image: false, points: [[x + 0.03, y]] });
   }
   return { items };
+}
+
+function decisions(from, to) {
+  const made = [];
+  for (let k = Math.max(0, Math.ceil(from / 0.2)); k * 0.2 < to; ++k) made.push({ t: k * 0.2, frame: seenBy(k * 0.2) });
+  return { decisions: made };
 }
 
 const makers = {
@@ -104,6 +112,8 @@ function series(log, robot, names, from, to, points) {
 }
 
 const stamp = (index) => 0.003 + index * period_s;
+/** The newest frame whose rows have all been read at `t`: its stamp lies one period or more before. */
+const seenBy = (t) => Math.max(0, Math.floor((t - 0.003) / period_s + 1e-9) - 1);
 const frameAt = (query) => query.has("index") ? Number(query.get("index"))
   : Math.max(0, Math.floor((Number(query.get("t")) - 0.003) / period_s + 1e-9));
 
@@ -160,6 +170,7 @@ function answer(path, query, logs) {
       for (let k = Math.ceil(from / step_s - 1e-9); k * step_s < to; ++k) t.push(Number((k * step_s).toFixed(6)));
       return { t };
     }
+    case "decisions": return decisions(from, Math.min(to, own.end_s));
     case "debug": return debug(log, query.get("robot"), from, to);
     case "series": return series(log, query.get("robot"), query.get("names"), from, to, get("points", 1000));
     case "frames": return frames(from, to, own.end_s);
@@ -167,6 +178,8 @@ function answer(path, query, logs) {
     case "diff": return logs.length < 2 ? undefined : { equal: false, header: ["client of red1: striker and keeper"],
       compared_until_s: Math.min(...logs.map((l) => l.end_s)),
       first: { t: 100.008, time_ns: "100008000000", section: "robot/red1", field: "x_m", a: 0.1, b: 0.2 },
+      first_decision: { t: 100, time_ns: "100000000000", robot: "red1", frame: { a: 2498, b: 2498, same: true },
+        fields: [{ field: "pan_rad", a: "-0.889", b: "0.59" }, { field: "kick", a: "", b: "leg_forward" }] },
       spread: [{ t: 100.008, section: "robot/red1" }, { t: 104.2, section: "ball" }, { t: 131.6, section: "robot/blue2" }] };
   }
   return undefined;

@@ -141,6 +141,23 @@ async function readPanels(page) {
   assert.ok(size.width > 150 && size.height > 50, "the plots have a size");
 }
 
+/** The camera shows the frame that a decision was made from, not the newest one, and steps by decision. */
+async function decisionsOfTheMock(page, url) {
+  await open(page, url, "?t=50.19&robot=blue1");
+  const shown = (frame) => until(`frame ${frame}`, async () =>
+    (await page.locator(".camera .caption").first().getAttribute("data-frame")) === String(frame));
+  await shown(1248);
+  assert.match(await page.locator(".camera .decided").innerText(), /50\.000 s/);
+  await page.keyboard.press("f");
+  await shown(1254);
+  await page.keyboard.press("f");
+  await page.keyboard.press(".");
+  await until("the next decision", async () => Math.abs(await moment(page) - 50.2) < 1e-6);
+  await shown(1253);
+  await page.keyboard.press(",");
+  await until("the decision before", async () => Math.abs(await moment(page) - 50) < 1e-6);
+}
+
 /** Stepping by events and a link to a moment: what the mock holds is known. */
 async function eventsOfTheMock(page, url) {
   await open(page, url, "?t=50&robot=blue1");
@@ -149,6 +166,15 @@ async function eventsOfTheMock(page, url) {
   await until("the next event", async () => Math.abs(await moment(page) - 80) < 1e-6);
   await page.keyboard.press("Shift+ArrowLeft");
   await until("the event before", async () => Math.abs(await moment(page) - 47) < 1e-6);
+  await page.getByLabel("Kind of event").selectOption("printed");
+  await until("printed lines alone", async () => {
+    const names = await page.locator(".events .name").allInnerTexts();
+    return names.length > 5 && names.every((name) => name === "printed");
+  });
+  await page.getByLabel("blue1 alone").check();
+  await until("none of blue1", async () => (await page.locator(".events li").count()) === 0);
+  await page.getByLabel("blue1 alone").uncheck();
+  await page.getByLabel("Kind of event").selectOption("");
   await page.locator(".events .fault button").first().click();
   await until("a click on a fault goes there", async () => Math.abs(await moment(page) - 312.4) < 1e-6);
   await page.keyboard.press("End");
@@ -170,6 +196,11 @@ async function compareTwo(browser) {
   await drawn(page, "camera b", 8);
   await page.getByRole("button", { name: /First difference/ }).click();
   await until("the first difference", async () => Math.abs(await moment(page) - 100.008) < 1e-6);
+  const decision = page.locator(".difference");
+  assert.match(await decision.innerText(), /red1, made from frame 2498 in a, 2498 in b: the same pixels/);
+  assert.deepEqual(await decision.locator("table.decision td").allInnerTexts(), ["-0.889", "0.59", "–", "leg_forward"]);
+  await page.getByRole("button", { name: /First other decision/ }).click();
+  await until("the first other decision", async () => Math.abs(await moment(page) - 100) < 1e-6);
   await page.getByLabel("Time", { exact: true }).fill("110");
   await page.keyboard.press("Enter");
   await until("both fields are drawn, and differ", async () =>
@@ -208,6 +239,7 @@ try {
   await fits(page, 1280, 800);
   await fits(page, 1920, 1080);
   await page.setViewportSize({ width: 1280, height: 800 });
+  if (!real) await decisionsOfTheMock(page, server.url);
   if (!real) await eventsOfTheMock(page, server.url);
   assert.deepEqual(errors, [], "console");
   if (!real) await compareTwo(browser);

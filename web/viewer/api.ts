@@ -56,9 +56,17 @@ export interface MatchEvent {
   detail: string;
 }
 
+export interface Decision {
+  t: number;
+  /** The newest frame that the robot had been sent when it decided. */
+  frame?: number;
+}
+
 export interface DebugItem {
   t: number;
   name: string;
+  /** The frame that a drawing belongs to. */
+  frame?: number;
   value?: number;
   text?: string;
   in_image?: boolean;
@@ -95,6 +103,14 @@ export interface Difference {
   header: string[];
   compared_until_s: number;
   first?: { t: number; section: string; field: string; a: unknown; b: unknown } | null;
+  first_decision?: {
+    t: number;
+    robot: string;
+    /** An empty text: that run's decision lacks the field. */
+    fields: { field: string; a: string; b: string }[];
+    /** The frames that the two decisions were made from. */
+    frame?: { a: number; b: number; same: boolean } | null;
+  } | null;
   spread: { t: number; section: string }[];
 }
 

@@ -6,8 +6,8 @@ import { palette } from "../shared/palette";
 import { ask, askPicture, type FrameRows, type Picture } from "./api";
 import { Canvas, font, type Size } from "./canvas";
 import { lastAt, type Replay } from "./replay";
-import { recent } from "./reported";
-import { nextStage, playing, robot, stage, time } from "./store";
+import { decisionAt, marksOn } from "./reported";
+import { nextStage, playing, robot, sight, stage, time } from "./store";
 
 interface Eye {
   picture: ReturnType<typeof signal<Picture | null>>;
@@ -17,6 +17,8 @@ interface Eye {
 
 /** The index of the frame to show at `t`, or undefined to let the server find it by time. */
 function frameAt(replay: Replay, id: string, t: number): number | undefined {
+  const decided = sight.value === "decision" ? decisionAt(replay, id, t)?.frame : undefined;
+  if (decided !== undefined) return decided;
   const chunks = replay.frames(id);
   void chunks.arrivals.value;
   const frames = chunks.at(t);
@@ -99,6 +101,8 @@ export function Camera({ replay }: { replay: Replay }) {
     if (rows && picture && rows.index === picture.index) drawRowTimes(context, size, rows, time.value);
   }, [eye]);
   const picture = eye.picture.value;
+  const decision = sight.value === "decision" && robot.value
+    ? decisionAt(replay, robot.value, replay.clamp(time.value)) : undefined;
   const delay = lineDelay_ms(eye.rows.value, picture?.index);
   return (
     <section class="camera" aria-label={`Camera of ${robot.value}`}>
@@ -113,11 +117,16 @@ export function Camera({ replay }: { replay: Replay }) {
       </div>
       <p class="caption num" data-frame={picture?.index}>
         {picture ? <>frame {picture.index}, {picture.stamp_s.toFixed(3)} s
+          {decision?.frame === picture.index &&
+            <span class="decided">{" · "}decided from at {decision.t.toFixed(3)} s</span>}
           {delay !== null && <>{" · "}{delay.toFixed(3)} ms a row</>}
           {" · "}{picture.recorded ? "recorded" : "rendered now"}
           {picture.matches === true && <span class="ok"> · same bits as in the match</span>}
           {picture.matches === false && <span class="warn"> · differs from the match</span>}</>
           : "…"}
+        {" "}<button type="button" class="link" title="F: frame of the decision, or the newest frame"
+          onClick={() => (sight.value = sight.value === "time" ? "decision" : "time")}>
+          {sight.value === "time" ? "show the decision's frame" : "show the newest frame"}</button>
       </p>
     </section>
   );
@@ -151,9 +160,8 @@ function drawReported(context: CanvasRenderingContext2D, size: Size, replay: Rep
   context.lineWidth = 1.75;
   context.font = font(11, 600);
   const t = replay.clamp(time.value);
-  for (const item of recent(replay, robot.value, t)) {
-    if (!item.in_image || !item.points?.length || item.t < picture.stamp_s - 0.2) continue;
-    const at = item.points.map(([u, v]) => [(u + 0.5) * sx, (v + 0.5) * sy]);
+  for (const item of marksOn(replay, robot.value, picture.index, t)) {
+    const at = item.points!.map(([u, v]) => [(u + 0.5) * sx, (v + 0.5) * sy]);
     context.strokeStyle = reportColour;
     context.beginPath();
     if (at.length === 1) context.arc(at[0][0], at[0][1], 5, 0, 2 * Math.PI);

@@ -1,8 +1,8 @@
 // Play, step, speed, and the keys that do the same.
 import { useEffect } from "preact/hooks";
 import {
-  changeSpeed, end, helpShown, momentLink, nextRobot, nextStage, playing, replays, robot, say, seek, speed,
-  speeds, start, stepEvent, stepWorld, time, togglePlay, view, zoom,
+  changeSpeed, end, helpShown, momentLink, nextRobot, nextStage, playing, replays, robot, say, seek, sight, speed,
+  speeds, start, stepDecision, stepEvent, stepWorld, time, togglePlay, view, zoom,
 } from "./store";
 import { clock } from "./timeline";
 
@@ -83,6 +83,8 @@ const keys: [string, string][] = [
   ["← →", "one step of the world"],
   ["Shift + ← →", "previous or next event"],
   ["Alt + ← →", "one second"],
+  [", .", "previous or next decision of the robot"],
+  ["F", "frame of the decision, or the newest frame"],
   ["Home, End", "start or end of the match"],
   ["− +", "slower, faster"],
   ["1 … 9, [ ]", "choose a robot"],
@@ -137,6 +139,9 @@ function act(event: KeyboardEvent): boolean {
     case "-": changeSpeed(-1); return true;
     case "[": nextRobot(-1); return true;
     case "]": nextRobot(1); return true;
+    case ",": void stepDecision(-1); return true;
+    case ".": void stepDecision(1); return true;
+    case "f": case "F": sight.value = sight.value === "time" ? "decision" : "time"; return true;
     case "s": case "S": nextStage(); return true;
     case "w": case "W": view.value = [start.value, Math.max(end.value, start.value + 0.1)]; return true;
     case "z": zoom(0.5, time.value); return true;

@@ -2,7 +2,7 @@
 import { effect, signal, useComputed } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { number } from "../shared/format";
-import type { MatchEvent, State } from "./api";
+import type { Difference, MatchEvent, State } from "./api";
 import { lastAt, type Replay } from "./replay";
 import { recent } from "./reported";
 import { difference, panel, playing, replays, robot, seek, time } from "./store";
@@ -32,23 +32,40 @@ export function Panels() {
 
 const near = 60;
 
+const chosenKind = signal("");
+const onlyRobot = signal(false);
+
 /** Events around the moment: a match of twenty minutes has too many for one list. */
 function Events() {
   const list = useRef<HTMLOListElement>(null);
+  const kinds = useMemo(() => [...new Set(replays.value.flatMap((r) => r.events.map((e) => e.kind)))].sort(),
+    [replays.value]);
+  const [kind, only] = [chosenKind.value, onlyRobot.value ? robot.value : ""];
   const all = useMemo(() => {
-    const tagged = replays.value.flatMap((r) => r.events.filter((e) => e.kind !== "radio")
-      .map((event) => ({ ...event, log: r.info.id })));
+    const wanted = (e: MatchEvent) => (kind ? e.kind === kind : e.kind !== "radio") && (!only || e.robot === only);
+    const tagged = replays.value.flatMap((r) => r.events.filter(wanted).map((event) => ({ ...event, log: r.info.id })));
     return tagged.sort((a, b) => a.t - b.t);
-  }, [replays.value]);
-  const passed = useComputed(() =>
-    lastAt({ length: all.length, at: (i) => all[i].t }, time.value + 1e-6));
+  }, [replays.value, kind, only]);
+  const passed = useComputed(() => {
+    void [chosenKind.value, onlyRobot.value, robot.value];  // They choose the list.
+    return lastAt({ length: all.length, at: (i) => all[i].t }, time.value + 1e-6);
+  });
   const here = passed.value;
   const from = Math.max(0, here - near / 2);
   useEffect(() => {
     list.current?.querySelector("[aria-current=true]")?.scrollIntoView({ block: "nearest" });
   }, [here]);
-  if (all.length === 0) return <p class="quiet">No referee or fault events in this log.</p>;
   return (
+    <>
+      <div class="filters">
+        <select aria-label="Kind of event" value={kind} onChange={(e) => (chosenKind.value = e.currentTarget.value)}>
+          <option value="">all but radio</option>
+          {kinds.map((name) => <option key={name} value={name}>{name}</option>)}
+        </select>
+        <label><input type="checkbox" checked={onlyRobot.value}
+          onChange={(e) => (onlyRobot.value = e.currentTarget.checked)} /> {robot.value} alone</label>
+      </div>
+      {all.length === 0 && <p class="quiet">No such events in this log.</p>}
     <ol class="events" ref={list}>
       {all.slice(from, from + near).map((event, i) => (
         <li key={`${from + i}`} class={event.kind} aria-current={from + i === here}>
@@ -61,6 +78,7 @@ function Events() {
         </li>
       ))}
     </ol>
+    </>
   );
 }
 
@@ -166,6 +184,7 @@ function DifferenceList() {
           {diff.first.a !== "" && <>, {String(diff.first.a)} in a, {String(diff.first.b)} in b</>}.
         </p>
       )}
+      {diff.first_decision && <OtherDecision decision={diff.first_decision} />}
       <h4>How it spreads</h4>
       <ol class="events">
         {diff.spread.map((item) => (
@@ -178,6 +197,35 @@ function DifferenceList() {
         ))}
       </ol>
     </div>
+  );
+}
+
+function OtherDecision({ decision }: { decision: NonNullable<Difference["first_decision"]> }) {
+  const show = () => {
+    if (decision.robot) robot.value = decision.robot;
+    jumpTo(decision.t);
+  };
+  return (
+    <>
+      <p>
+        <button type="button" class="link" onClick={show}>
+          First other decision at <span class="num">{clock(decision.t, 0.001)}</span></button>
+        {decision.robot && <>, {decision.robot}</>}
+        {decision.frame && <>, made from frame {decision.frame.a} in a, {decision.frame.b} in b:{" "}
+          {decision.frame.same ? "the same pixels" : "other pixels"}</>}.
+      </p>
+      {decision.fields.length > 0 && (
+        <table class="decision">
+          <thead><tr><th>field</th><th>a</th><th>b</th></tr></thead>
+          <tbody>
+            {decision.fields.map((field, i) => (
+              <tr key={i}><th>{field.field}</th><td class="num">{field.a || "–"}</td>
+                <td class="num">{field.b || "–"}</td></tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </>
   );
 }
 

@@ -1,5 +1,5 @@
 // One log as the page sees it: what it is, and the pieces of it that are loaded.
-import { ask, type DebugItem, type FrameInfo, type LogInfo, type MatchEvent, type State, type Truth } from "./api";
+import { ask, type DebugItem, type Decision, type FrameInfo, type LogInfo, type MatchEvent, type State, type Truth } from "./api";
 import { Chunks } from "./chunks";
 
 export interface Pose {
@@ -24,6 +24,7 @@ export class Replay {
   readonly truth: Chunks<Truth>;
   events: MatchEvent[] = [];
   private readonly debugChunks = new Map<string, Chunks<DebugItem[]>>();
+  private readonly decisionChunks = new Map<string, Chunks<Decision[]>>();
   private readonly frameChunks = new Map<string, Chunks<FrameInfo[]>>();
 
   constructor(readonly info: LogInfo) {
@@ -39,6 +40,15 @@ export class Replay {
   debug(robot: string): Chunks<DebugItem[]> {
     return cached(this.debugChunks, robot, () => new Chunks(10, async (from, to) =>
       (await ask<{ items: DebugItem[] }>("debug", { log: this.info.id, robot, from, to })).items));
+  }
+
+  decisions(robot: string): Chunks<Decision[]> {
+    return cached(this.decisionChunks, robot, () => new Chunks(10, (from, to) =>
+      this.decided(robot, from, to)));
+  }
+
+  async decided(robot: string, from: number, to: number): Promise<Decision[]> {
+    return (await ask<{ decisions: Decision[] }>("decisions", { log: this.info.id, robot, from, to })).decisions;
   }
 
   frames(robot: string): Chunks<FrameInfo[]> {

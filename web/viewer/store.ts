@@ -15,6 +15,8 @@ export const playing = signal(false);
 export const speed = signal(1);
 export const robot = signal("");
 export const stage = signal("rgb");
+/** Which frame the camera shows: the one that the last decision was made from, or the newest by its stamp. */
+export const sight = signal<"decision" | "time">("decision");
 export const panel = signal<"events" | "client" | "state" | "difference">("events");
 export const helpShown = signal(false);
 /** The part of the match that the timeline and the plots show. */
@@ -37,7 +39,7 @@ export const start = computed(() => Math.min(...replays.value.map((r) => r.info.
 export const end = computed(() => Math.max(...replays.value.map((r) => r.info.end_s), 0));
 /** Events of all logs without the radio's chatter: what one steps to. */
 export const milestones = computed<MatchEvent[]>(() => {
-  const all = replays.value.flatMap((r) => r.events.filter((event) => event.kind !== "radio"));
+  const all = replays.value.flatMap((r) => r.events.filter((event) => event.kind !== "radio" && event.kind !== "printed"));
   const first = difference.value?.first;
   if (first) {
     all.push({ t: first.t, kind: "difference", robot: "", name: "first difference",
@@ -138,6 +140,18 @@ export async function stepWorld(direction: 1 | -1): Promise<void> {
   const times = await replay.steps(Math.max(0, t - reach), t + reach).catch(() => [] as number[]);
   const next = direction > 0 ? times.find((s) => s > t + tiny) : times.filter((s) => s < t - tiny).pop();
   seek(next ?? t + direction * replay.info.step_s);
+}
+
+/** To the next or previous decision of the chosen robot. */
+export async function stepDecision(direction: 1 | -1): Promise<void> {
+  playing.value = false;
+  const [replay] = replays.value;
+  const t = time.value;
+  const [from, to] = direction > 0 ? [t, t + 10] : [Math.max(0, t - 10), t];
+  const made = await replay.decided(robot.value, from, to + tiny).catch(() => []);
+  const next = direction > 0 ? made.find((one) => one.t > t + tiny) : made.filter((one) => one.t < t - tiny).pop();
+  if (next) seek(next.t);
+  else say(direction > 0 ? "No later decision within 10 s." : "No earlier decision within 10 s.");
 }
 
 export function nextRobot(by: number): void {

@@ -16,10 +16,11 @@ interface Lane {
 const oneLog: Lane[] = [
   { label: "referee", kinds: ["referee"], colour: palette.after },
   { label: "faults", kinds: ["fault", "policy"], colour: palette.before },
+  { label: "printed", kinds: ["printed"], colour: palette.sky },
   { label: "radio", kinds: ["radio"], colour: palette.formal },
 ];
 
-/** Two logs leave no room for the radio: it is in the list of one log. */
+/** Two logs leave no room for more: radio and printed lines are in the list of one log. */
 const twoLogs: Lane[] = oneLog.slice(0, 2);
 
 const lanesNow = () => (replays.value.length > 1 ? twoLogs : oneLog);
@@ -130,7 +131,7 @@ function drawLane(context: CanvasRenderingContext2D, size: Size, top: number, he
 function drawEvents(context: CanvasRenderingContext2D, events: MatchEvent[], lane: Lane,
   x: (t: number) => number, low: number, high: number, top: number, height: number): void {
   context.fillStyle = lane.colour;
-  const thin = lane.kinds.includes("radio");
+  const thin = lane.kinds.includes("radio") || lane.kinds.includes("printed");
   let last = -10;
   for (const event of events) {
     if (event.t < low || event.t > high || !lane.kinds.includes(event.kind)) continue;

@@ -94,6 +94,10 @@ void SweepPlan::read(const ConfigNode& root) {
   read_changes(root);
   read_axes(root);
   repetitions_ = static_cast<uint64_t>(root.integer_or("repetitions", 1, 1, kMostRepetitions));
+  if (const auto limits = root.find("limits")) {
+    wall_limit_s_ = limits->at("wall_s").number({1e-3, 1e9});
+    limits->finish();
+  }
   const auto keep = root.find("keep");
   for (const Axis& axis : axes_) {
     for (const SweepParameter& parameter : axis.parameters) parameters_.push_back(parameter.name);

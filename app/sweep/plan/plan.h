@@ -54,6 +54,8 @@ class SweepPlan {
   uint64_t seeds() const { return seeds_; }
   uint64_t repetitions() const { return repetitions_; }
   const Keep& keep() const { return keep_; }
+  // `limits: {wall_s}`: a run that takes longer is aborted.
+  std::optional<double> wall_limit_s() const { return wall_limit_s_; }
 
   // Settings vary like nested loops in the order of the plan, the last one fastest, repetitions
   // faster still.
@@ -87,6 +89,7 @@ class SweepPlan {
   uint64_t runs_ = 1;
   std::vector<std::string> parameters_;
   Keep keep_;
+  std::optional<double> wall_limit_s_;
   std::map<std::vector<std::string>, std::string> commands_;
   // Runs that were worked out, shared by copies.
   std::shared_ptr<const Known> known_ = std::make_shared<const Known>();

@@ -85,6 +85,9 @@ class Connection:
         `seam run` sets the environment. SEAM_LINE counts where no --address is given. Other arguments are left alone.
         """
         stand_by()
+        # `seam run` reads what is printed through a pipe, and gives each line the time at which it came.
+        if isinstance(sys.stdout, io.TextIOWrapper):
+            sys.stdout.reconfigure(line_buffering=True)
         parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
         for option in ("address", "robot", "token", "certs"):
             parser.add_argument("--" + option)
@@ -275,7 +278,11 @@ class Robot:
     def log_text(self, name: str, text: str) -> None:
         self._answer.decision.debug.add(name=name, text=text)
 
-    def log_drawing(self, name: str, points: Iterable[tuple[float, float]], in_image: bool = False) -> None:
-        """Points (x, y) on the field (metres, world frame) or (u, v) in the image (pixels), joined by a line."""
-        drawing = wire.Drawing(in_image=in_image, points=[part for point in points for part in point])
+    def log_drawing(self, name: str, points: Iterable[tuple[float, float]], in_image: bool = False,
+                    frame_index: int | None = None) -> None:
+        """Points (x, y) on the field (metres, world frame) or (u, v) in the image (pixels), joined by a line.
+
+        A drawing in the image belongs to the newest frame that this robot was sent, or to `frame_index`."""
+        drawing = wire.Drawing(in_image=in_image, points=[part for point in points for part in point],
+                               frame_index=frame_index)
         self._answer.decision.debug.add(name=name, drawing=drawing)

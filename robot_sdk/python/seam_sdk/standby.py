@@ -22,6 +22,7 @@ def stand_by() -> None:
         return
     simulator = os.getppid()
     settings = b""  # Of the first run: those of the environment.
+    outputs: list[int] = []  # Where the next client is to print; none: where this process does.
     with socket.socket(fileno=int(asked)) as line:
         while True:
             sys.stdout.flush()
@@ -32,9 +33,15 @@ def stand_by() -> None:
                 itself = os.getpid()
                 if os.fork() != 0:
                     os._exit(0)
+                for output in outputs:
+                    os.dup2(output, 1)
+                    os.dup2(output, 2)
+                    os.close(output)
                 return _become_client(itself, simulator, line, settings)
             os.waitpid(between, 0)
-            settings = line.recv(_MOST_BYTES)
+            for output in outputs:
+                os.close(output)
+            settings, outputs, _, _ = socket.recv_fds(line, _MOST_BYTES, 1)
             if not settings:
                 os._exit(0)
 
