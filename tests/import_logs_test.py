@@ -5,7 +5,7 @@ import json
 
 import numpy as np
 
-from importing import RNG, imported, mat_file, refused, rows_of, run, run_tests, servo_log
+from importing import RNG, error_of, imported, mat_file, refused, rows_of, run, run_tests, servo_log
 
 
 def test_servo(folder):
@@ -93,8 +93,26 @@ def test_servo(folder):
     refused("servo", folder / "cut.json", out=folder / "cut", words=["cut.json", "JSON"])
     refused("servo", folder / "run.csv", "--map", "command=gaol", out=folder / "map", words=["gaol", "did you mean 'goal'"])
     refused("servo", folder / "run.csv", "--board", "9x6", out=folder / "board", words=["--board"], code=2)
-    refused("servoo", folder / "run.csv", out=folder / "kind", words=["servo"], code=2)
+    refused("servoo", folder / "run.csv", out=folder / "kind", words=["unknown kind 'servoo', did you mean 'servo'?"],
+            code=2)
+    said = run("import", "zzzzzzzz", folder / "run.csv", "--out", folder / "kind", code=2)
+    assert said.count("bouguet") == 1, said
     assert "is there already" in run("import", "servo", folder / "bam.json", "--out", folder / "bam", code=1)
+
+
+def test_names_that_no_import_asks_for(folder):
+    """A slip in --map must not be passed over, whatever the kind: the names that it knows are told."""
+    (folder / "table.csv").write_text("time,command,position\n0,1,2\n1,2,3\n")
+    kind, kinds = "", {}
+    for line in run("import", "--help").splitlines():
+        if line.startswith("  ") and line[2:3].isalpha():
+            kind = line.split()[0]
+        if "names for --map: " in line:
+            kinds[kind] = line.split("--map: ")[1].split(", ")
+    assert {"images", "servo", "ranges", "opencv", "kalibr", "ros", "flats"} <= set(kinds), kinds
+    for kind, names in kinds.items():
+        refused(kind, folder / "table.csv", "--map", f"{names[0]}=time,banana=time", out=folder / "none", code=2,
+                words=["--map banana=time: unknown name 'banana'", f"import {kind}", *names])
 
 
 def test_ranges(folder):
@@ -130,7 +148,7 @@ def test_ranges(folder):
         for i, (t, _, b, r) in enumerate(ranges)]
     (folder / "named.csv").write_text("".join(some))
     said = imported("ranges", tables[0], folder / "named.csv", tables[2], out=folder / "named")
-    assert "12 of 300 ranges are blank, nan or 0" in said, said
+    assert "12 of 300 rows are blank, nan or a range of 0" in said, said
     assert len(rows_of(folder / "named" / "observations.csv")) == 288
     mm = ranges.copy()
     mm[:, 3] *= 1000
@@ -139,6 +157,107 @@ def test_ranges(folder):
     tables[1] = write("ranges.csv", "t;anchor;distance", ranges[:, [0, 2, 3]])
     tables[2] = write("turned.csv", "id;x;y", beacons[:, [0, 2, 1]])
     assert "exchanged" in imported("ranges", *tables, out=folder / "turned")
+
+
+def text_table(path, header, rows):
+    path.write_text(header + "\n" + "".join(",".join(x if isinstance(x, str) else repr(float(x)) for x in row) + "\n"
+                                            for row in rows))
+    return path
+
+
+def driven(n=800, dt=0.1):
+    """Times and poses of a robot that drives about in a room of 6 m x 5 m."""
+    t = np.arange(n) * dt
+    x, y = 3 + 1.9 * np.sin(0.31 * t), 2.5 + 1.6 * np.sin(0.47 * t + 1)
+    return t, x, y, np.unwrap(np.arctan2(np.gradient(y), np.gradient(x)))
+
+
+def ranges_to(anchors, t, x, y, z=0.0):
+    a = anchors[np.arange(len(t)) % len(anchors)]
+    return a[:, 0], np.sqrt((a[:, 1] - x) ** 2 + (a[:, 2] - y) ** 2 + (a[:, 3] - z) ** 2)
+
+
+def discovered(out, folder):
+    run("discover", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "d.yaml", "--json", folder / "d.json")
+    return json.loads((folder / "d.json").read_text())
+
+
+def test_beacons_above_the_plane(folder):
+    """Ranges are distances in space where the tables say heights; nothing is wrong with them but their noise."""
+    t, x, y, theta = driven()
+    anchors = np.array([[1, 0, 0, 2.2], [2, 6, 0, 2.6], [3, 6, 5, 1.9], [4, 0, 5, 2.2]])
+    who, exact = ranges_to(anchors, t, x, y, 0.3)
+    path = text_table(folder / "path.csv", "time,x,y,theta,z", np.stack([t, x, y, theta, 0 * t + 0.3], 1))
+    seen = text_table(folder / "ranges.csv", "time,anchor,range",
+                      np.stack([t, who, exact + 0.02 * RNG.standard_normal(len(t))], 1))
+    high = text_table(folder / "anchors.csv", "anchor,x,y,z", anchors)
+    out = folder / "high"
+    said = imported("ranges", seen, high, path, out=out)
+    assert "lies in a plane" not in said, said
+    assert [float(row["z_m"]) for row in rows_of(out / "landmarks.csv")] == [2.2, 2.6, 1.9, 2.2]
+    assert rows_of(out / "poses.csv")[0]["z_m"] == "0.3"
+    found = discovered(out, folder)
+    assert found["verdict"] == "adequate" and not found["steps"] and abs(found["error"] - 1) < 0.1, found
+    # In centimetres, and by names of their own.
+    own = text_table(folder / "own.csv", "anchor,x,y,above [cm]", anchors * [1, 1, 1, 100])
+    imported("ranges", seen, own, path, "--map", "z=above", out=folder / "own")  # The path keeps its z.
+    assert np.allclose([float(row["z_m"]) for row in rows_of(folder / "own" / "landmarks.csv")], anchors[:, 3])
+    # A scale of the ranges is found beside the heights, at its value.
+    text_table(folder / "ranges.csv", "time,anchor,range", np.stack([t, who, 1.03 * exact + 0.02 * RNG.standard_normal(len(t))], 1))
+    imported("ranges", seen, high, path, out=folder / "scaled")
+    found = discovered(folder / "scaled", folder)
+    step = found["steps"][0]
+    assert step["effect"] == "range_scale" and len(found["steps"]) == 1, found["steps"]
+    assert abs(step["parameters"]["scale"]["value"] - 0.03) < 0.002, step
+    # A path without heights is said to be at 0; beacons without them lie in a plane.
+    low = text_table(folder / "low.csv", "time,x,y,theta", np.stack([t, x, y, theta], 1))
+    assert "taken at z = 0" in imported("ranges", seen, high, low, out=folder / "low")
+    flat = text_table(folder / "flat.csv", "anchor,x,y", anchors[:, :3])
+    assert "a column z of the beacons" in imported("ranges", seen, flat, low, out=folder / "flat")
+    refused("ranges", seen, high, path, "--map", "range=banana", out=folder / "none", words=["banana", "--map range="])
+
+
+def test_flying_among_beacons(folder):
+    """The heights of a path that leaves the plane are used or asked for, never left out in silence."""
+    t, x, y, theta = driven()
+    z = 1.0 + 0.8 * np.sin(0.23 * t)
+    anchors = np.array([[1, 0, 0, 0.2], [2, 6, 0, 2.6], [3, 6, 5, 0.1], [4, 0, 5, 2.4]])
+    who, exact = ranges_to(anchors, t, x, y, z)
+    path = text_table(folder / "path.csv", "time,x,y,z,theta", np.stack([t, x, y, z, theta], 1))
+    seen = text_table(folder / "ranges.csv", "time,anchor,range",
+                      np.stack([t, who, exact + 0.02 * RNG.standard_normal(len(t))], 1))
+    imported("ranges", seen, text_table(folder / "anchors.csv", "anchor,x,y,z", anchors), path, out=folder / "set")
+    error = error_of(folder / "set")
+    assert 0.7 < error < 1.1, error
+    refused("ranges", seen, text_table(folder / "flat.csv", "anchor,x,y", anchors[:, :3]), path, out=folder / "none",
+            words=["path.csv", "leaves the plane", "column z of the beacons"])
+
+
+def test_bearings_alone(folder):
+    t, x, y, theta = driven()
+    marks = np.array([[1, 0, 0], [2, 6, 0], [3, 6, 5], [4, 0, 5]])
+    a = marks[np.arange(len(t)) % 4]
+    bearing = np.arctan2(a[:, 2] - y, a[:, 1] - x) - theta + 0.02 + 0.005 * RNG.standard_normal(len(t))
+    bearing = np.angle(np.exp(1j * bearing))
+    where = text_table(folder / "marks.csv", "landmark,x,y", marks)
+    path = text_table(folder / "path.csv", "time,x,y,theta", np.stack([t, x, y, theta], 1))
+    for name, factor, more in (("bearing_deg", 180 / np.pi, []), ("bearing", 1, []), ("alpha", 1, ["--map", "bearing=alpha"]),
+                               ("bearing", 180 / np.pi, ["--unit", "bearing=deg"])):
+        seen = text_table(folder / "seen.csv", f"time,landmark,{name}", np.stack([t, a[:, 0], factor * bearing], 1))
+        out = folder / f"set-{name}-{factor:.0f}"
+        imported("ranges", seen, where, path, *more, out=out)
+        rows = rows_of(out / "observations.csv")
+        assert np.allclose([float(r["bearing_rad"]) for r in rows], bearing, atol=1e-9)
+        assert {r["range_m"] for r in rows} == {""}
+    # The camera looks 20 mrad to the right of the robot's front.
+    found = discovered(out, folder)
+    step = found["steps"][0]
+    assert step["effect"] == "mount_misalignment" and len(found["steps"]) == 1, found["steps"]
+    assert abs(step["parameters"]["yaw_rad"]["value"] + 0.02) < 0.002, step
+    text_table(folder / "seen.csv", "time,landmark,bearing", np.stack([t, a[:, 0], 180 / np.pi * bearing], 1))
+    refused("ranges", seen, where, path, out=folder / "none", words=["seen.csv:", "--unit bearing=deg"])
+    text_table(folder / "path.csv", "time,x,y", np.stack([t, x, y], 1))
+    refused("ranges", seen, where, path, "--unit", "deg", out=folder / "none", words=["path.csv", "column theta"])
 
 
 def test_trajectories(folder):
@@ -169,6 +288,23 @@ def test_trajectories(folder):
     assert abs(found["value"] - (1 / 1.04 - 1)) < 1e-3, found
     tum("mm.txt", 1e6 * x, 1e6 * y, yaw)
     refused("tum", folder / "mm.txt", out=folder / "mm", words=["mm.txt", "millimetres"])
+    # A flight is no walk in a plane: neither one that climbs nor one that tilts.
+    lines = truth.read_text().splitlines()
+    climbs = [lines[0]] + [" ".join([*line.split()[:3], f"{0.001 * i:.4f}", *line.split()[4:]])
+                           for i, line in enumerate(lines[1:])]
+    (folder / "climbs.txt").write_text("\n".join(climbs))
+    refused("tum", truth, folder / "climbs.txt", out=folder / "fly", words=["climbs.txt", "leaves the plane", "heights differ"])
+    tilts = [lines[0]]
+    for i, line in enumerate(lines[1:]):
+        half, other = 0.5 * yaw[i], 0.2 * np.sin(0.05 * i)  # Rz(yaw) Rx(tilt).
+        q = [np.cos(half) * np.sin(other), np.sin(half) * np.sin(other), np.sin(half) * np.cos(other),
+             np.cos(half) * np.cos(other)]
+        tilts.append(" ".join(line.split()[:4] + [repr(float(c)) for c in q]))
+    (folder / "tilts.txt").write_text("\n".join(tilts))
+    refused("tum", folder / "tilts.txt", estimate, out=folder / "tilt", words=["tilts.txt", "the body tilts by"])
+    # As the rig of a set of points it is kept whole.
+    imported("tum", folder / "climbs.txt", out=folder / "rig")
+    assert abs(float(rows_of(folder / "rig" / "poses.csv")[-1]["z_m"]) - 0.499) < 1e-9
     text = truth.read_text().splitlines()
     text[9] = text[9].rsplit(" ", 1)[0] + " 0.1"
     (folder / "q.txt").write_text("\n".join(text))

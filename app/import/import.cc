@@ -3,9 +3,22 @@
 #include <fmt/ranges.h>
 
 #include "app/import/kinds/kinds.h"
+#include "app/import/recognise.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
+namespace {
+
+const std::vector<std::string> kOfCalibrations = {"corners",      "target",     "camera_matrix",
+                                                  "distortion",   "names",      "board_width",
+                                                  "board_height", "square_size"};
+
+std::vector<std::string> with_calibrations(std::vector<std::string> names) {
+  names.insert(names.end(), kOfCalibrations.begin(), kOfCalibrations.end());
+  return names;
+}
+
+}  // namespace
 
 const std::vector<ImportKind>& import_kinds() {
   static const std::vector<ImportKind> kinds = {
@@ -14,23 +27,40 @@ const std::vector<ImportKind>& import_kinds() {
                "AprilGrid or ChArUco "
                "board; times from names, a CSV or EXIF",
        .options = {"target", "board", "spacing", "length-unit", "time-unit", "map", "camera"},
+       .quantities = {"file", "time"},
        .fill = import_images},
       {.name = "servo",
        .help = "logs of commanded and measured angles: CSV or JSON, a file a run, or commands and "
                "states in two files",
        .options = {"map", "unit", "time-unit", "reverse", "off-where"},
+       .quantities = {"time", "command", "measured", "run", "joint", "kp", "voltage",
+                      "torque_enable"},
        .fill = import_servo},
       {.name = "ranges",
-       .help = "ranges to beacons, their places and a path: the Plaza sets' .mat, or three CSV",
+       .help = "ranges and bearings to beacons, their places and a path: the Plaza sets' .mat, or "
+               "three CSV",
        .options = {"map", "unit", "time-unit", "length-unit"},
+       .quantities = {"time", "beacon", "range", "bearing", "x", "y", "z", "theta", "qw", "qx",
+                      "qy", "qz", "path", "ranges", "beacons"},
+       .own_units = true,
        .fill = import_ranges},
+      {.name = "wheels",
+       .help = "ticks or speeds of two wheels, or velocities of a body, and its poses: CSV, the "
+               "poses also in a file of their own with its own clock",
+       .options = {"map", "unit", "time-unit", "length-unit", "base", "radius", "metres-per-tick"},
+       .quantities = {"time", "run", "left", "right", "vx", "vy", "omega", "x", "y", "z", "theta",
+                      "qw", "qx", "qy", "qz", "pose_time"},
+       .own_units = true,
+       .fill = import_wheels},
       {.name = "opencv",
        .help = "corners and calibration in YAML or XML of cv::FileStorage, camera_info YAML",
        .options = {"map", "board", "spacing", "length-unit", "size"},
+       .quantities = kOfCalibrations,
        .fill = import_opencv},
       {.name = "kalibr",
        .help = "a camchain, a target YAML, corners as CSV",
        .options = {"map", "board", "spacing", "length-unit", "time-unit", "size", "camera"},
+       .quantities = {"time", "frame", "camera", "tag", "point", "u", "v"},
        .fill = import_kalibr},
       {.name = "mrcal",
        .help = "corners as .vnl and a .cameramodel, or a .cameramodel with its inputs",
@@ -46,6 +76,7 @@ const std::vector<ImportKind>& import_kinds() {
            "pictures, CameraInfo, poses and TF; camera_info YAML",
        .options = {"map", "unit", "time-unit", "board", "spacing", "length-unit", "size", "camera",
                    "reverse"},
+       .quantities = with_calibrations({"measured", "command", "odometry", "camera"}),
        .fill = import_ros},
       {.name = "euroc",
        .help = "an ASL folder or its ground truth, as poses; with a second trajectory as a walk",
@@ -64,6 +95,7 @@ const std::vector<ImportKind>& import_kinds() {
            "a folder of flat fields and darks: PNG, TIFF, FITS; exposures from CSV, FITS, EXIF, "
            "names",
        .options = {"map", "time-unit"},
+       .quantities = {"file", "exposure", "illumination", "photons"},
        .fill = import_flats},
       {.name = "log",
        .help = "a replay log of ours: a robot's head joints or walk with what it was told, or its "
@@ -77,6 +109,14 @@ const std::vector<ImportKind>& import_kinds() {
 std::string import_set(const ImportKind& kind, const ImportRequest& request,
                        const std::string& title, const std::filesystem::path& out,
                        const measurement::Instruments& instruments) {
+  ImportRequest asked = request;
+  asked.quantities = kind.quantities;
+  check_names(asked, kind.name);
+  if (!kind.own_units && !request.own_units.empty())
+    throw UsageError(fmt::format(
+        "{}={}: import {} takes one unit for all, expected --unit, --time-unit or --length-unit "
+        "with a unit alone",
+        request.own_units.begin()->first, request.own_units.begin()->second, kind.name));
   std::vector<std::string> names;
   // A folder may be given with a slash at its end.
   for (const auto& source : request.sources)
@@ -86,7 +126,18 @@ std::string import_set(const ImportKind& kind, const ImportRequest& request,
   if (names.size() > 4) from += fmt::format(" and {} more", names.size() - 4);
   SetDraft draft(out);
   draft.instruments = instruments;
-  kind.fill(request, draft);
+  // Of a file that is another import's the reader says what it lacks, and we where it belongs.
+  const auto with_other = [&](const std::exception& error) {
+    const std::string other = other_import_for(request.sources, kind.name);
+    return other.empty() ? error.what() : fmt::format("{}\n{}", error.what(), other);
+  };
+  try {
+    kind.fill(asked, draft);
+  } catch (const InputError& error) {
+    throw InputError(with_other(error));
+  } catch (const UsageError& error) {
+    throw UsageError(with_other(error));
+  }
   draft.title = title.empty() ? fmt::format("Imported from {} ({})", from, kind.name) : title;
   draft.finish(from);
   return draft.text();

@@ -13,6 +13,9 @@ struct ImportKind {
   std::string name;
   std::string help;                  // What it reads, for the list of kinds.
   std::vector<std::string> options;  // Those of the command that mean something to it.
+  // Our names in `--map`: all quantities that its reader asks the request for.
+  std::vector<std::string> quantities;
+  bool own_units = false;  // Whether it reads a unit of each quantity.
   void (*fill)(const ImportRequest& request, SetDraft& draft) = nullptr;
 };
 

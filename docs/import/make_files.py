@@ -43,3 +43,22 @@ for k in range(600):
 pathlib.Path("path.csv").write_text("".join(path))
 pathlib.Path("ranges.csv").write_text("".join(ranges))
 pathlib.Path("anchors.csv").write_text("id,x,y\n" + "".join(f"{n},{x},{y}\n" for n, (x, y) in anchors.items()))
+
+# A body on two wheels, 0.3 m apart; the left one is 1 % larger than its 0.1 mm a tick. The motion capture is in millimetres.
+wheels, mocap = ["time,enc_l,enc_r\n"], ["time,x,y,theta\n"]
+x, y, theta, turned = 0.0, 0.0, 0.0, [0.0, 0.0]
+for k in range(12000):
+    t = 0.005 * k
+    v, omega = 0.3 + 0.2 * math.sin(0.7 * t), 0.9 * math.sin(0.37 * t) + 0.4 * math.sin(1.3 * t)
+    if k % 10 == 0:
+        wheels.append(f"{t:.3f},{math.floor(turned[0])},{math.floor(turned[1])}\n")
+    if k % 4 == 1:
+        seen = [1000 * x + random.gauss(0, 1), 1000 * y + random.gauss(0, 1), theta + random.gauss(0, 0.002)]
+        mocap.append(f"{t:.3f},{seen[0]:.3f},{seen[1]:.3f},{seen[2]:.5f}\n")
+    x += 0.005 * v * math.cos(theta + 0.0025 * omega)
+    y += 0.005 * v * math.sin(theta + 0.0025 * omega)
+    theta += 0.005 * omega
+    turned[0] += 0.005 * (v - 0.15 * omega) / 1.01e-4
+    turned[1] += 0.005 * (v + 0.15 * omega) / 1e-4
+pathlib.Path("wheels.csv").write_text("".join(wheels))
+pathlib.Path("mocap.csv").write_text("".join(mocap))

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "app/data_file.h"
+#include "app/import/recognise.h"
 #include "app/predictors/instruments.h"
 #include "effects/effect_keys.h"
 #include "effects/registry.h"
@@ -46,6 +47,7 @@ void add_target_out_flag(app::Command command, AnalysisFlags& flags) {
 }
 
 std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags) {
+  app::refuse_foreign_file(flags.data);
   return measurement::open_problem(flags.data, app::instruments(flags.runs), flags.target);
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/import/recognise.h"
 #include "app/predictors/instruments.h"
 #include "app/scene_assets.h"
 #include "app/sweep/table.h"
@@ -196,6 +197,7 @@ void check_set(const CheckSettings& settings) {
 void check(const CheckSettings& settings) {
   if (is_log(settings.path)) return check_log(settings.path);
   if (fs::is_directory(settings.path)) return check_set(settings);
+  app::refuse_foreign_file(settings.path);
   const ConfigNode root = ConfigNode::from_file(settings.path);
   if (!root.has("format") && root.has("effects")) {
     std::printf("%s: effects of your own\n", settings.path.c_str());

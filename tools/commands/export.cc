@@ -24,8 +24,7 @@ const app::ExchangeFormat& format_named(const std::string& name) {
     if (format.name == name) return format;
     names.push_back(format.name);
   }
-  throw UsageError(fmt::format("--to {}: no such format{}, expected {}", name,
-                               suggestion_for(name, names), fmt::join(names, ", ")));
+  throw UsageError(fmt::format("--to: unknown format '{}'{}", name, suggestion_for(name, names)));
 }
 
 // The gains at which the controller of the set's servo ran. Rows without drive have a gain of 0.

@@ -9,7 +9,9 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <utility>
 
+#include "app/import/recognise.h"
 #include "app/predictors/instruments.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
@@ -20,7 +22,7 @@ namespace {
 struct ImportFlags {
   std::string kind, out, map, unit, time_unit, length_unit, board, target, size, camera, part,
       title, reverse, off_where;
-  std::optional<double> spacing;
+  std::optional<double> spacing, base, radius, metres_per_tick;
   std::vector<std::string> sources;
 };
 
@@ -30,10 +32,12 @@ const app::ImportKind& kind_named(const std::string& name) {
     if (kind.name == name) return kind;
     names.push_back(kind.name);
   }
-  throw UsageError(fmt::format("{}: no such kind{}, expected {}", name, suggestion_for(name, names),
-                               fmt::join(names, ", ")));
+  const std::string meant = app::kind_meant_by(name);
+  if (!meant.empty()) throw UsageError(fmt::format("unknown kind '{}'. {}", name, meant));
+  throw UsageError(fmt::format("unknown kind '{}'{}", name, suggestion_for(name, names)));
 }
 
+// What stands before and behind the sign in each entry of a list, OURS=THEIRS,OURS=THEIRS.
 std::map<std::string, std::string> names_in(const std::string& map) {
   std::map<std::string, std::string> names;
   for (size_t start = 0; start < map.size();) {
@@ -48,6 +52,25 @@ std::map<std::string, std::string> names_in(const std::string& map) {
     start = end + 1;
   }
   return names;
+}
+
+// A unit for all quantities, or UNIT,OURS=UNIT,... for some of their own: these go to `own`.
+std::string units_in(const char* option, const std::string& text, void (*check)(const std::string&),
+                     std::map<std::string, std::string>& own) {
+  std::string general;
+  for (size_t start = 0; start < text.size();) {
+    const size_t end = std::min(text.find(',', start), text.size());
+    const std::string entry = text.substr(start, end - start);
+    const size_t equals = entry.find('=');
+    const std::string unit = equals == std::string::npos ? entry : entry.substr(equals + 1);
+    check(unit);
+    if (equals != std::string::npos ? !own.emplace(entry.substr(0, equals), unit).second
+                                    : !std::exchange(general, unit).empty())
+      throw UsageError(
+          fmt::format("{} {}: '{}' stands twice, expected one unit of each", option, text, entry));
+    start = end + 1;
+  }
+  return general;
 }
 
 std::pair<int, int> pair_in(const std::string& flag, const std::string& text, const char* example) {
@@ -74,6 +97,9 @@ void check_options(const ImportFlags& flags, const app::ImportKind& kind) {
       {"part", !flags.part.empty()},
       {"reverse", !flags.reverse.empty()},
       {"off-where", !flags.off_where.empty()},
+      {"base", flags.base.has_value()},
+      {"radius", flags.radius.has_value()},
+      {"metres-per-tick", flags.metres_per_tick.has_value()},
   };
   for (const auto& [option, is_given] : given) {
     const bool known =
@@ -112,9 +138,6 @@ std::vector<std::string> listed(const std::string& text) {
 app::ImportRequest request_of(const ImportFlags& flags) {
   app::ImportRequest request{.names = names_in(flags.map),
                              .reversed = listed(flags.reverse),
-                             .unit = flags.unit,
-                             .time_unit = flags.time_unit,
-                             .length_unit = flags.length_unit,
                              .target = flags.target,
                              .camera = flags.camera,
                              .part = flags.part};
@@ -123,14 +146,24 @@ app::ImportRequest request_of(const ImportFlags& flags) {
   std::tie(request.width_px, request.height_px) = pair_in("size", flags.size, "640x480");
   if (!flags.off_where.empty()) request.off_where = off_where_in(flags.off_where);
   // A unit that is none is said before anything is read.
-  if (!request.unit.empty()) app::radians_in(request.unit);
-  if (!request.time_unit.empty()) app::nanoseconds_in(request.time_unit);
+  const auto units = [&](const char* option, const std::string& text, auto check) {
+    return units_in(option, text, check, request.own_units);
+  };
+  request.unit = units("--unit", flags.unit, [](const std::string& u) { app::radians_in(u); });
+  request.time_unit =
+      units("--time-unit", flags.time_unit, [](const std::string& u) { app::nanoseconds_in(u); });
+  request.length_unit =
+      units("--length-unit", flags.length_unit, [](const std::string& u) { app::metres_in(u); });
   const double metres = request.length_unit.empty() ? 1 : app::metres_in(request.length_unit);
-  if (flags.spacing) {
-    if (!(*flags.spacing > 0 && *flags.spacing < 1e6))
-      throw UsageError(fmt::format("--spacing {}: expected a distance above 0", *flags.spacing));
-    request.spacing_m = *flags.spacing * metres;
-  }
+  const auto length = [&](const char* option, std::optional<double> value, double factor) {
+    if (value && !(*value > 0 && *value < 1e6))
+      throw UsageError(fmt::format("--{} {}: expected a distance above 0", option, *value));
+    return value.value_or(0) * factor;
+  };
+  request.spacing_m = length("spacing", flags.spacing, metres);
+  request.base_m = length("base", flags.base, metres);
+  request.radius_m = length("radius", flags.radius, metres);
+  request.metres_per_tick = length("metres-per-tick", flags.metres_per_tick, 1);
   return request;
 }
 
@@ -140,6 +173,8 @@ std::string kinds_help() {
     help += fmt::format("  {:9} {}\n", kind.name, kind.help);
     if (!kind.options.empty())
       help += fmt::format("            --{}\n", fmt::join(kind.options, ", --"));
+    if (!kind.quantities.empty())
+      help += fmt::format("            names for --map: {}\n", fmt::join(kind.quantities, ", "));
   }
   return help;
 }
@@ -155,9 +190,12 @@ void add_import(app::Command app) {
   command.add_option("--out", flags->out, "The folder to write, a new or an empty one").required();
   command.add_option("--map", flags->map,
                      "What our quantities are called in the files: OURS=THEIRS,OURS=THEIRS");
-  command.add_option("--unit", flags->unit, "Of angles: rad, mrad, deg, turns or ticks:N a turn");
-  command.add_option("--time-unit", flags->time_unit, "Of times: s, ms, us or ns");
-  command.add_option("--length-unit", flags->length_unit, "Of lengths: m, cm, mm, um or in");
+  command.add_option(
+      "--unit", flags->unit,
+      "Of angles: rad, mrad, deg, turns or ticks:N a turn; OURS=UNIT,... for single ones");
+  command.add_option("--time-unit", flags->time_unit, "Of times: s, ms, us or ns; likewise");
+  command.add_option("--length-unit", flags->length_unit,
+                     "Of lengths: m, cm, mm, um or in; likewise");
   command
       .add_option("--target", flags->target,
                   "What is on a target of pictures (default: chessboard)")
@@ -166,6 +204,13 @@ void add_import(app::Command app) {
                      "Inner corners or circles of the target, COLUMNSxROWS");
   command.add_option("--spacing", flags->spacing,
                      "Between the target's corners, in metres or the unit of --length-unit");
+  command.add_option("--base", flags->base,
+                     "Between the two wheels of a body, in metres or the unit of --length-unit; "
+                     "left out: estimated");
+  command.add_option("--radius", flags->radius,
+                     "Of these wheels, likewise; with --unit left=ticks:N a turn");
+  command.add_option("--metres-per-tick", flags->metres_per_tick,
+                     "In the place of the radius: a wheel's way for each tick");
   command.add_option("--part", flags->part, "What of a log: joints, odometry or frames")
       .one_of({"joints", "odometry", "frames"});
   command.add_option("--size", flags->size, "Of the images, WIDTHxHEIGHT in pixels");

@@ -1,5 +1,8 @@
 #include "app/import/draft/request.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -20,7 +23,37 @@ double factor_of(const Units& units, const std::string& unit, const char* of) {
   throw UsageError(fmt::format("'{}' is no unit of {}{}", unit, of, suggestion_for(unit, known)));
 }
 
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 }  // namespace
+
+std::string ImportRequest::name_of(const std::string& quantity) const {
+  // A name that is missing in the kind's list would be refused when users map it.
+  SEAM_CHECK(quantities.empty() || holds(quantities, quantity), "{}", quantity);
+  const auto found = names.find(quantity);
+  return found == names.end() ? "" : found->second;
+}
+
+const std::string& ImportRequest::unit_of(const std::string& quantity,
+                                          const std::string& general) const {
+  const auto own = own_units.find(quantity);
+  return own == own_units.end() ? general : own->second;
+}
+
+void check_names(const ImportRequest& request, const std::string& kind) {
+  const auto check = [&](const char* option, const auto& pairs) {
+    for (const auto& [ours, theirs] : pairs) {
+      if (holds(request.quantities, ours)) continue;
+      throw UsageError(
+          fmt::format("{} {}={}: unknown name '{}', expected one of the names of import {}: {}",
+                      option, ours, theirs, ours, kind, fmt::join(request.quantities, ", ")));
+    }
+  };
+  check("--map", request.names);
+  check("a unit,", request.own_units);
+}
 
 double radians_in(const std::string& unit) {
   constexpr double kTurn = 2 * std::numbers::pi;

@@ -36,6 +36,33 @@ StampedPose pose_near(const std::vector<StampedPose>& poses, int64_t ns) {
   return after == poses.end() ? poses.back() : *after;
 }
 
+// Between the second and the ninety-eighth percentile.
+double inner_extent(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t cut = values.size() / 50;
+  return values.empty() ? 0 : values[values.size() - 1 - cut] - values[cut];
+}
+
+Vec3 mean_of(const std::vector<Vec3>& directions) {
+  Vec3 sum(0.0);
+  for (const Vec3& direction : directions) sum += direction;
+  return sum / std::max(1.0, static_cast<double>(directions.size()));
+}
+
+// By how much the axis turns away from its mean direction; a tracker may sit aslant on the body.
+double usual_tilt(const std::vector<Vec3>& up) {
+  if (up.empty()) return 0;
+  const Vec3 mean = glm::normalize(mean_of(up) + Vec3(0, 0, 1e-12));
+  std::vector<double> tilts;
+  for (const Vec3& axis : up) tilts.push_back(std::acos(std::clamp(glm::dot(axis, mean), -1., 1.)));
+  std::sort(tilts.begin(), tilts.end());
+  return tilts[tilts.size() - 1 - tilts.size() / 50];
+}
+
+bool up_is_no_axis(const std::vector<Vec3>& up) {
+  return !up.empty() && std::abs(mean_of(up).z) < 0.7;
+}
+
 }  // namespace
 
 // By its largest component.
@@ -71,6 +98,57 @@ Mat3 rotation_of(const std::array<double, 4>& q) {
 PlanarPose planar(const StampedPose& pose) {
   const Mat3 R = rotation_of(pose.q);
   return {pose.ns, pose.p.x, pose.p.y, std::atan2(R[0].y, R[0].x)};
+}
+
+std::string check_plane(const std::vector<Vec3>& places, const std::vector<Vec3>& up,
+                        const std::string& where, const std::string& remedy) {
+  // A floor that is a little uneven, and a tracker's noise. Beyond it a walk in a plane is another.
+  constexpr double kMostShare = 0.05, kLeastHeight_m = 0.05, kMostTilt_rad = 10 * maths::kPi / 180;
+  std::array<double, 3> extent{};
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> along;
+    for (const Vec3& place : places) along.push_back(place[axis]);
+    extent[static_cast<size_t>(axis)] = inner_extent(std::move(along));
+  }
+  const double across_m = std::hypot(extent[0], extent[1]), height_m = extent[2];
+  const double tilt_rad = usual_tilt(up);
+  if (up_is_no_axis(up))
+    throw InputError(
+        fmt::format("{}: the body's z axis is not upright (a camera's is not), expected poses of a "
+                    "body with x forward and z up: turn them; {}",
+                    where, remedy));
+  if (height_m > std::max(kLeastHeight_m, kMostShare * across_m))
+    throw InputError(fmt::format(
+        "{}: the path leaves the plane: heights differ by {:.3g} m over an extent of {:.3g} m{}; "
+        "{}",
+        where, height_m, across_m,
+        std::min(extent[0], extent[1]) < 0.2 * height_m ? " (does another axis point up?)" : "",
+        remedy));
+  if (tilt_rad > kMostTilt_rad)
+    throw InputError(fmt::format("{}: the path leaves the plane: the body tilts by {:.3g} deg; {}",
+                                 where, tilt_rad * 180 / maths::kPi, remedy));
+  if (!(height_m > 0) && !(tilt_rad > 1e-6)) return "";
+  return fmt::format(
+      "laid on the plane: heights that differ by {:.3g} m and tilts of {:.2g} deg "
+      "are left out",
+      height_m, tilt_rad * 180 / maths::kPi);
+}
+
+std::vector<PlanarPose> planar(const std::vector<StampedPose>& path, const std::string& where,
+                               SetDraft& draft) {
+  std::vector<Vec3> places, up;
+  std::vector<PlanarPose> poses;
+  for (const StampedPose& pose : path) {
+    places.push_back(pose.p), up.push_back(rotation_of(pose.q)[2]);
+    poses.push_back(planar(pose));
+  }
+  const std::string lost =
+      path.empty() ? ""
+                   : check_plane(places, up, where,
+                                 "a walk lies in a plane: expected a body on the ground (where "
+                                 "heights are noise alone, write 0 for them)");
+  if (!lost.empty()) draft.did(fmt::format("{}: {}", where, lost));
+  return poses;
 }
 
 void check_speed(const std::vector<StampedPose>& poses, const std::string& where,
@@ -187,7 +265,7 @@ std::vector<VelocityCommand> velocities_of(const std::vector<PlanarPose>& poses)
 }
 
 void draft_walk(const std::vector<VelocityCommand>& commands, const std::vector<PlanarPose>& poses,
-                SetDraft& draft) {
+                SetDraft& draft, const std::vector<int64_t>& breaks) {
   std::vector<PlanarPose> seen;
   for (const PlanarPose& pose : poses) {
     const bool within =
@@ -199,7 +277,7 @@ void draft_walk(const std::vector<VelocityCommand>& commands, const std::vector<
         "found {} measured poses while commands were given, expected 4 or more: other clocks?",
         seen.size()));
   // A long walk in parts, so that some can be held out; each begins where it was measured.
-  const size_t runs = std::clamp<size_t>(seen.size() / 16, 1, 20);
+  const size_t parts = breaks.empty() ? std::clamp<size_t>(seen.size() / 16, 1, 20) : 1;
   measurement::CsvWriter table(
       {"run", "time_s", "vx_cmd_mps", "vy_cmd_mps", "omega_cmd_radps", "x_m", "y_m", "theta_rad"});
   size_t next = 0, run = 0, in_run = 0, rows = 0;
@@ -210,7 +288,12 @@ void draft_walk(const std::vector<VelocityCommand>& commands, const std::vector<
                pose ? exact(pose->theta_rad) : ""});
     ++rows;
   };
+  auto begins = breaks.begin();
   for (size_t i = 0; i < seen.size(); ++i) {
+    for (; begins != breaks.end() && *begins <= seen[i].ns; ++begins) {
+      if (in_run > 0) ++run;
+      in_run = 0;
+    }
     for (; next < commands.size() && commands[next].ns < seen[i].ns; ++next) {
       now = commands[next];
       if (i > 0 && in_run > 0) row(now.ns, nullptr);
@@ -218,7 +301,7 @@ void draft_walk(const std::vector<VelocityCommand>& commands, const std::vector<
     if (next < commands.size() && commands[next].ns == seen[i].ns) now = commands[next++];
     row(seen[i].ns, &seen[i]);
     ++in_run;
-    if (i + 1 < seen.size() && (i + 1) * runs / seen.size() != i * runs / seen.size())
+    if (i + 1 < seen.size() && (i + 1) * parts / seen.size() != i * parts / seen.size())
       ++run, in_run = 0;
   }
   draft.kind = "odometry";
@@ -226,23 +309,23 @@ void draft_walk(const std::vector<VelocityCommand>& commands, const std::vector<
   draft.effects = "  ideal_odometry: {}\n";
   draft.add_table("odometry", table);
   draft.did(fmt::format("{} rows: {} measured poses among {} velocities, in {} runs", rows,
-                        seen.size(), commands.size(), runs));
-  if (runs > 1)
+                        seen.size(), commands.size(), run + 1));
+  if (parts > 1)
     draft.did(
         "one walk is cut into runs of equal length, so that some can be held out; each begins "
         "anew where it was measured, in motion");
   draft.could_not_know("the noise of the poses: it is estimated");
 }
 
-void draft_walk_of_estimate(const std::vector<StampedPose>& truth,
-                            const std::vector<StampedPose>& estimate, SetDraft& draft) {
-  std::vector<PlanarPose> poses, steps;
-  for (const StampedPose& pose : truth) poses.push_back(planar(pose));
-  for (const StampedPose& pose : estimate) steps.push_back(planar(pose));
+void draft_walk_of_estimate(const std::vector<StampedPose>& truth, const std::string& truth_name,
+                            const std::vector<StampedPose>& estimate,
+                            const std::string& estimate_name, SetDraft& draft) {
+  const std::vector<PlanarPose> poses = planar(truth, truth_name, draft);
+  const std::vector<PlanarPose> steps = planar(estimate, estimate_name, draft);
   draft_walk(velocities_of(steps), poses, draft);
   draft.did(
       "the second trajectory's own steps stand for the commanded velocities, the first is "
-      "what was measured; both on the plane z = 0");
+      "what was measured");
   draft.could_not_know("what was commanded: this tells odometry's errors, not the gait's");
 }
 

@@ -33,6 +33,15 @@ Mat3 rotation_of(const std::array<double, 4>& q);
 std::array<double, 4> quaternion_of(const Mat3& R);
 // On the plane z = 0, the heading that of the body's x axis.
 PlanarPose planar(const StampedPose& pose);
+// The same of a whole path; throws where it leaves the plane, and says what the plane leaves out.
+std::vector<PlanarPose> planar(const std::vector<StampedPose>& path, const std::string& where,
+                               SetDraft& draft);
+
+// Throws where a path leaves the plane z = const: heights that vary beside its extent, a body
+// whose z axis (`up`; empty: not known) tilts. `remedy` says what to do. Returns what is left out
+// on the plane, in words; empty: nothing.
+std::string check_plane(const std::vector<Vec3>& places, const std::vector<Vec3>& up,
+                        const std::string& where, const std::string& remedy);
 
 // Throws where the usual speed is no robot's and the user named no unit of length.
 void check_speed(const std::vector<StampedPose>& poses, const std::string& where,
@@ -47,13 +56,15 @@ void draft_poses(const std::vector<StampedPose>& poses, const std::vector<int64_
 PlainCamera camera_for_granted(const ImportRequest& request, SetDraft& draft);
 
 // Walks as `odometry`: what was commanded, and the poses measured, by the commands' times. Poses
-// within the walk alone count; both must be in order of time.
+// within the walk alone count; both must be in order of time. A run begins at each of `breaks`, or
+// where there are none, a long walk is cut into parts.
 void draft_walk(const std::vector<VelocityCommand>& commands, const std::vector<PlanarPose>& poses,
-                SetDraft& draft);
+                SetDraft& draft, const std::vector<int64_t>& breaks = {});
 
-// The estimate's own steps stand for commands: what odometry would have said.
-void draft_walk_of_estimate(const std::vector<StampedPose>& truth,
-                            const std::vector<StampedPose>& estimate, SetDraft& draft);
+// The estimate's own steps stand for commands: what odometry would have said. Names are of files.
+void draft_walk_of_estimate(const std::vector<StampedPose>& truth, const std::string& truth_name,
+                            const std::vector<StampedPose>& estimate,
+                            const std::string& estimate_name, SetDraft& draft);
 // From successive planar poses, the velocities of the body between them.
 std::vector<VelocityCommand> velocities_of(const std::vector<PlanarPose>& poses);
 

@@ -36,17 +36,12 @@ void import_pictures_of_bag(const ImportRequest& request, SetDraft& draft) {
 
 // Those that read files in this process; `images` leaves that to one of its own.
 const std::map<std::string, void (*)(const ImportRequest&, SetDraft&)> kKinds = {
-    {"servo", import_servo},
-    {"ranges", import_ranges},
-    {"opencv", import_opencv},
-    {"kalibr", import_kalibr},
-    {"mrcal", import_mrcal},
-    {"bouguet", import_bouguet},
-    {"euroc", import_euroc},
-    {"tum", import_tum},
-    {"ros", import_ros},
-    {"emva1288", import_emva1288},
-    {"pictures", import_pictures_of_bag}};
+    {"servo", import_servo},       {"ranges", import_ranges},
+    {"wheels", import_wheels},     {"opencv", import_opencv},
+    {"kalibr", import_kalibr},     {"mrcal", import_mrcal},
+    {"bouguet", import_bouguet},   {"euroc", import_euroc},
+    {"tum", import_tum},           {"ros", import_ros},
+    {"emva1288", import_emva1288}, {"pictures", import_pictures_of_bag}};
 
 ImportRequest request_of(const std::string& text, const fs::path& folder) {
   ImportRequest request;

@@ -18,7 +18,7 @@ namespace seam::app {
 namespace {
 
 // Holding a model against whole images costs a rendering each.
-constexpr size_t kMostFrames = 60;
+constexpr size_t kMostFramesOfSet = 60;
 
 struct Taken {
   uint64_t index = 0;
@@ -68,7 +68,7 @@ class FramesDraft {
           fmt::format("{}: the camera of {} took no frame (every_frame: true in the "
                       "scenario, or a behaviour that asks for them)",
                       log_.name(), log_.header().robots[robot_]));
-    const size_t stride = (all.size() + kMostFrames - 1) / kMostFrames;
+    const size_t stride = (all.size() + kMostFramesOfSet - 1) / kMostFramesOfSet;
     for (size_t i = 0; i < all.size(); i += stride) chosen_.push_back(all[i]);
     add_poses();
     add_scene();

@@ -237,12 +237,14 @@ bool RosImport::walk() {
                          : odometry ? data_.odometry[*odometry]
                                     : std::vector<PoseRow>{};
   if (measured.empty() || (!twist && !(odometry && truth))) return false;
-  std::vector<PlanarPose> poses;
-  for (const PoseRow& row : measured) {
-    poses.push_back(planar(row.pose));
-    // Commands have no stamp of their own: both by the clock of the recording.
-    if (twist) poses.back().ns = row.log_ns;
-  }
+  const auto laid = [&](const std::vector<PoseRow>& rows, const std::string& name) {
+    std::vector<StampedPose> path;
+    for (const PoseRow& row : rows) path.push_back(row.pose);
+    return planar(path, name, draft_);
+  };
+  std::vector<PlanarPose> poses = laid(measured, request_.sources[0].string());
+  // Commands have no stamp of their own: both by the clock of the recording.
+  for (size_t i = 0; twist && i < poses.size(); ++i) poses[i].ns = measured[i].log_ns;
   std::stable_sort(poses.begin(), poses.end(),
                    [](const PlanarPose& a, const PlanarPose& b) { return a.ns < b.ns; });
   if (twist) {
@@ -252,13 +254,10 @@ bool RosImport::walk() {
     draft_.could_not_know("how long messages were on their way");
     return true;
   }
-  std::vector<PlanarPose> steps;
-  for (const PoseRow& row : data_.odometry[*odometry]) steps.push_back(planar(row.pose));
-  draft_walk(velocities_of(steps), poses, draft_);
-  draft_.did(
-      fmt::format("the steps of {} stand for commanded velocities, {} is what was measured; "
-                  "both on the plane z = 0",
-                  data_.topics[*odometry].name, data_.topics[*truth].name));
+  draft_walk(velocities_of(laid(data_.odometry[*odometry], data_.topics[*odometry].name)), poses,
+             draft_);
+  draft_.did(fmt::format("the steps of {} stand for commanded velocities, {} is what was measured",
+                         data_.topics[*odometry].name, data_.topics[*truth].name));
   draft_.could_not_know("what was commanded: this tells odometry's errors, not the gait's");
   return true;
 }

@@ -149,7 +149,7 @@ void import_trajectory(const ImportRequest& request, bool euroc, SetDraft& draft
     // The second may be of the other habit.
     const auto other = look_into(request.sources[1], "").poses;
     const auto estimate = read_poses(other, euroc && other.extension() == ".csv", request, draft);
-    return draft_walk_of_estimate(poses, estimate, draft);
+    return draft_walk_of_estimate(poses, folder.poses.string(), estimate, other.string(), draft);
   }
   Pose X_BC{Mat3(1.0), Vec3(0.0)};
   PlainCamera camera;

@@ -29,8 +29,7 @@ size_t place_of(const std::string& name, const std::vector<std::string>& known,
                 const CsvTable& table, size_t row, const char* column) {
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end()) {
-    table.fail(row, column, name,
-               fmt::format("one of {}{}", fmt::join(known, ", "), suggestion_for(name, known)));
+    table.fail(row, column, name, fmt::format("one of {}", fmt::join(known, ", ")));
   }
   return static_cast<size_t>(found - known.begin());
 }

@@ -1,0 +1,25 @@
+// Which import reads a file: by a cheap look at its name, its first bytes and its columns.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "app/import/import.h"
+
+namespace seam::app {
+
+// The import that people mean by a word that is no kind's name, as a sentence with its command;
+// empty: none.
+std::string kind_meant_by(const std::string& word);
+
+// For the first of the sources that `kind` does not read and another import does, a sentence that
+// names that import's command; empty: there is none.
+std::string other_import_for(const std::vector<std::filesystem::path>& sources,
+                             const std::string& kind);
+
+// Throws InputError where a file of another program stands in the place of one of ours, naming the
+// import that reads it.
+void refuse_foreign_file(const std::filesystem::path& path);
+
+}  // namespace seam::app
