@@ -110,7 +110,8 @@ ROOMS = {
             "import/draft": ["exchange"], "import/files": [], "import/bags": ["import/files"],
             "import/pictures": [".", "import/draft", "import/files", "import/bags"],
             "import/servo": ["import/draft", "import/files", "import/bags"],
-            "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "import/servo", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],
+            "import/cameras": ["import/draft", "import/files", "import/pictures", "exchange", "."],
+            "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "import/servo", "import/cameras", "exchange", "logs", "."], "import": ["import/draft", "import/kinds"],
             "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
     "detector": {".": []},
     "tools": {
