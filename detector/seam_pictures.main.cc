@@ -21,7 +21,9 @@
 namespace seam::detector {
 namespace {
 
-constexpr rlim_t kMostMemory = rlim_t{6} << 30;
+constexpr rlim_t kMostMemory = rlim_t{2} << 30;
+// Detectors of circles and tags work at full size, and take up to 60 bytes a pixel.
+constexpr size_t kMostPixels = size_t{16} << 20;
 constexpr rlim_t kMostSeconds = 60;
 constexpr std::streamoff kMostFileBytes = std::streamoff{256} << 20;
 
@@ -105,6 +107,11 @@ cv::Mat grey(const std::vector<uint8_t>& bytes) {
 }
 
 Found find_in(const cv::Mat& picture, const Target& target) {
+  if (target.pattern != Pattern::chessboard && picture.total() > kMostPixels)
+    return {.corners = {},
+            .why =
+                "too large: more than 16 million pixels, expected a smaller copy (only "
+                "chessboards are searched in larger pictures)"};
   switch (target.pattern) {
     case Pattern::chessboard:
       return find_chessboard(picture, target);
@@ -186,6 +193,14 @@ int main(int argc, char** argv) {
     srandom(1);
     try {
       answer(name, target);
+    } catch (const std::bad_alloc&) {
+      std::printf("without too large: it takes more than 2 GB of memory\n");
+    } catch (const cv::Exception& error) {
+      const bool memory = error.code == cv::Error::StsNoMem;
+      const bool pixels = error.func == "validateInputImageSize";
+      std::printf("without %s\n", memory   ? "too large: it takes more than 2 GB of memory"
+                                  : pixels ? "too large: more than 64 million pixels"
+                                           : "no picture that can be read");
     } catch (const std::exception&) {
       std::printf("without no picture that can be read\n");
     }

@@ -4,6 +4,7 @@ part of one, another one, a blur; times; files of strangers. `images_test.py pat
 """
 import csv
 import json
+import os
 import pathlib
 import shutil
 import struct
@@ -152,16 +153,56 @@ def test_what_is_left_out(folder, good):
     assert len(seen_in(out)) == 5 and "5 of 13 pictures show the target" in said, said
     lines = {line.split("left out, ")[1].split(":")[0]: line for line in said.splitlines() if "left out" in line}
     for why, name in (("no target", "grey.png"), ("of another size", "large.png"), ("part of the target or a smaller one", "half.png"),
-                      ("part of the target or a smaller one", "other.png"), ("blurred", "blurred.png"), ("no picture that can be read", "bomb.png"),
+                      ("part of the target or a smaller one", "other.png"), ("blurred", "blurred.png"), ("too large", "bomb.png"),
                       ("no picture that can be read", "text.png"), ("no picture that can be read", "cut.png")):
         assert name in lines.get(why, ""), (why, name, said)
-    assert "3 of 13" in lines["no picture that can be read"], said
+    assert "2 of 13" in lines["no picture that can be read"], said
+    assert "more than 64 million pixels" in lines["too large"], said
     # Nothing that serves: an error with the reasons, and no set.
     said = run("import", "images", bad / "grey.png", bad / "text.png", "--board", "8x5", "--spacing", "0.03", "--out",
                folder / "none", code=1)
     assert "no picture shows the target" in said and "1 of 2" in said and not (folder / "none").exists(), said
     said = run("import", "images", *good[:2], "--board", "6x4", "--spacing", "0.03", "--out", folder / "none", code=1)
     assert "another target: 0000.png (a board of 8 x 5 corners)" in said, said
+
+
+def answers(picture, *target):
+    """What the reader says of one picture, and the most memory that it held, in bytes."""
+    reader = subprocess.Popen([SEAM.parent / "seam-pictures", *target], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    reader.stdin.write(f"{picture}\n")
+    reader.stdin.close()
+    text = reader.stdout.read()
+    _, status, usage = os.wait4(reader.pid, 0)
+    reader.returncode = status
+    assert status == 0, (status, text)
+    return text, 1024 * usage.ru_maxrss
+
+
+def test_large_pictures(folder, good):
+    """A small file may be a large picture: 4 bytes a pixel at most, and corners as good as in a small one."""
+    small, library = answers(good[0], "chessboard", "8", "5")
+    width = height = 8000
+    png(folder / "empty.png", width, height, bytes((width + 1) * height))
+    said, memory = answers(folder / "empty.png", "chessboard", "8", "5")
+    assert "without no target" in said, said
+    assert memory - library < 4 * width * height, (memory, library)
+    said, memory = answers(folder / "empty.png", "circles", "7", "5")
+    assert "without too large: more than 16 million pixels" in said, said
+    assert memory - library < 4 * width * height, (memory, library)
+    # The same picture ten times as large, which is searched in a smaller copy and refined in the whole.
+    image = Image.open(good[0]).convert("L")
+    image.resize((10 * WIDTH, 10 * HEIGHT), Image.BICUBIC).save(folder / "large.png")
+    large, memory = answers(folder / "large.png", "chessboard", "8", "5")
+    assert memory - library < 5 * 100 * WIDTH * HEIGHT, (memory, library)
+
+    def corners(text):
+        return {int(p): (float(u), float(v)) for what, p, u, v in
+                (line.split() for line in text.splitlines() if line.startswith("corner"))}
+
+    few, many = corners(small), corners(large)
+    assert len(few) == len(many) == 40
+    for point, (u, v) in few.items():
+        assert np.hypot(many[point][0] - (10 * u + 4.5), many[point][1] - (10 * v + 4.5)) < 1, (point, u, v, many[point])
 
 
 def test_times(folder, good):
@@ -381,6 +422,7 @@ def main():
         test_known_corners(folder)
         good = test_scatter(folder)
         test_what_is_left_out(folder, good)
+        test_large_pictures(folder, good)
         test_times(folder, good)
         test_two_cameras(folder, good)
         test_a_rig(folder)

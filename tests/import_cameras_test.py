@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """`seam import` of corners and calibrations of other programs, made here with the truth known; faults of data that are
 to be named. `import_cameras_test.py path/to/seam`"""
+import json
+
 import numpy as np
+import yaml
 
 from importing import D, K, RNG, error_of, imported, mat_file, refused, rows_of, run, run_tests
 
@@ -157,6 +160,244 @@ def test_kalibr(folder):
     (folder / "corners.csv").write_text("\n".join(lines).replace(",23,0,", ",24,0,", 1) + "\n")
     refused("kalibr", folder / "camchain.yaml", folder / "target.yaml", folder / "corners.csv", out=folder / "tag",
             words=["corners.csv:", "96 points"])
+
+
+def calibration(matrix, model, coefficients):
+    return (f"image_width: 640\nimage_height: 480\ncamera_name: cam\n"
+            f"camera_matrix: {{rows: 3, cols: 3, data: {matrix}}}\ndistortion_model: {model}\n"
+            f"distortion_coefficients: {{rows: 1, cols: {len(coefficients)}, data: {coefficients}}}\n")
+
+
+def test_calibrations_that_no_lens_has(folder):
+    """Folds, poles and centres outside the image are said at the import and by `seam check`."""
+    good = [530, 0, 320, 0, 530, 240, 0, 0, 1]
+    # r - 0.5 r^3 grows up to r = 0.816, whose image is 288 px from the centre: inside the image.
+    cases = {"fold": (good, "plumb_bob", [-0.5, 0, 0, 0, 0], ["folds the image over", "288 px from the principal point"]),
+             # The quotient's pole is at r = 0.6148, 31.6 degrees.
+             "pole": (good, "rational_polynomial", [0, -6.9, 0, 0, 0, 0, -7.0, 0], ["has a pole", "degrees"]),
+             "near": (good, "plumb_bob", [-0.35, -0.6, 0, 0, 0.9], ["nearly folds"]),
+             "centre": ([530, 0, 700, 0, 530, 240, 0, 0, 1], "plumb_bob", [0, 0, 0, 0, 0], ["principal point", "outside the image"]),
+             "sound": (good, "plumb_bob", [-0.2, 0.05, 0.001, -0.001, 0], [])}
+    for name, (matrix, model, coefficients, words) in cases.items():
+        (folder / f"{name}.yaml").write_text(calibration(matrix, model, coefficients))
+        said = imported("opencv", folder / f"{name}.yaml", "--board", "9x6", "--spacing", "0.03", out=folder / name)
+        checked = run("check", folder / name) + run("check", folder / name / "nominal.yaml")
+        for word in words:
+            assert word in said and word in checked, (name, word, said, checked)
+        if not words:
+            assert "warning" not in said + checked, (said, checked)
+    (folder / "zero.yaml").write_text(calibration([0] * 9, "plumb_bob", [0] * 5))
+    refused("opencv", folder / "zero.yaml", "--board", "9x6", "--spacing", "0.03", out=folder / "zero",
+            words=["zero.yaml:4", "not calibrated"])
+    turned = np.array(good).reshape(3, 3).T.ravel().tolist()
+    (folder / "turned.yaml").write_text(calibration(turned, "plumb_bob", [0] * 5))
+    refused("opencv", folder / "turned.yaml", "--board", "9x6", "--spacing", "0.03", out=folder / "turned",
+            words=["exchanged rows and columns"])
+
+
+def corners_of_two(folder, header="sync_index,cam_id,keypoint_id,img_loc_x,img_loc_y"):
+    """One board before two cameras, the second 0.1 m to the right of the first, in one table."""
+    target, lines = board(), [header]
+    for frame in range(14):
+        R = rodrigues(np.append(RNG.uniform(-0.5, 0.5, 2), RNG.uniform(-0.3, 0.3)))
+        p = (target - target.mean(axis=0)) @ R.T + [RNG.uniform(-0.02, 0.1), RNG.uniform(-0.04, 0.04), RNG.uniform(0.4, 0.5)]
+        seen = [project(p) + 0.1 * RNG.standard_normal((len(target), 2)),
+                project(p - [0.1, 0, 0]) + 0.1 * RNG.standard_normal((len(target), 2))]
+        for point in range(len(target)):
+            lines += [f"{frame},{camera},{point},{seen[camera][point][0]:.4f},{seen[camera][point][1]:.4f}" for camera in (0, 1)]
+    (folder / "corners.csv").write_text("\n".join(lines) + "\n")
+
+
+def chain(names=("cam0", "cam1")):
+    text = ""
+    for name in names:
+        text += (f"{name}:\n  camera_model: pinhole\n  intrinsics: {K.tolist()}\n  distortion_model: radtan\n"
+                 f"  distortion_coeffs: {D[:4].tolist()}\n  resolution: [640, 480]\n  rostopic: /{name}\n")
+    # From the first camera's frame to the second's.
+    return text + "  T_cn_cnm1:\n  - [1, 0, 0, -0.1]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n"
+
+
+def test_corners_of_two_cameras(folder):
+    given = [folder / "corners.csv", "--board", "9x6", "--spacing", "0.03", "--size", "640x480"]
+    corners_of_two(folder)
+    said = imported("kalibr", *given, out=folder / "first")
+    assert "of the cameras 0, 1 the first, 0" in said, said
+    assert len(rows_of(folder / "first" / "points.csv")) == 14 * 54
+    imported("kalibr", *given, "--camera", "1", out=folder / "second")
+    said = imported("kalibr", *given, "--camera", "0,1", out=folder / "rig")
+    assert "14 frames, 14 of them seen by several cameras" in said, said
+    rows = rows_of(folder / "rig" / "points.csv")
+    assert [sum(row["camera"] == name for row in rows) for name in "01"] == [14 * 54] * 2
+    nominal = (folder / "rig" / "nominal.yaml").read_text()
+    assert "pinhole@0" in nominal and "pinhole@1" in nominal and "camera_pose@1" in nominal, nominal
+    refused("kalibr", *given, "--camera", "2", out=folder / "none", words=["--camera 2", "0, 1"])
+    # A column that no habit names is named by --map, and where it is not the reason is told.
+    corners_of_two(folder, "frame,sensor,point,u,v")
+    refused("kalibr", *given, out=folder / "twice", words=["corners.csv:3", "point 0 of frame 0", "--map camera=sensor"])
+    refused("kalibr", *given, "--camera", "0,1", out=folder / "no", words=["no column of cameras", "--map camera="])
+    imported("kalibr", *given, "--map", "camera=sensor", "--camera", "0,1", out=folder / "mapped")
+    refused("kalibr", *given, "--map", "camera=sensr", out=folder / "typo", words=["sensr", "sensor"])
+    # Two corners of one camera under one name.
+    text = (folder / "corners.csv").read_text().replace("0,0,1,", "0,0,0,", 1)
+    (folder / "corners.csv").write_text(text)
+    refused("kalibr", *given, "--map", "camera=sensor", out=folder / "same", words=["both of camera 0"])
+
+
+def test_rig_of_a_camchain(folder):
+    """The chain's transform is from the first camera to the second: the second stands 0.1 m to the right."""
+    (folder / "chain.yaml").write_text(chain())
+    imported("kalibr", folder / "chain.yaml", "--camera", "cam0,cam1", "--board", "9x6", "--spacing", "0.03", out=folder / "rig")
+    nominal = (folder / "rig" / "nominal.yaml").read_text()
+    assert "camera_pose@cam1: {x_m: 0.1, y_m: 0, z_m: 0, rx_rad: 0, ry_rad: 0, rz_rad: 0}" in nominal, nominal
+    for name in ("cam0", "cam1"):
+        assert f"pinhole@{name}" in nominal and f"radial_polynomial@{name}" in nominal, nominal
+    # Seen from the second camera, the first one stands to its left.
+    imported("kalibr", folder / "chain.yaml", "--camera", "cam1", "--board", "9x6", "--spacing", "0.03", out=folder / "one")
+    assert "@" not in (folder / "one" / "nominal.yaml").read_text()
+    # The corners that the two saw agree with the chain.
+    global D
+    kept, D = D, np.append(D[:4], 0)
+    project.__defaults__ = (K, D)
+    corners_of_two(folder)
+    D = kept
+    project.__defaults__ = (K, D)
+    imported("kalibr", folder / "chain.yaml", folder / "corners.csv", "--camera", "0,1", "--board", "9x6", "--spacing", "0.03",
+             out=folder / "seen")
+    error = error_of(folder / "seen")
+    assert 0.8 < error < 1.25, error
+    refused("kalibr", folder / "chain.yaml", "--camera", "cam0,cam2", out=folder / "none", words=["cam2", "cam0, cam1"])
+    (folder / "chain.yaml").write_text(chain().replace("[1, 0, 0, -0.1]", "[2, 0, 0, -0.1]"))
+    refused("kalibr", folder / "chain.yaml", "--camera", "cam0,cam1", out=folder / "bent", words=["T_cn_cnm1", "rotation"])
+
+
+def test_calibrations_print_focal_lengths_and_centre(folder):
+    """With errors by which the truth is told, in text, JSON and page."""
+    (folder / "cv.yaml").write_text(storage(board_views(board())))
+    imported("opencv", folder / "cv.yaml", "--board", "9x6", "--spacing", "0.03", out=folder / "set")
+    given = ["--data", folder / "set", "--model", folder / "set" / "nominal.yaml"]
+    names = ["focal length x", "focal length y", "centre x", "centre y"]
+    for command in (["compare"], ["diagnose"], ["add", "radial_polynomial", "--out", folder / "more.yaml"]):
+        said = run(*command, *given, "--json", folder / "out.json")
+        figures = json.loads((folder / "out.json").read_text())["figures"]["figures"]
+        assert [figure["name"] for figure in figures] == names, figures
+        for figure in figures:
+            assert figure["sigma"] > 0 and any(figure["name"] in line and "+-" in line for line in said.splitlines()), said
+    run("fit", "--data", folder / "set", "--model", folder / "more.yaml", "--out", folder / "fit.yaml", "--json", folder / "out.json")
+    run("add", "tangential_distortion", "--data", folder / "set", "--model", folder / "more.yaml", "--out", folder / "all.yaml",
+        "--json", folder / "out.json")
+    for figure, truth in zip(json.loads((folder / "out.json").read_text())["figures"]["figures"], K):
+        assert abs(figure["value"] - truth) < 4 * figure["sigma"] < 8, (figure, truth)
+    run("compare", *given, "--json", folder / "out.json")
+    run("report", folder / "out.json", "--out", folder / "page.html")
+    assert "focal length x" in (folder / "page.html").read_text()
+
+
+def nominal_of(folder):
+    return yaml.safe_load((folder / "nominal.yaml").read_text())["effects"]
+
+
+def test_camodocal(folder):
+    """VINS-Fusion's camera models: two that are effects, and Mei's, which is taken as its nearest lens."""
+    head = "%YAML:1.0\n---\nmodel_type: {}\ncamera_name: front\nimage_width: 640\nimage_height: 480\n"
+    (folder / "pinhole.yaml").write_text(
+        head.format("PINHOLE") + "distortion_parameters:\n   k1: -0.21\n   k2: 0.06\n   p1: 0.0002\n   p2: -0.0003\n"
+        "projection_parameters:\n   fx: 515.5\n   fy: 516.5\n   cx: 321.5\n   cy: 239.25\n")
+    for kind in ("opencv", "kalibr"):
+        imported(kind, folder / "pinhole.yaml", out=folder / kind)
+        effects = nominal_of(folder / kind)
+        assert effects["pinhole"] == {"fx_px": 515.5, "fy_px": 516.5, "cx_px": 321.5, "cy_px": 239.25}, effects
+        assert effects["radial_polynomial"] == {"k1": -0.21, "k2": 0.06, "k3": 0}, effects
+        assert effects["tangential_distortion"] == {"p1": 0.0002, "p2": -0.0003}, effects
+    (folder / "kb.yaml").write_text(
+        head.format("KANNALA_BRANDT") + "projection_parameters:\n   k2: -0.01\n   k3: 0.02\n   k4: -0.012\n   k5: 0.003\n"
+        "   mu: 380.5\n   mv: 381.5\n   u0: 318.5\n   v0: 242.5\n")
+    imported("opencv", folder / "kb.yaml", out=folder / "kb")
+    effects = nominal_of(folder / "kb")
+    assert effects["fisheye"] == {"k1": -0.01, "k2": 0.02, "k3": -0.012, "k4": 0.003}, effects
+    assert effects["pinhole"]["fx_px"] == 380.5 and effects["pinhole"]["cy_px"] == 242.5, effects
+    (folder / "mei.yaml").write_text(
+        head.format("MEI") + "mirror_parameters:\n   xi: 1.2\ndistortion_parameters:\n   k1: -0.05\n   k2: 0.02\n"
+        "   p1: 0\n   p2: 0\nprojection_parameters:\n   gamma1: 800\n   gamma2: 800\n   u0: 320\n   v0: 240\n")
+    said = imported("opencv", folder / "mei.yaml", out=folder / "mei")
+    assert "'MEI' is no effect" in said and "misses by" in said, said
+    def mei(theta):
+        x = np.sin(theta) / (np.cos(theta) + 1.2)
+        return 800 * x * (1 - 0.05 * x * x + 0.02 * x**4)
+    nearly(folder / "mei", mei)
+    refused("opencv", folder / "mei.yaml", "--camera", "left", out=folder / "no", words=["--camera left", "front"])
+    (folder / "other.yaml").write_text((folder / "kb.yaml").read_text().replace("KANNALA_BRANDT", "SCARAMUZZA"))
+    refused("opencv", folder / "other.yaml", out=folder / "other", words=["other.yaml:3", "SCARAMUZZA", "KANNALA_BRANDT"])
+
+
+def nearly(folder, radius_px, limit_px=0.5):
+    """The nominal model's fisheye takes rays within the image where another formula does."""
+    effects = nominal_of(folder)
+    k = effects["fisheye"]
+    theta = np.radians(np.arange(1, 90))
+    theta = theta[radius_px(theta) < 320]
+    assert len(theta) > 20
+    bent = theta * (1 + k["k1"] * theta**2 + k["k2"] * theta**4 + k["k3"] * theta**6 + k["k4"] * theta**8)
+    worst = np.abs(effects["pinhole"]["fx_px"] * bent - radius_px(theta)).max()
+    assert worst < limit_px, worst
+
+
+def test_orb_slam(folder):
+    new = ("%YAML:1.0\n\nCamera.type: \"PinHole\"\nCamera1.fx: 520.5\nCamera1.fy: 521.5\nCamera1.cx: 322.5\n"
+           "Camera1.cy: 238.5\nCamera1.k1: -0.2\nCamera1.k2: 0.05\nCamera1.p1: 0.0001\nCamera1.p2: -0.0002\n"
+           "Camera.width: 640\nCamera.height: 480\n")
+    (folder / "new.yaml").write_text(new)
+    imported("opencv", folder / "new.yaml", out=folder / "new")
+    effects = nominal_of(folder / "new")
+    assert effects["pinhole"] == {"fx_px": 520.5, "fy_px": 521.5, "cx_px": 322.5, "cy_px": 238.5}, effects
+    assert effects["radial_polynomial"] == {"k1": -0.2, "k2": 0.05, "k3": 0}, effects
+    # Files of the second version name no size and no type; a third coefficient may follow.
+    old = new.replace("Camera1.", "Camera.").replace('Camera.type: "PinHole"\n', "")
+    old = old[:old.index("Camera.width")] + "Camera.k3: 0.01\n"
+    (folder / "old.yaml").write_text(old)
+    refused("opencv", folder / "old.yaml", out=folder / "none", words=["Camera.width", "--size"])
+    imported("opencv", folder / "old.yaml", "--size", "640x480", out=folder / "old")
+    assert nominal_of(folder / "old")["radial_polynomial"]["k3"] == 0.01
+    # A stereo camera: the matrix takes points of the second camera to the first.
+    wide = new.replace("PinHole", "KannalaBrandt8").replace("p1", "k3").replace("p2", "k4")
+    second = "".join(line + "\n" for line in wide.splitlines() if line.startswith("Camera1")).replace("Camera1", "Camera2")
+    (folder / "stereo.yaml").write_text(
+        wide + second + "Stereo.T_c1_c2: !!opencv-matrix\n  rows: 4\n  cols: 4\n  dt: f\n"
+        "  data: [1, 0, 0, 0.11, 0, 1, 0, 0.002, 0, 0, 1, 0, 0, 0, 0, 1]\n")
+    imported("opencv", folder / "stereo.yaml", "--camera", "Camera1,Camera2", out=folder / "stereo")
+    effects = nominal_of(folder / "stereo")
+    assert effects["fisheye@Camera2"] == {"k1": -0.2, "k2": 0.05, "k3": 0.0001, "k4": -0.0002}, effects
+    assert effects["camera_pose@Camera2"]["x_m"] == 0.11 and effects["camera_pose@Camera2"]["y_m"] == 0.002, effects
+
+
+def test_basalt(folder):
+    def camera(kind, **numbers):
+        return {"camera_type": kind, "intrinsics": {"fx": 350.0, "fy": 350.0, "cx": 320.0, "cy": 240.0, **numbers}}
+    place = {"px": 0.0, "py": 0.0, "pz": 0.0, "qx": 0.0, "qy": 0.0, "qz": 0.0, "qw": 1.0}
+    calibration = {"value0": {
+        "T_imu_cam": [place, {**place, "px": 0.12, "qy": 0.1, "qw": 0.99**0.5}, place, place],
+        "intrinsics": [camera("kb4", k1=0.01, k2=-0.02, k3=0.01, k4=-0.002), camera("ds", xi=-0.2, alpha=0.57),
+                       camera("pinhole-radtan8", k1=0.1, k2=0.02, p1=0.001, p2=-0.001, k3=0.003, k4=0.2, k5=0.03, k6=0.001),
+                       camera("eucm", alpha=0.6, beta=1.1)],
+        "resolution": [[640, 480]] * 4}}
+    (folder / "calib.json").write_text(json.dumps(calibration, indent=4))
+    said = imported("opencv", folder / "calib.json", "--camera", "cam0,cam1", out=folder / "rig")
+    effects = nominal_of(folder / "rig")
+    assert effects["fisheye@cam0"] == {"k1": 0.01, "k2": -0.02, "k3": 0.01, "k4": -0.002}, effects
+    turned = effects["camera_pose@cam1"]
+    assert abs(turned["x_m"] - 0.12) < 1e-9 and abs(turned["ry_rad"] - 2 * np.arcsin(0.1)) < 1e-9, turned
+    assert "'ds' is no effect" in said, said
+    imported("opencv", folder / "calib.json", "--camera", "cam1", out=folder / "ds")
+    def double_sphere(theta):
+        z = np.cos(theta) - 0.2
+        return 350 * np.sin(theta) / (0.57 * np.hypot(np.sin(theta), z) + 0.43 * z)
+    nearly(folder / "ds", double_sphere)
+    imported("opencv", folder / "calib.json", "--camera", "cam2", out=folder / "radtan8")
+    assert nominal_of(folder / "radtan8")["rational_lens"] == {"k1": 0.1, "k2": 0.02, "k3": 0.003, "k4": 0.2, "k5": 0.03, "k6": 0.001}
+    imported("opencv", folder / "calib.json", "--camera", "cam3", out=folder / "eucm")
+    nearly(folder / "eucm", lambda t: 350 * np.sin(t) / (0.6 * np.sqrt(1.1 * np.sin(t)**2 + np.cos(t)**2) + 0.4 * np.cos(t)))
+    calibration["value0"]["intrinsics"][0]["camera_type"] = "fov"
+    (folder / "calib.json").write_text(json.dumps(calibration))
+    refused("opencv", folder / "calib.json", out=folder / "fov", words=["fov", "eucm"])
 
 
 def cameramodel(inputs=""):

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "effects/registry.h"
+#include "effects/stages/lens_domain.h"
 #include "measurement/check/doubts.h"
 #include "measurement/check/faults.h"
 #include "measurement/kinds/kinds.h"
@@ -136,6 +137,18 @@ std::string behind_text(const MeasurementSet& set, const Kind& kind,
                      model ? "with the model" : "by the rig alone");
 }
 
+// Of the model that was named, or of the one that an import left beside the set.
+void doubt_lenses(const MeasurementSet& set, const std::optional<Model>& model,
+                  SetDescription& description) {
+  const auto nominal = set.folder / "nominal.yaml";
+  if (set.camera.width_px == 0 || (!model && !std::filesystem::exists(nominal))) return;
+  const std::string name = model ? "the model" : "nominal.yaml";
+  for (const std::string& doubt :
+       effects::lens_doubts(model ? *model : Model::from_file(nominal.string()),
+                            set.camera.width_px, set.camera.height_px))
+    description.warnings.push_back(fmt::format("{}: {}", name, doubt));
+}
+
 }  // namespace
 
 SetDescription describe_set(const MeasurementSet& set, const std::optional<Model>& model,
@@ -157,6 +170,11 @@ SetDescription describe_set(const MeasurementSet& set, const std::optional<Model
                       concerns.measured_anew);
   if (kind.observations.in_image)
     text += fmt::format("  outside      {} points lie outside the image\n", concerns.outside_image);
+  try {
+    doubt_lenses(set, model, description);
+  } catch (const InputError& error) {
+    description.errors.emplace_back(error.what());
+  }
   const bool is_protocol = [&] {
     const auto& measured = kind.observations.measured;
     const CsvTable table = set.table(kind.observations.file);

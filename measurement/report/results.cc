@@ -70,18 +70,6 @@ std::string free_text(const Problem& problem, const Assessment& before,
   return text;
 }
 
-// The figures of a field's standard, and those that a model gives instead, one a line.
-std::string figures_text(const Problem& problem, const Assessment& assessment) {
-  const FigureTable table = figure_table(problem, assessment);
-  if (table.figures.empty()) return "";
-  std::string text =
-      fmt::format("{} (by the standard's formulas, with standard errors):\n", table.title);
-  for (const Figure& figure : table.figures)
-    text += fmt::format("  {:24s} {:10.5g} +- {:<8.2g} {}\n", figure.name, figure.value,
-                        figure.sigma, figure.unit);
-  return text;
-}
-
 // Why the error is not that of `compare`, where it is not.
 std::string outlier_text(const SearchResult& result) {
   if (result.steps.empty() || (result.outliers.empty() && result.outliers_of_given == 0)) return "";

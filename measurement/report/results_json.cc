@@ -338,6 +338,7 @@ std::string add_json(const Problem& problem, const AddResult& result, const std:
   add_noise(json, problem);
   add_notes(json, problem, result.model);
   add_target(json, problem, result.model);
+  add_figures(json, problem, result.assessment);
   return dumped(json);
 }
 

@@ -1,4 +1,5 @@
 // `seam add`: fits one effect and adds it to a model.
+#include "measurement/report/figures_told.h"
 #include "measurement/report/target_told.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
@@ -47,7 +48,8 @@ void add_add(app::Command app) {
     outputs.out.fill(result.model.to_yaml());
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
     outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result) +
-                     measurement::target_text(*problem, result.model),
+                     measurement::target_text(*problem, result.model) +
+                     measurement::figures_text(*problem, result.assessment),
                  [&] { return measurement::add_json(*problem, result, "seam-add/1"); });
   });
 }
@@ -68,7 +70,8 @@ void add_fit(app::Command app) {
     outputs.out.fill(result.model.to_yaml());
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
     outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result) +
-                     measurement::target_text(*problem, result.model),
+                     measurement::target_text(*problem, result.model) +
+                     measurement::figures_text(*problem, result.assessment),
                  [&] { return measurement::add_json(*problem, result, "seam-fit/1"); });
   });
 }

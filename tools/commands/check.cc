@@ -11,6 +11,8 @@
 #include "app/sweep/table.h"
 #include "effects/formulas/formula_ranges.h"
 #include "effects/model.h"
+#include "effects/questions.h"
+#include "effects/stages/lens_domain.h"
 #include "measurement/check/describe.h"
 #include "render/colour/colour_table.h"
 #include "scheduler/log/log.h"
@@ -49,11 +51,26 @@ std::string effects_text(const effects::Model& model) {
   return text;
 }
 
+// A model does not know the size of its images: it is taken to be twice the principal point.
+std::string lens_warnings(const effects::Model& model) {
+  const effects::ModelEffect* base = effects::base_of(model, effects::Base::projection);
+  if (base == nullptr) return "";
+  const double width = 2 * base->value("cx_px") + 1, height = 2 * base->value("cy_px") + 1;
+  if (!(width >= 2 && height >= 2 && width <= 1e5 && height <= 1e5)) return "";
+  const int width_px = static_cast<int>(width + 0.5), height_px = static_cast<int>(height + 0.5);
+  std::string text;
+  for (const std::string& doubt : effects::lens_doubts(model, width_px, height_px))
+    text += fmt::format("warning: for images of {} x {} px, twice the principal point: {}\n",
+                        width_px, height_px, doubt);
+  return text;
+}
+
 std::string model_text(const ConfigNode& root) {
   const effects::Model model = effects::Model::from_config(root);
   std::string text =
       fmt::format("model: {}, {} effects, {} steps of history\n{}", model.name(),
                   model.effects().size(), model.history().size(), effects_text(model));
+  text += lens_warnings(model);
   // What the model's own values lead to is an error, with the first of them as its text.
   for (const effects::FormulaTrouble& trouble : effects::troubles_of_formulas(model)) {
     if (trouble.certain) throw InputError(fmt::format("{}: {}", root.file(), trouble.text));
@@ -92,6 +109,9 @@ std::string scenario_text(const ConfigNode& root) {
       const auto model =
           effects::Model::from_config(ConfigNode::from_text(camera.model_yaml, camera.model_name));
       text += fmt::format(", camera model {} of {} effects", model.name(), model.effects().size());
+      for (const std::string& doubt :
+           effects::lens_doubts(model, camera.width_px, camera.height_px))
+        text += fmt::format("\nwarning: {}: {}", camera.model_name, doubt);
     }
     text += "\n";
   }

@@ -6,12 +6,15 @@ import type { Report } from "./data";
 export function Figures({ report }: { report: Report }) {
   const table = report.result.figures;
   if (!table || table.figures.length === 0) return null;
+  const measured = table.snr_curve.length > 0;
   return (
     <section id="figures">
-      <h2>Figures after {table.title}</h2>
+      <h2>{measured ? `Figures after ${table.title}` : table.title}</h2>
       <p class="lead">
-        By the standard's own formulas, from all pixels of all frames and no model; the error is what the
-        pixels and the scatter of the levels leave.
+        {measured
+          ? "By the standard's own formulas, from all pixels of all frames and no model; the error is what " +
+            "the pixels and the scatter of the levels leave."
+          : "By the model's estimate, with what its effects change; the error is one standard error of the fit."}
       </p>
       <table class="data">
         <thead><tr><th>Figure</th><th class="r">Value</th><th class="r">Error</th><th>Unit</th></tr></thead>
@@ -20,13 +23,15 @@ export function Figures({ report }: { report: Report }) {
             <tr key={figure.name}>
               <td>{figure.name}</td>
               <td class="r num"><Rich text={number(figure.value)} /></td>
-              <td class="r num"><Rich text={number(figure.sigma)} /></td>
+              <td class="r num">
+                {figure.sigma === null ? "not determined" : <Rich text={number(figure.sigma)} />}
+              </td>
               <td>{figure.unit}</td>
             </tr>
           ))}
         </tbody>
       </table>
-      <details class="more">
+      {measured && <details class="more">
         <summary>signal over noise at each level</summary>
         <table class="data">
           <thead>
@@ -47,7 +52,7 @@ export function Figures({ report }: { report: Report }) {
             ))}
           </tbody>
         </table>
-      </details>
+      </details>}
     </section>
   );
 }

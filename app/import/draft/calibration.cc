@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/import/draft/points_draft.h"
+#include "effects/stages/lens_domain.h"
+#include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -31,6 +34,22 @@ void take_coefficients(const std::vector<double>& k, bool fisheye, const std::st
   lens.family = lens.coefficients.size() == 5   ? LensFamily::plumb_bob
                 : lens.coefficients.size() == 8 ? LensFamily::rational
                                                 : LensFamily::thin_prism;
+}
+
+void check_calibrated(const std::vector<double>& matrix, const std::string& where) {
+  if (std::all_of(matrix.begin(), matrix.end(), [](double number) { return number == 0; }))
+    throw InputError(fmt::format(
+        "{}: the camera is not calibrated: all numbers of its matrix are 0, as drivers write them "
+        "that know no calibration; expected fx, fy, cx and cy in pixels: calibrate the camera "
+        "(seam import images) or give the file of its calibration",
+        where));
+}
+
+void doubt_lens(const PlainCamera& camera, const std::string& where, SetDraft& draft) {
+  const auto model = effects::Model::from_config(ConfigNode::from_text(
+      "format: seam-model/1\neffects:\n" + effects_of(camera), "calibration"));
+  for (const std::string& doubt : effects::lens_doubts(model, camera.width_px, camera.height_px))
+    draft.warn(fmt::format("{}: {}", where, doubt));
 }
 
 void check_camera(const PlainCamera& camera, const std::string& where) {

@@ -14,6 +14,12 @@ namespace seam::app {
 void take_coefficients(const std::vector<double>& k, bool fisheye, const std::string& where,
                        Lens& lens, SetDraft& draft);
 
+// Throws InputError where the matrix, or focal lengths and centre, are all 0.
+void check_calibrated(const std::vector<double>& matrix, const std::string& where);
+
+// Warns of a lens that is not one-to-one over its image, and of a principal point outside it.
+void doubt_lens(const PlainCamera& camera, const std::string& where, SetDraft& draft);
+
 // Throws InputError where the numbers are no camera's.
 void check_camera(const PlainCamera& camera, const std::string& where);
 

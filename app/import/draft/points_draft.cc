@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "app/import/draft/calibration.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 
@@ -129,6 +130,59 @@ std::vector<std::string> cameras_of(const std::vector<SeenView>& views) {
   return names;
 }
 
+// Where a camera of a rig stands beside the first; free where that is not known.
+std::string place_of(const std::string& name, const std::optional<Pose>& X_FC) {
+  std::array<double, 6> numbers{};
+  if (X_FC) {
+    const Mat3& R = X_FC->R;
+    const Vec3 axis(R[1][2] - R[2][1], R[2][0] - R[0][2], R[0][1] - R[1][0]);
+    const double twice_sine = glm::length(axis), twice_cosine = R[0][0] + R[1][1] + R[2][2] - 1;
+    const double angle = std::atan2(twice_sine, twice_cosine);
+    const Vec3 turn = twice_sine > 0 ? axis * (angle / twice_sine) : Vec3(0.0);
+    numbers = {X_FC->p.x, X_FC->p.y, X_FC->p.z, turn.x, turn.y, turn.z};
+  }
+  constexpr std::array<const char*, 6> kNames = {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"};
+  std::string text = "  camera_pose@" + name + ": {";
+  for (size_t i = 0; i < kNames.size(); ++i)
+    text += fmt::format("{}{}: {}", i == 0 ? "" : ", ", kNames[i],
+                        X_FC ? exact(numbers[i]) : "{value: 0, free: true}");
+  return text + "}\n";
+}
+
+// Focal lengths and centre, with errors where the file has them.
+std::string said_of(const PlainCamera& camera) {
+  const Lens& lens = camera.lens;
+  const auto with = [&](double value, size_t which) {
+    const bool known = camera.sigma_px.has_value();
+    return fmt::format("{:.6g}{}", value,
+                       known ? fmt::format(" +- {:.2g}", (*camera.sigma_px)[which]) : "");
+  };
+  return fmt::format("focal lengths {} and {} px, centre {} and {} px{}", with(lens.fx_px, 0),
+                     with(lens.fy_px, 1), with(lens.cx_px, 2), with(lens.cy_px, 3),
+                     camera.sigma_px ? "" : "; the file states no errors");
+}
+
+// The calibrations as they stand.
+void known_cameras(const std::vector<PlainCamera>& cameras, SetDraft& draft) {
+  const bool rig = cameras.size() > 1;
+  std::string free;
+  for (size_t k = 0; k < cameras.size(); ++k) {
+    const PlainCamera& camera = cameras[k];
+    doubt_lens(camera, rig ? "the calibration of " + camera.name : "the calibration", draft);
+    draft.did((rig ? camera.name + ": " : "") + said_of(camera));
+    draft.effects += effects_of(camera, rig ? camera.name : "");
+    if (k > 0 && !camera.X_FC) free += (free.empty() ? "" : ", ") + camera.name;
+  }
+  for (size_t k = 1; k < cameras.size(); ++k)
+    draft.effects += place_of(cameras[k].name, cameras[k].X_FC);
+  draft.did(rig ? "the nominal model is the calibrations as they stand, their numbers fixed"
+                : "the nominal model is the calibration as it stands, its numbers fixed");
+  if (!free.empty())
+    draft.could_not_know(fmt::format("where {} stand{} beside {}: free in the nominal model", free,
+                                     free.find(',') == std::string::npos ? "s" : "",
+                                     cameras.front().name));
+}
+
 // Free perspective cameras that start from the views.
 void free_cameras(const std::vector<SeenView>& views, SetDraft& draft) {
   std::vector<std::string> focal_px;
@@ -153,13 +207,7 @@ void free_cameras(const std::vector<SeenView>& views, SetDraft& draft) {
         focal_px.front()));
     return;
   }
-  for (size_t k = 1; k < cameras.size(); ++k) {
-    draft.effects += "  camera_pose@" + cameras[k] + ": {";
-    for (const char* name : {"x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"})
-      draft.effects += fmt::format("{}{}: {{value: 0, free: true}}",
-                                   name == std::string_view("x_m") ? "" : ", ", name);
-    draft.effects += "}\n";
-  }
+  for (size_t k = 1; k < cameras.size(); ++k) draft.effects += place_of(cameras[k], std::nullopt);
   draft.did(fmt::format(
       "the nominal model is a perspective camera each of {} px focal length ({}), told from the "
       "views; their numbers are free, and where they stand beside '{}'",
@@ -170,6 +218,14 @@ void free_cameras(const std::vector<SeenView>& views, SetDraft& draft) {
 
 void draft_views(const std::vector<SeenView>& views, bool times_known, const PlainCamera* camera,
                  const std::string& file, SetDraft& draft) {
+  draft_views(views, times_known,
+              camera == nullptr ? std::vector<PlainCamera>{} : std::vector<PlainCamera>{*camera},
+              file, draft);
+}
+
+void draft_views(const std::vector<SeenView>& views, bool times_known,
+                 const std::vector<PlainCamera>& cameras, const std::string& file,
+                 SetDraft& draft) {
   draft.kind = "points";
   draft.group = "frame";
   draft.rig = "{pose: unknown}";
@@ -217,15 +273,17 @@ void draft_views(const std::vector<SeenView>& views, bool times_known, const Pla
   draft.could_not_know(
       "where the camera was: each view's pose is estimated with the model, so that a wrong spacing "
       "of the target scales all distances and shows in no number");
-  if (camera != nullptr) {
-    draft.effects = effects_of(*camera);
-    draft.did("the nominal model is the calibration as it stands, its numbers fixed");
-    return;
+  if (cameras.empty()) {
+    free_cameras(views, draft);
+  } else {
+    known_cameras(cameras, draft);
   }
-  free_cameras(views, draft);
 }
 
-void draft_protocol(const PlainCamera& camera, const ImportRequest& request, SetDraft& draft) {
+void draft_protocol(const std::vector<PlainCamera>& cameras, const ImportRequest& request,
+                    SetDraft& draft) {
+  const PlainCamera& camera = cameras.front();
+  const bool rig = cameras.size() > 1;
   constexpr int kViews = 24;
   const bool given = request.board_columns > 0;
   const int columns = given ? request.board_columns : 9, rows = given ? request.board_rows : 6;
@@ -236,7 +294,9 @@ void draft_protocol(const PlainCamera& camera, const ImportRequest& request, Set
   draft.kind = "points";
   draft.group = "frame";
   draft.rig = "{pose: unknown}";
-  measurement::CsvWriter table({"frame", "time_s", "point", "x_m", "y_m", "z_m"});
+  std::vector<std::string> columns_of_table = {"frame", "time_s", "point", "x_m", "y_m", "z_m"};
+  if (rig) columns_of_table.emplace_back("camera");
+  measurement::CsvWriter table(columns_of_table);
   measurement::CsvWriter poses({"time_s", "x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"});
   // The board fills about half of the image, turned to all sides by up to 35 degrees.
   const double far_m = 2 * (columns - 1) * spacing_m * camera.lens.fx_px / camera.width_px;
@@ -254,18 +314,23 @@ void draft_protocol(const PlainCamera& camera, const ImportRequest& request, Set
     poses.row({fmt::format("{}", view), fmt::format("{:.6f}", p.x), fmt::format("{:.6f}", p.y),
                fmt::format("{:.6f}", p.z), fmt::format("{:.9f}", w),
                fmt::format("{:.9f}", s * axis.x), fmt::format("{:.9f}", s * axis.y), "0"});
-    for (size_t i = 0; i < points.size(); ++i)
-      table.row({fmt::format("{}", view), fmt::format("{}", view), fmt::format("{}", i),
-                 exact(points[i].x), exact(points[i].y), exact(points[i].z)});
+    for (const PlainCamera& seen_by : cameras) {
+      for (size_t i = 0; i < points.size(); ++i) {
+        std::vector<std::string> cells = {fmt::format("{}", view), fmt::format("{}", view),
+                                          fmt::format("{}", i),    exact(points[i].x),
+                                          exact(points[i].y),      exact(points[i].z)};
+        if (rig) cells.push_back(seen_by.name);
+        table.row(cells);
+      }
+    }
   }
   draft.add_table("points", table);
   draft.add_table("poses", poses);
-  draft.effects = effects_of(camera);
   draft.did(fmt::format(
       "the files hold a calibration and no corners: a protocol of {} views of a board of {} x {} "
       "corners, {} m apart{}, for `seam measure`",
       kViews, columns, rows, exact(spacing_m), given ? "" : " (taken for granted)"));
-  draft.did("the nominal model is the calibration as it stands, its numbers fixed");
+  known_cameras(cameras, draft);
   draft.could_not_know("the corners that the calibration was made from");
 }
 

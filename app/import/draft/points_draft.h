@@ -40,16 +40,22 @@ void check_spacing(double spacing_m, const std::string& where, const ImportReque
 // Views of a target whose poses are unknown, as `points`. Faults of the corners (outside the image,
 // u and v exchanged) are errors or warnings; others are told of the set when it is whole.
 // `times_known` false: views are numbered by seconds, and the draft says so. The effects are those
-// of `camera`, or where it is null a free perspective camera that starts from the views; of a rig
-// one for each of its cameras, and where they stand beside the first.
+// of the cameras, or where there are none a free perspective camera that starts from the views; of
+// a rig one for each of its cameras, and where they stand beside the first.
+void draft_views(const std::vector<SeenView>& views, bool times_known,
+                 const std::vector<PlainCamera>& cameras, const std::string& file, SetDraft& draft);
+// The same of one camera; null: none is known.
 void draft_views(const std::vector<SeenView>& views, bool times_known, const PlainCamera* camera,
                  const std::string& file, SetDraft& draft);
 
-// A calibration without corners: a protocol of a board held before the camera, and its model.
-void draft_protocol(const PlainCamera& camera, const ImportRequest& request, SetDraft& draft);
+// Calibrations without corners: a protocol of a board held before the camera, or before a rig of
+// several, and its model.
+void draft_protocol(const std::vector<PlainCamera>& cameras, const ImportRequest& request,
+                    SetDraft& draft);
 
-// The effects of a camera as YAML. Coefficients are plain numbers: they stay fixed.
-std::string effects_of(const PlainCamera& camera);
+// The effects of a camera as YAML, of one of a rig by its name. Coefficients are plain numbers:
+// they stay fixed.
+std::string effects_of(const PlainCamera& camera, const std::string& of_camera = "");
 
 // A focal length from views of a flat target, the principal point in the image's middle; 0 where
 // the views do not tell.

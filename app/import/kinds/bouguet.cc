@@ -38,6 +38,10 @@ PlainCamera camera_of(const MatFile& mat, SetDraft& draft) {
   camera.lens.cx_px = element(mat, "cc", 0), camera.lens.cy_px = element(mat, "cc", 1);
   for (size_t i = 0; i < 5; ++i)
     camera.lens.coefficients.push_back(mat.find("kc") == nullptr ? 0 : element(mat, "kc", i));
+  // The toolbox writes three standard errors.
+  if (mat.find("fc_error") != nullptr && mat.find("cc_error") != nullptr)
+    camera.sigma_px = {element(mat, "fc_error", 0) / 3, element(mat, "fc_error", 1) / 3,
+                       element(mat, "cc_error", 0) / 3, element(mat, "cc_error", 1) / 3};
   const double skew = mat.find("alpha_c") == nullptr ? 0 : scalar(mat, "alpha_c");
   if (skew != 0)
     draft.warn(fmt::format(

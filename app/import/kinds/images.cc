@@ -276,8 +276,10 @@ void import_images(const ImportRequest& request, SetDraft& draft) {
                         target.pattern, target.columns, target.rows));
   tell_ambiguity(target, draft);
   const std::vector<SeenView> views =
-      found.cameras.size() > 1 ? views_of_rig(std::move(found.cameras), found.times_known, draft)
-                               : std::move(found.cameras.front().views);
+      found.cameras.size() > 1
+          ? views_of_rig(std::move(found.cameras),
+                         found.times_known ? SameFrame::time : SameFrame::picture_name, draft)
+          : std::move(found.cameras.front().views);
   draft_views(views, found.times_known, calibration_of(sources, draft),
               request.sources.front().string(), draft);
 }

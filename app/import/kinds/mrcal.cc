@@ -261,7 +261,7 @@ void import_mrcal(const ImportRequest& request, SetDraft& draft) {
   } else if (!model->inputs.empty()) {
     draft_views(views_of_inputs(*model, draft), false, camera, model->file, draft);
   } else {
-    draft_protocol(model->camera, request, draft);
+    draft_protocol({model->camera}, request, draft);
     draft.could_not_know("what it was calibrated from: the model has no optimization_inputs");
   }
   if (!model || model->known_lens) return;

@@ -2,6 +2,7 @@
 // the same names.
 #include <cmath>
 
+#include "app/import/cameras/camera_file.h"
 #include "app/import/draft/calibration.h"
 #include "app/import/draft/points_draft.h"
 #include "app/import/files/storage.h"
@@ -74,8 +75,11 @@ PlainCamera camera_of(const Storage& found, SetDraft& draft) {
   PlainCamera camera{.width_px = draft.camera.width_px, .height_px = draft.camera.height_px};
   const auto k = numbers_in(*found.matrix);
   if (k.size() != 9) found.matrix->fail(fmt::format("found {} numbers, expected 3 x 3", k.size()));
+  check_calibrated(k, found.matrix->where());
   if (k[3] != 0 || k[6] != 0 || k[7] != 0 || k[8] != 1)
-    found.matrix->fail("expected [fx, 0, cx, 0, fy, cy, 0, 0, 1]: exchanged rows and columns?");
+    found.matrix->fail(k[1] == 0 && k[2] == 0 && k[5] == 0 && k[8] == 1
+                           ? "expected [fx, 0, cx, 0, fy, cy, 0, 0, 1]: exchanged rows and columns?"
+                           : "expected [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
   camera.lens.fx_px = k[0], camera.lens.fy_px = k[4];
   camera.lens.cx_px = k[2], camera.lens.cy_px = k[5];
   if (k[1] != 0)
@@ -204,24 +208,34 @@ std::vector<SeenView> seen_views(const Storage& found, const ImportRequest& requ
 void import_opencv(const ImportRequest& request, SetDraft& draft) {
   Storage found;
   std::string files;
+  std::vector<PlainCamera> cameras;
   for (const auto& source : request.sources) {
-    take(read_storage(source), request, found);
+    const ConfigNode root = read_storage(source);
+    if (const auto foreign = foreign_cameras(root, request, draft)) {
+      cameras = chosen_cameras(*foreign, root, request, draft);
+      found.width_px = cameras.front().width_px, found.height_px = cameras.front().height_px;
+    } else {
+      take(root, request, found);
+    }
     files += (files.empty() ? "" : ", ") + source.string();
   }
   if (request.width_px > 0) found.width_px = request.width_px, found.height_px = request.height_px;
   draft.camera.width_px = found.width_px, draft.camera.height_px = found.height_px;
-  if (!found.corners && !found.matrix)
-    throw InputError(fmt::format(
-        "{}: found neither corners (image_points) nor a calibration (camera_matrix)", files));
+  if (!found.corners && !found.matrix && cameras.empty())
+    throw InputError(
+        fmt::format("{}: found neither corners (image_points) nor a calibration (camera_matrix, or "
+                    "those of camodocal, ORB-SLAM and basalt)",
+                    files));
   if (found.width_px < 2 || found.height_px < 2)
     throw InputError(
         fmt::format("{}: says no size of the images, expected image_width and image_height or "
                     "--size WIDTHxHEIGHT",
                     files));
-  std::optional<PlainCamera> camera;
-  if (found.matrix) camera = camera_of(found, draft);
-  if (!found.corners) return draft_protocol(*camera, request, draft);
-  draft_views(seen_views(found, request, draft), false, camera ? &*camera : nullptr, files, draft);
+  if (found.matrix) cameras = {camera_of(found, draft)};
+  if (!found.corners) return draft_protocol(cameras, request, draft);
+  if (cameras.size() > 1)
+    throw UsageError("opencv: corners of one camera, expected --camera with one name");
+  draft_views(seen_views(found, request, draft), false, cameras, files, draft);
 }
 
 }  // namespace seam::app

@@ -273,7 +273,7 @@ bool RosImport::camera() {
   const PlainCamera* camera = chosen_camera();
   if (camera == nullptr) return false;
   draft_.camera.width_px = camera->width_px, draft_.camera.height_px = camera->height_px;
-  draft_protocol(*camera, request_, draft_);
+  draft_protocol({*camera}, request_, draft_);
   draft_.did(fmt::format("the calibration of {}", camera->name));
   return true;
 }

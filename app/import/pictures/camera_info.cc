@@ -24,7 +24,10 @@ std::optional<PlainCamera> read_camera_info(RosMessage& message, const std::stri
     take(4);
     d.clear();
   }
-  if (camera.lens.fx_px == 0) return std::nullopt;
+  if (camera.lens.fx_px == 0) {
+    draft.could_not_know(topic + ": the camera is not calibrated, the numbers of its matrix are 0");
+    return std::nullopt;
+  }
   const bool fisheye = !rectified && (model == "equidistant" || model == "fisheye");
   take_coefficients(d, fisheye, topic, camera.lens, draft);
   check_camera(camera, topic);

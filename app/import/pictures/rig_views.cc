@@ -58,11 +58,11 @@ std::string instant_of(const SeenView& view) {
   return name;
 }
 
-std::vector<Frame> frames_by_name(std::vector<SeenView> views) {
+std::vector<Frame> frames_by_name(std::vector<SeenView> views, SameFrame by) {
   std::map<std::string, Frame> by_instant;
   std::vector<std::filesystem::path> order;
   for (SeenView& view : views) {
-    const std::string instant = instant_of(view);
+    const std::string instant = by == SameFrame::name ? view.name : instant_of(view);
     Frame& frame = by_instant[instant];
     if (frame.empty()) order.emplace_back(instant);
     if (holds(frame, view.camera))
@@ -89,10 +89,10 @@ void check_shared(const std::vector<CameraViews>& cameras, const std::vector<Fra
   }
   for (const CameraViews& camera : cameras) {
     if (shared[camera.name] == 0)
-      throw InputError(
-          fmt::format("camera '{}' took no picture of the target at once with another camera, "
-                      "expected the same time, or the same name but for the camera's",
-                      camera.name));
+      throw InputError(fmt::format(
+          "camera '{}' saw the target in no frame together with another camera, expected the "
+          "same time, or the same name but for the camera's",
+          camera.name));
   }
   draft.did(fmt::format("{} frames, {} of them seen by several cameras", frames.size(), together));
 }
@@ -112,7 +112,7 @@ std::vector<std::string> cameras_in(const std::string& words) {
   return names;
 }
 
-std::vector<SeenView> views_of_rig(std::vector<CameraViews> cameras, bool times_known,
+std::vector<SeenView> views_of_rig(std::vector<CameraViews> cameras, SameFrame by,
                                    SetDraft& draft) {
   const int64_t gap_ns = shortest_gap_ns(cameras);
   std::vector<SeenView> all;
@@ -122,8 +122,9 @@ std::vector<SeenView> views_of_rig(std::vector<CameraViews> cameras, bool times_
       all.push_back(std::move(view));
     }
   }
-  const std::vector<Frame> frames =
-      times_known ? frames_by_time(std::move(all), gap_ns, draft) : frames_by_name(std::move(all));
+  const std::vector<Frame> frames = by == SameFrame::time
+                                        ? frames_by_time(std::move(all), gap_ns, draft)
+                                        : frames_by_name(std::move(all), by);
   check_shared(cameras, frames, draft);
   std::vector<SeenView> views;
   for (const Frame& frame : frames) {

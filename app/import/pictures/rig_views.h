@@ -17,10 +17,15 @@ struct CameraViews {
 // that stands twice or is none.
 std::vector<std::string> cameras_in(const std::string& words);
 
-// The views of all cameras, those of one frame one after another under one name: by their times
-// where these are known, else by what is left of their pictures' names without the camera's. Throws
-// InputError for a camera that shares no frame with any other.
-std::vector<SeenView> views_of_rig(std::vector<CameraViews> cameras, bool times_known,
-                                   SetDraft& draft);
+// By what views of several cameras belong to one frame.
+enum class SameFrame {
+  time,          // They are nearer than half the shortest time between two views of one camera.
+  picture_name,  // Their pictures have one name but for the camera's.
+  name,          // They have one name.
+};
+
+// The views of all cameras, those of one frame one after another under one name. Throws InputError
+// for a camera that shares no frame with any other.
+std::vector<SeenView> views_of_rig(std::vector<CameraViews> cameras, SameFrame by, SetDraft& draft);
 
 }  // namespace seam::app

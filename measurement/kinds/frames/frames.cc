@@ -15,6 +15,7 @@ FramesProblem::FramesProblem(const MeasurementSet& set, const Instruments& instr
       protocol_(set, table_, instruments),
       store_(light_store(Detail::fine)),
       rough_store_(light_store(Detail::rough)) {
+  check_pixels();
   for (size_t row = 0; row < table_.rows(); ++row) {
     Image image = read_png(set.inside(table_, row, "file"));
     if (image.width_px != protocol_.width_px() || image.height_px != protocol_.height_px() ||
@@ -40,6 +41,20 @@ FramesProblem::FramesProblem(const MeasurementSet& set, const Instruments& instr
   facts_.channel_of.assign(samples_ * images_.size(), 0);
   for (size_t row = 0; row < images_.size(); ++row)
     facts_.row_of.insert(facts_.row_of.end(), samples_, static_cast<int>(row));
+}
+
+// All images stay in memory with their residuals, about 100 bytes a pixel: one limit on all of
+// them, since a small file may be named by many rows.
+void FramesProblem::check_pixels() const {
+  constexpr int64_t kMostPixels = int64_t{32} << 20;
+  const int64_t pixels =
+      static_cast<int64_t>(table_.rows()) * protocol_.width_px() * protocol_.height_px();
+  if (pixels > kMostPixels)
+    throw InputError(fmt::format(
+        "{}: {} images of {} x {} px hold {} million pixels, expected at most {} million in all: "
+        "leave out rows",
+        table_.file(), table_.rows(), protocol_.width_px(), protocol_.height_px(),
+        pixels / 1'000'000, kMostPixels / 1'000'000));
 }
 
 LightStore FramesProblem::light_store(Detail detail) const {

@@ -61,6 +61,7 @@ class FramesProblem : public Problem {
   double looks(const Model& model, const EffectDefinition& effect) const override;
 
  private:
+  void check_pixels() const;
   LightStore light_store(Detail detail) const;
   FrameResiduals residuals_with(const LightStore& store, const Model& model,
                                 std::vector<size_t> frames) const;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "effects/stages/lens_domain.h"
 #include "measurement/kinds/points/points_predictor.h"
 #include "measurement/kinds/points/points_problem.h"
 #include "measurement/kinds/points/target/spacing.h"
@@ -158,7 +159,26 @@ std::vector<std::string> PointsProblem::remarks(const Model& model) const {
   if (!moves()) remark_on_agreement(model, evaluation, remarks);
   remark_on_scatter(evaluation, remarks);
   remark_on_reach(model, remarks);
+  for (const std::string& doubt :
+       effects::lens_doubts(model, data_.camera.width_px, data_.camera.height_px))
+    remarks.push_back("warning: " + doubt);
   return remarks;
+}
+
+std::vector<Figure> PointsProblem::figures(const Model& model) const {
+  std::vector<Figure> figures;
+  for (const CameraView& view : data_.cameras) {
+    const effects::ImagePoint axis =
+        effects::Projection(model_of(model, view.name), view.width_px, view.height_px)
+            .project({0, 0, 1});
+    const std::string of = view.name.empty() ? "" : " of " + view.name;
+    for (const auto& [name, value] : {std::pair{"focal length x", axis.fx},
+                                      {"focal length y", axis.fy},
+                                      {"centre x", axis.cx},
+                                      {"centre y", axis.cy}})
+      figures.push_back({.name = name + of, .unit = "px", .value = value});
+  }
+  return figures;
 }
 
 std::vector<PlacedPoint> PointsProblem::placed_points(const Model& model) const {

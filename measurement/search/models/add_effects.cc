@@ -95,6 +95,7 @@ AddResult add_effects(Problem& problem, const Model& model, const EffectList& ef
     if (!result.model.has(name)) result.replaced.push_back(name);
   }
   result.model.append_history(history_step(problem, result));
+  result.assessment = std::move(grown.assessment);
   return result;
 }
 
@@ -126,6 +127,7 @@ AddResult refit_all(Problem& problem, const Model& model) {
     }
   }
   result.model.append_history(history_step(problem, result));
+  result.assessment = std::move(after);
   return result;
 }
 

@@ -22,6 +22,7 @@ struct AddResult {
   double error_before = 0;
   double error_after = 0;
   std::vector<NotTestable> not_testable;
+  Assessment assessment;  // Of the model.
 };
 
 // Fits and adds effects, all at once (a file may hold several). Throws InputError where one of
