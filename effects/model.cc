@@ -14,9 +14,19 @@
 namespace seam::effects {
 namespace {
 
+// Before anything that is missing: the unknown name may be the one that is missed.
+void refuse_unknown(const ConfigNode& node, const char* what,
+                    const std::vector<std::string>& known) {
+  for (const std::string& key : node.keys()) {
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      node.fail(fmt::format("unknown {} '{}'{}", what, key, suggestion_for(key, known)));
+  }
+}
+
 ParameterValue read_value(const ConfigNode& node, const Parameter& parameter) {
   ParameterValue value;
   if (node.is_map()) {
+    refuse_unknown(node, "key", {"value", "sigma", "free", "spread"});
     value.value = node.at("value").number();
     if (const auto sigma = node.find("sigma")) value.sigma = sigma->number({0, 1e300});
     value.free = node.boolean_or("free", false);
@@ -38,6 +48,9 @@ ParameterValue read_value(const ConfigNode& node, const Parameter& parameter) {
 
 std::vector<ParameterValue> read_parameters(const ConfigNode& node,
                                             const EffectDefinition& effect) {
+  std::vector<std::string> names;
+  for (const Parameter& parameter : effect.parameters) names.push_back(parameter.name);
+  refuse_unknown(node, "parameter", names);
   std::vector<ParameterValue> values;
   for (const Parameter& parameter : effect.parameters) {
     const auto given = node.find(parameter.name);

@@ -6,10 +6,9 @@
 #include <cstdint>
 #include <string>
 
-namespace seam::app {
+#include "app/terminal_progress.h"
 
-// "1 h 05 min", "3 min 20 s", "12 s".
-std::string duration_text(double seconds);
+namespace seam::app {
 
 // Time on the wall since it was made.
 class Stopwatch {

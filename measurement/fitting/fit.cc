@@ -9,6 +9,7 @@
 #include "measurement/fitting/spreads_together.h"
 #include "measurement/numerics/damped_step.h"
 #include "measurement/problem/problem.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 namespace {
@@ -144,12 +145,18 @@ bool Fitter::fit_mean() {
     const double enough = share * std::max(1.0, misfit2);
     return {.promise = enough, .gain = enough};
   };
+  constexpr int kMostSteps = 40;
+  const Work work("step", kMostSteps, Work::Of::at_most);
+  const auto counted_look = [&] {
+    work.done();
+    return look();
+  };
   const DescentEnd end = descend(
-      {.look = [&] { return look(); },
+      {.look = counted_look,
        .move = [&](const Eigen::VectorXd& by) { return try_model(space_.moved(model_, by)); },
        .height = [&] { return value_; },
        .worth = worth},
-      {.start = 1e-6, .attempts = 12}, 40);
+      {.start = 1e-6, .attempts = 12}, kMostSteps);
   if (end.reason == DescentEnd::Reason::refused) return end.promised < 100 * worth().promise;
   return end.reason != DescentEnd::Reason::steps_spent;
 }

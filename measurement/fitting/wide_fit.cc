@@ -8,6 +8,7 @@
 #include "measurement/fitting/few_groups.h"
 #include "measurement/fitting/spreads_together.h"
 #include "measurement/numerics/damped_step.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 namespace {
@@ -188,11 +189,17 @@ Parabola WideFitter::look() {
 }
 
 void WideFitter::levenberg_marquardt() {
-  descend({.look = [&] { return look(); },
+  constexpr int kMostSteps = 25;
+  const Work work("step", kMostSteps, Work::Of::at_most);
+  const auto counted_look = [&] {
+    work.done();
+    return look();
+  };
+  descend({.look = counted_look,
            .move = [&](const Vector& by) { return move_to(space_.box().inside(z_ + by)); },
            .height = [&] { return 0.5 * cost_; },
            .worth = [&] { return Worth{.gain = 0.5e-3 * unit()}; }},
-          {.start = 1e-4, .shrink = 0.2, .firm = 1e-3, .attempts = 7}, 25);
+          {.start = 1e-4, .shrink = 0.2, .firm = 1e-3, .attempts = 7}, kMostSteps);
 }
 
 // Steps along each coordinate, wide to narrow; true where it found a clearly better place.

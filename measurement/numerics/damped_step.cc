@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measurement/numerics/linear_algebra.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 
@@ -39,6 +40,7 @@ VectorXd damped_step(const Parabola& here, double damping) {
 
 DampedSteps::Outcome DampedSteps::take(const Parabola& here, const Worth& worth,
                                        const std::function<bool(const VectorXd& by)>& move) {
+  count_fit_step();
   for (int attempt = 0; attempt < rule_.attempts; ++attempt) {
     const VectorXd by = damped_step(here, damping_);
     promised_ = -0.5 * by.dot(here.gradient);

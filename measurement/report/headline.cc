@@ -7,18 +7,64 @@
 #include <cmath>
 #include <limits>
 
+#include "measurement/report/told.h"
+
 namespace seam::measurement {
 namespace {
 
-// The structure that is strongest in noise units.
+// The structure that is strongest in noise units: "the mean of u_px varies with time (1.5 x
+// noise)".
 std::string strongest_text(const Problem& problem, const Assessment& assessment,
                            const std::vector<Structure>& structure) {
   const auto units = [&](const Structure& s) { return noise_units(problem, assessment, s); };
   const Structure& most = *std::max_element(
       structure.begin(), structure.end(),
       [&](const Structure& a, const Structure& b) { return units(a) < units(b); });
-  return fmt::format("the {} of {} depends on {}, by {:.2g} noise units", most.moment,
-                     most.residual, most.covariate, units(most));
+  return fmt::format("{} ({} x noise)", told_structure(problem.facts(), most),
+                     two_digits(units(most)));
+}
+
+// The steps, or where there are none the best candidate, as what comes nearest to an explanation.
+std::string nearest_text(const SearchResult& result) {
+  std::vector<std::string> names;
+  for (const Step& step : result.steps) names.push_back(step.effect);
+  double left = result.best.assessment.error;
+  if (names.empty()) {
+    const Candidate* best = nullptr;
+    for (const Candidate& c : result.first.candidates) {
+      const bool helps = !only_widens(*c.effect) && c.gain_ll > 0;
+      if (helps && (best == nullptr || c.gain_ll > best->gain_ll)) best = &c;
+    }
+    if (best == nullptr) return "";
+    names = {best->effect->name}, left = best->grown.assessment.error;
+  }
+  return fmt::format(" Nearest: {}, {} {:.3g} of {:.3g}.", fmt::join(names, ", "),
+                     names.size() == 1 ? "leaves" : "leave", left, result.base.assessment.error);
+}
+
+// What is missing, for sure, and what fits best where its range ends: there the true cause may be
+// another one.
+std::string steps_text(const SearchResult& result) {
+  std::vector<std::string> sure, doubtful;
+  const Step* most = nullptr;
+  for (const Step& step : result.steps) {
+    const std::string bounds = values_at_bound(result.best.assessment, step.effect);
+    if (!bounds.empty()) doubtful.push_back(fmt::format("{} ({})", step.effect, bounds));
+    if (!bounds.empty()) continue;
+    sure.push_back(step.effect);
+    if (most == nullptr || step.moved > most->moved) most = &step;
+  }
+  std::vector<std::string> parts;
+  if (most != nullptr)
+    parts.push_back(fmt::format("{} {} missing; {} moves predictions by {} x noise",
+                                fmt::join(sure, ", "), sure.size() == 1 ? "is" : "are",
+                                sure.size() == 1 ? "it" : most->effect, two_digits(most->moved)));
+  if (!doubtful.empty())
+    parts.push_back(fmt::format(
+        "{} {} best at the end of {} range, which is no cause established: look for another",
+        fmt::join(doubtful, ", "), doubtful.size() == 1 ? "fits" : "fit",
+        doubtful.size() == 1 ? "its" : "their"));
+  return fmt::format("{}", fmt::join(parts, "; "));
 }
 
 // What a fit to all groups leaves of the noise; infinite where the fit was to training groups.
@@ -64,31 +110,20 @@ std::string headline(const Problem& problem, const CompareResult& result) {
 }
 
 std::string headline(const Problem& problem, const SearchResult& result, size_t traces) {
-  std::vector<std::string> parts;
-  if (!result.steps.empty()) {
-    std::vector<std::string> names;
-    for (const Step& step : result.steps) names.push_back(step.effect);
-    const auto most =
-        std::max_element(result.steps.begin(), result.steps.end(),
-                         [](const Step& a, const Step& b) { return a.moved < b.moved; });
-    const bool one = names.size() == 1;
-    parts.push_back(fmt::format("{} {} missing; {} moves predictions by {:.2g} noise units",
-                                fmt::join(names, ", "), one ? "is" : "are",
-                                one ? "it" : most->effect, most->moved));
-  }
   if (result.verdict == "unexplained_structure" && !result.remaining.empty())
-    parts.push_back(strongest_text(problem, result.best.assessment, result.remaining) +
-                    ", which no known effect explains");
-  if (parts.empty()) return nothing_text(problem, result.best.assessment, result.material, traces);
-  return fmt::format("What matters: {}\n", fmt::join(parts, "; "));
+    return fmt::format("No known effect explains this: {}.{}\n",
+                       strongest_text(problem, result.best.assessment, result.remaining),
+                       nearest_text(result));
+  if (result.steps.empty())
+    return nothing_text(problem, result.best.assessment, result.material, traces);
+  return fmt::format("What matters: {}\n", steps_text(result));
 }
 
-std::string traces_text(const std::vector<Structure>& structure,
+std::string traces_text(const Facts& facts, const std::vector<Structure>& structure,
                         const std::vector<Candidate>& candidates) {
   std::vector<std::string> names;
-  for (const Candidate& c : candidates) names.push_back(c.effect->name);
-  for (const Structure& s : structure)
-    names.push_back(fmt::format("{} of {} by {}", s.moment, s.residual, s.covariate));
+  for (const Candidate& c : candidates) add_once(names, c.effect->name);
+  for (const Structure& s : structure) names.push_back(told_structure(facts, s));
   if (names.empty()) return "";
   constexpr size_t kMostNamed = 6;
   const size_t count = names.size();

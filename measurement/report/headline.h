@@ -13,7 +13,7 @@ std::string headline(const Problem& problem, const CompareResult& result);
 std::string headline(const Problem& problem, const SearchResult& result, size_t traces);
 
 // The traces in one line; empty where there are none.
-std::string traces_text(const std::vector<Structure>& structure,
+std::string traces_text(const Facts& facts, const std::vector<Structure>& structure,
                         const std::vector<Candidate>& candidates);
 
 }  // namespace seam::measurement

@@ -6,35 +6,11 @@
 #include "measurement/report/figures_told.h"
 #include "measurement/report/headline.h"
 #include "measurement/report/target_told.h"
+#include "measurement/report/told.h"
 #include "measurement/search/kept.h"
 
 namespace seam::measurement {
 namespace {
-
-std::string structure_line(const Structure& s) {
-  return fmt::format("  {:14s} {:6s} depends on {:24s} {:10.4g}   p = {:.2g}\n", s.residual,
-                     s.moment, s.covariate, s.strength, s.p_value);
-}
-
-std::string parameter_text(const NamedValues& parameters) {
-  std::string text;
-  for (const auto& [name, value] : parameters) {
-    text += fmt::format("{}{} = {:.6g}", text.empty() ? "" : ", ", name, value.value);
-    if (value.sigma) text += fmt::format(" +- {:.2g}", *value.sigma);
-  }
-  return text;
-}
-
-// The strongest structures, one line for each covariate.
-std::string structure_text(const std::vector<Structure>& structure) {
-  std::string text;
-  size_t lines = 0;
-  for (const Structure& s : structure) {
-    if (lines++ == 8) break;
-    text += structure_line(s);
-  }
-  return text;
-}
 
 std::string notes_text(const Problem& problem, const Model& model) {
   std::string text;
@@ -72,11 +48,61 @@ std::string free_text(const Problem& problem, const Assessment& before,
 
 // Why the error is not that of `compare`, where it is not.
 std::string outlier_text(const SearchResult& result) {
-  if (result.steps.empty() || (result.outliers.empty() && result.outliers_of_given == 0)) return "";
+  if (result.steps.empty() || result.outliers.empty()) return "";
   return fmt::format(
-      "{} residuals left out as outliers of the best model found (compare leaves out those of the "
-      "model given, so that its error differs)\n",
-      result.outliers.size());
+      "{} {} left out as outliers of the best model found (compare leaves out those of the model "
+      "given, so that its error differs)\n",
+      result.outliers.size(), result.outliers.size() == 1 ? "residual" : "residuals");
+}
+
+std::string candidate_text(int rank, const Candidate& candidate) {
+  const Assessment& after = candidate.grown.assessment;
+  std::string text =
+      fmt::format("{:2d}. {:24s} error {:.4f}   log-likelihood {:+.4g}   p {} {:.2g}   {}\n", rank,
+                  candidate.effect->name, after.error, candidate.gain_ll,
+                  candidate.p_value > 1e-300 ? "=" : "<", candidate.p_value,
+                  told_values(after, candidate.effect->name));
+  for (const auto& companion : candidate.companions)
+    text +=
+        fmt::format("    with {:24s} {}\n", companion->name, told_values(after, companion->name));
+  for (const std::string& other : candidate.indistinguishable_from)
+    text += fmt::format("      these data cannot tell it from {}\n", other);
+  if (!candidate.stands_in_for.empty())
+    text +=
+        fmt::format("      alone it stands in for {}\n", fmt::join(candidate.stands_in_for, ", "));
+  return text;
+}
+
+// The effects of the model found in the order of its steps, then others that help alone.
+std::string candidates_text(const std::vector<Candidate>& candidates) {
+  constexpr int kMost = 5;
+  std::string found, others;
+  int rank = 0;
+  for (const Candidate& candidate : candidates) {
+    if (++rank > kMost || !candidate.significant) break;
+    (candidate.found ? found : others) += candidate_text(rank, candidate);
+  }
+  if (!found.empty())
+    found =
+        "effects found, in the order of the steps; each figure is of the effect alone:\n" + found;
+  if (!others.empty())
+    others = "other effects that help alone, by the log-likelihood of held-out groups:\n" + others;
+  return found + others;
+}
+
+// Of what no known effect explains: what to vary, by the strongest structure of which a user can.
+std::string advice_on(const Problem& problem, const std::vector<Structure>& structure) {
+  if (structure.empty()) return "";
+  const Structure* told = &structure.front();
+  std::string ways;
+  for (const Structure& s : structure) {
+    ways = what_to_vary(problem.facts(), s.covariate);
+    if (!ways.empty()) told = &s;
+    if (!ways.empty()) break;
+  }
+  return fmt::format(
+      "No known effect explains that {}: {}write an effect for it (seam diagnose --suggest).",
+      told_structure(problem.facts(), *told), ways.empty() ? "" : ways + ", or ");
 }
 
 }  // namespace
@@ -96,14 +122,7 @@ std::string advice_for(const Problem& problem, const SearchResult& result) {
                         : known);
     }
   }
-  if (result.verdict == "unexplained_structure" && !result.remaining.empty()) {
-    const Structure& worst = result.remaining.front();
-    say(
-        fmt::format("The {} of {} depends on {}, which no known effect explains: vary {} alone, or "
-                    "write an effect for it "
-                    "(seam diagnose --suggest).",
-                    worst.moment, worst.residual, worst.covariate, worst.covariate));
-  }
+  if (result.verdict == "unexplained_structure") say(advice_on(problem, result.remaining));
   return text;
 }
 
@@ -143,8 +162,8 @@ std::string compare_text(const Problem& problem, const CompareResult& result) {
     text += fmt::format("no outliers are looked for: {}\n", why);
   text += result.structure.empty()
               ? result.traces.empty() ? "no significant structure\n" : "no structure that matters\n"
-              : "structure of the residuals:\n" + structure_text(result.structure);
-  return text + traces_text(result.traces, {}) + figures_text(problem, base);
+              : "structure of the residuals:\n" + structure_lines(problem, base, result.structure);
+  return text + traces_text(problem.facts(), result.traces, {}) + figures_text(problem, base);
 }
 
 std::string diagnose_text(const Problem& problem, const SearchResult& result) {
@@ -157,29 +176,15 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
   text += free_text(problem, result.base.assessment) +
           notes_text(problem, result.best.assessment.model) + outlier_text(result);
   text += fmt::format("verdict: {}\n", result.verdict);
-  int rank = 0;
-  for (const Candidate& candidate : result.first.candidates) {
-    if (++rank > 5 || !candidate.significant) break;
-    text += fmt::format(
-        "{:2d}. {:24s} error {:.4f}   p = {:.2g}   {}\n", rank, candidate.effect->name,
-        candidate.grown.assessment.error, candidate.p_value,
-        parameter_text(parameters_of(candidate.grown.assessment, candidate.effect->name)));
-    for (const auto& companion : candidate.companions)
-      text +=
-          fmt::format("    with {:24s} {}\n", companion->name,
-                      parameter_text(parameters_of(candidate.grown.assessment, companion->name)));
-    for (const std::string& other : candidate.indistinguishable_from)
-      text += fmt::format("      these data cannot tell it from {}\n", other);
-    if (!candidate.stands_in_for.empty())
-      text += fmt::format("      stands in for {}\n", fmt::join(candidate.stands_in_for, ", "));
-  }
+  text += candidates_text(result.first.candidates);
   const auto& structure = unexplained ? result.remaining : result.base_structure;
   if (!structure.empty()) {
     text +=
         unexplained ? "what remains after all known effects:\n" : "structure of the residuals:\n";
-    text += structure_text(structure);
+    text +=
+        structure_lines(problem, (unexplained ? result.best : result.base).assessment, structure);
   }
-  text += traces_text(trace_structure, traces);
+  text += traces_text(problem.facts(), trace_structure, traces);
   text += findings_text(problem, result.best.assessment);
   const std::string advice = advice_for(problem, result);
   if (!advice.empty()) text += "advice: " + advice + "\n";
@@ -194,15 +199,14 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
   text += notes_text(problem, result.best.assessment.model) + outlier_text(result);
   for (const Step& step : result.steps) {
     text += fmt::format("  + {:24s} {:.4f} -> {:.4f}   {}\n", step.effect, step.error_before,
-                        step.error_after,
-                        parameter_text(parameters_of(result.best.assessment, step.effect)));
+                        step.error_after, told_values(result.best.assessment, step.effect));
     for (const std::string& other : step.indistinguishable_from)
       text += fmt::format("      these data cannot tell it from {}\n", other);
   }
   for (const KeptTrace& kept : result.kept) {
     text +=
-        fmt::format("  kept, a trace: {}   {}; without it {} would be {:.0f} of its errors off\n",
-                    kept.effect, parameter_text(parameters_of(result.best.assessment, kept.effect)),
+        fmt::format("  kept, a trace: {}   {}; without it {} would be {:.0f} standard errors off\n",
+                    kept.effect, told_values(result.best.assessment, kept.effect),
                     moved_value(result, kept), kept.errors);
   }
   text += fmt::format("error {:.4f}, {}\n", result.best.assessment.error,
@@ -211,14 +215,15 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
                           : "adequate");
   if (result.errors_widened > 1.5)
     text += fmt::format(
-        "errors of parameters are up to {:.1f} times what independent noise would leave: groups, "
-        "or stretches of few, differ by so much\n",
+        "standard errors are up to {:.1f} times those of independent noise, since groups differ by "
+        "that much\n",
         result.errors_widened);
   text += free_text(problem, result.base.assessment, &result.best.assessment) +
           findings_text(problem, result.best.assessment);
   text += target_text(problem, result.best.assessment.model);
-  if (result.verdict == "unexplained_structure") text += structure_text(result.remaining);
-  return text + traces_text(result.remaining_traces, result.last_traces) +
+  if (result.verdict == "unexplained_structure")
+    text += structure_lines(problem, result.best.assessment, result.remaining);
+  return text + traces_text(problem.facts(), result.remaining_traces, result.last_traces) +
          figures_text(problem, result.best.assessment);
 }
 

@@ -8,6 +8,7 @@
 #include "measurement/kinds/kinds.h"
 #include "measurement/problem/made_problem.h"
 #include "measurement/report/headline.h"
+#include "measurement/report/told.h"
 #include "measurement/search/models/compare.h"
 
 namespace seam::measurement {
@@ -51,7 +52,8 @@ TEST(Compare, ListsTheStrongestFirst) {
   // The text's first line of structure is the JSON's first entry.
   const std::string text = compare_text(*problem, result);
   const std::string lines = text.substr(text.find("structure of the residuals:\n"));
-  EXPECT_LT(lines.find(result.structure[0].covariate), lines.find("\n", 30)) << text;
+  EXPECT_LT(lines.find(told_structure(problem->facts(), result.structure[0])), lines.find("\n", 30))
+      << text;
 }
 
 // Three groups of which each alone tells something: all together are at the noise.

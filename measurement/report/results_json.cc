@@ -147,7 +147,7 @@ std::string why(const SearchResult& result, const Candidate& candidate) {
   std::string text = candidate.effect->signature;
   if (!result.base_structure.empty() && candidate.significant) {
     const Structure& strongest = result.base_structure.front();
-    text += fmt::format("; without it the {} of {} depends on {} ({:.3g} rms)", strongest.moment,
+    text += fmt::format("; without it the {} of {} varies with {} ({:.3g} rms)", strongest.moment,
                         strongest.residual, strongest.covariate, strongest.strength);
   }
   return text;

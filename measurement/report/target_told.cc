@@ -27,31 +27,52 @@ double clarity(const PlacedPoint& point) {
 
 }  // namespace
 
+namespace {
+
+// Root mean squares along x, y and out of the plane, mm.
+struct Millimetres {
+  double x, y, z;
+};
+
+Millimetres rms_mm(const std::vector<PlacedPoint>& points, Vec3 PlacedPoint::*of) {
+  Vec3 square(0.0);
+  for (const PlacedPoint& point : points)
+    square += point.*of * point.*of / static_cast<double>(points.size());
+  const auto root = [](double sum) { return 1000 * std::sqrt(sum); };
+  return {root(square.x), root(square.y), root(square.z)};
+}
+
+std::string with_error(double value_m, double sigma_m) {
+  return fmt::format("{:.2g} +- {:.2g}", 1000 * value_m, 1000 * sigma_m);
+}
+
+}  // namespace
+
 std::string target_text(const Problem& problem, const Model& model) {
   const std::vector<PlacedPoint> points = problem.placed_points(model);
   if (points.empty()) return "";
-  Vec3 square(0.0), error(0.0);
-  for (const PlacedPoint& point : points) {
-    square += point.shift_m * point.shift_m / static_cast<double>(points.size());
-    error += point.sigma_m * point.sigma_m / static_cast<double>(points.size());
+  const Millimetres off = rms_mm(points, &PlacedPoint::shift_m);
+  const Millimetres error = rms_mm(points, &PlacedPoint::sigma_m);
+  // What a computation's last digits leave in the plane is nothing.
+  constexpr double kNothing = 1e-6;
+  const double in_plane = std::hypot(off.x, off.y);
+  std::string text;
+  if (in_plane < kNothing * off.z) {
+    text = fmt::format("The board is bent: {:.2g} mm rms out of its plane", off.z);
+  } else {
+    text = fmt::format("The board's {} points are displaced: {:.2g} mm rms along x, {:.2g} along y",
+                       points.size(), off.x, off.y);
+    if (off.z > kNothing * in_plane) text += fmt::format(", {:.2g} out of its plane", off.z);
   }
-  const auto rms_mm = [](double sum) { return 1000 * std::sqrt(sum); };
-  std::string text = fmt::format(
-      "the target's {} points lie off their plan by {:.3g}, {:.3g}, {:.3g} mm (root mean square "
-      "along x, y and out of it",
-      points.size(), rms_mm(square.x), rms_mm(square.y), rms_mm(square.z));
-  if (!(error.x > 0)) return text + ")\n";
-  text += fmt::format("; known to {:.2g}, {:.2g}, {:.2g} mm)\n", rms_mm(error.x), rms_mm(error.y),
-                      rms_mm(error.z));
+  if (!(error.x > 0)) return text + ".\n";
+  text += fmt::format("; standard errors {:.2g}, {:.2g}, {:.2g} mm.\n", error.x, error.y, error.z);
   const auto farthest = std::max_element(
       points.begin(), points.end(),
       [](const PlacedPoint& a, const PlacedPoint& b) { return clarity(a) < clarity(b); });
-  return text + fmt::format(
-                    "  surest: point {}: {:.3g} +- {:.2g}, {:.3g} +- {:.2g}, {:.3g} +- "
-                    "{:.2g} mm\n",
-                    farthest->name, 1000 * farthest->shift_m.x, 1000 * farthest->sigma_m.x,
-                    1000 * farthest->shift_m.y, 1000 * farthest->sigma_m.y,
-                    1000 * farthest->shift_m.z, 1000 * farthest->sigma_m.z);
+  return text + fmt::format("  most significant: point {}, by {}, {}, {} mm\n", farthest->name,
+                            with_error(farthest->shift_m.x, farthest->sigma_m.x),
+                            with_error(farthest->shift_m.y, farthest->sigma_m.y),
+                            with_error(farthest->shift_m.z, farthest->sigma_m.z));
 }
 
 void add_target(ordered_json& into, const Problem& problem, const Model& model) {

@@ -118,8 +118,8 @@ std::optional<Fitted> fit_from_starts(const Problem& problem, const Grown& base,
       fitted.most_ll = grown.assessment.total_ll;
     }
     std::erase_if(grown.added, [&](const std::string& name) { return !start.has(name); });
-    grown.added.push_back(effect->name);
-    for (const auto& companion : prospect.companions) grown.added.push_back(companion->name);
+    add_once(grown.added, effect->name);
+    for (const auto& companion : prospect.companions) add_once(grown.added, companion->name);
     if (!grown.assessment.valid) continue;
     if (!best || grown.assessment.total_ll > best->grown.assessment.total_ll)
       best = std::move(fitted);

@@ -58,4 +58,12 @@ Grown without_at_best(const Problem& problem, const Grown& grown, const std::str
 bool prune(const Problem& problem, const EffectByName& definition, double looks, double material,
            Grown& grown);
 
+// Whether an added effect is no result: the values that lie within kWithinError of their errors of
+// neutral leave nothing of it once they are there. `stated` has the errors that the user is told.
+bool is_at_neutral(const Problem& problem, const Assessment& stated, const std::string& name);
+
+// Removes the added effects that are no results, one by one, the rest fitted again. Returns whether
+// any went.
+bool remove_neutral(const Problem& problem, Grown& grown);
+
 }  // namespace seam::measurement

@@ -41,6 +41,10 @@ inline bool explains_something(double error, double given) {
 // its model: p = 0.012, about what 0.5 log n asks of one parameter at n = 1,000. A judgement.
 inline constexpr double kClearlyAway = 2.5;
 
+// An effect whose values lie within so many of their stated errors of neutral is no result: the
+// interval that holds the truth in 95 % of sets holds its absence.
+inline constexpr double kWithinError = 2;
+
 // Where held-out groups lose although all groups together leave no doubt (p this share of the
 // alarm's, 5e-5: four standard errors), bad luck is the likelier reason.
 inline constexpr double kBeyondDoubt = 0.01;

@@ -9,6 +9,7 @@
 #include "measurement/search/choice.h"
 #include "measurement/search/decisions.h"
 #include "measurement/search/told_apart.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 
@@ -200,8 +201,10 @@ std::vector<std::optional<Grown>> Exchanges::tried(const Grown& grown,
                                                    const std::vector<Exchange>& moves,
                                                    const EffectByName& effect_by_name) const {
   std::vector<std::optional<Grown>> tried(moves.size());
+  const Work work("exchanges tried", moves.size());
   parallel_for(moves.size(), [&](size_t m) {
     tried[m] = with_other(grown, moves[m].out, effect_by_name(moves[m].in));
+    work.done();
   });
   return tried;
 }

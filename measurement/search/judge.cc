@@ -346,7 +346,7 @@ void rank_candidates(std::vector<Candidate>& candidates) {
       const bool pair =
           std::abs(other.total_gain_ll - candidate.total_gain_ll) < tie_width(error) &&
           candidate.indistinguishable_from.size() < kMostTiesNamed;
-      if (in_class || pair) candidate.indistinguishable_from.push_back(other.effect->name);
+      if (in_class || pair) add_once(candidate.indistinguishable_from, other.effect->name);
     }
   }
 }
@@ -358,12 +358,15 @@ std::vector<Candidate> traces_of(const std::vector<Candidate>& candidates) {
   return traces;
 }
 
+void add_once(std::vector<std::string>& names, const std::string& name) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
 void remember_significant(const std::vector<Candidate>& candidates,
                           std::vector<std::string>& names) {
   for (const Candidate& candidate : candidates) {
-    const std::string& name = candidate.effect->name;
-    const bool known = std::find(names.begin(), names.end(), name) != names.end();
-    if (candidate.significant && !known && names.size() < kMostPromising) names.push_back(name);
+    if (candidate.significant && names.size() < kMostPromising)
+      add_once(names, candidate.effect->name);
   }
 }
 

@@ -75,6 +75,8 @@ void rank_candidates(std::vector<Candidate>& candidates);
 
 // Those that are significant but not material.
 std::vector<Candidate> traces_of(const std::vector<Candidate>& candidates);
+// Adds a name that the list lacks.
+void add_once(std::vector<std::string>& names, const std::string& name);
 // Adds the names of those that are significant, as long as there are few.
 void remember_significant(const std::vector<Candidate>& candidates,
                           std::vector<std::string>& names);

@@ -6,6 +6,7 @@
 #include "measurement/fitting/group_scatter.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/decisions.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 namespace {
@@ -51,9 +52,11 @@ std::vector<Misleading> that_mislead(const Problem& problem, const Grown& grown,
                                      const std::vector<Candidate>& traces, double looks,
                                      double material) {
   std::vector<std::optional<Candidate>> fitted(traces.size());
+  const Work work("traces fitted", traces.size());
   parallel_for(traces.size(), [&](size_t i) {
     const bool is_known = is_beside(traces[i], grown) && !traces[i].of_few;
     fitted[i] = is_known ? traces[i] : fitted_beside(problem, grown, traces[i], looks, material);
+    work.done();
   });
   std::vector<Misleading> misleading;
   std::optional<Assessment> widened;  // Dear: where some trace may mislead.

@@ -10,6 +10,7 @@
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/numerics/regression.h"
 #include "measurement/search/candidates.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 namespace {
@@ -96,7 +97,7 @@ class Look {
         looks_.shortened = looks_.shortened || promising_only_;
         break;
       }
-      for_all_effects([&](size_t i) {
+      for_all_effects("fitted effects", [&](size_t i) {
         if (prospects_[i] && worth[i] && sort_of(*effects_[i]) == sort) fit(i);
       });
     }
@@ -110,8 +111,12 @@ class Look {
   }
 
  private:
-  void for_all_effects(const std::function<void(size_t)>& job) const {
-    parallel_for(order_.size(), [&](size_t k) { job(order_[k]); });
+  void for_all_effects(const char* part, const std::function<void(size_t)>& job) const {
+    const Work work(part, order_.size());
+    parallel_for(order_.size(), [&](size_t k) {
+      job(order_[k]);
+      work.done();
+    });
   }
 
   std::optional<Evaluation> near_on(const std::optional<FewRows>& few) const {
@@ -129,10 +134,12 @@ class Look {
       prospects_[i] =
           prospect_of(problem_, base_, effects_[i], reasons_[i], /*alone=*/false, from, few);
     };
-    for_all_effects([&](size_t i) { see(i, near ? &*near : nullptr, few_ ? &*few_ : nullptr); });
+    constexpr const char* kPart = "effects looked at";
+    for_all_effects(kPart,
+                    [&](size_t i) { see(i, near ? &*near : nullptr, few_ ? &*few_ : nullptr); });
     // What few groups cannot see, all may.
     if (few_) {
-      for_all_effects([&](size_t i) {
+      for_all_effects(kPart, [&](size_t i) {
         const bool shares = prospects_[i] && !prospects_[i]->few;
         if (reasons_[i].empty() && !shares) return;
         reasons_[i].clear();
@@ -155,7 +162,7 @@ class Look {
 
   // What gains on all rows where few groups put it, and not yet enough, may gain more there.
   void fit_undecided() {
-    for_all_effects([&](size_t i) {
+    for_all_effects("effects fitted to all rows", [&](size_t i) {
       const bool undecided =
           found_[i] && found_[i]->of_few && !found_[i]->significant && found_[i]->total_gain_ll > 0;
       if (undecided) ask_all_rows(problem_, base_, here_, looks_.tried, material_, *found_[i]);

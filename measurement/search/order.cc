@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "effects/questions.h"
+#include "measurement/fitting/group_scatter.h"
 #include "measurement/numerics/parallel_for.h"
 #include "measurement/search/choice.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 namespace {
@@ -50,6 +52,24 @@ size_t found_first(SearchResult& result) {
     ++count;
   }
   return count;
+}
+
+// Behind the effects found, those that help alone, then those that do not, each by the likelihood
+// of held-out groups. Where nothing was found, what seemed to help and lies within its stated
+// errors of neutral helps no longer.
+void others_by_likelihood(const Problem& problem, size_t found, SearchResult& result) {
+  auto& candidates = result.first.candidates;
+  for (Candidate& candidate : candidates) {
+    if (found > 0 || !candidate.significant) continue;
+    Assessment stated = candidate.grown.assessment;
+    widen_by_group_scatter(problem, kMisfit, stated);
+    if (is_at_neutral(problem, stated, candidate.effect->name)) candidate.significant = false;
+  }
+  std::stable_sort(candidates.begin() + static_cast<std::ptrdiff_t>(found), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) {
+                     if (a.significant != b.significant) return a.significant;
+                     return a.gain_ll > b.gain_ll;
+                   });
 }
 
 // An effect and the first that is left of those that the search offers with it: alone it seldom
@@ -129,7 +149,9 @@ void tell_ties(const Problem& problem, const EffectByName& effect_by_name,
     }
   }
   std::vector<char> tied(moves.size(), 0);
+  const Work work("ties looked for", moves.size());
   parallel_for(moves.size(), [&](size_t m) {
+    work.done();
     const auto other = exchanges.with_other(searched, result.steps[moves[m].first].effect,
                                             effect_by_name(moves[m].second));
     if (!other) return;
@@ -138,7 +160,7 @@ void tell_ties(const Problem& problem, const EffectByName& effect_by_name,
   });
   for (size_t m = 0; m < moves.size(); ++m) {
     auto& names = result.steps[moves[m].first].indistinguishable_from;
-    if (tied[m] && names.size() < kMostTiesNamed) names.push_back(moves[m].second);
+    if (tied[m] && names.size() < kMostTiesNamed) add_once(names, moves[m].second);
   }
 }
 
@@ -154,6 +176,8 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
   std::vector<std::string> left = result.best.added;
   while (!left.empty()) {
     std::vector<std::optional<Candidate>> tried(left.size());
+    const Work work("steps put in order", result.best.added.size());
+    for (size_t done = left.size(); done < result.best.added.size(); ++done) work.done();
     // Where they do not explain the set, the order in which the search took them is good enough.
     parallel_for(explained ? left.size() : 1, [&](size_t i) {
       std::vector<NotTestable> reasons;
@@ -214,6 +238,7 @@ bool explained_by_noises(const SearchResult& result) {
 
 void rank_by_search(const Problem& problem, SearchResult& result) {
   const size_t found = found_first(result);
+  others_by_likelihood(problem, found, result);
   if (found == 0) return;
   constexpr double kAlike = 0.5;  // The cosine of 60 degrees.
   auto& candidates = result.first.candidates;

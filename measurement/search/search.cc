@@ -276,7 +276,7 @@ void Searcher::begin_with_dependents(const Grown& base, SearchResult& result) {
   if (!all || all->grown.assessment.error > kUseless) return;
   // Those that go again may be as good as one that stays.
   for (const std::string& name : all->grown.added) {
-    if (!base.assessment.model.has(name)) promising_.push_back(name);
+    if (!base.assessment.model.has(name)) add_once(promising_, name);
   }
   begin_with(*all, result);
 }
@@ -321,6 +321,7 @@ void Searcher::try_beginnings(SearchResult& result) {
 
 SearchResult Searcher::run() {
   SearchResult result{.material = material_};
+  progress_("fitting the model given");
   problem_.leave_out({});
   mark_outliers(problem_, model_, result);
   result.outliers_of_given = result.outliers.size();
@@ -346,7 +347,11 @@ SearchResult Searcher::run() {
   const auto by_name = [&](const std::string& name) { return definition(name); };
   result.best = exchanges_.told_simply(std::move(result.best), by_name);
   result.first_is_of_base = !marks_changed;
-  order_steps(problem_, by_name, exchanges_, promising_, result);
+  progress_("putting the steps in order");
+  do {
+    remove_neutral(problem_, result.best);
+    order_steps(problem_, by_name, exchanges_, promising_, result);
+  } while (remove_neutral(problem_, result.best));
   keep_traces(problem_, looks_, result);
   progress_("testing what structure remains");
   const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);

@@ -1,6 +1,7 @@
 // `seam add`: fits one effect and adds it to a model.
 #include "measurement/report/figures_told.h"
 #include "measurement/report/target_told.h"
+#include "measurement/report/told.h"
 #include "sim_core/base/error.h"
 #include "tools/command.h"
 #include "tools/commands/analysis.h"
@@ -12,10 +13,8 @@ std::string told(const measurement::AddResult& result) {
   std::string text = result.effect.empty() ? "refitted\n" : "added " + result.effect + "\n";
   for (const std::string& name : result.replaced)
     text += fmt::format("  in the place of {}\n", name);
-  for (const auto& [name, value] : result.parameters) {
-    text += fmt::format("  {} = {:.6g}{}\n", name, value.value,
-                        value.sigma ? fmt::format(" +- {:.2g}", *value.sigma) : "");
-  }
+  for (const auto& [name, value] : result.parameters)
+    text += fmt::format("  {} = {}\n", name, measurement::told_value(result.model, name, value));
   for (const measurement::NotTestable& n : result.not_testable)
     text += fmt::format("  not fitted: {}{}{}: {}\n", n.effect, n.parameter.empty() ? "" : ".",
                         n.parameter, n.why);

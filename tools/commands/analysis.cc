@@ -1,9 +1,5 @@
 #include "tools/commands/analysis.h"
 
-#include <unistd.h>
-
-#include <cstdio>
-
 #include "app/data_file.h"
 #include "app/import/recognise.h"
 #include "app/predictors/instruments.h"
@@ -48,7 +44,9 @@ void add_target_out_flag(app::Command command, AnalysisFlags& flags) {
 
 std::unique_ptr<measurement::Problem> open_problem(const AnalysisFlags& flags) {
   app::refuse_foreign_file(flags.data);
-  return measurement::open_problem(flags.data, app::instruments(flags.runs), flags.target);
+  auto problem = measurement::open_problem(flags.data, app::instruments(flags.runs), flags.target);
+  say_work("fitting the model");
+  return problem;
 }
 
 effects::Model read_model(const std::string& path) {
@@ -90,7 +88,8 @@ AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& 
 }
 
 void AnalysisOutputs::tell(const std::string& text, const std::function<std::string()>& make_json) {
-  std::fputs(shown_lines(text).c_str(), stdout);
+  progress_.print_between(shown_lines(text));
+  say_work("writing results");
   if (json) json.fill(make_json());
 }
 
@@ -102,10 +101,7 @@ measurement::ReportHeader report_header(const std::string& command, const Analys
 }
 
 measurement::Progress progress_to_terminal() {
-  const bool watched = isatty(STDERR_FILENO) != 0;
-  return [watched](const std::string& what) {
-    if (watched) std::fprintf(stderr, "%s\n", shown_lines(what).c_str());
-  };
+  return [](const std::string& what) { say_work(what); };
 }
 
 measurement::EffectList effects_named(const std::string& name_or_file) {

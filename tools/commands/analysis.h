@@ -7,6 +7,7 @@
 
 #include "app/command_line.h"
 #include "app/predictors/outcome_runs.h"
+#include "app/terminal_progress.h"
 #include "measurement/problem/problem.h"
 #include "measurement/report/report_data.h"
 #include "measurement/report/results.h"
@@ -65,12 +66,15 @@ struct AnalysisOutputs {
   OutputFile report;
   OutputFile out;
   OutputFile target;
+
+ private:
+  app::TerminalProgress progress_;
 };
 
 // What a report says of where it comes from: `seam <command> --model M --data D`.
 measurement::ReportHeader report_header(const std::string& command, const AnalysisFlags& flags);
 
-// Progress to standard error when a person watches.
+// What goes on, for the line that AnalysisOutputs keeps on the terminal of who waits.
 measurement::Progress progress_to_terminal();
 
 // Effects by a catalogue name, or of a file (`effects:` with expression effects).

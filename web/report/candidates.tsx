@@ -29,11 +29,13 @@ export function Candidates({ report }: { report: Report }) {
       <h2>Candidates</h2>
       <p class="lead">
         Each effect that the model lacks was added alone and everything refitted on the training
-        groups. Gain is the part of the excess error that disappears on held-out groups.{" "}
+        groups. Gain is the part of the excess error that disappears on held-out groups. Order: effects
+        of the model found, by its steps; then others that are significant alone, then the rest, both by
+        the log-likelihood of held-out groups.{" "}
         {helpful.length === 0 ? "None brings a gain that noise would not."
           : helpful.length === 1 ? "One brings a gain that noise cannot explain."
             : `${helpful.length} effects bring a gain that noise cannot explain; they may share one cause, ` +
-              "so those that the whole search needed come first, and what stands in for them says so."}
+              "so that some stand in for others."}
       </p>
       <Table candidates={candidates.slice(0, first)} />
       {candidates.length > first && (

@@ -58,7 +58,7 @@ function Rows({ items, all }: { items: Item[]; all: Item[] }) {
   return (
     <table class="data structure">
       <thead>
-        <tr><th>Residual</th><th>of its</th><th>depends on</th><th>Strength</th><th class="r">p</th></tr>
+        <tr><th>Residual</th><th>of its</th><th>varies with</th><th>Strength</th><th class="r">p</th></tr>
       </thead>
       <tbody>{items.map((item, i) => <Row key={i} item={item} all={all} />)}</tbody>
     </table>

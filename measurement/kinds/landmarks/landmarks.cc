@@ -28,6 +28,8 @@ class LandmarksProblem : public Problem {
       facts_.set.lacks.push_back({effects::Need::distances, "no range was measured"});
     if (data_.channels[1] < 0)
       facts_.set.lacks.push_back({effects::Need::bearings, "no bearing was measured"});
+    if (stands_still())
+      facts_.set.lacks.push_back({effects::Need::moving_view, "the robot stands in every row"});
     add_covariates();
     if (!sees_from_sides())
       facts_.set.lacks.push_back(
@@ -60,6 +62,8 @@ class LandmarksProblem : public Problem {
   std::vector<Finding> findings(const Model& model) const override;
 
  private:
+  // Whether no row would be another one at another time.
+  bool stands_still() const;
   void add_covariates();
   double estimate_noise(const LandmarkPredictor& ideal, int channel) const;
   double residual(const effects::Detection& seen, size_t row, int channel) const {
@@ -97,6 +101,17 @@ class LandmarksProblem : public Problem {
 
 // From where the robot was, never from what it measured: an observation's noise must not stand on
 // both sides of a regression.
+bool LandmarksProblem::stands_still() const {
+  constexpr double kStill = 1e-9;  // m/s and rad/s.
+  for (size_t row = 0; row < data_.stamp_s.size(); ++row) {
+    const Walk& walk = data_.walks[data_.walk_of_row[row]];
+    for (const Spline* along : {&walk.x, &walk.y, &walk.theta}) {
+      if (std::abs(along->rate(data_.stamp_s[row])) > kStill) return false;
+    }
+  }
+  return true;
+}
+
 void LandmarksProblem::add_covariates() {
   const LandmarkPredictor ideal(data_, Model::from_config(ConfigNode::from_text(
                                            "format: seam-model/1\neffects: {}\n", "none")));

@@ -25,6 +25,19 @@ size_t median_views(const Target& target) {
   return views[views.size() / 2];
 }
 
+// Whether the camera is known to stand still at every stamp, so that no time of a frame can show.
+bool stands_still(const PointsData& data) {
+  if (data.rig.type() == Rig::Type::unknown) return false;
+  constexpr double kSoon_s = 1e-3, kSame = 1e-9;
+  const Rig::Motion motion = data.rig.motion(Model());
+  return std::all_of(data.stamp_s.begin(), data.stamp_s.end(), [&](double t) {
+    const Pose change = motion.X_WC(t).inverse() * motion.X_WC(t + kSoon_s);
+    // The place of a point far away turns with the camera.
+    const Vec3 moved = change * Vec3(1.0, 1.0, 1.0) - Vec3(1.0, 1.0, 1.0);
+    return glm::length(moved) < kSame && glm::length(change.p) < kSame;
+  });
+}
+
 std::vector<effects::Lack> lacks_of(const PointsData& data) {
   using effects::Need;
   const Rig& rig = data.rig;
@@ -45,6 +58,8 @@ std::vector<effects::Lack> lacks_of(const PointsData& data) {
     lacks.push_back({Need::repeating_motion, "the head's motion does not repeat"});
   if (data.cameras.size() < 2 || rig.type() != Rig::Type::unknown)
     lacks.push_back({Need::several_cameras, ""});
+  if (stands_still(data))
+    lacks.push_back({Need::moving_view, "the camera stands still while every frame is taken"});
   if (!data.target.flat) lacks.push_back({Need::flat_target, "the points lie in no plane"});
   constexpr size_t kSeveral = 3;
   if (rig.type() == Rig::Type::unknown && rig.path() != Rig::Path::still)

@@ -1,0 +1,153 @@
+#include "measurement/report/told.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "measurement/problem/made_problem.h"
+#include "measurement/report/headline.h"
+#include "measurement/report/results.h"
+#include "measurement/report/target_told.h"
+
+namespace seam::measurement {
+namespace {
+
+const effects::Parameter kShift{.name = "forward_m", .min = -0.01, .max = 0.01, .scale = 1e-3};
+
+std::string told_as(double value, std::optional<double> sigma) {
+  return told_value(kShift, {.value = value, .sigma = sigma, .free = true});
+}
+
+TEST(ToldValue, SaysWhatIsNotDeterminedAndWhatStandsAtABound) {
+  EXPECT_EQ(told_as(0.003, 1e-4), "0.003 +- 0.0001");
+  EXPECT_EQ(told_as(-9e-7, 4.5e-5), "not determined (+- 4.5e-05)");
+  EXPECT_EQ(told_as(0.003, 0.003), "not determined (+- 0.003)");
+  EXPECT_EQ(told_as(0.003, std::nullopt), "not determined");
+  EXPECT_EQ(told_as(0.01, 1e-4), "0.01, at the upper end of its range");
+  EXPECT_EQ(told_as(-0.01, 1e-4), "-0.01, at the lower end of its range");
+  // What no fit changed has no error, wherever it stands.
+  EXPECT_EQ(told_value(kShift, {.value = 0.01}), "0.01");
+  // A bound that is neutral is no end of anything: there is no such effect.
+  const effects::Parameter sigma{.name = "sigma_s", .min = 0, .max = 1, .scale = 1};
+  EXPECT_EQ(told_value(sigma, {.value = 0, .sigma = 0.1, .free = true}), "not determined (+- 0.1)");
+  // A limit that never binds is infinite where it is absent.
+  const effects::Parameter limit{.name = "limit",
+                                 .neutral = std::numeric_limits<double>::infinity(),
+                                 .min = 1e-3,
+                                 .max = 1e9,
+                                 .fit_reciprocal = true};
+  EXPECT_EQ(told_value(limit, {.value = 200, .sigma = 200, .free = true}),
+            "not determined (+- 200)");
+  EXPECT_EQ(told_value(limit, {.value = 200, .sigma = 2, .free = true}), "200 +- 2");
+}
+
+class Room : public MadeProblem {
+ public:
+  Room() : MadeProblem({0, 1}, 0.15, [](const std::vector<double>&, double) { return 0.0; }) {
+    facts_.channels = {{.name = "u_px", .noise = 0.15}};
+    facts_.covariates = {{.name = "row"},
+                         {.name = "pan_rate"},
+                         {.name = "time"},
+                         {.name = "frame", .type = Covariate::Type::category}};
+  }
+  std::vector<PlacedPoint> placed_points(const Model&) const override { return points; }
+  std::vector<PlacedPoint> points;
+};
+
+Structure of_u(const std::string& covariate, double strength = 8.024, double p = 1e-300) {
+  return {.residual = "u_px",
+          .moment = "mean",
+          .covariate = covariate,
+          .strength = strength,
+          .p_value = p};
+}
+
+TEST(ToldStructure, HasUnitsNoiseAndOneCutP) {
+  const Room room;
+  const std::string text = structure_lines(
+      room, {}, {of_u("row*pan_rate"), of_u("sign(pan_rate)", 1.5), of_u("frame", 0.3, 2e-9)});
+  EXPECT_EQ(text,
+            "  mean of u_px varies with row x pan rate: 8.02 px, 53 x noise, p < 1e-300\n"
+            "  mean of u_px varies with sign of pan rate: 1.5 px, 10 x noise\n"
+            "  mean of u_px differs from frame to frame: 0.3 px, 2 x noise, p = 2e-09\n");
+  EXPECT_EQ(told_structure(room.facts(), of_u("constant")), "mean of u_px is not 0");
+  EXPECT_EQ(told_structure(room.facts(), of_u("neighbour")), "u_px is correlated in time");
+}
+
+// A label, the neighbour and a constant are nothing that a user can vary.
+TEST(Advice, NamesWhatCanBeVaried) {
+  const Room room;
+  const Facts& facts = room.facts();
+  for (const char* label : {"constant", "neighbour", "frame", "frame*time"})
+    EXPECT_EQ(what_to_vary(facts, label), "") << label;
+  EXPECT_EQ(what_to_vary(facts, "sign(pan_rate)"), "vary pan rate while all else stays as it is");
+  EXPECT_NE(
+      what_to_vary(facts, "row*pan_rate").find("other places in the image, and vary pan rate"),
+      std::string::npos);
+  SearchResult result;
+  result.verdict = "unexplained_structure";
+  result.remaining = {of_u("neighbour"), of_u("frame"), of_u("pan_rate")};
+  EXPECT_EQ(advice_for(room, result),
+            "No known effect explains that mean of u_px varies with pan rate: vary pan rate while "
+            "all else stays as it is, or write an effect for it (seam diagnose --suggest).");
+  result.remaining.pop_back();
+  EXPECT_EQ(advice_for(room, result).find("vary "), std::string::npos);
+}
+
+TEST(Headline, SaysThatNoKnownEffectExplainsItAndWhatComesNearest) {
+  const Room room;
+  SearchResult result;
+  result.verdict = "unexplained_structure";
+  result.remaining = {of_u("time", 0.225)};
+  result.base.assessment.error = 3.1;
+  result.best.assessment.error = 1.52;
+  result.steps = {{.effect = "focal_length_error"}};
+  EXPECT_EQ(headline(room, result, 0),
+            "No known effect explains this: mean of u_px varies with time (1.5 x noise). Nearest: "
+            "focal_length_error, leaves 1.52 of 3.1.\n");
+  result.steps.clear();
+  EXPECT_EQ(headline(room, result, 0),
+            "No known effect explains this: mean of u_px varies with time (1.5 x noise).\n");
+}
+
+// A value at the end of its range is no cause established, whatever it gains.
+TEST(Headline, CallsNothingMissingThatStandsAtABound) {
+  const Room room;
+  const auto found = [&](double value) {
+    SearchResult result;
+    result.verdict = "missing_effect";
+    const auto effect = made_effect("pupil", {kShift});
+    result.best.assessment.model = made_model(effect, {value});
+    result.best.assessment.unknowns = {{"pupil", 0}};
+    result.steps = {{.effect = "pupil", .moved = 2}};
+    return headline(room, result, 0);
+  };
+  EXPECT_NE(found(0.003).find("What matters: pupil is missing; it moves predictions by 2 x noise"),
+            std::string::npos);
+  EXPECT_EQ(found(0.01).find("is missing"), std::string::npos) << found(0.01);
+  EXPECT_NE(found(0.01).find("pupil (forward_m = 0.01) fits best at the end of its range"),
+            std::string::npos)
+      << found(0.01);
+}
+
+TEST(Headline, NamesATraceOnce) {
+  const Room room;
+  Candidate trace;
+  trace.effect = made_effect("stribeck_friction", {kShift});
+  EXPECT_EQ(traces_text(room.facts(), {}, {trace, trace}),
+            "traces, significant but not material: stribeck_friction\n");
+}
+
+TEST(TargetText, SaysHowTheBoardIsBent) {
+  Room room;
+  for (const double z : {0.3e-3, -0.28e-3})
+    room.points.push_back({.name = "0", .shift_m = {2.3e-18, 0, z}});
+  EXPECT_EQ(target_text(room, {}), "The board is bent: 0.29 mm rms out of its plane.\n");
+  room.points[0].shift_m.x = 0.2e-3;
+  EXPECT_EQ(target_text(room, {}),
+            "The board's 2 points are displaced: 0.14 mm rms along x, 0 along y, 0.29 out of its "
+            "plane.\n");
+}
+
+}  // namespace
+}  // namespace seam::measurement
