@@ -135,4 +135,9 @@ std::vector<std::string> PrintedOutput::last_lines() const {
   return lines;
 }
 
+void Printing::pass_on(SimTime time) {
+  for (const scheduler::PrintedLine& line : output_.take(time))
+    if (recorder_ != nullptr) recorder_->note_printed(line);
+}
+
 }  // namespace seam::app

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "scheduler/log/printed_line.h"
+#include "scheduler/log/recorder.h"
 
 namespace seam::app {
 
@@ -63,6 +63,22 @@ class PrintedOutput {
   std::deque<Source> sources_;
   std::array<int, 2> wake_{-1, -1};  // A pipe that ends the thread.
   std::jthread thread_;
+};
+
+// Hands what was printed before a turn to the log, in front of it.
+class Printing final : public scheduler::SimulationObserver {
+ public:
+  // `recorder`: null where there is no log.
+  Printing(PrintedOutput& output, scheduler::Recorder* recorder)
+      : output_(output), recorder_(recorder) {}
+  void on_turn(SimTime time, const scheduler::Turn&) override { pass_on(time); }
+  void on_end(SimTime time, scheduler::EndReason, uint64_t) override { pass_on(time); }
+
+ private:
+  void pass_on(SimTime time);
+
+  PrintedOutput& output_;
+  scheduler::Recorder* recorder_;
 };
 
 }  // namespace seam::app

@@ -50,24 +50,6 @@ class AbortReason final : public scheduler::SimulationObserver {
   std::string text;
 };
 
-// Hands what behaviours printed before a turn to the log, in front of it.
-class Printing final : public scheduler::SimulationObserver {
- public:
-  Printing(PrintedOutput& output, scheduler::Recorder* recorder)
-      : output_(output), recorder_(recorder) {}
-  void on_turn(SimTime time, const scheduler::Turn&) override { pass_on(time); }
-  void on_end(SimTime time, scheduler::EndReason, uint64_t) override { pass_on(time); }
-
- private:
-  void pass_on(SimTime time) {
-    for (const scheduler::PrintedLine& line : output_.take(time))
-      if (recorder_ != nullptr) recorder_->note_printed(line);
-  }
-
-  PrintedOutput& output_;
-  scheduler::Recorder* recorder_;
-};
-
 std::string token_text(const std::vector<scheduler::HubRobot>& robots,
                        const std::string& supervisor, const std::string& render) {
   std::string text = fmt::format("supervisor: {}\nrender: {}\nrobots:\n", supervisor, render);
@@ -291,10 +273,10 @@ void Session::watch_limit() {
   if (wall.count() < *options_.wall_limit_s) return;
   double since_s = 0;
   const auto waiting = hub_.waiting_for(since_s);
-  passed_limit_ = fmt::format(
-      "the limit of {} s on the wall passed at {:.3f} s{}", *options_.wall_limit_s,
-      control_.time().s(),
-      waiting.empty() ? "" : fmt::format(", waiting for {}", fmt::join(waiting, ", ")));
+  passed_limit_ =
+      fmt::format("the limit of {} s on the wall passed at {:.3f} s{}", *options_.wall_limit_s,
+                  control_.time().s(),
+                  waiting.empty() ? "" : fmt::format(", waiting for {}", fmt::join(waiting, ", ")));
   control_.stop();
 }
 

@@ -40,9 +40,9 @@ struct SessionOptions {
   RemoteRenderingOptions rendering;
   std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
   bool progress = true;                                      // On a terminal.
-  bool show_printed = true;      // What behaviours print goes to stderr, each line with its robot.
+  bool show_printed = true;  // What behaviours print goes to stderr, each line with its robot.
   std::optional<double> wall_limit_s;  // A run that takes longer is aborted.
-  Standbys* standbys = nullptr;  // Of a process that makes many runs; null: none.
+  Standbys* standbys = nullptr;        // Of a process that makes many runs; null: none.
 };
 
 // What a run was made from.

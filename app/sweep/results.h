@@ -38,8 +38,9 @@ struct Makers {
 
 struct RunRecord {
   uint64_t run = 0;
-  std::string key;    // Fingerprint of all that the run depends on.
-  // Empty: it went as it should. Else why not, and in further lines what its behaviours printed last.
+  std::string key;  // Fingerprint of all that the run depends on.
+  // Empty: it went as it should. Else why not, and in further lines what its behaviours printed
+  // last.
   std::string error;
   int64_t seed = 0;
   std::string end;  // finished, aborted; empty where it did not begin.

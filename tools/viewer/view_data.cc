@@ -275,17 +275,9 @@ std::string ViewData::steps(const Query& query) {
 
 std::string ViewData::decisions(const Query& query) {
   const std::lock_guard lock(impl_->mutex);
-  const auto& all = impl_->robot_index(query).decisions;
   const double from = number_of(query, "from", 0);
   const double to = std::min(number_of(query, "to", from + 10), from + 60);
-  auto entry = std::lower_bound(all.begin(), all.end(), from,
-                                [](const DecisionEntry& e, double t) { return e.t < t; });
-  json decisions = json::array();
-  for (; entry != all.end() && entry->t < to; ++entry) {
-    decisions.push_back({{"t", entry->t}});
-    if (entry->frame_index) decisions.back()["frame"] = *entry->frame_index;
-  }
-  return json{{"decisions", std::move(decisions)}}.dump();
+  return json{{"decisions", json_of(impl_->robot_index(query).decisions, from, to)}}.dump();
 }
 
 std::string ViewData::debug(const Query& query) {

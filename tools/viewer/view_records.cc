@@ -1,5 +1,6 @@
 #include "tools/viewer/view_records.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace seam::tools {
@@ -36,6 +37,17 @@ json json_of(const DebugEntry& entry) {
       one["points"].push_back({item.points[i], item.points[i + 1]});
   }
   return one;
+}
+
+json json_of(const std::vector<DecisionEntry>& decisions, double from_s, double to_s) {
+  json found = json::array();
+  auto entry = std::lower_bound(decisions.begin(), decisions.end(), from_s,
+                                [](const DecisionEntry& e, double t) { return e.t < t; });
+  for (; entry != decisions.end() && entry->t < to_s; ++entry) {
+    found.push_back({{"t", entry->t}});
+    if (entry->frame_index) found.back()["frame"] = *entry->frame_index;
+  }
+  return found;
 }
 
 json json_of(const RowWindow& row, const Pose& X_WC) {

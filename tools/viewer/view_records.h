@@ -12,6 +12,8 @@ namespace seam::tools {
 nlohmann::json json_of(const scheduler::SimulationEvent& event);
 nlohmann::json json_of(const scheduler::PrintedLine& line);
 nlohmann::json json_of(const DebugEntry& entry);
+// Those from `from_s` on and before `to_s`.
+nlohmann::json json_of(const std::vector<DecisionEntry>& decisions, double from_s, double to_s);
 // When a row collects light, and where the camera is in the middle of that.
 nlohmann::json json_of(const RowWindow& row, const Pose& X_WC);
 

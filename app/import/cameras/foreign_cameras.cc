@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/import/files/storage.h"
 #include "app/import/cameras/camera_file.h"
+#include "app/import/files/storage.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
