@@ -14,7 +14,7 @@ def column(folder, name, **where):
 
 def lag_of(folder, out):
     run("add", "servo_lag", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "lag.yaml", "--json",
-        folder / "lag.json", "--force")
+        folder / "lag.json")
     return json.loads((folder / "lag.json").read_text())["parameters"]["tau_s"]
 
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kWidth_px = 640, kHeight_px = 480;
 
-Model model_of(const std::string& lens, const std::string& centre = "cx_px: 320, cy_px: 240") {
+Model lens_model(const std::string& lens, const std::string& centre = "cx_px: 320, cy_px: 240") {
   return Model::from_config(
       ConfigNode::from_text("format: seam-model/1\neffects: {pinhole: {fx_px: 530, fy_px: 530, " +
                                 centre + "}" + lens + "}\n",
@@ -21,7 +21,7 @@ Model model_of(const std::string& lens, const std::string& centre = "cx_px: 320,
 }
 
 std::optional<LensFault> fault_of(const std::string& lens, int directions = 48) {
-  return lens_fault(Projection(model_of(lens), kWidth_px, kHeight_px), directions);
+  return lens_fault(Projection(lens_model(lens), kWidth_px, kHeight_px), directions);
 }
 
 std::vector<std::string> doubts_of(const Model& model) {
@@ -56,7 +56,7 @@ TEST(LensFault, OfOneFormCountsForEach) {
        {"", ", radial_distortion: {kappa: -0.2}", ", radial_polynomial: {k1: 0.4, k2: 0.1}",
         ", tangential_distortion: {p1: 0.003, p2: -0.002}"}) {
     EXPECT_FALSE(fault_of(lens)) << lens;
-    EXPECT_THAT(doubts_of(model_of(lens)), testing::IsEmpty()) << lens;
+    EXPECT_THAT(doubts_of(lens_model(lens)), testing::IsEmpty()) << lens;
   }
   // A fisheye of 200 px focal length sees rays behind the camera in the corners.
   const Model wide = Model::from_config(ConfigNode::from_text(
@@ -67,21 +67,21 @@ TEST(LensFault, OfOneFormCountsForEach) {
 }
 
 TEST(LensFault, CountsOnlyAsFarAsItIsAsked) {
-  const Projection projection(model_of(", radial_polynomial: {k1: -0.6}"), kWidth_px, kHeight_px);
+  const Projection projection(lens_model(", radial_polynomial: {k1: -0.6}"), kWidth_px, kHeight_px);
   EXPECT_TRUE(lens_fault(projection, 48, 300));
   EXPECT_FALSE(lens_fault(projection, 48, 250));
 }
 
 TEST(LensDoubts, SayWhereAndWhat) {
-  EXPECT_THAT(doubts_of(model_of(", radial_polynomial: {k1: -0.6}")),
+  EXPECT_THAT(doubts_of(lens_model(", radial_polynomial: {k1: -0.6}")),
               testing::ElementsAre(testing::HasSubstr("folds the image over")));
-  EXPECT_THAT(doubts_of(model_of(", rational_lens: {k2: -6.9, k5: -7.0}")),
+  EXPECT_THAT(doubts_of(lens_model(", rational_lens: {k2: -6.9, k5: -7.0}")),
               testing::ElementsAre(testing::HasSubstr("has a pole")));
   // r (1 - 0.35 r^2 - 0.6 r^4 + 0.9 r^6) grows everywhere: least at r^2 = 0.443, by 0.494.
-  EXPECT_THAT(doubts_of(model_of(", radial_polynomial: {k1: -0.35, k2: -0.6, k3: 0.9}")),
+  EXPECT_THAT(doubts_of(lens_model(", radial_polynomial: {k1: -0.35, k2: -0.6, k3: 0.9}")),
               testing::ElementsAre(testing::AllOf(testing::HasSubstr("nearly folds"),
                                                   testing::HasSubstr("at 50 % of its rate"))));
-  EXPECT_THAT(doubts_of(model_of("", "cx_px: 700, cy_px: 240")),
+  EXPECT_THAT(doubts_of(lens_model("", "cx_px: 700, cy_px: 240")),
               testing::ElementsAre(testing::HasSubstr("outside the image of 640 x 480")));
 }
 

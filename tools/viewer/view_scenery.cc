@@ -55,11 +55,11 @@ Rgb colour_of(const Primitive& primitive, const render::Assets* assets) {
   const size_t asset = primitive.asset - 1;
   std::vector<Rgb> factors;
   if (primitive.shape != Shape::mesh) {
-    factors.push_back(mean_of(assets->textures.at(asset).picture));
+    factors.push_back(mean_of(*assets->textures.at(asset).picture));
   } else {
     const render::Mesh& mesh = assets->meshes.at(asset);
     factors.push_back(mean_of(mesh));
-    if (!mesh.pictures.empty()) factors.push_back(mean_of(mesh.pictures.front()));
+    if (!mesh.pictures.empty()) factors.push_back(mean_of(*mesh.pictures.front()));
   }
   for (const Rgb& factor : factors)
     for (size_t i = 0; i < 3; ++i) colour[i] *= factor[i];

@@ -182,8 +182,9 @@ std::vector<char> servo_off_rows(const ImportRequest& request, const SignalLog& 
   if (signal == "command" || signal == "measured") {
     column = signal == "command" ? joint.command : joint.measured;
   } else {
-    const std::string mapped = request.name_of(signal);
-    const int found = log.find({mapped.empty() ? signal : mapped});
+    // A column by its own name, or by a name of ours that --map gives it.
+    const auto mapped = request.names.find(signal);
+    const int found = log.find({mapped == request.names.end() ? signal : mapped->second});
     if (found < 0)
       throw InputError(fmt::format("{}: signal '{}' (--off-where) is missing{}", log.file, signal,
                                    suggestion_for(signal, log.names)));

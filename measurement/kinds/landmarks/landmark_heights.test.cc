@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-Model model_of(const std::string& effects) {
+Model model_with_heights(const std::string& effects) {
   return Model::from_config(
       ConfigNode::from_text("format: seam-model/1\neffects: {" + effects + "}\n", "model"));
 }
@@ -66,7 +66,7 @@ class LandmarkHeights : public testing::Test {
   double worst(const fs::path& set, const std::string& effects = "ideal_detector: {}") const {
     const auto problem = open_problem(set);
     const Evaluation evaluation =
-        problem->evaluate(model_of(effects), problem->all_groups(), nullptr);
+        problem->evaluate(model_with_heights(effects), problem->all_groups(), nullptr);
     double most = 0;
     for (const double residual : evaluation.residual) most = std::max(most, std::abs(residual));
     return most;
@@ -106,8 +106,8 @@ TEST_F(LandmarkHeights, PosesAloneWithHeightsAreTold) {
 TEST_F(LandmarkHeights, MadeSetsKeepThem) {
   const fs::path out = folder_.string() + "_made";
   fs::remove_all(out);
-  measure_set(model_of("range_scale: {scale: 0.1}"), MeasurementSet::open(set(true, true)),
-              {.seed = 5, .noise = false, .out = out});
+  measure_set(model_with_heights("range_scale: {scale: 0.1}"),
+              MeasurementSet::open(set(true, true)), {.seed = 5, .noise = false, .out = out});
   EXPECT_LT(worst(out, "range_scale: {scale: 0.1}"), 1e-6);
   fs::remove_all(out);
 }
