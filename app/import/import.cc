@@ -53,8 +53,9 @@ const std::vector<ImportKind>& import_kinds() {
        .own_units = true,
        .fill = import_wheels},
       {.name = "opencv",
-       .help = "corners and calibration in YAML or XML of cv::FileStorage, camera_info YAML",
-       .options = {"map", "board", "spacing", "length-unit", "size"},
+       .help = "corners and calibration in YAML or XML of cv::FileStorage, camera_info YAML, "
+               "calibrations of camodocal, ORB-SLAM and basalt",
+       .options = {"map", "board", "spacing", "length-unit", "size", "camera"},
        .quantities = kOfCalibrations,
        .fill = import_opencv},
       {.name = "kalibr",
