@@ -90,16 +90,16 @@ effects:
     # What the stiffness is to be multiplied by; a set whose controller had one gain gets that one.
     data = folder / "log"
     data.mkdir()
-    (data / "measurement.yaml").write_text("format: seam-measurement/1\nkind: joints\ngroup: run\nfiles: {runs: runs.csv}\n")
+    (data / "measurement.yaml").write_text("format: seam-measurement/1\nkind: joints\ngroup: run\nfiles: {joints: joints.csv}\n")
     rows = ["run,time_s,joint,command_rad,measured_rad,kp"]
     for kp in (6, 12):
         rows += [f"{kp},{0.01 * i:.2f},arm,{0.1 * i:.3f},{0.09 * i:.3f},{kp}" for i in range(20)]
-    (data / "runs.csv").write_text("\n".join(rows) + "\n")
+    (data / "joints.csv").write_text("\n".join(rows) + "\n")
     for more, words in [([], "multiply kp by the gain"), (["--data", str(data)], "6, 12")]:
         root, said = export_servo("mjcf", *more)
         assert words in said and words in (folder / "arm.mjcf").read_text(), said
         assert root.find(".//position").get("kp") == "100"
-    (data / "runs.csv").write_text("\n".join(rows[:21]) + "\n")
+    (data / "joints.csv").write_text("\n".join(rows[:21]) + "\n")
     root, said = export_servo("mjcf", "--data", str(data))
     assert root.find(".//position").get("kp") == "600" and "controller gain of the set, 6" in said, said
     model.write_text(text + "  servo_latency: {latency_s: 0.02}\n")

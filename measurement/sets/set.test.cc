@@ -75,7 +75,7 @@ TEST(MeasurementSet, NamesStayInsideTheFolder) {
   EXPECT_NE(error_of("../joints.csv").find("measurement.yaml:3: files.joints: found '../joints"),
             std::string::npos);
   EXPECT_NE(error_of("/etc/passwd").find("files.joints"), std::string::npos);
-  EXPECT_NE(error_of("\"a\\0b\"").find("a\\x00b"), std::string::npos);
+  EXPECT_NE(error_of("\"a\\0b\"").find("measurement.yaml:3"), std::string::npos);
   fs::remove_all(folder);
 }
 

@@ -377,6 +377,10 @@ TEST(MotorLogs, StepsOfAnEncoderAreNoRate) {
     for (size_t k = 0; k < steps.size(); ++k)
       rows +=
           fmt::format("0,{:.3f},arm,0,{:.6f}\n", 0.01 * static_cast<double>(k), 0.0015 * steps[k]);
+    // A second run in which the joint moves far enough for the step to be seen.
+    for (size_t k = 0; k < 400; ++k)
+      rows += fmt::format("1,{:.3f},arm,0,{:.6f}\n", 0.01 * static_cast<double>(k),
+                          0.0015 * std::round(200 * std::sin(0.05 * static_cast<double>(k))));
     return logs_of("", rows).logs[0].start_radps;
   };
   EXPECT_EQ(rate_of({0, -1, -2, -2, -2, -2, -2, -2, -2, -2}), 0);

@@ -29,7 +29,7 @@ size_t place_of(const std::string& name, const std::vector<std::string>& known,
                 const CsvTable& table, size_t row, const char* column) {
   const auto found = std::find(known.begin(), known.end(), name);
   if (found == known.end()) {
-    table.fail(row, column, name, fmt::format("one of {}", fmt::join(known, ", ")));
+    table.fail(row, column, name, "a name of the set" + suggestion_for(name, known));
   }
   return static_cast<size_t>(found - known.begin());
 }

@@ -217,37 +217,7 @@ std::optional<SeenByCamera> PointsProblem::seen_by_wide_camera() const {
   return seen;
 }
 
-bool PointsProblem::lenses_are_one_to_one(const Model& model) const {
-  // Corners, and the middles of the sides.
-  constexpr int kDirections = 8;
-  for (size_t k = 0; k < data_.cameras.size(); ++k) {
-    const CameraView& view = data_.cameras[k];
-    const effects::Projection lens(model_of(model, view.name), view.width_px, view.height_px);
-    if (effects::lens_fault(lens, kDirections, reach_px_[k])) return false;
-  }
-  return true;
-}
-
-bool PointsProblem::lenses_hold(const Model& model) const {
-  return lenses_may_fold_ || lenses_are_one_to_one(model);
-}
-
-// A lens that folds or has a pole just beyond the points fits them as well as any, and is none.
-void PointsProblem::bar_folded_lenses(const Model& given) {
-  constexpr double kBeyond = 1.25;  // Points seldom stand in the very corners.
-  reach_px_.assign(data_.cameras.size(), 0);
-  for (size_t row = 0; row < data_.p_W.size(); ++row) {
-    const auto camera = static_cast<size_t>(data_.camera_of_row[row]);
-    const CameraView& view = data_.cameras[camera];
-    reach_px_[camera] = std::max(
-        reach_px_[camera], kBeyond * std::hypot(data_.u_px[row] - 0.5 * (view.width_px - 1),
-                                                data_.v_px[row] - 0.5 * (view.height_px - 1)));
-  }
-  lenses_may_fold_ = !lenses_are_one_to_one(given);
-}
-
 void PointsProblem::place(const Model& given) {
-  bar_folded_lenses(given);
   const Model model = with_cameras_placed(given, refitted_unknowns(given), all_groups());
   if (on_path() && data_.rig.knot_s() == 0) choose_knots(model);
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
@@ -276,7 +246,6 @@ Evaluation PointsProblem::evaluate_plain(const Model& model, const Groups& group
 
 Evaluation PointsProblem::evaluate(const Model& model, const Groups& groups,
                                    const Evaluation* warm) const {
-  if (!lenses_hold(model)) return nothing(groups);
   if (!effects::target_of(model).has_draws()) return evaluate_plain(model, groups, warm);
   Evaluation evaluation;
   adjusted(model, groups, warm, nullptr, evaluation);
@@ -330,14 +299,6 @@ Evaluation PointsProblem::blank() const {
   evaluation.sigma.resize(facts_.scalars());
   for (size_t i = 0; i < facts_.scalars(); ++i)
     evaluation.sigma[i] = sigma_of(i / 2, static_cast<int>(i % 2));
-  return evaluation;
-}
-
-Evaluation PointsProblem::nothing(const Groups& groups) const {
-  Evaluation evaluation = blank();
-  evaluation.nuisance_values.assign(12 * data_.rows_of_frame.size(), 0);
-  evaluation.valid = false;
-  whiten_diagonal(*this, groups, evaluation);
   return evaluation;
 }
 

@@ -120,7 +120,6 @@ bool PointsProblem::DrawsFit::move(const Eigen::VectorXd& by) {
   const Eigen::VectorXd place = mean_.place(model_);
   const Eigen::VectorXd next = mean_.box().inside(place + by);
   const Model model = mean_.at(model_, next);
-  if (!problem_.lenses_hold(model)) return false;
   std::vector<double> values = here_->values_after(next - place);
   auto there = adjustment(model, values);
   const double height = there->height();

@@ -58,13 +58,6 @@ class PointsProblem : public Problem {
   std::optional<SeenByCamera> seen_by_wide_camera() const;
   std::vector<int> neighbours(size_t row, size_t count) const override;
   Evaluation blank() const;
-  // What has no prediction: not valid, and infinitely unlikely.
-  Evaluation nothing(const Groups& groups) const;
-  // Whether each camera's lens is one-to-one over the image, as far out as its points stand and a
-  // little farther. True of every model where the given one's is not.
-  bool lenses_hold(const Model& model) const;
-  bool lenses_are_one_to_one(const Model& model) const;
-  void bar_folded_lenses(const Model& given);
   double sigma_of(size_t row, int channel) const {
     const double spread = data_.spread.empty() ? 1 : data_.spread[row];
     return facts_.channels[channel].noise * (spread > 0 ? spread : 1);
@@ -185,8 +178,6 @@ class PointsProblem : public Problem {
   void remark_on_spacing(const Model& model, std::vector<std::string>& remarks) const;
 
   PointsData data_;
-  std::vector<double> reach_px_;  // By camera: of its points from the image's middle, and more.
-  bool lenses_may_fold_ = true;   // As that of the model that the user gave does.
   std::vector<double> frame_stamp_s_;
   double period_s_ = 0, knot_s_ = 0;
   // Frames of a video are held out in stretches: a path through single ones says nothing of them.

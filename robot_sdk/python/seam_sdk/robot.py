@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import enum
 import functools
+import io
 import os
 import pathlib
 import queue
