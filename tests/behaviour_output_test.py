@@ -57,7 +57,7 @@ class BehaviourOutput(unittest.TestCase):
 
     def printed(self, log, *arguments):
         shown = self.seam("replay", "show", log, "--kind", "printed", "--all", *arguments).stdout
-        return re.findall(r"^ +([\d.]+) m?s +printed +(\S+) (.*)$", shown, re.MULTILINE)
+        return re.findall(r"^ +([\d.]+) m?s +printed +(\S+) +(.*)$", shown, re.MULTILINE)
 
     def test_an_exception_is_told_in_whole_lines_with_robot_and_time(self):
         """Three robots that fail at the same instant."""
