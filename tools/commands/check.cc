@@ -177,10 +177,11 @@ constexpr Format kFormats[] = {
 constexpr const char* kSetFormat = "seam-measurement/1";
 
 bool is_log(const std::string& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return false;
   if (fs::path(path).extension() == ".mcap") return true;
   constexpr std::string_view kMagic = "\x89MCAP0\r\n";
   char start[kMagic.size()] = {};
-  std::error_code error;
   if (!fs::is_regular_file(path, error)) return false;
   return std::ifstream(path, std::ios::binary).read(start, sizeof start) &&
          std::string_view(start, sizeof start) == kMagic;
