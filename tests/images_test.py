@@ -316,7 +316,7 @@ def test_a_rig(folder):
     for picture in sorted((both / "right-later").iterdir()):
         picture.rename(picture.with_name(f"{10 + int(picture.stem)}.png"))
     said = run("import", "images", both / "left", both / "right-later", *words, "--out", folder / "none", code=1)
-    assert "camera 'left' took no picture of the target at once with another camera" in said, said
+    assert "camera 'left' saw the target in no frame together with another camera" in said, said
 
 
 def mosaic_message(ros1, t, picture, order):
