@@ -82,7 +82,8 @@ class BehaviourOutput(unittest.TestCase):
         for log in logs:
             self.assertEqual(self.fingerprint(path, "--log", log), quiet)
         self.assertEqual(logs[0].read_bytes(), logs[1].read_bytes())
-        self.seam("replay", "verify", logs[0])
+        verified = self.seam("replay", "verify", logs[0]).stdout
+        self.assertRegex(verified, r"not compared: \d+ lines that behaviours printed")
         told = [text.split() for _, _, text in self.printed(logs[0]) if text.startswith(("seen", "half seen"))]
         self.assertGreater(len(told), 10)
         for (time, _, text) in self.printed(logs[0]):

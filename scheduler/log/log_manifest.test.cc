@@ -31,6 +31,7 @@ TEST(LogManifest, IsTheTableOfTheSpecification) {
   rows.emplace_back(std::string(kPictures.topic) + "ROBOT", kPictures.schema);
   rows.emplace_back(kTransforms.topic, kTransforms.schema);
   rows.emplace_back(kSceneUpdates.topic, kSceneUpdates.schema);
+  rows.emplace_back(kPrinted.topic, kPrinted.schema);
   EXPECT_EQ(rows_of_the_specification(), rows);
 }
 

@@ -27,6 +27,10 @@ class Auditor {
       audit_.unproved.push_back(
           fmt::format("{} messages of the topic {}, which seam does not write", count, topic));
     }
+    if (printed_ > 0) {
+      audit_.unproved.push_back(
+          fmt::format("{} lines that behaviours printed, which no re-run makes again", printed_));
+    }
     if (!log_.file().contents().metadata.empty()) {
       audit_.unproved.emplace_back("metadata, which seam does not write");
     }
@@ -107,6 +111,10 @@ class Auditor {
     const auto& channels = log_.file().contents().channels;
     const auto channel = channels.find(channel_id);
     const std::string topic = channel == channels.end() ? "?" : channel->second.topic;
+    if (topic == kPrinted.topic) {
+      ++printed_;
+      return;
+    }
     const auto& robots = log_.header().robots;
     const bool shown = topic == kTransforms.topic || topic == kSceneUpdates.topic ||
                        std::any_of(robots.begin(), robots.end(), [&](const std::string& robot) {
@@ -138,6 +146,7 @@ class Auditor {
   std::vector<EndRecord> ends_;
   Topic last_ = Topic::header;
   std::map<std::string, uint64_t> unknown_;  // Messages by topic.
+  uint64_t printed_ = 0;
 };
 
 }  // namespace
