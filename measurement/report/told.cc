@@ -75,6 +75,7 @@ bool is_at_bound(const effects::Parameter& parameter, double value) {
 }
 
 std::string told_value(const effects::Parameter& parameter, const effects::ParameterValue& value) {
+  constexpr double kSmall = 0.1;
   if (!value.sigma && !value.free) return fmt::format("{:.6g}", value.value);
   if (is_at_bound(parameter, value.value))
     return fmt::format("{:.6g}, at the {} of its range", value.value,
@@ -82,7 +83,11 @@ std::string told_value(const effects::Parameter& parameter, const effects::Param
   if (!value.sigma) return "not determined";
   const double away =
       std::isfinite(parameter.neutral) ? value.value - parameter.neutral : value.value;
-  if (*value.sigma >= std::abs(away)) return "not determined (+- " + two_digits(*value.sigma) + ")";
+  // Against a typical size an error is small where the data say that there is none of it.
+  if (*value.sigma >= std::abs(away))
+    return *value.sigma < kSmall * parameter.scale && std::isfinite(parameter.neutral)
+               ? fmt::format("{:.6g} within +- {}", parameter.neutral, two_digits(*value.sigma))
+               : "not determined (+- " + two_digits(*value.sigma) + ")";
   return fmt::format("{:.6g} +- {}", value.value, two_digits(*value.sigma));
 }
 

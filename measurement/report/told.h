@@ -11,8 +11,9 @@ namespace seam::measurement {
 // Two digits, without an exponent where people need none: 200, 1.5, 3e-05.
 std::string two_digits(double value);
 
-// "0.0021 +- 3e-05"; "not determined (+- 200)" where the error is no less than the distance from
-// neutral; and that a value lies at the end of its range, where no error means much.
+// "0.0021 +- 3e-05"; where the error is no less than the distance from neutral "0 within +- 3e-05",
+// or "not determined (+- 200)" if the error is no small part of the parameter's typical size; and
+// that a value lies at the end of its range, where no error means much.
 std::string told_value(const effects::Parameter& parameter, const effects::ParameterValue& value);
 // The same of a value of the model that is named `parameter`, of the last effect that it has of
 // that name, or `effect.parameter`.

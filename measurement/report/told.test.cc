@@ -20,7 +20,8 @@ std::string told_as(double value, std::optional<double> sigma) {
 
 TEST(ToldValue, SaysWhatIsNotDeterminedAndWhatStandsAtABound) {
   EXPECT_EQ(told_as(0.003, 1e-4), "0.003 +- 0.0001");
-  EXPECT_EQ(told_as(-9e-7, 4.5e-5), "not determined (+- 4.5e-05)");
+  EXPECT_EQ(told_as(-9e-7, 4.5e-5), "0 within +- 4.5e-05");
+  EXPECT_EQ(told_as(-9e-7, 4.5e-4), "not determined (+- 0.00045)");
   EXPECT_EQ(told_as(0.003, 0.003), "not determined (+- 0.003)");
   EXPECT_EQ(told_as(0.003, std::nullopt), "not determined");
   EXPECT_EQ(told_as(0.01, 1e-4), "0.01, at the upper end of its range");
