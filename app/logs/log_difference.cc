@@ -36,7 +36,7 @@ scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler:
 
 namespace {
 
-// A number to four digits where that still tells the two apart.
+// A number to four digits where the two still differ so.
 std::pair<std::string, std::string> for_people(
     const scheduler::LogDifference::FirstDecision::Field& field) {
   const auto brief = [](const std::string& text) {

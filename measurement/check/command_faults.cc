@@ -60,7 +60,7 @@ bool counts_the_other_way(const Lagged& lagged, int most_lag) {
     alike = std::max(alike, r);
     if (lag >= 0) opposite = std::max(opposite, -r);
   }
-  // Half the variance that is left tells the two apart.
+  // Half of the remaining variance separates the two.
   return opposite > kLeast && 1 - opposite * opposite < 0.5 * (1 - alike * alike);
 }
 

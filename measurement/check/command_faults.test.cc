@@ -92,7 +92,7 @@ TEST_F(CommandFaults, ACommandOfZeroWhereTheDriveIsOffIsAskedFor) {
                               HasSubstr("torque_enable 0"), HasSubstr("--off-where command=0"))));
   // Marked, the rows are nobody's fault.
   EXPECT_THAT(off(true), IsEmpty());
-  // A servo that is told to go to 0 and goes there, at once or slowly, up to the log's last rows.
+  // A servo that is commanded to 0 and goes there, at once or slowly, up to the log's last rows.
   for (const double slow : {0.3, 0.02}) {
     double q = 0;
     const auto goes = servo([&](int k, Sample& s) {

@@ -69,7 +69,7 @@ void tell_rows_without_drive(const CsvTable& table, Rows rows, std::vector<std::
 // `command_span` and `angle_span` are those of the run that spans most.
 void tell_units(const CsvTable& table, const Numbers& commands, const Numbers& angles,
                 double command_span, double angle_span, std::vector<std::string>& found) {
-  // Both alike: no ratio tells it, but no joint of a robot turns so far.
+  // Both alike: no ratio decides, but no joint of a robot turns so far.
   constexpr double kMost_rad = 20;
   if (command_span > kMost_rad && angle_span > kMost_rad)
     found.push_back(fmt::format(

@@ -59,7 +59,7 @@ bool prune(const Problem& problem, const EffectByName& definition, double looks,
            Grown& grown);
 
 // Whether an added effect is no result: the values that lie within kWithinError of their errors of
-// neutral leave nothing of it once they are there. `stated` has the errors that the user is told.
+// neutral leave nothing of it once they are there. `stated` has the errors that the user sees.
 bool is_at_neutral(const Problem& problem, const Assessment& stated, const std::string& name);
 
 // Removes the added effects that are no results, one by one, the rest fitted again. Returns whether

@@ -70,7 +70,7 @@ Model swinging(double size, double phase) {
   return model;
 }
 
-// The errors that the user is told decide, and a phase says nothing of an amplitude that is 0.
+// The errors that the user sees decide, and a phase says nothing of an amplitude that is 0.
 TEST(IsAtNeutral, IsToldByAmplitudesAndTheirErrors) {
   Swing problem;
   problem.observe(swinging(0, 0), {.seed = 5, .stream = 1});

@@ -105,7 +105,7 @@ TEST_F(MeshCacheTest, DamagedAndForgedEntriesAreMadeAnew) {
   const std::string bytes = read_file(entry), key = entry.filename().string();
   const MeshCache cache(folder_ / "cache/meshes");
   const std::string content = cache.find(key).value();
-  // Each byte of the file: the checksum tells.
+  // Each byte of the file is covered by the checksum.
   for (size_t i = 0; i < bytes.size(); i += 7) {
     std::string damaged = bytes;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x20);

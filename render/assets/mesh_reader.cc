@@ -223,7 +223,7 @@ class MeshMaker {
       check_radius(made.mesh);
       if (are_same(made.others)) return made;
     } catch (const InputError&) {
-      // Made anew, and told then if the files are at fault.
+      // Made anew; faults of the files are reported then.
     }
     return std::nullopt;
   }

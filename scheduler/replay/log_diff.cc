@@ -37,7 +37,7 @@ std::map<std::string, std::string> values_of(const RunHeader& header) {
   try {
     add_values(ConfigNode::from_text(header.scenario_text, header.scenario_name), "", values);
   } catch (const InputError&) {
-    values.clear();  // No YAML: only that the texts differ can be told.
+    values.clear();  // No YAML: only that the texts differ is known.
   }
   return values;
 }

@@ -59,7 +59,7 @@ extern "C" void end_by_signal(int signal) {
   ::raise(signal);
 }
 
-// Empty where it cannot be told; such a path is not removed.
+// Empty where it is not known; such a path is not removed.
 std::string absolute_text(const fs::path& path) noexcept {
   try {
     std::string text = fs::absolute(path).string();

@@ -79,8 +79,8 @@ std::string model_text(const ConfigNode& root) {
   return text;
 }
 
-// Reads the meshes and textures, too, where this build can: what is wrong with them is told here,
-// and not by the first frame.
+// Reads the meshes and textures, too, where this build can: what is wrong with them is reported
+// here, and not by the first frame.
 template <class Named>
 std::string assets_text(Named& named) {
   if (!render::reads_assets()) return "";

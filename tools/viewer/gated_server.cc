@@ -77,7 +77,7 @@ void drop(int& socket) {
 
 GatedServer::GatedServer() {
   new_task_queue = [] { return new NoQueue; };
-  // A thread that the system refuses ends the constructor: those that run are told to end.
+  // A thread that the system refuses ends the constructor: those that run are asked to end.
   try {
     threads_.push_back(start_thread([this] { watch(); }));
     for (int i = 0; i < kThreads; ++i) threads_.push_back(start_thread([this] { answer(); }));

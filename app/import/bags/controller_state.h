@@ -1,4 +1,4 @@
-// What a controller tells of itself in one message: the commanded and the measured angle of each
+// The state of a controller in one message: the commanded and the measured angle of each
 // joint (control_msgs/JointTrajectoryControllerState and its successors, JointControllerState,
 // MultiDOFStateStamped, and others that name such fields).
 #pragma once

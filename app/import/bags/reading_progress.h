@@ -9,7 +9,7 @@ namespace seam::app {
 
 class ReadingProgress {
  public:
-  // `all` is what will be read, in bytes or in pieces; it is told in units of `unit_size`.
+  // `all` is what will be read, in bytes or in pieces; shown in units of `unit_size`.
   ReadingProgress(std::string source, uint64_t all, const char* unit = "MB",
                   double unit_size = 1e6);
   ~ReadingProgress();

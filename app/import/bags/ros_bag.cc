@@ -60,7 +60,7 @@ std::vector<fs::path> parts_of(const fs::path& path) {
   return found;
 }
 
-// A file that tells how far its reading is.
+// A file that reports how far its reading is.
 class WatchedInput : public mcap::Input {
  public:
   // `before`: bytes of the parts that were read before it.

@@ -17,7 +17,7 @@ namespace seam::app {
 struct CameraFile {
   std::vector<std::string> names;
   std::function<PlainCamera(const std::string& name)> read;
-  std::map<std::string, Pose> X_RC;  // In a frame that they share, of those that have it told.
+  std::map<std::string, Pose> X_RC;  // In a frame that they share, of those whose pose is stated.
 };
 
 // 0 and cam0 are the same camera.

@@ -62,7 +62,7 @@ std::vector<std::string> CornerTable::cameras() const {
   return names;
 }
 
-// What tells corners of one camera apart.
+// The key of a corner within one camera.
 std::string CornerTable::key_of(size_t row) const {
   std::string key = text(row, frame_ >= 0 ? frame_ : time_) + '\n' + text(row, point_);
   if (tag_ >= 0) key += '\n' + text(row, tag_);

@@ -47,7 +47,7 @@ PlainCamera camera_of(const ConfigNode& node, const std::string& name, SetDraft&
 
 CameraFile camera_file(const ConfigNode& root, SetDraft& draft) {
   CameraFile file;
-  std::optional<Pose> X_RC = Pose{};  // Along the chain as far as it is told.
+  std::optional<Pose> X_RC = Pose{};  // Along the chain as far as it is stated.
   for (const std::string& name : root.keys()) {
     if (!is_camera(root, name)) continue;
     const ConfigNode node = root.at(name);

@@ -259,7 +259,7 @@ class Join {
     return ns;
   }
 
-  // What tells rows of several runs and joints in one file apart.
+  // The columns that name the run and the joint of a row.
   std::string key_of(const SignalLog& log, size_t row) const {
     std::string key;
     for (const std::string& name :

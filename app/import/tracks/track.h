@@ -14,7 +14,7 @@ namespace seam::app {
 struct TrackPose {
   int64_t ns = 0;
   double x_m = 0, y_m = 0, z_m = 0;
-  double theta_rad = std::numeric_limits<double>::quiet_NaN();  // Where it is not told.
+  double theta_rad = std::numeric_limits<double>::quiet_NaN();  // Where it is not stated.
   std::array<double, 3> up = {0, 0, 1};                         // The body's z axis.
   std::string place;                                            // "file:line".
 };
