@@ -168,7 +168,7 @@ def test_controllers(folder):
     imported("ros", folder / "single.bag", "--reverse", "wrist_controller", out=folder / "turned")
     rows = [r for r in rows_of(folder / "turned" / "joints.csv") if r["joint"] == "wrist_controller"]
     assert np.allclose([float(r["measured_rad"]) for r in rows], -0.5 * measured, atol=1e-12)
-    # Definitions that do not hold are told, and never followed without end.
+    # Definitions that do not hold are reported, and never followed without end.
     for text, words in (("my_msgs/ServoLog again\n" + HEADER2, "nested too deep"), ("my_msgs/None other\n", "missing"),
                         ("float64\n", "expected TYPE NAME")):
         (folder / "bad.mcap").write_bytes(mcap_file(mine, definitions={"my_msgs/ServoLog": text}))

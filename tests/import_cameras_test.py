@@ -231,7 +231,7 @@ def test_corners_of_two_cameras(folder):
     nominal = (folder / "rig" / "nominal.yaml").read_text()
     assert "pinhole@0" in nominal and "pinhole@1" in nominal and "camera_pose@1" in nominal, nominal
     refused("kalibr", *given, "--camera", "2", out=folder / "none", words=["--camera 2", "0, 1"])
-    # A column that no habit names is named by --map, and where it is not the reason is told.
+    # A column that no habit names is named by --map, and where it is not the reason is given.
     corners_of_two(folder, "frame,sensor,point,u,v")
     refused("kalibr", *given, out=folder / "twice", words=["corners.csv:3", "point 0 of frame 0", "--map camera=sensor"])
     refused("kalibr", *given, "--camera", "0,1", out=folder / "no", words=["no column of cameras", "--map camera="])
@@ -271,7 +271,7 @@ def test_rig_of_a_camchain(folder):
 
 
 def test_calibrations_print_focal_lengths_and_centre(folder):
-    """With errors by which the truth is told, in text, JSON and page."""
+    """With standard errors that hold the truth, in text, JSON and page."""
     (folder / "cv.yaml").write_text(storage(board_views(board())))
     imported("opencv", folder / "cv.yaml", "--board", "9x6", "--spacing", "0.03", out=folder / "set")
     # A calibration's numbers are fixed, and what is given is no result: here the camera is to be estimated.

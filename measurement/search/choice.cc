@@ -354,8 +354,9 @@ bool remove_neutral(const Problem& problem, Grown& grown) {
       const double kept = std::max(less.assessment.total_ll,
                                    beside.valid ? beside.log_likelihood : less.assessment.total_ll);
       const double lost = (grown.assessment.total_ll - kept) / unit;
-      const double told = 0.5 * distance2(grown.assessment.fit, amounts_of(grown.assessment, name));
-      if (!less.assessment.valid || !(lost < kTieWidth + told)) continue;
+      const double expected =
+          0.5 * distance2(grown.assessment.fit, amounts_of(grown.assessment, name));
+      if (!less.assessment.valid || !(lost < kTieWidth + expected)) continue;
       if (!best || less.assessment.total_ll > best->assessment.total_ll) best = std::move(less);
     }
     if (!best) return any;

@@ -96,7 +96,7 @@ void add_export(app::Command app) {
       "the error that this costs, in pixels or mrad. What is no property of the camera (a bent "
       "board)\n"
       "is no loss. A lens of another form is fitted over the image, and what the fit misses is "
-      "told:\n"
+      "printed:\n"
       "the ordinary form where it fits, else the nearest; file and output say which.\n"
       "Example: seam export models/ideal_camera.yaml --to kalibr --out camchain.yaml");
   command.callback([flags] {

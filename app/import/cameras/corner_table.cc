@@ -69,7 +69,7 @@ std::string CornerTable::key_of(size_t row) const {
   return key;
 }
 
-// A column that is none of the others, has few values, and tells corners apart that stand twice
+// A column that is none of the others, has few values, and makes corners that stand twice different
 // without it; empty: none does.
 std::string CornerTable::column_of_cameras() const {
   constexpr size_t kMostCameras = 64;

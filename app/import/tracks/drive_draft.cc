@@ -11,8 +11,8 @@
 namespace seam::app {
 namespace {
 
-// Rows with the pose that is measured in each: of poses that come more seldom than rows each tells
-// the nearest row alone, so that no error is told twice.
+// Rows with the pose that is measured in each: of poses that come more seldom than rows each counts
+// for the nearest row alone, so that no error counts twice.
 std::vector<char> rows_with_poses(const Drive& drive, std::vector<PlanarPose>& poses) {
   const auto usual_step = [](const auto& list) {
     std::vector<double> steps;

@@ -60,8 +60,8 @@ std::vector<ViewShown> views_shown(const MeasurementSet& set, const CsvTable& ta
   return views;
 }
 
-// A view whose pose is not known, and whose points do not fix one, tells nothing: its rows take no
-// part, and the facts say so. Few points do where another camera sees the same frame.
+// A view whose pose is not known, and whose points do not fix one, constrains nothing: its rows
+// take no part, and the facts say so. Few points do where another camera sees the same frame.
 void leave_out_poor_views(const MeasurementSet& set, CsvTable& table, Facts& facts) {
   std::vector<int> view_of_row;
   std::vector<ViewShown> views = views_shown(set, table, view_of_row);
