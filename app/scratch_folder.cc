@@ -24,6 +24,7 @@ ScratchFolder ScratchFolder::beside(const std::filesystem::path& place) {
 
 ScratchFolder::ScratchFolder(const std::filesystem::path& above, const std::string& begin) {
   std::string pattern = (above / (begin + "-XXXXXX")).string();
+  const SignalsWait wait;
   if (mkdtemp(pattern.data()) == nullptr)
     throw InputError(
         fmt::format("{}: cannot make a folder like this: {}", pattern, std::strerror(errno)));

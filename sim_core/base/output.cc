@@ -100,6 +100,7 @@ void OutputFile::open_temporary() {
   for (int attempt = 0; descriptor_ < 0; ++attempt) {
     temporary_ = target_;
     temporary_ += fmt::format(".{}-{}.part", ::getpid(), attempt);
+    const SignalsWait wait;
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode_);
     if (descriptor_ >= 0) is_half_made(temporary_);
     if (descriptor_ >= 0) break;

@@ -28,6 +28,9 @@ struct Slot {
 };
 std::array<Slot, 64> half_made;
 
+std::atomic<int> waits = 0;           // Objects of SignalsWait that live.
+std::atomic<int> waiting_signal = 0;  // The last signal that came meanwhile, or 0.
+
 // Removes what is in a folder. By the system's calls alone: readdir allocates.
 void empty_folder(int folder, int depth) noexcept {
   constexpr int kDeepest = 16;
@@ -53,6 +56,11 @@ void empty_folder(int folder, int depth) noexcept {
 }
 
 extern "C" void end_by_signal(int signal) {
+  if (waits > 0) {
+    waiting_signal = signal;
+    // Who waited may have ended in between, and have seen no signal.
+    if (waits > 0 || waiting_signal.exchange(0) == 0) return;
+  }
   remove_half_made();
   // Blocked until this handler returns; acts then.
   std::signal(signal, SIG_DFL);
@@ -70,6 +78,13 @@ std::string absolute_text(const fs::path& path) noexcept {
 }
 
 }  // namespace
+
+SignalsWait::SignalsWait() noexcept { ++waits; }
+
+SignalsWait::~SignalsWait() {
+  if (--waits > 0) return;
+  if (const int signal = waiting_signal.exchange(0); signal != 0) ::raise(signal);
+}
 
 void is_half_made(const fs::path& path) {
   const std::string text = absolute_text(path);

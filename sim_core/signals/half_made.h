@@ -17,7 +17,17 @@ void remove_half_made() noexcept;
 void is_half_made(const std::filesystem::path& path);
 void is_made(const std::filesystem::path& path) noexcept;
 
-// Half made as long as this object lives.
+// While one lives, a signal that would end this process waits. Between making a file under a name
+// that is free and `is_half_made`, nobody would remove it.
+class SignalsWait {
+ public:
+  SignalsWait() noexcept;
+  ~SignalsWait();
+  SignalsWait(const SignalsWait&) = delete;
+  SignalsWait& operator=(const SignalsWait&) = delete;
+};
+
+// Half made as long as this object lives. To be constructed before the file is made.
 class HalfMade {
  public:
   explicit HalfMade(std::filesystem::path path) : path_(std::move(path)) { is_half_made(path_); }

@@ -79,6 +79,28 @@ TEST_F(HalfMadeFiles, AForkedProcessLeavesThoseOfItsParentAlone) {
   EXPECT_EQ(WEXITSTATUS(status), 7);
 }
 
+TEST_F(HalfMadeFiles, ASignalWaitsUntilWhatIsMadeIsKnown) {
+  const int status = status_of(
+      [](const HalfMadeFiles& files) {
+        {
+          const SignalsWait outer;
+          {
+            const SignalsWait inner;
+            std::ofstream(files.at("file")) << "x";
+            ::raise(SIGTERM);
+          }
+          if (fs::exists(files.at("file"))) std::ofstream(files.at("went on")) << "x";
+          is_half_made(files.at("file"));
+        }
+        ::_exit(1);
+      },
+      *this);
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGTERM);
+  EXPECT_FALSE(fs::exists(at("file")));
+  EXPECT_TRUE(fs::exists(at("went on")));
+}
+
 TEST_F(HalfMadeFiles, AnIgnoredSignalStaysIgnored) {
   const int status = status_of(
       [](const HalfMadeFiles&) {

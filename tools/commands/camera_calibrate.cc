@@ -108,8 +108,10 @@ class Unfinished {
   explicit Unfinished(const std::filesystem::path& out)
       : out_(out),
         out_is_new_(!std::filesystem::exists(out)),
-        path_(folder_for(out / ".unfinished")),
-        half_made_(path_) {}
+        path_(out / ".unfinished"),
+        half_made_(path_) {
+    make_output_folder(path_);
+  }
   ~Unfinished() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);

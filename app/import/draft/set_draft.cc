@@ -56,6 +56,7 @@ SetDraft::SetDraft(fs::path out) : out_(std::move(out)) {
   const fs::path parent = out_.has_parent_path() ? out_.parent_path() : fs::path(".");
   make_output_folder(parent);
   std::string pattern = (parent / ("." + out_.filename().string() + "-XXXXXX")).string();
+  const SignalsWait wait;
   if (mkdtemp(pattern.data()) == nullptr)
     throw InputError(
         fmt::format("{}: cannot make a folder like this: {}", pattern, std::strerror(errno)));
