@@ -99,6 +99,8 @@ const makers = {
   roll_rad: (p) => p[5], "command.tilt_rad": (_p, t, i) => 0.22 * Math.sin(1.3 * t + i + 0.1),
   "command.pan_rad": (_p, t, i) => 0.95 * Math.sin(2.1 * t + i + 0.1),
   "command.vx_m_s": (_p, t) => 0.2 * Math.sign(Math.sin(0.4 * t)), "command.omega_rad_s": (_p, t) => 0.5 * Math.cos(0.3 * t),
+  "debug.effort": (_p, t, _i, log) => Math.sin(t) + (log === "b" ? 0.5 : 0),
+  "debug.seen": (_p, t) => Math.sign(Math.sin(t)), "debug.age": (_p, t) => t % 3, "debug.score": (_p, t) => Math.cos(t),
   "debug.ball distance": (p, t) => Math.hypot(ball(t)[0] - p[0], ball(t)[1] - p[1]),
 };
 
@@ -108,7 +110,7 @@ function series(log, robot, names, from, to, points) {
   const n = Math.max(2, Math.min(points, Math.floor((to - from) / truth_s)));
   const t = Array.from({ length: n }, (_, k) => from + ((to - from) * k) / (n - 1));
   return { series: Object.fromEntries(names.split(",").map((name) =>
-    [name, { t, values: t.map((at) => makers[name](pose(log, i, at), at, i)) }])) };
+    [name, { t, values: t.map((at) => makers[name](pose(log, i, at), at, i, log)) }])) };
 }
 
 const stamp = (index) => 0.003 + index * period_s;

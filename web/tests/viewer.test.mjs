@@ -188,6 +188,39 @@ async function eventsOfTheMock(page, url) {
   await shot(page, "viewer_end");
 }
 
+const plotOf = (page, name) => page.locator(`.chosen [data-series="${name}"]`);
+
+/** All values are there by name; the client's first ones are shown, and a link keeps the choice. */
+async function plotsOfTheMock(page, url) {
+  await open(page, url, "?t=50&robot=blue1");
+  await page.getByRole("tab", { name: "Plots" }).click();
+  await page.getByText("Choose values").click();
+  await until("every value has a name to choose", async () => await page.locator(".chosen li").count() === 15);
+  await until("the client's first four", async () => await page.locator(".chosen [data-lines='1'] canvas").count() === 4);
+  await page.getByLabel("Part of a value's name").fill("dist");
+  await until("one name is left", async () => await page.locator(".chosen li").count() === 1);
+  await page.getByLabel("ball distance").check();
+  await plotOf(page, "ball distance").locator("canvas").waitFor();
+  await page.getByLabel("Part of a value's name").fill("");
+  await page.getByLabel("effort").uncheck();
+  await until("a value that is not wanted goes", async () => await plotOf(page, "effort").count() === 0);
+  await page.getByText("Choose values").click();
+  await shot(page, "viewer_plots");
+  if (shots) {
+    await page.setViewportSize({ width: 390, height: 844 });
+    await page.locator(".chosen").scrollIntoViewIfNeeded();
+    await page.waitForTimeout(500);
+    await page.screenshot({ path: join(shots, "viewer_plots_390.png"), fullPage: true });
+    await page.setViewportSize({ width: 1280, height: 800 });
+  }
+  await page.locator("h1").click();
+  await page.keyboard.press("l");
+  const link = await until("a link with the choice", async () => page.url().includes("plots=debug.ball") && page.url());
+  await page.goto(link);
+  await plotOf(page, "ball distance").locator("canvas").waitFor();
+  assert.equal(await page.locator(".chosen [data-series]").count(), 4);
+}
+
 async function compareTwo(browser) {
   const server = await serve(pagePath, 2);
   const { page, errors } = await openPage(browser);
@@ -201,6 +234,15 @@ async function compareTwo(browser) {
   assert.deepEqual(await decision.locator("table.decision td").allInnerTexts(), ["-0.889", "0.59", "–", "leg_forward"]);
   await page.getByRole("button", { name: /First other decision/ }).click();
   await until("the first other decision", async () => Math.abs(await moment(page) - 100) < 1e-6);
+  await page.getByRole("tab", { name: "Plots" }).click();
+  await until("both logs in one plot", async () =>
+    (await plotOf(page, "effort").getAttribute("data-lines").catch(() => "")) === "2");
+  assert.equal(await plotOf(page, "effort").locator(".legend").innerText(), "a\nb dashed");
+  const over = await page.locator(".panels").evaluate((panel) =>
+    Math.max(...[panel, ...panel.children].map((part) => part.scrollWidth - part.clientWidth)));
+  assert.ok(over <= 0, `the panel is ${over} px too wide`);
+  await shot(page, "viewer_two_plots");
+  await page.getByRole("tab", { name: "Difference" }).click();
   await page.getByLabel("Time", { exact: true }).fill("110");
   await page.keyboard.press("Enter");
   await until("both fields are drawn, and differ", async () =>
@@ -241,6 +283,7 @@ try {
   await page.setViewportSize({ width: 1280, height: 800 });
   if (!real) await decisionsOfTheMock(page, server.url);
   if (!real) await eventsOfTheMock(page, server.url);
+  if (!real) await plotsOfTheMock(page, server.url);
   assert.deepEqual(errors, [], "console");
   if (!real) await compareTwo(browser);
   console.log("the viewer was driven");

@@ -43,7 +43,7 @@ function One({ replay }: { replay: Replay }) {
       <div class="stage-left">
         <div class="field"><Field replay={replay} /></div>
         <div class="plots">
-          {specs.slice(0, 4).map((spec) => <SeriesPlot key={spec.title} replay={replay} spec={spec} />)}
+          {specs.map((spec) => <SeriesPlot key={spec.title} replay={replay} spec={spec} />)}
         </div>
       </div>
       <div class="stage-right">

@@ -3,6 +3,7 @@ import { effect, signal, useComputed } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { number } from "../shared/format";
 import type { Difference, MatchEvent, State } from "./api";
+import { ChosenPlots } from "./plots";
 import { lastAt, type Replay } from "./replay";
 import { recent } from "./reported";
 import { difference, panel, playing, replays, robot, seek, time } from "./store";
@@ -10,7 +11,7 @@ import { clock } from "./timeline";
 
 export function Panels() {
   const two = replays.value.length > 1;
-  const tabs = [["events", "Events"], ["client", "Client"], ["state", "State"],
+  const tabs = [["events", "Events"], ["client", "Client"], ["plots", "Plots"], ["state", "State"],
     ...(two ? [["difference", "Difference"]] : [])] as [typeof panel.value, string][];
   return (
     <section class="panels">
@@ -23,6 +24,7 @@ export function Panels() {
       <div class="panel" role="tabpanel" data-panel={panel.value}>
         {panel.value === "events" && <Events />}
         {panel.value === "client" && replays.value.map((r) => <Client key={r.info.id} replay={r} />)}
+        {panel.value === "plots" && <ChosenPlots />}
         {panel.value === "state" && replays.value.map((r) => <StateTable key={r.info.id} replay={r} />)}
         {panel.value === "difference" && <DifferenceList />}
       </div>

@@ -1,12 +1,12 @@
-// Joints and odometry over the part of the match around the moment.
-import { effect, signal } from "@preact/signals";
+// Numbers over the part of the match around the moment: joints and odometry, and what is chosen by name.
+import { effect, signal, type Signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { palette, series as colours } from "../shared/palette";
 import { ask, type SeriesData } from "./api";
 import type { Replay } from "./replay";
-import { playing, plotFrom, plotTo, robot, seek, time } from "./store";
+import { chosen, playing, plotFrom, plotTo, replays, robot, seek, time } from "./store";
 import { clock } from "./timeline";
 
 export interface PlotSpec {
@@ -21,7 +21,6 @@ export const specs: PlotSpec[] = [
   { title: "Position", unit: "m", wants: (n) => n === "x_m" || n === "y_m" },
   { title: "Heading", unit: "rad", wants: (n) => n === "heading_rad" },
   { title: "Walk command", unit: "m/s, rad/s", wants: (n) => /^command\.(vx|vy|omega)_/.test(n) },
-  { title: "Client's values", unit: "", wants: (n) => n.startsWith("debug.") },
 ];
 
 const lists = new Map<string, Promise<string[]>>();
@@ -45,14 +44,25 @@ function inOrder(names: string[]): string[] {
   return [...names].sort((a, b) => place(a) - place(b));
 }
 
-interface Shown {
-  names: string[];
-  data: SeriesData[];
+interface Line {
+  label: string;
+  colour: string;
+  dashed?: boolean;
+  /** Another line of the same colour stands in the legend for it. */
+  unnamed?: boolean;
 }
 
-/** Loads the series of this plot for the view, at most once at a time. */
-function useSeries(replay: Replay, spec: PlotSpec) {
-  const shown = useMemo(() => signal<Shown>({ names: [], data: [] }), [replay, spec]);
+interface Shown {
+  lines: Line[];
+  data: SeriesData[];
+  note?: string;
+}
+
+const nothing: Shown = { lines: [], data: [] };
+
+/** Loads what a plot shows of this robot and part of the match, at most once at a time. */
+function useShown(load: (id: string, from: number, to: number) => Promise<Shown>, depends: unknown[]) {
+  const shown = useMemo(() => signal<Shown>(nothing), depends);
   useEffect(() => {
     let gone = false;
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -63,16 +73,10 @@ function useSeries(replay: Replay, spec: PlotSpec) {
       clearTimeout(timer);
       timer = setTimeout(async () => {
         try {
-          const names = inOrder((await namesOf(replay, id)).filter(spec.wants)).slice(0, 7);
-          const answer = names.length === 0 ? { series: {} as Record<string, SeriesData> }
-            : await ask<{ series: Record<string, SeriesData> }>("series",
-              { log: replay.info.id, robot: id, names: names.join(","), from, to, points: 1200 });
-          const found = names.filter((name) => answer.series[name]);
-          if (!gone && id === robot.peek()) {
-            shown.value = { names: found, data: found.map((name) => answer.series[name]) };
-          }
+          const loaded = await load(id, from, to);
+          if (!gone && id === robot.peek()) shown.value = loaded;
         } catch {
-          if (!gone) shown.value = { names: [], data: [] };
+          if (!gone) shown.value = nothing;
         }
       }, 120);
     });
@@ -81,8 +85,15 @@ function useSeries(replay: Replay, spec: PlotSpec) {
       clearTimeout(timer);
       stop();
     };
-  }, [replay, spec, shown]);
+  }, [shown]);
   return shown;
+}
+
+async function seriesOf(replay: Replay, id: string, names: string[], from: number, to: number) {
+  if (names.length === 0) return {};
+  const answer = await ask<{ series: Record<string, SeriesData> }>("series",
+    { log: replay.info.id, robot: id, names: names.join(","), from, to, points: 1200 });
+  return answer.series;
 }
 
 function label(name: string): string {
@@ -92,15 +103,93 @@ function label(name: string): string {
 }
 
 export function SeriesPlot({ replay, spec }: { replay: Replay; spec: PlotSpec }) {
+  const shown = useShown(async (id, from, to) => {
+    const wanted = inOrder((await namesOf(replay, id)).filter(spec.wants)).slice(0, 7);
+    const found = await seriesOf(replay, id, wanted, from, to);
+    const names = wanted.filter((name) => found[name]);
+    const mixed = names.some(isCommand) && !names.every(isCommand);
+    return {
+      lines: names.map((name) => ({ label: label(name), colour: colourOf(name, names),
+        dashed: isCommand(name) && !/v[xy]_|omega/.test(name), unnamed: mixed && isCommand(name) })),
+      data: names.map((name) => found[name]),
+      note: mixed ? "dashed: commanded" : undefined,
+    };
+  }, [replay, spec]);
+  return <Plot title={spec.title} unit={spec.unit} shown={shown} />;
+}
+
+/** One value of the robot, of both logs where there are two. */
+function ValuePlot({ name }: { name: string }) {
+  const logs = replays.value;
+  const shown = useShown(async (id, from, to) => {
+    const all = await Promise.all(logs.map(async (replay) =>
+      (await namesOf(replay, id)).includes(name) ? (await seriesOf(replay, id, [name], from, to))[name] : undefined));
+    const there = logs.map((replay, i) => ({ id: replay.info.id, i, data: all[i] })).filter((one) => one.data);
+    return {
+      lines: there.map(({ id: log, i }) => ({ label: logs.length > 1 ? log : "", colour: colours[i], dashed: i > 0 })),
+      data: there.map((one) => one.data!),
+    };
+  }, [logs, name]);
+  return <Plot title={label(name)} unit={unitOf(name)} shown={shown} />;
+}
+
+const wanted = signal("");
+const choosing = signal(false);
+
+/** All that the logs have of this robot as numbers, to be chosen by name. */
+export function ChosenPlots() {
+  const logs = replays.value;
+  const names = useMemo(() => signal<string[]>([]), [logs]);
+  const id = robot.value;
+  useEffect(() => {
+    void Promise.all(logs.map((replay) => namesOf(replay, id).catch(() => [] as string[]))).then((lists) => {
+      if (id === robot.peek()) names.value = [...new Set(lists.flat())].sort(byClient);
+    });
+  }, [logs, id, names]);
+  const picked = names.value.filter((name) => (chosen.value ?? firstOf(names.value)).includes(name));
+  const listed = names.value.filter((name) => label(name).toLowerCase().includes(wanted.value.toLowerCase()));
+  const toggle = (name: string) =>
+    (chosen.value = picked.includes(name) ? picked.filter((other) => other !== name) : [...picked, name]);
+  return (
+    <div class="chosen">
+      <details open={choosing.value} onToggle={(e) => (choosing.value = e.currentTarget.open)}>
+        <summary>Choose values <span class="quiet num">{picked.length} of {names.value.length} of {id}</span></summary>
+        <input type="search" aria-label="Part of a value's name" placeholder="Part of a name" value={wanted.value}
+          onInput={(e) => (wanted.value = e.currentTarget.value)} />
+      <ul>
+        {listed.map((name) => (
+          <li key={name}><label>
+            <input type="checkbox" checked={picked.includes(name)} onChange={() => toggle(name)} /> {label(name)}
+            {unitOf(name) && <span class="quiet"> {unitOf(name)}</span>}
+          </label></li>
+        ))}
+      </ul>
+      </details>
+      {picked.map((name) => <ValuePlot key={name} name={name} />)}
+    </div>
+  );
+}
+
+const isClients = (name: string) => name.startsWith("debug.");
+/** What the client logged stands first. */
+const byClient = (a: string, b: string) => Number(isClients(b)) - Number(isClients(a));
+const firstOf = (names: string[]) => names.filter(isClients).slice(0, 4);
+
+function unitOf(name: string): string {
+  if (isClients(name)) return "";
+  return name.endsWith("_rad_s") ? "rad/s" : name.endsWith("_m_s") ? "m/s" : name.endsWith("_rad") ? "rad"
+    : name.endsWith("_m") ? "m" : "";
+}
+
+function Plot({ title, unit, shown }: { title: string; unit: string; shown: Signal<Shown> }) {
   const holder = useRef<HTMLDivElement>(null);
-  const shown = useSeries(replay, spec);
   useEffect(() => {
     let plot: uPlot | null = null;
     let drawn: string | null = null;
     const make = () => {
       plot?.destroy();
-      plot = build(holder.current!, spec, shown.peek());
-      drawn = shown.peek().names.join();
+      plot = build(holder.current!, title, shown.peek());
+      drawn = drawnAs(shown.peek());
     };
     const observer = new ResizeObserver(() => {
       const size = boxOf(holder.current!);
@@ -108,9 +197,8 @@ export function SeriesPlot({ replay, spec }: { replay: Replay; spec: PlotSpec })
     });
     observer.observe(holder.current!);
     const stopData = effect(() => {
-      const { names, data } = shown.value;
-      if (names.join() !== drawn) make();
-      else plot?.setData(join(data));
+      if (drawnAs(shown.value) !== drawn) make();
+      else plot?.setData(join(shown.value.data));
     });
     const stopView = effect(() => {
       void shown.value;
@@ -125,24 +213,25 @@ export function SeriesPlot({ replay, spec }: { replay: Replay; spec: PlotSpec })
       observer.disconnect();
       plot?.destroy();
     };
-  }, [replay, spec, shown]);
+  }, [title, shown]);
+  const { lines, note } = shown.value;
   return (
-    <figure class="series" data-series={spec.title}>
+    <figure class="series" data-series={title} data-lines={lines.length}>
       <figcaption>
-        <strong>{spec.title}</strong> {spec.unit && <span class="quiet">{spec.unit}</span>}
+        <strong>{title}</strong> {unit && <span class="quiet">{unit}</span>}
         <span class="legend">
-          {shown.value.names.map((name) => (isCommand(name) && !shown.value.names.every(isCommand) ? null
-            : <span key={name} style={{ color: colourOf(name, shown.value.names) }}>{label(name)}</span>
-          ))}
-          {shown.value.names.some(isCommand) && !shown.value.names.every(isCommand) &&
-            <span class="quiet">dashed: commanded</span>}
-          {shown.value.names.length === 0 && <span class="quiet">nothing logged</span>}
+          {lines.filter((line) => !line.unnamed && line.label).map((line, i) =>
+            <span key={i} style={{ color: line.colour }}>{line.dashed ? `${line.label} dashed` : line.label}</span>)}
+          {note && <span class="quiet">{note}</span>}
+          {lines.length === 0 && <span class="quiet">nothing logged</span>}
         </span>
       </figcaption>
       <div class="series-plot" ref={holder} />
     </figure>
   );
 }
+
+const drawnAs = (shown: Shown) => shown.lines.map((line) => `${line.label} ${line.colour}`).join();
 
 /** A command has the colour of the joint it is for, and the joints of a head have theirs always. */
 function colourOf(name: string, names: string[]): string {
@@ -169,7 +258,7 @@ function rangeOf(least: number | null, most: number | null): uPlot.Range.MinMax 
   return [least - half, least + half];
 }
 
-function build(holder: HTMLElement, spec: PlotSpec, shown: Shown): uPlot {
+function build(holder: HTMLElement, title: string, shown: Shown): uPlot {
   const axis = { stroke: palette.ink3, font: "11px Inter, sans-serif",
     grid: { stroke: "#eceef0", width: 1 }, ticks: { show: false } };
   return new uPlot({
@@ -177,7 +266,7 @@ function build(holder: HTMLElement, spec: PlotSpec, shown: Shown): uPlot {
     legend: { show: false },
     cursor: { y: false, drag: { x: false, y: false } },
     // Without values there is no vertical axis, whose place the first time's label needs.
-    padding: [6, 18, 0, shown.names.length > 0 ? 0 : 44],
+    padding: [6, 18, 0, shown.lines.length > 0 ? 0 : 44],
     scales: {
       x: { time: false, min: plotFrom.peek(), max: plotTo.peek() },
       y: { range: (_u, least, most) => rangeOf(least, most) },
@@ -186,10 +275,9 @@ function build(holder: HTMLElement, spec: PlotSpec, shown: Shown): uPlot {
       { ...axis, size: 22, values: (_u, splits, _i, _space, step) => splits.map((t) => clock(t, step)) },
       { ...axis, size: 44, space: 22 },
     ],
-    series: [{}, ...(shown.names.length ? shown.names : [spec.title]).map((name, _i, all) => ({
-      label: name, stroke: colourOf(name, all), width: 1.4, spanGaps: true,
-      dash: name.startsWith("command.") && !/v[xy]_|omega/.test(name) ? [3, 3] : undefined,
-    }))],
+    series: [{}, ...(shown.lines.length ? shown.lines : [{ label: title, colour: colours[0], dashed: false }])
+      .map((line) => ({ label: line.label, stroke: line.colour, width: 1.4, spanGaps: true,
+        dash: line.dashed ? [3, 3] : undefined }))],
     hooks: {
       draw: [(u) => {
         const x = u.valToPos(time.peek(), "x", true);

@@ -17,7 +17,9 @@ export const robot = signal("");
 export const stage = signal("rgb");
 /** Which frame the camera shows: the one that the last decision was made from, or the newest by its stamp. */
 export const sight = signal<"decision" | "time">("decision");
-export const panel = signal<"events" | "client" | "state" | "difference">("events");
+export const panel = signal<"events" | "client" | "plots" | "state" | "difference">("events");
+/** Names of the values that the tab of plots shows; null: the first that the client logged. */
+export const chosen = signal<string[] | null>(null);
 export const helpShown = signal(false);
 /** The part of the match that the timeline and the plots show. */
 export const view = signal<[number, number]>([0, 1]);
@@ -62,9 +64,13 @@ export async function load(): Promise<void> {
     const stages = loaded[0].info.stages;
     stage.value = stages.includes(query.get("stage") ?? "") ? query.get("stage")! : stages[0] ?? "rgb";
     view.value = [start.value, Math.max(end.value, start.value + 0.1)];
+    if (query.has("plots")) {
+      chosen.value = query.getAll("plots").filter((name) => name !== "");
+      panel.value = "plots";
+    }
     const t = Number(query.get("t") ?? NaN);
     time.value = Number.isFinite(t) ? clamp(t) : start.value;
-    if (loaded.length > 1) panel.value = "difference";
+    if (loaded.length > 1 && !query.has("plots")) panel.value = "difference";
   });
   if (loaded.length > 1) {
     difference.value = await ask<Difference>("diff").catch((error: Error) => {
@@ -178,5 +184,6 @@ export function say(text: string): void {
 export function momentLink(): string {
   const query = new URLSearchParams({ t: time.value.toFixed(3), robot: robot.value });
   if (stage.value !== (replays.value[0]?.info.stages[0] ?? "rgb")) query.set("stage", stage.value);
+  for (const name of panel.value === "plots" ? chosen.value ?? [] : []) query.append("plots", name);
   return `${location.origin}${location.pathname}?${query}`;
 }
