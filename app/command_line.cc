@@ -65,7 +65,7 @@ void add_pages(const CLI::App& app, const std::string& path, std::string& text) 
   }
 }
 
-// docs/commands.md: the help of the program and of each subcommand.
+// docs/reference/commands.md: the help of the program and of each subcommand.
 std::string commands_markdown(const CLI::App& program) {
   const std::string name = program.get_name();
   std::string text = fmt::format(
@@ -84,7 +84,8 @@ void add_help(CLI::App& program) {
   auto words = std::make_shared<std::vector<std::string>>();
   auto markdown = std::make_shared<bool>(false);
   help->add_option("COMMAND", *words, "A command, and a command of it");
-  help->add_flag("--markdown", *markdown, "The help of all commands as a page (docs/commands.md)");
+  help->add_flag("--markdown", *markdown,
+                 "The help of all commands as a page (docs/reference/commands.md)");
   help->footer("Example: " + program.get_name() + " help " + subcommand_names(program).front());
   help->callback([&program, words, markdown] {
     const std::string text = *markdown ? commands_markdown(program) : help_of(program, *words);

@@ -1,5 +1,5 @@
-// Frames made elsewhere (docs/server.md): what one frame's job and pixels take on the wire, and
-// what packing and unpacking the job costs beside rendering it.
+// Frames made elsewhere (docs/reference/server.md): what one frame's job and pixels take on the
+// wire, and what packing and unpacking the job costs beside rendering it.
 #include <benchmark/benchmark.h>
 
 #include "bench/match_frames.h"

@@ -29,7 +29,7 @@ function(seam_install_program)
   foreach(target ${SEAM_BEHAVIOURS})
     install(TARGETS ${target} RUNTIME DESTINATION lib/seam/behaviours COMPONENT program)
   endforeach()
-  install(DIRECTORY ${CMAKE_SOURCE_DIR}/models ${CMAKE_SOURCE_DIR}/scenarios ${CMAKE_SOURCE_DIR}/docs/schemas
+  install(DIRECTORY ${CMAKE_SOURCE_DIR}/models ${CMAKE_SOURCE_DIR}/scenarios ${CMAKE_SOURCE_DIR}/docs/reference/schemas
           DESTINATION ${share} COMPONENT program PATTERN "*.new" EXCLUDE)
   # Made where npm and python were there.
   install(FILES ${CMAKE_BINARY_DIR}/share/seam/report.html DESTINATION ${share} COMPONENT program OPTIONAL)

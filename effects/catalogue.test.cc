@@ -192,14 +192,14 @@ TEST(CataloguePage, AndListHaveEveryEffect) {
 }
 
 TEST(CataloguePage, IsTheProgramsOwn) {
-  const std::string path = SEAM_SOURCE_DIR "/docs/effects.md";
+  const std::string path = SEAM_SOURCE_DIR "/docs/reference/effects.md";
   std::ifstream file(path);
   std::stringstream text;
   text << file.rdbuf();
   if (text.str() == catalogue_markdown()) return;
   std::ofstream(path + ".new") << catalogue_markdown();
   ADD_FAILURE() << path << " differs from the program; the right page is " << path
-                << ".new (or: seam effects --markdown > docs/effects.md)";
+                << ".new (or: seam effects --markdown > docs/reference/effects.md)";
 }
 
 }  // namespace

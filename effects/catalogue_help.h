@@ -11,7 +11,7 @@ namespace seam::effects {
 std::string effect_help(const EffectDefinition& effect);
 // One line an effect, by stage.
 std::string catalogue_list();
-// docs/effects.md: made by `seam effects --markdown`, and compared with it by a test.
+// docs/reference/effects.md: made by `seam effects --markdown`, and compared with it by a test.
 std::string catalogue_markdown();
 // The words for the kinds of measurement of an effect.
 std::string kinds_text(unsigned kinds);

@@ -24,7 +24,7 @@ enum class Stage {
 };
 std::string to_string(Stage stage);
 
-// Kinds of measurement (docs/measurements.md), a bit each: an effect names those that it touches.
+// Kinds of measurement (docs/reference/measurements.md), a bit each: an effect names its kinds.
 enum Kind : unsigned {
   kPoints = 1,
   kPhotometry = 2,

@@ -1,5 +1,5 @@
 // A model: which effects are present, with which parameter values, and how it came about.
-// File format `seam-model/1` (docs/models.md).
+// File format `seam-model/1` (docs/reference/models.md).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// JSON Schema of models (docs/schemas/model.schema.json): the effects of the catalogue with the
-// parameters and bounds that the reader of models takes them by.
+// JSON Schema of models (docs/reference/schemas/model.schema.json): the effects of the catalogue
+// with the parameters and bounds that the reader of models takes them by.
 #pragma once
 
 #include <string>

@@ -8,7 +8,8 @@ namespace seam::effects {
 namespace {
 
 TEST(ModelSchema, SchemaFileIsCurrent) {
-  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/schemas/model.schema.json", model_schema());
+  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/reference/schemas/model.schema.json",
+                 model_schema());
 }
 
 std::string refusal_of_model(const std::string& effects) {

@@ -102,7 +102,7 @@ def ruler(corners, names, values):
 
 
 def bent(corners, points, values):
-    """The board's points with its warp, as docs/effects.md has it: zero at the outermost corners' frame."""
+    """The board's points with its warp, as docs/reference/effects.md has it: zero at the outermost corners' frame."""
     if "x_m" not in values:
         return points
     a = 2 * (points[:, 0] - corners.origin[0]) / ((corners.columns - 1) * corners.spacing) - 1

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Repeats the paper's experiments and writes their tables and plots into docs/experiments.md.
+"""Repeats the paper's experiments and writes their tables and plots into docs/evidence/experiments.md.
 
     scripts/experiments.py --short          3 seeds; 10 minutes on two idle cores
     scripts/experiments.py --full           20 seeds; 70 minutes on two idle cores
     scripts/experiments.py --fill           nothing is run, the page is filled from what is in out/
 
 Interrupted, it goes on where it was. A table stands between <!-- table: FILE --> and <!-- end -->,
-FILE below the output folder; pictures that the page shows from images/ are copied from there too.
+FILE below the output folder; pictures that the page shows from docs/images are copied from there too.
 """
 import argparse
 import pathlib
@@ -16,9 +16,9 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-PAGE = ROOT / "docs" / "experiments.md"
+PAGE = ROOT / "docs/evidence/experiments.md"
 BLOCK = re.compile(r"(<!-- table: (\S+) -->\n).*?(<!-- end -->)", re.S)
-PICTURE = re.compile(r"\]\(images/(\S+\.png)\)")
+PICTURE = re.compile(r"\]\(\.\./images/(\S+\.png)\)")
 
 
 def run(seam, *arguments, to=None):
@@ -70,7 +70,7 @@ def fill(out):
     PAGE.write_text(text, encoding="utf-8")
     for name in PICTURE.findall(text):
         for picture in sorted(out.glob(f"*/{name}")):
-            shutil.copyfile(picture, PAGE.parent / "images" / name)
+            shutil.copyfile(picture, ROOT / "docs/images" / name)
 
 
 def main():

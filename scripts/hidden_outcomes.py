@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Effects hidden in whole runs, found again with the whole simulator (docs/outcomes.md).
+"""Effects hidden in whole runs, found again with the whole simulator (docs/reference/outcomes.md).
 
 A robot that measures a ball's distance stands near it and far from it, swings its head and walks. `seam measure` makes sets
 of what it measured, each by a model that lacks nothing but one effect, of a size that changes some number by about five of the

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What makes the simulated robot find itself as badly as the paper's real one (docs/paper-robot.md).
+"""What makes the simulated robot find itself as badly as the paper's real one (docs/evidence/paper-robot.md).
 
 Each variant changes one thing, or two: an effect of the camera or the head, or a setting of the program or the clocks, at a
 size that a robot of 2002 plausibly had. `seam measure` makes the 36 runs of each with the same seeds, and their

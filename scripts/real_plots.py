@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The plots of docs/real-plaza.md and docs/real-wheels.md, from a recording and the model found.
+"""The plots of docs/evidence/real-plaza.md and docs/evidence/real-wheels.md, from a recording and the model found.
 
   scripts/real_plots.py plaza real-plaza found.json docs/images
   scripts/real_plots.py wheels real-wheels found.json docs/images

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/commands.md says what the program says: commands_page_test.py SEAM docs/commands.md
+"""docs/reference/commands.md says what the program says: commands_page_test.py SEAM docs/reference/commands.md
 
 Where they differ, the page as it should be is written beside it, to be looked at and moved into its place.
 """
@@ -16,7 +16,7 @@ def main():
         beside.unlink(missing_ok=True)
         return 0
     beside.write_text(wanted, encoding="utf-8")
-    return f"{page} differs from the program; compare with {beside} (or: seam help --markdown > docs/commands.md)"
+    return f"{page} differs from the program; compare with {beside} (or: seam help --markdown > docs/reference/commands.md)"
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What hides in a moving camera is found through a real detector: boards drawn from a hand-held path and from a swinging head,
 with rolling shutter, exposure and distortion; their corners as OpenCV and AprilTag see them; `discover` on these alone.
-Prints the table of docs/detectors.md.
+Prints the table of docs/evidence/detectors.md.
 
 Usage: detector_proof_test.py SEAM [unittest arguments]
 """

@@ -3,7 +3,7 @@
 (python3-opencv, mrcal, ROS's camera_calibration_parsers), and projects a grid as the model does.
 `export_test.py path/to/seam CXX`
 
-The model's projection is written out here again, from docs/effects.md, in numpy.
+The model's projection is written out here again, from docs/reference/effects.md, in numpy.
 """
 import json
 import pathlib

@@ -78,7 +78,7 @@ def check_texts(prefix):
     share = prefix / "share/seam"
     for folder in ("models", "scenarios"):
         assert {path.name for path in (SOURCE / folder).glob("*.yaml")} <= {path.name for path in (share / folder).iterdir()}
-    assert {path.name for path in (SOURCE / "docs/schemas").iterdir()} <= {path.name for path in (share / "schemas").iterdir()}
+    assert {path.name for path in (SOURCE / "docs/reference/schemas").iterdir()} <= {path.name for path in (share / "schemas").iterdir()}
     assert (prefix / "share/zsh/site-functions/_seam").exists() and any((prefix / "share/man/man1").iterdir())
     for path in prefix.rglob("*"):
         if path.suffix in (".cmake", ".pc", ".py", ".1", ".yaml", ".json", ".proto", ".h") and path.is_file():

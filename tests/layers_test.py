@@ -13,7 +13,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# What a folder may include of others (docs/architecture.md).
+# What a folder may include of others (docs/design/architecture.md).
 FOLDERS = {
     "sim_core": set(),
     "effects": {"sim_core"},

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An industrial CCD's flat fields (docs/real-ccd.md): what is found in them, and the figures of EMVA 1288 beside a
+"""An industrial CCD's flat fields (docs/evidence/real-ccd.md): what is found in them, and the figures of EMVA 1288 beside a
 calculation of its own. `real_ccd_test.py path/to/seam [folder of real sets]`
 
 The set is not part of the source; without it the test is skipped and says so.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ranges from a mower to radio beacons (docs/real-plaza.md): their scale with its error, and nothing beside it.
+"""Ranges from a mower to radio beacons (docs/evidence/real-plaza.md): their scale with its error, and nothing beside it.
 `real_plaza_test.py path/to/seam [folder of real sets]`
 """
 import sys

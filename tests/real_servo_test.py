@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A small servo that swings a mass (docs/real-servo.md): torque physics found from an ideal servo alone, and a gain
+"""A small servo that swings a mass (docs/evidence/real-servo.md): torque physics found from an ideal servo alone, and a gain
 predicted that the fit never saw. `real_servo_test.py path/to/seam [folder of real sets]`
 """
 import csv

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A robot on two wheels, its ticks against motion capture (docs/real-wheels.md): what wheels and base are off by, with
+"""A robot on two wheels, its ticks against motion capture (docs/evidence/real-wheels.md): what wheels and base are off by, with
 errors, and how far ticks alone lead. `real_wheels_test.py path/to/seam [folder of real sets]`
 """
 import sys
@@ -12,7 +12,7 @@ def main():
         return SKIP
     found, _, _ = discover(SETS / "real-wheels", SETS / "real-wheels" / "nominal.yaml")
     values = parameters(found)
-    # By least squares over whole runs, written apart (docs/real-wheels.md).
+    # By least squares over whole runs, written apart (docs/evidence/real-wheels.md).
     for name, expected in (("wheel_scale.left", -0.0033), ("wheel_scale.right", -0.0044), ("base_scale.scale", 0.0035)):
         value, sigma = values[name]
         assert abs(value - expected) < 0.0005 and 0 < sigma < 0.001, (name, value, sigma)

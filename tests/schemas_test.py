@@ -18,7 +18,7 @@ except ImportError as missing:
     sys.exit(77)
 
 SOURCE = pathlib.Path(sys.argv[1]).resolve()
-SCHEMAS = {f"seam-{name}/1": json.loads((SOURCE / f"docs/schemas/{name}.schema.json").read_text(encoding="utf-8"))
+SCHEMAS = {f"seam-{name}/1": json.loads((SOURCE / f"docs/reference/schemas/{name}.schema.json").read_text(encoding="utf-8"))
            for name in ("scenario", "model", "measurement", "scene", "sweep")}
 
 

@@ -281,7 +281,7 @@ keep:
             import jsonschema
         except ImportError:
             return
-        schema = json.loads((SOURCE / "docs/schemas/results.schema.json").read_text())
+        schema = json.loads((SOURCE / "docs/reference/schemas/results.schema.json").read_text())
         for file in files:
             result = json.loads((self.here / file).read_text())
             jsonschema.validate(result, schema)

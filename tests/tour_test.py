@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What the pages say of the tree is there: tour_test.py
 
-- docs/tour.md: each `name` in `file` is a function or type that this file holds;
+- docs/design/tour.md: each `name` in `file` is a function or type that this file holds;
 - files and folders of the tree that any page names exist (NAME in a path stands for anything), and links lead somewhere;
 - so does every page that a comment in the code cites.
 """
@@ -11,8 +11,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-TOUR = ROOT / "docs" / "tour.md"
-PAGES = sorted([*ROOT.glob("docs/*.md"), ROOT / "CONTRIBUTING.md", ROOT / "README.md", ROOT / "replays/FORMAT.md"])
+TOUR = ROOT / "docs/design/tour.md"
+PAGES = sorted([*ROOT.glob("docs/**/*.md"), ROOT / "CONTRIBUTING.md", ROOT / "README.md", ROOT / "replays/FORMAT.md"])
 FEWEST_HOPS = 50
 
 
@@ -40,13 +40,13 @@ def missing_hops(files):
     for names, path in re.findall(r"((?:`[\w:]+`,?\s+(?:and\s+)?)+)in\s+`([\w/.]+)`", text):
         hops += [(name, path) for name in re.findall(r"`([\w:]+)`", names)]
     if len(hops) < FEWEST_HOPS:
-        yield f"docs/tour.md: {len(hops)} hops found, expected {FEWEST_HOPS} or more"
+        yield f"docs/design/tour.md: {len(hops)} hops found, expected {FEWEST_HOPS} or more"
     for name, path in hops:
         if path not in files:
-            yield f"docs/tour.md: `{name}` in `{path}`: no such file"
+            yield f"docs/design/tour.md: `{name}` in `{path}`: no such file"
             continue
         if not holds((ROOT / path).read_text(encoding="utf-8"), name, path.endswith(".h")):
-            yield f"docs/tour.md: `{name}` in `{path}`: the file has no such function or type"
+            yield f"docs/design/tour.md: `{name}` in `{path}`: the file has no such function or type"
 
 
 def missing_files(files):

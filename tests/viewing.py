@@ -1,4 +1,4 @@
-"""A log in the viewer, for tests that ask it (docs/viewer_api.md)."""
+"""A log in the viewer, for tests that ask it (docs/reference/viewer_api.md)."""
 import contextlib
 import json
 import subprocess

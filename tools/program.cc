@@ -35,7 +35,7 @@ int finish_output(const std::string& name, int code) {
 
 // Predictions of a set, and frames, take and free the same megabytes thousands of times. By default
 // the C library gives them back to the system each time, which clears them anew: a tenth of a
-// search's time (docs/photometry.md).
+// search's time (docs/evidence/photometry.md).
 void keep_freed_memory() {
 #ifdef __GLIBC__
   constexpr int kMebibyte = 1 << 20;

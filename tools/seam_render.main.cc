@@ -1,4 +1,5 @@
-// `seam-render`: makes frames of a run on another machine than the server's (docs/server.md).
+// `seam-render`: makes frames of a run on another machine than the server's
+// (docs/reference/server.md).
 #include <fmt/format.h>
 #include <unistd.h>
 

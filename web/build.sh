@@ -28,5 +28,5 @@ for page in report viewer; do
     { cat "$log" >&2; exit 1; }
 done
 mkdir -p "$out/viewer"
-mv "$out/viewer.html" "$out/viewer/index.html"  # Where `seam view` looks (docs/viewer_api.md).
+mv "$out/viewer.html" "$out/viewer/index.html"  # Where `seam view` looks (docs/reference/viewer_api.md).
 touch "$stamp"

@@ -13,7 +13,7 @@ scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler:
 std::string to_text(const scheduler::LogDifference& difference);
 // seam-diff/1.
 std::string to_json(const scheduler::LogDifference& difference);
-// As the viewer asks for it (docs/viewer_api.md).
+// As the viewer asks for it (docs/reference/viewer_api.md).
 std::string to_view_json(const scheduler::LogDifference& difference);
 
 }  // namespace seam::app

@@ -1,6 +1,6 @@
 // Runs for sets of kind `outcomes`, by the engine of sweeps: in worker processes, some at a time,
 // kept in results files where a folder for them is given, so that a command that was interrupted
-// goes on and parts may be made on other machines (docs/outcomes.md).
+// goes on and parts may be made on other machines (docs/reference/outcomes.md).
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // Expression effects: formulas over a stage's variables with named parameters, written in a
-// model's YAML. Variables and outputs by stage: docs/models.md, "Formulas".
+// model's YAML. Variables and outputs by stage: docs/reference/models.md, "Formulas".
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>

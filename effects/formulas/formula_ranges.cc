@@ -18,7 +18,7 @@ namespace seam::effects {
 namespace {
 
 constexpr uint64_t kTries = 2000;
-constexpr double kUnstatedBound = 1e6;  // Of a formula's parameter (docs/models.md).
+constexpr double kUnstatedBound = 1e6;  // Of a formula's parameter (docs/reference/models.md).
 
 // A quantity that a formula reads, with what a robot on a field may give it.
 struct Quantity {

@@ -26,7 +26,7 @@ constexpr double kFar = 4, kVarianceWithin = 0.9989294;  // Of a unit normal.
 constexpr double kOfNormal = 2.2;
 // A mean fourth power beyond this (a normal one is 3): values have spreads of their own, and groups
 // differ by how many of them are wide. Five sets of real boards stood at 3.0 to 3.7, and one of
-// which a quarter of the corners is found badly at 4.5 to 4.9 (docs/real-boards.md).
+// which a quarter of the corners is found badly at 4.5 to 4.9 (docs/evidence/real-boards.md).
 constexpr double kOfMixture = 4;
 
 struct Known {

@@ -1,6 +1,6 @@
 // Damped steps after Levenberg and Marquardt, and the descent made of them: the one way in which
 // fits go downhill. What differs between fits (how dear a look is, what a gain is worth) is given
-// by a DampingRule and a Worth. docs/fitting.md says why it is our own.
+// by a DampingRule and a Worth. docs/design/engine.md says why it is our own.
 #pragma once
 
 #include <Eigen/Core>

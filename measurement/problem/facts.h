@@ -27,7 +27,7 @@ struct Covariate {
     cyclic,    // An angle in radians.
     category,  // A label, numbered from 0: structure is a mean for each.
   };
-  std::string name;  // As docs/definitions.md, "What remains", has it.
+  std::string name;  // As docs/reference/definitions.md, "What remains", has it.
   Type type = Type::smooth;
   std::vector<double> values;  // One a row; NaN where unknown.
   bool in_products = true;     // Whether `a*b` with the other covariates is looked at.

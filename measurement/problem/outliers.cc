@@ -1,4 +1,5 @@
-// Gross errors: residuals far from those of their neighbours (docs/definitions.md, "Outlier").
+// Gross errors: residuals far from those of their neighbours (docs/reference/definitions.md,
+// "Outlier").
 #include <algorithm>
 #include <cmath>
 #include <numeric>

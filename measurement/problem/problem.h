@@ -1,7 +1,7 @@
 // What the engine (compare, diagnose, add, fit, discover) asks of one measurement set, whatever its
 // kind. A kind derives from `Problem` and implements `evaluate`; it may override `score`, `fit` and
 // `structure` where sufficient statistics do better than residual vectors (photometry).
-// Definitions: docs/definitions.md; vocabulary: facts.h.
+// Definitions: docs/reference/definitions.md; vocabulary: facts.h.
 #pragma once
 
 #include <memory>
@@ -20,7 +20,7 @@ using effects::EffectDefinition;
 
 struct ResidualView;
 
-// Fewer groups than this are few (docs/definitions.md, "Held-out groups").
+// Fewer groups than this are few (docs/reference/definitions.md, "Held-out groups").
 inline constexpr size_t kFewGroups = 8;
 
 // So many rows around one tell where its residual should lie.

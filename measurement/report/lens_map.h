@@ -32,7 +32,7 @@ std::vector<LensMap> error_maps(const Assessment& assessment, int width_px, int 
 // map.
 std::vector<LensMap> difference_maps(const Model& a, const Model& b, int width_px, int height_px);
 
-// As `lens_error` of a report (docs/report_data.md).
+// As `lens_error` of a report (docs/reference/report_data.md).
 nlohmann::json maps_json(const std::vector<LensMap>& maps, const std::string& stage,
                          const std::string& title);
 

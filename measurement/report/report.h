@@ -1,5 +1,5 @@
-// The report page: one HTML file that works offline. docs/report_data.md is the contract for what
-// the page is made from.
+// The report page: one HTML file that works offline. docs/reference/report_data.md is the contract
+// for what the page is made from.
 #pragma once
 
 #include <filesystem>

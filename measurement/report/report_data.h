@@ -1,5 +1,5 @@
-// The document of a report page (docs/report_data.md) for the analysis commands: their result and
-// what its plots show. Filled into the page by report.h.
+// The document of a report page (docs/reference/report_data.md) for the analysis commands: their
+// result and what its plots show. Filled into the page by report.h.
 #pragma once
 
 #include <string>

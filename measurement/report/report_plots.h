@@ -1,4 +1,4 @@
-// The plots of a report from residuals, as JSON (docs/report_data.md, "plots").
+// The plots of a report from residuals, as JSON (docs/reference/report_data.md, "plots").
 #pragma once
 
 #include <nlohmann/json.hpp>

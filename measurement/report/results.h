@@ -1,4 +1,4 @@
-// The results of the commands as JSON (docs/schemas/results.schema.json) and as text for people.
+// Results of the commands as JSON (docs/reference/schemas/results.schema.json) and as text.
 #pragma once
 
 #include <string>

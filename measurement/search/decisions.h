@@ -1,7 +1,7 @@
 // The numbers by which the search decides: when an effect counts as found, which of several comes
 // first, when it may go again, and what is worth a fit. Each has its reason; where a study stands
-// behind it, docs/studies.md has its figures, else it is called a judgement: practice sets and
-// studies were right with it, and no study compared it with its neighbours.
+// behind it, docs/evidence/studies.md has its figures, else it is called a judgement: practice sets
+// and studies were right with it, and no study compared it with its neighbours.
 //
 // "Units" are natural units of log-likelihood: 2 units are a likelihood ratio of 7, and a
 // parameter that stands z standard errors clear of neutral gains z^2 / 2.
@@ -14,13 +14,13 @@ namespace seam::measurement {
 // ---- Found or not -------------------------------------------------------------------------------
 
 // False alarms are designed for 1 % a set: half for candidates, half for structure tests. Measured:
-// 0 to 3 in 200 sets of each kind (docs/studies.md, "Measured").
+// 0 to 3 in 200 sets of each kind (docs/evidence/studies.md, "Measured").
 inline constexpr double kCandidateAlarm = 0.005;
 inline constexpr double kStructureAlarm = 0.005;
 
 // An error above this is no sampling error of a model that lacks nothing: that of 300 held-out
-// residuals scatters by 0.04 (docs/studies.md, "Final error"), so that 1.15 is more than three of
-// these.
+// residuals scatters by 0.04 (docs/evidence/studies.md, "Final error"), so that 1.15 is more than
+// three of these.
 inline constexpr double kMisfit = 1.15;
 
 // A model with an error above this explains nothing yet: its outliers mean nothing, and training
@@ -48,13 +48,13 @@ inline constexpr double kWithinError = 2;
 // Where held-out groups lose although all groups together leave no doubt (p this share of the
 // alarm's, 5e-5: four standard errors), bad luck is the likelier reason.
 inline constexpr double kBeyondDoubt = 0.01;
-// How unlucky they may be: this loss in units (docs/studies.md, "Flat fields": held-out groups lose
-// once in ten times at five standard errors, and `dark_current` came first in 36 of 40 sets before
-// they might),
+// How unlucky they may be: this loss in units (docs/evidence/studies.md, "Flat fields": held-out
+// groups lose once in ten times at five standard errors, and `dark_current` came first in 36 of 40
+// sets before they might),
 inline constexpr double kUnluckyLoss = -2;
 // or this loss over its own scatter between groups, which a normal variable is below in one of ten
-// cases (docs/studies.md, "Measured": `range_scale` came first in 190 of 200 sets with kUnluckyLoss
-// alone and in 193 with both, `walk_lag` in 193 and 197).
+// cases (docs/evidence/studies.md, "Measured": `range_scale` came first in 190 of 200 sets with
+// kUnluckyLoss alone and in 193 with both, `walk_lag` in 193 and 197).
 inline constexpr double kUnluckyScatter = -1.3;
 // Above kMisfit a likelihood says little: held-out groups must gain by more than one standard error
 // of their scatter. A judgement.
@@ -78,7 +78,7 @@ inline constexpr double kOwnShareOfGain = 0.5;
 
 // An effect beside which a value that was fitted before is known so many times worse is not told
 // apart from it: the two have 0.995 of their columns in common. It must gain kAnyPrice. A
-// judgement; found with a real camera, whose centre moved by 98 px (docs/real-boards.md).
+// judgement; found with a real camera, whose centre moved by 98 px (docs/evidence/real-boards.md).
 inline constexpr double kBlurred = 10;
 
 // Standard errors of the held-out gain at which an effect of the mean helps in most groups, not by
@@ -94,7 +94,7 @@ inline constexpr double kMaterial = 0.1;
 // A trace beside which a value of the model moves by more than this many of the errors that are
 // told of it stays in the model: a value so far off is told wrong, whatever one takes an error for.
 // A judgement: traces of real flat fields move some value by 59, 12, 7 and 4 of its errors
-// (docs/real-ccd.md).
+// (docs/evidence/real-ccd.md).
 inline constexpr double kToldWrong = 10;
 // As many stay at most. A judgement: each is a further fit of all the others.
 inline constexpr size_t kMostKept = 4;
@@ -134,7 +134,7 @@ inline constexpr double kTieReach = 2;
 // above 4). A judgement.
 inline constexpr double kFewerParametersWidth = 2;
 // And within this one, where next to nothing tells them apart, the one without a bound at neutral:
-// a latency rather than an exposure (docs/studies.md, "Cross-checks").
+// a latency rather than an exposure (docs/evidence/studies.md, "Cross-checks").
 inline constexpr double kPreferenceWidth = 0.5;
 // How many others are named beside a tied effect: more would hide the point. A judgement.
 inline constexpr size_t kMostTiesNamed = 3;

@@ -1,6 +1,6 @@
 // Significant is not material: with many observations every model is wrong significantly. What
 // counts is what changes predictions by some share of the noise, root mean square over held-out
-// observations (docs/definitions.md, "material").
+// observations (docs/reference/definitions.md, "material").
 #pragma once
 
 #include <string>

@@ -50,8 +50,8 @@ struct MeasurementSet {
   // `path` is the folder or its measurement.yaml. Throws InputError.
   static MeasurementSet open(const std::filesystem::path& path);
 
-  // JSON Schema of measurement.yaml (docs/schemas/measurement.schema.json), from the table that
-  // `open` reads.
+  // JSON Schema of measurement.yaml (docs/reference/schemas/measurement.schema.json), from the
+  // table that `open` reads.
   static std::string schema();
 
   // The full path of a named file; throws when `files:` does not name it.

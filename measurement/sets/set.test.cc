@@ -102,7 +102,7 @@ TEST(MeasurementSet, OneJointAloneIsRead) {
 }
 
 TEST(MeasurementSet, SchemaFileIsCurrent) {
-  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/schemas/measurement.schema.json",
+  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/reference/schemas/measurement.schema.json",
                  MeasurementSet::schema());
 }
 

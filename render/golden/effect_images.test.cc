@@ -1,6 +1,6 @@
 // Each optical effect alone, seen in finished 8-bit frames: what a frame shows is the effect's
 // formula
-// (../docs/effects.md), written here once more.
+// (../docs/reference/effects.md), written here once more.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // A scenario: who plays where with what, read from a file of format seam-scenario/1
-// (docs/scenario.md). Plain values; whatever stands here has passed all checks.
+// (docs/reference/scenario.md). Plain values; whatever stands here has passed all checks.
 #pragma once
 
 #include <filesystem>
@@ -158,7 +158,7 @@ struct Scenario {
   static Scenario from_text(const std::string& yaml, const std::string& name);
   // The whole scenario in one document, files included: from_text gives an equal scenario.
   std::string to_yaml() const;
-  // JSON Schema (docs/schemas/scenario.schema.json).
+  // JSON Schema (docs/reference/schemas/scenario.schema.json).
   static std::string schema();
 
   // Warnings of those who read the robots' files, each once.

@@ -87,7 +87,7 @@ TEST(Scenario, ShippedScenariosAreValid) {
 }
 
 TEST(Scenario, SchemaFileIsCurrent) {
-  expect_page_is(kSource + "/docs/schemas/scenario.schema.json", Scenario::schema());
+  expect_page_is(kSource + "/docs/reference/schemas/scenario.schema.json", Scenario::schema());
 }
 
 }  // namespace

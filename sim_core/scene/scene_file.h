@@ -1,5 +1,5 @@
-// Scenes of measurement sets: a YAML file of format `seam-scene/1` (docs/measurements.md) as a
-// function of continuous time.
+// Scenes of measurement sets: a YAML file of format `seam-scene/1` (docs/reference/measurements.md)
+// as a function of continuous time.
 #pragma once
 
 #include <filesystem>
@@ -36,7 +36,7 @@ class FileScene : public SceneSource {
 // Throws InputError naming file, line and key.
 std::unique_ptr<FileScene> read_scene(const std::filesystem::path& path);
 std::unique_ptr<FileScene> read_scene(const ConfigNode& root);
-// JSON Schema of the format (docs/schemas/scene.schema.json), from the table that the reader uses.
+// JSON Schema of the format (docs/reference/schemas/scene.schema.json), from the reader's table.
 std::string scene_schema();
 
 }  // namespace seam

@@ -70,7 +70,8 @@ TEST(SceneFile, RectanglesStandUprightWithALevelFirstSide) {
 }
 
 TEST(SceneFile, SchemaFileIsCurrent) {
-  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/schemas/scene.schema.json", scene_schema());
+  expect_page_is(std::string(SEAM_SOURCE_DIR) + "/docs/reference/schemas/scene.schema.json",
+                 scene_schema());
 }
 
 TEST(SceneFile, BadInputIsNamed) {

@@ -14,7 +14,8 @@ void add_effects(app::Command app) {
   auto name = std::make_shared<std::string>();
   auto markdown = std::make_shared<bool>(false);
   command.add_option("NAME", *name, "One effect");
-  command.add_flag("--markdown", *markdown, "The whole catalogue as a page (docs/effects.md)");
+  command.add_flag("--markdown", *markdown,
+                   "The whole catalogue as a page (docs/reference/effects.md)");
   command.footer("Example: seam effects rolling_shutter");
   command.callback([name, markdown] {
     if (*markdown) {

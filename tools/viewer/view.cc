@@ -1,5 +1,5 @@
 // `seam view F`: the viewer's page over one or two logs, on this machine alone
-// (docs/viewer_api.md).
+// (docs/reference/viewer_api.md).
 #include <httplib.h>
 
 #include <cstdio>

@@ -1,5 +1,5 @@
-// What the viewer asks about one log (docs/viewer_api.md), as JSON texts and PNG bytes; no HTTP.
-// All members may be called from several threads.
+// What the viewer asks about one log (docs/reference/viewer_api.md), as JSON texts and PNG bytes;
+// no HTTP. All members may be called from several threads.
 #pragma once
 
 #include <map>

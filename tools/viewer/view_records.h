@@ -1,4 +1,4 @@
-// What logs and frames hold, as the viewer's answers give it (docs/viewer_api.md).
+// What logs and frames hold, as the viewer's answers give it (docs/reference/viewer_api.md).
 #pragma once
 
 #include <nlohmann/json.hpp>

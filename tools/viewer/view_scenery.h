@@ -1,5 +1,5 @@
 // Who plays on what: a match's robots, and what stands still there, for the viewer
-// (docs/viewer_api.md).
+// (docs/reference/viewer_api.md).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

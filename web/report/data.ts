@@ -1,4 +1,4 @@
-// The document that a command writes into the page: `docs/report_data.md` says what each field means.
+// The document that a command writes into the page: `docs/reference/report_data.md` says what each field means.
 
 export interface Value {
   value: number | null;

@@ -1,4 +1,4 @@
-// A match of twenty minutes made of sines, served as docs/viewer_api.md says: the viewer's tests and its
+// A match of twenty minutes made of sines, served as docs/reference/viewer_api.md says: the viewer's tests and its
 // development need no log. `node tests/mock_server.mjs SHARE [logs]` prints its address.
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";

@@ -1,4 +1,4 @@
-// Results agree with docs/schemas/results.schema.json. `schemas.test.mjs SHARE [RESULT.json...]` looks at the
+// Results agree with docs/reference/schemas/results.schema.json. `schemas.test.mjs SHARE [RESULT.json...]` looks at the
 // files given (a test of a command passes its output), else at the fixtures of the report.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
@@ -11,7 +11,7 @@ try {
 } catch {
   skip("web/node_modules is missing (npm ci)");
 }
-const schema = JSON.parse(readFileSync(new URL("../../docs/schemas/results.schema.json", import.meta.url)));
+const schema = JSON.parse(readFileSync(new URL("../../docs/reference/schemas/results.schema.json", import.meta.url)));
 const validate = new Ajv({ allErrors: true, allowUnionTypes: true }).compile(schema);
 
 function check(name, result) {

@@ -1,4 +1,4 @@
-// The server's answers (docs/viewer_api.md) and how they are asked for. Times are simulated seconds.
+// The server's answers (docs/reference/viewer_api.md) and how they are asked for. Times are simulated seconds.
 
 export type LogId = "a" | "b";
 

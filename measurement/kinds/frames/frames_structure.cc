@@ -18,7 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Share of the noise below which a structure may be the renderer's own error, which must stay below
-// a fifth of the noise (docs/definitions.md).
+// a fifth of the noise (docs/reference/definitions.md).
 constexpr double kOwnError = 0.1;
 
 struct Block {

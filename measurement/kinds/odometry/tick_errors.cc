@@ -8,7 +8,7 @@ namespace {
 
 // Of an error that is anywhere within half a tick.
 constexpr double kRounding2 = 1.0 / 12;
-// A part of the noise that is material (docs/definitions.md).
+// A part of the noise that is material (docs/reference/definitions.md).
 constexpr double kMaterial = 0.1;
 
 CountedWay counted_way(const WalkRun& run, size_t wheel) {

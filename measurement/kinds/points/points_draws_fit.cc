@@ -1,7 +1,7 @@
 // Fits of models that draw points of the target or its bendings, or whose points fail now and then:
 // parameters of the mean, poses and draws take their steps together, and the spreads follow from
 // the draws and the residuals themselves.
-// Docs: docs/fitting.md, "Draws that are estimated".
+// Docs: docs/design/engine.md, "Draws that are estimated".
 #include <cmath>
 
 #include "effects/stages/noise.h"

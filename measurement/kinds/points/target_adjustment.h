@@ -1,7 +1,7 @@
 // Displaced points of a target, bendings of its views and how it sways from one camera's picture of
 // a frame to another's, fitted together with the views' poses, or the path through a video, where
 // these are unknown: what effects of the target draw is estimated from all views, held near zero by
-// its spread. Docs: docs/fitting.md, "Draws that are estimated".
+// its spread. Docs: docs/design/engine.md, "Draws that are estimated".
 #pragma once
 
 #include <functional>

@@ -48,7 +48,7 @@ std::vector<int> lines_behind_camera(const Model& model, const MeasurementSet& s
 // residual).
 void place_covariates(const PointsData& data, const std::vector<double>& residual, Facts& facts);
 
-// Covariates of points (docs/definitions.md, "What remains").
+// Covariates of points (docs/reference/definitions.md, "What remains").
 void add_points_covariates(const PointsData& data, const CsvTable& table, Facts& facts);
 
 }  // namespace seam::measurement

@@ -1,5 +1,5 @@
 // The path of a camera before a target in a video: cubic B-splines over rotation and place, one for
-// each stretch of frames without a gap. Docs: docs/fitting.md, "Paths".
+// each stretch of frames without a gap. Docs: docs/design/engine.md, "Paths".
 #pragma once
 
 #include <Eigen/Core>
