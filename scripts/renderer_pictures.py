@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The pictures of docs/evidence/rendering.md that two renderers and four speeds make.
+"""The pictures of docs/reference/rendering.md that two renderers and four speeds make.
 
   scripts/renderer_pictures.py build/seam docs/images
 

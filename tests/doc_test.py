@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Runs the commands of a document and checks what it promises: doc_test.py FILE.md SEAM [PYTHON] [--set FOLDER].
+"""Runs the commands of a page and checks its promises: doc_test.py FILE.md SEAM [PYTHON] [--set FOLDER] [--material FOLDER]
+[--tree].
 
-Every fenced block marked `sh` is run in order, in a copy of the folder beside the document (docs/x.md:
-docs/x/). After a block, comments such as
+Every fenced block marked `sh` is run in order, in a copy of the material: the folder beside the page (docs/x.md:
+docs/x/), or another one. With --tree the commands also find scenarios/, models/ and replays/ of the source there.
+After a block, comments such as
     <!-- check: diagnose.json verdict == missing_effect -->
     <!-- check: fitted.json error_after < 1.05 -->
     <!-- check: exists report.html -->
@@ -20,6 +22,7 @@ import subprocess
 import sys
 import tempfile
 
+ROOT = pathlib.Path(__file__).resolve().parent.parent
 PIECE = re.compile(r"^```sh\n(?P<sh>.*?)^```$|^<!-- check: (?P<check>.*?) -->$", re.M | re.S)
 
 
@@ -54,6 +57,8 @@ def main():
     arguments.add_argument("seam", type=pathlib.Path)
     arguments.add_argument("python", type=pathlib.Path, nargs="?")
     arguments.add_argument("--set", type=pathlib.Path)
+    arguments.add_argument("--material", type=pathlib.Path)
+    arguments.add_argument("--tree", action="store_true")
     given = arguments.parse_args()
     if given.set and not given.set.is_dir():
         print(f"skipped: {given.set} is not there")
@@ -63,11 +68,13 @@ def main():
     environment = dict(os.environ, PATH=":".join([*first, os.environ["PATH"]]))
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name) / "work"
-        material = document.with_suffix("")
+        material = given.material or document.with_suffix("")
         if material.is_dir():
             shutil.copytree(material, folder)
         else:
             folder.mkdir()
+        for part in ("scenarios", "models", "replays") if given.tree else ():
+            (folder / part).symlink_to(ROOT / part)
         if given.set:
             (folder / given.set.name).symlink_to(given.set.resolve())
         done = checks = 0

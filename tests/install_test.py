@@ -28,8 +28,8 @@ int main(int argc, char** argv) {
 
 PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(outside LANGUAGES CXX)
-find_package(seam 0.1 CONFIG REQUIRED)
-find_package(seam_sdk 0.1 CONFIG REQUIRED)
+find_package(seam 0.3 CONFIG REQUIRED)
+find_package(seam_sdk 0.3 CONFIG REQUIRED)
 if(NOT EXISTS ${SEAM_PROGRAM})
   message(FATAL_ERROR "no program ${SEAM_PROGRAM}")
 endif()

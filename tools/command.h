@@ -31,6 +31,7 @@ namespace seam::tools {
   X(replay)              \
   X(report)              \
   X(run)                 \
+  X(schema)              \
   X(serve)               \
   X(study)               \
   X(sweep)               \

@@ -1,5 +1,5 @@
 // Plain binary STL, the format of most robots' meshes: read without the library that knows all
-// formats, which takes far more time and memory for it (docs/evidence/rendering.md).
+// formats, which takes far more time and memory for it (docs/reference/rendering.md).
 #pragma once
 
 #include <string_view>

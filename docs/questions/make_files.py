@@ -1,1 +1,0 @@
-../import/make_files.py
