@@ -64,8 +64,8 @@ PACKAGE_OF = {
     "which": "debianutils",
 }
 PACKAGE_OF |= dict.fromkeys(
-    "basename cat chmod cp cut date dirname env false head id ln ls mkdir mktemp mv nproc paste pwd realpath rm seq sleep sort tail "
-    "tee test timeout touch tr true uname uniq wc yes".split(), "coreutils")
+    "basename cat chmod cp cut date dirname env false head id ln ls mkdir mktemp mv nproc paste pwd realpath rm seq sha256sum sleep sort "
+    "tail tee test timeout touch tr true uname uniq wc yes".split(), "coreutils")
 # Brought by a package of the list that exists to bring it.
 BROUGHT_BY = {"g++": "build-essential", "dpkg-dev": "build-essential", "binutils": "build-essential",
               "pkgconf": "pkg-config", "python3-minimal": "python3"}
@@ -78,6 +78,7 @@ OPTIONAL = {
     "scancel": "tests/slurm_test.py asks first", "sacct": "tests/slurm_test.py asks first",
     "squeue": "tests/slurm_test.py asks first", "scontrol": "tests/slurm_test.py asks first",
     "sinfo": "tests/slurm_test.py asks first",
+    "doxygen": "scripts/site.sh asks for it", "mkdocs": "scripts/site.sh asks for it",
     "snakemake": "tests/sweep_test.py asks first", "mrcal-calibrate-cameras": "scripts/camera_peers.py asks first",
 }
 # `seam` and its like: what the build makes, and names in examples that stand for a program of the reader's.
