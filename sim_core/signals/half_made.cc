@@ -79,7 +79,9 @@ std::string absolute_text(const fs::path& path) noexcept {
 
 }  // namespace
 
-SignalsWait::SignalsWait() noexcept { ++waits; }
+SignalsWait::SignalsWait() noexcept {
+  ++waits;
+}
 
 SignalsWait::~SignalsWait() {
   if (--waits > 0) return;
