@@ -90,8 +90,11 @@ double power(double base, double exponent) {
 
 // muParser with none of its own arithmetic: its powers and functions are those of the C library,
 // whose last bits depend on the CPU.
-std::unique_ptr<mu::Parser> bare_parser() {
+std::unique_ptr<mu::Parser> bare_parser(Names names) {
   auto parser = std::make_unique<mu::Parser>();
+  if (names == Names::dotted) {
+    parser->DefineNameChars("0123456789_abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.");
+  }
   parser->ClearFun();
   parser->ClearConst();
   parser->EnableBuiltInOprt(false);
@@ -135,11 +138,11 @@ std::unique_ptr<mu::Parser> bare_parser() {
 
 // One thread's parser of one formula, with the variables that it reads.
 struct Compiled {
-  std::unique_ptr<mu::Parser> parser = bare_parser();
+  std::unique_ptr<mu::Parser> parser;
   std::vector<double> values;
 
-  Compiled(const std::string& text, const std::vector<std::string>& variables)
-      : values(variables.size(), 0) {
+  Compiled(const std::string& text, const std::vector<std::string>& variables, Names names)
+      : parser(bare_parser(names)), values(variables.size(), 0) {
     for (size_t i = 0; i < variables.size(); ++i) parser->DefineVar(variables[i], &values[i]);
     parser->SetExpr(text);
   }
@@ -165,9 +168,9 @@ void check_text(const std::string& text) {
 
 }  // namespace
 
-Formula::Formula(const std::string& text, std::vector<std::string> variables)
-    : text_(text), variables_(std::move(variables)), id_(next_id++) {
-  for (const std::string& name : names_in(text)) {
+Formula::Formula(const std::string& text, std::vector<std::string> variables, Names names)
+    : text_(text), variables_(std::move(variables)), names_(names), id_(next_id++) {
+  for (const std::string& name : names_in(text, names)) {
     if (std::find(variables_.begin(), variables_.end(), name) == variables_.end()) {
       throw InputError(fmt::format("formula '{}': unknown name '{}'{}", text, name,
                                    suggestion_for(name, variables_)));
@@ -181,7 +184,7 @@ double Formula::operator()(std::span<const double> values) const {
   thread_local std::map<uint64_t, Compiled> compiled;
   auto found = compiled.find(id_);
   try {
-    if (found == compiled.end()) found = compiled.try_emplace(id_, text_, variables_).first;
+    if (found == compiled.end()) found = compiled.try_emplace(id_, text_, variables_, names_).first;
     SEAM_CHECK(values.size() == variables_.size(), "{} for {}", values.size(), variables_.size());
     std::copy(values.begin(), values.end(), found->second.values.begin());
     return found->second.parser->Eval();
@@ -190,14 +193,14 @@ double Formula::operator()(std::span<const double> values) const {
   }
 }
 
-std::vector<std::string> Formula::names_in(const std::string& text) {
+std::vector<std::string> Formula::names_in(const std::string& text, Names names) {
   check_text(text);
   try {
-    const auto parser = bare_parser();
+    const auto parser = bare_parser(names);
     parser->SetExpr(text);
-    std::vector<std::string> names;
-    for (const auto& [name, place] : parser->GetUsedVar()) names.push_back(name);
-    return names;
+    std::vector<std::string> found;
+    for (const auto& [name, place] : parser->GetUsedVar()) found.push_back(name);
+    return found;
   } catch (const mu::Parser::exception_type& error) {
     throw InputError(fmt::format("formula '{}': {}", text, error.GetMsg()));
   }

@@ -2,13 +2,16 @@
 // (docs/reference/viewer_api.md).
 #include <httplib.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "app/logs/log_difference.h"
+#include "app/logs/log_search.h"
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 #include "sim_core/system/own_files.h"
 #include "tools/command.h"
 #include "tools/viewer/gated_server.h"
@@ -23,6 +26,8 @@ namespace fs = std::filesystem;
 struct Settings {
   std::vector<std::string> files;
   int port = 0;
+  std::optional<double> at_s;  // What the printed address shows; as robot.
+  std::string robot;
 };
 
 fs::path page_folder() {
@@ -39,6 +44,12 @@ void refuse(httplib::Response& response, int status, const std::string& sentence
                        "application/json");
 }
 
+// The address's query for what is to be shown first.
+std::string moment(const Settings& settings) {
+  if (!settings.at_s && settings.robot.empty()) return "";
+  return app::view_query(SimTime::from_s(settings.at_s.value_or(0)), settings.robot);
+}
+
 class Viewer {
  public:
   explicit Viewer(const Settings& settings) {
@@ -46,6 +57,10 @@ class Viewer {
     for (size_t i = 0; i < settings.files.size(); ++i) {
       logs_.push_back(std::make_unique<ViewData>(settings.files[i], ids[i]));
     }
+    const std::vector<std::string>& robots = logs_[0]->log().header().robots;
+    if (!settings.robot.empty() && std::ranges::find(robots, settings.robot) == robots.end())
+      throw UsageError("--robot: there is no '" + shown(settings.robot) + "'" +
+                       suggestion_for(settings.robot, robots));
     server_.set_pre_routing_handler(
         [](const httplib::Request& request, httplib::Response& response) {
           if (names_loopback(request.get_header_value("Host")))
@@ -60,12 +75,13 @@ class Viewer {
     add_answers();
   }
 
-  void serve(int port) {
+  void serve(const Settings& settings) {
+    const int port = settings.port;
     const int bound = port == 0 ? server_.bind_to_any_port("127.0.0.1")
                                 : (server_.bind_to_port("127.0.0.1", port) ? port : -1);
     if (bound < 0) throw InputError(fmt::format("--port {}: cannot be had", port));
     server_.lengthen_queue();
-    std::printf("http://127.0.0.1:%d/\nCtrl-C ends it.\n", bound);
+    std::printf("http://127.0.0.1:%d/%s\nCtrl-C ends it.\n", bound, moment(settings).c_str());
     std::fflush(stdout);
     server_.listen_after_bind();
   }
@@ -152,8 +168,15 @@ void add_view(app::Command app) {
   auto settings = std::make_shared<Settings>();
   command.add_option("F", settings->files, "A log, or two to compare").required().count(1, 2);
   command.add_option("--port", settings->port, "Port on 127.0.0.1; 0: a free one").range(0, 65535);
-  command.footer("Example: seam view match.mcap");
-  command.callback([settings] { Viewer(*settings).serve(settings->port); });
+  command
+      .add_option("--at", settings->at_s,
+                  "The printed address shows this simulated second, as\n"
+                  "`seam replay find` names it")
+      .range(0.0, 9e9);
+  command.add_option("--robot", settings->robot, "The printed address shows this robot");
+  command.footer(
+      "Example: seam view match.mcap\nExample: seam view match.mcap --at 12.5 --robot red1");
+  command.callback([settings] { Viewer(*settings).serve(*settings); });
 }
 
 }  // namespace seam::tools
