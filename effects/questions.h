@@ -55,7 +55,7 @@ std::string conflict_in(const Model& model);
 
 // The effect that stands in the model beside what it should replace; null where none does.
 const ModelEffect* replacement_in(const Model& model);
-// The effect that stands in the model in the place of whatever is a form of `effect`'s term; null
+// The effect that replaces in the model whatever is a form of `effect`'s term; null
 // where none does.
 const ModelEffect* excluding(const EffectDefinition& effect, const Model& model);
 // Whether `effect` has no place beside what the model holds already.

@@ -33,7 +33,7 @@ def run(seam, *arguments, to=None):
 
 
 def record(seam, folder):
-    """The locked camera is measured; the other mode's cameras are held against the record."""
+    """The locked camera is measured; the other mode's cameras are compared with the record."""
     def told(name):
         path = folder / name
         path.unlink(missing_ok=True)

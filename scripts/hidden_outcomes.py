@@ -33,7 +33,7 @@ effects:
 SETTINGS = """effects:
   ball_away:
     stage: scenario
-    help: The ball lies farther away than the program was told.
+    help: The ball lies farther away than the program assumes.
     parameters: {metres: {VALUEneutral: 0, min: -0.2, max: 0.2, scale: 0.02}}
     set: {"ball.x_m": metres}
 """

@@ -6,7 +6,7 @@
 Each set has a motor with controller, load and frictions drawn by its number, far from those of the practice sets, and is
 made by `seam measure`. A set is right where the search ends with the hidden effects, or their declared ties, and no
 others. Coverage counts the parameters of right sets whose truth lies within two of the stated errors; the strength of a
-motor and its gain count as their product where their errors say that no run tells them apart.
+motor and its gain count as their product where their errors say that no run separates them.
 """
 import argparse
 import csv
@@ -64,7 +64,7 @@ def truth_of(sort, draw):
     if draw.random() < 0.7:
         effects["gravity_torque"] = {"rad_per_s2": typical * draw.uniform(0.3, 1), "level_rad": draw.uniform(-1.6, 1.6)}
     choice = draw.sample(FRICTIONS, draw.choice((1, 1, 2)))
-    # Without drive the back-EMF is gone, viscous friction is not: nothing else tells them apart.
+    # Without drive the back-EMF is gone, viscous friction is not: nothing else separates them.
     if sort == "released" and draw.random() < 0.5:
         effects["viscous_friction"] = {"per_s": motor["back_emf_per_s"] * draw.uniform(0.1, 0.4)}
     if "coulomb_friction" in choice:

@@ -3,7 +3,7 @@
 
 Each variant changes one thing, or two: an effect of the camera or the head, or a setting of the program or the clocks, at a
 size that a robot of 2002 plausibly had. `seam measure` makes the 36 runs of each with the same seeds, and their
-statistics are held against the sixteen printed numbers of Table 1(a). Resumes: runs are kept in OUT/runs.
+statistics are compared with the sixteen printed numbers of Table 1(a). Resumes: runs are kept in OUT/runs.
 
 Usage: paper_robot.py SEAM OUT [--duration-s 30] [--only NAME...] [--plot FILE.png] (the plot needs python3-matplotlib)
 """

@@ -5,7 +5,7 @@
 
 The pictures are those of two packages of Debian 12: opencv-doc (13 of a chessboard, each by two cameras side by side)
 and visp-images-data (4 of a grid of dots). Where one is not installed its part is left out with a line that says so.
-The chessboard was before both cameras: what each finds of its corners is held against the other, and both are taken
+The chessboard was before both cameras: what each finds of its corners is compared with the other, and both are taken
 together as a rig. Needs Debian's python3-opencv. How far apart the corners are the pictures do not say: 25 and 30 mm
 are taken, which scale all lengths alike."""
 import argparse

@@ -192,7 +192,7 @@ class Proof(unittest.TestCase):
               f"| {', '.join(steps) or 'nothing'} | {told} | {result.get('error', float('nan')):.3f} |", flush=True)
         self.assertLess(bias, 0.03)
         self.assertLess(scatter, 0.15)
-        # Where the detector sees each corner a little off in the same way in all pictures, the target is told to be uneven.
+        # Where the detector sees each corner a little off in the same way in all pictures, the result is an uneven target.
         if most_target_scatter_m > 0 and "target_scatter" in values:
             self.assertLess(values["target_scatter"]["sigma_m"]["value"], most_target_scatter_m)
             steps.remove("target_scatter")

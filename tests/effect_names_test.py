@@ -2,7 +2,7 @@
 """An effect answers for itself: nobody else knows it by name.
 
 Looks for names of the catalogue's effects as string literals outside their own files, the registry and the tests.
-Records may name other effects where they say how they are told from them (`.advice`) and with which they come
+Records may name other effects where they say how they are distinguished (`.advice`) and with which they come
 (`.companions`). `--self-test` checks that a
 name in the wrong place is noticed.
 """

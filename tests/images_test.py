@@ -79,7 +79,7 @@ def turned(out, target, poses):
 
 
 def test_known_corners(folder):
-    """Sharp pictures: no bias, and what is told of the scatter holds."""
+    """Sharp pictures: no bias, and the stated scatter holds."""
     for name, target, words in targets(folder):
         poses = views(target, 5, FOCAL, WIDTH, HEIGHT)
         pictures = draw(run, target, poses, FOCAL, WIDTH, HEIGHT, folder / name, "  lens_blur: {sigma_px: 0.6}\n")
@@ -237,7 +237,7 @@ def test_times(folder, good):
 
 
 def test_two_cameras(folder, good):
-    """Pictures of two cameras, by their names or folders, are told apart; one is taken unless both are asked for."""
+    """Pictures of two cameras, by their names or folders, are separated; one is taken unless both are asked for."""
     words = ["--board", "8x5", "--spacing", "0.03"]
     named = folder / "pair"
     for side in ("left", "right"):

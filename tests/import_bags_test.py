@@ -9,7 +9,7 @@ from ros_bags import Cdr, mcap_file, ros1_bag
 
 
 def assert_walks_short(folder, out):
-    """The robot of these bags gets 5 % less far than it was told."""
+    """The robot of these bags gets 5 % less far than commanded."""
     run("add", "odometry_scale", "--model", out / "nominal.yaml", "--data", out, "--out", folder / "o.yaml", "--json",
         folder / "o.json")
     found = json.loads((folder / "o.json").read_text())["parameters"]["vx_scale"]
@@ -219,7 +219,7 @@ def test_parts(folder):
              for k, (topic, kind, t, data) in enumerate(walk)]
     (folder / "mixed.mcap").write_bytes(mcap_file(mixed))
     refused("ros", folder / "mixed.mcap", out=folder / "mixed", words=["/odom: at 105", "'usa'", "'map'", "one frame"])
-    # Topics that never spoke are told; a position that is no number is an error.
+    # Topics without messages are reported; a position that is no number is an error.
     t, command, measured = servo_log(60)
     bad = [("/joint_states", "sensor_msgs/JointState", a,
             Cdr(False).header(a).texts(["arm"]).reals([float("nan") if k == 30 else c]).reals([]).reals([float("nan")]).data)

@@ -444,7 +444,7 @@ def test_mrcal(folder):
     said = imported("mrcal", folder / "folders.vnl", *arguments[1:], out=folder / "left")
     assert "of the cameras left/, right/ the first" in said, said
     assert len(rows_of(folder / "left" / "points.csv")) == 100 * n - 1
-    # Without a calibration the focal length is told from the views.
+    # Without a calibration the focal length is estimated from the views.
     said = imported("mrcal", folder / "corners.vnl", "--size", "640x480", *arguments[2:], out=folder / "free")
     assert "free" in said
     run("fit", "--model", folder / "free" / "nominal.yaml", "--data", folder / "free", "--out", folder / "f.yaml")

@@ -101,7 +101,7 @@ def test_servo(folder):
 
 
 def test_names_that_no_import_asks_for(folder):
-    """A slip in --map must not be passed over, whatever the kind: the names that it knows are told."""
+    """A slip in --map must not be passed over, whatever the kind: the known names are listed."""
     (folder / "table.csv").write_text("time,command,position\n0,1,2\n1,2,3\n")
     kind, kinds = "", {}
     for line in run("import", "--help").splitlines():

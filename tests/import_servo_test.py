@@ -137,7 +137,7 @@ def test_two_files(folder):
                    behind=lambda k: '"[""lift"", ""arm""]"' if k % 2 else '"[""arm"", ""lift""]"')]
     imported("servo", *named, *units, out=folder / "named")
     check_pair(folder / "named", measured, expected, ["arm", "lift"])
-    # A column a joint, in two runs, told apart by folders.
+    # A column a joint, in two runs, separated by folders.
     files = []
     for k in range(2):
         (folder / f"run{k}").mkdir()

@@ -158,7 +158,7 @@ class Room(unittest.TestCase):
 
 
 class Set(unittest.TestCase):
-    """Frames of a scene with a mesh and textures, held against a model."""
+    """Frames of a scene with a mesh and textures, compared with a model."""
 
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))

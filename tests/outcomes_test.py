@@ -36,7 +36,7 @@ candidates: {candidates}
 SETTING = """effects:
   ball_away:
     stage: scenario
-    help: The ball lies farther away than the program was told.
+    help: The ball lies farther away than the program assumes.
     parameters: {metres: {neutral: 0, min: -0.2, max: 0.2, scale: 0.02}}
     set: {"ball.x_m": metres}
 """
@@ -88,7 +88,7 @@ class Outcomes(Sets):
         with open(made / "outcomes.csv", newline="") as table:
             rows = list(csv.DictReader(table))
         self.assertTrue(all(float(row["sigma"]) > 0 for row in rows))
-        # A ball is put down by hand, to some millimetres; the simulator's lies where it was told.
+        # A ball is put down by hand, to some millimetres; the simulator's lies where it is stated.
         for row in rows:
             row["sigma"] = max(float(row["sigma"]), 3e-3)
         with open(made / "outcomes.csv", "w", newline="") as table:
@@ -168,7 +168,7 @@ class Settings(Sets):
         self.assertIn("ball_away", out.read_text(), done.stdout)
         value = float(out.read_text().split("metres: ")[1].split("value: ")[1].split(",")[0])
         self.assertAlmostEqual(value, 0.03, delta=0.004)
-        # The model can be held against the set again, and is none that a robot can have.
+        # The model can be compared with the set again, and is none that a robot can have.
         self.assertEqual(seam("compare", "--model", out, "--data", made).returncode, 0)
         run = seam("run", SOURCE / "scenarios/ball_distance.yaml", "--model", out)
         self.assertEqual(run.returncode, 1)

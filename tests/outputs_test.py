@@ -144,7 +144,7 @@ class Outputs(unittest.TestCase):
                               capture_output=True, text=True)
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn("File too large", done.stderr)
-        # It is told when it happens, not after ten thousand seconds.
+        # It is reported when it happens, not after ten thousand seconds.
         done = subprocess.run([*limited, "1", SEAM, "run", self.long, "--frames", self.here / "frames"],
                               capture_output=True, text=True, timeout=LIMIT_S)
         self.assertEqual(done.returncode, 1)
@@ -251,7 +251,7 @@ class Outputs(unittest.TestCase):
         self.assertIn("listening", first.stdout.readline())
         self.refused("another run is writing", "run", self.scenario, "--log", log, "--force")
         self.refused("another server listens", *serve)
-        first.kill()  # Its socket stays behind, and is told from a live one.
+        first.kill()  # Its socket stays behind, and is distinguished from a live one.
         first.wait()
         self.assertTrue((self.here / "socket").is_socket())
         second = self.start(*serve)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Who waits at a terminal is told what is done, of how many, and the time left; nobody else is: progress_test.py SEAM."""
+"""At a terminal a line shows what is done, of how many, and the time left; elsewhere there is none: progress_test.py SEAM."""
 import os
 import pathlib
 import pty

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Behaviours in Python (robot_sdk/python) over real gRPC: the same run as in C++, all that a robot is told and can be told
+"""Behaviours in Python (robot_sdk/python) over real gRPC: the same run as in C++, all that a robot gets and can
 to do, and what is refused.
 
 Usage: python_sdk_test.py BUILD_DIR SOURCE_DIR PYTHON [unittest arguments]; PYTHON is the interpreter that has gRPC.
@@ -81,7 +81,7 @@ class PythonSdk(unittest.TestCase):
         self.seam("replay", "verify", self.here / "run.mcap")
 
     def test_what_a_robot_is_told_and_tells(self):
-        """Two robots talk by radio; r0 walks and looks, and writes down what it was told."""
+        """Two robots talk by radio; r0 walks and looks, and writes down what it got."""
         notes = self.here / "notes.json"
         program = self.program(f"""
 robot = seam_sdk.Robot()

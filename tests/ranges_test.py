@@ -109,7 +109,7 @@ def main(scratch):
             saying=["scene.yaml"])
     refused("compare", "--model", model, "--data", write(bad, head + "1,15,15.1\n"), saying=["ranges.csv:2", "no ball", "15"])
 
-    # One place alone: no effect can be told from another.
+    # One place alone: no effect can be distinguished from another.
     one = "".join(f"{k},0.5,{0.53 + 0.001 * k}\n" for k in range(8))
     good("diagnose", "--model", model, "--data", write(bad, head + one), "--json", scratch / "one.json")
     found = json.loads((scratch / "one.json").read_text())

@@ -48,7 +48,7 @@ def main():
         assert abs(emva["dark noise"][0] - 3.0600) < 1e-3, emva
         assert abs(emva["PRNU1288"][0] - 0.43179) < 1e-3, emva
         assert abs(emva["linearity error LE"][0] - 0.09161) < 1e-3, emva
-        # The model's own gain by the same formula, and what it is told right by: a pattern that is a trace.
+        # The model's own gain by the same formula, and what makes it right: a pattern that is a trace.
         own, own_sigma = emva["K of the model"]
         assert abs(own - GAIN) < min(0.02 * GAIN, 3 * own_sigma) and own_sigma < 0.001, (own, own_sigma)
         assert abs(own - gain) < 3 * (own_sigma ** 2 + sigma ** 2) ** 0.5, (own, gain)

@@ -213,7 +213,7 @@ for seen in robot.observations():
         message = self.seam("sweep", "merge", "1.sqlite", "2.sqlite", "3.sqlite", "other.sqlite", "--out", "m2.sqlite", code=1)
         self.assertIn("run 6 differs", message)
         self.assertEqual(list(self.here.glob("m2*")), [])
-        # Made again, it is told which of them is wrong.
+        # Made again, the wrong one is named.
         self.assertIn("10 of 10 runs made again, 0 of them differ", self.seam("sweep", "rerun", "1.sqlite"))
         self.assertIn("run 6: fingerprint was 'beef'", self.seam("sweep", "rerun", "other.sqlite", "--run", 6, code=1))
         self.assertIn("3 of 3 runs", self.seam("sweep", "rerun", "whole.sqlite", "--sample", "8%"))

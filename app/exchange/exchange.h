@@ -46,7 +46,7 @@ struct ExchangeFormat {
   std::string (*text)(const PlainCamera& camera) = nullptr;
   // Of a format that holds whatever a model says; then it has no `text`.
   std::string (*text_of_all)(const effects::Model& model) = nullptr;
-  // Of a format that holds a servo in the place of a camera.
+  // Of a format that holds a servo instead of a camera.
   std::string (*text_of_servo)(const effects::Model& model, const effects::ServoModel& servo,
                                const ServoGains& gains) = nullptr;
   bool (*holds_servo)(const effects::ServoModel& servo) = nullptr;

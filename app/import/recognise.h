@@ -18,7 +18,7 @@ std::string kind_meant_by(const std::string& word);
 std::string other_import_for(const std::vector<std::filesystem::path>& sources,
                              const std::string& kind);
 
-// Throws InputError where a file of another program stands in the place of one of ours, naming the
+// Throws InputError where a file of another program is given instead of one of ours, naming the
 // import that reads it.
 void refuse_foreign_file(const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
 // Secrets of a scenario do not leave the process with it: wherever a scenario is written or shown,
-// a fingerprint stands in each token's place, which tells two tokens apart and opens nothing.
+// a fingerprint stands in each token's place, which distinguishes two tokens and opens nothing.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace seam::app {
 // easy to guess can still be confirmed by it. An empty token and a fingerprint stay what they are.
 std::string token_fingerprint(const std::string& token);
 
-// The same scenario with fingerprints in the place of its tokens.
+// The same scenario with fingerprints instead of its tokens.
 Scenario with_fingerprints(Scenario scenario);
 // The same scenario without tokens where it has fingerprints: the server makes new ones. Nobody
 // who reads a log learns a token that a later run accepts.

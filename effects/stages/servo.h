@@ -24,7 +24,7 @@ struct ServoModel {
   double backlash_rad = 0;   // Play between motor and load.
   double sag_rad = 0;        // The load hangs by sag * cos(q - level).
   double level_rad = 0;
-  TorqueModel torque;  // Where present it moves the motor in the place of the rules above.
+  TorqueModel torque;  // Where present it moves the motor instead of the rules above.
   // Joint formulas (expression effects), in order: their result replaces the angle.
   std::vector<ModelEffect> formulas;
 };

@@ -100,7 +100,7 @@ TEST(Separation, EveryCallOfTheSupervisorRefusesEveryOtherToken) {
       const std::unique_ptr<pb::Message> request(factory.GetPrototype(method->input_type())->New());
       const pb::FieldDescriptor* field = method->input_type()->FindFieldByName("token");
       ASSERT_NE(field, nullptr) << path_of(*method) << " has no token";
-      // The right word in a field that nobody defined, and in the place of another message's token.
+      // The right word in a field that nobody defined, and instead of another message's token.
       request->GetReflection()->MutableUnknownFields(request.get())->AddLengthDelimited(99, "boss");
       request->GetReflection()->MutableUnknownFields(request.get())->AddLengthDelimited(3, "boss");
       request->GetReflection()->SetString(request.get(), field, token);

@@ -11,8 +11,7 @@ namespace {
 
 std::string told(const measurement::AddResult& result) {
   std::string text = result.effect.empty() ? "refitted\n" : "added " + result.effect + "\n";
-  for (const std::string& name : result.replaced)
-    text += fmt::format("  in the place of {}\n", name);
+  for (const std::string& name : result.replaced) text += fmt::format("  instead of {}\n", name);
   for (const auto& [name, value] : result.parameters)
     text += fmt::format("  {} = {}\n", name, measurement::told_value(result.model, name, value));
   for (const measurement::NotTestable& n : result.not_testable)

@@ -50,8 +50,7 @@ void compare_models(const AnalysisFlags& flags, const std::vector<std::string>& 
 void add_compare(app::Command app) {
   app::Command command = app.add_subcommand(
       "compare",
-      "Holds a model against measurements and says where it fails, or two models against each "
-      "other");
+      "Compares a model with measurements and says where it fails, or two models with each other");
   auto flags = std::make_shared<AnalysisFlags>();
   auto models = std::make_shared<std::vector<std::string>>();
   command.add_option("--model", flags->model, "The model (seam-model/1)");

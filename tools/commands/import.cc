@@ -210,7 +210,7 @@ void add_import(app::Command app) {
   command.add_option("--radius", flags->radius,
                      "Of these wheels, likewise; with --unit left=ticks:N a turn");
   command.add_option("--metres-per-tick", flags->metres_per_tick,
-                     "In the place of the radius: a wheel's way for each tick");
+                     "Instead of the radius: how far a wheel rolls for each tick");
   command.add_option("--part", flags->part, "What of a log: joints, odometry or frames")
       .one_of({"joints", "odometry", "frames"});
   command.add_option("--size", flags->size, "Of the images, WIDTHxHEIGHT in pixels");

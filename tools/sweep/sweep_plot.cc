@@ -69,7 +69,7 @@ std::string label(const std::string& text) {
   return gnuplot_text(text) + " noenhanced";
 }
 
-// Words in the place of numbers stand side by side, in the order of the plan.
+// Words instead of numbers stand side by side, in the order of the plan.
 std::string data_of(const std::vector<app::CurvePoint>& points, const std::string& series,
                     const std::vector<std::string>& words) {
   std::string data;

@@ -13,7 +13,7 @@ Image image_of(int width_px, int height_px, const std::vector<uint8_t>& bytes) {
           .samples = {bytes.begin(), bytes.end()}};
 }
 
-// A colour that people tell apart for each of seam::Label.
+// A colour that people distinguish for each of seam::Label.
 constexpr uint8_t kLabelColours[][3] = {
     {40, 40, 48},   {20, 110, 50},  {250, 250, 250}, {200, 200, 205},
     {255, 120, 20}, {250, 210, 30}, {90, 190, 250},  {250, 120, 180},

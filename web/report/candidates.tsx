@@ -1,4 +1,4 @@
-// The candidate effects, ranked, with what each would bring and what the data cannot tell apart.
+// The candidate effects, ranked, with what each would bring and which of them the data do not separate.
 import { number, percent, pValue, withSigma, words } from "../shared/format";
 import { Rich } from "../shared/rich";
 import { asValue, type Candidate, type Parameters, type Report } from "./data";

@@ -100,7 +100,7 @@ void CornerTable::fail_twice(size_t row, size_t before) const {
   throw InputError(fmt::format(
       "{}: expected each corner once; the corners of several cameras need their column, {}", what,
       column.empty() ? "--map camera=COLUMN"
-                     : fmt::format("--map camera={} (it tells them apart), and --camera "
+                     : fmt::format("--map camera={} (which distinguishes them), and --camera "
                                    "chooses among them",
                                    column)));
 }

@@ -41,7 +41,7 @@ class SetDraft {
 
   // Sentences for people.
   void did(std::string what) { did_.push_back(std::move(what)); }
-  // In the place of the last one.
+  // Replaces the last one.
   void did_instead(std::string what) { did_.back() = std::move(what); }
   void could_not_know(std::string what) { unknown_.push_back(std::move(what)); }
   void warn(std::string what) { warnings_.push_back(std::move(what)); }

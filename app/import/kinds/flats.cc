@@ -251,7 +251,7 @@ class FlatsImport {
     stack_.add(frame, flat.name, made ? "" : bytes, image, where);
   }
 
-  // How many kinds of bright frames the names tell apart.
+  // How many kinds of bright frames the names distinguish.
   size_t bright_stems() {
     if (stems_.empty()) {
       for (const Flat& flat : flats_) {

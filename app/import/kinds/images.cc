@@ -144,7 +144,7 @@ void leave_out_disorder(const std::string& said, std::vector<SeenView>& views, L
   views = std::move(kept);
 }
 
-// Whether the set's own estimate tells noise apart from what the target is off its plan: then none
+// Whether the set's own estimate separates noise from what the target is off its plan: then none
 // is stated.
 bool tell_their_noise(const std::vector<CameraViews>& cameras) {
   size_t telling = 0;

@@ -14,7 +14,7 @@ EffectDefinition landmark_scatter() {
                       .help = "Standard deviation of a landmark's x and of its y, metres."}},
       .help =
           "Each landmark lies off its place in the map by a vector of its own, the same in all "
-          "runs: places that were measured badly. Where they lie is told beside the sigma.",
+          "runs: places that were measured badly. Results list the displacements beside the sigma.",
       .formula = "x and y of each landmark displaced by independent errors of sigma_m",
       .signature = "the mean depends on the landmark, and on the side from which it is seen",
       .example = "landmark_scatter: {sigma_m: 0.03}",

@@ -1,4 +1,4 @@
-"""What a robot is told, as plain values. It is told nothing of other robots, and nothing of the truth."""
+"""What a robot gets, as plain values. It gets nothing of other robots, and no ground truth."""
 from __future__ import annotations
 
 import dataclasses
