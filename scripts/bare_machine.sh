@@ -2,9 +2,11 @@
 # A bare Debian 12 with nothing but git: clones this checkout's HEAD there and runs both commands of the README.
 # Packages that a developer's machine happens to have hide what scripts/dependencies.sh forgets; they are absent there.
 #
-# Usage, as root, with the package debootstrap: scripts/bare_machine.sh [--prepare] [--copy FILE]... [FOLDER]
+# Usage, as root, with the package debootstrap: scripts/bare_machine.sh [--prepare] [--release DIR] [--copy FILE]... [FOLDER]
 #   FOLDER       where the root is made, new or empty; kept. Without it: a temporary folder, removed if all passed.
 #   --prepare    stop after debootstrap, the clone and scripts/dependencies.sh (minutes)
+#   --release DIR  try a release that scripts/release.sh made there instead: install its packages, run them, then
+#                build its archive and run the first example
 #   --copy FILE  copy a file of this machine to the same path there, before anything is installed: npm's settings, for
 #                example. A certificate under /usr/local/share/ca-certificates is trusted there.
 #
@@ -13,11 +15,13 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 suite=bookworm
-prepare='' copies=() root=''
+prepare='' release='' copies=() root=''
 usage() { sed -n '2,/^set /{/^#/p}' "$0" >&2; exit 2; }
 while [ $# -gt 0 ]; do
   case "$1" in
     --prepare) prepare=yes ;;
+    --release) [ -d "${2:-}" ] || { echo "bare_machine.sh: --release ${2:-}: no such folder" >&2; exit 2; }
+               release=$(realpath "$2"); shift ;;
     --copy) [ -f "${2:-}" ] || { echo "bare_machine.sh: --copy ${2:-}: no such file" >&2; exit 2; }
             copies+=("$(realpath -s "$2")"); shift ;;
     -*) usage ;;
@@ -100,6 +104,16 @@ end() {  # end CODE: what was made goes if it was temporary and all went well.
   if [ -n "$temporary" ] && [ "$1" = 0 ]; then rm -rf --one-file-system "$root"; else echo "kept: $root"; fi
   exit "$1"
 }
+if [ -n "$release" ]; then
+  mkdir -p "$root/root/release"
+  cp "$release"/*.deb "$release"/*.tar.gz "$release/SHA256SUMS" "$root/root/release"
+  step packages 'cd release && sha256sum --check SHA256SUMS && apt-get update -q &&
+    DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends ./*.deb &&
+    seam --version && seam run /usr/share/seam/scenarios/head_swing.yaml --set duration_s=0.2 --log try.mcap && seam replay verify try.mcap' || end 1
+  step archive 'tar -xzf release/seam-*.tar.gz && cd seam-* && ./run.sh' || end 1
+  echo "== release: packages installed and run, archive built and run ($minutes min)"
+  end 0
+fi
 step clone 'git clone --quiet seam.bundle seam && git -C seam log -1 --format=%h' || end 1
 if [ -n "$prepare" ]; then
   step dependencies 'cd seam && scripts/dependencies.sh' || end 1

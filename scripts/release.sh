@@ -1,56 +1,54 @@
 #!/usr/bin/env bash
-# Makes a release: the source archive and the Debian packages of the last commit, in build/release, and tries both.
+# Makes a release of the last commit in build/release and tries it: the source archive, the Debian packages that are built
+# from the extracted archive, and their checksums.
 #
-# Usage: scripts/release.sh [--try-archive] [BUILD]
-#   BUILD           a build folder with the program (default: build)
-#   --try-archive   also build the extracted archive, and run its first example (./run.sh; minutes)
+# Usage: scripts/release.sh [--build BUILD] [--bare FOLDER]
+#   --build BUILD   take the packages from this build folder of the same commit instead of building the archive
+#   --bare FOLDER   also try both on a Debian 12 with nothing but git, made in FOLDER (as root; scripts/bare_machine.sh)
 #
-# The packages are extracted to a new folder and their program is run there. On a machine of its own both are tried by
-# scripts/bare_machine.sh. Exit code 1 if anything failed.
+# Builds without tests (15 minutes on two cores); run ./test.sh before. Exit code 1 if anything failed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-try_archive='' build=build
-for argument in "$@"; do
-  case "$argument" in
-    --try-archive) try_archive=yes ;;
-    -*) sed -n '2,/^set /{/^#/p}' "$0" >&2; exit 2 ;;
-    *) build=$argument ;;
+bare='' build=''
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --bare) bare=${2:?"release.sh: --bare needs a folder"}; shift ;;
+    --build) build=$(realpath "${2:?"release.sh: --build needs a folder"}"); shift ;;
+    *) sed -n '2,/^set /{/^#/p}' "$0" >&2; exit 2 ;;
   esac
+  shift
 done
 fail() { echo "release.sh: $*" >&2; exit 1; }
 version=$(sed -nE 's/^project\(seam VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)
-[ -x "$build/seam" ] || fail "$build/seam is missing: cmake --build $build"
 [ -z "$(git status --porcelain --untracked-files=no)" ] || fail "changes that are not committed; a release is a commit"
-grep -q "^## $version\b" CHANGELOG.md || fail "CHANGELOG.md has no heading '## $version'"
-grep -q "^seam $version " <<<"$("$build/seam" --version) " || fail "$build/seam is of another version; build it again"
+grep -q "^## ${version//./\\.}\$" CHANGELOG.md || fail "CHANGELOG.md has no heading '## $version'"
 
 release=$(realpath -m build/release)
-rm -rf "$release"
+source=$release/seam-$version
 mkdir -p "$release"
+rm -rf "$release"/*.deb "$release"/*.tar.gz "$release/SHA256SUMS" "$source" "$release/tree" "$release/try.mcap"
 echo "== source archive"
 git archive --format=tar.gz --prefix="seam-$version/" -o "$release/seam-$version.tar.gz" HEAD
-echo "== Debian packages"
-cmake -DCPACK_PACKAGE_DIRECTORY="$release" "$build" >/dev/null
-(cd "$build" && cpack -G DEB -B "$release" >"$release/cpack.log" 2>&1) || { tail -n 20 "$release/cpack.log" >&2; fail "cpack failed"; }
-rm -rf "$release/_CPack_Packages"
-
-echo "== the packages, extracted"
-packages=("$release"/*.deb)
-for package in "${packages[@]}"; do dpkg-deb --extract "$package" "$release/tree"; done
-found=$("$release/tree/usr/bin/seam" --version)
-[[ $found == "seam $version"* ]] || fail "the package's program says '$found', expected 'seam $version ...'"
-"$release/tree/usr/bin/seam" run "$release/tree/usr/share/seam/scenarios/head_swing.yaml" --set duration_s=0.2 \
-  --log "$release/try.mcap" >/dev/null
-"$release/tree/usr/bin/seam" replay verify "$release/try.mcap"
-
-echo "== the archive, extracted"
 tar -xzf "$release/seam-$version.tar.gz" -C "$release"
-source=$release/seam-$version
-for file in run.sh test.sh LICENSE README.md CHANGELOG.md CITATION.cff docs/index.md; do
-  [ -e "$source/$file" ] || fail "the archive lacks $file"
-done
-if [ -n "$try_archive" ]; then (cd "$source" && ./run.sh) || fail "./run.sh of the archive failed"; fi
+
+if [ -z "$build" ]; then
+  build=$release/build
+  echo "== build of the extracted archive (log: $release/build.log)"
+  { cmake -S "$source" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSEAM_BUILD_TESTS=OFF -DSEAM_BUILD_BENCHMARKS=OFF &&
+    cmake --build "$build"; } >"$release/build.log" 2>&1 || { tail -n 20 "$release/build.log" >&2; fail "the archive does not build"; }
+fi
+
+echo "== Debian packages"
+cpack -G DEB --config "$build/CPackConfig.cmake" -B "$release" >"$release/cpack.log" 2>&1 ||
+  { tail -n 20 "$release/cpack.log" >&2; fail "cpack failed"; }
+rm -rf "$release/_CPack_Packages"
+for package in "$release"/*.deb; do dpkg-deb -x "$package" "$release/tree"; done
+found=$("$release/tree/usr/bin/seam" --version)
+[[ $found == "seam $version"* ]] || fail "the package's program says '$found', expected 'seam $version'"
+"$release/tree/usr/bin/seam" run "$release/tree/usr/share/seam/scenarios/head_swing.yaml" --set duration_s=0.2 --log "$release/try.mcap" >/dev/null
+"$release/tree/usr/bin/seam" replay verify "$release/try.mcap"
 rm -rf "$release/tree" "$release/try.mcap" "$source"
 (cd "$release" && sha256sum ./*.tar.gz ./*.deb >SHA256SUMS)
-echo "release $version: $release"
-ls -l "$release"
+[ -z "$bare" ] || scripts/bare_machine.sh --release "$release" "$bare"
+echo "== release $version"
+(cd "$release" && ls -l ./*.tar.gz ./*.deb SHA256SUMS)

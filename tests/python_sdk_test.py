@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Behaviours in Python (robot_sdk/python) over real gRPC: the same run as in C++, all that a robot gets and can
-to do, and what is refused.
+"""Behaviours in Python (robot_sdk/python) over real gRPC: the same run as in C++, all that a robot gets and can do,
+and what is refused.
 
 Usage: python_sdk_test.py BUILD_DIR SOURCE_DIR PYTHON [unittest arguments]; PYTHON is the interpreter that has gRPC.
 """

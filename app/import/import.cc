@@ -99,7 +99,7 @@ const std::vector<ImportKind>& import_kinds() {
        .quantities = {"file", "exposure", "illumination", "photons"},
        .fill = import_flats},
       {.name = "log",
-       .help = "a replay log of ours: a robot's head joints or walk with what it was told, or its "
+       .help = "a replay log of ours: a robot's head joints or walk with its commands, or its "
                "frames",
        .options = {"camera", "part"},
        .fill = import_log},

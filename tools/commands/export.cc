@@ -84,7 +84,7 @@ void add_export(app::Command app) {
   command.add_option("--out", flags->out, "The file to write").required();
   command.add_option("--drop", flags->drop,
                      "An effect that the format cannot hold, to be left out at a cost that is "
-                     "told; 'all': all of them; may be given several times");
+                     "printed; 'all': all of them; may be given several times");
   command.add_option("--size", flags->size, "Of the image, WIDTHxHEIGHT in pixels");
   command.add_option("--data", flags->data,
                      "A measurement set: its camera has the size, its servo's log the gain");

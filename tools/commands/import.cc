@@ -230,7 +230,7 @@ void add_import(app::Command app) {
       "is\n"
       "opened and checked as analyses do before it gets its name; what was done and what the "
       "files\n"
-      "do not say is told and kept in measurement.yaml under `imported`.\n"
+      "do not say is printed and kept in measurement.yaml under `imported`.\n"
       "Example: seam import servo log.csv --map command=goal,measured=angle --unit deg --out arm");
   command.callback([flags] {
     const app::ImportKind& kind = kind_named(flags->kind);

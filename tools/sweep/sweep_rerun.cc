@@ -155,7 +155,7 @@ void add_sweep_rerun(app::Command sweep) {
   command.add_flag("--run-programs", options->run_programs,
                    "Start the programs that results of others name, without asking");
   command.footer(
-      "Exit code 0 when all of them agree, 1 when one does not; each that differs is told.\n"
+      "Exit code 0 when all of them agree, 1 when one does not; each that differs is named.\n"
       "Example: seam sweep rerun results.sqlite --sample 1% --run-programs");
   command.callback([options] { rerun(*options); });
 }
