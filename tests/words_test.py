@@ -54,7 +54,7 @@ def findings(name, text):
 
 def main():
     if "--self-test" in sys.argv:
-        assert [found for found in findings("docs/x.md", "Hold it against the log.\nIt is told apart.\n")] == [
+        assert [found for found in findings("docs/x.md", "Hold it against the log.\nEffects told apart.\n")] == [
             (1, "Hold it against", "compared with; compares with"), (2, "told apart", "separated; separates, distinguishes")]
         assert not list(findings("docs/x.md", "The data do not constrain it. Compare the two.\n"))
         assert list(findings("tools/x.cc", "// What came last stands where what went stood.\n"))
