@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "sim_core/input/shown_text.h"
 
@@ -13,7 +14,7 @@ using scheduler::Answer;
 using scheduler::DebugItem;
 using scheduler::FrameRequest;
 
-using Fields = std::vector<std::pair<std::string, std::string>>;
+using Fields = NamedTexts;
 
 const char* name_of(scheduler::Outcome outcome) {
   constexpr const char* kNames[] = {"decided", "frozen", "absent", "resumed", "abort"};
@@ -42,6 +43,32 @@ void add_joints(const Answer& answer, const JointNames& joints, Fields& fields) 
 
 Fields fields_of(const Answer& answer, const JointNames& joints) {
   Fields fields = {{"outcome", name_of(answer.outcome)}};
+  for (auto& order : orders_of(answer, joints)) fields.push_back(std::move(order));
+  for (const DebugItem& item : answer.decision.debug) {
+    if (item.kind == DebugItem::Kind::value)
+      fields.push_back({"logged." + item.name, fmt::format("{}", item.value)});
+    if (item.kind == DebugItem::Kind::text)
+      fields.push_back({"logged." + item.name, shown(item.text)});
+  }
+  return fields;
+}
+
+// A number to four digits where the two still differ so.
+std::pair<std::string, std::string> for_people(const DecisionField& field) {
+  const auto brief = [](const std::string& text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool whole = error == std::errc() && end == text.data() + text.size();
+    return whole ? fmt::format("{:.4g}", value) : text.empty() ? "nothing" : text;
+  };
+  const std::string a = brief(field.a), b = brief(field.b);
+  return a == b ? std::pair(field.a, field.b) : std::pair(a, b);
+}
+
+}  // namespace
+
+NamedTexts orders_of(const Answer& answer, const JointNames& joints) {
+  Fields fields;
   add_joints(answer, joints, fields);
   const RobotCommand& command = answer.decision.command;
   if (command.walk) {
@@ -54,22 +81,27 @@ Fields fields_of(const Answer& answer, const JointNames& joints) {
     fields.push_back({"frames", text_of(request)});
   for (const std::string& message : answer.decision.messages)
     fields.push_back({"message", shown(message)});
-  for (const DebugItem& item : answer.decision.debug) {
-    if (item.kind == DebugItem::Kind::value)
-      fields.push_back({"logged." + item.name, fmt::format("{}", item.value)});
-    if (item.kind == DebugItem::Kind::text)
-      fields.push_back({"logged." + item.name, shown(item.text)});
-  }
   return fields;
 }
 
-}  // namespace
-
 std::vector<DecisionField> other_fields(const Answer& a, const Answer& b,
                                         const JointNames& joints) {
+  return other_fields(fields_of(a, joints), fields_of(b, joints));
+}
+
+std::string to_text(const std::vector<DecisionField>& fields) {
+  std::string text;
+  for (const DecisionField& field : fields) {
+    const auto [a, b] = for_people(field);
+    text += fmt::format("  {:<24} {} and {}\n", field.name, a, b);
+  }
+  return text;
+}
+
+std::vector<DecisionField> other_fields(const NamedTexts& a, const NamedTexts& b) {
   std::vector<DecisionField> fields;
-  for (const auto& [name, value] : fields_of(a, joints)) fields.push_back({name, value, ""});
-  for (const auto& [name, value] : fields_of(b, joints)) {
+  for (const auto& [name, value] : a) fields.push_back({name, value, ""});
+  for (const auto& [name, value] : b) {
     const auto same =
         std::find_if(fields.begin(), fields.end(), [&, &name = name](const DecisionField& field) {
           return field.name == name && field.b.empty();

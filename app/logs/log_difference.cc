@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "app/logs/decision_fields.h"
@@ -36,26 +35,9 @@ scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler:
 
 namespace {
 
-// A number to four digits where the two still differ so.
-std::pair<std::string, std::string> for_people(
-    const scheduler::LogDifference::FirstDecision::Field& field) {
-  const auto brief = [](const std::string& text) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = error == std::errc() && end == text.data() + text.size();
-    return whole ? fmt::format("{:.4g}", value) : text.empty() ? "nothing" : text;
-  };
-  const std::string a = brief(field.a), b = brief(field.b);
-  return a == b ? std::pair(field.a, field.b) : std::pair(a, b);
-}
-
 // The two decisions beside each other, and whether they were made from the same frame.
 std::string to_text(const scheduler::LogDifference::FirstDecision& decision) {
-  std::string text;
-  for (const auto& field : decision.fields) {
-    const auto [a, b] = for_people(field);
-    text += fmt::format("  {:<24} {} and {}\n", field.name, a, b);
-  }
+  std::string text = seam::app::to_text(decision.fields);
   if (const auto same = decision.same_frame()) {
     text += fmt::format("  {:<24} {} and {}, {}\n", "decided from frame", decision.a->frame->index,
                         decision.b->frame->index, *same ? "the same pixels" : "other pixels");

@@ -301,6 +301,7 @@ SessionSummary Session::simulate(const WrapSource& wrap,
   const auto source = wrap ? wrap(hub_) : nullptr;
   scheduler::DecisionSource& decisions = source ? *source : hub_;
   scheduler::FrameRenderer* renderer = simulator_.renderer.get();
+  if (options_.renderer != nullptr) renderer = options_.renderer;
   if (remote_) renderer = remote_.get();
   scheduler::Simulation simulation({scenario, simulator_.world, decisions, control_, renderer,
                                     std::move(observers), simulator_.header},

@@ -41,8 +41,9 @@ struct SessionOptions {
   std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
   bool progress = true;                                      // On a terminal.
   bool show_printed = true;  // What behaviours print goes to stderr, each line with its robot.
-  std::optional<double> wall_limit_s;  // A run that takes longer is aborted.
-  Standbys* standbys = nullptr;        // Of a process that makes many runs; null: none.
+  std::optional<double> wall_limit_s;            // A run that takes longer is aborted.
+  scheduler::FrameRenderer* renderer = nullptr;  // In place of the simulator's.
+  Standbys* standbys = nullptr;                  // Of a process that makes many runs; null: none.
 };
 
 // What a run was made from.

@@ -9,7 +9,8 @@
 namespace seam::tools {
 
 #define SEAM_REPLAY_COMMANDS(X) \
-  X(verify) X(show) X(find) X(diff) X(export) X(recover) X(frames) X(resume) X(whatif) X(accuracy)
+  X(verify)                     \
+  X(show) X(find) X(diff) X(export) X(recover) X(frames) X(resume) X(whatif) X(feed) X(accuracy)
 
 #define SEAM_DECLARE(name) void add_replay_##name(app::Command replay);
 SEAM_REPLAY_COMMANDS(SEAM_DECLARE)

@@ -1,0 +1,78 @@
+// A recorded run given to another program: it is told what its robot was told and asked what it
+// would do, while the log decides for all. Nothing that it decides has an effect.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "app/camera_renderer.h"
+#include "scheduler/log/log.h"
+#include "scheduler/loop/decision_source.h"
+#include "scheduler/replay/player.h"
+
+namespace seam::app {
+
+// One instant at which the robot decided, in the log and in the program's place.
+struct FedDecision {
+  const scheduler::Observation& seen;
+  const scheduler::Answer& logged;
+  const scheduler::Answer& fed;
+};
+
+class OpenLoop final : public scheduler::DecisionSource {
+ public:
+  using OnDecision = std::function<void(const FedDecision&)>;
+
+  // All must outlive it. `live` is asked for this robot alone. `stopped` is set where the run was
+  // stopped before the log's end.
+  OpenLoop(const scheduler::Log& log, scheduler::DecisionSource& live, int robot, OnDecision tell,
+           bool& stopped)
+      : turns_(log), live_(live), robot_(robot), tell_(std::move(tell)), stopped_(stopped) {}
+
+  // Throws InputError where the program ended or fell silent before the log did.
+  std::optional<scheduler::Turn> decide(
+      SimTime now,
+      std::span<const std::shared_ptr<const scheduler::Observation>> observations) override;
+  void finish(SimTime now, const std::string& reason) override { live_.finish(now, reason); }
+
+ private:
+  scheduler::TurnReader turns_;
+  scheduler::DecisionSource& live_;
+  const int robot_;
+  OnDecision tell_;
+  bool& stopped_;
+};
+
+// Frames for one robot alone: those that the log holds as pictures from it, others drawn again.
+// Other robots' frames, which nobody looks at, have no pixels.
+class OneRobotsFrames final : public scheduler::FrameRenderer {
+ public:
+  // Both must outlive it.
+  OneRobotsFrames(const scheduler::Log& log, CameraRenderer& renderer, int robot);
+
+  int workers() const override { return renderer_.workers(); }
+  RowSchedule schedule(int robot, uint64_t frame_index, SimTime stamp) override {
+    return renderer_.schedule(robot, frame_index, stamp);
+  }
+  Pose mount(int robot) const override { return renderer_.mount(robot); }
+  Frame render(int robot, const FrameJob& job, int worker) override;
+
+  uint64_t from_log() const { return from_log_; }
+  uint64_t drawn() const { return drawn_; }
+
+ private:
+  std::optional<std::string> picture(const FrameJob& job);
+
+  const scheduler::Log& log_;
+  CameraRenderer& renderer_;
+  const int robot_;
+  std::mutex reading_;
+  std::map<uint64_t, scheduler::FrameRecord> frames_;  // With a picture in the log, by index.
+  std::atomic<uint64_t> from_log_ = 0, drawn_ = 0;
+};
+
+}  // namespace seam::app
