@@ -23,7 +23,7 @@ std::vector<DecisionField> other_fields(const scheduler::Answer& a, const schedu
 NamedTexts orders_of(const scheduler::Answer& answer, const JointNames& joints);
 std::vector<DecisionField> other_fields(const NamedTexts& a, const NamedTexts& b);
 
-// The fields beside each other, a line each, numbers to as many digits as tell them apart.
+// The fields beside each other, a line each, numbers to as many digits as differ.
 std::string to_text(const std::vector<DecisionField>& fields);
 
 }  // namespace seam::app

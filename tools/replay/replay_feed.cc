@@ -199,7 +199,7 @@ void feed(const FeedSettings& settings) {
 void add_replay_feed(app::Command replay) {
   app::Command command = replay.add_subcommand(
       "feed",
-      "Gives what a robot was told in a log to another program, at full speed, and lists where it\n"
+      "Gives what a robot received in a log to another program, at full speed, and lists where it\n"
       "decides otherwise; what it decides has no effect");
   auto settings = std::make_shared<FeedSettings>();
   command.add_option("F", settings->file, "The log").required();
