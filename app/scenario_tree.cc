@@ -134,6 +134,14 @@ bool has_value_inside(const Place& place) {
 
 }  // namespace
 
+std::optional<double> number_of(const WrittenValue& value) {
+  double number = 0;
+  const char* end = value.text.data() + value.text.size();
+  const auto [rest, error] = std::from_chars(value.text.data(), end, number);
+  if (!value.plain || error != std::errc() || rest != end) return std::nullopt;
+  return number;
+}
+
 ScenarioChange change_from_text(const std::string& text) {
   const size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
@@ -185,7 +193,7 @@ bool ScenarioTree::takes_file(const std::string& path) const {
 Scenario ScenarioTree::scenario() const {
   YAML::Emitter out;
   out << *root_;
-  return Scenario::from_text(out.c_str(), name_);
+  return Scenario::from_made_text(out.c_str(), name_);
 }
 
 Scenario changed_scenario(const Scenario& scenario, const std::vector<ScenarioChange>& changes,

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,9 @@ struct WrittenValue {
   bool plain = true;
   bool operator==(const WrittenValue&) const = default;
 };
+
+// Nothing where it is no number.
+std::optional<double> number_of(const WrittenValue& value);
 
 // One change of a scenario, as it was asked for.
 struct ScenarioChange {

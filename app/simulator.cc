@@ -1,5 +1,6 @@
 #include "app/simulator.h"
 
+#include <algorithm>
 #include <map>
 
 #include "app/data_file.h"
@@ -124,6 +125,7 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
   header.versions = {{"seam", SEAM_VERSION},
                      {"log", std::string(scheduler::kLogFormat)},
                      {"state", std::string(scheduler::kStateVersion)},
+                     {scheduler::kEventsKey, scheduler::kEventsVersion},
                      {kRendererVersion, opengl ? "opengl" : "analytic"}};
   if (opengl) {
     header.versions.emplace_back(kGlSource, opengl->source());
@@ -140,7 +142,7 @@ Simulator make_simulator(Scenario scenario, const SimulatorOptions& options) {
 }
 
 Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOptions& options) {
-  Scenario scenario = Scenario::from_text(header.scenario_text, header.scenario_name);
+  Scenario scenario = Scenario::from_made_text(header.scenario_text, header.scenario_name);
   scenario.seed = static_cast<int64_t>(header.seed);
   replace_models(scenario, options.models);
   SimulatorOptions as_recorded = options;
@@ -152,6 +154,9 @@ Simulator make_simulator(const scheduler::RunHeader& header, const SimulatorOpti
   }
   Simulator simulator = make_simulator(without_fingerprints(scenario), as_recorded);
   simulator.header.scenario_text = with_fingerprints(std::move(scenario)).to_yaml();
+  const auto is_events = [](const auto& version) { return version.first == scheduler::kEventsKey; };
+  if (std::none_of(header.versions.begin(), header.versions.end(), is_events))
+    std::erase_if(simulator.header.versions, is_events);
   return simulator;
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -19,10 +20,17 @@ namespace seam::sdk {
 struct Robot::Implementation {
   Connection connection;
   std::function<void(const Observation&)> handler = [](const Observation&) {};
+  // A mistake is mostly made at each turn: the first of each field is printed.
   std::function<void(const Refusal&)> refusal_handler = [this](const Refusal& refusal) {
-    std::fprintf(stderr, "%s: refused: %s: %s\n", connection.robot.c_str(), refusal.field.c_str(),
-                 refusal.message.c_str());
+    if (!refused_fields.insert(refusal.field).second) return;
+    std::fprintf(
+        stderr,
+        "%s: the decision at %.3f s was refused: %s: %s (more of this field are counted by "
+        "the server alone)\n",
+        connection.robot.c_str(), time_s, refusal.field.c_str(), refusal.message.c_str());
   };
+  std::set<std::string> refused_fields;
+  double time_s = 0;  // Of the newest observation.
   v1::Welcome welcome;
   std::vector<std::string> joint_names;
   v1::ClientMessage answer;  // Gathers the handler's orders.
@@ -53,6 +61,7 @@ bool Robot::Implementation::take(const v1::ServerMessage& message, Stream& strea
       if (observation.sequence != answered) {
         if (answered > 0) answer.Clear();
         answered = observation.sequence;
+        time_s = observation.time_s();
         handler(observation);
         decision().set_sequence(observation.sequence);
       }

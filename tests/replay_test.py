@@ -9,6 +9,7 @@ import math
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import statistics
@@ -244,6 +245,54 @@ class Replay(unittest.TestCase):
         self.assertGreaterEqual(len(made), 2)
         for name in made:
             self.assertEqual((eyes / name).read_bytes(), (export / name).read_bytes(), name)
+
+    def test_tables_join_by_integer_times_and_have_the_columns_of_their_page(self):
+        tables = self.folder / "tables"
+        seam("replay", "export", self.log, "--out", tables, check=0)
+        page = dict(re.findall(r"^\| `(\w+\.csv)` \|.*\| `([\w,]+)` \|$", (ROOT / "docs/reference/tables.md").read_text(), re.M))
+        rows = {}
+        for path in tables.glob("*.csv"):
+            self.assertEqual(path.read_text().splitlines()[0], page.pop(path.name), path.name)
+            with open(path, newline="") as file:
+                rows[path.name] = list(csv.DictReader(file))
+            self.assertNotIn("00000000", ",".join(row.get("time_s", "") for row in rows[path.name]), path.name)
+        self.assertEqual(page, {})
+        decisions = {(row["time_ns"], row["robot"]): row for row in rows["decisions.csv"]}
+        self.assertEqual(len(decisions), len(rows["decisions.csv"]))
+        for name in ("joint_commands.csv", "debug.csv"):
+            self.assertGreater(len(rows[name]), 10)
+            for row in rows[name]:
+                self.assertIn((row["time_ns"], row["robot"]), decisions, name)
+        frames = {(row["robot"], row["frame"]): row for row in rows["frames.csv"]}
+        for row in rows["decisions.csv"]:
+            self.assertEqual(float(row["time_s"]), int(row["time_ns"]) / 1e9)
+            if row["frame"]:
+                self.assertLessEqual(int(frames[row["robot"], row["frame"]]["end_ns"]), int(row["time_ns"]))
+        # The truth at a decision is what `show` has for that instant.
+        for row in rows["decisions.csv"][5:60:18]:
+            out = self.folder / "at.json"
+            seam("replay", "show", self.log, "--at", row["time_s"], "--json", out, check=0)
+            at = json.loads(out.read_text())
+            self.assertEqual(at["time_ns"], int(row["time_ns"]))
+            for name in ("x_m", "y_m", "heading_rad", "tilt_rad", "pan_rad", "roll_rad"):
+                self.assertEqual(float(row[name]), at["robots"][row["robot"]][name], name)
+            for name in ("x_m", "y_m", "z_m"):
+                self.assertEqual(float(row["ball_" + name]), at["ball"][name], name)
+
+    def test_what_if_says_where_a_program_first_decides_otherwise_and_draws_for_it_alone(self):
+        """Another rate of the head changes decisions at once, which have no effect before --from."""
+        other = ["replay", "whatif", self.log, "--robot", "blue1", "--from", "1", "--client"]
+        done = seam(*other, "head_swing --rate 1 --amplitude 0.5", check=0)
+        self.assertRegex(done.stdout, r"blue1 first decides otherwise at [\d.]+ m?s, after \d+ decisions as in the log; "
+                         r"before --from, without effect\n  tilt\.max_speed_rad_s: \S+ in the log, \S+ now")
+        self.assertIn("no fingerprint: frames that no client sees were not drawn", done.stdout)
+        same = seam(*other, "head_swing --rate 2 --amplitude 0.5", check=0)
+        self.assertRegex(same.stdout, r"blue1 decides as in the log, each of \d+ times")
+        self.assertIn("equal (compared up to", same.stdout)
+        # A log that is kept can be verified: its frames are the log's until then, and drawn from then on.
+        kept = self.folder / "kept.mcap"
+        seam(*other, "head_swing --rate 1 --amplitude 0.5", "--log", kept, "--force", check=0)
+        seam("replay", "verify", kept, check=0)
 
     def test_what_if_shows_what_follows(self):
         out = self.folder / "whatif.json"

@@ -275,6 +275,11 @@ keep:
         half = 12.706204736 * abs(errors[2] - errors[3]) / 2  # Student's t of one degree of freedom.
         self.assertAlmostEqual(float(points[1]["high"]) - float(points[1]["mean"]), half, places=9)
         self.assertEqual((self.here / "c.png").read_bytes()[:4], b"\x89PNG")
+        for name, start in (("c.svg", b"<?xml"), ("c.pdf", b"%PDF")):
+            self.seam("sweep", "plot", "r.sqlite", "--value", "error_m", "--over", "x_m", "--out", name)
+            self.assertEqual((self.here / name).read_bytes()[:len(start)], start)
+        self.assertIn("#0072b2", (self.here / "c.svg").read_text().lower())
+        self.seam("sweep", "plot", "r.sqlite", "--value", "error_m", "--over", "x_m", "--out", "c.jpg", code=2)
 
     def check_schema(self, *files):
         try:

@@ -26,6 +26,7 @@ namespace seam::tools {
   X(frame)               \
   X(history)             \
   X(import)              \
+  X(joints)              \
   X(measure)             \
   X(new_effect)          \
   X(replay)              \

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -30,6 +31,20 @@ bool is_program(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error) && access(path.c_str(), X_OK) == 0;
 }
 
+std::vector<std::filesystem::path> search_path() {
+  std::vector<std::filesystem::path> places;
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (!folder.empty()) places.emplace_back(folder);
+  return places;
+}
+
+bool found_in(const std::vector<std::filesystem::path>& places, const std::string& name) {
+  return std::any_of(places.begin(), places.end(),
+                     [&](const auto& place) { return is_program(place / name); });
+}
+
 // What keeps a file from being started as a program; empty where nothing does.
 std::string why_no_program(const std::filesystem::path& path) {
   std::error_code error;
@@ -48,10 +63,22 @@ std::string why_no_program(const std::filesystem::path& path) {
   line = line.substr(0, line.find('\n'));
   if (!line.starts_with("#!"))
     return "has no #! in its first line, expected #!/usr/bin/python3 or whatever is to run it";
+  // Which the system takes for a part of the interpreter's name.
+  if (line.ends_with('\r'))
+    return "ends its #! line as Windows does, with a carriage return: sed -i 's/\\r$//' removes "
+           "them";
   std::istringstream words(line.substr(2));
   std::string interpreter;
   words >> interpreter;
-  if (!interpreter.ends_with('\r') && is_program(interpreter)) return "";
+  if (is_program(interpreter)) {
+    if (std::filesystem::path(interpreter).filename() != "env") return "";
+    // What `env` is to find: the first word that is neither an option nor a variable.
+    while (words >> interpreter)
+      if (!interpreter.starts_with('-') && interpreter.find('=') == std::string::npos) break;
+    if (!words || found_in(search_path(), interpreter)) return "";
+    return fmt::format("names in its #! line '{}', which env finds nowhere in PATH",
+                       shown(interpreter));
+  }
   return fmt::format("names in its #! line '{}', which is no program", shown(interpreter));
 }
 
@@ -88,11 +115,8 @@ std::string find_behaviour(const std::string& name, const std::string& robot) {
     return std::filesystem::absolute(name).string();
   }
   const std::filesystem::path folder_of_ours = behaviours_folder();
-  std::vector<std::filesystem::path> places = {folder_of_ours};
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (!folder.empty()) places.emplace_back(folder);
+  std::vector<std::filesystem::path> places = search_path();
+  places.insert(places.begin(), folder_of_ours);
   for (const std::filesystem::path& place : places) {
     if (!is_program(place / name)) continue;
     if (const std::string fault = why_no_program(place / name); !fault.empty())

@@ -14,6 +14,11 @@
 
 namespace seam::app {
 
+void show_line(const std::string& line) {
+  // The line of progress stands where the cursor is.
+  fmt::print(stderr, "{}{}\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", line);
+}
+
 PrintedOutput::PrintedOutput(std::function<SimTime()> now, bool shown)
     : now_(std::move(now)), shown_(shown) {}
 
@@ -106,8 +111,7 @@ void PrintedOutput::end_line(Source& source) {
 
 void PrintedOutput::show(Source& source, SimTime time, std::string text) {
   const std::string line = fmt::format("{:.3f} s {}: {}", time.s(), source.robot, text);
-  // The line of progress stands where the cursor is.
-  if (shown_) fmt::print(stderr, "{}{}\n", isatty(STDERR_FILENO) ? "\r\033[K" : "", line);
+  if (shown_) show_line(line);
   source.last.push_back(line);
   if (source.last.size() > kLastLines) source.last.pop_front();
   source.waiting.push_back(std::move(text));

@@ -15,6 +15,9 @@
 
 namespace seam::app {
 
+// On stderr, in place of the line of progress.
+void show_line(const std::string& line);
+
 class PrintedOutput {
  public:
   // A longer line is cut here.

@@ -23,7 +23,7 @@ namespace seam::app {
 
 namespace {
 
-// 128 random bits from the operating system: a secret, and never part of the simulation.
+// 128 random bits of the operating system: a secret, never part of the simulation.
 std::string new_token() {
   uint64_t words[2];
   if (getentropy(words, sizeof words) != 0) throw InputError("no random numbers for tokens");
@@ -37,10 +37,14 @@ std::optional<scheduler::TlsTexts> read_certificates(const std::string& folder) 
                              read_file(path / "server.key")};
 }
 
-// Notes why a run was aborted.
+// Notes why a run was aborted, and shows warnings as they come.
 class AbortReason final : public scheduler::SimulationObserver {
  public:
+  explicit AbortReason(bool with_clamped) : shows_clamped(with_clamped) {}
   void on_event(const scheduler::SimulationEvent& event) override {
+    if (shows_clamped && event.kind == scheduler::EventKind::fault &&
+        event.name == scheduler::kClampedFault)
+      show_line(scheduler::clamped_line(event));
     if (event.kind != scheduler::EventKind::policy) return;
     const std::string line = fmt::format("{}: {} at {:.3f} s: {}", event.robot, event.name,
                                          event.time.s(), event.detail);
@@ -48,6 +52,7 @@ class AbortReason final : public scheduler::SimulationObserver {
     std::fprintf(stderr, "%s\n", line.c_str());
   }
   std::string text;
+  const bool shows_clamped;
 };
 
 std::string token_text(const std::vector<scheduler::HubRobot>& robots,
@@ -159,6 +164,7 @@ class Session {
     Printing printing(printed_, recorder_ ? &*recorder_ : nullptr);
     observers.push_back(&printing);
     observers.push_back(&aborted_);
+    observers.push_back(&notes_);
     observers.push_back(&logged_);
     observers.push_back(&memory_);
     if (recorder_) observers.push_back(&*recorder_);
@@ -196,7 +202,8 @@ class Session {
   std::vector<BehaviourProcess> processes_;
   const std::vector<scheduler::HubRobot> robots_;
   std::optional<scheduler::Recorder> recorder_;
-  AbortReason aborted_;
+  AbortReason aborted_{options_.show_printed};
+  scheduler::CommandNotes notes_;
   LoggedValues logged_;
   MemoryWatch memory_;
   scheduler::RunControl control_;
@@ -303,6 +310,8 @@ SessionSummary Session::simulate(const WrapSource& wrap,
   scheduler::FrameRenderer* renderer = simulator_.renderer.get();
   if (options_.renderer != nullptr) renderer = options_.renderer;
   if (remote_) renderer = remote_.get();
+  const auto other = options_.wrap_renderer ? options_.wrap_renderer(*renderer) : nullptr;
+  if (other) renderer = other.get();
   scheduler::Simulation simulation({scenario, simulator_.world, decisions, control_, renderer,
                                     std::move(observers), simulator_.header},
                                    {.camera_at_rows = outputs_.frames.has_value()});
@@ -320,6 +329,9 @@ SessionSummary Session::simulate(const WrapSource& wrap,
   summary.waiting_s = hub_.wall_waiting_s();
   summary.abort_reason = aborted_.text;
   summary.logged = logged_.summaries();
+  summary.refused = notes_.refused();
+  summary.refused_lines = notes_.refused_lines();
+  summary.clamped_lines = notes_.clamped_lines();
   summary.has_score = scenario.referee.enabled;
   summary.red_score = simulator_.world.score(Team::red);
   summary.blue_score = simulator_.world.score(Team::blue);

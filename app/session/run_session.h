@@ -17,6 +17,7 @@
 #include "app/simulator.h"
 #include "scheduler/clients/client_hub.h"
 #include "scheduler/log/recorder.h"
+#include "scheduler/loop/command_notes.h"
 #include "scheduler/loop/simulation.h"
 #include "scheduler/server/server.h"
 
@@ -44,6 +45,9 @@ struct SessionOptions {
   std::optional<double> wall_limit_s;            // A run that takes longer is aborted.
   scheduler::FrameRenderer* renderer = nullptr;  // In place of the simulator's.
   Standbys* standbys = nullptr;                  // Of a process that makes many runs; null: none.
+  // May put another renderer in front of the run's own.
+  std::function<std::unique_ptr<scheduler::FrameRenderer>(scheduler::FrameRenderer& own)>
+      wrap_renderer;
 };
 
 // What a run was made from.
@@ -71,12 +75,15 @@ struct SessionSummary {
   uint64_t rendered_remotely = 0;  // Of them: by `seam-render` processes.
   uint64_t decisions = 0;
   uint64_t fingerprint = 0;
-  bool has_score = false;  // A referee kept it.
+  bool has_fingerprint = true;  // False: some frames were not drawn.
+  bool has_score = false;       // A referee kept it.
   int red_score = 0, blue_score = 0;
   std::vector<MemorySample> memory;  // Of the server, each 10 simulated seconds.
   uint64_t log_bytes = 0;            // Of the replay log; 0: none.
   scheduler::EndReason end = scheduler::EndReason::finished;
   std::string abort_reason;
+  std::map<std::string, scheduler::CommandNotes::Refused> refused;  // By robot.
+  std::vector<std::string> refused_lines, clamped_lines;            // For people.
   std::vector<std::string> last_lines;  // That behaviours printed, at most 50 a robot.
 
   double real_time_factor() const { return wall_s > 0 ? sim_s / wall_s : 0; }

@@ -46,6 +46,10 @@ nlohmann::ordered_json json_of(const SessionSummary& summary) {
                {"waiting_s", summary.waiting_s},
                {"end", kEnds[static_cast<size_t>(summary.end)]}});
   if (summary.has_score) json["score"] = {{"red", summary.red_score}, {"blue", summary.blue_score}};
+  json["refused"] = nlohmann::ordered_json::object();
+  for (const auto& [robot, refused] : summary.refused)
+    json["refused"][robot] = {
+        {"decisions", refused.count}, {"first_s", refused.first.s()}, {"first", refused.why}};
   json["values"] = json_of(summary.logged);
   json["log_bytes"] = summary.log_bytes;
   json["memory"] = nlohmann::ordered_json::array();
@@ -65,12 +69,15 @@ std::string json_text(const SessionSummary& summary) {
 int report(const SessionSummary& summary, SessionOutputs& outputs) {
   std::printf(
       "%s: %.3f simulated seconds in %.3f s, %.2f x real time; %llu frames, %llu decisions\n"
-      "fingerprint %s\n",
+      "%s\n",
       kEnds[static_cast<size_t>(summary.end)], summary.sim_s, summary.wall_s,
       summary.real_time_factor(), static_cast<unsigned long long>(summary.frames),
-      static_cast<unsigned long long>(summary.decisions), to_hex(summary.fingerprint).c_str());
+      static_cast<unsigned long long>(summary.decisions),
+      summary.has_fingerprint ? ("fingerprint " + to_hex(summary.fingerprint)).c_str()
+                              : "no fingerprint: frames that no client sees were not drawn");
   if (summary.has_score)
     std::printf("score red %d, blue %d\n", summary.red_score, summary.blue_score);
+  for (const std::string& line : summary.refused_lines) std::fprintf(stderr, "%s\n", line.c_str());
   if (outputs.json) outputs.json.fill(json_text(summary));
   if (summary.end != scheduler::EndReason::aborted) return 0;
   std::fprintf(stderr, "seam: the run was aborted: %s\n", summary.abort_reason.c_str());

@@ -1,6 +1,5 @@
 #include "app/sweep/one_run.h"
 
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -40,14 +39,6 @@ std::string key_of(const std::string& scenario_text, const Scenario& scenario, c
   return to_hex(hasher.digest());
 }
 
-std::optional<double> number_of(const WrittenValue& value) {
-  double number = 0;
-  const char* end = value.text.data() + value.text.size();
-  const auto [rest, error] = std::from_chars(value.text.data(), end, number);
-  if (!value.plain || error != std::errc() || rest != end) return std::nullopt;
-  return number;
-}
-
 // All that formulas may read, by name.
 std::map<std::string, std::optional<double>> known_numbers(const SweepPlan& plan,
                                                            const RunRecord& record) {
@@ -64,6 +55,18 @@ std::map<std::string, std::optional<double>> known_numbers(const SweepPlan& plan
   return known;
 }
 
+std::string unlogged_text(const KeptValue& value, uint64_t run, const LoggedSummaries& logged) {
+  std::vector<std::string> names;
+  for (const auto& [key, summary] : logged)
+    if (key.first == value.robot) names.push_back(key.second);
+  std::string known = names.empty() ? ", and no other" : suggestion_for(value.name, names);
+  if (!known.ends_with('?')) known += '.';
+  return fmt::format(
+      "{}: robot '{}' logged no value '{}' in run {}{} Where only some runs log it, write "
+      "{{name: {}, optional: true}}",
+      value.where, value.robot, value.name, run, known, value.name);
+}
+
 // Values that were logged, and formulas over them: one that reads what is missing, or that gives no
 // number, is missing too.
 void keep_values(const SweepPlan& plan, const LoggedSummaries& logged, RunRecord& record) {
@@ -75,6 +78,8 @@ void keep_values(const SweepPlan& plan, const LoggedSummaries& logged, RunRecord
   };
   for (const KeptValue& value : plan.keep().values) {
     const auto found = logged.find({value.robot, value.name});
+    if (found == logged.end() && !value.optional)
+      record.unlogged.push_back(unlogged_text(value, record.run, logged));
     const bool counts = value.statistic == Statistic::count;
     keep(value.column, found != logged.end() ? std::optional(found->second.get(value.statistic))
                                              : (counts ? std::optional(0.0) : std::nullopt));
@@ -116,12 +121,19 @@ void run_it(const SweepPlan& plan, Scenario scenario, const Makers& makers, Prog
     fs::remove(partial, unknown);
     return;
   }
-  if (summary.end == scheduler::EndReason::aborted) record.error = error_of(summary);
   if (plan.keep().logs) fs::rename(partial, log);
+  record.notes = summary.clamped_lines;
+  record.notes.insert(record.notes.end(), summary.refused_lines.begin(),
+                      summary.refused_lines.end());
   record.sim_s = summary.sim_s;
   record.frames = summary.frames;
   record.decisions = summary.decisions;
   record.fingerprint = to_hex(summary.fingerprint);
+  // What half a run gives is no result: nothing of it is averaged by accident.
+  if (summary.end == scheduler::EndReason::aborted) {
+    record.error = error_of(summary);
+    return;
+  }
   if (summary.has_score) {
     record.red_score = summary.red_score;
     record.blue_score = summary.blue_score;
@@ -175,7 +187,9 @@ std::string to_text(const RunRecord& record) {
                      {"fingerprint", record.fingerprint},
                      {"red_score", json_of(record.red_score)},
                      {"blue_score", json_of(record.blue_score)},
-                     {"kept", kept}};
+                     {"kept", kept},
+                     {"unlogged", record.unlogged},
+                     {"notes", record.notes}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -190,7 +204,9 @@ RunRecord record_from_text(const std::string& text) {
                    .wall_s = json.at("wall_s"),
                    .frames = json.at("frames"),
                    .decisions = json.at("decisions"),
-                   .fingerprint = json.at("fingerprint")};
+                   .fingerprint = json.at("fingerprint"),
+                   .unlogged = json.at("unlogged"),
+                   .notes = json.at("notes")};
   const auto score = [&](const char* key) {
     return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<int>());
   };

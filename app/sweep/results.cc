@@ -61,6 +61,10 @@ class RowReader {
  public:
   RowReader(const fs::path& file, const SqlRow& row) : file_(file), row_(row) {}
 
+  // Failed runs have no numbers.
+  bool has(size_t column) const {
+    return !failed() || !std::holds_alternative<std::monostate>(row_[column]);
+  }
   std::string text(size_t column) const {
     if (!std::holds_alternative<std::string>(row_[column])) refuse(column, "a text");
     return text_of(row_[column]);
@@ -89,6 +93,8 @@ class RowReader {
                                  file_.string(), whole_of(row_[0]), kFixedColumns[column],
                                  expected));
   }
+  bool failed() const { return !text(3).empty(); }
+
   const fs::path& file_;
   const SqlRow& row_;
 };
@@ -101,10 +107,10 @@ RunRecord record_of(const fs::path& file, const SqlRow& row) {
   record.error = read.text(3);
   record.seed = read.whole(4, std::numeric_limits<int64_t>::min());
   record.end = read.text(5);
-  record.sim_s = read.seconds(6);
+  record.sim_s = read.has(6) ? read.seconds(6) : 0;
   record.wall_s = read.seconds(7);
-  record.frames = static_cast<uint64_t>(read.whole(8, 0));
-  record.decisions = static_cast<uint64_t>(read.whole(9, 0));
+  record.frames = read.has(8) ? static_cast<uint64_t>(read.whole(8, 0)) : 0;
+  record.decisions = read.has(9) ? static_cast<uint64_t>(read.whole(9, 0)) : 0;
   record.fingerprint = read.text(10);
   record.red_score = read.score(11);
   record.blue_score = read.score(12);
@@ -156,7 +162,13 @@ ResultsFile ResultsFile::for_writing(const fs::path& file, const SweepPlan& plan
   results.lock_ = std::move(owned.lock);
   if (owned.has_tables) results.read_head(&plan);  // Before another program's file is changed.
   write_ahead(*results.database_);
-  if (!owned.has_tables) {
+  // Nothing is lost of a plan of which there is no run: its first one told of a mistake in it.
+  const bool anew = owned.has_tables && results.plan().fingerprint() != plan.fingerprint() &&
+                    std::get<int64_t>(results.database_->value("SELECT count(*) FROM runs")) == 0;
+  if (anew)
+    for (const char* table : {"meta", "files", "runs"})
+      results.database_->execute(fmt::format("DROP TABLE {}", table));
+  if (!owned.has_tables || anew) {
     results.create(plan, makers, shard);
     results.read_head(&plan);
   }
@@ -249,16 +261,18 @@ std::vector<std::string> ResultsFile::columns() const {
 }
 
 void ResultsFile::add(const RunRecord& record) {
+  // Nothing of a failed run is averaged by accident.
+  const auto of_whole = [&](SqlValue value) { return record.failed() ? SqlValue() : value; };
   std::vector<SqlValue> values = {static_cast<int64_t>(record.run),
                                   record.key,
                                   int64_t{record.failed()},
                                   record.error,
                                   record.seed,
                                   record.end,
-                                  record.sim_s,
+                                  of_whole(record.sim_s),
                                   record.wall_s,
-                                  static_cast<int64_t>(record.frames),
-                                  static_cast<int64_t>(record.decisions),
+                                  of_whole(static_cast<int64_t>(record.frames)),
+                                  of_whole(static_cast<int64_t>(record.decisions)),
                                   record.fingerprint,
                                   sql_of(record.red_score),
                                   sql_of(record.blue_score)};

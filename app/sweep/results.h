@@ -51,6 +51,10 @@ struct RunRecord {
   std::optional<int> red_score, blue_score;
   std::vector<std::optional<double>> kept;  // Values and formulas; nothing: not a number.
 
+  // Not kept in results: values of the plan that nobody logged, each with its place in the plan;
+  // decisions that were refused and targets that were clamped. For people.
+  std::vector<std::string> unlogged, notes;
+
   bool failed() const { return !error.empty(); }
 };
 // Whether two records say the same to the bit; time on the wall does not count.

@@ -1,11 +1,16 @@
 #include "app/sweep/sweep.h"
 
+#include <fmt/ranges.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <set>
 
 #include "app/sweep/one_run.h"
 #include "app/sweep/sweep_progress.h"
 #include "app/sweep/workers.h"
+#include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
 
 namespace seam::app {
@@ -15,6 +20,20 @@ namespace fs = std::filesystem;
 fs::path run_files(const fs::path& results) {
   return results.string() + ".files";
 }
+
+namespace {
+
+// Runs that are being made. Logs of processes that were killed, since they did not end in time, go.
+struct Begun {
+  const fs::path& files;
+  std::set<uint64_t> runs = {};
+  ~Begun() {
+    std::error_code unknown;
+    for (const uint64_t run : runs) fs::remove(partial_log(files, run), unknown);
+  }
+};
+
+}  // namespace
 
 SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
                        const Makers& makers, int jobs, const fs::path& files,
@@ -27,10 +46,10 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
   SweepOutcome outcome;
   SweepProgress progress(runs.size());
   size_t next = 0;
-  std::set<uint64_t> begun;
+  Begun begun{files};
   const auto take = [&](const RunRecord& record) {
     ++outcome.made;
-    begun.erase(record.run);
+    begun.runs.erase(record.run);
     outcome.failed += record.failed() ? 1 : 0;
     progress.count(record.failed());
     done(record);
@@ -38,7 +57,7 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
   const WorkerCalls calls{
       .next = [&]() -> std::optional<uint64_t> {
         if (next == runs.size()) return std::nullopt;
-        begun.insert(runs[next]);
+        begun.runs.insert(runs[next]);
         return runs[next++];
       },
       .work =
@@ -52,11 +71,22 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
       .tick = [&] { progress.show(); }};
   const auto most = static_cast<size_t>(workers);
   outcome.interrupted = !run_in_workers(static_cast<int>(std::min(most, runs.size())), calls);
-  // Of processes that were killed since they did not end in time.
-  std::error_code unknown;
-  for (const uint64_t run : begun) fs::remove(partial_log(files, run), unknown);
   return outcome;
 }
+
+namespace {
+
+// What the first run that went as it should tells of all others: throws where a value of the plan
+// is logged by nobody, before hours are spent on an empty column.
+void check_first_run(const RunRecord& record) {
+  for (const std::string& note : record.notes)
+    std::fprintf(stderr, "%srun %llu: %s\n", isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "",
+                 static_cast<unsigned long long>(record.run), note.c_str());
+  if (!record.unlogged.empty())
+    throw InputError(fmt::format("{}", fmt::join(record.unlogged, "\nseam: ")));
+}
+
+}  // namespace
 
 SweepOutcome make_missing_runs(ResultsFile& results, int jobs, ProgramPrints prints) {
   const std::vector<bool> finished = results.finished();
@@ -64,9 +94,14 @@ SweepOutcome make_missing_runs(ResultsFile& results, int jobs, ProgramPrints pri
   for (uint64_t run = 0; run < finished.size(); ++run) {
     if (!finished[run] && results.shard().has(run)) runs.push_back(run);
   }
-  return make_runs(
-      results.plan(), runs, results.makers(), jobs, run_files(results.path()),
-      [&](const RunRecord& record) { results.add(record); }, std::move(prints));
+  bool checked = false;
+  const auto take = [&](const RunRecord& record) {
+    if (!checked && !record.failed()) check_first_run(record);
+    checked = checked || !record.failed();
+    results.add(record);
+  };
+  return make_runs(results.plan(), runs, results.makers(), jobs, run_files(results.path()), take,
+                   std::move(prints));
 }
 
 }  // namespace seam::app

@@ -15,9 +15,11 @@ std::string summary_cell(const RunRecord& record, const std::string& column) {
   const bool ran = !record.fingerprint.empty();
   if (column == "seed") return fmt::format("{}", record.seed);
   if (column == "end") return record.failed() && !ran ? "failed" : record.end;
+  const bool is_score = column == "red_score" || column == "blue_score";
+  if (is_score && record.failed()) return "";
   if (column == "red_score") return text_of(record.red_score);
   if (column == "blue_score") return text_of(record.blue_score);
-  if (!ran) return "";
+  if (!ran || record.failed()) return "";  // Nothing of half a run is averaged by accident.
   if (column == "sim_s") return fmt::format("{}", record.sim_s);
   if (column == "frames") return fmt::format("{}", record.frames);
   if (column == "decisions") return fmt::format("{}", record.decisions);
@@ -52,7 +54,8 @@ std::vector<std::string> table_cells(const SweepPlan& plan, const RunRecord& rec
     cells.push_back(summary_cell(record, column));
   const size_t kept = plan.keep().columns().size();
   for (size_t i = 0; i < kept; ++i) {
-    const auto value = i < record.kept.size() ? record.kept[i] : std::nullopt;
+    const bool there = i < record.kept.size() && !record.failed();
+    const auto value = there ? record.kept[i] : std::nullopt;
     cells.push_back(value ? fmt::format("{}", *value) : "");
   }
   cells.push_back(first_line(record.error));

@@ -3,8 +3,10 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
+#include "scheduler/loop/command_notes.h"
 #include "scheduler/wire/token.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/shown_text.h"
@@ -79,7 +81,7 @@ void ClientHub::detach(int robot, const ClientConnection& connection) {
 }
 
 Acceptance ClientHub::answer(int robot, const ClientConnection& connection, uint64_t sequence,
-                             Decision decision) {
+                             Decision decision, const DecisionDoubts& doubts) {
   const std::lock_guard lock(mutex_);
   Slot& slot = slots_[robot];
   if (slot.connection.get() != &connection) return Acceptance::stale;
@@ -88,6 +90,8 @@ Acceptance ClientHub::answer(int robot, const ClientConnection& connection, uint
   if (sequence < slot.last_sequence) return Acceptance::stale;
   if (!slot.owes) return Acceptance::duplicate;
   const bool logs_too_much = !slot.budget.spend(now_, decision.debug);
+  // Before the loop goes on and time with it.
+  add_doubts(robot, logs_too_much ? DecisionDoubts{.refused = "debug: beyond the budget"} : doubts);
   slot.decision = logs_too_much ? Decision{} : std::move(decision);
   slot.owes = false;
   if (--owed_ == 0 && std::this_thread::get_id() != loop_) changed_.ring();
@@ -96,9 +100,22 @@ Acceptance ClientHub::answer(int robot, const ClientConnection& connection, uint
 
 void ClientHub::note_fault(int robot, const std::string& name, const std::string& detail) {
   const std::lock_guard lock(mutex_);
+  add_fault(robot, name, detail);
+}
+
+void ClientHub::add_fault(int robot, const std::string& name, const std::string& detail) {
   if (faults_.size() >= kMaxFaults) return;
   faults_.push_back(
       {now_, EventKind::fault, robot < 0 ? "" : slots_[robot].robot.id, name, detail});
+}
+
+void ClientHub::add_doubts(int robot, const DecisionDoubts& doubts) {
+  if (!doubts.refused.empty()) add_fault(robot, kRefusedFault, doubts.refused);
+  for (const auto& [joint, text] : doubts.clamped) {
+    if (slots_[robot].clamped.test(joint)) continue;
+    slots_[robot].clamped.set(joint);
+    add_fault(robot, kClampedFault, text);
+  }
 }
 
 void ClientHub::note_wrong_hello(int robot) {
@@ -306,6 +323,11 @@ std::vector<SimulationEvent> ClientHub::take_faults() {
     slot.wrong_hellos = 0;
     slot.hellos_told = now_;
   }
+  // Robots answer in any order of the wall's time; logs of equal runs are equal.
+  std::stable_sort(faults_.begin(), faults_.end(),
+                   [](const SimulationEvent& a, const SimulationEvent& b) {
+                     return std::tie(a.time, a.robot) < std::tie(b.time, b.robot);
+                   });
   return std::exchange(faults_, {});
 }
 

@@ -2,7 +2,9 @@
 // policies for silent clients. Free of gRPC; a connection is known by interface.
 #pragma once
 
+#include <bitset>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -66,6 +68,12 @@ enum class Acceptance {
   logs_too_much,  // Counts as an empty decision: it logs more than the budget has left.
 };
 
+// What is to be recorded of a decision if it counts, at the time of its observation.
+struct DecisionDoubts {
+  std::string refused;                    // Why it counts as an empty one; empty: it was not.
+  std::map<size_t, std::string> clamped;  // Targets beyond the range, by joint.
+};
+
 class ClientHub final : public DecisionSource {
  public:
   ClientHub(std::vector<HubRobot> robots, RunControl& control);
@@ -84,7 +92,7 @@ class ClientHub final : public DecisionSource {
   void activate(int robot, const ClientConnection& connection);
   void detach(int robot, const ClientConnection& connection);
   Acceptance answer(int robot, const ClientConnection& connection, uint64_t sequence,
-                    Decision decision);
+                    Decision decision, const DecisionDoubts& doubts = {});
   // Something a client did was refused.
   void note_fault(int robot, const std::string& name, const std::string& detail);
   // A client came with a wrong token, or too soon after many: counted, told once a second.
@@ -128,10 +136,13 @@ class ClientHub final : public DecisionSource {
     bool owes = false;
     std::optional<Decision> decision;
     DebugBudget budget;
-    uint64_t wrong_hellos = 0;  // Since they were last told.
+    std::bitset<kMostJoints> clamped;  // Joints of which it was recorded: once each.
+    uint64_t wrong_hellos = 0;         // Since they were last told.
     std::optional<SimTime> hellos_told;
   };
 
+  void add_fault(int robot, const std::string& name, const std::string& detail);
+  void add_doubts(int robot, const DecisionDoubts& doubts);
   void hand_out(std::span<const std::shared_ptr<const Observation>> observations);
   void apply_policies(WallClock::time_point now);
   std::optional<WallClock::time_point> next_deadline() const;

@@ -15,6 +15,11 @@
 
 namespace seam::scheduler {
 
+// Which events a run has, in RunHeader::versions; logs without it have kOldTouch instead of
+// contacts that begin and end.
+inline constexpr const char* kEventsKey = "events";
+inline constexpr const char* kEventsVersion = "2";
+
 // What a run depends on, and so all that a re-run needs beside the decisions.
 struct RunHeader {
   std::string scenario_text;  // The scenario file's text, and the name that errors call it by.

@@ -54,12 +54,14 @@ class Simulation::Loop {
   void tell_policy(const Answer& answer);
   void tell_debug(const Answer& answer);
   void tell(SimulationEvent event);
+  bool is_told(const WorldEvent& event) const;
   SimTime acts_at(int robot) const;
   void push_tick(int robot);
   const std::string& id(int robot) const { return parts_.scenario.robots[robot].id; }
 
   SimulationParts parts_;
   SimTime until_;
+  const bool has_contacts_;
   EventQueue queue_;
   std::vector<RobotState> robots_;
   std::unique_ptr<FramePipeline> pipeline_;
@@ -77,7 +79,10 @@ class Simulation::Loop {
 
 Simulation::Loop::Loop(SimulationParts parts, const SimulationOptions& options)
     : parts_(std::move(parts)),
-      until_(options.until.value_or(SimTime() + parts_.scenario.duration)) {
+      until_(options.until.value_or(SimTime() + parts_.scenario.duration)),
+      has_contacts_(std::find(parts_.header.versions.begin(), parts_.header.versions.end(),
+                              std::pair<std::string, std::string>(kEventsKey, kEventsVersion)) !=
+                    parts_.header.versions.end()) {
   const RandomStream root{static_cast<uint64_t>(parts_.scenario.seed), 0};
   if (options.permutation_seed) queue_.permute_insertions({*options.permutation_seed, 0});
   for (const RobotSpec& robot : parts_.scenario.robots) {
@@ -99,6 +104,12 @@ Simulation::Loop::Loop(SimulationParts parts, const SimulationOptions& options)
 
 void Simulation::Loop::tell(SimulationEvent event) {
   for (SimulationObserver* observer : parts_.observers) observer->on_event(event);
+}
+
+// Runs of an earlier log have its events.
+bool Simulation::Loop::is_told(const WorldEvent& event) const {
+  if (has_contacts_) return event.kind != kOldTouch;
+  return event.kind != kContact && event.kind != kContactEnd;
 }
 
 void Simulation::Loop::push_tick(int robot) {
@@ -212,8 +223,9 @@ void Simulation::Loop::step_world() {
   fingerprint_.add(state_.section_hashes);
   for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state_);
   for (const WorldEvent& event : parts_.world.take_events())
-    tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind,
-          event.detail});
+    if (is_told(event))
+      tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind,
+            event.detail});
 }
 
 void Simulation::Loop::deliver(int robot) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "scheduler/wire/wire.h"
 #include "sim_core/base/error.h"
 
@@ -53,6 +55,7 @@ std::optional<Turn> MixedSource::decide(
   std::optional<Turn> logged = turns_.turn(now, observations);
   if (!logged) {
     log_is_over_ = true;
+    report_.departs_ns = std::min<int64_t>(report_.departs_ns, now.ns());
     if (!report_.live_since) report_.live_since = now;
     return live;
   }
@@ -70,12 +73,22 @@ std::optional<Turn> MixedSource::decide(
 // Replaces the log's answer where the live client drives; else compares the two.
 void MixedSource::mix(SimTime now, Answer& logged, Answer& live,
                       const std::vector<std::string>& robots) {
-  if (now >= options_.live_from && options_.live_robots.contains(logged.robot)) {
+  const bool acts = now >= options_.live_from && options_.live_robots.contains(logged.robot);
+  const bool both = logged.outcome == Outcome::decided && live.outcome == Outcome::decided;
+  const bool same = both && same_decision(logged, live, robots);
+  if (both && !report_.first_otherwise.contains(logged.robot)) {
+    if (same)
+      ++report_.alike[logged.robot];
+    else
+      report_.first_otherwise.emplace(logged.robot, MixedReport::Otherwise{now, logged, live});
+  }
+  if (acts) {
+    if (!same && now.ns() < report_.departs_ns) report_.departs_ns = now.ns();
     logged = std::move(live);
     if (!report_.live_since) report_.live_since = now;
-  } else if (logged.outcome == Outcome::decided && live.outcome == Outcome::decided) {
+  } else if (both) {
     ++report_.compared_decisions;
-    report_.different_decisions += !same_decision(logged, live, robots);
+    report_.different_decisions += !same;
   }
 }
 

@@ -2,6 +2,9 @@
 // and for what-if runs.
 #pragma once
 
+#include <atomic>
+#include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -52,6 +55,16 @@ struct MixedReport {
   uint64_t different_decisions = 0;
   // The first instant at which a live decision took effect.
   std::optional<SimTime> live_since;
+  // By robot: when its client first decided otherwise than the log says, with effect or without.
+  struct Otherwise {
+    SimTime time;
+    Answer logged, live;
+  };
+  std::map<int, Otherwise> first_otherwise;
+  std::map<int, uint64_t> alike;  // By robot: decisions before the first other one.
+  // The first instant whose decisions were others than the log's, with effect: until then the world
+  // is the log's. Renderers read it on threads of their own.
+  std::atomic<int64_t> departs_ns = std::numeric_limits<int64_t>::max();
 };
 
 // Decisions from a log as far as it goes, then from live clients. The live clients are told every

@@ -2,16 +2,32 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <utility>
 
 #include "scheduler/loop/clock.h"
+#include "scheduler/loop/command_notes.h"
 #include "scheduler/wire/wire.h"
+#include "sim_core/body/joint_table.h"
 
 namespace seam::scheduler {
 
 namespace {
 
 constexpr size_t kMaxClientNameBytes = 200;
+
+// What is to be said of targets beyond their joints' ranges, by joint.
+std::map<size_t, std::string> clamped_by(const RobotBody& body, const RobotCommand& command) {
+  std::map<size_t, std::string> notes;
+  for (const JointFrame& frame : command.joints) {
+    for (const JointTarget& target : frame.targets) {
+      const auto joint = static_cast<size_t>(target.joint);
+      if (joint >= body.joint_count()) continue;
+      if (auto text = out_of_range_text(body, joint, target.angle_rad)) notes.emplace(joint, *text);
+    }
+  }
+  return notes;
+}
 
 }  // namespace
 
@@ -112,25 +128,29 @@ void RobotSession::take_hello(const v1::ClientMessage& message) {
 void RobotSession::take_decision(const v1::ClientMessage& message) {
   if (!message.has_decision()) {
     const std::string found = message.has_hello() ? "a second hello" : "an empty message";
-    parts_.hub.note_fault(robot_, "refused", found);
+    parts_.hub.note_fault(robot_, kRefusedFault, found);
     return refuse(0, {"kind", fmt::format("found {}, expected a decision", found)}, true);
   }
   const v1::Decision& wire = message.decision();
   auto decision = decision_from_wire(wire, parts_.scenario.radio.max_message_bytes);
-  if (auto misfit = unfit_for(parts_.scenario.robots[robot_].body, wire))
-    decision = std::move(*misfit);
+  const RobotBody& body = parts_.scenario.robots[robot_].body;
+  if (auto misfit = unfit_for(body, wire)) decision = std::move(*misfit);
   const FieldError* bad = std::get_if<FieldError>(&decision);
+  DecisionDoubts doubts;
+  if (bad != nullptr)
+    doubts.refused = fmt::format("{}: {}", bad->field, bad->message);
+  else
+    doubts.clamped = clamped_by(body, std::get<Decision>(decision).command);
   // A refused decision counts as an empty one: the match goes on.
-  const Acceptance acceptance = parts_.hub.answer(
-      robot_, *this, wire.sequence(), bad ? Decision{} : std::move(std::get<Decision>(decision)));
+  const Acceptance acceptance =
+      parts_.hub.answer(robot_, *this, wire.sequence(),
+                        bad ? Decision{} : std::move(std::get<Decision>(decision)), doubts);
   const uint64_t sequence = wire.sequence();
   switch (acceptance) {
     case Acceptance::accepted:
       if (!bad) return;
-      parts_.hub.note_fault(robot_, "refused", fmt::format("{}: {}", bad->field, bad->message));
       return refuse(sequence, *bad, false);
     case Acceptance::logs_too_much:
-      parts_.hub.note_fault(robot_, "refused", "debug: beyond the budget");
       return refuse(sequence,
                     {"debug", fmt::format("found more than the budget, expected at most {} bytes "
                                           "a simulated second",

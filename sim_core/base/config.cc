@@ -74,11 +74,12 @@ void check_map(const ConfigNode& node) {
 }  // namespace
 
 ConfigNode::ConfigNode(const YAML::Node& node, std::string file, std::string path,
-                       int line_of_parent)
+                       int line_of_parent, bool has_lines)
     : node_(std::make_shared<const YAML::Node>(node)),
       file_(std::move(file)),
       path_(std::move(path)),
       line_of_parent_(line_of_parent),
+      has_lines_(has_lines),
       asked_(std::make_shared<std::set<std::string>>()) {}
 
 bool ConfigNode::is_map() const {
@@ -96,9 +97,17 @@ ConfigNode ConfigNode::from_file(const std::filesystem::path& path) {
 }
 
 ConfigNode ConfigNode::from_text(const std::string& text, const std::string& name) {
+  return parsed(text, name, name.find(": ") == std::string::npos);
+}
+
+ConfigNode ConfigNode::from_made_text(const std::string& text, const std::string& name) {
+  return parsed(text, name, /*has_lines=*/false);
+}
+
+ConfigNode ConfigNode::parsed(const std::string& text, const std::string& name, bool has_lines) {
   refuse_hostile_nesting(text, name);
   try {
-    ConfigNode root(YAML::Load(text), name, "", 1);
+    ConfigNode root(YAML::Load(text), name, "", 1, has_lines);
     if (!root.node_->IsDefined() || root.node_->IsNull()) root.fail("the file is empty");
     return root;
   } catch (const YAML::Exception& error) {
@@ -112,8 +121,8 @@ int ConfigNode::line() const {
 }
 
 std::string ConfigNode::where() const {
-  return path_.empty() ? fmt::format("{}:{}", file_, line())
-                       : fmt::format("{}:{}: {}", file_, line(), path_);
+  const std::string place = has_lines_ ? fmt::format("{}:{}", file_, line()) : file_;
+  return path_.empty() ? place : fmt::format("{}: {}", place, path_);
 }
 
 void ConfigNode::fail(const std::string& message) const {
@@ -128,7 +137,8 @@ bool ConfigNode::has(const std::string& key) const {
 
 std::optional<ConfigNode> ConfigNode::find(const std::string& key) const {
   if (!has(key)) return std::nullopt;
-  return ConfigNode((*node_)[key], file_, path_.empty() ? key : path_ + "." + key, line());
+  return ConfigNode((*node_)[key], file_, path_.empty() ? key : path_ + "." + key, line(),
+                    has_lines_);
 }
 
 ConfigNode ConfigNode::at(const std::string& key) const {
@@ -155,7 +165,7 @@ void ConfigNode::finish() const {
     if (!seen.insert(key).second) fail(fmt::format("key '{}' stands twice", key));
     if (asked_->contains(key)) continue;
     const std::vector<std::string> known(asked_->begin(), asked_->end());
-    const auto value = ConfigNode((*node_)[key], file_, path_, line());
+    const auto value = ConfigNode((*node_)[key], file_, path_, line(), has_lines_);
     value.fail(fmt::format("unknown key '{}'{}", key, suggestion_for(key, known)));
   }
 }
@@ -173,7 +183,8 @@ std::vector<ConfigNode> ConfigNode::items() const {
   if (!node_->IsSequence()) fail("expected a list");
   std::vector<ConfigNode> items;
   for (size_t i = 0; i < node_->size(); ++i) {
-    items.push_back(ConfigNode((*node_)[i], file_, fmt::format("{}[{}]", path_, i), line()));
+    items.push_back(
+        ConfigNode((*node_)[i], file_, fmt::format("{}[{}]", path_, i), line(), has_lines_));
   }
   return items;
 }

@@ -27,7 +27,11 @@ class ConfigNode {
  public:
   // Parses a file; throws InputError with file and line. Limits: 16 MiB, nesting depth 64.
   static ConfigNode from_file(const std::filesystem::path& path);
+  // A name with ": " in it is a place in another document, "match.yaml:7: robots[0].camera.model":
+  // no line is given then, for the text's own lines stand in no file.
   static ConfigNode from_text(const std::string& text, const std::string& name);
+  // A text that a program wrote: errors name the key without a line.
+  static ConfigNode from_made_text(const std::string& text, const std::string& name);
 
   bool is_map() const;
   bool is_scalar() const;
@@ -63,7 +67,7 @@ class ConfigNode {
   bool boolean_or(const std::string& key, bool fallback) const;
   std::string text_or(const std::string& key, const std::string& fallback) const;
 
-  // "file:line: path.to.key: message".
+  // "file:line: path.to.key: message"; without the line where the text stands in no file.
   [[noreturn]] void fail(const std::string& message) const;
   std::string where() const;
   const std::string& file() const { return file_; }
@@ -71,7 +75,9 @@ class ConfigNode {
   const YAML::Node& yaml() const { return *node_; }
 
  private:
-  ConfigNode(const YAML::Node& node, std::string file, std::string path, int line_of_parent);
+  static ConfigNode parsed(const std::string& text, const std::string& name, bool has_lines);
+  ConfigNode(const YAML::Node& node, std::string file, std::string path, int line_of_parent,
+             bool has_lines);
 
   // Behind a pointer, so that the files that read configuration need not compile the parser's
   // headers.
@@ -79,6 +85,7 @@ class ConfigNode {
   std::string file_;
   std::string path_;
   int line_of_parent_ = 0;
+  bool has_lines_ = true;
   // Shared by copies of the same node, so that what one copy asked for is known to `finish`.
   std::shared_ptr<std::set<std::string>> asked_;
 };

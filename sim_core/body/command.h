@@ -48,15 +48,17 @@ struct RobotCommand {
 struct CommandLimits {
   static constexpr int kMaxJointFrames = 64;
   static constexpr int kMaxTargetsAFrame = kMostJoints;
-  static constexpr double kMaxAngleRad = 7;
+  // Angles beyond the joint's range are clamped to it; only what no number of degrees would be, or
+  // is no number, is refused.
+  static constexpr double kMaxAngleRad = 1e6;
   static constexpr double kMaxSpeedRadps = 100;
   static constexpr double kMaxWalkMps = 10;
   static constexpr double kMaxTurnRadps = 100;
   static constexpr int64_t kMaxOffsetNs = 10'000'000'000;
 };
 
-// "joints[0].targets[1].angle_rad: found nan, expected a number from -7 to 7" for the first field
-// that is not a finite number in its range, nothing for a good command.
+// "joints[0].targets[1].angle_rad: found nan, expected a number from -1e+06 to 1e+06" for the first
+// field that is not a finite number in its range, nothing for a good command.
 std::optional<std::string> invalid_field(const RobotCommand& command);
 
 }  // namespace seam

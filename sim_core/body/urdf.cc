@@ -25,8 +25,8 @@ using tinyxml2::XMLElement;
 
 constexpr size_t kMostBytes = 16 << 20;
 constexpr size_t kMostLinks = 256;
-// The widest range of a command; a wheel that turns on and on has this.
-constexpr double kWidest_rad = CommandLimits::kMaxAngleRad;
+// The widest range of a joint, as robot files may have it; a wheel that turns on and on has this.
+constexpr double kWidest_rad = 7;
 constexpr double kUsualSpeed_radps = 10;  // Of a joint that states none.
 
 double linear(double srgb) {

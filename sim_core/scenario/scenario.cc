@@ -311,6 +311,10 @@ Scenario Scenario::from_text(const std::string& yaml, const std::string& name) {
   return from_node(ConfigNode::from_text(yaml, name));
 }
 
+Scenario Scenario::from_made_text(const std::string& yaml, const std::string& name) {
+  return from_node(ConfigNode::from_made_text(yaml, name));
+}
+
 std::string Scenario::to_yaml() const {
   Scenario copy = *this;
   return write_config([&](ConfigTable& table) { describe_scenario(table, copy, false); });

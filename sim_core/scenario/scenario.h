@@ -156,6 +156,8 @@ struct Scenario {
   // Throws InputError naming file, line and key.
   static Scenario from_file(const std::filesystem::path& path);
   static Scenario from_text(const std::string& yaml, const std::string& name);
+  // Of a text that `to_yaml` wrote: errors name keys without lines, which stand in no file.
+  static Scenario from_made_text(const std::string& yaml, const std::string& name);
   // The whole scenario in one document, files included: from_text gives an equal scenario.
   std::string to_yaml() const;
   // JSON Schema (docs/reference/schemas/scenario.schema.json).

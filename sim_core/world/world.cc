@@ -212,15 +212,6 @@ void World::Impl::move_limbs(SimTime time, SimDuration h) {
   }
 }
 
-void World::Impl::note_touches() {
-  for (const BallContact& contact : physics.ball_contacts()) {
-    const auto robot = static_cast<int64_t>(contact.robot);
-    if (robot == last_touch) continue;
-    last_touch = robot;
-    events.push_back({end, "ball_touched", static_cast<int>(robot), ""});
-  }
-}
-
 void World::Impl::place_robot(size_t i, const Pose2& pose, bool on_field) {
   robots[i].place(pose);
   bodies.robots[i] = {pose.x_m, pose.y_m, pose.theta_rad};
@@ -392,6 +383,7 @@ std::string World::snapshot() const {
 }
 
 void World::restore(std::string_view bytes) {
+  impl_->touches.clear();
   SnapshotReader reader(bytes);
   visit(reader);
   reader.finish();

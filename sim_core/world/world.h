@@ -48,12 +48,21 @@ struct RobotTruth {
   JointAngles joints_rad{};
 };
 
+// Another robot than the last one touched the ball: an event of earlier logs, which several robots
+// at the ball repeat each step. The world still has it, so that those logs are made again as they
+// are.
+inline constexpr const char* kOldTouch = "ball_touched";
+// A contact of a robot with the ball, from its first touch until it has not touched for a while.
+inline constexpr const char* kContact = "ball_contact";
+inline constexpr const char* kContactEnd = "ball_contact_end";
+
 // Something that happened in the world, for the log and the referee.
 struct WorldEvent {
   SimTime time;
-  std::string kind;  // World: "kick", "grab", "release", "ball_lost", "ball_touched". Referee: see
-                     // referee.h. Radio: "radio_sent".
-  int robot = -1;    // Whose; -1: nobody's.
+  // World: "kick", "grab", "release", "ball_lost", "ball_contact" and "ball_contact_end" of a
+  // robot; kOldTouch. Referee: see referee.h. Radio: "radio_sent".
+  std::string kind;
+  int robot = -1;      // Whose; -1: nobody's.
   std::string detail;  // For people.
   enum class Source : uint8_t { world, referee, radio } source = Source::world;
 };

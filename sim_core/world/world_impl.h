@@ -1,6 +1,7 @@
 // The inside of World: world.cc moves it, world_scene.cc shows it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "sim_core/world/ball_play.h"
@@ -63,6 +64,11 @@ class World::Impl {
   PhysicsState bodies;            // At `end`.
   std::vector<Vec3> ball_points;  // At the ends of the interval's physics steps.
   int64_t last_touch = -1;        // Robot that touched the ball last.
+  // Of each robot with the ball, for events; the world does not move by it. Nothing: no contact.
+  struct BallTouch {
+    SimTime begin, last;
+  };
+  std::vector<std::optional<BallTouch>> touches;
   Physics physics;
   BallPlay ball_play;
   Referee referee;
@@ -84,6 +90,7 @@ class World::Impl {
   void find_limbs();
   void move_limbs(SimTime time, SimDuration h);
   void note_touches();
+  void note_contacts();
 };
 
 }  // namespace seam

@@ -8,6 +8,7 @@
 #include "app/import/recognise.h"
 #include "app/predictors/instruments.h"
 #include "app/scene_assets.h"
+#include "app/session/behaviours.h"
 #include "app/sweep/table.h"
 #include "effects/formulas/formula_ranges.h"
 #include "effects/model.h"
@@ -92,9 +93,24 @@ std::string assets_text(Named& named) {
                      assets.meshes.size(), triangles, assets.textures.size());
 }
 
+// Each program that a run would start is there and can be started; all that cannot are named.
+void check_behaviours(const std::string& file, const Scenario& scenario) {
+  std::vector<std::string> errors;
+  for (const RobotSpec& robot : scenario.robots) {
+    if (robot.behaviour.command.empty()) continue;
+    try {
+      app::find_behaviour(robot.behaviour.command.front(), robot.id);
+    } catch (const InputError& error) {
+      errors.push_back(fmt::format("{}: {}", file, error.what()));
+    }
+  }
+  if (!errors.empty()) throw InputError(fmt::format("{}", fmt::join(errors, "\nseam: ")));
+}
+
 // The camera models inside are for effects/ to check.
 std::string scenario_text(const ConfigNode& root) {
   Scenario scenario = Scenario::from_file(root.file());
+  check_behaviours(root.file(), scenario);
   const std::string assets = assets_text(scenario);
   std::string text =
       fmt::format("scenario: {}\n  duration     {:g} s, step {:g} s, seed {}\n", scenario.name,
@@ -161,6 +177,7 @@ std::string colour_table_text(const ConfigNode& root) {
 
 std::string sweep_text(const ConfigNode& root) {
   const auto plan = app::SweepPlan::from_file(root.file());
+  check_behaviours(root.file(), plan.scenario(0));
   return fmt::format("plan: {} runs of {}\n  columns      {}\n", plan.runs(),
                      plan.texts().scenario_name, fmt::join(app::table_columns(plan), ", "));
 }

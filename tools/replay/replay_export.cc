@@ -1,6 +1,9 @@
 // `seam replay export F --out DIR`: a log as CSV files and pictures.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
+#include <optional>
 
 #include "app/logs/joint_names.h"
 #include "app/logs/replay_match.h"
@@ -9,6 +12,7 @@
 #include "sim_core/base/hash.h"
 #include "sim_core/base/output.h"
 #include "sim_core/input/file_names.h"
+#include "sim_core/input/shown_text.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -30,6 +34,62 @@ std::string cell(const std::string& text) {
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + "\"";
 }
+
+// The decimal number of a time in seconds: 22.24, not 22.240000000000002.
+double decimal_s(SimTime time) {
+  return static_cast<double>(time.ns()) / 1e9;
+}
+
+// Where the robots are at any time, by running the log's world again; nothing where that cannot be.
+class Places {
+ public:
+  explicit Places(const scheduler::Log& log) {
+    try {
+      match_.emplace(log);
+      match_->rewinder();
+    } catch (const InputError& error) {
+      give_up(error);
+    }
+  }
+
+  // The columns kPlaceColumns, blank where they are not known.
+  std::string cells(SimTime time, int robot) {
+    try {
+      if (match_) return known_cells(match_->rewinder().to(time), static_cast<size_t>(robot));
+    } catch (const InputError& error) {
+      give_up(error);
+    }
+    return std::string(std::count(kPlaceColumns.begin(), kPlaceColumns.end(), ','), ',');
+  }
+  // Why places are blank; empty where none is.
+  const std::string& trouble() const { return trouble_; }
+
+  static constexpr std::string_view kPlaceColumns =
+      "x_m,y_m,heading_rad,tilt_rad,pan_rad,roll_rad,ball_x_m,ball_y_m,ball_z_m";
+
+ private:
+  void give_up(const InputError& error) {
+    trouble_ = error.what();
+    match_.reset();
+  }
+
+  std::string known_cells(SimTime time, size_t robot) {
+    const RobotTruth truth = match_->world().robot(robot, time);
+    std::string line =
+        fmt::format("{},{},{}", truth.pose.x_m, truth.pose.y_m, truth.pose.theta_rad);
+    if (match_->scenario().robots[robot].body.tree.present())
+      line += ",,,";
+    else
+      line += fmt::format(",{},{},{}", truth.joints_rad[kTilt], truth.joints_rad[kPan],
+                          truth.joints_rad[kRoll]);
+    if (!match_->scenario().ball.present) return line + ",,,";
+    const Vec3 ball = match_->world().ball(time).p_W;
+    return line + fmt::format(",{},{},{}", ball.x, ball.y, ball.z);
+  }
+
+  std::optional<app::ReplayMatch> match_;
+  std::string trouble_;
+};
 
 class CsvFile {
  public:
@@ -73,52 +133,58 @@ class Exporter {
       : log_(log),
         names_(log.header()),
         folder_(folder),
-        poses_(folder / "poses.csv", "time_s,robot,x_m,y_m,heading_rad,tilt_rad,pan_rad,roll_rad"),
-        ball_(folder / "ball.csv", "time_s,x_m,y_m,z_m"),
-        steps_(folder / "steps.csv", "step,time_s,fingerprint"),
+        places_(log),
+        poses_(folder / "poses.csv",
+               "time_ns,time_s,robot,x_m,y_m,heading_rad,tilt_rad,pan_rad,roll_rad"),
+        ball_(folder / "ball.csv", "time_ns,time_s,x_m,y_m,z_m"),
+        steps_(folder / "steps.csv", "time_ns,time_s,step,fingerprint"),
         decisions_(folder / "decisions.csv",
-                   "time_s,robot,sequence,outcome,vx_mps,vy_mps,omega_radps,kick,frame_requests,"
-                   "messages,reason"),
-        joints_(folder / "joint_commands.csv", "time_s,robot,offset_s,joint,angle_rad,speed_radps"),
-        debug_(folder / "debug.csv", "time_s,robot,name,kind,value"),
-        frames_(folder / "frames.csv", "robot,frame,stamp_s,end_s,fingerprint,file"),
-        events_(folder / "events.csv", "time_s,kind,robot,name,detail") {}
+                   "time_ns,time_s,robot,sequence,frame,outcome,vx_mps,vy_mps,omega_radps,kick,"
+                   "frame_requests,messages,reason," +
+                       std::string(Places::kPlaceColumns)),
+        joints_(folder / "joint_commands.csv",
+                "time_ns,time_s,robot,offset_s,joint,angle_rad,speed_radps"),
+        debug_(folder / "debug.csv", "time_ns,time_s,robot,name,kind,value"),
+        frames_(folder / "frames.csv",
+                "robot,frame,stamp_ns,stamp_s,end_ns,end_s,fingerprint,file"),
+        events_(folder / "events.csv", "time_ns,time_s,kind,robot,name,detail") {}
 
   void operator()(const scheduler::RunHeader&) {}
   void operator()(const scheduler::SnapshotRecord&) {}
   void operator()(const scheduler::EndRecord&) {}
 
   void operator()(const scheduler::StepRecord& step) {
-    steps_.row(step.step, step.time.s(), to_hex(step.fingerprint));
+    steps_.row(step.time.ns(), decimal_s(step.time), step.step, to_hex(step.fingerprint));
     const auto& robots = log_.header().robots;
     if (step.poses.size() != 6 * robots.size() + 3) return;
     for (size_t i = 0; i < robots.size(); ++i) {
       const float* pose = &step.poses[6 * i];
-      poses_.row(step.time.s(), cell(robots[i]), pose[0], pose[1], pose[2], pose[3], pose[4],
-                 pose[5]);
+      poses_.row(step.time.ns(), decimal_s(step.time), cell(robots[i]), pose[0], pose[1], pose[2],
+                 pose[3], pose[4], pose[5]);
     }
     const float* ball = &step.poses[6 * robots.size()];
-    ball_.row(step.time.s(), ball[0], ball[1], ball[2]);
+    ball_.row(step.time.ns(), decimal_s(step.time), ball[0], ball[1], ball[2]);
   }
 
   void operator()(const scheduler::TurnRecord& turn) {
-    for (const Answer& answer : turn.turn.answers) write(turn.time.s(), answer);
+    for (const Answer& answer : turn.turn.answers) write(turn.time, answer);
   }
 
   void operator()(const scheduler::FrameRecord& frame) {
+    newest_frames_[frame.robot] = frame.index;
     const std::string& robot = log_.header().robots[static_cast<size_t>(frame.robot)];
     std::string name;
     if (const auto png = log_.has_pictures() ? log_.picture(frame) : std::nullopt) {
       name = fmt::format("{}_{:06}.png", robot, frame.index);
       write_file(name, *png);
     }
-    frames_.row(cell(robot), frame.index, frame.stamp.s(), frame.time.s(),
-                to_hex(frame.fingerprint), name);
+    frames_.row(cell(robot), frame.index, frame.stamp.ns(), decimal_s(frame.stamp), frame.time.ns(),
+                decimal_s(frame.time), to_hex(frame.fingerprint), name);
   }
 
   void operator()(const scheduler::SimulationEvent& event) {
-    events_.row(event.time.s(), kind_text(event.kind), cell(event.robot), cell(event.name),
-                cell(event.detail));
+    events_.row(event.time.ns(), decimal_s(event.time), kind_text(event.kind), cell(event.robot),
+                cell(event.name), cell(event.detail));
   }
 
   void write_file(const std::string& name, const std::string& bytes) {
@@ -131,43 +197,51 @@ class Exporter {
       file->finish();
   }
 
+  // Why poses at decisions are blank; empty where none is.
+  const std::string& trouble() const { return places_.trouble(); }
+
  private:
-  void write(double time_s, const Answer& answer) {
+  void write(SimTime time, const Answer& answer) {
     const std::string robot = cell(log_.header().robots[static_cast<size_t>(answer.robot)]);
     const RobotCommand& command = answer.decision.command;
     const auto walk = [&](double BodyVelocity::*part) {
       return command.walk ? fmt::format("{}", (*command.walk).*part) : std::string();
     };
-    decisions_.row(time_s, robot, answer.sequence, outcome_text(answer.outcome),
-                   walk(&BodyVelocity::vx_mps), walk(&BodyVelocity::vy_mps),
-                   walk(&BodyVelocity::omega_radps), to_string(command.kick),
-                   answer.decision.frame_requests.size(), answer.decision.messages.size(),
-                   cell(answer.reason));
+    const auto frame = newest_frames_.find(answer.robot);
+    const std::string newest =
+        frame == newest_frames_.end() ? "" : fmt::format("{}", frame->second);
+    decisions_.row(
+        time.ns(), decimal_s(time), robot, answer.sequence, newest, outcome_text(answer.outcome),
+        walk(&BodyVelocity::vx_mps), walk(&BodyVelocity::vy_mps), walk(&BodyVelocity::omega_radps),
+        to_string(command.kick), answer.decision.frame_requests.size(),
+        answer.decision.messages.size(), cell(answer.reason), places_.cells(time, answer.robot));
     for (const JointFrame& frame : command.joints) {
       for (const JointTarget& target : frame.targets) {
-        joints_.row(time_s, robot, frame.offset.s(),
+        joints_.row(time.ns(), decimal_s(time), robot, static_cast<double>(frame.offset.ns()) / 1e9,
                     cell(names_.of(static_cast<size_t>(answer.robot), target.joint)),
                     target.angle_rad, target.speed_radps);
       }
     }
-    for (const scheduler::DebugItem& item : answer.decision.debug) write(time_s, robot, item);
+    for (const scheduler::DebugItem& item : answer.decision.debug) write(time, robot, item);
   }
 
-  void write(double time_s, const std::string& robot, const scheduler::DebugItem& item) {
+  void write(SimTime time, const std::string& robot, const scheduler::DebugItem& item) {
     using Kind = scheduler::DebugItem::Kind;
     if (item.kind == Kind::value) {
-      debug_.row(time_s, robot, cell(item.name), "value", item.value);
+      debug_.row(time.ns(), decimal_s(time), robot, cell(item.name), "value", item.value);
     } else if (item.kind == Kind::text) {
-      debug_.row(time_s, robot, cell(item.name), "text", cell(item.text));
+      debug_.row(time.ns(), decimal_s(time), robot, cell(item.name), "text", cell(item.text));
     } else {
-      debug_.row(time_s, robot, cell(item.name), item.in_image ? "image" : "field",
-                 fmt::format("{}", fmt::join(item.points, " ")));
+      debug_.row(time.ns(), decimal_s(time), robot, cell(item.name),
+                 item.in_image ? "image" : "field", fmt::format("{}", fmt::join(item.points, " ")));
     }
   }
 
   const scheduler::Log& log_;
   const app::JointNames names_;
   fs::path folder_;
+  Places places_;
+  std::map<int, uint64_t> newest_frames_;  // Sent to a robot until now.
   CsvFile poses_, ball_, steps_, decisions_, joints_, debug_, frames_, events_;
 };
 
@@ -184,6 +258,8 @@ void export_log(const ExportSettings& settings) {
     ++records;
   }
   exporter.finish();
+  if (!exporter.trouble().empty())
+    std::printf("decisions.csv has blank places: %s\n", shown(exporter.trouble()).c_str());
   std::printf("%s: %llu records as CSV%s\n", settings.out.c_str(),
               static_cast<unsigned long long>(records),
               log.has_pictures() ? " and pictures"

@@ -188,8 +188,8 @@ void print_events(const scheduler::Log& log, const ShowSettings& settings) {
     }
     const Happening& one = found[i];
     std::printf("  %10s  %-8s %-8s %s%s%s\n", app::seconds(one.time).c_str(), one.kind.c_str(),
-                shown(one.robot).c_str(), shown(one.name).c_str(), one.name.empty() ? "" : " ",
-                shown(one.detail).c_str());
+                shown(one.robot).c_str(), shown(one.name).c_str(),
+                one.name.empty() || one.detail.empty() ? "" : " ", shown(one.detail).c_str());
   }
 }
 

@@ -2,6 +2,8 @@
 // changed.
 #include <cstdio>
 
+#include "app/logs/decision_fields.h"
+#include "app/logs/frames_of_log.h"
 #include "app/logs/log_difference.h"
 #include "app/logs/replay_match.h"
 #include "app/scratch_folder.h"
@@ -12,6 +14,7 @@
 #include "scheduler/replay/player.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
+#include "sim_core/input/shown_text.h"
 #include "tools/command.h"
 #include "tools/replay/replay.h"
 
@@ -45,8 +48,33 @@ scheduler::MixedSourceOptions set_up(const WhatifSettings& settings, const Scena
   return options;
 }
 
+// When the new program first decides otherwise than the old one did, and what: also before --from,
+// where it has no effect.
+std::string otherwise_text(const scheduler::Log& log, const WhatifSettings& settings, int changed,
+                           const scheduler::MixedReport& mixed) {
+  const auto alike = mixed.alike.find(changed);
+  const uint64_t count = alike == mixed.alike.end() ? 0 : alike->second;
+  const auto found = mixed.first_otherwise.find(changed);
+  if (found == mixed.first_otherwise.end())
+    return fmt::format("{} decides as in the log, each of {} times\n", settings.robot, count);
+  const scheduler::MixedReport::Otherwise& other = found->second;
+  std::string text = fmt::format(
+      "{} first decides otherwise at {}, after {} decisions as in the log{}\n", settings.robot,
+      app::seconds(other.time), count,
+      other.time < SimTime::from_s(settings.from_s) ? "; before --from, without effect" : "");
+  for (const app::DecisionField& field :
+       app::other_fields(other.logged, other.live, app::JointNames(log.header())))
+    text +=
+        fmt::format("  {}: {} in the log, {} now\n", field.name,
+                    field.a.empty() ? "nothing" : field.a, field.b.empty() ? "nothing" : field.b);
+  return shown_lines(text);
+}
+
 int what_if(const WhatifSettings& settings) {
   app::SessionOptions session = settings.session;
+  // A log that is kept can be verified like any other.
+  const auto unseen =
+      session.log.empty() ? app::UnseenFrames::never : app::UnseenFrames::when_changed;
   session.inputs = {settings.file};
   const app::ScratchFolder scratch("whatif");
   if (session.log.empty()) session.log = (scratch.path() / "changed.mcap").string();
@@ -72,11 +100,16 @@ int what_if(const WhatifSettings& settings) {
               settings.others == "log" ? "do what the log says" : "are live from then on too");
   std::fflush(stdout);
   scheduler::MixedReport mixed;
-  const app::SessionSummary summary =
+  session.wrap_renderer = [&](scheduler::FrameRenderer& own) {
+    return std::make_unique<app::FramesOfLog>(own, log, options.live_robots, unseen, mixed);
+  };
+  app::SessionSummary summary =
       app::run_session(simulator, session, outputs, [&](scheduler::DecisionSource& live) {
         return std::make_unique<scheduler::MixedSource>(log, live, mixed, options);
       });
+  summary.has_fingerprint = unseen == app::UnseenFrames::when_changed;
   const int code = report(summary, outputs);
+  std::fputs(otherwise_text(log, settings, changed, mixed).c_str(), stdout);
 
   const scheduler::Log changed_log = scheduler::Log::open(session.log);
   const scheduler::LogDifference difference = app::difference_of(log, changed_log);
@@ -91,7 +124,7 @@ void add_replay_whatif(app::Command replay) {
   app::Command command = replay.add_subcommand(
       "whatif",
       "Runs a recorded match again with one robot's behaviour changed, and shows what "
-      "follows");
+      "follows. Frames are drawn for live clients alone; a log that is kept has all of them");
   auto settings = std::make_shared<WhatifSettings>();
   command.add_option("F", settings->file, "The log").required();
   command.add_option("--robot", settings->robot, "Whose behaviour is changed").required();

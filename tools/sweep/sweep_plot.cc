@@ -93,32 +93,67 @@ std::vector<std::string> in_order(const std::vector<app::CurvePoint>& points,
   return words;
 }
 
+// In the colours and with the thin frame of the report's plots.
+std::string look_of(const std::string& kind, size_t series) {
+  constexpr const char* kTerminals[][2] = {
+      {"png", "pngcairo size 1440,900 fontscale 1.6 font 'DejaVu Sans,12' background '#ffffff'"},
+      {"svg",
+       "svg size 720,450 dynamic font 'Inter,DejaVu Sans,sans-serif,12' background '#ffffff'"},
+      {"pdf", "pdfcairo size 16cm,10cm fontscale 0.7 font 'DejaVu Sans,12'"}};
+  std::string script;
+  for (const auto& [name, terminal] : kTerminals)
+    if (kind == name) script = fmt::format("set terminal {}\n", terminal);
+  script += fmt::format("set output 'plot.{}'\n", kind);
+  script +=
+      "set border 3 lc rgb '#8a93a0' lw 1\nset tics nomirror scale 0.5 textcolor rgb '#4a5462'\n"
+      "set xlabel textcolor rgb '#18202b'\nset ylabel textcolor rgb '#18202b'\n"
+      "set grid y lc rgb '#e2e5e9' lt 1 lw 1\n"
+      "set key outside right top Left reverse samplen 2 width 1 textcolor rgb '#18202b'\n"
+      "set bars 0\n";
+  constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                      "#e69f00", "#56b4e9", "#4a5462"};
+  for (size_t i = 0; i < series; ++i)
+    script += fmt::format("set linetype {} lc rgb '{}' lw 1.5 pt 7 ps 0.6\n", i + 1,
+                          kColours[i % std::size(kColours)]);
+  return script;
+}
+
 // Draws in a folder of its own; returns whether there is a picture.
 bool draw(const SweepPlotOptions& options, const std::vector<app::CurvePoint>& points,
-          const fs::path& folder) {
+          const std::string& kind, const fs::path& folder) {
   const bool numeric = std::all_of(points.begin(), points.end(),
                                    [](const auto& point) { return is_number(point.x); });
   const std::vector<std::string> words =
       numeric ? std::vector<std::string>() : in_order(points, &app::CurvePoint::x);
-  std::string script = fmt::format("set xlabel {}\nset ylabel {}\n", label(options.over),
-                                   label(options.statistic + " of " + options.value));
+  const std::vector<std::string> series = in_order(points, &app::CurvePoint::by);
+  std::string script = look_of(kind, series.size());
+  script += fmt::format("set xlabel {}\nset ylabel {}\n", label(options.over),
+                        label(options.statistic + " of " + options.value));
   for (size_t i = 0; i < words.size(); ++i)
     script += fmt::format("{} ({} {})\n", i == 0 ? "set xtics" : "set xtics add",
                           gnuplot_text(words[i]), i);
   script += "set offsets graph 0.05, graph 0.05, 0, 0\nplot ";
-  const std::vector<std::string> series = in_order(points, &app::CurvePoint::by);
   for (size_t i = 0; i < series.size(); ++i) {
     const std::string file = fmt::format("data{}.csv", i);
     write_file_atomically(folder / file, data_of(points, series[i], words));
     const std::string title =
         options.by.empty() ? "notitle" : "title " + label(options.by + " = " + series[i]);
-    script += fmt::format("{0}'{1}' using 1:2:3:4 with yerrorlines lt {2} pt 7 {3}",
-                          i == 0 ? "" : ", ", file, i + 1, title);
+    script += fmt::format("{0}'{1}' using 1:2:3:4 with yerrorlines lt {2} {3}", i == 0 ? "" : ", ",
+                          file, i + 1, title);
   }
-  return plot(folder, "plot", script + "\n");
+  return run_gnuplot(folder, "plot." + kind, script + "\n");
+}
+
+// What the picture is to be, by its name.
+std::string kind_of_picture(const std::string& out) {
+  const std::string ending = fs::path(out).extension().string();
+  for (const char* kind : {"png", "svg", "pdf"})
+    if (ending == std::string(".") + kind) return kind;
+  throw UsageError(fmt::format("--out {}: expected a name that ends in .png, .svg or .pdf", out));
 }
 
 void plot_results(const SweepPlotOptions& options) {
+  const std::string kind = options.out.empty() ? "" : kind_of_picture(options.out);
   OutputFile picture(options.out, {.inputs = {options.file}});
   OutputFile csv(options.csv, {.inputs = {options.file, options.out}});
   const auto results = app::ResultsFile::for_reading(options.file);
@@ -132,8 +167,8 @@ void plot_results(const SweepPlotOptions& options) {
   if (csv) csv.fill(table);
   if (!picture) return;
   const app::ScratchFolder scratch("plot");
-  if (!draw(options, points, scratch.path())) throw ExitCode{1};
-  picture.fill(read_file(scratch.path() / "plot.png"));
+  if (!draw(options, points, kind, scratch.path())) throw ExitCode{1};
+  picture.fill(read_file(scratch.path() / ("plot." + kind)));
 }
 
 }  // namespace
@@ -152,7 +187,8 @@ void add_sweep_plot(app::Command sweep) {
                   "statistics) or rate of values other than 0 (Wilson)")
       .one_of({"mean", "deviation", "median", "rate"})
       .show_default();
-  command.add_option("--out", options->out, "The picture, PNG, drawn by gnuplot");
+  command.add_option("--out", options->out,
+                     "The picture: PNG, SVG or PDF by its name; drawn by gnuplot");
   command.add_option("--csv", options->csv, "What is drawn; it goes to standard output, too");
   command.footer(
       "Example: seam sweep plot results.sqlite --value error_m --over x_m --by camera --out "

@@ -1,8 +1,11 @@
 #include "tools/viewer/view_index.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "app/logs/joint_names.h"
+#include "tools/viewer/kept_ends.h"
 
 namespace seam::tools {
 namespace {
@@ -22,6 +25,18 @@ class Indexer {
  public:
   Indexer(const scheduler::Log& log, ViewIndex& index) : index_(index), joints_(log.header()) {
     index_.robots.resize(log.header().robots.size());
+    debug_.assign(index_.robots.size(), KeptEnds<DebugEntry>(kMaxDebugItems));
+  }
+
+  void finish() {
+    for (size_t robot = 0; robot < debug_.size(); ++robot)
+      index_.robots[robot].debug =
+          debug_[robot].take([](const DebugEntry& before, uint64_t left_out) {
+            DebugEntry note{.t = before.t};
+            note.item.name = "viewer";
+            note.item.text = fmt::format("{} values and texts from here on are left out", left_out);
+            return note;
+          });
   }
 
   void operator()(const scheduler::RunHeader&) {}
@@ -86,12 +101,12 @@ class Indexer {
       if (item.kind == scheduler::DebugItem::Kind::value) {
         add(robot.series["debug." + item.name], t, item.value);
       }
-      if (robot.debug.size() < kMaxDebugItems)
-        robot.debug.push_back({t, item, item.frame_index ? item.frame_index : frame_index});
+      debug_[place].push({t, item, item.frame_index ? item.frame_index : frame_index});
     }
   }
 
   ViewIndex& index_;
+  std::vector<KeptEnds<DebugEntry>> debug_;  // By robot.
   const app::JointNames joints_;
 };
 
@@ -104,10 +119,13 @@ ViewIndex index_log(const scheduler::Log& log) {
   scheduler::LogCursor cursor(log, {Topic::step, Topic::turn, Topic::frame, Topic::event});
   while (const auto record = cursor.next()) std::visit(indexer, *record);
   scheduler::PrintedCursor printed(log);
-  while (auto line = printed.next()) {
-    if (index.printed.size() == kMostPrinted) break;
-    index.printed.push_back(std::move(*line));
-  }
+  indexer.finish();
+  KeptEnds<scheduler::PrintedLine> lines(kMostPrinted);
+  while (auto line = printed.next()) lines.push(std::move(*line));
+  index.printed = lines.take([](const scheduler::PrintedLine& before, uint64_t left_out) {
+    return scheduler::PrintedLine{before.time, before.robot,
+                                  fmt::format("({} lines from here on are left out)", left_out)};
+  });
   return index;
 }
 

@@ -36,6 +36,7 @@ std::string robot_of(const ConfigNode& value, const Scenario& scenario) {
 KeptValue read_value(const ConfigNode& node, const Scenario& scenario) {
   KeptValue value;
   value.robot = robot_of(node, scenario);
+  value.where = node.where();
   if (node.is_scalar()) {
     value.name = value.column = node.text();
     return value;
@@ -49,6 +50,7 @@ KeptValue read_value(const ConfigNode& node, const Scenario& scenario) {
           ? ""
           : std::string(kStatisticNames.at(static_cast<size_t>(value.statistic))) + "_";
   value.column = node.text_or("as", prefix + value.name);
+  value.optional = node.boolean_or("optional", false);
   node.finish();
   return value;
 }
@@ -82,7 +84,8 @@ std::vector<std::string> Keep::columns() const {
 }
 
 Keep read_keep(const std::optional<ConfigNode>& node, const Scenario& scenario,
-               const std::vector<std::string>& parameters) {
+               const std::vector<std::string>& parameters,
+               const std::set<std::string>& without_number) {
   Keep keep;
   const std::vector<std::string> summary(kSummaryColumns.begin(), kSummaryColumns.end());
   keep.summary = summary;
@@ -100,7 +103,15 @@ Keep read_keep(const std::optional<ConfigNode>& node, const Scenario& scenario,
   for (const KeptValue& value : keep.values) known.push_back(value.column);
   if (const auto formulas = node->find("expressions")) {
     for (const std::string& column : formulas->keys()) {
-      keep.formulas.push_back(read_formula(column, formulas->at(column), known));
+      const ConfigNode formula = formulas->at(column);
+      keep.formulas.push_back(read_formula(column, formula, known));
+      for (const std::string& name : keep.formulas.back().reads) {
+        if (without_number.contains(name))
+          formula.fail(fmt::format("reads '{}', which is a number in no run of the plan", name));
+        if (name.ends_with("_score") && !scenario.referee.enabled &&
+            std::find(parameters.begin(), parameters.end(), name) == parameters.end())
+          formula.fail(fmt::format("reads '{}', but the scenario has no referee", name));
+      }
       known.push_back(column);
     }
   }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct KeptValue {
   std::string robot;
   std::string name;  // As its client logs it.
   Statistic statistic = Statistic::last;
+  bool optional = false;  // Not all runs log it.
+  std::string where;      // In the plan, for errors.
 };
 
 struct KeptFormula {
@@ -42,8 +45,10 @@ struct Keep {
 };
 
 // Reads `keep:`; `node` may be missing. `parameters` are the plan's names, which formulas may read
-// beside what is kept and the summary's numbers.
+// beside what is kept and the summary's numbers; `without_number`: those of them that are no number
+// in any run.
 Keep read_keep(const std::optional<ConfigNode>& node, const Scenario& scenario,
-               const std::vector<std::string>& parameters);
+               const std::vector<std::string>& parameters,
+               const std::set<std::string>& without_number = {});
 
 }  // namespace seam::app

@@ -102,10 +102,23 @@ void SweepPlan::read(const ConfigNode& root) {
   for (const Axis& axis : axes_) {
     for (const SweepParameter& parameter : axis.parameters) parameters_.push_back(parameter.name);
   }
-  keep_ = read_keep(keep, base_->scenario(), parameters_);
+  keep_ = read_keep(keep, base_->scenario(), parameters_, parameters_without_number());
   root.finish();
   name_columns(root);
   count_runs(root);
+}
+
+std::set<std::string> SweepPlan::parameters_without_number() const {
+  std::set<std::string> names;
+  for (const Axis& axis : axes_) {
+    for (size_t p = 0; p < axis.parameters.size(); ++p) {
+      bool number = false;
+      for (uint64_t i = 0; i < std::min(axis.size, kMostFileSettings) && !number; ++i)
+        number = number_of(axis.value(p, i)).has_value();
+      if (!number) names.insert(axis.parameters[p].name);
+    }
+  }
+  return names;
 }
 
 WrittenValue SweepPlan::content(const WrittenValue& value, bool takes_file) const {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,7 @@ class SweepPlan {
 
   SweepPlan(PlanTexts texts, PlanFiles files);
   void read(const ConfigNode& root);
+  std::set<std::string> parameters_without_number() const;
   void read_changes(const ConfigNode& root);
   void read_axes(const ConfigNode& root);
   void count_runs(const ConfigNode& root);

@@ -118,8 +118,10 @@ class Robot:
 
     def __init__(self, connection: Connection | None = None) -> None:
         self.connection = connection or Connection.from_arguments()
-        # Something that this client sent was refused; by default it is printed.
+        # Something that this client sent was refused; by default the first of each field is printed.
         self.on_refusal: Callable[[Refusal], None] = self._print_refusal
+        self._refused_fields: set[str] = set()
+        self._time_s = 0.0  # Of the newest observation.
         self._welcome = wire.Welcome()
         self._answer = wire.ClientMessage()  # Gathers the orders.
         self._answered = 0  # Number of the last observation that was yielded.
@@ -215,6 +217,7 @@ class Robot:
                     if self._answered > 0:
                         self._answer = wire.ClientMessage()
                     self._answered = self._answer.decision.sequence = sequence
+                    self._time_s = message.observation.time_ns * 1e-9
                     yield from_wire(message.observation)
                 send(self._answer)
             elif kind == "refusal":
@@ -223,7 +226,11 @@ class Robot:
                 return
 
     def _print_refusal(self, refusal: Refusal) -> None:
-        print(f"{self.name}: refused: {refusal.field}: {refusal.message}", file=sys.stderr)
+        if refusal.field in self._refused_fields:
+            return  # A mistake is mostly made at each turn.
+        self._refused_fields.add(refusal.field)
+        print(f"{self.name}: the decision at {self._time_s:.3f} s was refused: {refusal.field}: {refusal.message} "
+              "(more of this field are counted by the server alone)", file=sys.stderr)
 
     # ---- Orders ----
 
