@@ -123,6 +123,7 @@ ROOMS = {
         "viewer": ["."],
         "sweep": [".", "experiments"],
         "commands": [".", "experiments"],
+        "robots": ["."],
     },
 }
 # What a room may include beyond its folder's layers: the detectors whose measurements are predicted.
