@@ -103,7 +103,7 @@ std::string look_of(const std::string& kind, size_t series) {
   std::string script;
   for (const auto& [name, terminal] : kTerminals)
     if (kind == name) script = fmt::format("set terminal {}\n", terminal);
-  script += fmt::format("set output 'plot.{}'\n", kind);
+  script += fmt::format("set datafile separator ','\nset output 'plot.{}'\n", kind);
   script +=
       "set border 3 lc rgb '#8a93a0' lw 1\nset tics nomirror scale 0.5 textcolor rgb '#4a5462'\n"
       "set xlabel textcolor rgb '#18202b'\nset ylabel textcolor rgb '#18202b'\n"
