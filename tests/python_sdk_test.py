@@ -183,7 +183,7 @@ for seen in robot.observations():
 """)
         summary, errors = self.run_json(self.write(scenario(program)))
         self.assertEqual(summary["end"], "finished")
-        self.assertIn("r0: refused: head.pan_rad", errors)
+        self.assertIn("r0: the decision at 0.032 s was refused: head.pan_rad", errors)
 
     def test_over_tls_with_certificates_and_without_the_token(self):
         path = self.write(scenario("head_swing.py, --no-frames", duration_s=0.5))
