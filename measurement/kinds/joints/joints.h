@@ -158,6 +158,7 @@ class JointsProblem : public Problem {
   // least of whole runs; none where no value helps.
   std::optional<double> limit_that_helps(const Model& model, const EffectDefinition& effect,
                                          const Groups& groups) const;
+  bool shows_torque(const Model& model, Model motor, const std::vector<char>& chosen) const;
   // Where a fit of a motor to whole runs begins: a model that misses by far is fitted to short
   // stretches first.
   Model near_start(const Model& start, const std::vector<Unknown>& unknowns,

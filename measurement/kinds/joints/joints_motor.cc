@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "effects/questions.h"
+#include "effects/registry.h"
 #include "effects/stages/servo.h"
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/kinds/joints/motion_look.h"
@@ -19,6 +20,9 @@ namespace {
 using Values = std::vector<double>;
 
 constexpr size_t kMostChoices = 24;
+// Noise units. A model that misses less is near what moves the joint, whatever that is.
+constexpr double kMisses = 2;
+constexpr double kNearer = 0.75;  // Of the sum of squares: this much less is nearer.
 constexpr double kBrief_s = 0.3, kLonger_s = 1.2;  // Stretches of a log.
 
 // Every choice of one value list of each effect, one after the other; where these are too many, the
@@ -239,6 +243,37 @@ MotionLook JointsProblem::motion_look(const Model& model, const std::vector<char
   return MotionLook(set_, chosen, facts_.channels[0].noise, without_friction);
 }
 
+// Over stretches that each begin where the joint was seen, a motor with all that acts beside it
+// comes nearer than the model at hand; where it does not, fits of whole runs would be in vain.
+bool JointsProblem::shows_torque(const Model& model, Model motor,
+                                 const std::vector<char>& chosen) const {
+  for (const auto& effect : effects::catalogue()) {
+    const auto& rule = effects::start_rule(*effect, facts_.set.kind);
+    const bool beside = effect->needs_base == effects::Base::motor && !motor.has(effect->name);
+    if (!beside || rule.search != effects::StartSearch::motion || !acts(*effect) ||
+        effects::is_excluded(*effect, motor))
+      continue;
+    motor.add_neutral(effect);
+    for (size_t i = 0; i < effect->parameters.size(); ++i)
+      motor.set_value(effect->name, i, rule.values.front()[i]);
+  }
+  std::vector<Unknown> unknowns;
+  for (const effects::ModelEffect& effect : motor.effects()) {
+    const auto& rule = effects::start_rule(*effect.definition, facts_.set.kind);
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      if (rule.search == effects::StartSearch::motion && is_open(effect, i))
+        unknowns.push_back({effect.definition->name, i});
+    }
+  }
+  const ShortRuns stretches(set_, chosen, kLonger_s);
+  const double enough = kNearer * stretches.cost(model);
+  std::vector<Side> sides = both_sides(motion_look(motor, chosen), motor, unknowns);
+  return std::any_of(sides.begin(), sides.end(), [&](const Side& side) {
+    return stretches.cost(side.model) < enough ||
+           stretches.cost(stretches.descend(side.model, unknowns)) < enough;
+  });
+}
+
 std::vector<Values> JointsProblem::starts_together(const Model& model,
                                                    const EffectDefinition& effect,
                                                    const EffectList& companions) const {
@@ -300,40 +335,19 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
     }
     found[c].by_stretches = brief.cost(trial);
   });
+  const double enough = kNearer * brief.cost(model);
+  const bool nearer = std::any_of(found.begin(), found.end(),
+                                  [&](const Descended& one) { return one.by_stretches < enough; });
   std::vector<Values> starts = best_by_both(std::move(found));
+  if (effect.base == effects::Base::motor && !nearer &&
+      misfit_under(*this, model, training) > kMisses &&
+      !shows_torque(model, beginning(starts.front()), chosen))
+    return {};
   if (companions.empty()) {
     if (auto limit = limit_that_helps(base, effect, training))
       starts = {{*limit}, std::move(starts.front())};
   }
   return starts;
-}
-
-// Of a limit that few rows feel accelerations show next to nothing, and what a whole run loses by
-// it does not: from where it begins to act it comes down until it costs more than it gains.
-std::optional<double> JointsProblem::limit_that_helps(const Model& model,
-                                                      const EffectDefinition& effect,
-                                                      const Groups& groups) const {
-  constexpr double kNear = 1.5, kHelps = 0.9999, kWorse = 1.1, kCoarse = 1.1, kFine = 1.01;
-  constexpr double kMost = 300, kLeast = 0.1;  // In units of its scale.
-  const effects::Parameter& parameter = effect.parameters.front();
-  if (effect.parameters.size() > 1 || !parameter.fit_reciprocal) return std::nullopt;
-  const auto cost_at = [&](double size) {
-    Model there = model;
-    there.set_value(effect.name, 0, size * parameter.scale);
-    return misfit_under(*this, there, groups);
-  };
-  const double here = misfit_under(*this, model, groups);
-  if (!(here < kNear)) return std::nullopt;
-  double size = kMost;
-  while (size > kLeast && cost_at(size) == here) size /= kCoarse;
-  double least = kHelps * here;
-  std::optional<double> best;
-  for (size *= kCoarse; size > kLeast; size /= kFine) {
-    const double cost = cost_at(size);
-    if (!(cost < kWorse * here)) break;
-    if (cost < least) least = cost, best = size * parameter.scale;
-  }
-  return best;
 }
 
 Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& unknowns,

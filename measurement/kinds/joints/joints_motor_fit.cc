@@ -123,6 +123,34 @@ bool is_open(const effects::ModelEffect& effect, size_t i) {
   return !waits && (!parameter.stated || effect.parameters[i].refitted());
 }
 
+// Of a limit that few rows feel accelerations show next to nothing, and what a whole run loses by
+// it does not: from where it begins to act it comes down until it costs more than it gains.
+std::optional<double> JointsProblem::limit_that_helps(const Model& model,
+                                                      const EffectDefinition& effect,
+                                                      const Groups& groups) const {
+  constexpr double kNear = 1.5, kHelps = 0.9999, kWorse = 1.1, kCoarse = 1.1, kFine = 1.01;
+  constexpr double kMost = 300, kLeast = 0.1;  // In units of its scale.
+  const effects::Parameter& parameter = effect.parameters.front();
+  if (effect.parameters.size() > 1 || !parameter.fit_reciprocal) return std::nullopt;
+  const auto cost_at = [&](double size) {
+    Model there = model;
+    there.set_value(effect.name, 0, size * parameter.scale);
+    return misfit_under(*this, there, groups);
+  };
+  const double here = misfit_under(*this, model, groups);
+  if (!(here < kNear)) return std::nullopt;
+  double size = kMost;
+  while (size > kLeast && cost_at(size) == here) size /= kCoarse;
+  double least = kHelps * here;
+  std::optional<double> best;
+  for (size *= kCoarse; size > kLeast; size /= kFine) {
+    const double cost = cost_at(size);
+    if (!(cost < kWorse * here)) break;
+    if (cost < least) least = cost, best = size * parameter.scale;
+  }
+  return best;
+}
+
 // A joint that sticks a moment longer or shorter makes the likelihood rough where slopes see it
 // smooth: steps along the axes of what the fit holds for possible find better places.
 Fit JointsProblem::polished(Fit fit, const std::vector<Unknown>& unknowns,

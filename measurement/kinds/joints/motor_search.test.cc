@@ -79,6 +79,17 @@ TEST(MotorSearch, AJointThatRestsMostOfItsTimeHasAMotor) {
   EXPECT_NEAR(starts.front()[0] * starts.front()[2], 2000 * 0.05, 20);
 }
 
+// Motors are dear to fit: one is tried only where the motion over short stretches asks for it.
+TEST(MotorSearch, WhatDependsOnTheAngleAloneAsksForNoMotor) {
+  const std::string lag = "  servo_lag: {tau_s: 0.06}\n";
+  const JointsProblem problem =
+      MadeSet("motor-none", /*releases=*/false)
+          .made_by(model_of(lag + "  encoder_eccentricity: {amplitude_rad: 0.005}\n"), 6);
+  const auto motor = effects::find_effect("motor_servo");
+  const EffectList load = {effects::find_effect("gravity_torque")};
+  EXPECT_TRUE(problem.starts_together(model_of(lag), *motor, load).empty());
+}
+
 // Friction holds this joint wherever its command calls it: rows at rest say of a motor without any
 // that neither drive nor load is there (a load of 36 where they count, 54 where they do not).
 TEST(MotorSearch, AJointThatFrictionHoldsHasAMotorAndALoad) {
