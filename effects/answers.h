@@ -75,6 +75,7 @@ enum class Need {
   space,            // Views beyond the plane of the ground.
   flat_target,      // The points lie in a plane, or nearly so: a board.
   several_views,    // The same points seen in several images.
+  unknown_poses,    // Views whose poses are estimated from the points.
   still_views,      // Images that have nothing to do with each other but the target.
   several_cameras,  // Cameras side by side, a frame being one image of each.
   wide_view,        // Rays far from the middle of the image.

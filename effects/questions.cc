@@ -126,6 +126,8 @@ std::string to_string(Need need) {
       return "points in a plane";
     case Need::several_views:
       return "the same points in three views or more";
+    case Need::unknown_poses:
+      return "views with unknown poses";
     case Need::still_views:
       return "a target in still views";
     case Need::several_cameras:

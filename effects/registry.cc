@@ -43,6 +43,7 @@
   X(target_scatter)           \
   X(board_flex)               \
   X(board_sway)               \
+  X(view_motion)              \
   X(pupil_shift)              \
   X(pinhole)                  \
   X(fisheye)                  \
@@ -54,6 +55,7 @@
   X(focal_length_error)       \
   X(principal_point_offset)   \
   X(chromatic_aberration)     \
+  X(focus_variation)          \
   X(point_scatter)            \
   X(lens_blur)                \
   X(vignetting)               \

@@ -133,6 +133,8 @@ Quantities image_outcome(const Model& model, const Quantities& given) {
           {"link_z_m", p_L.z},
           {"u_px", point.u},
           {"v_px", point.v},
+          {"u_focus_sigma_px", target_of(model).focus_sigma * std::abs(point.u - point.cx)},
+          {"v_focus_sigma_px", target_of(model).focus_sigma * std::abs(point.v - point.cy)},
           {"scatter_variance_px2", scatter.fraction * scatter.size * scatter.size}};
 }
 
@@ -246,6 +248,7 @@ Quantities target_outcome(const Model& model, const Quantities& given) {
           {"z_m", placed_B.z},
           {"scatter_m", shape.scatter_sigma_m},
           {"flex_sigma_m", shape.flex_sigma_m},
+          {"motion_sigma_rad", shape.motion_sigma_rad},
           {"sway_shift_sigma_m", shape.sway_shift_sigma_m},
           {"sway_turn_sigma_rad", shape.sway_turn_sigma_rad}};
 }

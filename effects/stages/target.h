@@ -14,13 +14,20 @@ struct TargetShape {
   double warp_x_m = 0, warp_y_m = 0;
   double scatter_sigma_m = 0;  // Of each coordinate of each point, the same in all views.
   double flex_sigma_m = 0;     // Of the bending of a view, along the warp's shape.
+  // Of a view's focal length, as a share: not the target's, but drawn and estimated as its bending.
+  double focus_sigma = 0;
+  // Of how far the cameras turn while an image is read, about each axis.
+  double motion_sigma_rad = 0;
   // Of how the target stands before a camera beyond the first, each coordinate in each frame.
   double sway_shift_sigma_m = 0, sway_turn_sigma_rad = 0;
 
   bool is_plan() const {
     return x_scale == 0 && y_scale == 0 && shear == 0 && warp_x_m == 0 && warp_y_m == 0;
   }
-  bool has_draws() const { return scatter_sigma_m > 0 || flex_sigma_m > 0 || has_sway(); }
+  bool has_draws() const {
+    return scatter_sigma_m > 0 || flex_sigma_m > 0 || focus_sigma > 0 || motion_sigma_rad > 0 ||
+           has_sway();
+  }
   bool has_sway() const { return sway_shift_sigma_m > 0 || sway_turn_sigma_rad > 0; }
   // How far a bending of 1 m moves a point along z: the warp's own shape, of unit size, or that of
   // a board that bends alike both ways.
@@ -29,7 +36,7 @@ struct TargetShape {
   Vec3 placed(const Vec3& p_B, double a, double b, double flex_m = 0) const;
 };
 
-// What a small shift and turn (a vector along its axis) move a point by, all in the target's axes.
+// What a small shift and turn (a vector along its axis) move a point by, all in the same axes.
 Vec3 swayed_by(const Vec3& p_B, const Vec3& shift_m, const Vec3& turn_rad);
 
 TargetShape target_of(const Model& model);

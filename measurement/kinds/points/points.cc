@@ -56,6 +56,7 @@ std::vector<effects::Lack> lacks_of(const PointsData& data) {
     lacks.push_back({Need::joints, "the camera hangs on no joint"});
   if (rig.cycle_s() == 0)
     lacks.push_back({Need::repeating_motion, "the head's motion does not repeat"});
+  if (rig.type() != Rig::Type::unknown) lacks.push_back({Need::unknown_poses, ""});
   if (data.cameras.size() < 2 || rig.type() != Rig::Type::unknown)
     lacks.push_back({Need::several_cameras, ""});
   if (stands_still(data))
@@ -227,10 +228,17 @@ void PointsProblem::place(const Model& given) {
 void PointsProblem::check_model(const Model& model) const {
   check_cameras(model);
   const effects::TargetShape target = effects::target_of(model);
-  if (moves() && (target.flex_sigma_m > 0 || target.has_sway()))
+  if (target.motion_sigma_rad > 0 && data_.rig.type() != Rig::Type::unknown)
     throw InputError(
-        "the model bends or sways the target otherwise in each view, which is told of still views "
-        "only: expected rig: {pose: unknown} without motion, or a model without that");
+        "the model has a motion of each view of its own (view_motion), and the set says how the "
+        "camera moves: expected rig: {pose: unknown}, or rolling_shutter in the place of it");
+  if (moves() && (target.flex_sigma_m > 0 || target.focus_sigma > 0 ||
+                  target.motion_sigma_rad > 0 || target.has_sway()))
+    throw InputError(
+        "the model bends, moves or sways the target, or changes the focal length, otherwise in "
+        "each view, "
+        "which only still views show: expected rig: {pose: unknown} without motion, or a model "
+        "without that");
 }
 
 bool PointsProblem::groups_are_independent(const Model& model) const {

@@ -13,7 +13,18 @@ namespace seam::measurement {
 namespace {
 
 // What a parameter is the spread of.
-enum class Spread { none, points, bendings, shifts, turns, failing, failure };
+enum class Spread {
+  none,
+  points,
+  bendings,
+  focuses,
+  moves,
+  rolls,
+  shifts,
+  turns,
+  failing,
+  failure
+};
 
 Spread spread_of(const Model& model, const Coordinate& c) {
   const double value = c.of(model);
@@ -25,6 +36,8 @@ Spread spread_of(const Model& model, const Coordinate& c) {
   const auto is = [&](double now, double then) { return now != then && now == value; };
   if (is(here.scatter_sigma_m, there.scatter_sigma_m)) return Spread::points;
   if (is(here.flex_sigma_m, there.flex_sigma_m)) return Spread::bendings;
+  if (is(here.focus_sigma, there.focus_sigma)) return Spread::focuses;
+  if (is(here.motion_sigma_rad, there.motion_sigma_rad)) return Spread::motions;
   if (is(here.sway_shift_sigma_m, there.sway_shift_sigma_m)) return Spread::shifts;
   if (is(here.sway_turn_sigma_rad, there.sway_turn_sigma_rad)) return Spread::turns;
   if (is(few.fraction, changed.fraction)) return Spread::failing;
@@ -39,6 +52,10 @@ auto sum_of(Spread spread, Sums& sums) -> decltype(&sums.points) {
       return &sums.points;
     case Spread::bendings:
       return &sums.bendings;
+    case Spread::focuses:
+      return &sums.focuses;
+    case Spread::motions:
+      return &sums.motions;
     case Spread::shifts:
       return &sums.shifts;
     case Spread::turns:
@@ -218,7 +235,8 @@ bool PointsProblem::DrawsFit::go_down() {
     const bool taken = outcome == DampedSteps::Outcome::taken;
     // The nuisances alone.
     if (!taken && !move(Eigen::VectorXd::Zero(parabola->gradient.size()))) height_ = before;
-    for (const Spread s : {Spread::points, Spread::bendings, Spread::shifts, Spread::turns})
+    for (const Spread s : {Spread::points, Spread::bendings, Spread::focuses, Spread::motions,
+                           Spread::shifts, Spread::turns})
       sum_of(s, sums_)->square = sum_of(s, squares_)->square;
     if (!follow()) return false;
     const bool settled = before - height_ < kEnough * misfit2_ && moved_ < kEnough * misfit2_;

@@ -31,7 +31,9 @@ class TargetDraw {
       : data_(data),
         shape_(effects::target_of(truth)),
         flex_(stream.child("flex")),
-        sway_(stream.child("sway")) {
+        sway_(stream.child("sway")),
+        focus_(stream.child("focus")),
+        motion_(stream.child("motion")) {
     for (size_t point = 0; point < data.target.names.size(); ++point) {
       Vec3 shift(0.0);
       for (int axis = 0; axis < 3 && noise; ++axis)
@@ -40,6 +42,21 @@ class TargetDraw {
       displaced_m_.push_back(shift);
     }
     if (!noise) shape_.flex_sigma_m = shape_.sway_shift_sigma_m = shape_.sway_turn_sigma_rad = 0;
+    if (!noise) shape_.focus_sigma = shape_.motion_sigma_rad = 0;
+  }
+
+  // By what share the focal length of the row's view is longer.
+  double longer(size_t row) const {
+    return shape_.focus_sigma *
+           normal(focus_.child(static_cast<uint64_t>(data_.camera_of_row[row])),
+                  static_cast<uint64_t>(data_.frame_of_row[row]));
+  }
+
+  bool has_motion() const { return shape_.motion_sigma_rad > 0; }
+  // How far a point at this place before the rig comes while an image is read.
+  Vec3 carried(size_t row, const Vec3& p_R) const {
+    return swayed(motion_.child(static_cast<uint64_t>(data_.frame_of_row[row])), p_R, 0,
+                  shape_.motion_sigma_rad);
   }
 
   Vec3 shift_W(size_t row) const {
@@ -51,23 +68,23 @@ class TargetDraw {
   }
 
  private:
+  static Vec3 swayed(const RandomStream& stream, const Vec3& p, double shift_m, double turn_rad) {
+    const auto drawn = [&](uint64_t first) {
+      return Vec3(normal(stream, first), normal(stream, first + 1), normal(stream, first + 2));
+    };
+    return effects::swayed_by(p, shift_m * drawn(0), turn_rad * drawn(3));
+  }
   Vec3 swayed(size_t row) const {
     const auto camera = static_cast<uint64_t>(data_.camera_of_row[row]);
     if (camera == 0 || !shape_.has_sway()) return Vec3(0.0);
-    const RandomStream of_frame =
-        sway_.child(camera).child(static_cast<uint64_t>(data_.frame_of_row[row]));
-    const auto drawn = [&](uint64_t first) {
-      return Vec3(normal(of_frame, first), normal(of_frame, first + 1),
-                  normal(of_frame, first + 2));
-    };
-    return effects::swayed_by(data_.target.in_axes(static_cast<size_t>(data_.point_of_row[row])),
-                              shape_.sway_shift_sigma_m * drawn(0),
-                              shape_.sway_turn_sigma_rad * drawn(3));
+    return swayed(sway_.child(camera).child(static_cast<uint64_t>(data_.frame_of_row[row])),
+                  data_.target.in_axes(static_cast<size_t>(data_.point_of_row[row])),
+                  shape_.sway_shift_sigma_m, shape_.sway_turn_sigma_rad);
   }
 
   const PointsData& data_;
   effects::TargetShape shape_;
-  RandomStream flex_, sway_;
+  RandomStream flex_, sway_, focus_, motion_;
   std::vector<Vec3> displaced_m_;
 };
 
@@ -106,10 +123,20 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
         errors[j] = step * (uniform(effects::rounding_stream(stream).child(j), node) - 0.5);
       }
     }
-    const effects::ImagePoint point =
-        predictor.image_at(row, predictor.places_W()[row] + drawn.shift_W(row), late,
-                           errors.empty() ? nullptr : errors.data());
-    double u = point.u, v = point.v;
+    const Vec3 p_W = predictor.places_W()[row] + drawn.shift_W(row);
+    const auto seen_at = [&](const Vec3& place_W) {
+      return predictor.image_at(row, place_W, late, errors.empty() ? nullptr : errors.data());
+    };
+    effects::ImagePoint point = seen_at(p_W);
+    const int height_px = data.cameras[static_cast<size_t>(data.camera_of_row[row])].height_px;
+    // The row at which it is seen says how far it has come, and that where it is seen.
+    for (int round = 0; round < 4 && drawn.has_motion() && point.visible; ++round) {
+      const Pose X_WR = predictor.motion().X_WC(predictor.instant(data.stamp_s[row], point.v));
+      const Vec3 way_R = drawn.carried(row, X_WR.inverse() * p_W);
+      point = seen_at(p_W + X_WR.R * ((point.v / height_px - 0.5) * way_R));
+    }
+    double u = point.u + drawn.longer(row) * (point.u - point.cx),
+           v = point.v + drawn.longer(row) * (point.v - point.cy);
     if (options.noise) {
       const auto sigma = [&](const char* name) {
         return protocol.noise.contains(name) ? protocol.noise.at(name) : 0.0;

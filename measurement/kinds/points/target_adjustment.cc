@@ -19,11 +19,6 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Of the i-th number of a frame's sways: three of a shift and three of a turn for each camera.
-double sway_spread(const effects::TargetShape& shape, size_t i) {
-  return i % 6 < 3 ? shape.sway_shift_sigma_m : shape.sway_turn_sigma_rad;
-}
-
 double over_spread(double value, double spread) {
   return spread > 0 ? value / spread : 0;
 }
@@ -46,6 +41,14 @@ TargetAdjustment::TargetAdjustment(Given given)
   state_.X_CW.resize(frames);
   state_.extra.resize(frames);
   state_.displaced_m.assign(given_.data.target.names.size(), Vec3(0.0));
+}
+
+// Of sways there are three of a shift and three of a turn.
+double TargetAdjustment::spread_at(Index extra) const {
+  const effects::TargetShape& shape = compiled_.shape;
+  if (extra < motion_at()) return shape.focus_sigma;
+  if (extra < sway_at(1)) return shape.motion_sigma_rad;
+  return (extra - sway_at(1)) % 6 < 3 ? shape.sway_shift_sigma_m : shape.sway_turn_sigma_rad;
 }
 
 Index TargetAdjustment::unknowns(size_t frame) const {
@@ -75,7 +78,7 @@ bool stored_path(const PointsData& data, const std::vector<double>& values,
 
 bool TargetAdjustment::start(const std::vector<double>& values) {
   const size_t frames = state_.X_CW.size(), points = state_.displaced_m.size();
-  const auto sways = static_cast<size_t>(causes_at() - sway_at(1));
+  const auto drawn = static_cast<size_t>(causes_at() - focus_at(0));
   const size_t whole_size = 13 * frames + 3 * points;
   bool whole = values.size() >= whole_size;
   if (given_.path) {
@@ -90,9 +93,10 @@ bool TargetAdjustment::start(const std::vector<double>& values) {
     state_.extra[frame] = Eigen::VectorXd::Zero(causes_at() + causes);
     if (whole && has_flex())
       state_.extra[frame][0] = values[12 * frames + frame] / compiled_.shape.flex_sigma_m;
-    for (size_t i = 0; i < sways && values.size() == whole_size + sways * frames; ++i)
-      state_.extra[frame][sway_at(1) + static_cast<Index>(i)] =
-          over_spread(values[whole_size + frame * sways + i], sway_spread(compiled_.shape, i));
+    for (size_t i = 0; i < drawn && values.size() == whole_size + drawn * frames; ++i) {
+      const Index at = focus_at(0) + static_cast<Index>(i);
+      state_.extra[frame][at] = over_spread(values[whole_size + frame * drawn + i], spread_at(at));
+    }
   }
   for (size_t point = 0; point < points && has_points(); ++point) {
     const Vector3d first = mean(point);
@@ -116,11 +120,8 @@ std::vector<double> TargetAdjustment::values_of(const State& state) const {
                          : 0);
   for (const Vec3& d : state.displaced_m) values.insert(values.end(), {d.x, d.y, d.z});
   for (size_t frame = 0; frame < frames; ++frame) {
-    for (Index i = sway_at(1); i < causes_at(); ++i)
-      values.push_back(state.extra[frame].size() > i
-                           ? state.extra[frame][i] *
-                                 sway_spread(compiled_.shape, static_cast<size_t>(i - sway_at(1)))
-                           : 0);
+    for (Index i = focus_at(0); i < causes_at(); ++i)
+      values.push_back(state.extra[frame].size() > i ? state.extra[frame][i] * spread_at(i) : 0);
   }
   store_controls(state.controls, values);
   return values;

@@ -1,7 +1,7 @@
-// Displaced points of a target, bendings of its views and how it sways from one camera's picture of
-// a frame to another's, fitted together with the views' poses, or the path through a video, where
-// these are unknown: what effects of the target draw is estimated from all views, held near zero by
-// its spread. Docs: docs/design/engine.md, "Draws that are estimated".
+// Displaced points of a target, bendings, focal lengths and motions of its views and how it sways
+// from one camera's picture of a frame to another's, fitted together with the views' poses, or the
+// path through a video, where these are unknown: what effects of the target draw is estimated from
+// all views, held near zero by its spread. Docs: docs/design/engine.md, "Draws that are estimated".
 #pragma once
 
 #include <functional>
@@ -82,7 +82,7 @@ class TargetAdjustment {
     double information = 0;  // On the logarithm of their spread.
   };
   struct DrawsSums {
-    DrawsSum points, bendings, shifts, turns;
+    DrawsSum points, bendings, focuses, motions, shifts, turns;
   };
   DrawsSums sums() const;
   // The squares alone, wherever it stands.
@@ -95,8 +95,9 @@ class TargetAdjustment {
   struct State {
     std::vector<Pose> X_CW;         // By frame.
     std::vector<Control> controls;  // Of a path.
-    // By frame, over their spreads: bending, then a shift and a turn before each camera but the
-    // first, then causes.
+    // By frame, over their spreads: bending, then the focal length of each camera, then the turn
+    // while the rows are read, then a shift and a turn before each camera but the first, then
+    // causes.
     std::vector<Eigen::VectorXd> extra;
     std::vector<Vec3> displaced_m;  // By point.
   };
@@ -119,9 +120,20 @@ class TargetAdjustment {
 
   bool has_points() const { return compiled_.shape.scatter_sigma_m > 0; }
   bool has_flex() const { return compiled_.shape.flex_sigma_m > 0; }
+  bool has_focus() const { return compiled_.shape.focus_sigma > 0; }
+  bool has_motion() const { return unknown_poses_ && compiled_.shape.motion_sigma_rad > 0; }
   bool has_sway() const { return compiled_.shape.has_sway(); }
-  // Of a frame's extras: where those of the sway before this camera begin, and where causes do.
-  Eigen::Index sway_at(int camera) const { return (has_flex() ? 1 : 0) + 6 * (camera - 1); }
+  // Of a frame's extras: where the focal length of this camera stands, where those of the motion
+  // begin, those of the sway before this camera, and causes.
+  Eigen::Index focus_at(int camera) const { return (has_flex() ? 1 : 0) + camera; }
+  Eigen::Index motion_at() const {
+    return focus_at(has_focus() ? static_cast<int>(given_.data.cameras.size()) : 0);
+  }
+  Eigen::Index sway_at(int camera) const {
+    return motion_at() + (has_motion() ? 3 : 0) + 6 * (camera - 1);
+  }
+  // The spread of an extra between the bending and the causes.
+  double spread_at(Eigen::Index extra) const;
   Eigen::Index causes_at() const {
     return sway_at(has_sway() ? static_cast<int>(given_.data.cameras.size()) : 1);
   }
@@ -136,11 +148,17 @@ class TargetAdjustment {
   std::vector<Eigen::Index> view_sizes() const;
   PathSighting sighting(const Compiled& model, const State& state, size_t row) const;
   Vec3 place_W(const Compiled& model, const State& state, size_t row) const;
+  // Where a point of the rig's frame is while the row is read: the rig turns meanwhile.
+  Vec3 carried(const State& state, size_t row, const Vec3& p_R) const;
+  // The image as the view's own focal length has it.
+  effects::ImagePoint focused(const State& state, size_t row, effects::ImagePoint image) const;
   // The image of a row's point; null slopes: not wanted.
   bool see(const Compiled& model, const State& state, size_t row, Eigen::Vector2d& uv) const;
   bool look(const State& state, size_t row, size_t k, Cell& cell) const;
   bool look_on_path(const State& state, size_t row, Cell& cell) const;
   void slopes_of_extras(size_t row, size_t k, Cell& cell) const;
+  void slopes_of_motion(const State& state, size_t row, const Eigen::Matrix<double, 2, 3>& by_R,
+                        const Vec3& p_R, Cell& cell) const;
   void slopes_of_pose(const State& state, size_t row, const Eigen::Matrix<double, 2, 3>& by_C,
                       Cell& cell) const;
   double cause(size_t frame, size_t k, int channel, Eigen::Index which) const;

@@ -65,6 +65,26 @@ PathSighting TargetAdjustment::sighting(const Compiled& model, const State& stat
                        given_.sigma[2 * row + 1]);
 }
 
+Vec3 TargetAdjustment::carried(const State& state, size_t row, const Vec3& p_R) const {
+  if (!has_motion()) return p_R;
+  const auto& e = state.extra[static_cast<size_t>(given_.data.frame_of_row[row])];
+  const Index at = motion_at();
+  const Vec3 turn_rad = given_.data.part_read(row) * compiled_.shape.motion_sigma_rad *
+                        Vec3(e[at], e[at + 1], e[at + 2]);
+  return p_R + effects::swayed_by(p_R, Vec3(0.0), turn_rad);
+}
+
+effects::ImagePoint TargetAdjustment::focused(const State& state, size_t row,
+                                              effects::ImagePoint image) const {
+  if (!has_focus()) return image;
+  const auto& extra = state.extra[static_cast<size_t>(given_.data.frame_of_row[row])];
+  const double longer =
+      compiled_.shape.focus_sigma * extra[focus_at(given_.data.camera_of_row[row])];
+  image.u += longer * (image.u - image.cx);
+  image.v += longer * (image.v - image.cy);
+  return image;
+}
+
 bool TargetAdjustment::see(const Compiled& model, const State& state, size_t row,
                            Vector2d& uv) const {
   const PointsData& data = given_.data;
@@ -72,11 +92,13 @@ bool TargetAdjustment::see(const Compiled& model, const State& state, size_t row
     return image_on_path(*given_.path, model.camera, state.controls, sighting(model, state, row),
                          uv);
   const Vec3 p_W = place_W(model, state, row);
-  const effects::ImagePoint image =
-      unknown_poses_ ? model.camera.cameras.project(
-                           state.X_CW[static_cast<size_t>(data.frame_of_row[row])] * p_W,
-                           data.stamp_s[row], data.v_px[row], data.camera_of_row[row])
-                     : model.predictor->image_at(row, p_W);
+  const effects::ImagePoint image = focused(
+      state, row,
+      unknown_poses_
+          ? model.camera.cameras.project(
+                carried(state, row, state.X_CW[static_cast<size_t>(data.frame_of_row[row])] * p_W),
+                data.stamp_s[row], data.v_px[row], data.camera_of_row[row])
+          : model.predictor->image_at(row, p_W));
   uv = {image.u, image.v};
   return image.has_place();
 }
@@ -95,6 +117,23 @@ void TargetAdjustment::slopes_of_pose(const State& state, size_t row, const Slop
   turned << 0, p_C.z, -p_C.y, -p_C.z, 0, p_C.x, p_C.y, -p_C.x, 0;
   cell.by_view.leftCols<3>() = by_C * turned;
   cell.by_view.middleCols<3>(3) = by_C;
+}
+
+// By the rig's turn, over its spread. `by_R` is by the place before it.
+void TargetAdjustment::slopes_of_motion(const State& state, size_t row, const Slopes3& by_R,
+                                        const Vec3& p_R, Cell& cell) const {
+  Matrix3d moved;  // Of the place by the place before.
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 unit(0.0);
+    unit[axis] = 1;
+    const Vec3 there = carried(state, row, unit) - carried(state, row, Vec3(0.0));
+    moved.col(axis) << there.x, there.y, there.z;
+  }
+  Matrix3d turned;
+  turned << 0, p_R.z, -p_R.y, -p_R.z, 0, p_R.x, p_R.y, -p_R.x, 0;
+  const double unit_rad = given_.data.part_read(row) * compiled_.shape.motion_sigma_rad;
+  cell.by_view.middleCols<3>(pose_unknowns() + motion_at()) =
+      unit_rad * by_R * moved.inverse() * turned;
 }
 
 bool TargetAdjustment::look_on_path(const State& state, size_t row, Cell& cell) const {
@@ -119,9 +158,11 @@ bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell
   const Pose& X_CW = state.X_CW[frame];
   const Vec3 p = unknown_poses_ ? X_CW * p_W : p_W;
   const auto image_of = [&](const Vec3& at) {
-    return unknown_poses_ ? compiled_.camera.cameras.project(at, data.stamp_s[row], data.v_px[row],
-                                                             data.camera_of_row[row])
-                          : compiled_.predictor->image_at(row, at);
+    return focused(state, row,
+                   unknown_poses_ ? compiled_.camera.cameras.project(
+                                        carried(state, row, at), data.stamp_s[row], data.v_px[row],
+                                        data.camera_of_row[row])
+                                  : compiled_.predictor->image_at(row, at));
   };
   const effects::ImagePoint here = image_of(p);
   if (!here.has_place()) return false;
@@ -144,6 +185,13 @@ bool TargetAdjustment::look(const State& state, size_t row, size_t k, Cell& cell
   cell.by_point =
       by_place * as_eigen(unknown_poses_ ? X_CW.R * data.target.axes_W : data.target.axes_W);
   slopes_of_extras(row, k, cell);
+  if (has_focus()) {
+    const Index at = focus_at(data.camera_of_row[row]);
+    const double sigma = compiled_.shape.focus_sigma;
+    cell.by_view.col(pose_unknowns() + at) =
+        sigma / (1 + sigma * state.extra[frame][at]) * Vector2d(here.u - here.cx, here.v - here.cy);
+  }
+  if (has_motion()) slopes_of_motion(state, row, by_place, p, cell);
   const Index causes = unknowns(frame) - pose_unknowns() - causes_at();
   cell.z -= cell.by_view.rightCols(causes) * state.extra[frame].tail(causes);
   cell.z = weight.cwiseProduct(cell.z);
@@ -162,7 +210,7 @@ void TargetAdjustment::slopes_of_extras(size_t row, size_t k, Cell& cell) const 
   if (has_flex())
     extras.col(0) = cell.by_point.col(2) * compiled_.shape.flex_sigma_m *
                     target.bending(point, compiled_.shape);
-  extras.middleCols(sway_at(1), causes_at() - sway_at(1)).setZero();
+  extras.middleCols(focus_at(0), causes_at() - focus_at(0)).setZero();
   for (int axis = 0; axis < 3 && sways(row); ++axis) {
     const Index at = sway_at(given_.data.camera_of_row[row]) + axis;
     Vec3 unit(0.0);

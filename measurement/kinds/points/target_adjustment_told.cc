@@ -234,6 +234,8 @@ TargetAdjustment::DrawsSums TargetAdjustment::squares() const {
     if (!given_.frames[frame]) continue;
     const Eigen::VectorXd& extra = state_.extra[frame];
     if (has_flex()) sums.bendings.square += extra[0] * extra[0];
+    sums.focuses.square += extra.segment(focus_at(0), motion_at() - focus_at(0)).squaredNorm();
+    sums.motions.square += extra.segment(motion_at(), sway_at(1) - motion_at()).squaredNorm();
     for (Index at = sway_at(1); at < causes_at(); at += 6) {
       sums.shifts.square += extra.segment<3>(at).squaredNorm();
       sums.turns.square += extra.segment<3>(at + 3).squaredNorm();
@@ -262,6 +264,8 @@ TargetAdjustment::DrawsSums TargetAdjustment::sums() const {
       sum.information += 2 * (told * told).trace();
     };
     if (has_flex()) add(0, 1, sums.bendings);
+    add(focus_at(0), motion_at() - focus_at(0), sums.focuses);
+    add(motion_at(), sway_at(1) - motion_at(), sums.motions);
     for (Index at = sway_at(1); at < causes_at(); at += 6) {
       add(at, 3, sums.shifts);
       add(at + 3, 3, sums.turns);

@@ -32,6 +32,11 @@ struct PointsData {
   // What one camera sees in one frame.
   std::vector<std::vector<int>> rows_of_view;
   std::vector<int> view_of_row;
+
+  // When in its image's time this point's row is read: -1/2 at the first row, 1/2 at the last.
+  double part_read(size_t row) const {
+    return v_px[row] / cameras[static_cast<size_t>(camera_of_row[row])].height_px - 0.5;
+  }
 };
 
 // Reads and checks the table; fills what of the facts depends on it alone. `measured` false: a
