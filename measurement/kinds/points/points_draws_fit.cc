@@ -13,18 +13,7 @@ namespace seam::measurement {
 namespace {
 
 // What a parameter is the spread of.
-enum class Spread {
-  none,
-  points,
-  bendings,
-  focuses,
-  moves,
-  rolls,
-  shifts,
-  turns,
-  failing,
-  failure
-};
+enum class Spread { none, points, bendings, focuses, motions, shifts, turns, failing, failure };
 
 Spread spread_of(const Model& model, const Coordinate& c) {
   const double value = c.of(model);
