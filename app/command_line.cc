@@ -3,8 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
 #include "sim_core/base/error.h"
+#include "sim_core/input/shown_text.h"
 
 namespace seam::app {
 namespace {
@@ -187,7 +189,11 @@ int parse_and_run(const std::string& help, const std::string& program, const std
   } catch (const CLI::ParseError& error) {
     const std::string unknown = error.get_exit_code() == 0 ? "" : unknown_word(app);
     if (!unknown.empty()) throw UsageError(unknown + "\nRun with --help for more information.");
-    return app.exit(error) == 0 ? 0 : 2;
+    std::ostringstream help_text, error_text;
+    const int code = app.exit(error, help_text, error_text);
+    std::fputs(help_text.str().c_str(), stdout);
+    std::fputs(shown_lines(error_text.str()).c_str(), stderr);  // It repeats what was given.
+    return code == 0 ? 0 : 2;
   }
   return 0;
 }

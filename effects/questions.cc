@@ -57,6 +57,12 @@ std::string of_images(Need need) {
       return "colours";
     case Need::light:
       return "light";
+    case Need::several_views:
+      return "the same points in three views or more";
+    case Need::unknown_poses:
+      return "views with unknown poses";
+    case Need::still_views:
+      return "a target in still views";
     case Need::frame_times:
       return "times of the frames";
     case Need::repeated_pixels:
@@ -125,11 +131,8 @@ std::string to_string(Need need) {
     case Need::flat_target:
       return "points in a plane";
     case Need::several_views:
-      return "the same points in three views or more";
     case Need::unknown_poses:
-      return "views with unknown poses";
     case Need::still_views:
-      return "a target in still views";
     case Need::several_cameras:
     case Need::wide_view:
     case Need::colour:

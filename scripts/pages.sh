@@ -15,5 +15,6 @@ renew() {  # renew PAGE ARGUMENT...: what the program prints for these arguments
 }
 renew commands.md help --markdown
 renew effects.md effects --markdown
+renew joints.md joints models/robot_ers210.yaml scenarios/arm/arm.yaml --markdown
 for format in measurement model scenario scene; do renew "schemas/$format.schema.json" schema "$format"; done
 [ "$changed" = 1 ] || echo "all pages are as the program writes them"

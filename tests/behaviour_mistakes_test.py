@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mistakes that people make in behaviours, and what each of them is told: by `seam run`, by `seam sweep`, and by `seam
+"""Mistakes that people make in behaviours, and how each of them is reported: by `seam run`, by `seam sweep`, and by `seam
 check` where the program itself cannot be started.
 
 Usage: behaviour_mistakes_test.py BUILD_DIR SOURCE_DIR PYTHON [unittest arguments]; PYTHON is the interpreter that has gRPC.
@@ -39,7 +39,7 @@ REFUSED = r"(?m)^r0: (\d+) of \1 decisions were refused and did nothing; the fir
 ENDED = "the run was aborted: r0: abort at 0.[0-9]+ s: its behaviour "
 SLOW = r"the run was aborted: r0: abort at 0\.[0-9]+ s: no answer within 0\.5 s of wall time"
 
-# Name: the program, the exit code of a run, and what it is told. A list is a command in place of a program.
+# Name: the program, the exit code of a run, and what it gets. A list is a command in place of a program.
 WHILE_IT_RUNS = {
     "exception": (third("raise KeyError('pan')"), 1, [r"(?m)^0\.\d+ s r0: KeyError: 'pan'$", ENDED + "ended with exit code 1"]),
     "exception before the first turn": (PROLOGUE + "import no_such_module\n", 1,

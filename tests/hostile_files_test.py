@@ -242,6 +242,7 @@ class Hostile(unittest.TestCase):
             self.walk("replay show", log, "--at", "0.1", "--json", "{out}/s.json")
             self.walk("replay diff", log, self.logs[0], "--json", "{out}/d.json")
             self.walk("diff", self.logs[0], log)
+            self.walk("replay find", log, "--when", "r0.pan_rad > 0", "--json", "{out}/w.json")
             self.walk("replay export", log, "--out", "{out}/e")
             self.walk("replay recover", log, "--out", "{out}/r.mcap", "--json", "{out}/r.json")
             self.walk("replay accuracy", log, "--json", "{out}/a.json")
@@ -252,6 +253,7 @@ class Hostile(unittest.TestCase):
     def logs_are_run(self):
         for log in self.logs[1:]:
             self.walk("replay resume", log, "--log", "{out}/r.mcap", "--frames", "{out}/f", codes=(1, 2))
+            self.walk("replay feed", log, "--robot", "r0", "--client", "head_swing --rate 200", "--json", "{out}/g.json")
             self.walk("replay whatif", log, "--robot", "r0", "--client", "head_swing --rate 200", "--others", "live",
                       "--log", "{out}/w.mcap")
 
@@ -292,6 +294,7 @@ class Hostile(unittest.TestCase):
                       serves=self.served)
             self.walk("frame", scenario, "--robot", "r0", "--at", "0.1", "--stages", "{out}/stages", "--out", "{out}/f.png")
             self.walk("colour-table", scenario, "--robot", "r0", "--to", "0.1", "--out", "{out}/c.yaml")
+            self.walk("joints", scenario)
             self.walk("check", scenario)
 
     def sets_are_read(self):
@@ -303,6 +306,8 @@ class Hostile(unittest.TestCase):
             self.walk("add", "rolling_shutter", *both, "--out", "{out}/a.yaml")
             self.walk("diagnose", *both, "--json", "{out}/d.json", "--suggest", "{out}/s.yaml")
             self.walk("discover", *both, "--out", "{out}/d.yaml")
+
+        self.walk("schema", f"../../decoys/{ESCAPE}", codes=(2,))
 
     def sets_are_made(self):
         for folder in self.sets:

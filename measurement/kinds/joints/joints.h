@@ -152,13 +152,15 @@ class JointsProblem : public Problem {
   std::optional<Model> worth_damping(const Fit& fit, const std::vector<Unknown>& first,
                                      const std::vector<Unknown>& unknowns,
                                      const Groups& groups) const;
+  // By log: whether it belongs to one of the groups.
+  std::vector<char> logs_of(const Groups& groups) const;
   // The accelerations that these logs show, as far as the model can have them.
   MotionLook motion_look(const Model& model, const std::vector<char>& chosen) const;
   // Of an effect that is a limit: the value of it with which this model, near the noise, misses
   // least of whole runs; none where no value helps.
   std::optional<double> limit_that_helps(const Model& model, const EffectDefinition& effect,
                                          const Groups& groups) const;
-  bool shows_torque(const Model& model, Model motor, const std::vector<char>& chosen) const;
+  bool shows_torque(const Model& model, Model motor, const Groups& groups) const;
   // Where a fit of a motor to whole runs begins: a model that misses by far is fitted to short
   // stretches first.
   Model near_start(const Model& start, const std::vector<Unknown>& unknowns,

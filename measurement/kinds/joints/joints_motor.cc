@@ -62,6 +62,19 @@ bool differs(const Values& a, const Values& b) {
   return false;
 }
 
+// The parameters that a fit may move of effects that are looked for in the motion.
+std::vector<Unknown> of_motion(const Model& model, unsigned kind) {
+  std::vector<Unknown> unknowns;
+  for (const effects::ModelEffect& effect : model.effects()) {
+    if (effects::start_rule(*effect.definition, kind).search != effects::StartSearch::motion)
+      continue;
+    for (size_t i = 0; i < effect.parameters.size(); ++i) {
+      if (is_open(effect, i)) unknowns.push_back({effect.definition->name, i});
+    }
+  }
+  return unknowns;
+}
+
 // Every two parameters of the motor itself, in either order.
 std::vector<std::pair<size_t, size_t>> pairs_of_motor(const Model& model,
                                                       const std::vector<Unknown>& unknowns) {
@@ -238,15 +251,23 @@ std::optional<Model> trade_that_helps(const Model& model, const std::vector<Unkn
   return best;
 }
 
+std::vector<char> JointsProblem::logs_of(const Groups& groups) const {
+  std::vector<char> chosen;
+  for (const JointLog& log : set_.logs) chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
+  return chosen;
+}
+
 MotionLook JointsProblem::motion_look(const Model& model, const std::vector<char>& chosen) const {
   const bool without_friction = !effects::has_dry_friction(effects::servo_of(model).torque);
   return MotionLook(set_, chosen, facts_.channels[0].noise, without_friction);
 }
 
 // Over stretches that each begin where the joint was seen, a motor with all that acts beside it
-// comes nearer than the model at hand; where it does not, fits of whole runs would be in vain.
-bool JointsProblem::shows_torque(const Model& model, Model motor,
-                                 const std::vector<char>& chosen) const {
+// comes nearer than the model at hand; where it does not, fits of whole runs would be in vain. True
+// also where the model misses too little to say.
+bool JointsProblem::shows_torque(const Model& model, Model motor, const Groups& groups) const {
+  if (!(misfit_under(*this, model, groups) > kMisses)) return true;
+  const std::vector<char> chosen = logs_of(groups);
   for (const auto& effect : effects::catalogue()) {
     const auto& rule = effects::start_rule(*effect, facts_.set.kind);
     const bool beside = effect->needs_base == effects::Base::motor && !motor.has(effect->name);
@@ -257,14 +278,7 @@ bool JointsProblem::shows_torque(const Model& model, Model motor,
     for (size_t i = 0; i < effect->parameters.size(); ++i)
       motor.set_value(effect->name, i, rule.values.front()[i]);
   }
-  std::vector<Unknown> unknowns;
-  for (const effects::ModelEffect& effect : motor.effects()) {
-    const auto& rule = effects::start_rule(*effect.definition, facts_.set.kind);
-    for (size_t i = 0; i < effect.parameters.size(); ++i) {
-      if (rule.search == effects::StartSearch::motion && is_open(effect, i))
-        unknowns.push_back({effect.definition->name, i});
-    }
-  }
+  const std::vector<Unknown> unknowns = of_motion(motor, facts_.set.kind);
   const ShortRuns stretches(set_, chosen, kLonger_s);
   const double enough = kNearer * stretches.cost(model);
   std::vector<Side> sides = both_sides(motion_look(motor, chosen), motor, unknowns);
@@ -284,16 +298,8 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
   std::vector<std::vector<Values>> lists;
   Model base = model;
   effects::remove_replaced(effect, base);
-  std::vector<Unknown> unknowns;
   // What stands in the model already gives way.
-  for (const effects::ModelEffect& other : base.effects()) {
-    if (effects::start_rule(*other.definition, facts_.set.kind).search !=
-        effects::StartSearch::motion)
-      continue;
-    for (size_t i = 0; i < other.parameters.size(); ++i) {
-      if (is_open(other, i)) unknowns.push_back({other.definition->name, i});
-    }
-  }
+  std::vector<Unknown> unknowns = of_motion(base, facts_.set.kind);
   for (const auto& definition : moved) {
     lists.push_back(effects::start_rule(*definition, facts_.set.kind).values);
     base.add_neutral(definition);
@@ -302,9 +308,7 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
     }
   }
   const Groups training = folds().size() == 1 ? training_groups() : all_groups();
-  std::vector<char> chosen;
-  for (const JointLog& log : set_.logs)
-    chosen.push_back(training[facts_.group_of_row[log.rows[0]]]);
+  const std::vector<char> chosen = logs_of(training);
   const std::vector<Values> begun = combinations(lists);
   const auto beginning = [&](const Values& values) {
     Model trial = base;
@@ -335,13 +339,13 @@ std::vector<Values> JointsProblem::starts_together(const Model& model,
     }
     found[c].by_stretches = brief.cost(trial);
   });
-  const double enough = kNearer * brief.cost(model);
-  const bool nearer = std::any_of(found.begin(), found.end(),
-                                  [&](const Descended& one) { return one.by_stretches < enough; });
+  const double least =
+      std::min_element(found.begin(), found.end(), [](const auto& a, const auto& b) {
+        return a.by_stretches < b.by_stretches;
+      })->by_stretches;
   std::vector<Values> starts = best_by_both(std::move(found));
-  if (effect.base == effects::Base::motor && !nearer &&
-      misfit_under(*this, model, training) > kMisses &&
-      !shows_torque(model, beginning(starts.front()), chosen))
+  if (effect.base == effects::Base::motor && !(least < kNearer * brief.cost(model)) &&
+      !shows_torque(model, beginning(starts.front()), training))
     return {};
   if (companions.empty()) {
     if (auto limit = limit_that_helps(base, effect, training))
@@ -361,9 +365,7 @@ Model JointsProblem::near_start(const Model& start, const std::vector<Unknown>& 
   Model best = start;
   double least = cost_of(start);
   if (least >= kFar) {
-    std::vector<char> chosen;
-    for (const JointLog& log : set_.logs)
-      chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
+    const std::vector<char> chosen = logs_of(groups);
     const ShortRuns brief(set_, chosen, kBrief_s), longer(set_, chosen, kLonger_s);
     const MotionLook look = motion_look(start, chosen);
     for (const Model& side : worth_descending(start, both_sides(look, start, means), brief)) {

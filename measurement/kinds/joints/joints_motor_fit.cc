@@ -199,8 +199,7 @@ std::optional<Model> JointsProblem::worth_damping(const Fit& fit, const std::vec
   if (std::all_of(there.begin(), there.end(),
                   [&](double misfit) { return std::abs(misfit - here) < kMoves * here; }))
     return std::nullopt;
-  std::vector<char> chosen;
-  for (const JointLog& log : set_.logs) chosen.push_back(groups[facts_.group_of_row[log.rows[0]]]);
+  const std::vector<char> chosen = logs_of(groups);
   const MotionLook look = motion_look(fit.model, chosen);
   const ShortRuns brief(set_, chosen, kStretch_s);
   Model plain = fit.model;

@@ -88,6 +88,21 @@ class TargetDraw {
   std::vector<Vec3> displaced_m_;
 };
 
+// The logged angle is the true one rounded to this step; the true one lies within half of it.
+std::vector<double> rounding_errors(const PointsData& data, const PointsPredictor& predictor,
+                                    const RandomStream& stream, size_t row, double step_rad) {
+  std::vector<double> errors(data.rig.joint_names().size(), 0);
+  if (!(step_rad > 0)) return errors;
+  const auto& log = data.rig.log_times();
+  const double t =
+      predictor.instant(data.stamp_s[row], 0.5 * data.camera.height_px, data.camera_of_row[row]);
+  const size_t node =
+      std::min<size_t>(std::upper_bound(log.begin(), log.end(), t) - log.begin(), log.size() - 1);
+  for (size_t j = 0; j < errors.size(); ++j)
+    errors[j] = step_rad * (uniform(effects::rounding_stream(stream).child(j), node) - 0.5);
+  return errors;
+}
+
 }  // namespace
 
 void measure_points(const Model& truth, const MeasurementSet& protocol,
@@ -111,18 +126,7 @@ void measure_points(const Model& truth, const MeasurementSet& protocol,
   for (size_t row = 0; row < data.p_W.size(); ++row) {
     const uint64_t frame = static_cast<uint64_t>(data.frame_of_row[row]);
     const double late = options.noise ? timing.own_latency_s(stream, frame) : 0;
-    std::vector<double> errors(data.rig.joint_names().size(), 0);
-    if (step > 0) {
-      for (size_t j = 0; j < errors.size(); ++j) {
-        // The logged angle is the true one rounded; the true one lies within half a step of it.
-        const auto& log = data.rig.log_times();
-        const double t = predictor.instant(data.stamp_s[row], 0.5 * data.camera.height_px,
-                                           data.camera_of_row[row]);
-        const size_t node = std::min<size_t>(
-            std::upper_bound(log.begin(), log.end(), t) - log.begin(), log.size() - 1);
-        errors[j] = step * (uniform(effects::rounding_stream(stream).child(j), node) - 0.5);
-      }
-    }
+    const std::vector<double> errors = rounding_errors(data, predictor, stream, row, step);
     const Vec3 p_W = predictor.places_W()[row] + drawn.shift_W(row);
     const auto seen_at = [&](const Vec3& place_W) {
       return predictor.image_at(row, place_W, late, errors.empty() ? nullptr : errors.data());
