@@ -131,8 +131,7 @@ Way::End Way::walk() const {
 }
 
 // Places around the border of the image, the corners among them.
-std::vector<std::array<double, 2>> border_of(const Projection& projection, int count,
-                                             double reach_px) {
+std::vector<std::array<double, 2>> border_of(const Projection& projection, int count) {
   const double width = projection.width_px() - 1.0, height = projection.height_px() - 1.0;
   std::vector<std::array<double, 2>> border;
   const int a_side = std::max(1, count / 4);
@@ -142,11 +141,6 @@ std::vector<std::array<double, 2>> border_of(const Projection& projection, int c
     border.push_back({width, part * height});
     border.push_back({(1 - part) * width, height});
     border.push_back({0, (1 - part) * height});
-  }
-  for (auto& [u, v] : border) {
-    const double du = u - 0.5 * width, dv = v - 0.5 * height;
-    const double share = std::min(1.0, reach_px / std::hypot(du, dv));
-    u = 0.5 * width + share * du, v = 0.5 * height + share * dv;
   }
   return border;
 }
@@ -183,8 +177,7 @@ void doubts_of_one(const Projection& projection, const std::string& name,
   }
   // Less than this share of the rate at the axis, and then so many times as much again.
   constexpr double kNearFold = 0.6, kRisesAgain = 1.8;
-  for (const auto& [u, v] :
-       border_of(projection, kDirectionsOfDoubts, std::numeric_limits<double>::infinity())) {
+  for (const auto& [u, v] : border_of(projection, kDirectionsOfDoubts)) {
     const Way::End end = Way(projection, axis, u, v).walk();
     if (!(end.least_rate < kNearFold) || end.most_rate_behind < kRisesAgain * end.least_rate)
       continue;
@@ -200,17 +193,27 @@ void doubts_of_one(const Projection& projection, const std::string& name,
 
 }  // namespace
 
-std::optional<LensFault> lens_fault(const Projection& projection, int directions, double reach_px) {
+std::optional<LensFault> lens_fault(const Projection& projection, int directions) {
   const ImagePoint axis = projection.project({0, 0, 1});
   if (!axis.visible) return std::nullopt;
   std::optional<LensFault> nearest;
-  for (const auto& [u, v] : border_of(projection, directions, reach_px)) {
+  for (const auto& [u, v] : border_of(projection, directions)) {
     const Way way(projection, axis, u, v);
     if (!(way.length_px() > 0)) continue;
     const auto fault = way.walk().fault;
     if (fault && (!nearest || fault->radius_px < nearest->radius_px)) nearest = fault;
   }
   return nearest;
+}
+
+std::string lens_pole(const Model& model, int width_px, int height_px) {
+  for (const std::string& name : cameras_with_lenses(model)) {
+    const Model own = model_of(model, name);
+    if (!has_base(own, Base::projection) || replacement_in(own) != nullptr) continue;
+    const auto fault = lens_fault(Projection(own, width_px, height_px), kDirectionsOfDoubts);
+    if (fault && fault->pole) return "the lens " + words_of(*fault);
+  }
+  return "";
 }
 
 std::vector<std::string> lens_doubts(const Model& model, int width_px, int height_px) {

@@ -3,7 +3,6 @@
 // points fold the image over, or have a pole, where no point was; nothing can be predicted there.
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,10 +19,11 @@ struct LensFault {
   bool pole = false;     // The image of a ray runs away to infinity there.
 };
 
-// Looks along `directions` ways to the border of the image, on none of them farther than `reach_px`
-// from the middle of the image.
-std::optional<LensFault> lens_fault(const Projection& projection, int directions,
-                                    double reach_px = std::numeric_limits<double>::infinity());
+// Looks along `directions` ways to the border of the image.
+std::optional<LensFault> lens_fault(const Projection& projection, int directions);
+
+// The first pole inside the image of a camera of the model, in a sentence; empty: there is none.
+std::string lens_pole(const Model& model, int width_px, int height_px);
 
 // What is odd about the lenses of a model for images of this size, in sentences: folds and poles
 // inside the image, near folds, a principal point outside the image. Empty for a model without a

@@ -66,10 +66,13 @@ TEST(LensFault, OfOneFormCountsForEach) {
   EXPECT_FALSE(lens_fault(Projection(wide, kWidth_px, kHeight_px), 48));
 }
 
-TEST(LensFault, CountsOnlyAsFarAsItIsAsked) {
-  const Projection projection(lens_model(", radial_polynomial: {k1: -0.6}"), kWidth_px, kHeight_px);
-  EXPECT_TRUE(lens_fault(projection, 48, 300));
-  EXPECT_FALSE(lens_fault(projection, 48, 250));
+TEST(LensFault, APoleIsNoFold) {
+  const auto pole_of = [](const std::string& lens) {
+    return lens_pole(lens_model(lens), kWidth_px, kHeight_px);
+  };
+  EXPECT_THAT(pole_of(", rational_lens: {k4: -7}"), testing::HasSubstr("has a pole"));
+  EXPECT_EQ(pole_of(", radial_polynomial: {k1: -0.6}"), "");
+  EXPECT_EQ(pole_of(""), "");
 }
 
 TEST(LensDoubts, SayWhereAndWhat) {

@@ -111,6 +111,9 @@ class Problem {
   // What the set and this model can say together, beside any number: views that it finds no pose
   // for, how far the data reach, what they cannot tell. Sentences.
   virtual std::vector<std::string> remarks(const Model&) const { return {}; }
+  // Why a model that was fitted is no result, however much it gains; empty: nothing speaks against
+  // it.
+  virtual std::string no_result_because(const Model&) const { return ""; }
   // Where the model puts the points of a target, with what is drawn once and estimated; empty
   // where it leaves them at their plan.
   virtual std::vector<PlacedPoint> placed_points(const Model&) const { return {}; }

@@ -257,6 +257,15 @@ std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
         {prospect.effect->name, "", "with it the model predicts no image for some observations"});
     return std::nullopt;
   }
+  // Few groups may not reach where all of them forbid it.
+  const std::string refused =
+      prospect.few || !problem.no_result_because(base.assessment.model).empty()
+          ? ""
+          : problem.no_result_because(fitted->grown.assessment.model);
+  if (!refused.empty()) {
+    reasons.push_back({prospect.effect->name, "", refused});
+    return std::nullopt;
+  }
   return Candidate{.effect = prospect.effect,
                    .grown = std::move(fitted->grown),
                    .companions = prospect.companions,

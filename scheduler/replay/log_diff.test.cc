@@ -88,6 +88,17 @@ TEST(LogDiff, HandlesOtherLengthsSeedsAndRobots) {
   EXPECT_THAT(seeds.header, ::testing::Contains("seed: 7 and 8"));
 }
 
+TEST(LogDiff, NamesTheKeysInWhichScenariosOfOneNameDiffer) {
+  const std::string yaml = three_robots(1);
+  const auto lit = [&](const char* direction) {
+    return log_of(record(yaml + "lighting: {lambert: true, direction: " + direction + "}\n").bytes);
+  };
+  const LogDifference difference = compare_logs(lit("[0.3, 0.1, 0.95]"), lit("[0.3, 0.1, 0.951]"));
+  EXPECT_THAT(difference.header,
+              ::testing::Contains(::testing::AllOf(HasSubstr("lighting.direction"),
+                                                   ::testing::Not(HasSubstr("lambert")))));
+}
+
 TEST(LogRecovery, OfAWholeLogLosesNothing) {
   const RecordedRun run = record(three_robots());
   mcap::MemoryOutput output;

@@ -43,6 +43,8 @@ class PointsProblem : public Problem {
   // What a path can follow differs from stretch to stretch.
   bool training_stands_for_all() const override { return !on_path(); }
   std::vector<std::string> remarks(const Model& model) const override;
+  // A lens with a pole inside the image.
+  std::string no_result_because(const Model& model) const override;
   // Focal lengths and centre, with what effects change of them.
   std::vector<Figure> figures(const Model& model) const override;
   std::vector<PlacedPoint> placed_points(const Model& model) const override;

@@ -165,6 +165,10 @@ std::vector<std::string> PointsProblem::remarks(const Model& model) const {
   return remarks;
 }
 
+std::string PointsProblem::no_result_because(const Model& model) const {
+  return effects::lens_pole(model, data_.camera.width_px, data_.camera.height_px);
+}
+
 std::vector<Figure> PointsProblem::figures(const Model& model) const {
   std::vector<Figure> figures;
   for (const CameraView& view : data_.cameras) {
