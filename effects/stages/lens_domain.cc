@@ -206,14 +206,9 @@ std::optional<LensFault> lens_fault(const Projection& projection, int directions
   return nearest;
 }
 
-std::string lens_pole(const Model& model, int width_px, int height_px) {
-  for (const std::string& name : cameras_with_lenses(model)) {
-    const Model own = model_of(model, name);
-    if (!has_base(own, Base::projection) || replacement_in(own) != nullptr) continue;
-    const auto fault = lens_fault(Projection(own, width_px, height_px), kDirectionsOfDoubts);
-    if (fault && fault->pole) return "the lens " + words_of(*fault);
-  }
-  return "";
+std::string lens_pole(const Model& camera, int width_px, int height_px) {
+  const auto fault = lens_fault(Projection(camera, width_px, height_px), kDirectionsOfDoubts);
+  return fault && fault->pole ? "the lens " + words_of(*fault) : "";
 }
 
 std::vector<std::string> lens_doubts(const Model& model, int width_px, int height_px) {

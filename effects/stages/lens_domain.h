@@ -22,8 +22,8 @@ struct LensFault {
 // Looks along `directions` ways to the border of the image.
 std::optional<LensFault> lens_fault(const Projection& projection, int directions);
 
-// The first pole inside the image of a camera of the model, in a sentence; empty: there is none.
-std::string lens_pole(const Model& model, int width_px, int height_px);
+// The pole inside the image of one camera's model, in a sentence; empty: there is none.
+std::string lens_pole(const Model& camera, int width_px, int height_px);
 
 // What is odd about the lenses of a model for images of this size, in sentences: folds and poles
 // inside the image, near folds, a principal point outside the image. Empty for a model without a

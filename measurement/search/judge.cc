@@ -197,7 +197,9 @@ void judge(const Problem& problem, const Grown& base, const Evaluation& here, do
   // fit had stopped early. Where the base itself is not known (the focal length of a camera that
   // sees a board from the front only), no value is clear: whether the gain is lost without it tells
   // then.
-  const bool lost_tells = candidate.effect->has_neutral && !has_counts(*candidate.effect);
+  // Draws free the mean from what single groups did to it: that gain is their own.
+  const bool lost_tells = candidate.effect->has_neutral && !has_counts(*candidate.effect) &&
+                          !candidate.effect->draws_estimated;
   const bool clear = has_counts(*candidate.effect) || candidate.effect->spread_only ||
                      clear_parameters(candidate.grown, candidate.effect->name) > 0;
   candidate.fall = native_fall(before.held, after.held);

@@ -166,7 +166,12 @@ std::vector<std::string> PointsProblem::remarks(const Model& model) const {
 }
 
 std::string PointsProblem::no_result_because(const Model& model) const {
-  return effects::lens_pole(model, data_.camera.width_px, data_.camera.height_px);
+  for (const CameraView& view : data_.cameras) {
+    const std::string pole =
+        effects::lens_pole(effects::model_of(model, view.name), view.width_px, view.height_px);
+    if (!pole.empty()) return pole;
+  }
+  return "";
 }
 
 std::vector<Figure> PointsProblem::figures(const Model& model) const {
