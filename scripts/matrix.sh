@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The slow matrix of `./test.sh --all`. Each part prints one line; a part that fails does not stop
-# the others, and the exit code tells. The last result stands in docs/evidence/matrix.md.
+# the others, and the exit code says so. The last result stands in docs/evidence/matrix.md.
 #
 # --quick: each part with little of its time, to see that it runs at all; that is no result and writes no page.
 set -uo pipefail

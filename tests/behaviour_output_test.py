@@ -115,10 +115,10 @@ class BehaviourOutput(unittest.TestCase):
         done = self.seam("run", path, "--log", log, "--json", self.here / "run.json")
         refused = json.loads((self.here / "run.json").read_text())["refused"]["r0"]
         self.assertGreater(refused["decisions"], 10)
-        told = [line for line in done.stderr.splitlines() if "refused" in line]
-        self.assertEqual(len(told), 2, told)
-        self.assertRegex(told[0], r"r0: the decision at 0\.000 s was refused: head\.pan_rad: found nan")
-        self.assertEqual(told[1], f"r0: {refused['decisions']} of {refused['decisions']} decisions were refused and did "
+        lines = [line for line in done.stderr.splitlines() if "refused" in line]
+        self.assertEqual(len(lines), 2, lines)
+        self.assertRegex(lines[0], r"r0: the decision at 0\.000 s was refused: head\.pan_rad: found nan")
+        self.assertEqual(lines[1], f"r0: {refused['decisions']} of {refused['decisions']} decisions were refused and did "
                          "nothing; the first at 0.000 s: head.pan_rad: found nan, expected a number from -1000000 to 1000000")
 
     def test_a_target_beyond_the_range_is_clamped_with_one_warning(self):

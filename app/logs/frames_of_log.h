@@ -21,7 +21,7 @@ enum class UnseenFrames : uint8_t {
 
 class FramesOfLog final : public scheduler::FrameRenderer {
  public:
-  // `seen`: robots whose clients are told their frames. `report` is the run's; all outlive it.
+  // `seen`: robots whose clients get their frames. `report` is the run's; all outlive it.
   FramesOfLog(scheduler::FrameRenderer& renderer, const scheduler::Log& log, std::set<int> seen,
               UnseenFrames unseen, const scheduler::MixedReport& report);
 

@@ -25,7 +25,7 @@ std::optional<scheduler::Turn> OpenLoop::decide(
     const Outcome outcome = logged->answers[i].outcome;
     // Where the robot was frozen in the log there is nothing to compare with.
     if (outcome == Outcome::decided || outcome == Outcome::resumed)
-      tell_({*observations[i], logged->answers[i], fed});
+      on_decision_({*observations[i], logged->answers[i], fed});
   }
   return logged;
 }

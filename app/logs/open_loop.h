@@ -1,4 +1,4 @@
-// A recorded run given to another program: it is told what its robot was told and asked what it
+// A recorded run given to another program: it gets what its robot got and is asked what it
 // would do, while the log decides for all. Nothing that it decides has an effect.
 #pragma once
 
@@ -29,9 +29,13 @@ class OpenLoop final : public scheduler::DecisionSource {
 
   // All must outlive it. `live` is asked for this robot alone. `stopped` is set where the run was
   // stopped before the log's end.
-  OpenLoop(const scheduler::Log& log, scheduler::DecisionSource& live, int robot, OnDecision tell,
-           bool& stopped)
-      : turns_(log), live_(live), robot_(robot), tell_(std::move(tell)), stopped_(stopped) {}
+  OpenLoop(const scheduler::Log& log, scheduler::DecisionSource& live, int robot,
+           OnDecision on_decision, bool& stopped)
+      : turns_(log),
+        live_(live),
+        robot_(robot),
+        on_decision_(std::move(on_decision)),
+        stopped_(stopped) {}
 
   // Throws InputError where the program ended or fell silent before the log did.
   std::optional<scheduler::Turn> decide(
@@ -43,7 +47,7 @@ class OpenLoop final : public scheduler::DecisionSource {
   scheduler::TurnReader turns_;
   scheduler::DecisionSource& live_;
   const int robot_;
-  OnDecision tell_;
+  OnDecision on_decision_;
   bool& stopped_;
 };
 

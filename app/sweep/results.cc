@@ -162,7 +162,7 @@ ResultsFile ResultsFile::for_writing(const fs::path& file, const SweepPlan& plan
   results.lock_ = std::move(owned.lock);
   if (owned.has_tables) results.read_head(&plan);  // Before another program's file is changed.
   write_ahead(*results.database_);
-  // Nothing is lost of a plan of which there is no run: its first one told of a mistake in it.
+  // Nothing is lost of a plan of which there is no run: its first one showed a mistake in it.
   const bool anew = owned.has_tables && results.plan().fingerprint() != plan.fingerprint() &&
                     std::get<int64_t>(results.database_->value("SELECT count(*) FROM runs")) == 0;
   if (anew)

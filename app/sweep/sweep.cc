@@ -76,7 +76,7 @@ SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
 
 namespace {
 
-// What the first run that went as it should tells of all others: throws where a value of the plan
+// What the first run that went as it should shows for all others: throws where a value of the plan
 // is logged by nobody, before hours are spent on an empty column.
 void check_first_run(const RunRecord& record) {
   for (const std::string& note : record.notes)

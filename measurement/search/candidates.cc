@@ -259,10 +259,8 @@ std::optional<Candidate> fit_prospect(const Problem& problem, const Grown& base,
   }
   // Few groups may not reach where all of them forbid it.
   const std::string refused =
-      prospect.few || !problem.no_result_because(base.assessment.model).empty()
-          ? ""
-          : problem.no_result_because(fitted->grown.assessment.model);
-  if (!refused.empty()) {
+      prospect.few ? "" : problem.no_result_because(fitted->grown.assessment.model);
+  if (!refused.empty() && problem.no_result_because(base.assessment.model).empty()) {
     reasons.push_back({prospect.effect->name, "", refused});
     return std::nullopt;
   }

@@ -137,7 +137,7 @@ class ClientHub final : public DecisionSource {
     std::optional<Decision> decision;
     DebugBudget budget;
     std::bitset<kMostJoints> clamped;  // Joints of which it was recorded: once each.
-    uint64_t wrong_hellos = 0;         // Since they were last told.
+    uint64_t wrong_hellos = 0;         // Since they were last reported.
     std::optional<SimTime> hellos_told;
   };
 

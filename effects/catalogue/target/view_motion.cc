@@ -18,12 +18,10 @@ EffectDefinition view_motion() {
       .help =
           "The camera moved while the rows of its images were read one after the other: each view "
           "has a turn of its own, which is estimated with its pose. A still view shows the product "
-          "of "
-          "speed and read-out time alone, and a way to the side looks like a turn.",
+          "of speed and read-out time alone, and a way to the side looks like a turn.",
       .formula =
           "p + b w x p in the camera's frame, b = v / height - 1/2 of the row v; each coordinate "
-          "of w "
-          "from N(0, turn_sigma_rad^2), for each view",
+          "of w from N(0, turn_sigma_rad^2), for each view",
       .signature = "each view is sheared and stretched along its rows, otherwise in each view",
       .example = "view_motion: {turn_sigma_rad: 0.005}",
       .spread_only = true,

@@ -1,6 +1,5 @@
 // A lens that folds the image over, or has a pole in it, is said to do so; what a camera is, as
 // figures.
-// figures.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -236,8 +236,8 @@ void PointsProblem::check_model(const Model& model) const {
                   target.motion_sigma_rad > 0 || target.has_sway()))
     throw InputError(
         "the model bends, moves or sways the target, or changes the focal length, otherwise in "
-        "each view, "
-        "which only still views show: expected rig: {pose: unknown} without motion, or a model "
+        "each view, which only still views show: expected rig: {pose: unknown} without motion, or "
+        "a model "
         "without that");
 }
 

@@ -1,4 +1,4 @@
-// What cannot be told of a camera that stands still.
+// What a camera that stands still does not show.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -24,6 +24,13 @@ Eigen::Matrix3d as_eigen(const Mat3& m) {
   return out;
 }
 
+// How a turn about the origin, a vector along its axis, moves this place.
+Matrix3d by_turn(const Vec3& p) {
+  Matrix3d slopes;
+  slopes << 0, p.z, -p.y, -p.z, 0, p.x, p.y, -p.x, 0;
+  return slopes;
+}
+
 }  // namespace
 
 Vec3 TargetAdjustment::place_W(const Compiled& model, const State& state, size_t row) const {
@@ -113,9 +120,7 @@ void TargetAdjustment::slopes_of_pose(const State& state, size_t row, const Slop
   const Vec3 p_C = state.X_CW[static_cast<size_t>(given_.data.frame_of_row[row])] *
                    place_W(compiled_, state, row);
   // d p_C = turn x p_C + shift.
-  Matrix3d turned;
-  turned << 0, p_C.z, -p_C.y, -p_C.z, 0, p_C.x, p_C.y, -p_C.x, 0;
-  cell.by_view.leftCols<3>() = by_C * turned;
+  cell.by_view.leftCols<3>() = by_C * by_turn(p_C);
   cell.by_view.middleCols<3>(3) = by_C;
 }
 
@@ -129,11 +134,9 @@ void TargetAdjustment::slopes_of_motion(const State& state, size_t row, const Sl
     const Vec3 there = carried(state, row, unit) - carried(state, row, Vec3(0.0));
     moved.col(axis) << there.x, there.y, there.z;
   }
-  Matrix3d turned;
-  turned << 0, p_R.z, -p_R.y, -p_R.z, 0, p_R.x, p_R.y, -p_R.x, 0;
   const double unit_rad = given_.data.part_read(row) * compiled_.shape.motion_sigma_rad;
   cell.by_view.middleCols<3>(pose_unknowns() + motion_at()) =
-      unit_rad * by_R * moved.inverse() * turned;
+      unit_rad * by_R * moved.inverse() * by_turn(p_R);
 }
 
 bool TargetAdjustment::look_on_path(const State& state, size_t row, Cell& cell) const {
