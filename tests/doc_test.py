@@ -67,14 +67,16 @@ def main():
     first = [str(seam.parent), *([str(given.python.parent)] if given.python else [])]
     environment = dict(os.environ, PATH=":".join([*first, os.environ["PATH"]]))
     with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name) / "work"
+        # As deep as the pages' folders are in the source, so that files name models by the same path.
+        folder = pathlib.Path(name) / "docs" / "work"
         material = given.material or document.with_suffix("")
         if material.is_dir():
             shutil.copytree(material, folder)
         else:
-            folder.mkdir()
+            folder.mkdir(parents=True)
         for part in ("scenarios", "models", "replays") if given.tree else ():
-            (folder / part).symlink_to(ROOT / part)
+            for place in (folder, pathlib.Path(name)):
+                (place / part).symlink_to(ROOT / part)
         if given.set:
             (folder / given.set.name).symlink_to(given.set.resolve())
         done = checks = 0

@@ -11,6 +11,9 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import urllib.error
+
+from viewing import viewer
 
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 SOURCE = pathlib.Path(sys.argv[2]).resolve()
@@ -30,6 +33,8 @@ for seen in robot.observations():
         robot.log_value("area", 0 if 1 <= t < 1.6 or 2 <= t < 2.1 else 7)
     if t < 1:
         robot.log_value("seldom seen", 1)
+    if 0.49 < t < 0.52:
+        robot.log_text("note", "half a second")
     if 1.2 < t < 1.25:
         robot.kick(seam_sdk.Kick.LEG_FORWARD)
         print("kicks")
@@ -112,6 +117,35 @@ class Find(unittest.TestCase):
         for name in ("red_1.area", "red_1.seldom_seen", "red2.command.pan_rad", "truth.red2.left_front_knee_rad",
                      "truth.ball.x_m", "event.kick", "red2.event.printed", "time_s"):
             self.assertIn(name, names)
+
+    def test_the_viewer_finds_the_same(self):
+        with viewer(SEAM, self.log) as ask:
+            for when in ("red_1.area == 0 for 0.5 s", "event.kick", "red_1.area == 9"):
+                found = ask("find", when=when)
+                self.assertEqual((found["format"], found["when"], found["count"]), ("seam-find/1", when, len(found["hits"])))
+                self.assertEqual(found["hits"], self.hits(when, check=0 if found["hits"] else 1))
+            self.assertEqual(ask("find", when="red_1.area == 0")["robot"], "red-1")
+            cut = ask("find", when="red_1.area == 0", most=1)
+            self.assertEqual((len(cut["hits"]), cut["more"]), (1, True))
+            self.assertEqual(ask("find")["names"], self.seam("--names").stdout.split())
+            hostile = {"red_1.aera == 0": "did you mean 'red_1.area'?", "red_1.area = 0": "expected an expression",
+                       "time_s > 1 for 1e99 s": "expected how long it must hold", "(" * 900: "condition", "1+" * 600: "1000 at most",
+                       "\0": "condition", "sin(" * 200 + "time_s" + ")" * 190: "condition", "'\u202e<script>": "condition"}
+            for when, said in hostile.items():
+                with self.subTest(when[:30]), self.assertRaises(urllib.error.HTTPError) as refused:
+                    ask("find", when=when)
+                self.assertEqual(refused.exception.code, 400)
+                self.assertIn(said, json.loads(refused.exception.read())["error"])
+
+    def test_lanes_of_the_viewer(self):
+        with viewer(SEAM, self.log) as ask:
+            lanes = ask("lanes", robot="red-1", **{"from": 1, "to": 2, "points": 1000})
+            times = [one["t"] for one in ask("decisions", robot="red-1", **{"from": 1, "to": 2})["decisions"]]
+            self.assertEqual([t for t in lanes["decisions"] if t < 2], times)
+            few = ask("lanes", robot="red-1", points=10)
+            self.assertLessEqual(len(few["decisions"]), 11)
+            self.assertEqual(few["frames"], [], "this behaviour asks for none")
+            self.assertEqual([round(t, 1) for t in few["texts"]], [0.5])
 
     def test_a_hit_is_a_link_for_the_viewer(self):
         line = self.seam("--when", "red_1.area == 0", "--first").stdout

@@ -8,7 +8,8 @@ import urllib.request
 
 @contextlib.contextmanager
 def viewer(seam, log):
-    """Gives a function: ask("series", robot="red1") is the answer, parsed where it is JSON, else as bytes."""
+    """Gives a function: ask("series", robot="red1") is the answer, parsed where it is JSON, else as bytes; ask.address is
+    that of the page."""
     process = subprocess.Popen([seam, "view", log], stdout=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
     address = process.stdout.readline().strip()
 
@@ -17,6 +18,7 @@ def viewer(seam, log):
             content = answer.read()
             return json.loads(content) if answer.headers["Content-Type"] == "application/json" else content
 
+    ask.address = address
     try:
         yield ask
     finally:

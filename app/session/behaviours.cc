@@ -141,6 +141,20 @@ std::map<std::string, std::string> behaviour_environment() {
   return {{"PYTHONPATH", before + package.string()}};
 }
 
+std::string environment_lines(const std::map<std::string, std::string>& environment) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
+  std::string lines;
+  for (const auto& [name, value] : environment) {
+    // Quotes are for a shell; not all editors take them off.
+    const bool plain = value.find_first_not_of(kPlain) == std::string::npos;
+    std::string quoted;
+    for (const char byte : value) quoted += byte == '\'' ? "'\\''" : std::string(1, byte);
+    lines += name + "=" + (plain ? value : "'" + quoted + "'") + "\n";
+  }
+  return lines;
+}
+
 BlockedSignals::BlockedSignals() {
   const sigset_t set = our_signals();
   pthread_sigmask(SIG_BLOCK, &set, &before_);
@@ -174,6 +188,8 @@ pid_t start_program(const BehaviourProcess& process, int inherited) {
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, nullptr);
     ::signal(SIGPIPE, SIG_DFL);
+    // Who reads the terminal outside its foreground group is stopped, and nobody would say so.
+    if (isatty(STDIN_FILENO) != 0) dup2(open("/dev/null", O_RDONLY | O_CLOEXEC), STDIN_FILENO);
     if (inherited >= 0) fcntl(inherited, F_SETFD, 0);
     if (process.output >= 0)
       for (const int own : {STDOUT_FILENO, STDERR_FILENO}) dup2(process.output, own);

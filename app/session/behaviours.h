@@ -28,6 +28,9 @@ std::string find_behaviour(const std::string& name, const std::string& robot);
 // What behaviours find in their environment: our package on Python's path.
 std::map<std::string, std::string> behaviour_environment();
 
+// As lines NAME=VALUE, which a shell reads with `.` and editors as an `envFile`.
+std::string environment_lines(const std::map<std::string, std::string>& environment);
+
 // While it lives, the calling thread and those that it starts leave SIGINT, SIGTERM, SIGHUP and
 // SIGCHLD to `SignalWatch`; a client that closes its connection does not end the program.
 class BlockedSignals {

@@ -17,6 +17,7 @@
 #include "sim_core/base/files.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/output.h"
+#include "sim_core/input/shown_text.h"
 #include "sim_core/system/resources.h"
 
 namespace seam::app {
@@ -71,15 +72,18 @@ std::vector<std::string> command_of(const RobotSpec& robot, const SessionOptions
 std::vector<scheduler::HubRobot> hub_robots(const Scenario& scenario,
                                             const SessionOptions& options) {
   std::vector<scheduler::HubRobot> robots;
+  const auto by_hand = [&](const RobotSpec& robot) { return robot.id == options.by_hand.robot; };
   for (const RobotSpec& robot : scenario.robots)
     robots.push_back(
         {.id = robot.id,
          .token = robot.token.empty() ? new_token() : robot.token,
-         .policy = robot.behaviour.silence,
+         // A program that stands in a debugger is silent for as long as its user thinks.
+         .policy = by_hand(robot) ? SilencePolicy::wait : robot.behaviour.silence,
          .limit_s = robot.behaviour.wall_limit.s(),
-         .connect_limit_s = options.start_behaviours ? 60 : 1e9,
+         .connect_limit_s = options.start_behaviours && !by_hand(robot) ? 60 : 1e9,
          // Nobody will come for a robot without a behaviour that `run` could start.
-         .expected = !options.start_behaviours || !command_of(robot, options).empty()});
+         .expected =
+             !options.start_behaviours || by_hand(robot) || !command_of(robot, options).empty()});
   return robots;
 }
 
@@ -107,26 +111,6 @@ void wait_for_renderers(const scheduler::RemoteRenderer& remote,
   throw InputError(one_ended ? std::string("a renderer ended before the run began")
                              : fmt::format("{} of {} renderers came within {} s",
                                            remote.renderers(), wanted, options.connect_limit_s));
-}
-
-std::string fingerprint_of(const std::string& text) {
-  Hasher hasher;
-  hasher.add(std::string_view(text));
-  return to_hex(hasher.digest());
-}
-
-SessionIdentity identity_of(const Simulator& simulator) {
-  SessionIdentity identity{.scenario = simulator.header.scenario_name,
-                           .fingerprint = fingerprint_of(simulator.header.scenario_text),
-                           .changes = simulator.changes,
-                           .seed = simulator.scenario.seed,
-                           .versions = simulator.header.versions};
-  for (size_t i = 0; i < simulator.models.size(); ++i) {
-    const effects::Model& model = simulator.models[i];
-    identity.models.push_back(
-        {simulator.scenario.robots[i].id, model.name(), fingerprint_of(model.to_yaml())});
-  }
-  return identity;
 }
 
 // Whatever ends the run, also an error of an observer (a full disk): calls that wait for the loop
@@ -190,6 +174,7 @@ class Session {
  private:
   void serve();
   void start_processes();
+  std::map<std::string, std::string> connection_of(const std::string& robot) const;
   SessionSummary simulate(const WrapSource& wrap,
                           std::vector<scheduler::SimulationObserver*> observers);
   void reap();
@@ -255,22 +240,32 @@ void Session::serve() {
   std::fflush(stdout);
 }
 
+// What a client finds in its environment.
+std::map<std::string, std::string> Session::connection_of(const std::string& robot) const {
+  return {{"SEAM_ADDRESS", socket_},
+          {"SEAM_LINE", lines_},
+          {"SEAM_ROBOT", robot},
+          {"SEAM_TOKEN", robots_[static_cast<size_t>(hub_.robot_number(robot))].token}};
+}
+
 void Session::start_processes() {
   if (remote_ && options_.start_behaviours)
     for (const BehaviourProcess& process :
          render_processes(options_.rendering.renderers, socket_, render_token_))
       renderers_.start(process);
   for (BehaviourProcess& process : processes_) {
-    const auto& robot = robots_[static_cast<size_t>(hub_.robot_number(process.robot))];
-    process.environment.insert({{"SEAM_ADDRESS", socket_},
-                                {"SEAM_LINE", lines_},
-                                {"SEAM_ROBOT", robot.id},
-                                {"SEAM_TOKEN", robot.token}});
-    process.output = printed_.open(robot.id);
+    process.environment.merge(connection_of(process.robot));
+    process.output = printed_.open(process.robot);
     behaviours_.start(process);
     close(std::exchange(process.output, -1));
   }
   printed_.start();
+  if (options_.by_hand.robot.empty()) return;
+  auto environment = behaviour_environment();
+  environment.merge(connection_of(options_.by_hand.robot));
+  outputs_.by_hand.fill(environment_lines(environment));
+  show_line(fmt::format("{} waits for your program, which finds the server by {}",
+                        options_.by_hand.robot, shown(options_.by_hand.file)));
 }
 
 // Ends a run that takes too long, and notes for whom it waited.

@@ -25,6 +25,13 @@ namespace seam::app {
 
 class Standbys;
 
+// A robot whose program the user starts, such as in a debugger; `file` gets the environment that it
+// needs. No name: none.
+struct ByHand {
+  std::string robot;
+  std::string file;
+};
+
 struct SessionOptions {
   std::string log;       // Empty: none.
   std::string sign_key;  // Private, for a signature beside the log; empty: none.
@@ -40,6 +47,7 @@ struct SessionOptions {
   std::string token_file;              // Tokens are written here for clients elsewhere.
   RemoteRenderingOptions rendering;
   std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
+  ByHand by_hand;                                            // Its command is an empty one.
   bool progress = true;                                      // On a terminal.
   bool show_printed = true;  // What behaviours print goes to stderr, each line with its robot.
   std::optional<double> wall_limit_s;            // A run that takes longer is aborted.
@@ -64,6 +72,7 @@ struct SessionIdentity {
   };
   std::vector<RobotModel> models;
 };
+SessionIdentity identity_of(const Simulator& simulator);
 
 struct SessionSummary {
   SessionIdentity identity;

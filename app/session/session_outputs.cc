@@ -82,6 +82,7 @@ SessionOutputs::SessionOutputs(const SessionOptions& options) {
   json = OutputFile(options.json, rules);
   rules.mode = S_IRUSR | S_IWUSR;
   tokens = OutputFile(options.token_file, rules);
+  by_hand = OutputFile(options.by_hand.file, rules);
   if (!options.frames.empty()) frames.emplace(options.frames, options.force);
 }
 

@@ -44,7 +44,7 @@ struct SessionOutputs {
   std::optional<SigningKey> key;      // Signs the log when it is whole.
   std::optional<FrameFiles> frames;
   OutputFile json;
-  OutputFile tokens;  // Readable by this user alone.
+  OutputFile tokens, by_hand;  // Readable by this user alone.
 };
 
 }  // namespace seam::app

@@ -10,6 +10,12 @@ namespace seam::app {
 
 namespace {
 
+std::string fingerprint_of(const std::string& text) {
+  Hasher hasher;
+  hasher.add(std::string_view(text));
+  return to_hex(hasher.digest());
+}
+
 constexpr const char* kEnds[] = {"finished", "stopped", "aborted"};
 
 void put_identity(nlohmann::ordered_json& json, const SessionIdentity& identity) {
@@ -65,6 +71,20 @@ std::string json_text(const SessionSummary& summary) {
 }
 
 }  // namespace
+
+SessionIdentity identity_of(const Simulator& simulator) {
+  SessionIdentity identity{.scenario = simulator.header.scenario_name,
+                           .fingerprint = fingerprint_of(simulator.header.scenario_text),
+                           .changes = simulator.changes,
+                           .seed = simulator.scenario.seed,
+                           .versions = simulator.header.versions};
+  for (size_t i = 0; i < simulator.models.size(); ++i) {
+    const effects::Model& model = simulator.models[i];
+    identity.models.push_back(
+        {simulator.scenario.robots[i].id, model.name(), fingerprint_of(model.to_yaml())});
+  }
+  return identity;
+}
 
 int report(const SessionSummary& summary, SessionOutputs& outputs) {
   std::printf(

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/command_line.h"
+#include "app/session/run_session.h"
 #include "mcap/reader.h"
 
 namespace seam::tools {
@@ -18,5 +18,15 @@ SEAM_REPLAY_COMMANDS(SEAM_DECLARE)
 
 // "the index is damaged at offset 71000: ...": of a log whose data may be whole.
 std::string index_sentence(const mcap::Loss& damage);
+
+// Who decides in a robot's place: a program that we start, or one that the user starts.
+struct StandIn {
+  std::string robot, client, by_hand;
+
+  std::string name() const { return client.empty() ? "your program" : "'" + client + "'"; }
+  // Throws UsageError where neither or both are given.
+  void set_up(app::SessionOptions& session) const;
+};
+void add_stand_in_options(app::Command command, StandIn& stand_in);
 
 }  // namespace seam::tools

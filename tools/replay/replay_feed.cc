@@ -25,8 +25,7 @@ constexpr size_t kShown = 5, kListed = 10'000;
 
 struct FeedSettings {
   std::string file;
-  std::string robot;
-  std::string client;
+  StandIn stand_in;
   std::string expect, write_expected;
   std::string log;
   bool force = false;
@@ -45,16 +44,15 @@ struct Fed {
 
 Fed feed_program(const scheduler::Log& log, const FeedSettings& settings) {
   app::Simulator simulator = app::make_simulator(log.header());
-  const int robot = app::ReplayMatch(log).robot(settings.robot);
+  const int robot = app::ReplayMatch(log).robot(settings.stand_in.robot);
   app::SessionOptions session;
   for (const RobotSpec& one : simulator.scenario.robots) session.commands[one.id] = {};
-  session.commands[settings.robot] = app::split_words(settings.client);
-  if (session.commands[settings.robot].empty()) throw UsageError("--client: expected a command");
+  settings.stand_in.set_up(session);
   app::OneRobotsFrames frames(log, *simulator.renderer, robot);
   session.renderer = &frames;
   app::SessionOutputs outputs(session);
   const app::JointNames joints(log.header());
-  Fed fed{.logged = {settings.robot, {}}, .found = {settings.robot, {}}};
+  Fed fed{.logged = {settings.stand_in.robot, {}}, .found = {settings.stand_in.robot, {}}};
   std::optional<uint64_t> newest;
   const auto note = [&](const app::FedDecision& decision) {
     const SimTime time = decision.seen.time;
@@ -77,7 +75,8 @@ Fed feed_program(const scheduler::Log& log, const FeedSettings& settings) {
 size_t write_log(const scheduler::Log& log, const FeedSettings& settings, const Fed& fed,
                  mcap::Output& output) {
   const auto& robots = log.header().robots;
-  const int robot = static_cast<int>(std::ranges::find(robots, settings.robot) - robots.begin());
+  const int robot =
+      static_cast<int>(std::ranges::find(robots, settings.stand_in.robot) - robots.begin());
   size_t added = 0;
   app::copy_log(log, output, [&](scheduler::TurnRecord& turn) {
     const auto notes = fed.notes.find(turn.time);
@@ -171,9 +170,9 @@ void feed(const FeedSettings& settings) {
   std::optional<app::DecisionList> wanted;
   if (!settings.expect.empty()) {
     wanted = app::decision_list_from(settings.expect);
-    if (wanted->robot != settings.robot)
+    if (wanted->robot != settings.stand_in.robot)
       throw UsageError(fmt::format("--expect {}: its decisions are of '{}', expected those of '{}'",
-                                   settings.expect, wanted->robot, settings.robot));
+                                   settings.expect, wanted->robot, settings.stand_in.robot));
   }
   const Fed fed = feed_program(log, settings);
   if (fed.interrupted) throw InputError("stopped before the log's end");
@@ -203,11 +202,9 @@ void add_replay_feed(app::Command replay) {
       "decides otherwise; what it decides has no effect");
   auto settings = std::make_shared<FeedSettings>();
   command.add_option("F", settings->file, "The log").required();
-  command.add_option("--robot", settings->robot, "In whose place the program is").required();
-  command
-      .add_option("--client", settings->client,
-                  "The program with its arguments, as one word of the shell")
+  command.add_option("--robot", settings->stand_in.robot, "In whose place the program is")
       .required();
+  add_stand_in_options(command, settings->stand_in);
   command.add_option("--expect", settings->expect,
                      "Compares with the decisions of this file in place of the log's: a test");
   command.add_option("--write-expected", settings->write_expected,

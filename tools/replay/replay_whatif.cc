@@ -23,8 +23,7 @@ namespace {
 
 struct WhatifSettings {
   std::string file;
-  std::string robot;
-  std::string client;
+  StandIn stand_in;
   double from_s = 0;
   std::string others = "log";
   bool run_programs = false;
@@ -36,12 +35,9 @@ struct WhatifSettings {
 scheduler::MixedSourceOptions set_up(const WhatifSettings& settings, const Scenario& scenario,
                                      int changed, app::SessionOptions& session) {
   scheduler::MixedSourceOptions options{.live_from = SimTime::from_s(settings.from_s)};
-  const std::vector<std::string> command = app::split_words(settings.client);
-  if (command.empty()) throw UsageError("--client: expected a command");
   for (size_t i = 0; i < scenario.robots.size(); ++i) {
     const bool is_changed = static_cast<int>(i) == changed;
     if (is_changed || settings.others == "live") options.live_robots.insert(static_cast<int>(i));
-    if (is_changed) session.commands[scenario.robots[i].id] = command;
     // Whom the log drives needs no process.
     if (!is_changed && settings.others == "log") session.commands[scenario.robots[i].id] = {};
   }
@@ -56,11 +52,12 @@ std::string otherwise_text(const scheduler::Log& log, const WhatifSettings& sett
   const uint64_t count = alike == mixed.alike.end() ? 0 : alike->second;
   const auto found = mixed.first_otherwise.find(changed);
   if (found == mixed.first_otherwise.end())
-    return fmt::format("{} decides as in the log, each of {} times\n", settings.robot, count);
+    return fmt::format("{} decides as in the log, each of {} times\n", settings.stand_in.robot,
+                       count);
   const scheduler::MixedReport::Otherwise& other = found->second;
   std::string text = fmt::format(
-      "{} first decides otherwise at {}, after {} decisions as in the log{}\n", settings.robot,
-      app::seconds(other.time), count,
+      "{} first decides otherwise at {}, after {} decisions as in the log{}\n",
+      settings.stand_in.robot, app::seconds(other.time), count,
       other.time < SimTime::from_s(settings.from_s) ? "; before --from, without effect" : "");
   for (const app::DecisionField& field :
        app::other_fields(other.logged, other.live, app::JointNames(log.header())))
@@ -76,13 +73,14 @@ int what_if(const WhatifSettings& settings) {
   const auto unseen =
       session.log.empty() ? app::UnseenFrames::never : app::UnseenFrames::when_changed;
   session.inputs = {settings.file};
+  settings.stand_in.set_up(session);
   const app::ScratchFolder scratch("whatif");
   if (session.log.empty()) session.log = (scratch.path() / "changed.mcap").string();
   app::SessionOutputs outputs(session);
   OutputFile json(settings.json, {.inputs = {settings.file, session.log}});
   const scheduler::Log log = scheduler::Log::open(settings.file);
   app::Simulator simulator = app::make_simulator(log.header());
-  const int changed = app::ReplayMatch(log).robot(settings.robot);
+  const int changed = app::ReplayMatch(log).robot(settings.stand_in.robot);
   if (SimTime::from_s(settings.from_s) > log.end_time()) {
     throw UsageError(fmt::format("--from {}: the log ends at {}", settings.from_s,
                                  app::seconds(log.end_time())));
@@ -95,8 +93,8 @@ int what_if(const WhatifSettings& settings) {
   }
   const scheduler::MixedSourceOptions options =
       set_up(settings, simulator.scenario, changed, session);
-  std::printf("%s is driven by '%s' from %s on; the others %s\n", settings.robot.c_str(),
-              settings.client.c_str(), app::seconds(options.live_from).c_str(),
+  std::printf("%s is driven by %s from %s on; the others %s\n", settings.stand_in.robot.c_str(),
+              settings.stand_in.name().c_str(), app::seconds(options.live_from).c_str(),
               settings.others == "log" ? "do what the log says" : "are live from then on too");
   std::fflush(stdout);
   scheduler::MixedReport mixed;
@@ -127,11 +125,8 @@ void add_replay_whatif(app::Command replay) {
       "follows. Frames are drawn for live clients alone; a log that is kept has all of them");
   auto settings = std::make_shared<WhatifSettings>();
   command.add_option("F", settings->file, "The log").required();
-  command.add_option("--robot", settings->robot, "Whose behaviour is changed").required();
-  command
-      .add_option("--client", settings->client,
-                  "The new behaviour: a program with its arguments, as one word of the shell")
-      .required();
+  command.add_option("--robot", settings->stand_in.robot, "Whose behaviour is changed").required();
+  add_stand_in_options(command, settings->stand_in);
   command
       .add_option("--from", settings->from_s,
                   "Simulated seconds: until then the log decides for all")

@@ -105,12 +105,17 @@ class Viewer {
         info["logs"].push_back(nlohmann::ordered_json::parse(log->info()));
       response.set_content(info.dump(), "application/json");
     });
-    const std::pair<const char*, Answer> answers[] = {
-        {"truth", &ViewData::truth},          {"state", &ViewData::state},
-        {"events", &ViewData::events},        {"steps", &ViewData::steps},
-        {"decisions", &ViewData::decisions},  {"debug", &ViewData::debug},
-        {"series", &ViewData::series},        {"frames", &ViewData::frames},
-        {"frame_rows", &ViewData::frame_rows}};
+    const std::pair<const char*, Answer> answers[] = {{"truth", &ViewData::truth},
+                                                      {"state", &ViewData::state},
+                                                      {"events", &ViewData::events},
+                                                      {"steps", &ViewData::steps},
+                                                      {"find", &ViewData::find},
+                                                      {"lanes", &ViewData::lanes},
+                                                      {"decisions", &ViewData::decisions},
+                                                      {"debug", &ViewData::debug},
+                                                      {"series", &ViewData::series},
+                                                      {"frames", &ViewData::frames},
+                                                      {"frame_rows", &ViewData::frame_rows}};
     for (const auto& [name, answer] : answers) {
       get(name, [this, answer = answer](const Query& query, httplib::Response& response) {
         response.set_content((log(query).*answer)(query), "application/json");

@@ -44,7 +44,7 @@ struct ViewData::Impl {
   ViewIndex index;
   bool has_joints = false;  // See joint_series.h.
   std::optional<app::ReplayMatch> match_;
-  std::string info;
+  std::string info, events;  // Made when they are first asked for.
   struct Made {
     int robot;
     std::unique_ptr<const FrameJob> job;
@@ -253,13 +253,19 @@ std::string ViewData::state(const Query& query) {
 
 std::string ViewData::events(const Query&) {
   const std::lock_guard lock(impl_->mutex);
-  json events = json::array();
-  for (const auto& event : impl_->index.events) events.push_back(json_of(event));
-  for (const auto& line : impl_->index.printed) events.push_back(json_of(line));
-  std::stable_sort(events.begin(), events.end(), [](const json& a, const json& b) {
-    return a["t"].get<double>() < b["t"].get<double>();
-  });
-  return json{{"events", std::move(events)}}.dump(-1, ' ', false, json::error_handler_t::replace);
+  std::string& made = impl_->events;
+  if (made.empty()) made = events_of(impl_->index);
+  return made;
+}
+
+std::string ViewData::find(const Query& query) {
+  const std::lock_guard lock(impl_->mutex);
+  return find_answer(impl_->log, query);
+}
+
+std::string ViewData::lanes(const Query& query) {
+  const std::lock_guard lock(impl_->mutex);
+  return lanes_of(impl_->robot_index(query), query, impl_->log.end_time().s()).dump();
 }
 
 std::string ViewData::steps(const Query& query) {

@@ -29,6 +29,8 @@ class ViewData {
   std::string truth(const Query& query);
   std::string state(const Query& query);
   std::string events(const Query& query);
+  std::string find(const Query& query);
+  std::string lanes(const Query& query);
   std::string steps(const Query& query);
   std::string decisions(const Query& query);
   std::string debug(const Query& query);

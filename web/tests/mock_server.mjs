@@ -61,6 +61,12 @@ function events(length_s) {
   for (let t = 0; t < length_s; t += 0.5) all.push({ t, kind: "radio", robot: robots[Math.round(2 * t) % 8].id, name: "message", detail: "" });
   all.push({ t: 0, kind: "referee", robot: "", name: "kick-off", detail: "red" });
   for (let t = 0.2; t < length_s; t += 10) all.push({ t, kind: "printed", robot: "red2", name: "printed", detail: `ball at ${t}` });
+  const world = (t, robot, name, detail = "") => all.push({ t, kind: "world", robot, name, detail });
+  for (let t = 21; t < length_s - 2; t += 60) {
+    world(t, "red2", "ball_contact");
+    world(t + 1.5, "red2", "kick", "leg_forward");
+    world(t + 1.6, "red2", "ball_contact_end");
+  }
   for (let t = 47; t < length_s; t += 94) all.push({ t, kind: "referee", robot: "", name: "goal", detail: t % 188 === 47 ? "red" : "blue" });
   for (let t = 80; t < length_s; t += 131) all.push({ t, kind: "referee", robot: "blue2", name: "pushing", detail: "taken out for 30 s" });
   if (length_s > 312) {
@@ -92,6 +98,26 @@ function decisions(from, to) {
   const made = [];
   for (let k = Math.max(0, Math.ceil(from / 0.2)); k * 0.2 < to; ++k) made.push({ t: k * 0.2, frame: seenBy(k * 0.2) });
   return { decisions: made };
+}
+
+/** Marks of a strip, at most so many. */
+function lanes(from, to, points) {
+  const every = (period, first) => {
+    const apart = Math.max(period, (to - from) / points);
+    const times = [];
+    for (let t = first + Math.ceil(Math.max(0, from - first) / period) * period; t <= to; t += Math.ceil(apart / period) * period) times.push(t);
+    return times;
+  };
+  return { decisions: every(0.2, 0), frames: every(period_s, stamp(0)), texts: every(0.2, 0) };
+}
+
+/** Holds from second 100 on for 2 s each minute, for whatever is asked; "=" alone is no condition. */
+function find(when, end) {
+  if (!when) return { names: ["event.goal", "red2.event.kick", "truth.red2.x_m"] };
+  if (/[^=<>!]=[^=]/.test(when)) return { status: 400, error: `condition: '${when}' at column 12; expected an expression such as 'event.goal'` };
+  const hits = [];
+  for (let t = 100; t < end; t += when.includes("goal") ? 60 : 2000) hits.push({ begin_s: t, end_s: Math.min(t + 2, end), until_end_of_log: t + 2 > end });
+  return { format: "seam-find/1", when, count: hits.length, more: false, robot: when.startsWith("red2") ? "red2" : "", hits };
 }
 
 const makers = {
@@ -173,6 +199,8 @@ function answer(path, query, logs) {
       return { t };
     }
     case "decisions": return decisions(from, Math.min(to, own.end_s));
+    case "lanes": return lanes(from, Math.min(to, own.end_s), get("points", 1000));
+    case "find": return find(query.get("when"), own.end_s);
     case "debug": return debug(log, query.get("robot"), from, to);
     case "series": return series(log, query.get("robot"), query.get("names"), from, to, get("points", 1000));
     case "frames": return frames(from, to, own.end_s);
@@ -207,7 +235,7 @@ export function serve(page, logCount = 1) {
       return response.end(picture(index, url.searchParams.get("stage")));
     }
     const found = answer(path, url.searchParams, logs);
-    response.statusCode = found ? 200 : 404;
+    response.statusCode = found ? found.status ?? 200 : 404;
     response.setHeader("Content-Type", "application/json");
     response.end(JSON.stringify(found ?? { error: `no ${path} here` }));
   });

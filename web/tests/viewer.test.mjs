@@ -188,6 +188,87 @@ async function eventsOfTheMock(page, url) {
   await shot(page, "viewer_end");
 }
 
+/** The same search as the command's: a hit is gone to, an error stands at the box, a link keeps the condition. */
+async function findOfTheMock(page, url, errors) {
+  await open(page, url, "?t=50&robot=blue1");
+  await page.keyboard.press("/");
+  const box = page.getByLabel("Condition");
+  const count = page.locator(".finder .count");
+  await until("names are offered", async () => await page.locator("#find-names option").count() === 3);
+  await box.fill("red2.event.goal");
+  await page.keyboard.press("Enter");
+  await until("all hits are counted", async () => (await count.innerText()) === "19 hits");
+  await page.locator(".finder .hit button").nth(1).click();
+  await until("a click on a hit goes there", async () => Math.abs(await moment(page) - 160) < 1e-6);
+  assert.equal(await page.locator(".finder [aria-current=true] .when").innerText(), "2:40.000");
+  assert.equal(await page.locator(".robots [aria-pressed=true]").innerText(), "red2", "whom the condition is about");
+  assert.match(await page.locator(".timeline").getAttribute("data-lanes"), /^found referee/);
+  await box.fill("red2.x_m = 3");
+  await page.keyboard.press("Enter");
+  await until("what is wrong stands at the box", async () =>
+    (await page.locator(".finder [role=alert]").innerText().catch(() => "")).includes("expected an expression"));
+  assert.equal(await page.locator(".finder .hit").count(), 0);
+  assert.match(errors.pop(), /status of 400/);
+  await box.fill("event.kick");
+  await page.getByRole("button", { name: "First", exact: true }).click();
+  await until("the first one", async () => Math.abs(await moment(page) - 100) < 1e-6);
+  assert.equal(await count.innerText(), "1 hit");
+  await until("the address has the condition", async () => page.url().includes("find=event.kick"));
+  await shot(page, "viewer_find");
+  await page.goto(page.url());
+  await until("a link searches again", async () => (await count.innerText().catch(() => "")) === "1 hit");
+}
+
+/** How many pixels of this colour a lane of the timeline has. */
+async function inLane(page, name, colour) {
+  return page.locator("canvas[data-name=timeline]").evaluate((canvas, [name, colour]) => {
+    const lanes = canvas.parentElement.dataset.lanes.split(" ");
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const context = copy.getContext("2d", { willReadFrequently: true });
+    context.drawImage(canvas, 0, 0);
+    const height = (canvas.height - 20) / lanes.length;
+    const data = context.getImageData(73, Math.floor((lanes.indexOf(name) + 0.5) * height), canvas.width - 73, 1).data;
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) count += colour.every((part, k) => Math.abs(part - data[i + k]) < 30);
+    return count;
+  }, [name, colour]);
+}
+
+async function lanesOfTheMock(page, url) {
+  await open(page, url, "?t=50&robot=blue1");
+  const names = "referee contacts kicks faults texts decisions frames radio";
+  assert.equal(await page.locator(".timeline").getAttribute("data-lanes"), names);
+  const colours = [[0, 114, 178], [230, 159, 0], [204, 121, 167], [200, 80, 10], [0, 158, 115], [74, 84, 98], [86, 180, 233],
+    [138, 147, 160]];
+  const least = [10, 20, 20, 1, 300, 300, 300, 100];
+  for (const [i, name] of names.split(" ").entries()) {
+    await until(`marks of ${name}`, async () => await inLane(page, name, colours[i]) >= least[i]);
+  }
+  const box = await page.locator("canvas[data-name=timeline]").boundingBox();
+  const x = (t) => box.x + 72 + (t / 1200) * (box.width - 80);
+  const middle = (lane) => box.y + (lane + 0.5) * (box.height - 20) / 8;
+  await page.mouse.click(x(21) + 2, middle(1));
+  await until("a click goes to the begin of a contact", async () => Math.abs(await moment(page) - 21) < 1e-6);
+  await page.mouse.click(x(22.5) - 2, middle(2));
+  await until("a click goes to a kick", async () => Math.abs(await moment(page) - 22.5) < 1e-6);
+}
+
+/** On a telephone the page scrolls down and nowhere sideways. */
+async function fitsNarrow(page, url, name) {
+  await page.setViewportSize({ width: 390, height: 844 });
+  await open(page, url, "?t=100.5&robot=red2&find=event.goal");
+  await page.locator(".finder .hit").first().waitFor();
+  const over = await page.evaluate(() => {
+    const right = [...document.querySelectorAll("#app *")].filter((part) => part.getBoundingClientRect().right > innerWidth + 0.5);
+    return [document.documentElement.scrollWidth - innerWidth, ...right.map((part) => part.className)];
+  });
+  assert.deepEqual(over, [0], `${name}: nothing is wider than a telephone`);
+  await page.locator(".panels").scrollIntoViewIfNeeded();
+  await shot(page, name);
+  await page.setViewportSize({ width: 1280, height: 800 });
+}
+
 const plotOf = (page, name) => page.locator(`.chosen [data-series="${name}"]`);
 
 /** All values are there by name; the client's first ones are shown, and a link keeps the choice. */
@@ -254,6 +335,7 @@ async function compareTwo(browser) {
   await page.getByLabel("Time", { exact: true }).fill("1000");
   await page.keyboard.press("Enter");
   await page.locator("[data-side=b] .ended").waitFor();
+  await fitsNarrow(page, server.url, "viewer_two_390");
   assert.deepEqual(errors, [], "console");
   await page.close();
   server.close();
@@ -284,6 +366,9 @@ try {
   if (!real) await decisionsOfTheMock(page, server.url);
   if (!real) await eventsOfTheMock(page, server.url);
   if (!real) await plotsOfTheMock(page, server.url);
+  if (!real) await findOfTheMock(page, server.url, errors);
+  if (!real) await lanesOfTheMock(page, server.url);
+  if (!real) await fitsNarrow(page, server.url, "viewer_one_390");
   assert.deepEqual(errors, [], "console");
   if (!real) await compareTwo(browser);
   console.log("the viewer was driven");

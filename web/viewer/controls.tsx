@@ -1,7 +1,7 @@
 // Play, step, speed, and the keys that do the same.
 import { useEffect } from "preact/hooks";
 import {
-  changeSpeed, end, helpShown, momentLink, nextRobot, nextStage, playing, replays, robot, say, seek, sight, speed,
+  changeSpeed, end, helpShown, momentLink, nextRobot, nextStage, panel, playing, replays, robot, say, seek, sight, speed,
   speeds, start, stepDecision, stepEvent, stepWorld, time, togglePlay, view, zoom,
 } from "./store";
 import { clock } from "./timeline";
@@ -90,6 +90,7 @@ const keys: [string, string][] = [
   ["1 … 9, [ ]", "choose a robot"],
   ["S", "next stage of the camera's chain"],
   ["W, wheel", "whole match in the timeline; the wheel zooms it"],
+  ["/", "find a moment by a condition"],
   ["L", "copy a link to this moment"],
   ["?", "these keys"],
 ];
@@ -146,6 +147,7 @@ function act(event: KeyboardEvent): boolean {
     case "w": case "W": view.value = [start.value, Math.max(end.value, start.value + 0.1)]; return true;
     case "z": zoom(0.5, time.value); return true;
     case "l": case "L": void copyLink(); return true;
+    case "/": panel.value = "find"; return true;
     case "?": helpShown.value = !helpShown.value; return true;
     case "Escape": helpShown.value = false; return true;
   }

@@ -1,13 +1,19 @@
 import { render } from "preact";
 import "../shared/theme.css";
 import { App } from "./app";
+import { openSearch } from "./find";
+import { keepLanes } from "./lanes";
 import { startPlayer } from "./player";
 import { load, problem } from "./store";
 import "./viewer.css";
 
 render(<App />, document.getElementById("app")!);
 load()
-  .then(startPlayer)
+  .then(() => {
+    startPlayer();
+    keepLanes();
+    openSearch();
+  })
   .catch((error: Error) => {
     problem.value = error.message;
   });

@@ -3,6 +3,7 @@ import { effect, signal, useComputed } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { number } from "../shared/format";
 import type { Difference, MatchEvent, State } from "./api";
+import { Finder } from "./finder";
 import { ChosenPlots } from "./plots";
 import { lastAt, type Replay } from "./replay";
 import { recent } from "./reported";
@@ -12,6 +13,7 @@ import { clock } from "./timeline";
 export function Panels() {
   const two = replays.value.length > 1;
   const tabs = [["events", "Events"], ["client", "Client"], ["plots", "Plots"], ["state", "State"],
+    ["find", "Find"],
     ...(two ? [["difference", "Difference"]] : [])] as [typeof panel.value, string][];
   return (
     <section class="panels">
@@ -25,6 +27,7 @@ export function Panels() {
         {panel.value === "events" && <Events />}
         {panel.value === "client" && replays.value.map((r) => <Client key={r.info.id} replay={r} />)}
         {panel.value === "plots" && <ChosenPlots />}
+        {panel.value === "find" && <Finder />}
         {panel.value === "state" && replays.value.map((r) => <StateTable key={r.info.id} replay={r} />)}
         {panel.value === "difference" && <DifferenceList />}
       </div>

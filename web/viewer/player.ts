@@ -1,6 +1,6 @@
 // Lets time run: once for each picture of the screen, held while the match around it is loading.
 import { effect } from "@preact/signals";
-import { end, follow, momentLink, playing, replays, robot, speed, stage, time } from "./store";
+import { condition, end, follow, momentLink, panel, playing, replays, robot, speed, stage, time } from "./store";
 
 const prefetch_s = 6;
 
@@ -42,7 +42,7 @@ function advance(passed: number): void {
 function keepAddress(): void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   effect(() => {
-    void [time.value, robot.value, stage.value];
+    void [time.value, robot.value, stage.value, panel.value, condition.value];
     if (playing.value || replays.value.length === 0) return;
     clearTimeout(timer);
     timer = setTimeout(() => history.replaceState(null, "", momentLink()), 250);

@@ -17,9 +17,11 @@ export const robot = signal("");
 export const stage = signal("rgb");
 /** Which frame the camera shows: the one that the last decision was made from, or the newest by its stamp. */
 export const sight = signal<"decision" | "time">("decision");
-export const panel = signal<"events" | "client" | "plots" | "state" | "difference">("events");
+export const panel = signal<"events" | "client" | "plots" | "state" | "find" | "difference">("events");
 /** Names of the values that the tab of plots shows; null: the first that the client logged. */
 export const chosen = signal<string[] | null>(null);
+/** What the search looks for. */
+export const condition = signal("");
 export const helpShown = signal(false);
 /** The part of the match that the timeline and the plots show. */
 export const view = signal<[number, number]>([0, 1]);
@@ -185,5 +187,6 @@ export function momentLink(): string {
   const query = new URLSearchParams({ t: time.value.toFixed(3), robot: robot.value });
   if (stage.value !== (replays.value[0]?.info.stages[0] ?? "rgb")) query.set("stage", stage.value);
   for (const name of panel.value === "plots" ? chosen.value ?? [] : []) query.append("plots", name);
+  if (panel.value === "find" && condition.value) query.set("find", condition.value);
   return `${location.origin}${location.pathname}?${query}`;
 }

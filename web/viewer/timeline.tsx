@@ -1,29 +1,11 @@
 // The whole match as a strip: a lane a kind of event, the moment shown, the wheel zooms.
 import { useCallback } from "preact/hooks";
 import { palette } from "../shared/palette";
-import type { MatchEvent } from "./api";
 import { Canvas, font, type Size } from "./canvas";
+import { lanesNow, robotLanes, type Lane, type Span } from "./lanes";
 import {
-  difference, end, playing, plotFrom, plotTo, replays, seek, start, time, view, zoom,
+  difference, end, playing, plotFrom, plotTo, replays, robot, seek, start, time, view, zoom,
 } from "./store";
-
-interface Lane {
-  label: string;
-  kinds: string[];
-  colour: string;
-}
-
-const oneLog: Lane[] = [
-  { label: "referee", kinds: ["referee"], colour: palette.after },
-  { label: "faults", kinds: ["fault", "policy"], colour: palette.before },
-  { label: "printed", kinds: ["printed"], colour: palette.sky },
-  { label: "radio", kinds: ["radio"], colour: palette.formal },
-];
-
-/** Two logs leave no room for more: radio and printed lines are in the list of one log. */
-const twoLogs: Lane[] = oneLog.slice(0, 2);
-
-const lanesNow = () => (replays.value.length > 1 ? twoLogs : oneLog);
 
 const labelWidth = 72;
 const axisHeight = 20;
@@ -48,22 +30,29 @@ function scaleOf(size: Size) {
     t: (x: number) => low + ((x - labelWidth) / width) * (high - low), low, high };
 }
 
+/** Of all logs, and one for where they differ. */
+const rowCount = () =>
+  Math.max(1, replays.value.length * lanesNow().length + (difference.value && !difference.value.equal ? 1 : 0));
+
 function draw(context: CanvasRenderingContext2D, size: Size): void {
   const { x, low, high } = scaleOf(size);
   const logs = replays.value;
   const lanes = lanesNow();
   const diff = difference.value;
-  const rows = logs.length * lanes.length + (diff && !diff.equal ? 1 : 0);
-  const laneHeight = (size.height - axisHeight) / Math.max(rows, 1);
+  const laneHeight = (size.height - axisHeight) / rowCount();
   drawPlotPage(context, size, x, low, high);
   drawAxis(context, size, x, low, high);
   let row = 0;
-  for (const replay of logs) {
+  for (const [place, replay] of logs.entries()) {
     for (const lane of lanes) {
       const top = row++ * laneHeight;
       const name = logs.length > 1 ? `${replay.info.id}: ${lane.label}` : lane.label;
       drawLane(context, size, top, laneHeight, name);
-      drawEvents(context, replay.events, lane, x, low, high, top, laneHeight);
+      const marks = { x, low, high, top, height: laneHeight };
+      if (lane.spans) drawSpans(context, lane.spans(place), lane, marks);
+      if (lane.times) drawMarks(context, lane.times(robotLanes.value), lane, marks);
+      const { wants } = lane;
+      if (wants) drawMarks(context, replay.events.filter(wants).map((event) => event.t), lane, marks);
     }
   }
   if (diff && !diff.equal) {
@@ -121,39 +110,60 @@ function drawLane(context: CanvasRenderingContext2D, size: Size, top: number, he
   context.fillStyle = palette.line;
   context.fillRect(labelWidth, top + height - 0.5, size.width - labelWidth, 1);
   context.fillStyle = palette.ink2;
-  context.font = font(11.5);
+  context.font = font(11);
   context.textAlign = "left";
   context.textBaseline = "middle";
   context.fillText(label, 2, top + height / 2);
 }
 
+interface Strip {
+  x: (t: number) => number;
+  low: number;
+  high: number;
+  top: number;
+  height: number;
+}
+
 /** One mark for each pixel at most, so that a match of any length draws at once. */
-function drawEvents(context: CanvasRenderingContext2D, events: MatchEvent[], lane: Lane,
-  x: (t: number) => number, low: number, high: number, top: number, height: number): void {
+function drawMarks(context: CanvasRenderingContext2D, times: number[], lane: Lane, strip: Strip): void {
+  const { x, low, high, top, height } = strip;
   context.fillStyle = lane.colour;
-  const thin = lane.kinds.includes("radio") || lane.kinds.includes("printed");
   let last = -10;
-  for (const event of events) {
-    if (event.t < low || event.t > high || !lane.kinds.includes(event.kind)) continue;
-    const at = x(event.t);
+  for (const t of times) {
+    if (t < low || t > high) continue;
+    const at = x(t);
     if (at - last < 1) continue;
     last = at;
-    context.fillRect(at - (thin ? 0.5 : 1.25), top + 3, thin ? 1 : 2.5, height - 6);
+    context.fillRect(at - (lane.thin ? 0.5 : 1.25), top + 2, lane.thin ? 1 : 2.5, height - 4);
+  }
+}
+
+function drawSpans(context: CanvasRenderingContext2D, spans: Span[], lane: Lane, strip: Strip): void {
+  const { x, low, high, top, height } = strip;
+  context.fillStyle = lane.colour;
+  let last = -10;
+  for (const { from, to } of spans) {
+    if (to < low || from > high) continue;
+    const begin = Math.max(x(Math.max(from, low)), last);
+    const end = Math.max(x(Math.min(to, high)), x(Math.max(from, low)) + 2);
+    if (end - last < 1) continue;
+    last = end;
+    context.fillRect(begin, top + 2, end - begin, height - 4);
   }
 }
 
 export function Timeline() {
-  const rows = replays.value.length * lanesNow().length + (difference.value && !difference.value.equal ? 1 : 0);
+  const rows = rowCount();
   const onPointer = useCallback((event: PointerEvent, size: Size) => {
     const canvas = event.currentTarget as HTMLCanvasElement;
     if (event.type === "pointerdown") {
       canvas.setPointerCapture(event.pointerId);
       playing.value = false;
     } else if (!(event.buttons & 1)) {
-      canvas.title = describe(event.offsetX, size);
+      canvas.title = describe(event.offsetX, event.offsetY, size);
       return;
     }
-    seek(snapped(event.offsetX, size));
+    seek(snapped(event.offsetX, event.offsetY, size));
   }, []);
   const onWheel = useCallback((event: WheelEvent, size: Size) => {
     zoom(Math.exp(event.deltaY * 0.0015), scaleOf(size).t(event.offsetX));
@@ -161,34 +171,52 @@ export function Timeline() {
   const whole = useCallback(() => {
     view.value = [start.value, Math.max(end.value, start.value + 0.1)];
   }, []);
-  const lane = replays.value.length > 1 ? 17 : 20;
+  const lane = replays.value.length > 1 ? 17 : 13;
   return (
-    <div class="timeline" style={{ height: `${lane * rows + axisHeight}px` }}>
+    <div class="timeline" data-lanes={lanesNow().map((one) => one.label).join(" ")} style={{ height: `${lane * rows + axisHeight}px` }}>
       <Canvas name="timeline" draw={draw} onPointer={onPointer} onWheel={onWheel} onDoubleClick={whole} />
     </div>
   );
 }
 
-function nearest(x: number, size: Size): MatchEvent | undefined {
+interface Mark {
+  t: number;
+  text: string;
+}
+
+/** The marks of the lane under this height. */
+function marksAt(y: number, size: Size): Mark[] {
+  const lanes = lanesNow();
+  const row = Math.floor((y * rowCount()) / (size.height - axisHeight));
+  const replay = replays.value[Math.floor(row / lanes.length)];
+  if (!replay) return [];
+  const { label, wants, times, spans } = lanes[row % lanes.length];
+  const events = wants ? replay.events.filter(wants) : [];
+  return [
+    ...events.map((event) => ({ t: event.t, text: `${event.name} ${event.robot} ${event.detail}` })),
+    ...(times?.(robotLanes.value) ?? []).map((t) => ({ t, text: `${label} of ${robot.value}` })),
+    ...(spans?.(replays.value.indexOf(replay)) ?? []).map(({ from, to }) =>
+      ({ t: from, text: `${label}, until ${clock(to, 0.001)}` })),
+  ];
+}
+
+function nearest(x: number, y: number, size: Size): Mark | undefined {
   const scale = scaleOf(size);
-  let best: MatchEvent | undefined;
+  let best: Mark | undefined;
   let reach = 4;
-  for (const replay of replays.value) {
-    for (const event of replay.events) {
-      if (event.kind === "radio") continue;
-      const away = Math.abs(scale.x(event.t) - x);
-      if (away < reach) [best, reach] = [event, away];
-    }
+  for (const mark of marksAt(y, size)) {
+    const away = Math.abs(scale.x(mark.t) - x);
+    if (away < reach) [best, reach] = [mark, away];
   }
   return best;
 }
 
-/** A click on an event's mark goes to the event's own time. */
-function snapped(x: number, size: Size): number {
-  return nearest(x, size)?.t ?? scaleOf(size).t(x);
+/** A click on a mark goes to the mark's own time. */
+function snapped(x: number, y: number, size: Size): number {
+  return nearest(x, y, size)?.t ?? scaleOf(size).t(x);
 }
 
-function describe(x: number, size: Size): string {
-  const event = nearest(x, size);
-  return event ? `${clock(event.t, 0.001)} ${event.name} ${event.robot} ${event.detail}`.trim() : "";
+function describe(x: number, y: number, size: Size): string {
+  const mark = nearest(x, y, size);
+  return mark ? `${clock(mark.t, 0.001)} ${mark.text}`.trim() : "";
 }
