@@ -66,9 +66,17 @@ LineFrames::Received LineFrames::receive(int socket, int flags) {
 }
 
 std::optional<LineFrames::Frame> LineFrames::next() {
-  if (end_ - begin_ < kHeadBytes) return std::nullopt;
+  const size_t skipped = std::min(to_skip_, end_ - begin_);
+  begin_ += skipped;
+  to_skip_ -= skipped;
+  if (to_skip_ > 0 || end_ - begin_ < kHeadBytes) return std::nullopt;
   const uint32_t head = head_of(&buffer_[begin_]);
   const size_t size = head & ~kEnd;
+  if (size > most_bytes_ && size <= most_skipped_bytes_ && (head & kEnd) == 0) {
+    begin_ += kHeadBytes;
+    to_skip_ = size;
+    return Frame{.skipped_bytes = size};
+  }
   if (size > most_bytes_ || (head == kEnd))
     throw std::length_error("found a message of " + std::to_string(size) +
                             " bytes, expected at most " + std::to_string(most_bytes_));

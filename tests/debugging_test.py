@@ -97,11 +97,14 @@ class Debugging(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("gdb"), "no gdb")
     def test_gdb_stops_while_time_stands_still(self):
-        commands = ["set pagination off", "set breakpoint pending on", "break seam::sdk::Robot::log_value", "run", "bt 2", "kill"]
-        said, waiting = self.by_hand(["gdb", "-q", "--args", BUILD / "behaviours" / "ball_watcher"], [*commands, "quit"])
+        source = (SOURCE / "tests/mistaken_behaviour.cc").read_text().splitlines()
+        line = next(n for n, text in enumerate(source, 1) if "robot.head(" in text)
+        condition = re.search(r"\(gdb\) break my_behaviour\.cc:\d+ (if .*)", PAGE)[1]
+        commands = ["set pagination off", f"break mistaken_behaviour.cc:{line} {condition}", "run", "print seen.time_ns", "kill"]
+        said, waiting = self.by_hand(["gdb", "-q", "--args", BUILD / "tests" / "mistaken_behaviour"], [*commands, "quit"])
         if "Operation not permitted" in said:
             self.skipTest("gdb may not trace here")
-        self.assertRegex(said, r"(?s)Breakpoint 1, .*seam::sdk::Robot::log_value")
+        self.assertRegex(said, r"\$1 = 384000000")
         self.assertIsNone(waiting.poll(), "the log waits")
 
     def test_a_program_that_is_started_has_no_terminal(self):

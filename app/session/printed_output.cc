@@ -99,14 +99,19 @@ void PrintedOutput::end_line(Source& source) {
   const auto bytes = static_cast<double>(text.size() + 1);
   if (bytes > source.budget_bytes) {
     ++source.left_out;
+    source.floods = true;
     return;
   }
   source.budget_bytes -= bytes;
+  show_left_out(source, time);
+  show(source, time, shown(text));
+}
+
+void PrintedOutput::show_left_out(Source& source, SimTime time) {
   if (source.left_out > 0)
     show(source, time,
          fmt::format("({} lines left out: more than {} bytes a simulated second)",
                      std::exchange(source.left_out, 0), kBytesPerSecond));
-  show(source, time, shown(text));
 }
 
 void PrintedOutput::show(Source& source, SimTime time, std::string text) {
@@ -117,11 +122,12 @@ void PrintedOutput::show(Source& source, SimTime time, std::string text) {
   source.waiting.push_back(std::move(text));
 }
 
-std::vector<scheduler::PrintedLine> PrintedOutput::take(SimTime time) {
+std::vector<scheduler::PrintedLine> PrintedOutput::take(SimTime time, bool at_end) {
   const std::lock_guard lock(mutex_);
   std::vector<scheduler::PrintedLine> lines;
   for (Source& source : sources_) {
     read(source);
+    if (!std::exchange(source.floods, false) || at_end) show_left_out(source, now_());
     for (std::string& text : std::exchange(source.waiting, {}))
       lines.push_back({time, source.robot, std::move(text)});
   }
@@ -139,8 +145,8 @@ std::vector<std::string> PrintedOutput::last_lines() const {
   return lines;
 }
 
-void Printing::pass_on(SimTime time) {
-  for (const scheduler::PrintedLine& line : output_.take(time))
+void Printing::pass_on(SimTime time, bool at_end) {
+  for (const scheduler::PrintedLine& line : output_.take(time, at_end))
     if (recorder_ != nullptr) recorder_->note_printed(line);
 }
 

@@ -38,8 +38,9 @@ class PrintedOutput {
   // From now on the pipes of all that were opened are emptied as they fill.
   void start();
   // The lines that came since the last call, by robot in the order of `open`, with this time; all
-  // that the pipes hold is read first.
-  std::vector<scheduler::PrintedLine> take(SimTime time);
+  // that the pipes hold is read first. Where lines were left out and none since the last call, or
+  // at the end, their number is a line.
+  std::vector<scheduler::PrintedLine> take(SimTime time, bool at_end = false);
   // The last lines of all robots as they were shown, a robot's after another's.
   std::vector<std::string> last_lines() const;
 
@@ -53,11 +54,13 @@ class PrintedOutput {
     SimTime budget_at;
     double budget_bytes = kBytesPerSecond;
     uint64_t left_out = 0;  // Lines, since one was shown.
+    bool floods = false;    // Some of them since the last call of `take`.
   };
 
   void read(Source& source);
   void end_line(Source& source);
   void show(Source& source, SimTime time, std::string text);
+  void show_left_out(Source& source, SimTime time);
   void watch();
 
   const std::function<SimTime()> now_;
@@ -75,10 +78,10 @@ class Printing final : public scheduler::SimulationObserver {
   Printing(PrintedOutput& output, scheduler::Recorder* recorder)
       : output_(output), recorder_(recorder) {}
   void on_turn(SimTime time, const scheduler::Turn&) override { pass_on(time); }
-  void on_end(SimTime time, scheduler::EndReason, uint64_t) override { pass_on(time); }
+  void on_end(SimTime time, scheduler::EndReason, uint64_t) override { pass_on(time, true); }
 
  private:
-  void pass_on(SimTime time);
+  void pass_on(SimTime time, bool at_end = false);
 
   PrintedOutput& output_;
   scheduler::Recorder* recorder_;

@@ -160,7 +160,7 @@ class Session {
     }
     behaviours_.wait_for_end(2);
     renderers_.wait_for_end(2);
-    printed_.take(SimTime());  // What programs print at their very end is shown, too.
+    printed_.take(SimTime(), true);  // What programs print at their very end is shown, too.
     summary.last_lines = printed_.last_lines();
     if (!outputs_.log) return summary;
     outputs_.finish_log();

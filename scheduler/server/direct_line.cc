@@ -12,6 +12,9 @@
 namespace seam::scheduler {
 namespace {
 
+// Of a decision that is refused for its length. Whoever sends more than this is hung up on.
+constexpr size_t kMostSkippedBytes = 64 << 20;
+
 pid_t process_at(int socket) {
   ucred who{};
   socklen_t size = sizeof who;
@@ -24,7 +27,7 @@ DirectLine::DirectLine(const SessionParts& parts, std::string peer, int socket)
     : RobotSession(parts, std::move(peer)),
       socket_(socket),
       process_(process_at(socket)),
-      incoming_(WireLimits::kMaxMessageBytes) {}
+      incoming_(WireLimits::kMaxMessageBytes, kMostSkippedBytes) {}
 
 DirectLine::~DirectLine() {
   ::close(socket_);
@@ -60,6 +63,10 @@ void DirectLine::serve() {
 void DirectLine::take_frames() {
   try {
     while (const auto frame = incoming_.next()) {
+      if (frame->skipped_bytes > 0) {
+        take_too_long(frame->skipped_bytes);
+        continue;
+      }
       if (frame->is_end ||
           !message_.ParseFromArray(frame->bytes.data(), static_cast<int>(frame->bytes.size())))
         return hang_up({grpc::StatusCode::INTERNAL, "found bytes that are no message"});

@@ -121,6 +121,31 @@ TEST(DirectLine, BytesThatAreNoMessagesEndALine) {
   EXPECT_THAT(end.end(), HasSubstr("no message"));
 }
 
+TEST(DirectLine, ADecisionThatIsTooLongIsRefusedAndTheRunGoesOn) {
+  LiveRun run(scenario_of(1));
+  std::vector<std::string> refusals;
+  std::thread client([&] {
+    LineStream line(run.lines);
+    line.Write(hello_of("r0", "token-r0"));
+    v1::ServerMessage message;
+    while (line.Read(&message) && !message.has_goodbye()) {
+      if (message.has_refusal())
+        refusals.push_back(message.refusal().field() + ": " + message.refusal().message());
+      if (!message.has_observation()) continue;
+      v1::ClientMessage answer;
+      answer.mutable_decision()->set_sequence(message.observation().sequence());
+      if (message.observation().sequence() == 2)
+        answer.mutable_decision()->add_debug()->set_text(std::string(3 << 20, 'x'));
+      line.Write(answer);
+    }
+  });
+  run.start();
+  client.join();
+  ASSERT_EQ(refusals.size(), 1u);
+  EXPECT_THAT(refusals[0],
+              ::testing::MatchesRegex("decision: found 31457.. bytes, expected at most 262144 .*"));
+}
+
 TEST(DirectLine, MessagesMayComeInPieces) {
   const std::string yaml = scenario_of(1, 0.1);
   LiveRun run(yaml);

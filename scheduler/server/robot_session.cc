@@ -32,6 +32,10 @@ std::map<size_t, std::string> clamped_by(const RobotBody& body, const RobotComma
 }  // namespace
 
 void RobotSession::send(std::shared_ptr<const Observation> observation) {
+  {
+    const std::lock_guard lock(mutex_);
+    sent_ = observation->sequence;
+  }
   v1::ServerMessage message;
   observation_to_wire(*observation, *message.mutable_observation());
   say(std::move(message));
@@ -142,10 +146,29 @@ void RobotSession::take_decision(const v1::ClientMessage& message) {
   else
     doubts.clamped = clamped_by(body, std::get<Decision>(decision).command);
   // A refused decision counts as an empty one: the match goes on.
+  answer(wire.sequence(), bad ? Decision{} : std::move(std::get<Decision>(decision)), bad, doubts);
+}
+
+void RobotSession::take_too_long(size_t bytes) {
+  if (!has_greeted())
+    return hang_up({grpc::StatusCode::RESOURCE_EXHAUSTED,
+                    fmt::format("found a message of {} bytes, expected at most {}", bytes,
+                                WireLimits::kMaxMessageBytes)});
+  uint64_t sequence;
+  {
+    const std::lock_guard lock(mutex_);
+    sequence = sent_;
+  }
+  const FieldError bad{"decision", fmt::format("found {} bytes, expected at most {} with all that "
+                                               "is logged and sent",
+                                               bytes, WireLimits::kMaxMessageBytes)};
+  answer(sequence, {}, &bad, {.refused = bad.field + ": " + bad.message});
+}
+
+void RobotSession::answer(uint64_t sequence, Decision decision, const FieldError* bad,
+                          const DecisionDoubts& doubts) {
   const Acceptance acceptance =
-      parts_.hub.answer(robot_, *this, wire.sequence(),
-                        bad ? Decision{} : std::move(std::get<Decision>(decision)), doubts);
-  const uint64_t sequence = wire.sequence();
+      parts_.hub.answer(robot_, *this, sequence, std::move(decision), doubts);
   switch (acceptance) {
     case Acceptance::accepted:
       if (!bad) return;

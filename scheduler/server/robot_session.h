@@ -38,6 +38,8 @@ class RobotSession : public ClientConnection {
  protected:
   // ---- From what carries the messages, one at a time ----
   void take_message(const v1::ClientMessage& message);
+  // In place of a message of so many bytes, more than it may have.
+  void take_too_long(size_t bytes);
   // May be called more than once.
   void client_left();
   bool has_greeted();
@@ -51,6 +53,9 @@ class RobotSession : public ClientConnection {
  private:
   void take_hello(const v1::ClientMessage& message);
   void take_decision(const v1::ClientMessage& message);
+  // `bad`: why it is refused.
+  void answer(uint64_t sequence, Decision decision, const FieldError* bad,
+              const DecisionDoubts& doubts);
   void refuse(uint64_t sequence, const FieldError& error, bool decision_owed);
 
   const SessionParts& parts_;
@@ -58,6 +63,7 @@ class RobotSession : public ClientConnection {
   std::mutex mutex_;
   int robot_ = -1;  // Once the hello was accepted.
   bool left_ = false;
+  uint64_t sent_ = 0;  // The newest observation's number.
 };
 
 }  // namespace seam::scheduler
