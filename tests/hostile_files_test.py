@@ -10,6 +10,8 @@ Usage: hostile_files_test.py BUILD_DIR SOURCE_DIR [unittest arguments]
 """
 import contextlib
 import hashlib
+import io
+import json
 import os
 import pathlib
 import re
@@ -19,6 +21,7 @@ import sqlite3
 import stat
 import subprocess
 import sys
+import tarfile
 import tempfile
 import time
 import unittest
@@ -351,6 +354,27 @@ class Hostile(unittest.TestCase):
                 self.walk(command, file)
             self.walk("sweep plot", file, "--value", "sim_s", "--over", "seed", "--out", "{out}/p.png")
             self.walk("sweep merge", file, "--out", "{out}/m.sqlite")
+            self.walk("sweep bundle", file, "--out", "{out}/b.seam")
+        for file in (self.logs[1], self.make_bundle(foreign)):
+            self.walk("sweep bundle", file, "--out", "{out}/b.seam")
+            self.walk("sweep rerun", file)
+
+    def make_bundle(self, results):
+        """Results with a foreign program, in a bundle whose other names lead elsewhere."""
+        subprocess.run([SEAM, "sweep", "bundle", results, "--out", self.inputs / "well.seam"], check=True, capture_output=True,
+                       env=self.environment, cwd=self.root / "work")
+        with tarfile.open(self.inputs / "well.seam") as archive:
+            files = [(entry, archive.extractfile(entry).read()) for entry in archive]
+        manifest = json.loads(files[0][1])
+        manifest["words"] = {"/bin/sh": "../../decoys/secret.txt"}
+        manifest["needs"] = [ESCAPE]
+        bad = self.inputs / "bad.seam"
+        with tarfile.open(bad, "w:gz", format=tarfile.USTAR_FORMAT) as archive:
+            for entry, data in [(files[0][0], json.dumps(manifest).encode())] + files[1:]:
+                entry.size = len(data)
+                archive.addfile(entry, io.BytesIO(data))
+        self.known = None
+        return bad
 
     def all_else(self):
         decoy = "../decoys/secret.txt"

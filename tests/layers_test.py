@@ -113,7 +113,8 @@ ROOMS = {
             "import/cameras": ["import/draft", "import/files", "import/pictures", "exchange", "."],
             "import/kinds": ["import/draft", "import/files", "import/bags", "import/pictures", "import/servo", "import/cameras", "exchange", "logs", "."],
             "import/tracks": ["import/draft", "import/files", "import/kinds"], "import": ["import/draft", "import/files", "import/kinds", "import/servo", "import/tracks"],
-            "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"]},
+            "sweep/plan": [".", "session"], "sweep": [".", "session", "sweep/plan"],
+            "bundle": [".", "session", "sweep", "sweep/plan"]},
     "detector": {".": []},
     "tools": {
         ".": [],

@@ -158,6 +158,7 @@ RunRecord make_run(const SweepPlan& plan, uint64_t run, const Makers& makers, Pr
   try {
     Scenario scenario = plan.scenario(run);
     record.seed = scenario.seed;
+    if (options.move) options.move(scenario);
     run_it(plan, std::move(scenario), makers, prints, options, record);
   } catch (const std::exception& error) {
     record.error = error.what();

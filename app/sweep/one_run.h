@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "app/session/standbys.h"
@@ -14,7 +15,8 @@ namespace seam::app {
 struct OneRunOptions {
   std::filesystem::path files;  // Where logs and frames go, if the plan keeps them.
   int render_workers = 1;
-  Standbys* standbys = nullptr;  // Behaviours of the process's runs.
+  Standbys* standbys = nullptr;              // Behaviours of the process's runs.
+  std::function<void(Scenario&)> move = {};  // To where its files are here; none: they are there.
 };
 
 // Where the log of a run grows until the run is finished.

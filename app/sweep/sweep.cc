@@ -37,11 +37,14 @@ struct Begun {
 
 SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
                        const Makers& makers, int jobs, const fs::path& files,
-                       const std::function<void(const RunRecord&)>& done, ProgramPrints prints) {
+                       const std::function<void(const RunRecord&)>& done, ProgramPrints prints,
+                       std::function<void(Scenario&)> move) {
   const int workers = jobs > 0 ? jobs : machine_cores();
   Standbys standbys;  // Each worker fills its own copy.
-  const OneRunOptions options{
-      .files = files, .render_workers = cores_for_each(workers), .standbys = &standbys};
+  const OneRunOptions options{.files = files,
+                              .render_workers = cores_for_each(workers),
+                              .standbys = &standbys,
+                              .move = std::move(move)};
   if (!runs.empty() && (plan.keep().logs || plan.keep().frames)) make_output_folder(files);
   SweepOutcome outcome;
   SweepProgress progress(runs.size());

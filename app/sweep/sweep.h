@@ -22,11 +22,12 @@ struct SweepOutcome {
 std::filesystem::path run_files(const std::filesystem::path& results);
 
 // Each record comes to `done` in the order in which runs end, on this thread, which must be the
-// process's only one. `jobs` 0: one for each core. `prints`: those that are known.
+// process's only one. `jobs` 0: one for each core. `prints`: those that are known. `move`: changes
+// each scenario before its run, where files are elsewhere than it says.
 SweepOutcome make_runs(const SweepPlan& plan, const std::vector<uint64_t>& runs,
                        const Makers& makers, int jobs, const std::filesystem::path& files,
-                       const std::function<void(const RunRecord&)>& done,
-                       ProgramPrints prints = {});
+                       const std::function<void(const RunRecord&)>& done, ProgramPrints prints = {},
+                       std::function<void(Scenario&)> move = {});
 
 // The runs of the file's shard that are not finished, with failed ones among them, into the file.
 SweepOutcome make_missing_runs(ResultsFile& results, int jobs, ProgramPrints prints = {});

@@ -64,6 +64,7 @@ struct Mesh {
   std::vector<std::shared_ptr<const Picture>> pictures;  // Meshes of one file's picture share it.
   double radius_m = 0;                                   // No vertex is farther from the origin.
   std::string fingerprint;                               // Of the files.
+  std::vector<std::string> files;        // Its own and those that it names, in its folder.
   std::optional<PreparedMesh> prepared;  // By prepare_mesh: indices are in the clusters' order.
 
   Vec3 place_of(uint32_t vertex) const {

@@ -255,6 +255,9 @@ class MeshMaker {
   Mesh finished(MadeMesh made) {
     Mesh& mesh = made.mesh;
     files_.limits_.take_triangles(mesh.indices.size() / 3);
+    std::set<std::string> files = {fs::path(file_.name).lexically_normal().string()};
+    for (const Dependency& other : made.others)
+      if (!other.digest.empty()) files.insert(inside(other.name));
     for (PictureSource& source : made.pictures) {
       std::replace(source.name.begin(), source.name.end(), '\\', '/');
       if (source.name.empty()) {
@@ -263,7 +266,9 @@ class MeshMaker {
         continue;
       }
       mesh.pictures.push_back(named_picture(inside(source.name)));
+      files.insert(inside(source.name));
     }
+    mesh.files.assign(files.begin(), files.end());
     mesh.fingerprint = to_hex(hasher_.digest());
     return std::move(mesh);
   }

@@ -6,6 +6,7 @@
 namespace seam::tools {
 
 #define SEAM_SWEEP_COMMANDS(X) \
+  X(bundle)                    \
   X(merge)                     \
   X(plot)                      \
   X(rerun)                     \

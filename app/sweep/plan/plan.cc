@@ -291,6 +291,22 @@ void SweepPlan::try_some_runs() {
   }
 }
 
+std::vector<uint64_t> SweepPlan::runs_of_words() const {
+  std::vector<uint64_t> runs = {0};
+  uint64_t stride = repetitions_;
+  for (size_t a = axes_.size(); a-- > 0;) {
+    const auto is_number = [&](uint64_t i) {
+      for (size_t p = 0; p < axes_[a].parameters.size(); ++p)
+        if (!number_of(axes_[a].value(p, i))) return false;
+      return true;
+    };
+    for (uint64_t i = 1; i < axes_[a].size; ++i)
+      if (!is_number(i)) runs.push_back(i * stride);
+    stride *= axes_[a].size;
+  }
+  return runs;
+}
+
 uint64_t SweepPlan::fingerprint() const {
   Hasher hasher;
   hasher.add(std::string_view(plain_yaml(texts_.plan)));

@@ -65,6 +65,9 @@ class SweepPlan {
   Scenario scenario(uint64_t run) const;
   // Programs that the behaviours of the runs that were worked out name, with a robot that does.
   const std::map<std::vector<std::string>, std::string>& commands() const { return commands_; }
+  // Runs in which each setting of whatever varies by words, files and maps is there at least once:
+  // all names in the plan are in one of their scenarios.
+  std::vector<uint64_t> runs_of_words() const;
 
  private:
   using Known = std::map<uint64_t, Scenario>;  // By run.
