@@ -24,6 +24,7 @@ SOURCE = pathlib.Path(sys.argv[2]).resolve()
 PYTHON = sys.argv[3]
 SEAM = BUILD / "seam"
 PAGE = (SOURCE / "docs/debug.md").read_text(encoding="utf-8")
+WHEN = re.search(r"(?m)^seam replay find run\.mcap --when '(.*?)'", PAGE)[1]
 LIMIT_S = 60
 SKIPPED = 77
 
@@ -127,9 +128,8 @@ class Debugging(unittest.TestCase):
         self.seam("replay", "whatif", "run.mcap", "--robot", "red1", code=2)
 
     def test_the_page_says_what_the_program_says(self):
-        when = "red1.ball_area_px == 0 for 0.5 s"
-        for block in (self.seam("replay", "find", "run.mcap", "--when", when).stdout,):
-            self.assertIn(f"```\n{block}```", PAGE)
+        found = self.seam("replay", "find", "run.mcap", "--when", WHEN).stdout
+        self.assertIn(f"```\n{found}```", PAGE)
         line = next(n for n, text in enumerate((self.here / "watch.py").read_text().splitlines(), 1) if " side = math" in text)
         self.assertIn(f"break watch.py:{line},", PAGE)
         mended = (self.here / "mended.py")
@@ -140,20 +140,24 @@ class Debugging(unittest.TestCase):
         fed = self.seam("replay", "feed", "run.mcap", "--robot", "red1", "--client", "./mended.py", code=1).stdout.splitlines()
         self.assertIn("\n".join(["```", *fed[1:4], "```"]), PAGE)
 
-    def test_marks_stand_on_the_frame_that_they_were_made_from(self):
+    def test_the_viewer_finds_the_moment_and_its_marks_stand_on_their_frames(self):
         with viewer(SEAM, self.here / "run.mcap") as ask:
             items = ask("debug", robot="red1", **{"from": 0, "to": 3})["items"]
             texts = {item["t"]: item["text"] for item in items if item["name"] == "colour"}
             marks = [{"t": item["t"], "robot": "red1", "frame": item["frame"], "u": item["points"][0][0],
                       "v": item["points"][0][1]} for item in items if item["name"] == "ball"]
             self.assertGreater(len(marks), 3)
-            done = subprocess.run(["node", SOURCE / "web/tests/marks.mjs", ask.address], input=json.dumps(marks),
-                                  capture_output=True, text=True, timeout=240)
+            done = subprocess.run(["node", SOURCE / "web/tests/marks.mjs", ask.address],
+                                  input=json.dumps({"when": WHEN, "marks": marks}), capture_output=True, text=True, timeout=240)
         if done.returncode == SKIPPED:
             self.skipTest(done.stdout.strip())
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         seen = [[int(part) for part in texts[mark["t"]].split()] for mark in marks]
-        self.assertEqual(json.loads(done.stdout), seen)
+        found = json.loads(done.stdout)
+        self.assertEqual(found["colours"], seen)
+        # The frame without a ball is newer than all that have one.
+        self.assertEqual(found["moment"], "0:00.384")
+        self.assertGreater(found["frame"], max(mark["frame"] for mark in marks))
         # Another frame would have another colour there: the ball runs through the image.
         self.assertGreater(abs(marks[1]["u"] - marks[0]["u"]), 8)
 

@@ -162,6 +162,8 @@ class Outputs(unittest.TestCase):
                 self.refused("the same file as", "replay", "resume", self.log, "--log", other, *force, code=2)
                 self.refused("the same file as", "replay", "whatif", self.log, "--robot", "r0", "--client", "head_swing",
                              "--log", other, *force, code=2)
+            for command in ("feed", "whatif"):
+                self.refused("the same file as", "replay", command, self.log, "--robot", "r0", "--by-hand", other, code=2)
             self.refused("the same file as", "replay", "recover", self.log, "--out", other, code=2)
             self.refused("the same file as", "replay", "verify", self.log, "--json", other, code=2)
         self.refused("the same file as", "run", self.scenario, "--log", self.scenario, "--force", code=2)

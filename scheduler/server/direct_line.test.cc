@@ -231,6 +231,32 @@ TEST(LineFrames, AreFoundWhereverTheyAreCut) {
     EXPECT_EQ(found, sent.size());
     writer.join();
   }
+  // A frame that is skipped leaves the next one whole, wherever it is cut.
+  for (const size_t piece : {size_t{7}, size_t{4096}, bytes.size()}) {
+    LineFrames frames(100'000, 300'000);
+    std::thread writer([&] {
+      for (size_t at = 0; at < bytes.size(); at += piece)
+        ::send(ends[0], bytes.data() + at, std::min(piece, bytes.size() - at), 0);
+    });
+    std::vector<size_t> skipped;
+    size_t whole = 0;
+    bool ended = false;
+    while (!ended) {
+      ASSERT_EQ(frames.receive(ends[1], 0), LineFrames::Received::bytes);
+      while (const auto frame = frames.next()) {
+        if (frame->skipped_bytes > 0) skipped.push_back(frame->skipped_bytes);
+        if (frame->is_end) {
+          EXPECT_EQ(frame->bytes, "later");
+        }
+        ended = frame->is_end;
+        whole += !frame->is_end && frame->skipped_bytes == 0;
+      }
+    }
+    ASSERT_EQ(skipped.size(), 1u);
+    EXPECT_GT(skipped[0], 200'000u);
+    EXPECT_EQ(whole, sent.size() - 1);
+    writer.join();
+  }
   ::close(ends[0]);
   LineFrames frames(10);
   EXPECT_EQ(frames.receive(ends[1], 0), LineFrames::Received::closed);

@@ -46,6 +46,7 @@ Fed feed_program(const scheduler::Log& log, const FeedSettings& settings) {
   app::Simulator simulator = app::make_simulator(log.header());
   const int robot = app::ReplayMatch(log).robot(settings.stand_in.robot);
   app::SessionOptions session;
+  session.inputs = {settings.file, settings.expect, settings.log};
   for (const RobotSpec& one : simulator.scenario.robots) session.commands[one.id] = {};
   settings.stand_in.set_up(session);
   app::OneRobotsFrames frames(log, *simulator.renderer, robot);
