@@ -5,6 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")"
 scripts/dependencies.sh
 scripts/node_packages.sh
+scripts/check.sh --look
 scripts/build.sh
 ctest --test-dir build --output-on-failure -j "$(nproc)"
 if [ "${1:-}" = --all ]; then scripts/matrix.sh; fi

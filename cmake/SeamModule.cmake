@@ -30,8 +30,7 @@ if(SEAM_MOLD)
 endif()
 find_program(SEAM_CCACHE ccache)
 if(SEAM_CCACHE)
-  # Headers that are compiled once stand in the way of its cache otherwise.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${SEAM_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_CURRENT_LIST_DIR}/ccache.sh ${CMAKE_SOURCE_DIR})
   add_compile_options(-fpch-preprocess)
 endif()
 

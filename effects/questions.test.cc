@@ -89,7 +89,7 @@ TEST(Questions, AdviceIsFoundFromBothSidesAndFirstForThePair) {
             "many changes of command within a run");
 }
 
-TEST(Questions, AnExampleThatIsNotMetIsTold) {
+TEST(Questions, AnExampleThatIsNotMetIsReported) {
   EffectDefinition late = plugin(Stage::timing);
   late.timing = [](Values p, Timing& timing) { timing.latency_s += p[0]; };
   late.proof = {{.values = {0.01}, .given = {{"stamp_s", 1}}, .expected = {{"start_s", 1.02}}}};
@@ -97,6 +97,22 @@ TEST(Questions, AnExampleThatIsNotMetIsTold) {
   EXPECT_NE(failed_proof(effect).find("found start_s 1.01"), std::string::npos);
   late.proof[0].expected = {{"speed", 1}};
   EXPECT_ANY_THROW(worked(std::make_shared<const EffectDefinition>(late), late.proof[0]));
+}
+
+TEST(Questions, WhatExamplesLeaveOpenIsReported) {
+  EffectDefinition late = plugin(Stage::timing);
+  late.timing = [](Values p, Timing& timing) { timing.latency_s += p[0] + 0.5; };
+  late.proof = {{.values = {0.01}, .given = {{"stamp_s", 1}}, .expected = {{"end_s", 1.51}}}};
+  auto open = open_proofs(std::make_shared<const EffectDefinition>(late));
+  ASSERT_EQ(open.size(), 2u);
+  EXPECT_EQ(open[0], "1 worked examples, expected two or more with other values");
+  EXPECT_NE(open[1].find("not absent at its neutral values: end_s is 1.5, without"),
+            std::string::npos);
+  late.timing = [](Values, Timing&) {};
+  late.proof = {2, {.values = {0.01}, .given = {{"stamp_s", 1}}, .expected = {{"end_s", 1}}}};
+  open = open_proofs(std::make_shared<const EffectDefinition>(late));
+  EXPECT_EQ(open, std::vector<std::string>{"no worked example notices another " +
+                                           late.parameters[0].name});
 }
 
 TEST(Lock, StampsMoveToTheNearestInstantOfTheCycle) {

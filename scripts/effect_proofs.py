@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """The numbers of the effects' worked examples, computed here from their formulas and not by SEAM.
 
-  scripts/effect_proofs.py            prints them as C++ for the records in effects/catalogue/
-  scripts/effect_proofs.py --check    compares every number with the records; exit code 1 where they differ
+  scripts/effect_proofs.py NAME...    prints them as C++ for the records in effects/catalogue/; without NAME all
+  scripts/effect_proofs.py --write NAME...  puts them into the records
+  scripts/effect_proofs.py --check    compares every number with the records; exit code 1 where they differ, where an
+                                      effect has no record, or where its record's examples have no lines here
 
 Each line: effect, values of its parameters, what is given, what is expected. An expectation is a
 Python expression over `p` (the values) and the names given; its text is the record's `source`.
@@ -11,6 +13,8 @@ import glob
 import math
 import os
 import re
+import shutil
+import subprocess
 import sys
 
 
@@ -215,6 +219,9 @@ PROOFS = [
     ("mount_offset", [0.01, -0.02, 0.03], RAY,
      {"link_x_m": "z_m + p[0]", "link_y_m": "-x_m + p[1]", "link_z_m": "-y_m + p[2]"}),
     ("mount_offset", [0.2, 0, 0], OTHER_RAY, {"link_x_m": "z_m + p[0]", "link_y_m": "-x_m", "link_z_m": "-y_m"}),
+    ("camera_pose", [0.1, -0.2, 0.3, 0, 0, 0], RAY,
+     {"link_x_m": "z_m + p[2]", "link_y_m": "-x_m - p[0]", "link_z_m": "-y_m - p[1]"}),
+    ("camera_pose", [0, 0, 0, 0, math.pi / 2, 0], OTHER_RAY, {"link_x_m": "-x_m", "link_y_m": "-z_m", "link_z_m": "-y_m"}),
     # Target.
     ("board_warp", [0.003, -0.001], CORNER,
      {"x_m": "x_m", "y_m": "y_m", "z_m": "z_m + p[0] * (1 - 0.6**2) + p[1] * (1 - 0.4**2)"}),
@@ -436,18 +443,57 @@ def without_layout(text):
     return re.sub(r"\s+", "", re.sub(r'"\s*\n\s*"', "", text))
 
 
+def with_proof(record, block):
+    """The record with this block instead of the one that is there: behind `.proof =`, or in a function of its own."""
+    start = re.search(r"(?:\.proof =|\breturn)\s*(?=\{\{\.values)", record).end()
+    depth = end = 0
+    for piece in re.finditer(r'"(?:[^"\\]|\\.)*"|[{}]', record[start:]):
+        depth += {"{": 1, "}": -1}.get(piece.group(), 0)
+        if depth == 0:
+            end = start + piece.end()
+            break
+    return record[:start] + block + record[end:]
+
+
+def findings(computed, files):
+    """What does not agree between what is computed here and the records."""
+    for name, block in computed.items():
+        if name not in files:
+            yield f"{name}: no record effects/catalogue/STAGE/{name}.cc: correct the name here, or add the record"
+        elif without_layout(block) not in without_layout(open(files[name]).read()):
+            yield f"{name}: its record holds other numbers than this script computes: copy what `scripts/effect_proofs.py {name}` prints"
+    for name in files:
+        if name not in computed:
+            yield f"{name}: its record is there, its numbers are not computed here: add lines to PROOFS"
+
+
 def main():
     root_folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-    files = {os.path.basename(f)[:-3]: f for f in glob.glob(os.path.join(root_folder, "effects/catalogue/*/*.cc"))}
-    if sys.argv[1:] != ["--check"]:
-        for name, block in blocks().items():
-            print(f"{name}\n      .proof = {block},\n")
-        return 0
-    wrong = [name for name, block in blocks().items()
-             if name not in files or without_layout(block) not in without_layout(open(files[name]).read())]
-    for name in wrong:
-        print(f"{name}: its record holds other numbers than this script computes")
-    return 1 if wrong else 0
+    files = {os.path.basename(f)[:-3]: f for f in sorted(glob.glob(os.path.join(root_folder, "effects/catalogue/*/*.cc")))}
+    computed, names, write = blocks(), sys.argv[1:], "--write" in sys.argv
+    names = [name for name in names if name != "--write"]
+    if write and not names:
+        sys.exit("--write: expected the NAME of an effect")
+    if names == ["--check"]:
+        found = list(findings(computed, files))
+        print("\n".join(found) or f"{len(computed)} effects: records and numbers agree")
+        return 1 if found else 0
+    missing = [name for name in names if name not in computed or (write and name not in files)]
+    for name in missing:
+        lacks = [*(["no record effects/catalogue/STAGE/%s.cc" % name] if name not in files else []),
+                 *(["no lines in PROOFS of this script"] if name not in computed else [])]
+        print(f"{name}: {' and '.join(lacks)}", file=sys.stderr)
+    for name in names or computed:
+        if write and name in computed and name in files:
+            with open(files[name]) as file:
+                record = with_proof(file.read(), computed[name])
+            with open(files[name], "w") as file:
+                file.write(record)
+            if shutil.which("clang-format"):
+                subprocess.run(["clang-format", "-i", files[name]], check=True)
+        elif name in computed:
+            print(f"{name}\n      .proof = {computed[name]},\n")
+    return 1 if missing else 0
 
 
 if __name__ == "__main__":

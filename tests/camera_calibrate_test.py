@@ -11,7 +11,9 @@ import sys
 import tempfile
 import unittest
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 LIMIT_S = 200
 PINHOLE = "  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n"
 SENSOR = "  linear_response: {gain_dn: 220, black_dn: 8}\n  read_noise: {sigma_dn: 1.4}\n"

@@ -15,6 +15,10 @@ except ImportError as error:
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "scripts"))
 import camera_peers  # noqa: E402
 
+import by_hand
+
+by_hand.arguments("seam")
+
 
 def main():
     with tempfile.TemporaryDirectory() as name:

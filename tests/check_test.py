@@ -12,8 +12,9 @@ import sys
 import tempfile
 import unittest
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+SEAM, SOURCE = by_hand.arguments("seam", "source")
 NOMINAL = SOURCE / "docs/tutorial/nominal.yaml"
 
 

@@ -8,6 +8,10 @@ import pathlib
 import subprocess
 import sys
 
+import by_hand
+
+by_hand.arguments("seam", "commands")
+
 
 def main():
     seam, page = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])

@@ -5,6 +5,10 @@ import subprocess
 import sys
 import tempfile
 
+import by_hand
+
+by_hand.arguments("seam")
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SEAM = pathlib.Path(sys.argv[1]).resolve()
 PAGE = " ".join((ROOT / "docs/reference/compatibility.md").read_text(encoding="utf-8").split())

@@ -8,7 +8,9 @@ import subprocess
 import sys
 import tempfile
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 CORPUS = pathlib.Path(__file__).resolve().parent.parent / "replays" / "corpus"
 
 

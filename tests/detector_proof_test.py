@@ -20,7 +20,9 @@ import numpy as np
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from target_pictures import AprilGrid, Chessboard, quaternion, rotation, tag_bits  # noqa: E402
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 WIDTH, HEIGHT, FOCAL, PERIOD_S = 480, 360, 450, 0.04
 PINHOLE = f"  pinhole: {{fx_px: {FOCAL}, fy_px: {FOCAL}, cx_px: {(WIDTH - 1) / 2}, cy_px: {(HEIGHT - 1) / 2}}}\n"
 EXPOSURE = "  exposure: {exposure_s: 0.001}\n"

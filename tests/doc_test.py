@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs the commands of a page and checks its promises: doc_test.py FILE.md SEAM [PYTHON] [--set FOLDER] [--material FOLDER]
+"""Runs the commands of a page and checks its promises: doc_test.py FILE.md [SEAM [PYTHON]] [--set FOLDER] [--material FOLDER]
 [--tree].
 
 Every fenced block marked `sh` is run in order, in a copy of the material: the folder beside the page (docs/x.md:
@@ -21,6 +21,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+
+import by_hand
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PIECE = re.compile(r"^```sh\n(?P<sh>.*?)^```$|^<!-- check: (?P<check>.*?) -->$", re.M | re.S)
@@ -54,8 +56,8 @@ def holds(folder, check):
 def main():
     arguments = argparse.ArgumentParser()
     arguments.add_argument("document", type=pathlib.Path)
-    arguments.add_argument("seam", type=pathlib.Path)
-    arguments.add_argument("python", type=pathlib.Path, nargs="?")
+    arguments.add_argument("seam", type=pathlib.Path, nargs="?", default=by_hand.DEFAULTS["seam"])
+    arguments.add_argument("python", type=pathlib.Path, nargs="?", default=by_hand.DEFAULTS["python"])
     arguments.add_argument("--set", type=pathlib.Path)
     arguments.add_argument("--material", type=pathlib.Path)
     arguments.add_argument("--tree", action="store_true")

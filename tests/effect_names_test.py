@@ -19,7 +19,7 @@ STREAM_FOLDER = "effects/stages/"
 MEANT_OTHERWISE = {
     ("render/renderer.cc", "vignetting"): "the picture of the gain field, in `seam frame --stages`",
     ("app/import/kinds/flats.cc", "exposure"): "a column's name in other people's tables",
-    ("app/import/import.cc", "exposure"): "the same",
+    ("app/import/table.cc", "exposure"): "the same",
     ("app/import/cameras/foreign_cameras.cc", "pinhole"): "basalt's own word for a camera model",
     ("app/import/kinds/kalibr.cc", "pinhole"): "Kalibr's own word for a camera model",
     ("app/import/kinds/opencv.cc", "fisheye"): "OpenCV's and ROS's own word for a lens",

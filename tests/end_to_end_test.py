@@ -15,8 +15,9 @@ import tempfile
 import time
 import unittest
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+BUILD, SOURCE = by_hand.arguments("build", "source")
 SEAM = BUILD / "seam"
 GOLDEN = SOURCE / "tests" / "golden" / "fingerprints.json"
 LIMIT_S = 240  # A hang is a failure.

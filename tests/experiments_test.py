@@ -14,7 +14,9 @@ import sys
 import tempfile
 import unittest
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 LIMIT_S = 800
 
 

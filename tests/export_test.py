@@ -8,13 +8,14 @@ The model's projection is written out here again, from docs/reference/effects.md
 import json
 import pathlib
 import subprocess
-import sys
 import tempfile
 
 import numpy as np
 import yaml
 
-SEAM, CXX = sys.argv[1:3]
+import by_hand
+
+SEAM, CXX = by_hand.arguments("seam", "cxx")
 HERE = pathlib.Path(__file__).resolve().parent
 MODEL = """format: seam-model/1
 name: seen

@@ -25,9 +25,10 @@ import sys
 import tempfile
 import time
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
-PYTHON = sys.argv[3] if len(sys.argv) > 3 and (BUILD / "python").exists() else ""
+import by_hand
+
+BUILD, SOURCE, PYTHON = by_hand.arguments("build", "source", "python")
+PYTHON = PYTHON if PYTHON and (BUILD / "python").exists() else ""
 SEAM = BUILD / "seam"
 MIXES = int(os.environ.get("SEAM_FAULT_MIXES", "0"))
 SEED = int(os.environ.get("SEAM_FAULT_SEED", "1"))

@@ -10,9 +10,9 @@ import sys
 import tempfile
 import unittest
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
-PYTHON = sys.argv[3]
+import by_hand
+
+BUILD, SOURCE, PYTHON = by_hand.arguments("build", "source", "python")
 SEAM = BUILD / "seam"
 
 # A behaviour that depends on its camera; what differs from one variant to the other is put in at the mark.

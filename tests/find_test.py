@@ -15,9 +15,9 @@ import urllib.error
 
 from viewing import viewer
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
-PYTHON = sys.argv[3]
+import by_hand
+
+BUILD, SOURCE, PYTHON = by_hand.arguments("build", "source", "python")
 SEAM = BUILD / "seam"
 
 # "area" is 0 from 1 s to 1.6 s and for 0.1 s from 2 s on; "seldom" is logged in the first second alone.

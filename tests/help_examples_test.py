@@ -18,8 +18,9 @@ import sys
 import tempfile
 import time
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+SEAM, SOURCE = by_hand.arguments("seam", "source")
 LIMIT_S = 200  # For builds without optimisation; the longest takes seconds.
 SERVES = {"serve": "listening", "view": "http://"}  # What they print when they are there.
 WITHOUT_EXAMPLE = {"experiment", "replay"}  # Their subcommands have some.

@@ -14,7 +14,9 @@ import unittest
 
 import PIL.Image
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 LIMIT_S = 200
 WIDTH_PX, HEIGHT_PX, FX_PX, FY_PX, CX_PX, CY_PX = 178, 144, 161.9, 162.5, 88.5, 71.5
 EFFECTS = (f"  pinhole: {{fx_px: {FX_PX}, fy_px: {FY_PX}, cx_px: {CX_PX}, cy_px: {CY_PX}}}\n"

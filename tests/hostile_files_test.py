@@ -31,8 +31,9 @@ import urllib.request
 sys.dont_write_bytecode = True  # The source tree is compared.
 import hostile_logs  # noqa: E402
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+BUILD, SOURCE = by_hand.arguments("build", "source")
 SEAM = BUILD / "seam"
 LIMIT_S = 120
 MARK = f"seam-hostile-{os.getpid()}"

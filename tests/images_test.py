@@ -20,7 +20,9 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from ros_bags import Cdr, mcap_file, ros1_bag  # noqa: E402
 from target_pictures import AprilGrid, Charuco, Chessboard, Circles, draw, projected, tag_bits, views  # noqa: E402
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 WIDTH, HEIGHT, FOCAL = 480, 360, 450
 
 

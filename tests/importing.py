@@ -4,13 +4,14 @@ import json
 import pathlib
 import struct
 import subprocess
-import sys
 import tempfile
 import zlib
 
 import numpy as np
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 HERE = pathlib.Path(__file__).resolve().parent.parent
 RNG = np.random.default_rng(18)
 # A camera: fx, fy, cx, cy, and OpenCV's k1, k2, p1, p2, k3.

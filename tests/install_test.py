@@ -14,8 +14,9 @@ import sys
 import tempfile
 import urllib.request
 
-BUILD, SOURCE = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
-PYTHON, CXX = sys.argv[3:5]
+import by_hand
+
+BUILD, SOURCE, PYTHON, CXX = by_hand.arguments("build", "source", "python", "cxx")
 LIMIT_S = 280  # A hang is a failure.
 
 BEHAVIOUR = """#include "robot_sdk/robot.h"

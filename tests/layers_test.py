@@ -124,6 +124,7 @@ ROOMS = {
         "viewer": ["."],
         "sweep": [".", "experiments"],
         "commands": [".", "experiments"],
+        "network": ["."],
         "robots": ["."],
     },
 }

@@ -12,8 +12,9 @@ import sys
 import tempfile
 import unittest
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+BUILD, SOURCE = by_hand.arguments("build", "source")
 SEAM = BUILD / "seam"
 LIMIT_S = 500  # A hang is a failure.
 ROBOTS = [f"{team}{number}" for team in ("red", "blue") for number in (1, 2, 3, 4)]

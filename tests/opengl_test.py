@@ -20,8 +20,9 @@ from PIL import Image
 
 from viewing import viewer
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+SEAM, SOURCE = by_hand.arguments("seam", "source")
 SWING = SOURCE / "scenarios/head_swing.yaml"
 
 

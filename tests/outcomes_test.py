@@ -12,8 +12,10 @@ import sys
 import tempfile
 import unittest
 
-SEAM = str(pathlib.Path(sys.argv[1]).resolve())
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+SEAM, SOURCE = by_hand.arguments("seam", "source")
+SEAM = str(SEAM)
 
 PLAN = """format: seam-sweep/1
 scenario: {scenario}

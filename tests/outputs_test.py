@@ -15,9 +15,9 @@ import tempfile
 import time
 import unittest
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
-CC = sys.argv[3]
+import by_hand
+
+BUILD, SOURCE, CC = by_hand.arguments("build", "source", "cxx")
 SEAM = BUILD / "seam"
 LIMIT_S = 120
 

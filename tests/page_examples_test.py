@@ -10,7 +10,9 @@ import subprocess
 import sys
 import tempfile
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam", "models", "fewest")[0]
 CAMERA = "format: seam-model/1\neffects:\n  pinhole: {fx_px: 161.9, fy_px: 162.5, cx_px: 88.5, cy_px: 71.5}\n"
 SET_OF_SCENE = """format: seam-measurement/1
 kind: frames

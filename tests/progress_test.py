@@ -10,6 +10,10 @@ import sys
 import tempfile
 import time
 
+import by_hand
+
+by_hand.arguments("seam")
+
 ROOM = pathlib.Path(__file__).resolve().parent.parent / "docs" / "tutorial"
 MOST_SILENCE_S = 5
 

@@ -18,9 +18,9 @@ from PIL import Image
 
 from viewing import viewer
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
-PYTHON = sys.argv[3]
+import by_hand
+
+BUILD, SOURCE, PYTHON = by_hand.arguments("build", "source", "python")
 SEAM = BUILD / "seam"
 GOLDEN = SOURCE / "tests" / "golden" / "fingerprints.json"
 LIMIT_S = 240  # A hang is a failure.

@@ -3,10 +3,11 @@
 import json
 import pathlib
 import subprocess
-import sys
 import tempfile
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 
 MODEL = """format: seam-model/1
 name: base

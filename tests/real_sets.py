@@ -9,7 +9,9 @@ import sys
 import tempfile
 import time
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 HERE = pathlib.Path(__file__).resolve().parent.parent
 SETS = pathlib.Path(sys.argv[2]) if len(sys.argv) > 2 else HERE.parent / "shared" / "measurements"
 SKIP = 77

@@ -20,8 +20,9 @@ import tempfile
 import time
 import unittest
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
-NODE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+SEAM, NODE = by_hand.arguments("seam", "node")
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 KILLS = int(os.environ.get("SEAM_KILLS", "3"))  # test.sh --all asks for 50.
 CAMERA_PERIOD_S = 0.04  # Of the runs that are killed.

@@ -10,6 +10,10 @@ import re
 import subprocess
 import sys
 
+import by_hand
+
+by_hand.arguments("source")
+
 try:
     import jsonschema
     import yaml

@@ -13,7 +13,9 @@ import tempfile
 
 import PIL.Image
 
-SEAM, SOURCE = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+import by_hand
+
+SEAM, SOURCE = by_hand.arguments("seam", "source")
 FY_PX, CY_PX = 162.5, 71.5
 # models/ers210_torque.yaml
 TRUTH = {"motor_servo.stall_rad_per_s2": 220, "motor_servo.back_emf_per_s": 22, "motor_servo.gain": 3,

@@ -14,8 +14,9 @@ import sys
 import tempfile
 import time
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+BUILD, SOURCE = by_hand.arguments("build", "source")
 SEAM = BUILD / "seam"
 LIMIT_S = 300
 SHARDS = 3

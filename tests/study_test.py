@@ -7,11 +7,12 @@ import re
 import signal
 import sqlite3
 import subprocess
-import sys
 import tempfile
 import time
 
-seam = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+seam = by_hand.arguments("seam")
 with tempfile.TemporaryDirectory() as folder:
     scratch = pathlib.Path(folder)
     result = scratch / "study.json"

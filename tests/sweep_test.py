@@ -21,8 +21,9 @@ import tempfile
 import time
 import unittest
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+BUILD, SOURCE = by_hand.arguments("build", "source")
 SEAM = BUILD / "seam"
 LIMIT_S = 300
 KILLS = int(os.environ.get("SEAM_KILLS", "3"))

@@ -13,7 +13,9 @@ import sys
 import tempfile
 import unittest
 
-SEAM = pathlib.Path(sys.argv[1]).resolve()
+import by_hand
+
+SEAM = by_hand.arguments("seam")
 NOISE_PX = 0.2
 FRAMES = 12
 K1 = -0.25

@@ -9,6 +9,9 @@
 
 namespace seam::app {
 
+struct FileLook;
+
+// A row of the table of imports (app/import/table.cc).
 struct ImportKind {
   std::string name;
   std::string help;                  // What it reads, for the list of kinds.
@@ -17,6 +20,13 @@ struct ImportKind {
   std::vector<std::string> quantities;
   bool own_units = false;  // Whether it reads a unit of each quantity.
   void (*fill)(const ImportRequest& request, SetDraft& draft) = nullptr;
+  // Of files that another import was given: what these are, what people call them, how they look.
+  std::string what;
+  std::vector<std::string> also;
+  bool (*looks)(const FileLook& look) = nullptr;
+  // Whether app/import/kinds/import.fuzz.cc tries it; not one that starts a program, or whose
+  // reader has a fuzzer of its own.
+  bool fuzzed = true;
 };
 
 const std::vector<ImportKind>& import_kinds();

@@ -40,26 +40,27 @@ std::vector<double> series_of(const Quantities& list, const std::string& name) {
   return series;
 }
 
-// The effect at these values, with the bases that others need beside it.
-Model model_with(const std::shared_ptr<const EffectDefinition>& effect, const Proof& proof) {
+void add_effect(Model& model, const std::shared_ptr<const EffectDefinition>& effect,
+                const std::vector<double>& numbers) {
+  std::vector<ParameterValue> values;
+  for (const double value : numbers) values.push_back({.value = value});
+  model.set(effect, std::move(values));
+}
+
+// The bases that the effect needs beside it.
+Model model_around(const std::shared_ptr<const EffectDefinition>& effect) {
   Model model;
-  const auto add = [&](const auto& definition, const std::vector<double>& numbers) {
-    std::vector<ParameterValue> values;
-    for (const double value : numbers) values.push_back({.value = value});
-    model.set(definition, std::move(values));
-  };
   for (const auto& [base, numbers] :
        {std::pair(Base::projection, std::vector<double>{160, 162, 88.5, 71.5}),
         std::pair(Base::response, std::vector<double>{200, 8})}) {
-    if (effect->base != base) add(find_effect(base_name(base)), numbers);
+    if (effect->base != base) add_effect(model, find_effect(base_name(base)), numbers);
   }
   const auto& needs = effect->needs;
   if (effect->base != Base::wheels &&
       std::find(needs.begin(), needs.end(), Need::wheels) != needs.end())
-    add(find_effect(base_name(Base::wheels)), {0.001, 0.2});
+    add_effect(model, find_effect(base_name(Base::wheels)), {0.001, 0.2});
   if (effect->needs_base == Base::motor)
-    add(find_effect(base_name(Base::motor)), {200, 10, 0.5, 0, 1});
-  add(effect, proof.values);
+    add_effect(model, find_effect(base_name(Base::motor)), {200, 10, 0.5, 0, 1});
   return model;
 }
 
@@ -280,22 +281,49 @@ Quantities outcome(Stage stage, const Model& model, const Quantities& given) {
   return {};
 }
 
-}  // namespace
-
-std::vector<Quantity> worked(const std::shared_ptr<const EffectDefinition>& effect,
-                             const Proof& proof) {
-  const Quantities all = outcome(effect->stage, model_with(effect, proof), proof.given);
+// What the model gives for the quantities that the example expects.
+Quantities expected_of(const EffectDefinition& effect, const Model& model, const Proof& proof) {
+  const Quantities all = outcome(effect.stage, model, proof.given);
   Quantities found;
   for (const Quantity& expected : proof.expected) {
     const auto same = [&](const Quantity& quantity) { return quantity.name == expected.name; };
     const auto place = std::find_if(all.begin(), all.end(), same);
     if (place == all.end()) {
       throw InputError(fmt::format("effect '{}': stage {} has no quantity '{}' to expect",
-                                   effect->name, to_string(effect->stage), expected.name));
+                                   effect.name, to_string(effect.stage), expected.name));
     }
     found.push_back(*place);
   }
   return found;
+}
+
+// The first quantity that the effect at its neutral values changes, in words; empty: none, or the
+// effect is a base, which has no neutral values.
+std::string not_absent(const std::shared_ptr<const EffectDefinition>& effect) {
+  if (!effect->has_neutral) return "";
+  const Model without = model_around(effect);
+  Model with = without;
+  with.add_neutral(effect);
+  for (const Proof& proof : effect->proof) {
+    const Quantities before = expected_of(*effect, without, proof),
+                     after = expected_of(*effect, with, proof);
+    for (size_t i = 0; i < before.size(); ++i) {
+      if (before[i].value == after[i].value) continue;
+      return fmt::format(
+          "not absent at its neutral values: {} is {:.17g}, without the effect {:.17g}",
+          after[i].name, after[i].value, before[i].value);
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<Quantity> worked(const std::shared_ptr<const EffectDefinition>& effect,
+                             const Proof& proof) {
+  Model model = model_around(effect);
+  add_effect(model, effect, proof.values);
+  return expected_of(*effect, model, proof);
 }
 
 std::string failed_proof(const std::shared_ptr<const EffectDefinition>& effect) {
@@ -310,6 +338,27 @@ std::string failed_proof(const std::shared_ptr<const EffectDefinition>& effect) 
     }
   }
   return "";
+}
+
+std::vector<std::string> open_proofs(const std::shared_ptr<const EffectDefinition>& effect) {
+  std::vector<std::string> open;
+  if (effect->proof.size() < 2) {
+    open.push_back(fmt::format("{} worked examples, expected two or more with other values",
+                               effect->proof.size()));
+  }
+  if (const std::string failed = failed_proof(effect); !failed.empty()) open.push_back(failed);
+  for (size_t i = 0; i < effect->parameters.size(); ++i) {
+    const Parameter& parameter = effect->parameters[i];
+    // A number that says how a thing is computed need not be noticed.
+    if (parameter.integer && effect->parameters.size() > 1) continue;
+    auto other = std::make_shared<EffectDefinition>(*effect);
+    for (Proof& proof : other->proof)
+      proof.values.at(i) += parameter.integer ? 1 : 0.1 * parameter.scale;
+    if (failed_proof(other).empty())
+      open.push_back(fmt::format("no worked example notices another {}", parameter.name));
+  }
+  if (const std::string found = not_absent(effect); !found.empty()) open.push_back(found);
+  return open;
 }
 
 }  // namespace seam::effects

@@ -50,4 +50,8 @@ std::vector<Quantity> worked(const std::shared_ptr<const EffectDefinition>& effe
 // Which expected number is not met, in words; empty: all are.
 std::string failed_proof(const std::shared_ptr<const EffectDefinition>& effect);
 
+// What an effect's worked examples leave open, in words: fewer than two of them, a number that is
+// not met, a parameter that no example notices, an effect that is not absent at its neutral values.
+std::vector<std::string> open_proofs(const std::shared_ptr<const EffectDefinition>& effect);
+
 }  // namespace seam::effects

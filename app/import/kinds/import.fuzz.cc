@@ -1,11 +1,12 @@
 // Whatever files somebody gives to `seam import KIND`, a set comes of them or an InputError. The
 // input is a line with the kind, then the files one after another, each behind a line "### NAME".
+#include "app/import/import.h"
+
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "app/import/kinds/kinds.h"
 #include "app/import/pictures/bag_pictures.h"
 #include "sim_core/base/error.h"
 
@@ -34,14 +35,15 @@ void import_pictures_of_bag(const ImportRequest& request, SetDraft& draft) {
   }
 }
 
-// Those that read files in this process; `images` leaves that to one of its own.
-const std::map<std::string, void (*)(const ImportRequest&, SetDraft&)> kKinds = {
-    {"servo", import_servo},       {"ranges", import_ranges},
-    {"wheels", import_wheels},     {"opencv", import_opencv},
-    {"kalibr", import_kalibr},     {"mrcal", import_mrcal},
-    {"bouguet", import_bouguet},   {"euroc", import_euroc},
-    {"tum", import_tum},           {"ros", import_ros},
-    {"emva1288", import_emva1288}, {"pictures", import_pictures_of_bag}};
+// The imports of the table that read files in this process, and the pictures of a bag.
+std::map<std::string, void (*)(const ImportRequest&, SetDraft&)> fuzzed_kinds() {
+  std::map<std::string, void (*)(const ImportRequest&, SetDraft&)> kinds = {
+      {"pictures", import_pictures_of_bag}};
+  for (const ImportKind& kind : import_kinds()) {
+    if (kind.fuzzed) kinds.emplace(kind.name, kind.fill);
+  }
+  return kinds;
+}
 
 ImportRequest request_of(const std::string& text, const fs::path& folder) {
   ImportRequest request;
@@ -67,8 +69,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   fs::remove_all(folder.path);
   fs::create_directories(folder.path / "in");
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const auto kind = kKinds.find(text.substr(0, text.find('\n')));
-  if (kind == kKinds.end()) return 0;
+  static const auto kinds = fuzzed_kinds();
+  const auto kind = kinds.find(text.substr(0, text.find('\n')));
+  if (kind == kinds.end()) return 0;
   ImportRequest request = request_of(text, folder.path / "in");
   if (request.sources.empty()) return 0;
   request.board_columns = 3, request.board_rows = 2, request.spacing_m = 0.03;

@@ -1,5 +1,5 @@
 // What is imported, a function a kind: each fills the draft from the files of the request. The
-// table of kinds with their help is import.cc's.
+// table of kinds with their help is app/import/table.cc.
 #pragma once
 
 #include "app/import/draft/request.h"

@@ -43,7 +43,7 @@ EffectDefinition camera_pose() {
                  .given = {{"x_m", 0.3}, {"y_m", -0.2}, {"z_m", 1.25}},
                  .expected = {{"link_x_m", 1.55}, {"link_y_m", -0.4}, {"link_z_m", 0.4}},
                  .source = "python: z_m + p[2], -x_m - p[0], -y_m - p[1]"},
-                {.values = {0, 0, 0, 0, 1.5707963267948966, 0},
+                {.values = {0, 0, 0, 0, 1.5707963267949, 0},
                  .given = {{"x_m", -0.45}, {"y_m", 0.3}, {"z_m", 0.75}},
                  .expected = {{"link_x_m", 0.45}, {"link_y_m", -0.75}, {"link_z_m", -0.3}},
                  .source = "python: -x_m, -z_m, -y_m"}},
