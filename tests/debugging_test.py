@@ -19,9 +19,9 @@ import unittest
 
 from viewing import viewer
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
-PYTHON = sys.argv[3]
+import by_hand
+
+BUILD, SOURCE, PYTHON = by_hand.arguments("build", "source", "python")
 SEAM = BUILD / "seam"
 PAGE = (SOURCE / "docs/debug.md").read_text(encoding="utf-8")
 WHEN = re.search(r"(?m)^seam replay find run\.mcap --when '(.*?)'", PAGE)[1]
