@@ -18,9 +18,9 @@ import tarfile
 import tempfile
 import unittest
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
-PYTHON = sys.argv[3]
+import by_hand
+
+BUILD, SOURCE, PYTHON = by_hand.arguments("build", "source", "python")
 SEAM = BUILD / "seam"
 LIMIT_S = 300
 CPUS = os.environ.get("SEAM_EMULATED_CPUS", "").split()

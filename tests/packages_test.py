@@ -16,7 +16,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # Packages that each Debian has (Essential, or needed by one that is), and git, without which nobody has this checkout.
-BARE = {"bash", "coreutils", "debianutils", "diffutils", "dpkg", "apt", "findutils", "git", "grep", "libc-bin", "mawk", "mount",
+BARE = {"bash", "coreutils", "dash", "debianutils", "diffutils", "dpkg", "apt", "findutils", "git", "grep", "libc-bin", "mawk", "mount",
         "sed", "tar", "util-linux"}
 # What a program starts in its turn, beside what it is asked to start.
 STARTS = {
@@ -30,7 +30,7 @@ PACKAGE_OF = {
     "apt-config": "apt", "apt-get": "apt",
     "ar": "binutils", "objdump": "binutils", "strip": "binutils",
     "awk": "mawk",
-    "bash": "bash",
+    "bash": "bash", "sh": "dash",
     "c++": "g++", "g++": "g++",
     "c++filt": "binutils",
     "ccache": "ccache",
@@ -72,7 +72,7 @@ BROUGHT_BY = {"g++": "build-essential", "dpkg-dev": "build-essential", "binutils
 # What a machine may lack: its user says so and goes on, or asks for it.
 OPTIONAL = {
     "debootstrap": "scripts/bare_machine.sh asks for it", "unshare": "scripts/bare_machine.sh asks for it",
-    "man": "tests/install_test.py asks first", "zsh": "tests/install_test.py asks first",
+    "gdb": "tests/debugging_test.py asks first", "man": "tests/install_test.py asks first", "zsh": "tests/install_test.py asks first",
     "munged": "tests/slurm_test.py asks first", "slurmctld": "tests/slurm_test.py asks first",
     "slurmd": "tests/slurm_test.py asks first", "sbatch": "tests/slurm_test.py asks first",
     "scancel": "tests/slurm_test.py asks first", "sacct": "tests/slurm_test.py asks first",

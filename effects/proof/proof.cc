@@ -300,7 +300,7 @@ Quantities expected_of(const EffectDefinition& effect, const Model& model, const
 // The first quantity that the effect at its neutral values changes, in words; empty: none, or the
 // effect is a base, which has no neutral values.
 std::string not_absent(const std::shared_ptr<const EffectDefinition>& effect) {
-  if (!effect->has_neutral) return "";
+  if (!effect->has_neutral || effect->base != Base::none) return "";
   const Model without = model_around(effect);
   Model with = without;
   with.add_neutral(effect);

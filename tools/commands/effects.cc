@@ -21,9 +21,11 @@ void prove(const std::shared_ptr<const effects::EffectDefinition>& effect) {
         "elsewhere; correct the hook or the numbers",
         effect->name, fmt::join(open, "\n  ")));
   }
-  const std::string text = fmt::format(
-      "{}: {} worked examples are met, each parameter matters{}\n", effect->name,
-      effect->proof.size(), effect->has_neutral ? ", and it is absent at its neutral values" : "");
+  const std::string text = fmt::format("{}: {} worked examples are met, each parameter matters{}\n",
+                                       effect->name, effect->proof.size(),
+                                       effect->has_neutral && effect->base == effects::Base::none
+                                           ? ", and it is absent at its neutral values"
+                                           : "");
   std::fputs(text.c_str(), stdout);
 }
 
