@@ -35,7 +35,7 @@ class CameraRenderer final : public scheduler::FrameRenderer {
   const render::RendererOptions& options() const { return options_; }
   // Throws InputError, naming the model's file, for one that cannot be rendered.
   const render::Renderer& camera(int robot) const;
-  // Makes all of them now, so that what is wrong is told before a run begins.
+  // Makes all of them now, so that an error is reported before a run begins.
   void make_cameras() const;
 
  private:

@@ -27,7 +27,7 @@ struct SimulatorOptions {
       "auto";               // "analytic", "opengl", or "auto": OpenGL where the scene needs it.
   std::string gl = "auto";  // Where OpenGL comes from; see render::GlDevice.
   render::RendererOptions rendering;
-  bool cameras_when_used = false;  // A model that cannot be rendered is told with its first frame.
+  bool cameras_when_used = false;  // A model that cannot be rendered fails with its first frame.
 };
 
 struct Simulator {

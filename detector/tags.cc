@@ -188,7 +188,7 @@ double disorder(Markers& markers) {
   return most;
 }
 
-// Where the corners of the fields should be: told by the markers in the fields around each.
+// Where the corners of the fields should be: estimated from the markers in the fields around each.
 std::map<int, cv::Point2d> between(const Markers& markers, const Target& target) {
   std::map<std::pair<int, int>, int> at;
   for (const auto& [id, field] : markers.fields) at[{field.x, field.y}] = id;

@@ -1,5 +1,5 @@
 // What an effect's record (effect.h) answers besides its formula: what a set must hold for the
-// effect to be told, where fits start, what it replaces, which measurement tells it from others,
+// effect to be testable, where fits start, what it replaces, what separates it from others,
 // and worked examples. Questions to a record: questions.h.
 #pragma once
 
@@ -45,7 +45,7 @@ enum class Errors {
   now_and_then,  // A few are far larger than the others: they look like outliers.
 };
 
-// What a set must hold for an effect to be told from it.
+// What a set must hold for an effect to be testable.
 enum class Need {
   known_pose,   // The camera's place is known beforehand, not estimated from the same points.
   known_scale,  // Some distance is known beside those on the target itself.
@@ -71,7 +71,7 @@ enum class Need {
   distances,        // Distances, not directions alone.
   wheels,           // A body on two wheels, whose turns are known or commanded.
   commanded_walk,   // A body whose velocity is commanded, not the turns of its wheels logged.
-  landmark_places,  // Landmarks whose places can be told from errors of ranges and bearings.
+  landmark_places,  // Landmarks whose places are separable from errors of ranges and bearings.
   space,            // Views beyond the plane of the ground.
   flat_target,      // The points lie in a plane, or nearly so: a board.
   several_views,    // The same points seen in several images.
@@ -128,7 +128,7 @@ struct SensorExcess {
   double row_dn2 = 0;          // Between rows, new in each frame.
 };
 
-// Which measurement tells the effect from others in sets of these kinds.
+// Which measurement separates the effect from others in sets of these kinds.
 struct Advice {
   unsigned kinds = 0;
   std::vector<std::string> from;  // Names of the other effects; empty: any.

@@ -89,7 +89,7 @@ std::string effect_help(const EffectDefinition& effect) {
   const std::string needs = needs_text(effect);
   if (!needs.empty()) text += fmt::format("Needs:      {}\n", needs);
   for (const std::string& line : advice_lines(effect))
-    text += fmt::format("Told from:  {}\n", line);
+    text += fmt::format("To separate it from {}\n", line);
   text += effect.parameters.empty() ? "Parameters: none\n" : "Parameters:\n";
   for (const Parameter& parameter : effect.parameters) {
     text += fmt::format("  {}  {} ({})\n", parameter.name, parameter.help, range_text(parameter));
@@ -109,7 +109,7 @@ std::string catalogue_list() {
     }
     if (!lines.empty()) text += to_string(stage) + "\n" + lines;
   }
-  return text + "\n`seam effects NAME` tells more about one.\n";
+  return text + "\n`seam effects NAME` shows more about one.\n";
 }
 
 std::string catalogue_markdown() {
@@ -128,7 +128,7 @@ std::string catalogue_markdown() {
       const std::string needs = needs_text(*effect);
       if (!needs.empty()) text += fmt::format("- Needs of a set: {}\n", needs);
       for (const std::string& line : advice_lines(*effect))
-        text += fmt::format("- Told from {}\n", line);
+        text += fmt::format("- To separate it from {}\n", line);
       for (const Parameter& parameter : effect->parameters) {
         text +=
             fmt::format("- `{}`: {} ({})\n", parameter.name, parameter.help, range_text(parameter));

@@ -125,7 +125,7 @@ struct EffectDefinition {
 
   // Where a fit starts, from what the sensor's variances exceed the prediction by.
   std::function<std::vector<double>(const SensorExcess&)> start_from_excess;
-  // Of values that give the same effect, turns these (fitted all together) into those to be told.
+  // Of values that give the same effect, turns these (fitted all together) into those to be shown.
   std::function<void(std::vector<double>&)> told_once;
 
   std::vector<Proof>

@@ -13,7 +13,7 @@ namespace seam::effects {
 // A need in words that go on from "needs".
 std::string to_string(Need need);
 
-// What a set must hold for this parameter to be told: needs of the stage, of the effect, and of
+// What a set must hold for this parameter to be testable: needs of the stage, of the effect, and of
 // the parameter, in this order.
 std::vector<Need> needs_of(const EffectDefinition& effect, size_t parameter);
 
@@ -23,20 +23,20 @@ bool of_points_alone(const EffectDefinition& effect);
 // The model without these.
 Model without_points_own(const Model& model);
 
-// Whether the simulator runs it: it changes robots or their images, not only what is told of a
+// Whether the simulator runs it: it changes robots or their images, not only what is reported of a
 // measurement (noises, detectors, targets).
 bool acts_in_runs(const EffectDefinition& effect);
 
 // Whether the effect is a candidate in such a set.
 bool acts_on(const EffectDefinition& effect, const SetFacts& set);
 
-// Why the set cannot tell this parameter; empty: nothing speaks against it.
+// Why the set does not constrain this parameter; empty: it does.
 std::string reason_against(const EffectDefinition& effect, size_t parameter, const SetFacts& set);
 
 // Where fits of the effect start in sets of this kind.
 const StartRule& start_rule(const EffectDefinition& effect, unsigned kind);
 
-// Which measurement of this kind tells `effect` from `other`; empty: neither knows one.
+// Which measurement of this kind separates `effect` from `other`; empty: neither knows one.
 std::string advice_between(const std::string& effect, const std::string& other, unsigned kind);
 
 // The effect by which a model has this base; null where it has none.

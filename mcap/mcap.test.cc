@@ -70,7 +70,7 @@ TEST(Mcap, MessagesOfOtherWritersNeedNoChunks) {
   Contents contents;
   EXPECT_EQ(visited(whole, &contents), std::vector<std::string>(20, "/a twelve"));
   EXPECT_TRUE(contents.complete);
-  // Cut, all that stands before is there and the cut is told.
+  // Cut, all that stands before is there and the cut is reported.
   EXPECT_EQ(visited(sink.bytes().substr(0, sink.bytes().size() - 3), &contents).size(), 19u);
   ASSERT_EQ(contents.losses.size(), 1u);
   EXPECT_THAT(contents.losses[0].what, HasSubstr("ends in the middle of a record"));

@@ -1,6 +1,6 @@
 // Reads an MCAP file through its index, or by a scan of the whole file where the index is missing
 // or damaged. Made for hostile input: every length is checked against the file and `Limits` before
-// memory is taken, and what cannot be read is told as a loss.
+// memory is taken, and what cannot be read is reported as a loss.
 #pragma once
 
 #include <cstdint>
@@ -49,7 +49,7 @@ struct Contents {
   std::vector<Loss> losses;     // In the order of the file.
   // Of a scan: what stands behind the end of the file proper. Nothing reads it.
   std::optional<Loss> behind_end;
-  // Of a scan: the index is whole, and tells something else than the data. Readers by the index are
+  // Of a scan: the index is whole, and differs from the data. Readers by the index are
   // misled.
   bool index_misleads = false;
 };

@@ -48,7 +48,7 @@ bool same_definitions(const Definitions& index, const Definitions& data,
          });
 }
 
-// What an index tells, and what the data are.
+// What an index says, and what the data are.
 bool same_contents(const Contents& index, const Contents& data) {
   std::set<uint16_t> used;
   for (const ChunkPlace& chunk : data.chunks) {
@@ -220,7 +220,7 @@ class Scanner {
   }
 
   // The data section's CRC is not checked: each chunk and attachment has one of its own, and a
-  // damaged file has told its losses by now.
+  // damaged file has reported its losses by now.
   void check_data_end(uint64_t start, uint64_t length) {
     decode_data_end(content_of(start, length, limits_.definition_bytes));
     contents_.complete = true;

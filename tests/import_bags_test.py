@@ -298,7 +298,7 @@ def test_log(folder):
         run("compare", "--model", model, "--data", folder / "frames", "--json", folder / "c.json")
         errors[name] = json.loads((folder / "c.json").read_text())["error"]
     assert errors["true"] < 1.1 and errors["nominal"] > 3 * errors["true"], errors
-    refused("log", folder / "run.mcap", "--part", "odometry", out=folder / "walk", words=["never told to walk"])
+    refused("log", folder / "run.mcap", "--part", "odometry", out=folder / "walk", words=["has no command to walk"])
     refused("log", folder / "run.mcap", "--camera", "red9", out=folder / "who", words=["red9", "red1"])
 
 

@@ -42,7 +42,7 @@ namespace seam::tools {
 SEAM_COMMANDS(SEAM_DECLARE)
 #undef SEAM_DECLARE
 
-// A command that did its work and has a result to tell by its exit code (1: a divergence was
+// A command that did its work and has a result that its exit code carries (1: a divergence was
 // found, 3: recovered with losses) throws this instead of calling exit.
 struct ExitCode {
   int code;

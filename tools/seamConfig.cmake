@@ -1,5 +1,5 @@
 # For find_package(seam) of an installed SEAM: effects outside its tree link seam::plugin, and SEAM_PROGRAM is the
-# program that loads them. Every path is told from this file's own place, so that the tree may be moved.
+# program that loads them. Every path is relative to this file, so that the tree may be moved.
 include(CMakeFindDependencyMacro)
 find_dependency(fmt)
 get_filename_component(seam_prefix ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)

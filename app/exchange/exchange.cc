@@ -145,7 +145,7 @@ std::string Exporter::cost_of(const ModelEffect& effect) const {
                        late_s * camera_.lens.fx_px);
   }
   if (!definition.geometry && !definition.image_map)
-    return "no image point moves: brightness and noise are no longer told";
+    return "no image point moves: brightness and noise are not exported";
   Model without = model_;
   without.remove(definition.name);
   const Projection with = projection_of(model_), rest = projection_of(without);
@@ -177,7 +177,7 @@ void Exporter::split(Model& kept, std::vector<const ModelEffect*>& lost) {
     if (!asked_to_drop(name) && !asked_to_drop("all"))
       throw InputError(
           fmt::format("{} cannot hold effect '{}': export with --drop {} to leave it "
-                      "out and be told what that costs, or --drop all",
+                      "out and see what that costs, or --drop all",
                       format_.name, name, name));
     lost.push_back(&effect);
     kept.remove(name);

@@ -1,6 +1,6 @@
 // Models in the files of other programs (`seam export`). A format holds some of what a model says:
 // a lens, the time of rows, a shift of the clock. What it cannot hold is refused with the effect's
-// name, or dropped where the user says so, and then what that costs is told.
+// name, or dropped where the user says so, and then its cost is reported.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // Lenses as other programs write them down: a projection and a list of coefficients. A model's
 // geometry, whatever effects it is made of, is fitted to such a family over the whole image; where
-// the family holds it the fit is exact, and where not the error that stays is told in pixels.
+// the family holds it the fit is exact, and where not the remaining error is stated in pixels.
 #pragma once
 
 #include <array>

@@ -187,10 +187,10 @@ Exported export_servo(const Model& model, const ExchangeFormat& format,
     const bool holds = base || (effect.definition->servo && format.holds_servo(alone));
     if (holds && !is_listed(options.drop, name)) continue;
     if (!is_listed(options.drop, name) && !is_listed(options.drop, "all"))
-      throw InputError(fmt::format(
-          "{} cannot hold effect '{}': export with --drop {} to leave it out and be told "
-          "what that costs, or --drop all",
-          format.name, name, name));
+      throw InputError(
+          fmt::format("{} cannot hold effect '{}': export with --drop {} to leave it out and see "
+                      "what that costs, or --drop all",
+                      format.name, name, name));
     lost.push_back(name);
   }
   for (const std::string& name : lost) {

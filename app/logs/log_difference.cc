@@ -28,7 +28,7 @@ scheduler::LogDifference difference_of(const scheduler::Log& a, const scheduler:
     };
     scheduler::name_field(difference, state_of(match_a), state_of(match_b));
   } catch (const InputError&) {
-    // A log that cannot be re-run (older states, a damaged part) still tells time and section.
+    // A log that cannot be re-run (older states, a damaged part) still gives time and section.
   }
   return difference;
 }

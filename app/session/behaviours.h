@@ -59,7 +59,7 @@ class Behaviours {
   Behaviours& operator=(const Behaviours&) = delete;
 
   void start(const BehaviourProcess& process);
-  // Reaps those that have ended, and tells of each: robot, and how it ended.
+  // Reaps those that have ended, and reports each: robot, and how it ended.
   void reap(const std::function<void(const std::string&, const std::string&)>& ended);
   // Gives all of them this long to end by themselves.
   void wait_for_end(double limit_s);

@@ -1,5 +1,5 @@
-// How much memory the process holds, at each tenth simulated second: what tells a leak from a run
-// that is merely large.
+// How much memory the process holds, at each tenth simulated second: what distinguishes a leak from
+// a run that is merely large.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace seam::app {
 
-// Resident memory of this process now; 0 where the system does not tell.
+// Resident memory of this process now; 0 where it is unknown.
 uint64_t resident_bytes();
 
 struct MemorySample {

@@ -25,7 +25,7 @@ std::unique_ptr<scheduler::RemoteRenderer> make_remote_renderer(
     const Simulator& simulator, const RemoteRenderingOptions& options,
     const scheduler::RemoteRenderer::TellFault& tell_fault);
 
-// The renderer's side: the cameras that a server told of.
+// The renderer's side: the cameras that a server announced.
 std::unique_ptr<scheduler::FrameRenderer> make_told_renderer(const scheduler::RenderSetup& setup,
                                                              int threads);
 

@@ -1,5 +1,5 @@
 // What a run writes, claimed before anything starts: a path that cannot be written, that another
-// run writes or that is read meanwhile is told at once.
+// run writes or that is read meanwhile is an error at once.
 #pragma once
 
 #include <filesystem>

@@ -25,7 +25,7 @@ bool is_our_child(pid_t process) {
          waitid(P_PID, static_cast<id_t>(process), &state, WEXITED | WNOHANG | WNOWAIT) == 0;
 }
 
-// The client that a program has told.
+// The client that a program announced.
 std::optional<pid_t> client_told(int socket) {
   pid_t client = -1;
   if (recv(socket, &client, sizeof client, MSG_DONTWAIT) != sizeof client) return std::nullopt;

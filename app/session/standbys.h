@@ -31,7 +31,7 @@ class Standbys {
   struct Standby {
     pid_t process = -1;
     int socket = -1;
-    bool stands_by = false;  // It has told its first client.
+    bool stands_by = false;  // It has announced its first client.
   };
   Standby open(const BehaviourProcess& process);
   static void end(const Standby& standby);

@@ -19,7 +19,7 @@ inline constexpr const char* kCurveStatistics[] = {"mean", "deviation", "median"
 
 struct Estimate {
   double value = 0;
-  std::optional<double> low, high;  // Nothing where there are too few values to tell.
+  std::optional<double> low, high;  // Nothing where there are too few values.
 };
 Estimate estimate_of(CurveStatistic statistic, std::vector<double> values);
 

@@ -11,10 +11,10 @@
 namespace seam::app {
 namespace {
 
-// What a worker says of a job: the first letter tells a result from the message of an exception.
+// What a worker says of a job: the first letter separates a result from an exception's message.
 constexpr char kResult = '+', kThrown = '-';
 
-std::string told(const std::function<std::string(uint64_t)>& work, uint64_t job) {
+std::string answer_of(const std::function<std::string(uint64_t)>& work, uint64_t job) {
   try {
     return kResult + work(job);
   } catch (const std::exception& error) {
@@ -79,7 +79,7 @@ bool KeptJobs::run(uint64_t first, uint64_t last, const std::function<std::strin
         while (next < last && finished[next - first]) ++next;
         return next < last ? std::optional(next++) : std::nullopt;
       },
-      .work = [&](uint64_t job) { return told(work, job); },
+      .work = [&](uint64_t job) { return answer_of(work, job); },
       .done =
           [&](uint64_t job, const std::string& result) {
             if (result.front() == kThrown) throw InputError(result.substr(1));

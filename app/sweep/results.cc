@@ -182,7 +182,7 @@ ResultsFile ResultsFile::for_writing(const fs::path& file, const SweepPlan& plan
     throw InputError(fmt::format(
         "{}: was made by other programs: SEAM {} ({}) with behaviours {}; this is SEAM {} ({}) "
         "with "
-        "behaviours {}. Give another --out; `seam sweep rerun` tells whether the results still "
+        "behaviours {}. Give another --out; `seam sweep rerun` shows whether the results still "
         "agree",
         where, results.makers().version, results.makers().program, results.makers().behaviours,
         makers.version, makers.program, makers.behaviours));
@@ -351,7 +351,7 @@ void ResultsFile::take_over(const ResultsFile& other) {
     if (!same_result(*record(run), *other.record(run)))
       throw InputError(fmt::format(
           "{}: run {} differs from the same run in another of the files: fingerprint {} and {}. "
-          "Runs are pure functions of the plan: `seam sweep rerun FILE --run {}` tells which of "
+          "Runs are pure functions of the plan: `seam sweep rerun FILE --run {}` shows which of "
           "the files this program agrees with",
           other.path().string(), run, other.record(run)->fingerprint, record(run)->fingerprint,
           run));

@@ -30,7 +30,7 @@ struct CameraRays {
   bool perspective = true;  // All rays have z = 1.
   double focal_px = 0;      // The most pixels that a unit of x or y covers.
   std::vector<RayTable> tables;
-  // Tells them, and copies of them, from all others for as long as somebody holds it.
+  // Separates them, and copies of them, from all others for as long as somebody holds it.
   std::shared_ptr<const bool> identity = std::make_shared<const bool>(true);
 
   // Bounds of the samples inside the pixels, for culling. row_y_max[r] is the greatest y of rows up

@@ -60,8 +60,8 @@ Image2 centroid(const Frame& frame, int channel = green) {
   return {u_sum / sum, v_sum / sum};
 }
 
-// The ball is seen where `formula` says, within what 8 bits and 64 rays a pixel tell, at places all
-// over the image.
+// The ball is seen where `formula` says, within what 8 bits and 64 rays a pixel allow, at places
+// all over the image.
 void expect_places(const std::string& effects,
                    const std::function<Image2(double x, double y)>& formula, int channel = green) {
   double moved = 0;

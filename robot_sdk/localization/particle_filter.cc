@@ -216,7 +216,7 @@ FieldPose ParticleFilter::pose_from(const LandmarkSighting& sighting) {
   return pose;
 }
 
-// One landmark tells a robot that knows its place how it is turned.
+// One landmark gives the heading of a robot that knows its place.
 FieldPose ParticleFilter::turned_towards(FieldPose pose, const LandmarkSighting& sighting) {
   const LandmarkPosition& landmark = *position_of(sighting.kind);
   const float direction = std::atan2(landmark.y_m - pose.y_m, landmark.x_m - pose.x_m);

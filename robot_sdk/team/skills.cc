@@ -91,7 +91,7 @@ void walk_to(Action& action, float ahead_m, float left_m, float slow_within_m) {
 // Where a grab takes the ball, with some slack to the body's own reach.
 bool can_grab(const WorldModel& world) {
   const BallBelief& ball = world.ball();
-  const bool seen = !ball.told && !ball.held && world.ball_age_s() < 0.2f;
+  const bool seen = !ball.reported && !ball.held && world.ball_age_s() < 0.2f;
   return seen && ball.x_m > 0.11f && ball.x_m < 0.18f && std::abs(ball.y_m) < 0.05f;
 }
 

@@ -41,10 +41,10 @@ TEST(WorldModel, BallStaysInPlaceWhileTheBodyTurns) {
 
 TEST(WorldModel, BelievesATeamMateWhenTheBallIsOutOfSight) {
   WorldModel world = placed_at({0, 0, 0});
-  const TeamMessage told{
+  const TeamMessage reported{
       .player = 1, .sees_ball = true, .ball_x_m = 1, .ball_y_m = 0, .ball_distance_m = 0.4f};
-  world.update({.time_s = 10, .messages = {told}});
-  EXPECT_TRUE(world.ball().told);
+  world.update({.time_s = 10, .messages = {reported}});
+  EXPECT_TRUE(world.ball().reported);
   EXPECT_NEAR(world.ball().distance_m(), 1, 0.15f);
   EXPECT_FALSE(world.is_nearest_to_ball());
 }
@@ -73,7 +73,7 @@ TEST(WorldModel, KnowsWhereTheRefereeLaysTheBallAndPutsTheRobot) {
   WorldModel world = placed_at({-1.0f, 0.5f, 0});
   world.update({.time_s = 4, .situation = {.phase = Situation::set}});
   EXPECT_NEAR(world.ball().distance_m(), std::sqrt(1.25f), 0.15f);
-  EXPECT_TRUE(world.ball().told);
+  EXPECT_TRUE(world.ball().reported);
   world.update({.time_s = 5, .situation = {.phase = Situation::playing}});
   ASSERT_TRUE(world.home().has_value());
   // Two metres on, into the other half: at the next `set` the referee carries it back, and a single

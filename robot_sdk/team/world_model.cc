@@ -80,9 +80,9 @@ bool WorldModel::stands_wrong() const {
   return into_own < 0.05f || length(pose_.mean.x_m, pose_.mean.y_m) < 0.4f;
 }
 
-// What the referee does to a robot is told by the rules: at `set` it carries those that stand wrong
-// to their places and lays the ball into the middle; who was penalised comes back at the half-way
-// line.
+// What the referee does to a robot follows from the rules: at `set` it carries those that stand
+// wrong to their places and lays the ball into the middle; who was penalised comes back at the
+// half-way line.
 void WorldModel::take_situation(const Situation& now) {
   const Situation before = situation_;
   situation_ = now;
@@ -101,7 +101,7 @@ void WorldModel::take_situation(const Situation& now) {
   }
   if (now.phase == Situation::set && ball_age_s() > 1) {
     field_to_body(0, 0, ball_.x_m, ball_.y_m);
-    ball_.seen_s = time_s_, ball_.told = true, ball_.held = false;
+    ball_.seen_s = time_s_, ball_.reported = true, ball_.held = false;
   }
 }
 
@@ -135,12 +135,12 @@ void WorldModel::take_ball(const Percepts& percepts) {
              0.15f + 0.2f * distance + kFastest_mps * age;
     };
     // One frame with the ball elsewhere is not believed, the second is.
-    if (age < 1 && !ball_.told && !reachable(ball_) && !(doubted_ && reachable(*doubted_))) {
+    if (age < 1 && !ball_.reported && !reachable(ball_) && !(doubted_ && reachable(*doubted_))) {
       doubted_ = seen;
       return;
     }
     // A ball seen a moment ago is smoothed; after a gap or a jump the new sighting stands alone.
-    const float trust = age < 0.2f && !ball_.told && !doubted_ ? 0.6f : 1.0f;
+    const float trust = age < 0.2f && !ball_.reported && !doubted_ ? 0.6f : 1.0f;
     doubted_.reset();
     ball_ = {ball_.x_m + trust * (seen.x_m - ball_.x_m), ball_.y_m + trust * (seen.y_m - ball_.y_m),
              time_s_, false};
@@ -167,7 +167,7 @@ void WorldModel::take_mates_ball() {
   if (best == nullptr) return;
   field_to_body(best->message.ball_x_m, best->message.ball_y_m, ball_.x_m, ball_.y_m);
   ball_.seen_s = best->heard_s;
-  ball_.told = true, ball_.held = false;
+  ball_.reported = true, ball_.held = false;
 }
 
 void WorldModel::field_to_body(float x_m, float y_m, float& ahead_m, float& left_m) const {
@@ -212,7 +212,7 @@ bool WorldModel::is_nearest_to_ball() const {
 
 TeamMessage WorldModel::message() const {
   TeamMessage message{
-      .player = player_, .pose = pose_.mean, .sees_ball = ball_age_s() < 0.5f && !ball_.told};
+      .player = player_, .pose = pose_.mean, .sees_ball = ball_age_s() < 0.5f && !ball_.reported};
   const float c = std::cos(pose_.mean.theta_rad), s = std::sin(pose_.mean.theta_rad);
   message.ball_x_m = pose_.mean.x_m + c * ball_.x_m - s * ball_.y_m;
   message.ball_y_m = pose_.mean.y_m + s * ball_.x_m + c * ball_.y_m;

@@ -13,7 +13,7 @@ namespace seam::sdk {
 
 inline constexpr int kTeamSize = 4;
 
-// What team mates tell each other, several times a second.
+// What team mates send each other, several times a second.
 struct TeamMessage {
   int player = 0;  // 0..3 within the team.
   FieldPose pose;
@@ -22,7 +22,7 @@ struct TeamMessage {
   float ball_distance_m = 0;         // From that player.
 };
 
-// What the referee tells this robot, as far as it says something about the world.
+// What the referee says to this robot, as far as it says something about the world.
 struct Situation {
   enum Phase { waiting, ready, set, playing };
   Phase phase = waiting;
@@ -44,7 +44,7 @@ struct Percepts {
 struct BallBelief {
   float x_m = 0, y_m = 0;  // In the body frame.
   float seen_s = -1e6f;    // When it was last seen.
-  bool told = false;       // By a team mate or the rules rather than by the own camera.
+  bool reported = false;   // By a team mate or the rules rather than by the own camera.
   bool held = false;       // Between the own legs, where the camera does not see it.
 
   float distance_m() const;

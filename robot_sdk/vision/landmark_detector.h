@@ -24,15 +24,15 @@ inline constexpr int kLandmarkKinds = 8;
 struct LandmarkSighting {
   LandmarkKind kind{};
   float bearing_rad = 0;  // In the body frame, left positive.
-  float range_m = 0;      // On the ground from the body's origin; 0 where it cannot be told.
+  float range_m = 0;      // On the ground from the body's origin; 0 where it is not determined.
   float bearing_sigma_rad = 0;
   float range_sigma_m = 0;
   float row = 0;  // Where in the image it was seen.
   // Of a goal: from its middle to the middle of the widest part that nobody stands before, left
   // positive.
   float free_offset_rad = 0;
-  float height_m =
-      0;  // Above the ground, of the place where a beacon's bands meet; 0 where it cannot be told.
+  float height_m = 0;  // Above the ground, of the place where a beacon's bands meet; 0 where it is
+                       // not determined.
 };
 
 // Where a beacon's bands meet, above the ground.

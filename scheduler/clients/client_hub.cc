@@ -17,7 +17,7 @@ namespace {
 
 // Faults that are kept until the loop takes them; a flooding client cannot fill the memory.
 constexpr size_t kMaxFaults = 1000;
-// A line of the log in so much simulated time tells how many came with a wrong token.
+// A line of the log in so much simulated time says how many came with a wrong token.
 constexpr SimDuration kHellosTold = SimDuration::from_ns(1'000'000'000);
 
 }  // namespace

@@ -95,7 +95,7 @@ class ClientHub final : public DecisionSource {
                     Decision decision, const DecisionDoubts& doubts = {});
   // Something a client did was refused.
   void note_fault(int robot, const std::string& name, const std::string& detail);
-  // A client came with a wrong token, or too soon after many: counted, told once a second.
+  // A client came with a wrong token, or too soon after many: counted, reported once a second.
   void note_wrong_hello(int robot);
   // Nobody can answer for this robot any more (its process ended): policies act at once, and
   // `wait`, which would wait for ever, aborts.

@@ -12,7 +12,7 @@ namespace seam::scheduler {
 
 class SharedCore {
  public:
-  // A turn begins, before the client is told; `client`: its process, if that is on this machine,
+  // A turn begins, before the client gets it; `client`: its process, if that is on this machine,
   // else 0. Its first thread is taken to be the one that answers. Called by the loop's thread.
   void begin(pid_t client);
   // It has ended after `waited`: the loop's thread may go where it could before.

@@ -20,7 +20,7 @@
 namespace seam::scheduler {
 namespace {
 
-// So often listeners are looked at, refusals told, and those who were refused hung up on.
+// So often listeners are looked at, refusals reported, and those who were refused hung up on.
 constexpr std::chrono::milliseconds kWatch{500};
 // Of one listener at a time, so that others have their turn.
 constexpr int kAcceptedAtOnce = 64;
@@ -46,8 +46,8 @@ bool lacks_resources(int error) {
 
 }  // namespace
 
-AcceptLoop::AcceptLoop(std::vector<Endpoint> endpoints, ConnectionLimits limits, Tell tell)
-    : count_(limits), tell_(std::move(tell)) {
+AcceptLoop::AcceptLoop(std::vector<Endpoint> endpoints, ConnectionLimits limits, Report report)
+    : count_(limits), report_(std::move(report)) {
   for (Endpoint& endpoint : endpoints) {
     int port = -1;
     std::vector<ListeningSocket> sockets = listen_on(endpoint.address, port);
@@ -86,7 +86,7 @@ void AcceptLoop::run() {
       if (Clock::now() - watched < kWatch) continue;
       watched = Clock::now();
       for (Place& place : places_) watch(place);
-      tell_refusals();
+      report_refusals();
       for (const int connection : std::exchange(parting_, {})) close(connection);
     } catch (const std::exception&) {
       std::this_thread::sleep_for(kWatch);
@@ -160,15 +160,15 @@ void AcceptLoop::watch(Place& place) {
   int port = -1;
   try {
     place.sockets = listen_on(place.address, port);
-    tell_(fmt::format("{}: the listener was dead, another was opened", place.address));
+    report_(fmt::format("{}: the listener was dead, another was opened", place.address));
   } catch (const InputError&) {
     // Tried again with the next look.
   }
 }
 
-void AcceptLoop::tell_refusals() {
+void AcceptLoop::report_refusals() {
   if (refused_ == 0) return;
-  tell_(
+  report_(
       fmt::format("refused {} connection{}: {}", refused_, refused_ == 1 ? "" : "s", refused_why_));
   refused_ = 0;
 }

@@ -28,10 +28,10 @@ struct Endpoint {
 class AcceptLoop {
  public:
   // Something that a person should know; on the loop's thread.
-  using Tell = std::function<void(const std::string&)>;
+  using Report = std::function<void(const std::string&)>;
 
   // Listens when it returns; throws InputError.
-  AcceptLoop(std::vector<Endpoint> endpoints, ConnectionLimits limits, Tell tell);
+  AcceptLoop(std::vector<Endpoint> endpoints, ConnectionLimits limits, Report report);
   ~AcceptLoop();
   AcceptLoop(const AcceptLoop&) = delete;
   AcceptLoop& operator=(const AcceptLoop&) = delete;
@@ -54,14 +54,14 @@ class AcceptLoop {
   void accept_all(const Place& place, const ListeningSocket& listener);
   void take(const Place& place, const ListeningSocket& listener, int connection);
   void refuse(const Place& place, int connection, const std::string& why);
-  // There are no descriptors for what waits: it is told so by one that was kept for this.
+  // There are no descriptors for what waits: it is refused by one that was kept for this.
   bool refuse_with_the_spare(const Place& place, const ListeningSocket& listener);
   void watch(Place& place);
-  void tell_refusals();
+  void report_refusals();
 
   std::vector<Place> places_;
   ConnectionCount count_;
-  Tell tell_;
+  Report report_;
   Wake wake_;       // Once the loop is to end.
   int spare_ = -1;  // A descriptor for refusals when there are no others.
   size_t refused_ = 0;

@@ -2,9 +2,9 @@
 //
 // The fields' hashes h_i, i = 1, 2, ... over all sections, are taken as a code word over the prime
 // field of 2^31 - 1. S_k = sum of h_i i^k, k = 0..5, are its syndromes in the sense of Reed and
-// Solomon: the differences of two states' sums tell at which places the hashes differ, when these
+// Solomon: the differences of two states' sums show at which places the hashes differ, when these
 // are at most three (Berlekamp and Massey's algorithm, see Blahut, Algebraic Codes for Data
-// Transmission, 2003, chapter 7). More are not told, and never told wrongly but by a chance of less
+// Transmission, 2003, chapter 7). More are not shown, and never wrongly but by a chance of less
 // than 1e-10.
 #pragma once
 
@@ -32,7 +32,7 @@ class FieldSums {
 };
 
 // The numbers, from 0, of the fields that differ between two states of so many fields, ascending.
-// Nothing where the sums do not tell: too many differ, or the states have other numbers of fields.
+// Nothing where the sums show none: too many differ, or the states have other numbers of fields.
 std::vector<size_t> differing_fields(std::span<const uint32_t> a, std::span<const uint32_t> b,
                                      size_t fields);
 

@@ -1,5 +1,5 @@
 // A hash over all of a log that came from outside, which no re-run can make again: the header, the
-// decisions with what clients said beside them, the faults, when and why the run ended. It tells a
+// decisions with what clients said beside them, the faults, when and why the run ended. It shows a
 // change, not a forger: who changes a log can make it anew. Against forgers a log is signed.
 #pragma once
 

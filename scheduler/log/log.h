@@ -20,7 +20,7 @@ inline const TopicSet kAllTopics(std::begin(kTopics), std::end(kTopics));
 // How far a reader trusts the file's index.
 enum class LogAccess : uint8_t {
   indexed,  // The index where it is whole; damaged chunks are errors when they are reached.
-  scanned,  // Every chunk is checked first; damaged ones are left out and told as losses.
+  scanned,  // Every chunk is checked first; damaged ones are left out and reported as losses.
 };
 
 class Log {

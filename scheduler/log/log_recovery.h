@@ -22,7 +22,7 @@ struct Recovery {
   uint64_t messages = 0;
   uint64_t chunks = 0;
   uint64_t attachments = 0;
-  // Messages of channels whose definition is lost, and which no convention tells.
+  // Messages of channels whose definition is lost, and which no convention gives.
   uint64_t unknown_messages = 0;
   std::vector<Loss> losses;  // Indexes that could be made anew do not count.
   // What is damaged of the index, which is written anew: nothing is lost by it.

@@ -25,7 +25,7 @@ class DecisionSource {
   // messages, lost connections. Information only.
   virtual std::vector<SimulationEvent> take_faults() { return {}; }
 
-  // The run is over; clients are told so.
+  // The run is over; clients are notified.
   virtual void finish(SimTime, const std::string& /*reason*/) {}
 };
 

@@ -98,8 +98,8 @@ struct Turn {
   std::vector<SupervisorAction> actions;
 };
 
-// What one robot is told at one instant: its own sensors, its own frames, its team's messages, and
-// what the referee tells everybody.
+// What one robot gets at one instant: its own sensors, its own frames, its team's messages, and
+// what the referee announces.
 struct Observation {
   int robot = 0;
   uint64_t sequence = 0;  // 1, 2, ... for each robot.

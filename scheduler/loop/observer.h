@@ -37,7 +37,7 @@ class SimulationObserver {
   virtual ~SimulationObserver() = default;
 
   virtual void on_start(const RunHeader&) {}
-  // What a robot's client was told, just before it is told.
+  // What a robot's client gets, just before it is sent.
   virtual void on_observation(const Observation&) {}
   // The answers to the observations of one instant and what the supervisor did: all that a re-run
   // needs. Policies (frozen, resumed, abort) are the answers' outcomes and come as events too.

@@ -1,5 +1,5 @@
 // The fingerprint of a run: a chain over each step's section hashes and each frame's fingerprint,
-// in the order in which the run told them.
+// in the order in which the run reported them.
 #pragma once
 
 #include <span>

@@ -53,7 +53,7 @@ class Simulation::Loop {
   void take(const Answer& answer);
   void tell_policy(const Answer& answer);
   void tell_debug(const Answer& answer);
-  void tell(SimulationEvent event);
+  void report(SimulationEvent event);
   bool is_told(const WorldEvent& event) const;
   SimTime acts_at(int robot) const;
   void push_tick(int robot);
@@ -102,7 +102,7 @@ Simulation::Loop::Loop(SimulationParts parts, const SimulationOptions& options)
         });
 }
 
-void Simulation::Loop::tell(SimulationEvent event) {
+void Simulation::Loop::report(SimulationEvent event) {
   for (SimulationObserver* observer : parts_.observers) observer->on_event(event);
 }
 
@@ -224,8 +224,8 @@ void Simulation::Loop::step_world() {
   for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state_);
   for (const WorldEvent& event : parts_.world.take_events())
     if (is_told(event))
-      tell({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind,
-            event.detail});
+      report({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind,
+              event.detail});
 }
 
 void Simulation::Loop::deliver(int robot) {
@@ -254,7 +254,7 @@ SimTime Simulation::Loop::acts_at(int robot) const {
 
 void Simulation::Loop::wait_for_decisions() {
   const std::optional<Turn> turn = parts_.decisions.decide(now_, due_);
-  for (SimulationEvent& fault : parts_.decisions.take_faults()) tell(std::move(fault));
+  for (SimulationEvent& fault : parts_.decisions.take_faults()) report(std::move(fault));
   if (!turn) {
     finish(EndReason::stopped);
     return;
@@ -294,7 +294,7 @@ void Simulation::Loop::tell_policy(const Answer& answer) {
   if (answer.outcome == Outcome::frozen) name = "freeze";
   if (answer.outcome == Outcome::resumed) name = "resume";
   if (answer.outcome == Outcome::abort) name = "abort";
-  if (name != nullptr) tell({now_, EventKind::policy, id(answer.robot), name, answer.reason});
+  if (name != nullptr) report({now_, EventKind::policy, id(answer.robot), name, answer.reason});
 }
 
 void Simulation::Loop::tell_debug(const Answer& answer) {
@@ -314,7 +314,7 @@ void Simulation::Loop::tell_debug(const Answer& answer) {
         event.detail = fmt::format("{}", fmt::join(item.points, " "));
         break;
     }
-    tell(std::move(event));
+    report(std::move(event));
   }
 }
 

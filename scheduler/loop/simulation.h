@@ -1,7 +1,7 @@
 // The loop: advances a world through its events, in their total order, until the scenario's end.
 //
 // At one instant: decisions that act now are applied; the world steps; light is sampled for rows
-// that are exposing; frames whose last row has ended are finished; robots whose turn it is are told
+// that are exposing; frames whose last row has ended are finished; robots whose turn it is are sent
 // what they sense; and the loop waits until all of them have decided.
 #pragma once
 
@@ -25,7 +25,7 @@ struct SimulationParts {
   RunControl& control;
   FrameRenderer* renderer = nullptr;  // None: requests for frames are counted and not answered.
   std::vector<SimulationObserver*> observers;
-  RunHeader header;  // What observers are told at the start.
+  RunHeader header;  // What observers get at the start.
 };
 
 struct SimulationOptions {
@@ -41,7 +41,7 @@ class Simulation {
   explicit Simulation(SimulationParts parts, SimulationOptions options = {});
   ~Simulation();
 
-  // Runs to the end; observers have been told of everything when it returns.
+  // Runs to the end; observers have got everything when it returns.
   EndReason run();
   // Runs all events up to and including this time; false when the run ended before. For whoever
   // looks at the world in between; `run` goes on from there.

@@ -11,7 +11,7 @@ namespace {
 using testing::HashRenderer;
 using testing::scenario_text;
 
-// Swings the head, walks, asks for frames; depends on all that it is told.
+// Swings the head, walks, asks for frames; depends on all that it gets.
 Decision busy(const Observation& seen) {
   Decision decision;
   const double pan = 0.4 * ((seen.sequence + seen.robot) % 3) - 0.4;

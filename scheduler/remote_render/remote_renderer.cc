@@ -86,7 +86,7 @@ std::optional<std::string> RemoteRenderer::take_rows(uint64_t connection, uint64
                                                      uint64_t fingerprint) {
   {
     const std::lock_guard lock(mutex_);
-    if (!connected_.contains(connection)) return std::nullopt;  // Whoever is dropping it tells why.
+    if (!connected_.contains(connection)) return std::nullopt;  // Whoever is dropping it says why.
     const auto found = tickets_.find(number);
     if (found == tickets_.end() || found->second->connection != connection)
       return fmt::format("number: no frame {} is asked for here", number);

@@ -60,7 +60,7 @@ class RemoteRenderer final : public FrameRenderer {
  public:
   // Puts into a frame what follows from its size, rows and rgb: fingerprint, YCrCb, colours.
   using Develop = std::function<void(int robot, Frame& frame)>;
-  // Tells of a renderer that was lost or frames that the server makes itself; from any thread.
+  // Reports a renderer that was lost or frames that the server makes itself; from any thread.
   using TellFault = std::function<void(int robot, const std::string& what)>;
 
   RemoteRenderer(FrameRenderer& local, RenderSetup setup, RemoteRendererOptions options,

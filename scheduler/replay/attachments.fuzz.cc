@@ -82,7 +82,7 @@ void check_verdict(const Log& log, const Parts& parts) {
   const bool differs = !parts.data.empty() && parts.data != log.header().scenario_text;
   SEAM_CHECK(!is_ours || !differs || result.divergence, "another attachment was not noticed");
   SEAM_CHECK(is_ours || result.divergence || !result.not_compared.empty(),
-             "an attachment of another name was not told");
+             "an attachment of another name was not reported");
 }
 
 }  // namespace

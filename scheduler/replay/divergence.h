@@ -10,7 +10,7 @@ namespace seam::scheduler {
 struct Divergence {
   SimTime time;
   std::string section;  // "robot/red1", "ball", "frame/red1", "events", "end", "log".
-  std::string field;    // "x_m"; empty where the log does not tell.
+  std::string field;    // "x_m"; empty where the log does not show it.
   std::string detail;   // For people.
 };
 

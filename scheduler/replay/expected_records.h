@@ -53,8 +53,8 @@ class ExpectedRecords {
   }
 
  private:
-  // Frames and events are told at most this long after their own time: a camera's period and its
-  // exposure, a behaviour's period.
+  // Frames and events are recorded at most this long after their own time: a camera's period and
+  // its exposure, a behaviour's period.
   static constexpr SimDuration kLate = SimDuration::from_ns(10'000'000'000);
   static constexpr SimDuration kAhead = SimDuration::from_ns(1'000'000'000);
 

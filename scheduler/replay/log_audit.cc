@@ -17,7 +17,7 @@ class Auditor {
 
   LogAudit run() {
     if (log_.file().contents().index_misleads) {
-      find(SimTime(), "index", "the file's index tells otherwise than its data");
+      find(SimTime(), "index", "the file's index differs from its data");
     }
     check_attachments();
     check_chunk_times();
@@ -56,7 +56,7 @@ class Auditor {
     }
   }
 
-  // By them readers choose where to look, and the log's end is told.
+  // By them readers choose where to look, and the log's end is known.
   void check_chunk_times() {
     for (const mcap::ChunkPlace& chunk : log_.file().contents().chunks) {
       uint64_t first_ns = UINT64_MAX, last_ns = 0;

@@ -158,7 +158,7 @@ void compare_steps(const StepRecord& a, const StepRecord& b,
   if (a.fingerprint == b.fingerprint) return;
   for (size_t i = 0; i < a.section_hashes.size() && i < names_a.size(); ++i) {
     const auto place = places_b.find(names_a[i]);
-    if (place == places_b.end()) continue;  // Told in the header.
+    if (place == places_b.end()) continue;  // Named in the header.
     if (place->second >= b.section_hashes.size() ||
         a.section_hashes[i] != b.section_hashes[place->second]) {
       spreading.differs(a.time, names_a[i]);
@@ -190,7 +190,7 @@ void compare_states(const Log& a, const Log& b, LogDifference& difference) {
 }
 
 void compare_frames(const Log& a, const Log& b, LogDifference& difference) {
-  // Of robots that both runs have; others are told in the header.
+  // Of robots that both runs have; others are named in the header.
   const auto frames_of = [](const Log& log, const std::vector<std::string>& robots) {
     std::map<std::pair<std::string, uint64_t>, FrameRecord> frames;
     LogCursor cursor(log, {Topic::frame});

@@ -79,7 +79,7 @@ TEST(LogDiff, HandlesOtherLengthsSeedsAndRobots) {
   const RecordedRun more = record(scenario_text(SEAM_SOURCE_DIR, 4, 1));
   const LogDifference robots = compare_logs(log_of(one.bytes), log_of(more.bytes));
   EXPECT_THAT(robots.header, ::testing::Contains(HasSubstr("robots")));
-  // A robot that only one run has is told there, not as frames that are missing.
+  // A robot that only one run has is named there, not as frames that are missing.
   for (const auto& spread : robots.spread) EXPECT_NE(spread.section, "frame/r3");
 
   std::string yaml = three_robots(1);

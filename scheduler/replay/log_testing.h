@@ -14,7 +14,7 @@
 
 namespace seam::scheduler::testing {
 
-// Swings the head, walks, asks for frames; depends on all that it is told.
+// Swings the head, walks, asks for frames; depends on all that it gets.
 inline Decision busy_behaviour(const Observation& seen) {
   Decision decision;
   const double pan = 0.4 * static_cast<double>((seen.sequence + seen.robot) % 3) - 0.4;

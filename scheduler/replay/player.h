@@ -67,7 +67,7 @@ struct MixedReport {
   std::atomic<int64_t> departs_ns = std::numeric_limits<int64_t>::max();
 };
 
-// Decisions from a log as far as it goes, then from live clients. The live clients are told every
+// Decisions from a log as far as it goes, then from live clients. The live clients get every
 // observation from the start, so that they come to know what they would have known; what they
 // decide while the log decides has no effect. The supervisor's actions of the log are repeated.
 class MixedSource final : public DecisionSource {

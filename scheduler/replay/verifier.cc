@@ -124,17 +124,17 @@ std::optional<StepRecord> Verifier::next_step() {
 // Frames and events of the log that the re-run should have made long ago.
 void Verifier::find_missing(SimTime time) {
   if (const FrameRecord* frame = ignore_frames_ ? nullptr : frames_expected_.overdue(time)) {
-    tell_missing(*frame);
+    report_missing(*frame);
   }
-  if (const SimulationEvent* event = events_expected_.overdue(time)) tell_missing(*event);
+  if (const SimulationEvent* event = events_expected_.overdue(time)) report_missing(*event);
 }
 
-void Verifier::tell_missing(const FrameRecord& frame) {
+void Verifier::report_missing(const FrameRecord& frame) {
   diverge(frame.time, "frame/" + log_.header().robots[static_cast<size_t>(frame.robot)], "index",
           fmt::format("the log has frame {}, the re-run does not make it", frame.index));
 }
 
-void Verifier::tell_missing(const SimulationEvent& event) {
+void Verifier::report_missing(const SimulationEvent& event) {
   diverge(event.time, "events", event.name,
           fmt::format("the log has the event '{}' {} {}, the re-run does not", event.name,
                       event.robot, event.detail));
@@ -295,9 +295,9 @@ void Verifier::compare_rest() {
                    "the log has decisions for an instant that the re-run does not reach");
   }
   if (const FrameRecord* frame = ignore_frames_ ? nullptr : frames_expected_.rest()) {
-    return tell_missing(*frame);
+    return report_missing(*frame);
   }
-  if (const SimulationEvent* event = events_expected_.rest()) return tell_missing(*event);
+  if (const SimulationEvent* event = events_expected_.rest()) return report_missing(*event);
   std::optional<Divergence> other = state_records_.rest();
   if (!other) other = shown_records_.rest(!ignore_frames_);
   if (other) diverge(other->time, other->section, other->field, other->detail);

@@ -34,7 +34,7 @@ class FieldNames {
 
 class Verifier final : public SimulationObserver {
  public:
-  // `control` is told to stop once everything is known. All must outlive the verifier.
+  // `control` is asked to stop once everything is known. All must outlive the verifier.
   Verifier(const Log& log, const World& world, RunControl& control);
 
   void on_start(const RunHeader& header) override;
@@ -62,8 +62,8 @@ class Verifier final : public SimulationObserver {
 
   std::optional<StepRecord> next_step();
   void find_missing(SimTime time);
-  void tell_missing(const FrameRecord& frame);
-  void tell_missing(const SimulationEvent& event);
+  void report_missing(const FrameRecord& frame);
+  void report_missing(const SimulationEvent& event);
   // The log ends here without an end: its writer was killed, and nothing more can be compared.
   bool may_be_cut_off(SimTime time) const;
   void stop_at_open_end();

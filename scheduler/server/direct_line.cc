@@ -106,7 +106,7 @@ void DirectLine::write_what_waits() {
     else if (errno == EAGAIN || errno == EWOULDBLOCK)
       break;
     else if (errno != EINTR)
-      broken_ = true;  // The hub is told by who serves the line.
+      broken_ = true;  // Who serves the line notifies the hub.
   }
   unwritten_.erase(0, written);
 }

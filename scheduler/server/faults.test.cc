@@ -1,8 +1,8 @@
 // Many seeded runs with clients that fail in every way we could think of. Each run must go on by
-// its policy; the robots with good clients must be told, bit for bit, what they are told in a run
+// its policy; the robots with good clients must get, bit for bit, what they get in a run
 // without gRPC that has the same policy events; and its log must verify, step by step. One run in
 // each hundred is a planted fault that must be caught, so that the alarm is known to work: in turn
-// a command that changes in the log, and a good client that is told something else.
+// a command that changes in the log, and a good client that gets something else.
 //
 // SEAM_FAULT_RUNS=500 runs more than the 10 of the normal tests; SEAM_FAULT_SEED starts elsewhere.
 #include <cstdlib>
@@ -31,11 +31,11 @@ std::string faulty_scenario(bool frames) {
                        ", silence: freeze, wall_limit_s: 0.15");
 }
 
-// All that a run shows: turns, and a running hash of what each robot was told.
+// All that a run shows: turns, and a running hash of what each robot got.
 struct Witness final : SimulationObserver {
   std::vector<std::string> robots;
   std::vector<std::string> turns;
-  std::vector<uint64_t> told = std::vector<uint64_t>(kRobots, 0);
+  std::vector<uint64_t> heard = std::vector<uint64_t>(kRobots, 0);
   uint64_t fingerprint = 0;
   size_t policies = 0, faults = 0;
 
@@ -44,9 +44,9 @@ struct Witness final : SimulationObserver {
     v1::Observation wire;
     observation_to_wire(seen, wire);
     Hasher hasher;
-    hasher.add(told[static_cast<size_t>(seen.robot)]);
+    hasher.add(heard[static_cast<size_t>(seen.robot)]);
     hasher.add(std::string_view(wire.SerializeAsString()));
-    told[static_cast<size_t>(seen.robot)] = hasher.digest();
+    heard[static_cast<size_t>(seen.robot)] = hasher.digest();
   }
   void on_turn(SimTime time, const Turn& turn) override {
     turns.push_back(encode_turn(time, turn, robots));
@@ -60,7 +60,7 @@ struct Witness final : SimulationObserver {
   }
 };
 
-// The recorded turns, but healthy robots decide anew from what they are told (`all_recorded`
+// The recorded turns, but healthy robots decide anew from what they get (`all_recorded`
 // false).
 class Again final : public DecisionSource {
  public:
@@ -110,8 +110,8 @@ std::string check(const std::string& scenario_yaml, const Witness& live,
   if (replayed.fingerprint != live.fingerprint) return "the turns replay to another fingerprint";
   const Witness anew = run_again(scenario_yaml, live, healthy);
   for (size_t robot = 0; robot < kRobots; ++robot)
-    if (healthy[robot] && anew.told[robot] != live.told[robot])
-      return fmt::format("r{} was told something else than without faults", robot);
+    if (healthy[robot] && anew.heard[robot] != live.heard[robot])
+      return fmt::format("r{} got something else than without faults", robot);
   return "";
 }
 
@@ -127,9 +127,9 @@ std::string check_log(const std::string& bytes, const Witness& live) {
   return "";
 }
 
-// A good client is told something that it should not have been.
+// A good client gets something that it should not have got.
 void plant_in_what_was_told(Witness& live) {
-  live.told[0] ^= 1;
+  live.heard[0] ^= 1;
 }
 
 // One number of one recorded command changes by 1e-9: the kind of error that the checks are for.

@@ -114,7 +114,7 @@ class FaultyClient {
   bool answer(RawClient& client, const v1::Observation& seen, uint64_t strikes_at) {
     v1::Decision decision = busy(robot_, seen);
     const bool once = fault_ == Fault::silent || fault_ == Fault::stalled;
-    // A client that was frozen meanwhile may not be told of the very number.
+    // A client that was frozen meanwhile may not get the very number.
     const bool strike =
         once ? !struck_ && seen.sequence() >= strikes_at
              : seen.sequence() == strikes_at || (seen.sequence() > strikes_at && draw() % 40 == 0);

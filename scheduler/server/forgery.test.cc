@@ -17,8 +17,8 @@ std::string forged_scenario(int robots) {
   return scenario_text(SEAM_SOURCE_DIR, robots, 0.4);
 }
 
-// What the spy was told, as its stream brought it.
-struct Told {
+// What the spy got, as its stream brought it.
+struct Got {
   std::vector<std::string> observations;
   std::vector<v1::Refusal> refusals;
   uint64_t fingerprint = 0;
@@ -33,11 +33,11 @@ v1::Decision secretive(int robot, const v1::Observation& seen) {
 // A live run of three in which r1 is the spy; `trick` comes before its decision and may change it.
 using Trick = std::function<void(RawClient&, const v1::Observation&, v1::Decision&)>;
 
-Told spy_with(const Trick& trick) {
+Got spy_with(const Trick& trick) {
   LiveRun run(forged_scenario(3));
   std::vector<std::thread> clients;
   for (const int robot : {0, 2}) clients.push_back(good_client(run, robot, secretive));
-  Told told;
+  Got got;
   clients.emplace_back([&] {
     RawClient client(run.address);
     client.hello("r1", "token-r1");
@@ -45,24 +45,24 @@ Told spy_with(const Trick& trick) {
     while (client.read(message) && !message.has_goodbye()) {
       EXPECT_EQ(message.SerializeAsString().find("secret"), std::string::npos)
           << message.ShortDebugString();
-      if (message.has_refusal()) told.refusals.push_back(message.refusal());
+      if (message.has_refusal()) got.refusals.push_back(message.refusal());
       if (message.has_welcome()) {
         EXPECT_EQ(message.welcome().robot(), "r1");
       }
       if (!message.has_observation()) continue;
-      told.observations.push_back(message.observation().SerializeAsString());
+      got.observations.push_back(message.observation().SerializeAsString());
       v1::Decision decision = busy(kSpy, message.observation());
       trick(client, message.observation(), decision);
       client.decide(decision);
     }
   });
   run.start();
-  told.fingerprint = run.fingerprint();
+  got.fingerprint = run.fingerprint();
   for (std::thread& client : clients) client.join();
-  return told;
+  return got;
 }
 
-Told honest() {
+Got honest() {
   return spy_with([](RawClient&, const v1::Observation&, v1::Decision&) {});
 }
 
@@ -76,7 +76,7 @@ void stuff(pb::Message& message, int first) {
 }
 
 TEST(Forgery, FalseMessagesOnARobotsOwnStreamAreRefusedAndTellItNothingNew) {
-  const Told reference = honest();
+  const Got reference = honest();
   ASSERT_GT(reference.observations.size(), 5u);
   EXPECT_TRUE(reference.refusals.empty());
   const std::vector<std::pair<const char*, std::function<void(RawClient&, uint64_t)>>> tricks = {
@@ -99,7 +99,7 @@ TEST(Forgery, FalseMessagesOnARobotsOwnStreamAreRefusedAndTellItNothingNew) {
        [](RawClient& client, uint64_t sequence) { client.decide(sequence - 1); }},
   };
   for (const auto& [name, trick] : tricks) {
-    const Told forged =
+    const Got forged =
         spy_with([trick = trick](RawClient& client, const v1::Observation& seen, v1::Decision&) {
           if (seen.sequence() % 3 == 1) trick(client, seen.sequence());
         });
@@ -110,12 +110,12 @@ TEST(Forgery, FalseMessagesOnARobotsOwnStreamAreRefusedAndTellItNothingNew) {
 }
 
 TEST(Forgery, UnknownFieldsInsideADecisionAreNotRead) {
-  const Told forged = spy_with([](RawClient&, const v1::Observation&, v1::Decision& decision) {
+  const Got forged = spy_with([](RawClient&, const v1::Observation&, v1::Decision& decision) {
     stuff(decision, 9);
     stuff(*decision.mutable_head(), 5);
     for (v1::FrameRequest& request : *decision.mutable_frame_requests()) stuff(request, 4);
   });
-  const Told reference = honest();
+  const Got reference = honest();
   EXPECT_EQ(forged.observations, reference.observations);
   EXPECT_EQ(forged.fingerprint, reference.fingerprint);
 }

@@ -68,8 +68,8 @@ class Listening : public ::testing::Test {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
     return why;
   }
-  // What the log is told of connections, within a second.
-  std::string told() {
+  // What the log holds of connections, within a second.
+  std::string logged() {
     std::string text;
     for (int tries = 0; tries < 20; ++tries) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -106,7 +106,7 @@ TEST_F(Listening, OnePeerDoesNotTakeTheConnectionsOfAll) {
   const SilentConnections more(address(), 8, "127.0.0.3"), most(address(), 8, "127.0.0.4");
   EXPECT_THAT(most.last_words(5), HasSubstr("20 connections stand"));
   EXPECT_THAT(robot_comes(), HasSubstr("GOAWAY"));
-  EXPECT_THAT(told(), ContainsRegex("refused [0-9]+ connections: 20 connections stand"));
+  EXPECT_THAT(logged(), ContainsRegex("refused [0-9]+ connections: 20 connections stand"));
 }
 
 TEST_F(Listening, WithoutDescriptorsItRefusesAndGoesOn) {
@@ -125,7 +125,7 @@ TEST_F(Listening, ADeadListenerIsOpenedAgain) {
   EXPECT_EQ(robot_comes(), "");
   ASSERT_EQ(shut_down_listeners_of(address()), 1);
   EXPECT_EQ(robot_comes_in_time(), "");
-  EXPECT_THAT(told(), HasSubstr("the listener was dead, another was opened"));
+  EXPECT_THAT(logged(), HasSubstr("the listener was dead, another was opened"));
 }
 
 TEST_F(Listening, AUnixSocketWhoseNameWasTakenAwayIsOpenedAgain) {

@@ -147,7 +147,7 @@ TEST(Separation, NobodyDrivesARobotWithAnythingButItsToken) {
     EXPECT_FALSE(client.read(message)) << name;
     EXPECT_EQ(client.finish().error_code(), grpc::StatusCode::NOT_FOUND) << name;
   }
-  // Whom nobody greeted is told nothing, whatever comes first.
+  // A client that was not greeted gets nothing, whatever comes first.
   for (const auto& change : std::vector<std::function<void(v1::ClientMessage&)>>{
            [](v1::ClientMessage&) {},
            [](v1::ClientMessage& m) { m.mutable_decision()->set_sequence(1); }}) {
@@ -189,8 +189,8 @@ void list_fields(const pb::Descriptor& type, const std::string& before,
 }
 
 TEST(Separation, WhatARobotIsToldIsAClosedList) {
-  std::set<std::string> told;
-  list_fields(*v1::ServerMessage::descriptor(), "", told);
+  std::set<std::string> sent;
+  list_fields(*v1::ServerMessage::descriptor(), "", sent);
   std::set<std::string> expected = {"welcome.robot",
                                     "welcome.robot_number",
                                     "welcome.decision_latency_ns",
@@ -243,20 +243,20 @@ TEST(Separation, WhatARobotIsToldIsAClosedList) {
     for (const char* value :
          {"time_ns", "tilt_rad", "pan_rad", "roll_rad", "legs_rad", "angles_rad"})
       expected.insert(std::string("observation.sensors.") + joints + "." + value);
-  EXPECT_EQ(told, expected) << "a robot is told something new: is it the robot's own?";
+  EXPECT_EQ(sent, expected) << "a robot gets something new: is it the robot's own?";
 }
 
-// What r0 was told, all but its frames, in a run in which what another robot decides is changed.
+// What r0 got, all but its frames, in a run in which what another robot decides is changed.
 std::vector<std::string> told_to_r0(const std::function<void(v1::Decision&)>& change, int who = 1) {
   struct Ear final : SimulationObserver {
-    std::vector<std::string> told;
+    std::vector<std::string> sent;
     void on_observation(const Observation& seen) override {
       if (seen.robot != 0) return;
       Observation own = seen;
       own.frames.clear();  // r1 may stand in its sight.
       v1::Observation wire;
       observation_to_wire(own, wire);
-      told.push_back(wire.SerializeAsString());
+      sent.push_back(wire.SerializeAsString());
     }
   } ear;
   const Scenario scenario = Scenario::from_text(separate_scenario(3, 1.0), "test.yaml");
@@ -270,7 +270,7 @@ std::vector<std::string> told_to_r0(const std::function<void(v1::Decision&)>& ch
   });
   Simulation simulation({scenario, world, source, control, &renderer, {&ear}, {}});
   simulation.run();
-  return ear.told;
+  return ear.sent;
 }
 
 TEST(Separation, NothingThatAnOpponentDoesOutOfTouchReachesARobotsSenses) {

@@ -19,7 +19,7 @@ std::unique_ptr<grpc::Service> make_robot_service(const SessionParts& parts);
 std::unique_ptr<grpc::Service> make_supervisor_service(const World& world, std::string token,
                                                        ClientHub& hub, RunControl& control,
                                                        TokenTries& tries);
-// None: renderers are told that the server renders.
+// None: renderers are refused, as the server renders.
 std::unique_ptr<grpc::Service> make_render_service(RemoteRenderer* renderer, TokenTries& tries);
 
 }  // namespace seam::scheduler

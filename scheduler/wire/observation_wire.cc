@@ -1,4 +1,4 @@
-// What a robot is told, as a message.
+// What a robot gets, as a message.
 #include "scheduler/wire/wire.h"
 #include "seam/v1/simulation.pb.h"
 

@@ -1,4 +1,4 @@
-// What a renderer elsewhere is told, and its way over the wire (proto/seam/v1/render.proto): the
+// What a renderer elsewhere gets, and its way over the wire (proto/seam/v1/render.proto): the
 // scene and the cameras once, then for each frame its schedule and the states that its rows need.
 #pragma once
 

@@ -5,7 +5,7 @@
 
 namespace seam::scheduler {
 
-// Compares in a time that does not tell how far two tokens agree.
+// Compares in a time that does not depend on how far two tokens agree.
 inline bool same_token(const std::string& a, const std::string& b) {
   if (a.size() != b.size()) return false;
   unsigned char difference = 0;

@@ -47,7 +47,7 @@ void observation_to_wire(const Observation& observation, v1::Observation& wire);
 std::variant<SupervisorAction, FieldError> action_from_wire(const v1::SupervisorAction& wire,
                                                             const std::vector<std::string>& robots);
 
-// A time as a log tells it. Throws InputError, with the field, where sums of such times could
+// A time as a log states it. Throws InputError, with the field, where sums of such times could
 // overflow: beyond 73 years, a quarter of what fits.
 SimTime time_from_log(int64_t time_ns, std::string_view field);
 

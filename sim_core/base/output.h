@@ -1,7 +1,7 @@
 // One way to make an output. A file is claimed before the work that fills it, so that a path which
-// cannot be written is told at once. A regular file is written beside its target and renamed when
-// it is whole: a reader never sees half of it, and an error leaves nothing behind. A device or a
-// FIFO is written through, a symbolic link leads to its target.
+// cannot be written is an error at once. A regular file is written beside its target and renamed
+// when it is whole: a reader never sees half of it, and an error leaves nothing behind. A device or
+// a FIFO is written through, a symbolic link leads to its target.
 #pragma once
 
 #include <sys/types.h>

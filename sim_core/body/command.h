@@ -1,4 +1,4 @@
-// What a behaviour may tell its robot.
+// What a behaviour may command its robot.
 #pragma once
 
 #include <optional>

@@ -138,7 +138,7 @@ class StateWords final : public StateVisitor {
   std::vector<int64_t> words_;
 };
 
-// What a state is told by, found in one visit: a hash of each section, and the words of all its
+// What identifies a state, found in one visit: a hash of each section, and the words of all its
 // fields.
 struct StateDigest {
   std::vector<uint64_t> section_hashes;

@@ -200,7 +200,7 @@ void describe_lighting(ConfigTable& table, Lighting& lighting) {
   // Kept as it was written, so that a scenario which is written and read again is the same one.
   const double length = glm::length(lighting.direction_W);
   table.require(length > 0 && std::isfinite(length), "direction",
-                "expected a direction, found no length that can be told");
+                "expected a direction, found a length of about 0");
   table.number({"ambient", "Light from all sides."}, lighting.ambient, {0, 10});
   table.number({"diffuse", "Light from that direction."}, lighting.diffuse, {0, 10});
 }

@@ -23,7 +23,7 @@ enum class PlayState : uint8_t { initial, ready, set, playing, finished };
 enum class Penalty : uint8_t { none, ball_holding, manual };
 std::string to_string(PlayState state);
 
-// What the referee tells a robot; own and opponent as seen from its team.
+// What the referee says to a robot; own and opponent as seen from its team.
 struct GameState {
   PlayState state = PlayState::initial;
   bool first_half = true;

@@ -192,9 +192,9 @@ void Robot::command_gait(SimTime start, SimTime end) {
 }
 
 BodyVelocity Robot::drive(size_t k, SimTime start, SimDuration step, bool may_walk) {
-  const BodyVelocity told = may_walk ? walk_ : BodyVelocity{};
-  dead_reckoning_.points[k + 1] = moved(dead_reckoning_.points[k], told, step.s());
-  return locomotion_->velocity(told, start, step);
+  const BodyVelocity commanded = may_walk ? walk_ : BodyVelocity{};
+  dead_reckoning_.points[k + 1] = moved(dead_reckoning_.points[k], commanded, step.s());
+  return locomotion_->velocity(commanded, start, step);
 }
 
 void Robot::end_interval() {

@@ -104,7 +104,7 @@ class Robot {
   std::vector<std::unique_ptr<JointActuator>> joints_;
   std::unique_ptr<LocomotionModel> locomotion_;
   std::vector<Pending> pending_;      // Ascending in time.
-  PlanarTrack dead_reckoning_;        // Where the legs were told to go.
+  PlanarTrack dead_reckoning_;        // Where the legs were commanded to go.
   std::array<Attitude, 2> attitude_;  // At the interval's start and end.
   std::array<Vec3, 3> origin_{};  // The body's origin one interval ago, at the start, at the end.
   BodyVelocity walk_;

@@ -110,10 +110,10 @@ TEST(Referee, CountsAGoalForTheAttackersAndGivesTheOthersTheKickOff) {
   EXPECT_EQ(world.game_state(0, world.end()).own_score, 1);
   EXPECT_EQ(world.game_state(7, world.end()).opponent_score, 1);
   EXPECT_EQ(world.game_state(0, world.end()).kick_off_team, Team::blue);
-  bool told = false;
+  bool scored = false;
   for (const WorldEvent& event : world.take_events())
-    told |= event.kind == "goal" && event.detail == "red 1:0";
-  EXPECT_TRUE(told);
+    scored |= event.kind == "goal" && event.detail == "red 1:0";
+  EXPECT_TRUE(scored);
   ASSERT_TRUE(wait_for(world, PlayState::set));
   world.step();
   EXPECT_NEAR(world.ball(world.end()).p_W.x, 0, 1e-6);

@@ -20,7 +20,7 @@ struct JointReading {
   JointAngles rad{};  // Encoders, in the order of joints.h.
 };
 
-// What a robot may be told at an instant. Times say when each value was measured.
+// What a robot may get at an instant. Times say when each value was measured.
 struct RobotSensors {
   SimTime time;  // When this was asked for.
 
@@ -29,7 +29,7 @@ struct RobotSensors {
   std::vector<JointReading> joint_log;  // All delivered since the time that was asked for.
 
   SimTime odometry_time;
-  Pose2 odometry;  // Dead reckoning of what the legs were told, in the frame of the first pose.
+  Pose2 odometry;  // Dead reckoning of the legs' commands, in the frame of the first pose.
 
   SimTime acceleration_time;
   Vec3 acceleration_m_s2{0.0};  // Specific force in the body's frame: +9.81 in z at rest.

@@ -20,7 +20,7 @@ Scenario match() {
   return s;
 }
 
-// What robot `i` is told at step `k`: walks, head and leg targets and kicks, drawn at random.
+// What robot `i` is commanded at step `k`: walks, head and leg targets and kicks, drawn at random.
 RobotCommand random_command(uint64_t robot, uint64_t k) {
   const RandomStream t = RandomStream{99, 0}.child(robot).child(k);
   RobotCommand command;

@@ -9,7 +9,7 @@
 namespace seam::tools {
 namespace {
 
-std::string told(const measurement::AddResult& result) {
+std::string text_of(const measurement::AddResult& result) {
   std::string text = result.effect.empty() ? "refitted\n" : "added " + result.effect + "\n";
   for (const std::string& name : result.replaced) text += fmt::format("  instead of {}\n", name);
   for (const auto& [name, value] : result.parameters)
@@ -45,10 +45,10 @@ void add_add(app::Command app) {
     const auto result = measurement::add_effects(*problem, model, effects);
     outputs.out.fill(result.model.to_yaml());
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
-    outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result) +
-                     measurement::target_text(*problem, result.model) +
-                     measurement::figures_text(*problem, result.assessment),
-                 [&] { return measurement::add_json(*problem, result, "seam-add/1"); });
+    outputs.print(doubts_about(*flags, result.model, result.error_after) + text_of(result) +
+                      measurement::target_text(*problem, result.model) +
+                      measurement::figures_text(*problem, result.assessment),
+                  [&] { return measurement::add_json(*problem, result, "seam-add/1"); });
   });
 }
 
@@ -67,10 +67,10 @@ void add_fit(app::Command app) {
     const auto result = measurement::refit_all(*problem, model);
     outputs.out.fill(result.model.to_yaml());
     if (outputs.target) outputs.target.fill(measurement::target_table(*problem, result.model));
-    outputs.tell(doubts_about(*flags, result.model, result.error_after) + told(result) +
-                     measurement::target_text(*problem, result.model) +
-                     measurement::figures_text(*problem, result.assessment),
-                 [&] { return measurement::add_json(*problem, result, "seam-fit/1"); });
+    outputs.print(doubts_about(*flags, result.model, result.error_after) + text_of(result) +
+                      measurement::target_text(*problem, result.model) +
+                      measurement::figures_text(*problem, result.assessment),
+                  [&] { return measurement::add_json(*problem, result, "seam-fit/1"); });
   });
 }
 

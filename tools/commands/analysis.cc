@@ -87,7 +87,8 @@ AnalysisOutputs::AnalysisOutputs(const AnalysisFlags& flags, const std::string& 
   target = OutputFile(flags.target_out, rules);
 }
 
-void AnalysisOutputs::tell(const std::string& text, const std::function<std::string()>& make_json) {
+void AnalysisOutputs::print(const std::string& text,
+                            const std::function<std::string()>& make_json) {
   progress_.print_between(shown_lines(text));
   say_work("writing results");
   if (json) json.fill(make_json());

@@ -56,11 +56,11 @@ std::string with_doubts(const std::string& text, const AnalysisFlags& flags,
                         const effects::Model& model, double error);
 
 // What a command writes, claimed before it reads and computes: a path that cannot be written is
-// told at once. `out` is a model or effect that the command makes.
+// an error at once. `out` is a model or effect that the command makes.
 struct AnalysisOutputs {
   explicit AnalysisOutputs(const AnalysisFlags& flags, const std::string& out = "");
   // Prints the text; writes the JSON, which may be long to make, where the user asked for it.
-  void tell(const std::string& text, const std::function<std::string()>& make_json);
+  void print(const std::string& text, const std::function<std::string()>& make_json);
 
   OutputFile json;
   OutputFile report;

@@ -15,9 +15,9 @@ void compare_with_data(const AnalysisFlags& flags) {
   const effects::Model model = read_model(flags.model);
   const auto problem = open_problem(flags);
   const auto result = measurement::compare(*problem, model, flags.material);
-  outputs.tell(with_doubts(measurement::compare_text(*problem, result), flags, model,
-                           result.base.assessment.error),
-               [&] { return measurement::compare_json(*problem, result); });
+  outputs.print(with_doubts(measurement::compare_text(*problem, result), flags, model,
+                            result.base.assessment.error),
+                [&] { return measurement::compare_json(*problem, result); });
   if (outputs.report) {
     measurement::write_report(
         outputs.report,
@@ -32,8 +32,8 @@ void compare_models(const AnalysisFlags& flags, const std::vector<std::string>& 
     throw InputError(flags.data + ": the set names no camera, expected its width_px and height_px");
   const auto maps = measurement::difference_maps(read_model(files[0]), read_model(files[1]),
                                                  set.camera.width_px, set.camera.height_px);
-  outputs.tell(measurement::models_text(maps, files[0], files[1]),
-               [&] { return measurement::models_json(maps, files[0], files[1]); });
+  outputs.print(measurement::models_text(maps, files[0], files[1]),
+                [&] { return measurement::models_json(maps, files[0], files[1]); });
   if (outputs.report) {
     const measurement::ReportHeader header{
         .command = fmt::format("seam compare --models {} {} --data {} --report {}", files[0],

@@ -11,8 +11,8 @@
 namespace seam::tools {
 namespace {
 
-std::string told(const std::optional<measurement::Suggestion>& suggestion,
-                 const measurement::SearchResult& result, const std::string& file) {
+std::string text_of(const std::optional<measurement::Suggestion>& suggestion,
+                    const measurement::SearchResult& result, const std::string& file) {
   std::string text;
   if (const auto noises = measurement::noises_found(result); !noises.empty())
     text = fmt::format("noise of the catalogue, before any formula: {}\n", fmt::join(noises, ", "));
@@ -55,10 +55,10 @@ void add_diagnose(app::Command app) {
                                    unexplained_error(result));
     if (!suggested->empty()) {
       suggestion = measurement::suggest(*problem, result, progress_to_terminal());
-      text += told(suggestion, result, *suggested);
+      text += text_of(suggestion, result, *suggested);
       if (suggestion) outputs.out.fill(suggestion->yaml);
     }
-    outputs.tell(text, [&] { return measurement::diagnose_json(*problem, result, suggestion); });
+    outputs.print(text, [&] { return measurement::diagnose_json(*problem, result, suggestion); });
     if (outputs.report) {
       measurement::write_report(
           outputs.report,

@@ -32,9 +32,9 @@ void add_discover(app::Command app) {
     outputs.out.fill(measurement::discovered_model(*problem, model, result).to_yaml());
     if (outputs.target)
       outputs.target.fill(measurement::target_table(*problem, result.best.assessment.model));
-    outputs.tell(with_doubts(measurement::discover_text(*problem, result), *flags, model,
-                             unexplained_error(result)),
-                 [&] { return measurement::discover_json(*problem, result); });
+    outputs.print(with_doubts(measurement::discover_text(*problem, result), *flags, model,
+                              unexplained_error(result)),
+                  [&] { return measurement::discover_json(*problem, result); });
     if (outputs.report) {
       measurement::write_report(
           outputs.report,

@@ -236,9 +236,9 @@ void add_import(app::Command app) {
     const app::ImportKind& kind = kind_named(flags->kind);
     check_options(*flags, kind);
     const app::ImportRequest request = request_of(*flags);
-    const std::string told =
+    const std::string text =
         app::import_set(kind, request, flags->title, flags->out, app::instruments());
-    std::printf("%s", told.c_str());
+    std::printf("%s", text.c_str());
   });
 }
 

@@ -45,7 +45,7 @@ void write_json(OutputFile& out, const scheduler::Recovery& recovery) {
   out.fill(json.dump(2) + "\n");
 }
 
-void tell(const scheduler::Recovery& recovery) {
+void print(const scheduler::Recovery& recovery) {
   for (const auto& loss : recovery.losses) {
     std::printf("lost: %llu bytes at offset %llu: %s; simulated time after %s%s\n",
                 static_cast<unsigned long long>(loss.place.bytes),
@@ -76,7 +76,7 @@ void recover(const RecoverSettings& settings) {
       scheduler::recover_log(mcap::open_file(settings.file), *output);
   output->close();
   if (json) write_json(json, recovery);
-  tell(recovery);
+  print(recovery);
   std::printf("%s: %llu messages in %llu chunks%s\n", settings.out.c_str(),
               static_cast<unsigned long long>(recovery.messages),
               static_cast<unsigned long long>(recovery.chunks),

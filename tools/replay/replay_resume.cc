@@ -1,6 +1,6 @@
 // `seam replay resume F --log G`: goes on where a log ends.
 //
-// The behaviours are started anew and told everything from the start, while the log decides; so
+// The behaviours are started anew and get everything from the start, while the log decides; so
 // they come to know what they would have known. Where the log ends, they decide.
 #include <cstdio>
 

@@ -40,7 +40,7 @@ void sweep(const SweepOptions& options) {
               static_cast<unsigned long long>(counts.failed));
   if (outcome.interrupted) std::printf("stopped: the same command goes on\n");
   if (counts.failed > 0)
-    std::printf("`seam sweep status %s` tells why runs failed; the same command tries them again\n",
+    std::printf("`seam sweep status %s` shows why runs failed; the same command tries them again\n",
                 options.out.c_str());
   if (counts.finished < counts.planned) throw ExitCode{1};
 }

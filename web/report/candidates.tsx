@@ -74,7 +74,7 @@ function Row({ candidate: c }: { candidate: Candidate }) {
         {c.at_bound && <span class="tag warn" title="The fit ended at a bound of the parameter">
           at its bound</span>}
         {(c.indistinguishable_from ?? []).length > 0 && (
-          <div class="tie">cannot be told from {c.indistinguishable_from!.map((name, i) => (
+          <div class="tie">is not separated from {c.indistinguishable_from!.map((name, i) => (
             <span key={name}>{i > 0 && ", "}<code>{name}</code></span>
           ))}</div>
         )}

@@ -29,7 +29,7 @@ function left(above: boolean, structure: boolean) {
     return above ? "The part above the dashed line is not explained."
       : "What is left is as large as the noise, but has structure.";
   }
-  return above ? "The part above the dashed line shows no structure: the fitted groups tell too " +
+  return above ? "The part above the dashed line shows no structure: the fitted groups constrain it too " +
     "little of what the held-out ones need." : "What is left is noise.";
 }
 
@@ -88,7 +88,7 @@ export function ErrorFalling({ report }: { report: Report }) {
               <td class="why">
                 {step.why && words(step.why)}
                 {(step.indistinguishable_from ?? []).length > 0 &&
-                  <div class="tie">cannot be told from {step.indistinguishable_from!.join(", ")}</div>}
+                  <div class="tie">is not separated from {step.indistinguishable_from!.join(", ")}</div>}
                 {step.data && <div class="quiet">{step.data}{step.fingerprint && ` (${
                   step.fingerprint.slice(0, 8)})`}</div>}
               </td>

@@ -53,7 +53,7 @@ function verdictOf(result: Result): Verdict | null {
         {number(errorBefore(result), 4)} to {number(best.error, 4)}
         {best.gain !== null && <>, {percent(best.gain)} of the excess</>}.
         {(best.indistinguishable_from ?? []).length > 0 &&
-          <> This data cannot tell it from {list(best.indistinguishable_from!)}.</>}</>
+          <> This data does not separate it from {list(best.indistinguishable_from!)}.</>}</>
       : "See the candidates below." };
   }
   if (result.verdict === "unexplained_structure") {

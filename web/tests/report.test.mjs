@@ -55,11 +55,11 @@ async function checkPage(browser, file) {
   for (const word of ["NaN", "undefined", "[object", "Infinity"]) {
     assert.ok(!text.includes(word), `${file}: the page says "${word}"`);
   }
-  // What is significant but does not matter is told in one line, and unfolds.
+  // What is significant but does not matter is named in one line, and unfolds.
   const traces = page.locator("details.traces");
   if (await traces.count() > 0) {
-    const told = await traces.locator("summary").innerText();
-    assert.match(told, /^(one trace|\d+ traces): significant, but below [0-9.]+ of the noise$/, file);
+    const named = await traces.locator("summary").innerText();
+    assert.match(named, /^(one trace|\d+ traces): significant, but below [0-9.]+ of the noise$/, file);
     await traces.locator("summary").click();
     assert.ok((await traces.locator("code, td").count()) > 0, `${file}: traces are empty`);
   }

@@ -9,7 +9,7 @@
 
 namespace seam::app {
 
-// OpenCV's coefficients in its order, 0 to 14 of them, or four of its fisheye. Tells the draft what
+// OpenCV's coefficients in its order, 0 to 14 of them, or four of its fisheye. Gives the draft what
 // no effect holds (a tilted sensor). Throws InputError, naming `where`, for another count.
 void take_coefficients(const std::vector<double>& k, bool fisheye, const std::string& where,
                        Lens& lens, SetDraft& draft);

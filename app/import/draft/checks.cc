@@ -65,7 +65,7 @@ void check_times(const std::vector<int64_t>& ns, const RowPlace& place,
     if (ns[i] < ns[i - 1])
       throw InputError(
           fmt::format("{}: found a time {} s before that of the row above it, expected times that "
-                      "run forwards (several runs in one file need a column that tells them)",
+                      "run forwards (several runs in one file need a column that names them)",
                       place(i), seconds_text(ns[i - 1] - ns[i])));
   }
   const double step_ns = median_step_ns(ns);

@@ -201,17 +201,19 @@ void free_cameras(const std::vector<SeenView>& views, SetDraft& draft) {
         "\n", camera.empty() ? "" : "@" + camera);
   }
   if (cameras.size() == 1) {
-    draft.did(fmt::format(
-        "the nominal model is a perspective camera of {} px focal length, told from the views; "
-        "its four numbers are free",
-        focal_px.front()));
+    draft.did(
+        fmt::format("the nominal model is a perspective camera of {} px focal length, estimated "
+                    "from the views; "
+                    "its four numbers are free",
+                    focal_px.front()));
     return;
   }
   for (size_t k = 1; k < cameras.size(); ++k) draft.effects += place_of(cameras[k], std::nullopt);
-  draft.did(fmt::format(
-      "the nominal model is a perspective camera each of {} px focal length ({}), told from the "
-      "views; their numbers are free, and where they stand beside '{}'",
-      fmt::join(focal_px, ", "), fmt::join(cameras, ", "), cameras.front()));
+  draft.did(
+      fmt::format("the nominal model is a perspective camera each of {} px focal length ({}), "
+                  "estimated from the "
+                  "views; their numbers are free, and where they stand beside '{}'",
+                  fmt::join(focal_px, ", "), fmt::join(cameras, ", "), cameras.front()));
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ std::vector<Vec3> board_of(const ImportRequest& request, const std::string& why)
 void check_spacing(double spacing_m, const std::string& where, const ImportRequest& request);
 
 // Views of a target whose poses are unknown, as `points`. Faults of the corners (outside the image,
-// u and v exchanged) are errors or warnings; others are told of the set when it is whole.
+// u and v exchanged) are errors or warnings; others are reported of the whole set.
 // `times_known` false: views are numbered by seconds, and the draft says so. The effects are those
 // of the cameras, or where there are none a free perspective camera that starts from the views; of
 // a rig one for each of its cameras, and where they stand beside the first.
@@ -58,7 +58,7 @@ void draft_protocol(const std::vector<PlainCamera>& cameras, const ImportRequest
 std::string effects_of(const PlainCamera& camera, const std::string& of_camera = "");
 
 // A focal length from views of a flat target, the principal point in the image's middle; 0 where
-// the views do not tell.
+// the views do not constrain it.
 double focal_length_from(const std::vector<SeenView>& views, int width_px, int height_px);
 
 }  // namespace seam::app

@@ -326,7 +326,7 @@ void draft_walk_of_estimate(const std::vector<StampedPose>& truth, const std::st
   draft.did(
       "the second trajectory's own steps stand for the commanded velocities, the first is "
       "what was measured");
-  draft.could_not_know("what was commanded: this tells odometry's errors, not the gait's");
+  draft.could_not_know("what was commanded: this constrains odometry's errors, not the gait's");
 }
 
 }  // namespace seam::app

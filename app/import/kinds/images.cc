@@ -147,13 +147,13 @@ void leave_out_disorder(const std::string& said, std::vector<SeenView>& views, L
 // Whether the set's own estimate separates noise from what the target is off its plan: then none
 // is stated.
 bool tell_their_noise(const std::vector<CameraViews>& cameras) {
-  size_t telling = 0;
+  size_t usable = 0;
   for (const CameraViews& camera : cameras) {
-    telling += static_cast<size_t>(std::count_if(
+    usable += static_cast<size_t>(std::count_if(
         camera.views.begin(), camera.views.end(),
         [](const SeenView& view) { return view.corners.size() >= measurement::kPointsTellNoise; }));
   }
-  return telling >= measurement::kViewsTellDisplacements;
+  return usable >= measurement::kViewsTellDisplacements;
 }
 
 // Says what corners scatter by, and gives it to each corner of its view where `stated`.
@@ -175,10 +175,11 @@ bool put_in_time(std::vector<SeenView>& views, const CameraPictures& camera,
                  const PictureTimes& times, const std::vector<PictureAnswer>& answers,
                  SetDraft& draft) {
   const auto picture = [](const SeenView& view) { return static_cast<size_t>(view.time_ns); };
-  const bool exif = !times.told() && std::all_of(views.begin(), views.end(), [&](const auto& view) {
-    return answers[picture(view)].time_ns.has_value();
-  });
-  if (!times.told() && !exif) return false;
+  const bool exif =
+      !times.known() && std::all_of(views.begin(), views.end(), [&](const auto& view) {
+        return answers[picture(view)].time_ns.has_value();
+      });
+  if (!times.known() && !exif) return false;
   std::vector<SeenView> timed = views;
   for (SeenView& view : timed)
     view.time_ns =
@@ -207,7 +208,7 @@ void tell_ambiguity(const TargetSpec& target, SetDraft& draft) {
   if (turns)
     draft.could_not_know(
         "which end of the target is up: it looks the same turned round, so that displacements of "
-        "its points cannot be told from views of both kinds");
+        "its points are not separable from views of both kinds");
 }
 
 // What was found in all pictures.

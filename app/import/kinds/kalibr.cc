@@ -52,8 +52,8 @@ CameraFile camera_file(const ConfigNode& root, SetDraft& draft) {
     if (!is_camera(root, name)) continue;
     const ConfigNode node = root.at(name);
     if (!file.names.empty()) {
-      const bool told = X_RC && node.has("T_cn_cnm1");
-      X_RC = told ? std::optional(*X_RC * pose_in(node.at("T_cn_cnm1")).inverse()) : std::nullopt;
+      const bool stated = X_RC && node.has("T_cn_cnm1");
+      X_RC = stated ? std::optional(*X_RC * pose_in(node.at("T_cn_cnm1")).inverse()) : std::nullopt;
     }
     if (X_RC) file.X_RC[name] = *X_RC;
     file.names.push_back(name);

@@ -18,7 +18,7 @@
 namespace seam::app {
 namespace {
 
-// What one robot was told and what became of it.
+// The commands of one robot, and what became of them.
 class RobotLog {
  public:
   RobotLog(const scheduler::Log& log, const Scenario& scenario, size_t robot)
@@ -124,7 +124,7 @@ void RobotLog::draft_walks(SetDraft& draft) const {
   std::vector<VelocityCommand> commands = walk_;
   if (commands.empty())
     throw InputError(
-        fmt::format("{}: {} was never told to walk", log_.name(), log_.header().robots[robot_]));
+        fmt::format("{}: {} has no command to walk", log_.name(), log_.header().robots[robot_]));
   std::stable_sort(commands.begin(), commands.end(),
                    [](const VelocityCommand& a, const VelocityCommand& b) { return a.ns < b.ns; });
   commands.push_back(commands.back());

@@ -133,7 +133,7 @@ std::vector<SeenView> views_of_inputs(const CameraModel& model, SetDraft& draft)
   return views;
 }
 
-// The part of a name that tells the camera: frame000-cam1.jpg.
+// The part of a name that names the camera: frame000-cam1.jpg.
 std::string camera_in(const std::string& name) {
   const size_t at = name.rfind("cam");
   if (at == std::string::npos) return "";

@@ -186,7 +186,7 @@ size_t RosImport::controller_rows(size_t topic, std::set<std::string>& taken,
   for (auto& [joint, of] : joints) {
     const size_t before = rows;
     if (taken.contains(joint)) {
-      draft_.warn(fmt::format("{} tells of joint {} again: left out", name, joint));
+      draft_.warn(fmt::format("{} holds joint {} again: left out", name, joint));
     } else {
       add_joint(joint, of.times, of.command, of.angle, table, rows);
     }
@@ -258,7 +258,7 @@ bool RosImport::walk() {
              draft_);
   draft_.did(fmt::format("the steps of {} stand for commanded velocities, {} is what was measured",
                          data_.topics[*odometry].name, data_.topics[*truth].name));
-  draft_.could_not_know("what was commanded: this tells odometry's errors, not the gait's");
+  draft_.could_not_know("what was commanded: this constrains odometry's errors, not the gait's");
   return true;
 }
 

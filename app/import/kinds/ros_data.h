@@ -25,7 +25,7 @@ struct JointSampleRow {
 struct BagData {
   std::vector<BagTopic> topics;
   std::map<size_t, std::vector<JointSampleRow>> joints;
-  // Of controllers that tell command and state in one message.
+  // Of controllers with command and state in one message.
   struct ControllerRows {
     ControllerState state;
     std::vector<ControllerState::Sample> rows;

@@ -117,7 +117,7 @@ std::optional<std::vector<PoseRow>> RosTransforms::poses(const std::string& name
     size_t next = 0;
     for (const PoseRow& row : rows) {
       while (next < above.size() && above[next].pose.ns <= row.pose.ns) ++next;
-      // What is told once holds for all times.
+      // A static transform holds for all times.
       if (next == 0 && above.size() > 1) continue;
       const StampedPose& up = above[next == 0 ? 0 : next - 1].pose;
       raised.push_back({row.log_ns,

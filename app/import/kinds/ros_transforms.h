@@ -29,10 +29,10 @@ class RosTransforms {
   // Frames that move in others, as PARENT:CHILD.
   std::vector<std::string> moving() const;
   // The body that goes about in the frame that all stand in: its name, PARENT:CHILD. Empty where
-  // the names do not tell.
+  // the names do not say it.
   std::string body() const;
   // The poses of CHILD in PARENT at the times of CHILD's own transforms; those between are as they
-  // were last told. Nothing where no way leads from CHILD up to PARENT.
+  // were last sent. Nothing where no way leads from CHILD up to PARENT.
   std::optional<std::vector<PoseRow>> poses(const std::string& parent_and_child) const;
 
  private:

@@ -42,7 +42,7 @@ class Reader {
     const std::string line = name + "\n";
     for (size_t at = 0; at < line.size();) {
       const ssize_t sent = send(socket_, line.data() + at, line.size() - at, MSG_NOSIGNAL);
-      if (sent <= 0) return;  // It is gone, which reading will tell.
+      if (sent <= 0) return;  // It is gone, which reading will show.
       at += static_cast<size_t>(sent);
     }
   }
@@ -165,7 +165,7 @@ PictureAnswer answer_of(const std::string& text, size_t target_points) {
 
 std::vector<PictureAnswer> find_targets(const std::vector<fs::path>& pictures,
                                         const TargetSpec& target,
-                                        const std::function<void(size_t)>& told) {
+                                        const std::function<void(size_t)>& on_answer) {
   const std::vector<std::string> command = command_for(target);
   const size_t cores = std::clamp<size_t>(std::thread::hardware_concurrency(), 1, 32);
   std::vector<std::unique_ptr<Reader>> readers;
@@ -189,7 +189,7 @@ std::vector<PictureAnswer> find_targets(const std::vector<fs::path>& pictures,
       if (!reader.busy() || (ready > 0 && waiting[i].revents == 0)) continue;
       if (!(ready > 0 ? reader.take(text) : reader.give_up(text))) continue;
       answers[reader.picture()] = answer_of(text, target.points.size());
-      told(++done);
+      on_answer(++done);
       give_work(reader);
     }
   }

@@ -26,10 +26,10 @@ struct PictureAnswer {
 };
 
 // An answer a picture, the same for any number of processes. Throws InputError where the program is
-// not there. `told` is called with the number of answers so far.
+// not there. `on_answer` is called with the number of answers so far.
 std::vector<PictureAnswer> find_targets(const std::vector<std::filesystem::path>& pictures,
                                         const TargetSpec& target,
-                                        const std::function<void(size_t)>& told);
+                                        const std::function<void(size_t)>& on_answer);
 
 // The answer in what the program writes, up to its `end`. Whatever does not hold, points that the
 // target has not among it, makes it one without points.

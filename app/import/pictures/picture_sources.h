@@ -21,7 +21,7 @@ struct CameraPictures {
   std::string name;  // Empty where none was asked for.
   std::vector<std::filesystem::path> pictures;
   BagPictures of_bag;  // By whose stamps they are timed, where they come from one.
-  // Before what is told of it, where there are several.
+  // Before what is reported of it, where there are several.
   std::string said;
 };
 

@@ -23,7 +23,7 @@ class PictureTimes {
   PictureTimes(std::string how, std::map<std::string, int64_t> stamps_ns);
 
   // Whether they are known; `how` they are.
-  bool told() const { return !rows_.empty() || unit_ns_ > 0; }
+  bool known() const { return !rows_.empty() || unit_ns_ > 0; }
   const std::string& how() const { return how_; }
   // Throws InputError for a picture that the table or its name says nothing of.
   int64_t of(const std::filesystem::path& picture) const;

@@ -59,8 +59,8 @@ Mapped mapped(const SeenView& view) {
     j << h[0] - u * h[6], h[1] - u * h[7], h[3] - v * h[6], h[4] - v * h[7];
     flat = flat || !(std::abs((scale / (w * size) * j).determinant()) > 1e-9);
   }
-  // What a lens bends, as far as the corners can tell it: a polynomial over the picture, since over
-  // a tilted target the same bend is none.
+  // What a lens bends, as far as the corners constrain it: a polynomial over the picture, since
+  // over a tilted target the same bend is none.
   const int degree = rows >= 24 ? 3 : rows >= 14 ? 2 : 1;
   const Eigen::MatrixXd basis = powers(seen, degree);
   result.left -= basis * measurement::solve_any_rank(basis, result.left);

@@ -1,4 +1,4 @@
-// How much the corners that a detector found scatter, told from the pictures themselves.
+// How much the corners that a detector found scatter, estimated from the pictures.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 namespace seam::app {
 
 struct Scatter {
-  double all_px = 0;            // One sigma of one coordinate, over all views; 0: not told.
+  double all_px = 0;            // One sigma of one coordinate, over all views; 0: unknown.
   std::vector<double> view_px;  // Of each view, drawn to that of all where it has few points.
 };
 

@@ -127,14 +127,14 @@ std::vector<std::pair<size_t, size_t>> pairs_of(const std::vector<Source>& sourc
     }
     if (pairs.size() == groups.size()) return pairs;
   }
-  Names told;
+  Names spans;
   for (const Source& s : sources)
-    told.push_back(
+    spans.push_back(
         fmt::format("{} ({})", s.path.string(), s.role == Role::command ? "commands" : "states"));
   throw InputError(
       fmt::format("found no pairs of a file of commands and one of states among {}: import a run "
                   "at a time, or give both files of a run the same name in two folders",
-                  fmt::join(told, ", ")));
+                  fmt::join(spans, ", ")));
 }
 
 // The signals of an angle: a list's by their places, or one. Empty where there is none.

@@ -18,7 +18,7 @@ struct ServoLogs {
 
 // The logs as they are where each holds commands and states. Where none does, each log of commands
 // is joined with that of the states beside it: a state gets the last command at or before its time.
-// Throws InputError where files do not tell which is which, or do not overlap.
+// Throws InputError where files do not say which is which, or do not overlap.
 ServoLogs servo_logs(const ImportRequest& request, SetDraft& draft);
 
 }  // namespace seam::app

@@ -28,14 +28,14 @@ void write_poses(const BeaconLog& log, SetDraft& draft) {
   measurement::CsvWriter poses(columns);
   const bool needs_headings = log.any(&Sighting::bearing_rad);
   double heading = 0;
-  bool told = false;
+  bool warned = false;
   for (size_t i = 0; i < path.size(); ++i) {
     const TrackPose& p = path[i];
     if (i > 0 && p.ns == path[i - 1].ns) continue;
     // Bearings need a heading, not a guess.
     if (std::isnan(p.theta_rad) && needs_headings) continue;
     if (std::isnan(p.theta_rad)) {
-      told = true;
+      warned = true;
       if (i + 1 < path.size() && (path[i + 1].x_m != p.x_m || path[i + 1].y_m != p.y_m))
         heading = std::atan2(path[i + 1].y_m - p.y_m, path[i + 1].x_m - p.x_m);
     }
@@ -46,7 +46,7 @@ void write_poses(const BeaconLog& log, SetDraft& draft) {
     poses.row(cells);
   }
   draft.add_table("poses", poses);
-  if (told)
+  if (warned)
     draft.could_not_know("where the robot looked: taken along its path, ranges need it not");
 }
 

@@ -69,12 +69,12 @@ std::string read_counter(Drive& drive) {
     ++resets;
     drive.begins[k] = 1, drive.since[k] = {0, 0};
   }
-  std::string told;
-  if (wraps > 0) told = fmt::format("counters wrapped around {} times: undone", wraps);
+  std::string changes;
+  if (wraps > 0) changes = fmt::format("counters wrapped around {} times: undone", wraps);
   if (resets > 0)
-    told += fmt::format("{}counters were reset {} times: a run begins there",
-                        told.empty() ? "" : "; ", resets);
-  return told;
+    changes += fmt::format("{}counters were reset {} times: a run begins there",
+                           changes.empty() ? "" : "; ", resets);
+  return changes;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Two clocks, of wheels and of poses: the shift under which both tell of one motion.
+// Two clocks, of wheels and of poses: the shift under which both show one motion.
 #include <algorithm>
 #include <cmath>
 

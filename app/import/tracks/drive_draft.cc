@@ -21,17 +21,17 @@ std::vector<char> rows_with_poses(const Drive& drive, std::vector<PlanarPose>& p
     return measurement::median_of(steps);
   };
   const size_t n = drive.rows.size();
-  std::vector<char> told(n, 0);
+  std::vector<char> has_pose(n, 0);
   poses.assign(n, {});
-  for (size_t k = 0; k < n; ++k) told[k] = pose_at(drive, drive.rows[k].ns, poses[k]);
-  if (usual_step(drive.poses) < 1.5 * usual_step(drive.rows)) return told;
+  for (size_t k = 0; k < n; ++k) has_pose[k] = pose_at(drive, drive.rows[k].ns, poses[k]);
+  if (usual_step(drive.poses) < 1.5 * usual_step(drive.rows)) return has_pose;
   std::vector<char> nearest(n, 0);
   for (const PlanarPose& pose : drive.poses) {
     const auto after = std::lower_bound(drive.rows.begin(), drive.rows.end(), pose.ns,
                                         [](const WheelRow& row, int64_t t) { return row.ns < t; });
     size_t k = static_cast<size_t>(after - drive.rows.begin());
     if (k == n || (k > 0 && pose.ns - drive.rows[k - 1].ns < drive.rows[k].ns - pose.ns)) --k;
-    nearest[k] = told[k];
+    nearest[k] = has_pose[k];
   }
   return nearest;
 }
@@ -74,13 +74,13 @@ Nominal nominal_of(const Drive& drive, const ImportRequest& request, double metr
 }
 
 void tell_nominal(const Nominal& nominal, SetDraft& draft) {
-  const auto told = [](double value, bool known, const char* how) {
+  const auto stated = [](double value, bool known, const char* how) {
     return fmt::format("{:.4g} m {}", value, known ? "as stated" : how);
   };
   const char* how = "estimated from the drive itself, so free in the nominal model";
   draft.did(fmt::format("nominal wheels: {} for each count, {} apart",
-                        told(nominal.metres, nominal.metres_known, how),
-                        told(nominal.base_m, nominal.base_known, how)));
+                        stated(nominal.metres, nominal.metres_known, how),
+                        stated(nominal.base_m, nominal.base_known, how)));
   if (!nominal.metres_known)
     draft.could_not_know(
         "the wheels' size (--metres-per-tick or --radius): without it no scale "
@@ -96,8 +96,8 @@ void tell_nominal(const Nominal& nominal, SetDraft& draft) {
 void draft_drive(const Drive& drive, const ImportRequest& request, double metres_per_value,
                  SetDraft& draft) {
   std::vector<PlanarPose> poses;
-  const std::vector<char> told = rows_with_poses(drive, poses);
-  const size_t count = static_cast<size_t>(std::count(told.begin(), told.end(), 1));
+  const std::vector<char> has_pose = rows_with_poses(drive, poses);
+  const size_t count = static_cast<size_t>(std::count(has_pose.begin(), has_pose.end(), 1));
   if (count < 8)
     throw InputError(fmt::format(
         "{}: found {} rows of wheels while poses were measured, expected 8 or more: other clocks?",
@@ -115,19 +115,20 @@ void draft_drive(const Drive& drive, const ImportRequest& request, double metres
     if (drive.begins[k]) open = false;
     if (drive.begins[k] && k > 0)
       broken = drive.rows[k].run == drive.rows[k - 1].run ? broken + 1 : 0;
-    if (told[k]) {
+    if (has_pose[k]) {
       const size_t now = seen++ * parts / count;
       if (now != part) part = now, open = false;
     }
     // A run begins where the body was seen.
-    if (!open && !told[k]) continue;
+    if (!open && !has_pose[k]) continue;
     begun += !open, open = true;
     const std::string name = one_run      ? fmt::format("{}", part + broken)
                              : broken > 0 ? fmt::format("{}-{}", drive.rows[k].run, broken)
                                           : drive.rows[k].run;
     table.row({name, seconds_text(drive.rows[k].ns), exact(drive.since[k][0]),
-               exact(drive.since[k][1]), told[k] ? exact(poses[k].x_m) : "",
-               told[k] ? exact(poses[k].y_m) : "", told[k] ? exact(poses[k].theta_rad) : ""});
+               exact(drive.since[k][1]), has_pose[k] ? exact(poses[k].x_m) : "",
+               has_pose[k] ? exact(poses[k].y_m) : "",
+               has_pose[k] ? exact(poses[k].theta_rad) : ""});
     ++rows;
   }
   const Nominal nominal = nominal_of(drive, request, metres_per_value);

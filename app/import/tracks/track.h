@@ -22,7 +22,7 @@ struct TrackPose {
 struct Track {
   std::vector<TrackPose> poses;
   bool has_heights = false, has_headings = false;
-  bool has_tilts = false;  // Told by quaternions.
+  bool has_tilts = false;  // From quaternions.
 };
 
 // Where the columns of a table stand; -1: nowhere.
@@ -41,7 +41,7 @@ int column_of(const TextTable& table, const ImportRequest& request, const std::s
 TrackColumns track_columns(const TextTable& table, const ImportRequest& request,
                            const std::string& time = "time");
 
-// Appends the rows that tell a place; rows without one are passed over.
+// Appends the rows that state a place; rows without one are passed over.
 void read_track(const TextTable& table, const TrackColumns& columns, const ImportRequest& request,
                 const std::string& time, Track& track);
 

@@ -245,7 +245,7 @@ void WheelsImport::find_reading() {
                                 : "the wheels' commanded speeds: each acts until the next row");
 }
 
-// Poses of another clock than the wheels': by the shift under which both tell of one motion.
+// Poses of another clock than the wheels': by the shift under which both show one motion.
 void WheelsImport::join_clocks() {
   constexpr double kPoor = 0.05, kClear = 0.8, kApart = 3;
   constexpr int64_t kLatency_ns = 250'000'000;
@@ -262,7 +262,7 @@ void WheelsImport::join_clocks() {
   if (clear && std::abs(best.ns) > kLatency_ns) {
     for (PlanarPose& pose : drive_.poses) pose.ns += best.ns;
     return draft_.warn(fmt::format(
-        "the poses' clock is put forward by {} s, where they and the wheels tell of one motion "
+        "the poses' clock is put forward by {} s, where they and the wheels show one motion "
         "(correlation {:.3f}): what is left is for frame_latency",
         seconds_text(best.ns), best.correlation));
   }

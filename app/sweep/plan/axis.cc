@@ -119,7 +119,7 @@ Draw read_draw(const ConfigNode& entry) {
       return number_of(low + static_cast<int64_t>(std::floor(count * uniform(s, i))));
     };
   }
-  entry.finish();  // A misspelt one is told with the word that is meant.
+  entry.finish();  // A misspelt key is an error that names the nearest one.
   entry.fail("expected a distribution: uniform, log_uniform, normal or integer");
 }
 
@@ -204,7 +204,7 @@ Axis read_axis(const ConfigNode& entry, PlanFiles& files) {
     axis = read_table(entry, entry.at(kind), files);
   } else {
     entry.has("path");
-    entry.finish();  // A misspelt one is told with the word that is meant.
+    entry.finish();  // A misspelt key is an error that names the nearest one.
     entry.fail("expected 'values', 'range', 'draws' or 'table'");
   }
   entry.finish();

@@ -204,7 +204,7 @@ void SweepPlan::name_columns(const ConfigNode& root) {
     names.push_back(name);
   };
   for (const std::string& parameter : parameters_) {
-    if (parameter != "seed") add(parameter);  // The summary's column tells it.
+    if (parameter != "seed") add(parameter);  // The summary has its column.
   }
   for (const std::string& column : keep_.columns()) add(column);
 }

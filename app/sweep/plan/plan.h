@@ -36,11 +36,11 @@ struct RunSettings {
 
 class SweepPlan {
  public:
-  // A plan of more runs is told and not begun.
+  // A plan of more runs is an error.
   static constexpr uint64_t kMostRuns = 10'000'000;
 
   // Throws InputError naming file, line and key; a few runs at the ends of what varies are worked
-  // out, so that a slip in a path or a value is told at once.
+  // out, so that a slip in a path or a value is an error at once.
   static SweepPlan from_file(const std::filesystem::path& file);
   static SweepPlan from_texts(const PlanTexts& texts);
 

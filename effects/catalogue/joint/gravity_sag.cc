@@ -39,8 +39,8 @@ EffectDefinition gravity_sag() {
             servo.sag_rad += p[0];
             servo.level_rad += p[1];
           },
-      // A load that hangs the other way round at the opposite level is the same load. Told with
-      // the level within a right angle of zero, as far as data can tell a right angle; there with
+      // A load that hangs the other way round at the opposite level is the same load. Shown with
+      // the level within a right angle of zero, as far as data constrain a right angle; there with
       // a positive sag.
       .told_once =
           [](std::vector<double>& values) {

@@ -41,7 +41,7 @@ EffectDefinition gravity_torque() {
             servo.torque.gravity_rad_per_s2 = p[0];
             servo.torque.level_rad = p[1];
           },
-      // A load that hangs the other way round at the opposite level is the same load: told as a
+      // A load that hangs the other way round at the opposite level is the same load: reported as a
       // positive one, its level within half a turn.
       .told_once =
           [](std::vector<double>& values) {

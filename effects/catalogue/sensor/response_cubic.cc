@@ -25,7 +25,7 @@ EffectDefinition response_cubic() {
       .advice =
           {{kPhotometry,
             {},
-            "Levels in even steps from a hundredth of full scale to nearly full tell one bend "
+            "Levels in even steps from a hundredth of full scale to nearly full separate one bend "
             "of the response from another."}},
       .sensor = [](Values p, SensorChain& chain) { chain.cubic2 = p[0], chain.cubic3 = p[1]; },
       .proof = {{.values = {-0.1, 0.05},

@@ -139,7 +139,7 @@ class Exposing {
     if (few > 0) {
       for (size_t i = 0; i < chunk.count; ++i) {
         // Counts of the others are whole numbers of at least kManyElectrons - 7
-        // sqrt(kManyElectrons); whether a sample is one of the few is told by its mean alone.
+        // sqrt(kManyElectrons); whether a sample is one of the few depends on its mean alone.
         const float mean =
             std::max(illumination[i] * scale * pattern_.gain[chunk.first + i] * electrons +
                          static_cast<float>(dark),

@@ -14,26 +14,27 @@ namespace {
 // After this many time constants the lag is over to double precision of a millimetre.
 constexpr double kLagIsOver = 30;
 
-// A velocity as wheels carry it out that were told to and do not slip.
-BodyVelocity gripping(const Wheels& wheels, const BodyVelocity& told) {
-  const double half_turn = 0.5 * wheels.base_m * told.omega_radps;
-  const double left = (told.vx_mps - half_turn) * (1 + wheels.left_scale);
-  const double right = (told.vx_mps + half_turn) * (1 + wheels.right_scale);
+// A commanded velocity as wheels carry it out that do not slip.
+BodyVelocity gripping(const Wheels& wheels, const BodyVelocity& commanded) {
+  const double half_turn = 0.5 * wheels.base_m * commanded.omega_radps;
+  const double left = (commanded.vx_mps - half_turn) * (1 + wheels.left_scale);
+  const double right = (commanded.vx_mps + half_turn) * (1 + wheels.right_scale);
   return {0.5 * (left + right), 0, (right - left) / (wheels.base_m * (1 + wheels.base_scale))};
 }
 
-BodyVelocity rolled(const Wheels& wheels, const BodyVelocity& told) {
-  BodyVelocity v = gripping(wheels, told);
+BodyVelocity rolled(const Wheels& wheels, const BodyVelocity& commanded) {
+  BodyVelocity v = gripping(wheels, commanded);
   const double omega =
       wheels.slips_in ? gripping(wheels, *wheels.slips_in).omega_radps : v.omega_radps;
   v.vx_mps *= std::max(0.0, 1 - wheels.slip_s * std::abs(omega));
   return v;
 }
 
-BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& told) {
-  const BodyVelocity v = walk.wheels.driven ? rolled(walk.wheels, told) : told;
+BodyVelocity scaled(const Locomotion& walk, const BodyVelocity& commanded) {
+  const BodyVelocity v = walk.wheels.driven ? rolled(walk.wheels, commanded) : commanded;
   double omega_radps = v.omega_radps * (1 + walk.omega_scale);
-  if (walk.turn_asymmetry != 0) omega_radps += walk.turn_asymmetry * std::abs(told.omega_radps);
+  if (walk.turn_asymmetry != 0)
+    omega_radps += walk.turn_asymmetry * std::abs(commanded.omega_radps);
   return {v.vx_mps * (1 + walk.vx_scale), v.vy_mps * (1 + walk.vy_scale), omega_radps};
 }
 

@@ -96,10 +96,10 @@ TEST(Locomotion, WheelsCarryOutWhatTheyAreTold) {
                                    .slip_s = 0.15}};
   WalkState state;
   double x = 0, y = 0, theta = 0;
-  for (const BodyVelocity& told : {BodyVelocity{0.4, 0.2, 0.8}, BodyVelocity{-0.1, 0, -2}}) {
-    advance_walk(walk, told, 0.7, state);
-    const double left = (told.vx_mps - 0.15 * told.omega_radps) * 1.02,
-                 right = (told.vx_mps + 0.15 * told.omega_radps) * 0.95;
+  for (const BodyVelocity& commanded : {BodyVelocity{0.4, 0.2, 0.8}, BodyVelocity{-0.1, 0, -2}}) {
+    advance_walk(walk, commanded, 0.7, state);
+    const double left = (commanded.vx_mps - 0.15 * commanded.omega_radps) * 1.02,
+                 right = (commanded.vx_mps + 0.15 * commanded.omega_radps) * 0.95;
     const double omega = (right - left) / 0.33;
     const double v = 0.5 * (left + right) * (1 - 0.15 * std::abs(omega));
     const int steps = 20000;

@@ -40,7 +40,7 @@ std::unique_ptr<OffscreenGl> load_alike(std::unique_ptr<OffscreenGl> load()) {
   const EnvironmentFor same_bits("GALLIUM_OVERRIDE_CPU_CAPS", "sse4.1");
   const EnvironmentFor one_thread("LP_NUM_THREADS", "0");
   const EnvironmentFor software("GALLIUM_DRIVER", "llvmpipe");
-  // Of drivers that are not there our own errors tell, where they matter.
+  // Missing drivers are named by our own errors, where they matter.
   const EnvironmentFor quiet("EGL_LOG_LEVEL", "fatal");
   std::unique_ptr<OffscreenGl> made = load();
   made->ask_driver();

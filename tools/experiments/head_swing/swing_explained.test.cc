@@ -7,7 +7,8 @@
 namespace seam::tools {
 namespace {
 
-// Sightings of all beacons as a robot that stands at `there` would get them, told about `believed`.
+// Sightings of all beacons as a robot that stands at `there` would get them that believes to be at
+// `believed`.
 std::vector<Sighting> sightings(const Pose2& believed, const Pose2& there) {
   std::vector<Sighting> all;
   for (int b = 0; b < kBeacons; ++b) {

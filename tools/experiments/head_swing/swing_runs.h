@@ -25,7 +25,7 @@ struct Sighting {
   double time_s = 0;  // When the row of the sighting was exposed.
   int landmark = 0;
   double bearing_error_rad = 0;
-  double range_error = 0;     // Relative; NaN where the range was not told.
+  double range_error = 0;     // Relative; NaN where the range is unknown.
   double pan_rad = 0;         // Of the head then, as its encoder said.
   double pan_rate_radps = 0;  // Of the swing as it was commanded.
   double row_middle_s = 0;    // From the frame's stamp to that row's middle of exposure.

@@ -24,7 +24,7 @@ struct StudySize {
   bool quick = false;
 };
 
-// A study plans its runs, then, once all are made, writes tables and plots and tells its results.
+// A study plans its runs, then, once all are made, writes tables and plots and prints its results.
 class SwingStudy {
  public:
   virtual ~SwingStudy() = default;
