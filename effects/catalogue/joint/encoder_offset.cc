@@ -1,5 +1,5 @@
 #include "effects/effect.h"
-#include "effects/stages/joint_track.h"
+#include "effects/stages/head_joints.h"
 
 namespace seam::effects {
 
@@ -8,21 +8,8 @@ EffectDefinition encoder_offset() {
       .name = "encoder_offset",
       .stage = Stage::joint,
       .kinds = kPoints | kJoints | kRanges | kFrames,
-      .parameters = {{.name = "tilt_rad",
-                      .min = -0.5,
-                      .max = 0.5,
-                      .scale = 0.01,
-                      .help = "True minus logged angle of the tilt joint, radians."},
-                     {.name = "pan_rad",
-                      .min = -0.5,
-                      .max = 0.5,
-                      .scale = 0.01,
-                      .help = "True minus logged angle of the pan joint, radians."},
-                     {.name = "roll_rad",
-                      .min = -0.5,
-                      .max = 0.5,
-                      .scale = 0.01,
-                      .help = "True minus logged angle of the roll joint, radians."}},
+      .parameters =
+          head_joint_parameters("_rad", "True minus logged angle of the ", " joint, radians."),
       .help = "The zero of a joint encoder is off.",
       .formula = "true = logged * (1 + scale) + offset",
       .signature = "constant displacement in the joint's direction",
@@ -40,12 +27,7 @@ EffectDefinition encoder_offset() {
                   "Bring points near to the camera: a shift shows in proportion to 1 / distance."}},
       .encoder =
           [](Values p, JointTrack& track) {
-            for (JointSeries& joint : track.joints) {
-              if (joint.role == JointRole::other) continue;
-              const double value = p[static_cast<int>(joint.role)];
-              if (value == 0) continue;
-              for (double& q : joint.q_rad) q += value;
-            }
+            change_head_angles(p, track, [](double& q, double value) { q += value; });
           },
       .logged =
           [](Values p, JointRole role, double q) {

@@ -1,5 +1,5 @@
 #include "effects/effect.h"
-#include "effects/stages/joint_track.h"
+#include "effects/stages/head_joints.h"
 
 namespace seam::effects {
 
@@ -8,21 +8,7 @@ EffectDefinition encoder_scale() {
       .name = "encoder_scale",
       .stage = Stage::joint,
       .kinds = kPoints | kJoints | kRanges | kFrames,
-      .parameters = {{.name = "tilt_scale",
-                      .min = -0.5,
-                      .max = 0.5,
-                      .scale = 0.01,
-                      .help = "Relative error of the tilt encoder."},
-                     {.name = "pan_scale",
-                      .min = -0.5,
-                      .max = 0.5,
-                      .scale = 0.01,
-                      .help = "Relative error of the pan encoder."},
-                     {.name = "roll_scale",
-                      .min = -0.5,
-                      .max = 0.5,
-                      .scale = 0.01,
-                      .help = "Relative error of the roll encoder."}},
+      .parameters = head_joint_parameters("_scale", "Relative error of the ", " encoder."),
       .help = "The encoder reports too small or too large angles in proportion.",
       .formula = "true = logged * (1 + scale) + offset",
       .signature = "displacement grows with the joint angle",
@@ -33,12 +19,7 @@ EffectDefinition encoder_scale() {
                   "See the same points at several head angles, up to both ends of the joint."}},
       .encoder =
           [](Values p, JointTrack& track) {
-            for (JointSeries& joint : track.joints) {
-              if (joint.role == JointRole::other) continue;
-              const double value = p[static_cast<int>(joint.role)];
-              if (value == 0) continue;
-              for (double& q : joint.q_rad) q *= 1 + value;
-            }
+            change_head_angles(p, track, [](double& q, double value) { q *= 1 + value; });
           },
       .logged =
           [](Values p, JointRole role, double q) {
