@@ -215,7 +215,9 @@ for seen in robot.observations():
         self.assertIn("run 6 differs", message)
         self.assertEqual(list(self.here.glob("m2*")), [])
         # Made again, the wrong one is named.
-        self.assertIn("10 of 10 runs made again, 0 of them differ", self.seam("sweep", "rerun", "1.sqlite"))
+        self.assertIn("equal: 10 of 10 runs made again, 0 of them differ", self.seam("sweep", "rerun", "1.sqlite"))
+        self.assertIn("no package of Debian 12 writes Parquet",
+                      self.seam("sweep", "table", "1.sqlite", "--format", "parquet", code=2))
         self.assertIn("run 6: fingerprint was 'beef'", self.seam("sweep", "rerun", "other.sqlite", "--run", 6, code=1))
         self.assertIn("3 of 3 runs", self.seam("sweep", "rerun", "whole.sqlite", "--sample", "8%"))
 

@@ -1,6 +1,7 @@
 #include "app/session/behaviours.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -25,6 +26,8 @@ extern char** environ;  // NOLINT: POSIX's name.
 namespace seam::app {
 
 namespace {
+
+constexpr const char* kAllRobots = "*";
 
 bool is_program(const std::filesystem::path& path) {
   std::error_code error;
@@ -153,6 +156,27 @@ std::string environment_lines(const std::map<std::string, std::string>& environm
     lines += name + "=" + (plain ? value : "'" + quoted + "'") + "\n";
   }
   return lines;
+}
+
+bool is_driven(const std::vector<std::string>& driven, const std::string& robot) {
+  return std::any_of(driven.begin(), driven.end(),
+                     [&](const std::string& name) { return name == robot || name == kAllRobots; });
+}
+
+void require_driven_robots(const std::vector<std::string>& driven, const Scenario& scenario) {
+  std::vector<std::string> known;
+  for (const RobotSpec& robot : scenario.robots) known.push_back(robot.id);
+  for (const std::string& name : driven)
+    if (name != kAllRobots && std::find(known.begin(), known.end(), name) == known.end())
+      throw UsageError(fmt::format("--drive {}: no robot of the scenario{}", shown(name),
+                                   suggestion_for(name, known)));
+}
+
+bool input_has_ended() {
+  pollfd input{STDIN_FILENO, POLLIN, 0};
+  if (::poll(&input, 1, 0) <= 0) return false;
+  char ignored[256];
+  return (input.revents & POLLIN) == 0 || ::read(STDIN_FILENO, ignored, sizeof ignored) <= 0;
 }
 
 BlockedSignals::BlockedSignals() {

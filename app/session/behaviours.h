@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "sim_core/scenario/scenario.h"
+
 namespace seam::app {
 
 struct BehaviourProcess {
@@ -30,6 +32,14 @@ std::map<std::string, std::string> behaviour_environment();
 
 // As lines NAME=VALUE, which a shell reads with `.` and editors as an `envFile`.
 std::string environment_lines(const std::map<std::string, std::string>& environment);
+
+// Whether a robot is one of these, or these are "*": all.
+bool is_driven(const std::vector<std::string>& driven, const std::string& robot);
+// Throws UsageError where one of these is not in the scenario.
+void require_driven_robots(const std::vector<std::string>& driven, const Scenario& scenario);
+
+// Whether whoever started this process has closed our standard input, or is gone.
+bool input_has_ended();
 
 // While it lives, the calling thread and those that it starts leave SIGINT, SIGTERM, SIGHUP and
 // SIGCHLD to `SignalWatch`; a client that closes its connection does not end the program.

@@ -72,18 +72,20 @@ std::vector<std::string> command_of(const RobotSpec& robot, const SessionOptions
 std::vector<scheduler::HubRobot> hub_robots(const Scenario& scenario,
                                             const SessionOptions& options) {
   std::vector<scheduler::HubRobot> robots;
-  const auto by_hand = [&](const RobotSpec& robot) { return robot.id == options.by_hand.robot; };
+  const auto driven = [&](const RobotSpec& robot) {
+    return robot.id == options.by_hand.robot || is_driven(options.driven, robot.id);
+  };
   for (const RobotSpec& robot : scenario.robots)
     robots.push_back(
         {.id = robot.id,
          .token = robot.token.empty() ? new_token() : robot.token,
          // A program that stands in a debugger is silent for as long as its user thinks.
-         .policy = by_hand(robot) ? SilencePolicy::wait : robot.behaviour.silence,
+         .policy = driven(robot) ? SilencePolicy::wait : robot.behaviour.silence,
          .limit_s = robot.behaviour.wall_limit.s(),
-         .connect_limit_s = options.start_behaviours && !by_hand(robot) ? 60 : 1e9,
+         .connect_limit_s = options.start_behaviours && !driven(robot) ? 60 : 1e9,
          // Nobody will come for a robot without a behaviour that `run` could start.
          .expected =
-             !options.start_behaviours || by_hand(robot) || !command_of(robot, options).empty()});
+             !options.start_behaviours || driven(robot) || !command_of(robot, options).empty()});
   return robots;
 }
 
@@ -93,7 +95,7 @@ std::vector<BehaviourProcess> behaviour_processes(const Scenario& scenario,
   if (!options.start_behaviours) return processes;
   for (const RobotSpec& robot : scenario.robots) {
     std::vector<std::string> command = command_of(robot, options);
-    if (command.empty()) continue;
+    if (command.empty() || is_driven(options.driven, robot.id)) continue;
     command[0] = find_behaviour(command[0], robot.id);
     processes.push_back({robot.id, std::move(command), behaviour_environment()});
   }
@@ -196,7 +198,8 @@ class Session {
   // Of the private socket, which this user alone reaches.
   const ScratchFolder socket_folder_{"run"};
   const std::string socket_ = "unix:" + (socket_folder_.path() / "socket").string();
-  const std::string lines_ = (socket_folder_.path() / "lines").string();
+  const std::string lines_ =
+      options_.lines.empty() ? (socket_folder_.path() / "lines").string() : options_.lines;
   std::string render_token_;
   std::unique_ptr<scheduler::RemoteRenderer> remote_;
   std::optional<scheduler::Server> server_;
@@ -284,6 +287,7 @@ void Session::watch_limit() {
 
 void Session::reap() {
   watch_limit();
+  if (options_.until_eof && input_has_ended()) control_.stop();
   renderers_.reap([&](const std::string& name, const std::string& how) {
     if (how != "ended with exit code 0") std::fprintf(stderr, "%s %s\n", name.c_str(), how.c_str());
     renderer_ended_ = true;

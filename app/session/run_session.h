@@ -47,8 +47,12 @@ struct SessionOptions {
   std::string token_file;              // Tokens are written here for clients elsewhere.
   RemoteRenderingOptions rendering;
   std::map<std::string, std::vector<std::string>> commands;  // Replace the scenario's, by robot.
-  ByHand by_hand;                                            // Its command is an empty one.
-  bool progress = true;                                      // On a terminal.
+  // Robots whose clients a script drives, and where their direct lines are.
+  std::vector<std::string> driven;
+  std::string lines;
+  bool until_eof = false;    // The run stops when standard input ends.
+  ByHand by_hand;            // Its command is an empty one.
+  bool progress = true;      // On a terminal.
   bool show_printed = true;  // What behaviours print goes to stderr, each line with its robot.
   std::optional<double> wall_limit_s;            // A run that takes longer is aborted.
   scheduler::FrameRenderer* renderer = nullptr;  // In place of the simulator's.

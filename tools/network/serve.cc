@@ -1,6 +1,8 @@
 // `seam serve SCENARIO`: the server alone, for clients anywhere.
+#include "app/session/behaviours.h"
 #include "app/session/run_session.h"
 #include "app/session/session_outputs.h"
+#include "sim_core/base/error.h"
 #include "tools/command.h"
 
 namespace seam::tools {
@@ -14,7 +16,6 @@ void add_serve(app::Command app) {
   };
   app::Command command = app.add_subcommand("serve", "Serves a scenario to clients anywhere");
   auto options = std::make_shared<Options>();
-  options->session.start_behaviours = false;
   command.add_option("SCENARIO", options->scenario, "A seam-scenario/1 file").required();
   command
       .add_option("--listen", options->listen,
@@ -27,6 +28,13 @@ void add_serve(app::Command app) {
       "--tokens", options->session.token_file,
       "Writes the robots', renderers' and the supervisor's tokens here (readable by you alone); "
       "tokens that the scenario does not give are drawn anew");
+  command.add_option("--drive", options->session.driven,
+                     "ROBOT, or '*' for all: a script drives them, and may take its time whatever\n"
+                     "the scenario says of silence; the behaviours of all others are started");
+  command.add_option("--lines", options->session.lines,
+                     "With --drive: a Unix socket for direct lines (proto/line.h)");
+  command.add_flag("--until-eof", options->session.until_eof,
+                   "The run stops when standard input ends: with the program that started it");
   app::add_session_options(command, options->session, options->simulator);
   command.footer(
       "Examples:\n  seam serve scenarios/head_swing.yaml --listen unix:/tmp/seam.sock --tokens "
@@ -37,9 +45,13 @@ void add_serve(app::Command app) {
   command.callback([options] {
     options->session.addresses = options->listen;
     options->session.inputs = {options->scenario};
+    options->session.start_behaviours = !options->session.driven.empty();
+    if (!options->session.lines.empty() && options->session.driven.empty())
+      throw UsageError("--lines: expected --drive with it");
     app::SessionOutputs outputs(options->session);
     app::Simulator simulator = app::make_simulator(
         app::load_scenario(options->scenario, options->simulator), options->simulator);
+    app::require_driven_robots(options->session.driven, simulator.scenario);
     const app::SessionSummary summary = app::run_session(simulator, options->session, outputs);
     if (const int code = report(summary, outputs); code != 0) throw ExitCode{code};
   });

@@ -11,7 +11,9 @@ Units: metres, radians, seconds; simulated time in integer nanoseconds. Body fra
 left, tilt looks up. Pixel (0, 0) is the centre of the top-left pixel.
 """
 from .observation import Frame, Game, JointAngles, Observation, Odometry, PlayState, RadioMessage, Sensors
-from .robot import Connection, JointTarget, Kick, Refusal, Robot, SeamError
+from .orders import Decision, JointTarget, Kick
+from .robot import Connection, Refusal, Robot, SeamError
+from .world import RefusedDecision, RobotTruth, Truth, World
 
-__all__ = ["Connection", "Frame", "Game", "JointAngles", "JointTarget", "Kick", "Observation", "Odometry", "PlayState",
-           "RadioMessage", "Refusal", "Robot", "SeamError", "Sensors"]
+__all__ = ["Connection", "Decision", "Frame", "Game", "JointAngles", "JointTarget", "Kick", "Observation", "Odometry", "PlayState",
+           "RadioMessage", "Refusal", "RefusedDecision", "Robot", "RobotTruth", "SeamError", "Sensors", "Truth", "World"]

@@ -63,6 +63,10 @@ class DirectLine:
                     raise LineError(code, data[1:].decode(errors="replace"))
                 yield wire.ServerMessage.FromString(data)
 
+    @property
+    def descriptor(self) -> int:
+        return self._socket.fileno()
+
     def close(self) -> None:
         self._socket.close()
 

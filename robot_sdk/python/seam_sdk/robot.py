@@ -4,7 +4,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
-import enum
 import functools
 import io
 import os
@@ -20,11 +19,12 @@ from seam.v1 import simulation_pb2_grpc as service
 
 from .line import DirectLine, LineError
 from .observation import Observation, from_wire
+from .orders import Orders
 from .standby import stand_by
 
-_MAX_SERVER_MESSAGE_BYTES = 64 << 20
+MOST_SERVER_MESSAGE_BYTES = 64 << 20
 _CHANNEL_OPTIONS = (
-    ("grpc.max_receive_message_length", _MAX_SERVER_MESSAGE_BYTES),
+    ("grpc.max_receive_message_length", MOST_SERVER_MESSAGE_BYTES),
     ("grpc.http2.bdp_probe", 0),  # Small messages in lockstep: no probing.
     ("grpc.keepalive_time_ms", 10_000),
     ("grpc.keepalive_timeout_ms", 5_000),
@@ -39,25 +39,6 @@ _PASSING = (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED, grpc.StatusC
 
 class SeamError(Exception):
     """The server cannot be reached, or refuses the client; the text says what was found."""
-
-
-class Kick(enum.IntEnum):
-    """GRAB holds a ball between the front legs until a kick or RELEASE."""
-    NONE = 0
-    LEG_FORWARD = 1
-    LEG_LEFT = 2
-    LEG_RIGHT = 3
-    HEAD_LEFT = 4
-    HEAD_RIGHT = 5
-    GRAB = 6
-    RELEASE = 7
-
-
-@dataclasses.dataclass(frozen=True)
-class JointTarget:
-    joint: int | str  # Its name or its place in Robot.joint_names.
-    angle_rad: float
-    max_speed_rad_s: float = 0.0  # 0: as fast as the servo goes.
 
 
 @dataclasses.dataclass(frozen=True)
@@ -108,7 +89,7 @@ def _open_channel(connection: Connection) -> grpc.Channel:
     return grpc.secure_channel(connection.address, grpc.ssl_channel_credentials(authority, key, chain), _CHANNEL_OPTIONS)
 
 
-class Robot:
+class Robot(Orders):
     """Drives one robot.
 
     `observations()` yields what the robot senses; what is ordered until the next is asked for is the decision that
@@ -117,13 +98,13 @@ class Robot:
     """
 
     def __init__(self, connection: Connection | None = None) -> None:
+        super().__init__()
         self.connection = connection or Connection.from_arguments()
         # Something that this client sent was refused; by default the first of each field is printed.
         self.on_refusal: Callable[[Refusal], None] = self._print_refusal
         self._refused_fields: set[str] = set()
         self._time_s = 0.0  # Of the newest observation.
         self._welcome = wire.Welcome()
-        self._answer = wire.ClientMessage()  # Gathers the orders.
         self._answered = 0  # Number of the last observation that was yielded.
 
     # ---- Known once the first observation has come ----
@@ -155,6 +136,8 @@ class Robot:
         if name not in self.joint_names:
             raise ValueError(f"no joint {name!r}, expected one of: {' '.join(self.joint_names)}")
         return self.joint_names.index(name)
+
+    _joint_number = joint
 
     def observations(self) -> Iterator[Observation]:
         """One for each turn of the robot, until the run is over.
@@ -194,7 +177,7 @@ class Robot:
             call.cancel()  # Where the caller has left in the midst of it.
 
     def _drive_line(self) -> Iterator[Observation]:
-        with contextlib.closing(DirectLine(self.connection.line, _MAX_SERVER_MESSAGE_BYTES)) as line:
+        with contextlib.closing(DirectLine(self.connection.line, MOST_SERVER_MESSAGE_BYTES)) as line:
             line.send(self._hello())
             yield from self._drive(line.messages(), line.send)
 
@@ -207,9 +190,7 @@ class Robot:
         """One stream; returns at the server's Goodbye."""
         for message in messages:
             kind = message.WhichOneof("kind")
-            if kind == "welcome":
-                self._welcome = message.welcome
-            elif kind == "observation":
+            if kind == "observation":
                 sequence = message.observation.sequence
                 # After a reconnection the pending observation comes again. Where the answer was made but lost on the
                 # way, it is sent again, not made twice.
@@ -220,10 +201,18 @@ class Robot:
                     self._time_s = message.observation.time_ns * 1e-9
                     yield from_wire(message.observation)
                 send(self._answer)
-            elif kind == "refusal":
-                self.on_refusal(Refusal(message.refusal.field, message.refusal.message))
             elif kind == "goodbye":
                 return
+            else:
+                self._hear(message)
+
+    def _hear(self, message: wire.ServerMessage) -> None:
+        """What is neither a turn nor the end."""
+        kind = message.WhichOneof("kind")
+        if kind == "welcome":
+            self._welcome = message.welcome
+        elif kind == "refusal":
+            self.on_refusal(Refusal(message.refusal.field, message.refusal.message))
 
     def _print_refusal(self, refusal: Refusal) -> None:
         if refusal.field in self._refused_fields:
@@ -231,66 +220,3 @@ class Robot:
         self._refused_fields.add(refusal.field)
         print(f"{self.name}: the decision at {self._time_s:.3f} s was refused: {refusal.field}: {refusal.message} "
               "(more of this field are counted by the server alone)", file=sys.stderr)
-
-    # ---- Orders ----
-
-    def head(self, tilt_rad: float = 0.0, pan_rad: float = 0.0, roll_rad: float = 0.0,
-             max_speed_rad_s: float = 0.0) -> None:
-        """Targets of the head's servos; speed 0: as fast as they go."""
-        self._answer.decision.head.CopyFrom(
-            wire.HeadCommand(tilt_rad=tilt_rad, pan_rad=pan_rad, roll_rad=roll_rad, max_speed_rad_s=max_speed_rad_s))
-
-    def walk(self, vx_m_s: float = 0.0, vy_m_s: float = 0.0, omega_rad_s: float = 0.0) -> None:
-        """Velocity in the body's frame."""
-        self._answer.decision.walk.CopyFrom(wire.WalkCommand(vx_m_s=vx_m_s, vy_m_s=vy_m_s, omega_rad_s=omega_rad_s))
-
-    def stop(self) -> None:
-        self.walk()
-
-    def kick(self, kind: Kick) -> None:
-        self._answer.decision.kick = int(kind)
-
-    def joints(self, targets: Iterable[JointTarget], offset_ns: int = 0) -> None:
-        """Joint targets, this long after the decision acts; several calls make several frames, in ascending order.
-
-        Leg targets replace the gait until the next walk().
-        """
-        frame = self._answer.decision.joints.add(offset_ns=offset_ns)
-        for target in targets:
-            joint = self.joint(target.joint) if isinstance(target.joint, str) else target.joint
-            frame.targets.add(joint=joint, angle_rad=target.angle_rad, max_speed_rad_s=target.max_speed_rad_s)
-
-    def request_frame(self, after_ns: int = 0) -> None:
-        """The next whose stamp is not before this time."""
-        self._answer.decision.frame_requests.add(which=wire.FrameRequest.NEXT, after_ns=after_ns)
-
-    def request_frames(self, count: int) -> None:
-        """The next `count`."""
-        self._answer.decision.frame_requests.add(which=wire.FrameRequest.NEXT, count=count)
-
-    def request_all_frames(self) -> None:
-        self._answer.decision.frame_requests.add(which=wire.FrameRequest.ALL)
-
-    def request_no_frames(self) -> None:
-        self._answer.decision.frame_requests.add(which=wire.FrameRequest.NONE)
-
-    def send(self, payload: bytes) -> None:
-        """By radio, to team mates."""
-        self._answer.decision.messages.append(payload)
-
-    # ---- For the log and the viewer ----
-
-    def log_value(self, name: str, value: float) -> None:
-        self._answer.decision.debug.add(name=name, value=value)
-
-    def log_text(self, name: str, text: str) -> None:
-        self._answer.decision.debug.add(name=name, text=text)
-
-    def log_drawing(self, name: str, points: Iterable[tuple[float, float]], in_image: bool = False,
-                    frame_index: int | None = None) -> None:
-        """Points (x, y) on the field (metres, world frame) or (u, v) in the image (pixels), joined by a line.
-
-        A drawing in the image belongs to the newest frame that this robot was sent, or to `frame_index`."""
-        drawing = wire.Drawing(in_image=in_image, points=[part for point in points for part in point],
-                               frame_index=frame_index)
-        self._answer.decision.debug.add(name=name, drawing=drawing)
