@@ -50,7 +50,7 @@ part "clang -O2: golden fingerprints" build_and_test clang "$golden"
 part "AddressSanitizer and UBSan: all tests" build_and_test asan-ubsan .
 part "ThreadSanitizer: scheduler and renderer" build_and_test tsan 'Simulation|Server|Render|Hub|Pool'
 part "other CPUs and vector widths: same frames" scripts/bits_matrix.sh "${bits[@]}"
-part "a bundle rerun on other CPUs" env SEAM_EMULATED_CPUS="Nehalem Haswell EPYC-Rome" python3 tests/bundle_test.py build "$PWD" /usr/bin/python3
+part "a bundle rerun on other CPUs" env SEAM_EMULATED_CPUS="Nehalem Haswell EPYC-Rome" python3 tests/bundle_test.py
 part "$fault_runs fault runs" env SEAM_FAULT_RUNS=$fault_runs build/tests/test_scheduler --gtest_filter='Faults*'
 part "$fault_mixes mixes of all faults, ten simulated minutes each" env SEAM_FAULT_MIXES=$fault_mixes python3 tests/fault_mix_test.py build "$PWD" /usr/bin/python3
 part "real recordings, and searches that take minutes" ctest --test-dir build -C all -R '^(real_|made_servos|made_legs|detector_proof|docs.real_lens|outcomes.settings)' --output-on-failure

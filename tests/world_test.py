@@ -14,8 +14,9 @@ import textwrap
 import time
 import unittest
 
-BUILD = pathlib.Path(sys.argv[1]).resolve()
-SOURCE = pathlib.Path(sys.argv[2]).resolve()
+import by_hand
+
+BUILD, SOURCE = by_hand.arguments("build", "source")
 sys.path.insert(0, str(BUILD / "python"))
 import seam_sdk  # noqa: E402
 
