@@ -80,10 +80,14 @@ scheduler::Rewinder& ReplayMatch::rewinder() {
 }
 
 int ReplayMatch::robot(const std::string& id) const {
-  const size_t index = scenario().robot_index(id);
-  if (index < scenario().robots.size()) return static_cast<int>(index);
+  return robot_number(scenario(), id);
+}
+
+int robot_number(const Scenario& scenario, const std::string& id) {
+  const size_t index = scenario.robot_index(id);
+  if (index < scenario.robots.size()) return static_cast<int>(index);
   std::vector<std::string> ids;
-  for (const RobotSpec& robot : scenario().robots) ids.push_back(robot.id);
+  for (const RobotSpec& robot : scenario.robots) ids.push_back(robot.id);
   throw UsageError(fmt::format("--robot: unknown robot '{}'{}", id, suggestion_for(id, ids)));
 }
 

@@ -38,13 +38,15 @@ class ReplayMatch {
   const scheduler::RunHeader& header() const;
   // Made on first use.
   scheduler::Rewinder& rewinder();
-  // Its place in the scenario; throws UsageError naming the known robots.
-  int robot(const std::string& id) const;
+  int robot(const std::string& id) const;  // As robot_number.
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Its place in the scenario; throws UsageError naming the known robots.
+int robot_number(const Scenario& scenario, const std::string& id);
 
 // "12.345 s", as text for people.
 std::string seconds(SimTime time);

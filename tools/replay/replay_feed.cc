@@ -43,8 +43,9 @@ struct Fed {
 };
 
 Fed feed_program(const scheduler::Log& log, const FeedSettings& settings) {
-  app::Simulator simulator = app::make_simulator(log.header());
-  const int robot = app::ReplayMatch(log).robot(settings.stand_in.robot);
+  // Cameras of robots whose frames nobody looks at are not made ready.
+  app::Simulator simulator = app::make_simulator(log.header(), {.cameras_when_used = true});
+  const int robot = app::robot_number(simulator.scenario, settings.stand_in.robot);
   app::SessionOptions session;
   session.inputs = {settings.file, settings.expect, settings.log};
   for (const RobotSpec& one : simulator.scenario.robots) session.commands[one.id] = {};

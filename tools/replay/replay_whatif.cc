@@ -80,7 +80,7 @@ int what_if(const WhatifSettings& settings) {
   OutputFile json(settings.json, {.inputs = {settings.file, session.log}});
   const scheduler::Log log = scheduler::Log::open(settings.file);
   app::Simulator simulator = app::make_simulator(log.header());
-  const int changed = app::ReplayMatch(log).robot(settings.stand_in.robot);
+  const int changed = app::robot_number(simulator.scenario, settings.stand_in.robot);
   if (SimTime::from_s(settings.from_s) > log.end_time()) {
     throw UsageError(fmt::format("--from {}: the log ends at {}", settings.from_s,
                                  app::seconds(log.end_time())));
