@@ -103,6 +103,7 @@ enum class StartSearch {
   slope,           // A small step from neutral: the data's slope says which way.
   listed,          // At the values of the rule.
   best_listed,     // At the likeliest values of the rule, before any fit.
+  shapes,          // The same, with the first parameter, a size, as large as the data ask for.
   wave,            // A coarse look over the first parameter's size and the second's phase.
   frequency,       // Where residuals have their strongest wave, in time or over the image.
   ceiling,         // From the largest values seen downwards.

@@ -161,7 +161,7 @@ TEST_P(Catalogue, AnswersAreWhole) {
     EXPECT_EQ(rule.kinds & ~effect->kinds, 0u);
     const bool lists = rule.search == StartSearch::listed ||
                        rule.search == StartSearch::best_listed ||
-                       rule.search == StartSearch::motion;
+                       rule.search == StartSearch::shapes || rule.search == StartSearch::motion;
     EXPECT_EQ(lists, !rule.values.empty());
     EXPECT_TRUE(rule.search != StartSearch::excess || effect->start_from_excess);
     for (const auto& values : rule.values) EXPECT_EQ(values.size(), effect->parameters.size());

@@ -112,6 +112,9 @@ struct EffectDefinition {
   std::function<void(Values, ImagePoint&)> corner_detector;
   std::function<void(Values, Optics&)> optics;              // Point spread, glare.
   std::function<double(Values, const ImagePoint&)> gain;    // Gain field over the image.
+  // Light that the camera itself sheds on the sensor, in units of the illumination, at the first
+  // frame's exposure.
+  std::function<double(Values, const ImagePoint&)> own_light;
   std::function<double(Values, const LightWindow&)> light;  // Mean of the lamps in a window.
   std::function<void(Values, SensorChain&)> sensor;         // Contributes to the sensor's equation.
   std::function<void(Values, Detection&)> detector;         // Range and bearing.

@@ -60,6 +60,7 @@
   X(lens_blur)                \
   X(vignetting)               \
   X(veiling_glare)            \
+  X(amplifier_glow)           \
   X(uneven_lighting)          \
   X(lamp_flicker)             \
   X(lamp_fluctuation)         \

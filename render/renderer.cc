@@ -76,7 +76,7 @@ struct Renderer::Impl {
         optics(effects::optics_of(model)),
         gain_field(model, effects::Stage::radiometry, width, height),
         sensor(effects::sensor_of(model)),
-        filter(optics, gain_field, width, height),
+        filter(model, width, height),
         moving_lens(geometry_varies_with_time(projection)),
         rays(find_rays()) {}
 
@@ -179,6 +179,10 @@ struct Renderer::Impl {
     if (optics.glare_fraction > 0) {
       add_glare(image, optics.glare_fraction);
       see("glare", image);
+    }
+    if (!filter.own_light().empty()) {
+      add_own_light(image, filter.own_light());
+      see("own light", image);
     }
   }
 

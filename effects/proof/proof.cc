@@ -148,12 +148,15 @@ Quantities light_outcome(const Model& model, const Quantities& given) {
   }
   const double light = value_of(given, "light"), mean = value_of(given, "mean_light");
   const double sigmas = value_of(given, "edge_px") / std::max(optics.blur_sigma_px, 1e-9);
-  return {{"gain", gain},
-          {"lamp", lamp_brightness(model, {.start_s = value_of(given, "start_s"),
-                                           .exposure_s = value_of(given, "exposure_s")})},
-          {"seen_light", (1 - optics.glare_fraction) * light + optics.glare_fraction * mean},
-          {"lamp_sigma", sensor_of(model).lamp_sigma},
-          {"edge_light", 0.5 * std::erfc(-sigmas / std::sqrt(2.0))}};
+  return {
+      {"gain", gain},
+      {"lamp", lamp_brightness(model, {.start_s = value_of(given, "start_s"),
+                                       .exposure_s = value_of(given, "exposure_s")})},
+      {"seen_light", (1 - optics.glare_fraction) * light + optics.glare_fraction * mean},
+      {"own_light",
+       OwnLight(model, kWidth_px, kHeight_px).at(value_of(given, "u_px"), value_of(given, "v_px"))},
+      {"lamp_sigma", sensor_of(model).lamp_sigma},
+      {"edge_light", 0.5 * std::erfc(-sigmas / std::sqrt(2.0))}};
 }
 
 Quantities sensor_outcome(const Model& model, const Quantities& given) {

@@ -51,6 +51,21 @@ double GainField::at(double u, double v, double t_s, int channel) const {
   return gain;
 }
 
+OwnLight::OwnLight(const Model& model, int width_px, int height_px)
+    : width_px_(width_px), height_px_(height_px) {
+  for (const ModelEffect& effect : model.effects()) {
+    if (effect.definition->own_light) effects_.push_back(effect);
+  }
+}
+
+double OwnLight::at(double u, double v) const {
+  const ImagePoint point{.u = u, .v = v, .row = v, .width_px = width_px_, .height_px = height_px_};
+  double light = 0;
+  for (const ModelEffect& effect : effects_)
+    light += effect.definition->own_light(effect.values(), point);
+  return light;
+}
+
 double lamp_brightness(const Model& model, const LightWindow& window) {
   double light = 1;
   for (const ModelEffect& effect : model.effects()) {

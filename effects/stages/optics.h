@@ -1,6 +1,6 @@
 // Stages `radiometry` and `light`: what happens to linear light before the sensor counts it, in
 // this order: lamps (flicker, uneven lighting of a flat field), lens blur, gain field, veiling
-// glare.
+// glare, the camera's own light.
 #pragma once
 
 #include <vector>
@@ -41,6 +41,20 @@ class GainField {
  private:
   ImagePoint point_at(double u, double v, double t_s, int channel) const;
 
+  std::vector<ModelEffect> effects_;
+  int width_px_;
+  int height_px_;
+};
+
+// Light that falls on the sensor whether the scene is lit or not.
+class OwnLight {
+ public:
+  OwnLight(const Model& model, int width_px, int height_px);
+  bool none() const { return effects_.empty(); }
+  // At an image point (pixels), in units of the illumination at the first frame's exposure.
+  double at(double u, double v) const;
+
+ private:
   std::vector<ModelEffect> effects_;
   int width_px_;
   int height_px_;

@@ -34,6 +34,7 @@ class Search {
       z_[i] = std::clamp(inner(p.start), box_.low[i], box_.high[i]);
       step_[i] = p.step;
     }
+    start_ = z_;
     settled_ = std::all_of(parameters.begin(), parameters.end(),
                            [](const SearchParameter& p) { return p.step_fits; });
   }
@@ -174,15 +175,25 @@ class Search {
     return out;
   }
 
+  bool is_at_end(int i) const { return z_[i] <= box_.low[i] || z_[i] >= box_.high[i]; }
+
   void finish(Maximum& out, double here) {
     out.log_likelihood = here;
     out.covariance.assign(static_cast<size_t>(n_) * n_, 0);
-    // Directions without curvature have no estimate.
+    // Directions without curvature have no estimate. One that drifted to an end of its range, where
+    // the likelihood is no better than at its start, says nothing: it stays at its start.
+    constexpr double kNoBetter = 0.5;  // Less than one standard error changes.
     const auto [covariance, known] = covariance_of(curvature_, 1e-10);
+    for (int i = 0; i < n_; ++i) {
+      if (known[i] || !is_at_end(i)) continue;
+      VectorXd back = z_;
+      back[i] = start_[i];
+      if (here - value(back) < kNoBetter) z_ = back;
+    }
     for (int i = 0; i < n_; ++i) {
       const SearchParameter& p = parameters_[i];
       out.value.push_back(p.logarithmic ? std::exp(z_[i]) : z_[i]);
-      out.at_bound.push_back(z_[i] <= box_.low[i] || z_[i] >= box_.high[i]);
+      out.at_bound.push_back(is_at_end(i));
       const double jacobian = p.logarithmic ? out.value[i] : 1;
       out.sigma.push_back(known[i] ? jacobian * std::sqrt(covariance(i, i))
                                    : std::numeric_limits<double>::infinity());
@@ -200,7 +211,7 @@ class Search {
   const std::vector<SearchParameter>& parameters_;
   const Calls calls_;
   int n_;
-  VectorXd z_;
+  VectorXd z_, start_;
   Box box_;
   VectorXd step_, gradient_;
   VectorXd used_ = VectorXd::Zero(n_), shifted_ = VectorXd::Zero(n_);

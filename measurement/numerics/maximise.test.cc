@@ -153,6 +153,16 @@ TEST(Maximise, WhatChangesNothingHasNoEstimate) {
   EXPECT_EQ(found.value[1], 0.5);
 }
 
+// Nor is the end of a range, to which the least slope leads, a finding.
+TEST(Maximise, WhatChangesNextToNothingStaysWhereItBegan) {
+  const Maximum found =
+      maximise([](const std::vector<double>& x) { return -0.5 * x[0] * x[0] + 1e-7 * x[1]; },
+               {{.start = 1, .min = -5, .max = 5}, {.start = 0.5, .min = -5, .max = 5}});
+  EXPECT_NEAR(found.value[0], 0, 1e-3);
+  EXPECT_EQ(found.value[1], 0.5);
+  EXPECT_FALSE(found.at_bound[1]);
+}
+
 // The function need not be known everywhere.
 TEST(Maximise, KeepsOutOfWhereThereIsNoValue) {
   const Maximum found =

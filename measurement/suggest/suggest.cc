@@ -11,6 +11,7 @@
 #include "measurement/search/order.h"
 #include "measurement/suggest/term.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/system/work_tally.h"
 
 namespace seam::measurement {
 namespace {
@@ -310,8 +311,15 @@ std::optional<Found> Proposer::run() {
   start_ = problem_.evaluate(base_.assessment.model, all_);
   if (!start_.valid || start_.whitened.empty()) return std::nullopt;
   library_.resize(vocabulary_.terms.size());
-  parallel_for(library_.size(), [&](size_t i) { library_[i] = derivative(vocabulary_.terms[i]); });
+  {
+    const Work work("terms computed", library_.size());
+    parallel_for(library_.size(), [&](size_t i) {
+      library_[i] = derivative(vocabulary_.terms[i]);
+      work.done();
+    });
+  }
   Found found = fitted({});
+  const Work work("terms of the formula", kMostTerms, Work::Of::at_most);
   while (found.terms.size() < kMostTerms) {
     look_from(found.assessment);
     const std::optional<Term> term = best_term();
@@ -321,6 +329,7 @@ std::optional<Found> Proposer::run() {
     Found next = fitted(std::move(more));
     if (!supported(found, next)) break;
     found = std::move(next);
+    work.done();
   }
   if (found.terms.empty()) return std::nullopt;
   return without_needless(std::move(found));

@@ -64,9 +64,13 @@ RowMotion row_motion(const FrameJob& job, const CameraRays& rays, double sigma_p
   return motion;
 }
 
-CameraFilter::CameraFilter(const effects::Optics& optics, const effects::GainField& gain,
-                           int width_px, int height_px)
-    : optics_(optics), width_px_(width_px), height_px_(height_px), kernel_(point_spread(optics)) {
+CameraFilter::CameraFilter(const effects::Model& model, int width_px, int height_px)
+    : optics_(effects::optics_of(model)),
+      width_px_(width_px),
+      height_px_(height_px),
+      kernel_(point_spread(optics_)) {
+  const effects::GainField gain(model, effects::Stage::radiometry, width_px, height_px);
+  const effects::OwnLight own(model, width_px, height_px);
   gain_.reserve(static_cast<size_t>(width_px) * height_px * 3);
   for (int v = 0; v < height_px; ++v) {
     for (int u = 0; u < width_px; ++u) {
@@ -74,6 +78,7 @@ CameraFilter::CameraFilter(const effects::Optics& optics, const effects::GainFie
         gain_.push_back(static_cast<float>(gain.at(u, v, 0, c)));
         if (!std::isfinite(gain_.back())) gain.check_at(u, v, 0, c);
       }
+      if (!own.none()) own_light_.insert(own_light_.end(), 3, static_cast<float>(own.at(u, v)));
     }
   }
 }
@@ -142,7 +147,11 @@ void CameraFilter::apply(const LinearImage& image, const RowMotion& motion,
     kernels.interleave(light, &gain_[row * row_samples], lamps[row], width_px_,
                        &illumination[row * row_samples]);
   });
-  if (optics_.glare_fraction <= 0) return;
+  if (optics_.glare_fraction > 0) add_glare(illumination);
+  for (size_t i = 0; i < own_light_.size(); ++i) illumination[i] += own_light_[i];
+}
+
+void CameraFilter::add_glare(std::vector<float>& illumination) const {
   double sum[3] = {0, 0, 0};
   for (size_t i = 0; i < illumination.size(); i += 3) {
     for (int c = 0; c < 3; ++c) sum[c] += illumination[i + c];
@@ -153,7 +162,7 @@ void CameraFilter::apply(const LinearImage& image, const RowMotion& motion,
     everywhere[c] = static_cast<float>(optics_.glare_fraction * sum[c] /
                                        (static_cast<double>(width_px_) * height_px_));
   }
-  kernels.glare(kept, everywhere, illumination.size() / 3, illumination.data());
+  filter_kernels().glare(kept, everywhere, illumination.size() / 3, illumination.data());
 }
 
 LinearImage CameraFilter::blurred(const LinearImage& image, const RowMotion& motion) const {

@@ -1,6 +1,7 @@
-// The fused filter: blur, lamps, gain field and glare in one pass over the image with precomputed
-// tables, giving the illumination that effects::expose turns into digital numbers. Distortion is in
-// the rays; `ImageFilter` does it too, for images that were not made by this renderer.
+// The fused filter: blur, lamps, gain field, glare and own light in one pass over the image with
+// precomputed tables, giving the illumination that effects::expose turns into digital numbers.
+// Distortion is in the rays; `ImageFilter` does it too, for images that were not made by this
+// renderer.
 #pragma once
 
 #include <array>
@@ -36,13 +37,14 @@ RowMotion row_motion(const FrameJob& job, const CameraRays& rays, double sigma_p
 
 class CameraFilter {
  public:
-  CameraFilter(const effects::Optics& optics, const effects::GainField& gain, int width_px,
-               int height_px);
+  CameraFilter(const effects::Model& model, int width_px, int height_px);
 
   int border_px() const { return static_cast<int>(kernel_.size() / 2); }
   const std::vector<float>& kernel() const { return kernel_; }
   // Gain of each sample, interleaved.
   const std::vector<float>& gain() const { return gain_; }
+  // Light of the camera itself on each sample, interleaved; empty where there is none.
+  const std::vector<float>& own_light() const { return own_light_; }
 
   // `image` has this filter's border. `lamps`: a factor for each row. Result: interleaved,
   // row-major.
@@ -52,6 +54,7 @@ class CameraFilter {
   LinearImage blurred(const LinearImage& image, const RowMotion& motion) const;
 
  private:
+  void add_glare(std::vector<float>& illumination) const;
   // Calls take(row, light) for each row of the blurred image, with the row of each colour.
   template <typename Take>
   void blur(const LinearImage& image, const RowMotion& motion, const Take& take) const;
@@ -60,6 +63,7 @@ class CameraFilter {
   int width_px_, height_px_;
   std::vector<float> kernel_;
   std::vector<float> gain_;
+  std::vector<float> own_light_;
 };
 
 // Distortion, blur, gain field, noise and quantisation of an ideal pinhole image in one pass: the

@@ -30,10 +30,10 @@ LinearImage random_image(int width, int height) {
 TEST(CameraFilter, FusedEqualsThePasses) {
   const effects::Model model = model_of(
       "  lens_blur: {sigma_px: 1.0}\n  vignetting: {a2: 0.3, a4: 0.1}\n  veiling_glare: {fraction: "
-      "0.1}\n");
+      "0.1}\n  amplifier_glow: {light: 0.3, fall_u_per_px: 0.1}\n");
   const effects::Optics optics = effects::optics_of(model);
   const effects::GainField gain(model, effects::Stage::radiometry, 40, 30);
-  const CameraFilter filter(optics, gain, 40, 30);
+  const CameraFilter filter(model, 40, 30);
   const LinearImage image = random_image(48, 38);
   std::vector<float> lamps;
   for (int v = 0; v < 30; ++v) lamps.push_back(1 + 0.01f * static_cast<float>(v));
@@ -49,13 +49,16 @@ TEST(CameraFilter, FusedEqualsThePasses) {
   }
   apply_gain(passes, planes);
   add_glare(passes, 0.1);
+  const effects::OwnLight own(model, 40, 30);
+  for (auto& plane : passes.planes) {
+    for (int i = 0; i < 40 * 30; ++i) plane[i] += static_cast<float>(own.at(i % 40, i / 40));
+  }
   for (size_t i = 0; i < fused.size(); ++i)
     EXPECT_NEAR(fused[i], passes.planes[i % 3][i / 3], 1e-5);
 }
 
 TEST(CameraFilter, NoOpticsIsTheImageItself) {
-  const CameraFilter filter(
-      {}, effects::GainField(model_of("  {}\n"), effects::Stage::radiometry, 8, 6), 8, 6);
+  const CameraFilter filter(model_of("  {}\n"), 8, 6);
   const LinearImage image = random_image(8, 6);
   std::vector<float> out;
   filter.apply(image, {}, std::vector<float>(6, 1.0f), out);

@@ -13,9 +13,7 @@ namespace seam::render {
 
 ImageFilter::ImageFilter(const effects::Model& model, int width_px, int height_px,
                          RandomStream camera_noise)
-    : filter_(effects::optics_of(model),
-              effects::GainField(model, effects::Stage::radiometry, width_px, height_px), width_px,
-              height_px),
+    : filter_(model, width_px, height_px),
       sensor_(effects::sensor_of(model)),
       pattern_(effects::fixed_pattern(sensor_, width_px, height_px, 3, camera_noise)),
       kernel_(filter_.kernel().empty() ? std::vector<float>{1} : filter_.kernel()),

@@ -70,4 +70,8 @@ void add_glare(LinearImage& image, double fraction) {
   }
 }
 
+void add_own_light(LinearImage& image, const std::vector<float>& light) {
+  for (size_t i = 0; i < light.size(); ++i) image.planes[i % 3][i / 3] += light[i];
+}
+
 }  // namespace seam::render

@@ -25,4 +25,7 @@ void apply_gain(LinearImage& image, const std::array<std::vector<float>, 3>& gai
 // (1 - f) L + f mean(L), for each channel.
 void add_glare(LinearImage& image, double fraction);
 
+// Adds the camera's own light, interleaved.
+void add_own_light(LinearImage& image, const std::vector<float>& light);
+
 }  // namespace seam::render

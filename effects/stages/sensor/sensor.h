@@ -9,7 +9,7 @@
 //   value     = to the file's whole numbers(to multiples of the quantisation(min(value, full_dn)))
 //
 // Without shot noise there is 1 electron a DN and no photon variance. `illumination` includes
-// everything before the sensor: lamps, gain fields, glare.
+// everything before the sensor: lamps, gain fields, glare, the camera's own light.
 //
 // Noise: each effect draws from a stream of its own, so that changing one never changes another's.
 //   fixed:     camera_noise.child(effect), index = sample, or the column

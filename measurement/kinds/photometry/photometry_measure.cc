@@ -32,6 +32,7 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol,
   const RandomStream camera = RandomStream{.seed = options.seed}.child("photometry");
   const auto pattern =
       effects::fixed_pattern(chain, data.width_px, data.height_px, data.channels, camera);
+  const std::vector<double> own = own_light(data, truth);
   std::vector<double> light;
   std::vector<float> illumination(data.samples());
   for (size_t row = 0; row < table.rows(); ++row) {
@@ -42,7 +43,8 @@ void measure_photometry(const Model& truth, const MeasurementSet& protocol,
     const auto lamps = lamp_rows(data, static_cast<int>(row), level.exposure_s, truth);
     const size_t row_samples = static_cast<size_t>(data.width_px) * data.channels;
     for (size_t i = 0; i < illumination.size(); ++i) {
-      illumination[i] = static_cast<float>(level.illumination * light[i] * lamps[i / row_samples]);
+      illumination[i] = static_cast<float>(level.illumination * light[i] * lamps[i / row_samples] +
+                                           (own.empty() ? 0 : own[i]));
     }
     const effects::SensorExposure exposure{.exposure_s = level.exposure_s,
                                            .exposure_ratio = level.exposure_ratio,

@@ -178,6 +178,29 @@ std::vector<Values> full_choices(const PhotometryView& view,
   return choices;
 }
 
+// The likeliest of an effect's shapes, each as large as the residual means ask for.
+Values best_shape(const PhotometryView& view, const Model& model, const EffectDefinition& effect,
+                  const PhotometryPrediction& base, std::vector<Values> shapes) {
+  for (Values& shape : shapes) {
+    const PhotometryPrediction moved =
+        predict(view.data, view.sums, with(model, effect, shape), view.set_noise_dn);
+    double slope2 = 0, slope_residual = 0;
+    for (size_t l = 0; l < base.levels.size(); ++l) {
+      const LevelSums& sum = view.sums.levels[l];
+      for (size_t i = 0; i < sum.mean.size(); ++i) {
+        const double w = static_cast<double>(sum.frames.size()) / base.levels[l].variance[i];
+        const double slope = moved.levels[l].mean[i] - base.levels[l].mean[i];
+        slope2 += w * slope * slope;
+        slope_residual += w * slope * (sum.mean[i] - base.levels[l].mean[i]);
+      }
+    }
+    const effects::Parameter& size = effect.parameters.front();
+    if (slope2 > 0)
+      shape.front() = std::clamp(shape.front() * slope_residual / slope2, size.min, size.max);
+  }
+  return best_of(view, model, effect, shapes);
+}
+
 // Samples that stand out of the residual means: their share, and how far out they are in DN or, for
 // those of another gain, relative to the light.
 struct Outstanding {
@@ -263,6 +286,8 @@ std::vector<Values> photometry_starts(const PhotometryView& view, const Photomet
       return flicker_starts(view, model, prediction);
     case effects::StartSearch::listed:
       return {best_of(view, model, effect, rule.values)};
+    case effects::StartSearch::shapes:
+      return {best_shape(view, model, effect, prediction, rule.values)};
     case effects::StartSearch::ceiling:
       return {best_of(view, model, effect, full_choices(view, prediction))};
     case effects::StartSearch::outliers:

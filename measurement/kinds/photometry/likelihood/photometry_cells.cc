@@ -316,6 +316,9 @@ std::optional<PhotometryScore> cell_score(const PhotometryData& data, const Phot
                                           double set_noise_dn, bool channels_share, bool counts,
                                           const effects::Model* near) {
   if (depends_on_time(model)) return std::nullopt;
+  // Samples of one light of the lamps have several of the camera's own.
+  if (!effects::OwnLight(model, data.sensor_width(), data.sensor_height()).none())
+    return std::nullopt;
   if (effects::lamps_flicker(model) && effects::timing_of(model).line_delay_s != 0)
     return std::nullopt;
   const bool share = channels_share || data.channels == 1;

@@ -19,10 +19,12 @@ constexpr size_t kWaveHeights = 64;
 class LevelPredictor {
  public:
   LevelPredictor(const PhotometryData& data, const effects::Model& model, const SensorChain& chain,
-                 const PhotometryLevel& level, const LevelSums& sum, double set_noise_dn)
+                 const std::vector<double>& own_light, const PhotometryLevel& level,
+                 const LevelSums& sum, double set_noise_dn)
       : data_(data),
         model_(model),
         chain_(chain),
+        own_light_(own_light),
         level_(level),
         sum_(sum),
         noise_{set_noise_dn, data.least_at_top_dn2, data.least_at_bottom_dn2} {
@@ -81,52 +83,72 @@ class LevelPredictor {
             const std::vector<double>& row_light) {
     const size_t samples = data_.samples();
     const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
+    own_scale_ = effects::signal_dn(chain_, 1, exposure(0));
     for (auto* v : {&out.mean, &out.variance, &out.offset_slope, &out.gain_slope})
       v->resize(samples);
     if (chain_.hot_fraction > 0) out.hot_mean.resize(samples);
     if (chain_.weak_fraction > 0) out.weak_mean.resize(samples);
+    if (!own_light_.empty()) out.lit_part.resize(samples);
     out.falls = false;
-    std::vector<ResponseTable> tables;  // By channel, then height of the wave.
     const bool is_cut = is_wave_cut(chain_, exposure(mean_time_), scale);
-    const size_t heights = is_cut ? kWaveHeights + 1 : 1;
-    const size_t row_samples = static_cast<size_t>(data_.width_px) * data_.channels;
-    for (int c = 0; c < data_.channels; ++c) {
+    const auto channels = static_cast<size_t>(data_.channels);
+    const size_t row_samples = data_.width_px * channels;
+    const auto signal_of = [&](size_t i) {
+      return scale * light[i] * row_light[i / row_samples] + own_signal(i);
+    };
+    for (size_t c = 0; c < channels; ++c) {
       double low = 1e300, high = -1e300;
-      for (size_t i = c; i < samples; i += data_.channels) {
-        const double value = scale * light[i] * row_light[i / row_samples];
-        low = std::min(low, value), high = std::max(high, value);
+      for (size_t i = c; i < samples; i += channels)
+        low = std::min(low, signal_of(i)), high = std::max(high, signal_of(i));
+      const int colour = data_.colour(static_cast<int>(c));
+      out.falls = out.falls || !effects::rises_with_light(chain_, high, colour, data_.file_bits);
+      const std::vector<ResponseTable> tables = tables_for(colour, low, high, is_cut);
+      for (size_t i = c; i < samples; i += channels) {
+        const double signal = signal_of(i);
+        const Response response =
+            tables.empty() ? respond(chain_, exposure(mean_time_), colour, noise_, signal,
+                                     is_cut ? chain_.wave.amplitude_dn * unit_wave(i) : 0)
+            : is_cut       ? beside_wave(tables, i, signal)
+                           : tables[0].at(signal);
+        out.mean[i] = response.mean;
+        out.variance[i] = response.variance;
+        out.offset_slope[i] = response.offset_slope;
+        out.gain_slope[i] = response.gain_slope;
+        if (!own_light_.empty()) out.lit_part[i] = signal > 0 ? 1 - own_signal(i) / signal : 1;
+        if (chain_.hot_fraction > 0) out.hot_mean[i] = response.hot_mean;
+        if (chain_.weak_fraction > 0) out.weak_mean[i] = response.weak_mean;
       }
-      out.falls =
-          out.falls || !effects::rises_with_light(chain_, high, data_.colour(c), data_.file_bits);
-      for (size_t h = 0; h < heights; ++h) {
-        const double wave_dn =
-            is_cut ? chain_.wave.amplitude_dn * (2 * static_cast<double>(h) / kWaveHeights - 1) : 0;
-        tables.emplace_back(chain_, exposure(mean_time_), data_.colour(c), noise_, low, high,
-                            wave_dn);
-      }
-    }
-    for (size_t i = 0; i < samples; ++i) {
-      const double signal = scale * light[i] * row_light[i / row_samples];
-      const size_t table = i % data_.channels * heights;
-      const Response response =
-          is_cut ? beside_wave(&tables[table], i, signal) : tables[table].at(signal);
-      out.mean[i] = response.mean;
-      out.variance[i] = response.variance;
-      out.offset_slope[i] = response.offset_slope;
-      out.gain_slope[i] = response.gain_slope;
-      if (chain_.hot_fraction > 0) out.hot_mean[i] = response.hot_mean;
-      if (chain_.weak_fraction > 0) out.weak_mean[i] = response.weak_mean;
     }
     if (!is_cut) add_wave(out);
   }
 
-  // Between the two nearest of the heights to which a wave that is cut off is tabulated.
-  Response beside_wave(const ResponseTable* tables, size_t sample, double signal) const {
+  // By height of the wave where it is cut off. None where there are fewer samples to ask.
+  std::vector<ResponseTable> tables_for(int colour, double low, double high, bool is_cut) const {
+    const size_t heights = is_cut ? kWaveHeights + 1 : 1;
+    const size_t entries = ResponseTable::size_for(chain_, exposure(mean_time_), colour, low, high);
+    if (heights * entries > data_.samples() / static_cast<size_t>(data_.channels)) return {};
+    std::vector<ResponseTable> tables;
+    for (size_t h = 0; h < heights; ++h) {
+      const double wave_dn =
+          is_cut ? chain_.wave.amplitude_dn * (2 * static_cast<double>(h) / kWaveHeights - 1) : 0;
+      tables.emplace_back(chain_, exposure(mean_time_), colour, noise_, low, high, wave_dn);
+    }
+    return tables;
+  }
+
+  // The wave of amplitude 1 at a sample.
+  double unit_wave(size_t sample) const {
     const size_t pixel = sample / static_cast<size_t>(data_.channels);
     const auto width = static_cast<size_t>(data_.width_px);
-    const double unit = chain_.wave.unit_at(data_.column(static_cast<int>(pixel % width)),
-                                            data_.row(static_cast<int>(pixel / width)));
-    const double place = std::clamp(0.5 * (unit + 1) * kWaveHeights, 0.0, kWaveHeights - 1e-9);
+    return chain_.wave.unit_at(data_.column(static_cast<int>(pixel % width)),
+                               data_.row(static_cast<int>(pixel / width)));
+  }
+
+  // Between the two nearest of the heights to which a wave that is cut off is tabulated.
+  Response beside_wave(const std::vector<ResponseTable>& tables, size_t sample,
+                       double signal) const {
+    const double place =
+        std::clamp(0.5 * (unit_wave(sample) + 1) * kWaveHeights, 0.0, kWaveHeights - 1e-9);
     const auto h = static_cast<size_t>(place);
     return between(tables[h].at(signal), tables[h + 1].at(signal), place - static_cast<double>(h));
   }
@@ -153,15 +175,15 @@ class LevelPredictor {
   void correct_illumination(LevelPrediction& out, bool shift_mean) {
     double slope2 = 0, slope_residual = 0;
     for (size_t i = 0; i < out.mean.size(); ++i) {
-      const double w = out.gain_slope[i] / out.variance[i];
-      slope2 += w * out.gain_slope[i];
+      const double slope = lit_slope(out, i), w = slope / out.variance[i];
+      slope2 += w * slope;
       slope_residual += w * (sum_.mean[i] - out.mean[i]);
     }
     if (!(slope2 > 0)) return;
     const double relative = std::clamp(slope_residual / slope2, -0.5, 1.0);
     out.illumination *= 1 + relative;
     if (!shift_mean) return;
-    for (size_t i = 0; i < out.mean.size(); ++i) out.mean[i] += out.gain_slope[i] * relative;
+    for (size_t i = 0; i < out.mean.size(); ++i) out.mean[i] += lit_slope(out, i) * relative;
   }
 
   void shift_rows(LevelPrediction& out, const std::vector<std::vector<double>>& lamps,
@@ -170,7 +192,7 @@ class LevelPredictor {
     if (lamps.empty()) return;
     std::vector<double> slope(data_.rows(), 0);
     for (size_t i = 0; i < out.mean.size(); ++i)
-      slope[row_of(i)] += out.gain_slope[i] / data_.width_px;
+      slope[row_of(i)] += lit_slope(out, i) / data_.width_px;
     for (size_t f = 0; f < lamps.size(); ++f) {
       for (size_t row = 0; row < data_.rows(); ++row) {
         const size_t v = row / data_.channels;
@@ -185,6 +207,7 @@ class LevelPredictor {
                                   data_.sensor_height());
     const effects::GainField lamps(model_, effects::Stage::light, data_.sensor_width(),
                                    data_.sensor_height());
+    const effects::OwnLight own_light(model_, data_.sensor_width(), data_.sensor_height());
     const double scale = effects::signal_dn(chain_, out.illumination, exposure(0));
     const auto row_value = [&](int v, int colour, double t) {
       double sum = 0;
@@ -193,7 +216,8 @@ class LevelPredictor {
         const double u = (k + 0.5) / kPlaces * data_.sensor_width() - 0.5;
         const double light = std::max(
             0.0, lens.at(u, data_.row(v), t, colour) * lamps.at(u, data_.row(v), t, colour));
-        sum += effects::response_moments(chain_, scale * light, colour, exposure(t)).mean_dn;
+        const double own = own_scale_ * own_light.at(u, data_.row(v));
+        sum += effects::response_moments(chain_, scale * light + own, colour, exposure(t)).mean_dn;
       }
       return sum / kPlaces;
     };
@@ -212,6 +236,14 @@ class LevelPredictor {
     for (size_t i = 0; i < out.mean.size(); ++i) out.mean[i] += mean_shift[row_of(i)];
   }
 
+  double own_signal(size_t sample) const {
+    return own_light_.empty() ? 0 : own_scale_ * own_light_[sample];
+  }
+  // d mean / d log(light of the scene).
+  static double lit_slope(const LevelPrediction& out, size_t sample) {
+    return out.gain_slope[sample] * (out.lit_part.empty() ? 1 : out.lit_part[sample]);
+  }
+
   size_t row_of(size_t sample) const {
     return sample / (static_cast<size_t>(data_.width_px) * data_.channels) * data_.channels +
            sample % data_.channels;
@@ -220,10 +252,12 @@ class LevelPredictor {
   const PhotometryData& data_;
   const effects::Model& model_;
   const SensorChain& chain_;
+  const std::vector<double>& own_light_;
   const PhotometryLevel& level_;
   const LevelSums& sum_;
   SetNoise noise_;
   double mean_time_ = 0;
+  double own_scale_ = 0;  // Signal of the camera's own light of 1.
 };
 
 }  // namespace
@@ -266,6 +300,19 @@ std::vector<double> relative_light(const PhotometryData& data, const effects::Mo
   return light;
 }
 
+std::vector<double> own_light(const PhotometryData& data, const effects::Model& model) {
+  const effects::OwnLight own(model, data.sensor_width(), data.sensor_height());
+  if (own.none()) return {};
+  std::vector<double> light;
+  light.reserve(data.samples());
+  for (int v = 0; v < data.height_px; ++v) {
+    for (int u = 0; u < data.width_px; ++u)
+      light.insert(light.end(), static_cast<size_t>(data.channels),
+                   own.at(data.column(u), data.row(v)));
+  }
+  return light;
+}
+
 double lamp_row(const PhotometryData& data, int frame, int row, double exposure_s,
                 const effects::Model& model) {
   const double stamp = data.frames[frame].time_s;
@@ -287,6 +334,7 @@ PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& s
   PhotometryPrediction out{.chain = effects::sensor_of(model)};
   const bool moving = depends_on_time(model);
   out.moves = moving || effects::lamps_flicker(model);
+  const std::vector<double> own = own_light(data, model);
   std::vector<double> light;
   if (!moving) light = relative_light(data, model, 0);
   for (size_t l = 0; l < data.levels.size(); ++l) {
@@ -301,7 +349,7 @@ PhotometryPrediction predict(const PhotometryData& data, const PhotometrySums& s
       light = relative_light(data, model, t / static_cast<double>(sums.levels[l].frames.size()));
     }
     out.levels.push_back(
-        LevelPredictor(data, model, out.chain, data.levels[l], sums.levels[l], set_noise_dn)
+        LevelPredictor(data, model, out.chain, own, data.levels[l], sums.levels[l], set_noise_dn)
             .run(light, moving));
     out.nuisances += std::isnan(data.levels[l].illumination);
     out.falls = out.falls || out.levels.back().falls;

@@ -20,6 +20,8 @@ struct LevelPrediction {
   // By frame of the level (of the chosen ones), then row * channels + channel: how far the row's
   // mean is from that of the level's other frames, DN (flicker, drifts in time).
   std::vector<std::vector<double>> row_shift;
+  // Of the signal, what the scene's light makes; empty: all.
+  std::vector<double> lit_part;
   double illumination = 0;  // As given, or fitted where the set leaves it blank.
   bool falls = false;       // The response does, within this light.
 };
@@ -41,6 +43,9 @@ double lamp_row(const PhotometryData& data, int frame, int row, double exposure_
                 const effects::Model& model);
 std::vector<double> lamp_rows(const PhotometryData& data, int frame, double exposure_s,
                               const effects::Model& model);
+
+// Light of the camera itself on each sample (effects::OwnLight); empty where there is none.
+std::vector<double> own_light(const PhotometryData& data, const effects::Model& model);
 
 // Whether gain fields or sensor maps change with time (only formulas of users can).
 bool depends_on_time(const effects::Model& model);
