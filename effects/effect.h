@@ -110,8 +110,8 @@ struct EffectDefinition {
   // What a detector of corners does to the (u, v) that it reports, after all of the above: it acts
   // on measured points alone and never on images.
   std::function<void(Values, ImagePoint&)> corner_detector;
-  std::function<void(Values, Optics&)> optics;              // Point spread, glare.
-  std::function<double(Values, const ImagePoint&)> gain;    // Gain field over the image.
+  std::function<void(Values, Optics&)> optics;            // Point spread, glare.
+  std::function<double(Values, const ImagePoint&)> gain;  // Gain field over the image.
   // Light that the camera itself sheds on the sensor, in units of the illumination, at the first
   // frame's exposure.
   std::function<double(Values, const ImagePoint&)> own_light;

@@ -170,8 +170,8 @@ bool acts_in_runs(const EffectDefinition& effect) {
   if (of_points_alone(effect)) return false;
   return effect.timing || effect.encoder || effect.logged || effect.servo || effect.play_rad ||
          effect.joint_map || effect.mount || effect.geometry || effect.image_map || effect.optics ||
-         effect.gain || effect.own_light || effect.light || effect.sensor || effect.locomotion || effect.velocity_map ||
-         effect.scenario;
+         effect.gain || effect.own_light || effect.light || effect.sensor || effect.locomotion ||
+         effect.velocity_map || effect.scenario;
 }
 
 bool acts_on(const EffectDefinition& effect, const SetFacts& set) {

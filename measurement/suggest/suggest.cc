@@ -311,16 +311,11 @@ std::optional<Found> Proposer::run() {
   start_ = problem_.evaluate(base_.assessment.model, all_);
   if (!start_.valid || start_.whitened.empty()) return std::nullopt;
   library_.resize(vocabulary_.terms.size());
-  {
-    const Work work("terms computed", library_.size());
-    parallel_for(library_.size(), [&](size_t i) {
-      library_[i] = derivative(vocabulary_.terms[i]);
-      work.done();
-    });
-  }
+  const Work work("parts of the formula", kMostTerms + 1, Work::Of::at_most);
+  parallel_for(library_.size(), [&](size_t i) { library_[i] = derivative(vocabulary_.terms[i]); });
   Found found = fitted({});
-  const Work work("terms of the formula", kMostTerms, Work::Of::at_most);
   while (found.terms.size() < kMostTerms) {
+    work.done();
     look_from(found.assessment);
     const std::optional<Term> term = best_term();
     if (!term) break;
@@ -329,10 +324,8 @@ std::optional<Found> Proposer::run() {
     Found next = fitted(std::move(more));
     if (!supported(found, next)) break;
     found = std::move(next);
-    work.done();
   }
-  if (found.terms.empty()) return std::nullopt;
-  return without_needless(std::move(found));
+  return found.terms.empty() ? std::nullopt : std::optional(without_needless(std::move(found)));
 }
 
 // Further columns that vary: what stays within a fiftieth of its size in most rows can stand for
@@ -374,28 +367,26 @@ std::optional<Suggestion> suggest(const Problem& problem, const SearchResult& re
   if (result.verdict == "adequate" || !result.base.assessment.valid) return std::nullopt;
   if (explained_by_noises(result)) return std::nullopt;
   const auto stages = vocabularies(problem.facts().set.kind, varying_columns(problem));
-  if (stages.empty()) return std::nullopt;
   progress("building a formula from the residuals");
   const Assessment& catalogue = result.best.assessment;
   std::optional<Found> found = best_formula(problem, result.base, stages);
   // Beside the effects found only where a formula alone does not reach the noise: they may only
   // have stood in for it.
-  const bool alone = found && found->assessment.error < kMisfit;
   bool beside = false;
-  if (!alone && !result.steps.empty() && result.verdict == "unexplained_structure") {
+  if (!(found && found->assessment.error < kMisfit) && !result.steps.empty() &&
+      result.verdict == "unexplained_structure") {
     auto besides = best_formula(problem, result.best, stages);
     beside = besides && (!found || besides->merit > found->merit);
     if (beside) found = std::move(besides);
   }
   if (!found) return std::nullopt;
   // Effects with names are preferred to a formula that does no better.
-  const bool better = beside || result.steps.empty() ||
-                      found->merit > merit_of(problem, result.best) + tie_width(catalogue.error);
-  if (!better) return std::nullopt;
+  if (!beside && !result.steps.empty() &&
+      found->merit <= merit_of(problem, result.best) + tie_width(catalogue.error))
+    return std::nullopt;
   const Assessment& before = beside ? catalogue : result.base.assessment;
   Suggestion suggestion{.error_before = before.error, .error = found->assessment.error};
-  const Unknown& last = found->assessment.unknowns.back();
-  suggestion.effect = last.effect;
+  suggestion.effect = found->assessment.unknowns.back().effect;
   for (const Term& term : found->terms) suggestion.terms.push_back(term.label());
   if (beside) suggestion.beside = result.best.added;
   const std::string help =

@@ -30,7 +30,7 @@ std::filesystem::path flat_fields(bool edge) {
       std::filesystem::path(testing::TempDir()) / (edge ? "glow-edge" : "glow-corner");
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  std::mt19937_64 random(edge ? 31 : 30);
+  std::ranlux48_base random(edge ? 31 : 30);
   std::normal_distribution<double> gauss;
   std::string table = "frame,file,time_s,exposure_s,illumination\n";
   int frame = 0;
