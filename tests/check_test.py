@@ -7,6 +7,7 @@ import csv
 import os
 import pathlib
 import shutil
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -67,6 +68,16 @@ class FilesOfOurs(unittest.TestCase):
         for name in ("corrupted", "truncated", "headless", "text", "bomb"):
             code, text = seam("check", SOURCE / f"replays/corpus/{name}.mcap")
             self.assertEqual(code, 1, text)
+        damaged = bytearray((SOURCE / "replays/corpus/whole.mcap").read_bytes())
+        damaged[-60] ^= 1
+        with tempfile.TemporaryDirectory() as folder:
+            log, results = pathlib.Path(folder) / "index.mcap", pathlib.Path(folder) / "results.sqlite"
+            log.write_bytes(damaged)
+            code, text = seam("check", log)
+            self.assertEqual((code, "warning" in text and "the index is damaged at offset" in text), (0, True), text)
+            sqlite3.connect(results).execute("CREATE TABLE t (a)").connection.commit()
+            code, text = seam("check", results)
+            self.assertEqual((code, "`seam sweep status`" in text), (1, True), text)
         code, text = seam("check", SOURCE / "docs/tutorial.md")
         self.assertEqual(code, 1, text)
         code, text = seam("check", "/dev/zero")

@@ -231,6 +231,8 @@ def test_corners_of_two_cameras(folder):
     nominal = (folder / "rig" / "nominal.yaml").read_text()
     assert "pinhole@0" in nominal and "pinhole@1" in nominal and "camera_pose@1" in nominal, nominal
     refused("kalibr", *given, "--camera", "2", out=folder / "none", words=["--camera 2", "0, 1"])
+    larger = [word.replace("9x6", "10x6") if isinstance(word, str) else word for word in given]
+    refused("kalibr", *larger, out=folder / "larger", words=["corners.csv", "points 0 to 53", "60 points", "inner corners"])
     # A column that no habit names is named by --map, and where it is not the reason is given.
     corners_of_two(folder, "frame,sensor,point,u,v")
     refused("kalibr", *given, out=folder / "twice", words=["corners.csv:3", "point 0 of frame 0", "--map camera=sensor"])

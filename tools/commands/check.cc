@@ -14,6 +14,7 @@
 #include "effects/model.h"
 #include "effects/questions.h"
 #include "effects/stages/lens_domain.h"
+#include "mcap/reader.h"
 #include "measurement/check/describe.h"
 #include "render/colour/colour_table.h"
 #include "scheduler/log/log.h"
@@ -193,15 +194,18 @@ constexpr Format kFormats[] = {
     {"seam-sweep/1", sweep_text}};
 constexpr const char* kSetFormat = "seam-measurement/1";
 
+bool begins_with(const std::string& path, std::string_view magic) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  std::string start(magic.size(), '\0');
+  return std::ifstream(path, std::ios::binary).read(start.data(), std::ssize(start)) &&
+         start == magic;
+}
+
 bool is_log(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return false;
-  if (fs::path(path).extension() == ".mcap") return true;
-  constexpr std::string_view kMagic = "\x89MCAP0\r\n";
-  char start[kMagic.size()] = {};
-  if (!fs::is_regular_file(path, error)) return false;
-  return std::ifstream(path, std::ios::binary).read(start, sizeof start) &&
-         std::string_view(start, sizeof start) == kMagic;
+  return fs::path(path).extension() == ".mcap" || begins_with(path, "\x89MCAP0\r\n");
 }
 
 // Throws ExitCode 1 where the log has gaps.
@@ -213,6 +217,15 @@ void check_log(const std::string& path) {
               log.end() ? "" : ", without an end");
   for (const mcap::Loss& loss : log.losses())
     std::printf("error: %s: %s\n", path.c_str(), shown(loss.what).c_str());
+  const auto index =
+      log.losses().empty() ? mcap::index_damage(log.file().contents()) : std::nullopt;
+  if (index) {
+    std::printf(
+        "warning: %s: the index is damaged at offset %llu: %s; to write it anew: seam "
+        "replay recover %s --out FILE\n",
+        path.c_str(), static_cast<unsigned long long>(index->offset), shown(index->what).c_str(),
+        path.c_str());
+  }
   if (!log.losses().empty()) throw ExitCode{1};
 }
 
@@ -236,6 +249,10 @@ void check(const CheckSettings& settings) {
   if (is_log(settings.path)) return check_log(settings.path);
   if (fs::is_directory(settings.path)) return check_set(settings);
   app::refuse_foreign_file(settings.path);
+  if (begins_with(settings.path, "SQLite format 3"))
+    throw InputError(fmt::format(
+        "{}: found a database; of the results of a sweep `seam sweep status` says what they hold",
+        settings.path));
   const ConfigNode root = ConfigNode::from_file(settings.path);
   if (!root.has("format") && root.has("effects")) {
     std::printf("%s: effects of your own\n", settings.path.c_str());

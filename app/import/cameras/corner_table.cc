@@ -105,6 +105,21 @@ void CornerTable::fail_twice(size_t row, size_t before) const {
                                    column)));
 }
 
+// Views that all have the same first points and no others show the whole of a smaller board.
+void CornerTable::refuse_smaller_board(const std::vector<SeenView>& views, size_t points) const {
+  const size_t seen = views.empty() ? points : views.front().corners.size();
+  for (const SeenView& view : views) {
+    if (view.corners.size() != seen) return;
+    for (const SeenCorner& corner : view.corners)
+      if (corner.point >= seen) return;
+  }
+  if (seen >= points) return;
+  throw InputError(
+      fmt::format("{}: each view has the points 0 to {} and no others, expected {} points of the "
+                  "target (are its columns and rows those of the inner corners?)",
+                  table_.file(), seen - 1, points));
+}
+
 std::vector<SeenView> CornerTable::views_of(const TargetSpec& target,
                                             const std::string& camera) const {
   std::vector<SeenView> views;
@@ -124,6 +139,7 @@ std::vector<SeenView> CornerTable::views_of(const TargetSpec& target,
                                             .u_px = table_.number(row, at(u_)),
                                             .v_px = table_.number(row, at(v_))});
   }
+  if (tag_ < 0) refuse_smaller_board(views, target.points.size());
   if (has_times()) {
     std::stable_sort(views.begin(), views.end(),
                      [](const SeenView& a, const SeenView& b) { return a.time_ns < b.time_ns; });

@@ -37,6 +37,7 @@ class CornerTable {
   std::vector<SeenView> views_of(const TargetSpec& target, const std::string& camera) const;
   size_t count_in(size_t row, int column) const;
   size_t point_in(size_t row, const TargetSpec& target) const;
+  void refuse_smaller_board(const std::vector<SeenView>& views, size_t points) const;
   [[noreturn]] void fail_twice(size_t row, size_t before) const;
   std::string column_of_cameras() const;
   std::string key_of(size_t row) const;
