@@ -91,7 +91,7 @@ def tests_by_hand():
         text = path.read_text()
         if re.search(r"sys\.argv\[1[\]:]", text) and "by_hand.arguments(" not in text and path.name not in ("by_hand.py", "recipes_test.py"):
             yield f"{path.name}: takes arguments without by_hand.arguments(...)"
-    for given, whole in ((["x_test.py"], 3), (["x_test.py", "Kills.test_one"], 4), (["x_test.py", "build/seam", "."], 3)):
+    for given, whole in ((["x_test.py"], 3), (["x_test.py", "Kills.test_one"], 4), (["x_test.py", str(PAGE), str(ROOT)], 3)):
         argv, sys.argv = sys.argv, list(given)
         source, node = by_hand.arguments("source", "node")
         found, sys.argv = sys.argv, argv
