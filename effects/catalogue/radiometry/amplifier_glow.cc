@@ -85,10 +85,6 @@ EffectDefinition amplifier_glow() {
       .example = "amplifier_glow: {light: 0.05, u0: 0.5, v0: 0.5, fall_u_per_px: 0.05}",
       .starts = {{kPhotometry, StartSearch::shapes, places()}},
       .own_light = glow,
-      .told_once =
-          [](std::vector<double>& values) {
-            for (const size_t fall : {3, 4}) values[fall] = std::abs(values[fall]);
-          },
       .proof = {{.values = {0.05, 0.5, 0.5, 0.05, 0.05, 1},
                  .given = {{"u_px", 165}, {"v_px", 127}},
                  .expected = {{"own_light", 0.0183939720585721}},
