@@ -1,0 +1,21 @@
+"""All sorts of sets, each with the function that makes one."""
+from boards import boards, videos
+from flats import flats
+from landmarks import landmarks
+from motors import motors
+from servos import servos
+from sets import Plan, write
+from walks import walks
+
+SORTS = {"boards": boards, "videos": videos, "servos": servos, "motors": motors, "landmarks": landmarks, "walks": walks,
+         "wheels": walks, "flats": flats}
+
+
+def make(sort, number):
+    plan = Plan(sort, number)
+    return plan, SORTS[sort](plan)
+
+
+def make_into(out, sort, number):
+    plan, made = make(sort, number)
+    return write(made, plan, out)

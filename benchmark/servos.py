@@ -1,0 +1,160 @@
+"""Logs of servos that follow commands by kinematic rules (`servos`): lag, limits, play, sag, encoders."""
+import math
+
+import numpy as np
+
+from draws import Draw
+from sets import MadeSet, TRACE_SIZE, noise_line, rows
+
+NOISE_RAD = 0.0005
+STEP_S = 0.01
+LENGTH = 160
+# At most one of each line: effects of one line answer alike to most commands.
+FAMILIES = (("servo_lag", "servo_latency"), ("speed_limit",), ("stiction", "backlash"),
+            ("gravity_sag", "encoder_scale"), ("encoder_quantisation",), ("joint_wander",))
+STRANGE = ("encoder's wave", "slow drift")
+
+
+def commands(draw, runs, kinds=4):
+    """Angles of command, one row a run: steps, a swing that grows faster, slow ramps, small moves."""
+    t = np.arange(LENGTH) * STEP_S
+    table = np.empty((runs, LENGTH))
+    for run in range(runs):
+        ends = [draw.uniform(-1.1, 1.1) for _ in range(8)]
+        block = np.minimum((6 * t / t[-1]).astype(int), 5)
+        if run % kinds == 0:
+            table[run] = np.take(ends, block)
+        elif run % kinds == 1:
+            table[run] = ends[0] * np.sin((2 + 3 * t) * t) + 0.4 * ends[1] * np.sin(11 * t)
+        elif run % kinds == 2:
+            table[run] = np.interp(t, np.linspace(0, t[-1], 5), ends[:5])
+        else:
+            table[run] = 0.6 * ends[0] + np.take([0.03 * end for end in ends], (30 * t / t[-1]).astype(int) % 7)
+        table[run, :3] = table[run, 0]
+    return np.round(table, 5)
+
+
+def settled(q, command, dt, lag, limit, band):
+    """The angle after a time under a command that holds, in closed form."""
+    left = command - q
+    if abs(left) <= band * (1 + 1e-9) + 1e-15:
+        return q
+    if lag == 0 and not math.isfinite(limit):
+        return command  # An ideal servo jumps; only nearer commands leave it where it is.
+    if math.isfinite(limit) and abs(left) > limit * lag:
+        edge = max(limit * lag, band)
+        span = (abs(left) - edge) / limit
+        if span >= dt:
+            return q + math.copysign(limit * dt, left)
+        left, dt = math.copysign(edge, left), dt - span
+    if lag == 0 or (band and lag * math.log(max(1.0, abs(left) / band)) <= dt):
+        return command - math.copysign(band, left)
+    return command - left * math.exp(-dt / lag)
+
+
+def moved(effects, command):
+    """Angles at the rows, of the joint itself, each just before its row's command acts."""
+    lag = effects.get("servo_lag", {}).get("tau_s", 0)
+    limit = effects.get("speed_limit", {}).get("rad_per_s", math.inf)
+    band = effects.get("stiction", {}).get("dead_band_rad", 0)
+    late = effects.get("servo_latency", {}).get("latency_s", 0)
+    play = 0.5 * effects.get("backlash", {}).get("width_rad", 0)
+    angles = []
+    q = load = active = command[0]
+    # What happens: rows are read, then commands act that were given `late` ago; of one instant the reading is first.
+    events = sorted([(round(k * STEP_S, 9), 0, k) for k in range(len(command))]
+                    + [(round(k * STEP_S + late, 9), 1, k) for k in range(len(command))])
+    now = 0.0
+    for time, acts, k in events:
+        q = settled(q, active, time - now, lag, limit, band)
+        load = min(max(load, q - play), q + play)
+        now = time
+        if acts:
+            active = command[k]
+        else:
+            angles.append(load)
+    return np.array(angles)
+
+
+def logged(effects, q, t):
+    """What the encoder says of an angle, without noise."""
+    sag = effects.get("gravity_sag", {})
+    q = q - sag.get("rad", 0) * np.cos(q - sag.get("level_rad", 0))
+    q = q - effects.get("encoder_offset", {}).get("pan_rad", 0)
+    q = q / (1 + effects.get("encoder_scale", {}).get("pan_scale", 0))
+    wave, drift = effects.get("encoder's wave", {}), effects.get("slow drift", {})
+    repeats = wave.get("rad", 0) * np.sin(wave.get("a_turn", 0) * q + wave.get("phase_rad", 0))
+    return q + repeats + drift.get("rad_per_s", 0) * t
+
+
+def draw_effect(draw, name, noise):
+    return {"servo_lag": lambda: {"tau_s": draw.log_uniform(0.01, 0.08)},
+            "servo_latency": lambda: {"latency_s": draw.uniform(0.004, 0.04)},
+            "speed_limit": lambda: {"rad_per_s": draw.uniform(1.5, 5)},
+            "stiction": lambda: {"dead_band_rad": draw.uniform(4, 15) * noise},
+            "backlash": lambda: {"width_rad": draw.uniform(6, 25) * noise},
+            "gravity_sag": lambda: {"rad": draw.uniform(8, 40) * noise, "level_rad": 0.0},
+            "encoder_scale": lambda: {"pan_scale": draw.signed(0.004, 0.03)},
+            "encoder_offset": lambda: {"pan_rad": draw.signed(4, 20) * noise},
+            "encoder_quantisation": lambda: {"step_rad": draw.choice((2 * math.pi / 4096, math.radians(300) / 1024))},
+            "joint_wander": lambda: {"sigma_rad": draw.uniform(2, 6) * noise, "tau_s": draw.uniform(0.1, 0.5)},
+            "encoder's wave": lambda: {"rad": draw.uniform(4, 10) * noise, "a_turn": draw.choice((6, 8, 10)),
+                                       "phase_rad": draw.uniform(-3, 3)},
+            "slow drift": lambda: {"rad_per_s": draw.signed(6, 15) * noise / (LENGTH * STEP_S)}}[name]()
+
+
+def joints_set(table, nominal, stated, noise, **more):
+    settings = "group: run\n" + noise_line(stated, measured_rad=noise) + "files: {joints: joints.csv}\n"
+    return MadeSet(kind="joints", settings=settings, tables={"joints.csv": table}, nominal=nominal,
+                   noise_stated=stated, **more)
+
+
+def with_gross(draw, plan, angles):
+    """Samples of another time, as bits lost on a bus make them."""
+    wrong = draw.uniform(size=angles.shape) < plan.gross
+    return angles + wrong * np.sign(draw.normal(size=angles.shape)) * draw.uniform(0.05, 1.0, size=angles.shape)
+
+
+def tied_commands(draw, runs):
+    """Large steps to and fro: a dead band and play end them alike."""
+    table = np.empty((runs, LENGTH))
+    for run in range(runs):
+        size = [draw.uniform(0.3, 1.0) * (1 if k % 2 else -1) for k in range(8)]
+        table[run] = np.take(size, np.arange(LENGTH) // 20)
+    return np.round(table, 5)
+
+
+def servos(plan):
+    draw = Draw(plan.sort, plan.number)
+    runs, noise = draw.choice((5, 6)), NOISE_RAD * draw.uniform(0.5, 2)
+    command = (tied_commands if plan.course == "tie" else commands)(draw.of("commands"), runs)
+    nominal = {"ideal_servo": {}}
+    if plan.course == "tie":
+        # A servo of known speed ends a dead band before its command, as play does.
+        names, nominal = ["stiction"], nominal | {"speed_limit": {"rad_per_s": 25.0}}
+    else:
+        families = draw.sample(FAMILIES[:4] if plan.course in ("trace", "gross") else FAMILIES, plan.count)
+        names = [draw.choice(family) for family in families]
+    stated = draw.chance(0.6) or bool({"encoder_quantisation", "joint_wander"} & set(names))
+    hidden = {name: draw_effect(draw, name, noise) for name in names}
+    strange = STRANGE[plan.turn % len(STRANGE)] if plan.course == "outside" else ""
+    effects = nominal | hidden | ({strange: draw_effect(draw, strange, noise)} if strange else {})
+    times = np.arange(LENGTH) * STEP_S
+    angles = np.stack([moved(effects, row) for row in command])
+    traces = {}
+    if plan.course == "trace":
+        traces = {"encoder_offset": {"pan_rad": draw.of("trace").signed(1, 1) * TRACE_SIZE * noise}}
+    clean = logged(effects | traces, angles, times)
+    if "joint_wander" in effects:
+        wander = effects["joint_wander"]
+        clean = clean + np.stack([draw.of(f"wander {run}").wander(times, wander["sigma_rad"], wander["tau_s"])
+                                  for run in range(runs)])
+    measured = clean + draw.of("noise").normal(noise, size=clean.shape)
+    step = effects.get("encoder_quantisation", {}).get("step_rad", 0)
+    measured = with_gross(draw.of("gross"), plan, np.rint(measured / step) * step if step else measured)
+    table = rows("run,time_s,joint,command_rad,measured_rad", ("d", ".3f", "s", ".5f", ".9f"),
+                 np.repeat(np.arange(runs), LENGTH).tolist(), np.tile(times, runs).tolist(), ["joint"] * command.size,
+                 command.ravel().tolist(), measured.ravel().tolist())
+    ties = {"stiction": ["backlash"]} if plan.course == "tie" else {}
+    return joints_set(table, nominal, stated, noise, hidden=hidden, traces=traces, outside=strange,
+                      ties=ties, unscored=["gravity_sag.level_rad"])
