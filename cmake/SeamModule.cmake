@@ -139,6 +139,9 @@ function(seam_test_program name)
   # the standard library's own headers, where these are read once for a target.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300
-                       ENVIRONMENT SEAM_CACHE=off)
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "-*Slow.*" PROPERTIES TIMEOUT 300
+                       ENVIRONMENT SEAM_CACHE=off LABELS unit)
+  # Suites whose names end with Slow: tens of seconds of fits (label `slow`, tests/CMakeLists.txt).
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "*Slow.*" TEST_LIST ${name}_SLOW_TESTS PROPERTIES TIMEOUT 300
+                       ENVIRONMENT SEAM_CACHE=off LABELS "unit;slow")
 endfunction()

@@ -58,6 +58,9 @@ struct Contents {
 // though the data may be whole.
 std::optional<Loss> index_damage(const Contents& scanned);
 
+// A damaged index as a sentence: where, how large, what is wrong with it.
+std::string index_sentence(const Loss& damage);
+
 class Reader {
  public:
   // Through the summary where it is whole, else by a scan. Throws InputError where the file is no

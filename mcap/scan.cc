@@ -345,6 +345,11 @@ std::optional<Loss> index_damage(const Contents& scanned) {
   return std::nullopt;
 }
 
+std::string index_sentence(const Loss& damage) {
+  return fmt::format("the index is damaged at offset {} ({} bytes): {}", damage.offset,
+                     damage.bytes, damage.what);
+}
+
 Contents scan_file(const Input& input, const Limits& limits) {
   return Scanner(input, limits, nullptr).run();
 }

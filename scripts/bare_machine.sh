@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A bare Debian 12 with nothing but git: clones this checkout's HEAD there and runs both commands of the README.
+# A bare Debian 12 with nothing but git: clones this checkout's HEAD there, runs both commands of the README, and the slow tests.
 # Packages that a developer's machine happens to have hide what scripts/dependencies.sh forgets; they are absent there.
 #
 # Usage, as root, with the package debootstrap: scripts/bare_machine.sh [--prepare] [--release DIR] [--copy FILE]... [FOLDER]
@@ -11,7 +11,7 @@
 #                example. A certificate under /usr/local/share/ca-certificates is trusted there.
 #
 # apt uses the mirrors, keys and Acquire settings (proxies) of this machine's apt. The last line that is printed is a row
-# (date, commit, cores, times, tests passed). Exit code 1 if a command failed.
+# (date, commit, cores, times of ./run.sh, ./test.sh and the slow tests, tests passed). Exit code 1 if a command failed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 suite=bookworm
@@ -122,12 +122,20 @@ if [ -n "$prepare" ]; then
 fi
 failed=0
 step run 'cd seam && ./run.sh' || failed=1
-run_minutes=$minutes
+times=("$minutes min")
 step test 'cd seam && ./test.sh' || failed=1
-counted=$(sed -nE 's/.* ([0-9]+) tests failed out of ([0-9]+).*/\1 \2/p' "$root/root/test.log" | tail -n 1)
-read -r lost all <<<"${counted:-? ?}"
+times+=("$minutes min")
+step slow 'cd seam && ctest --test-dir build -L slow --output-on-failure -j "$(nproc)"' || failed=1
+times+=("$minutes min")
+lost=0 all=0
+for log in "$root"/root/test.log "$root"/root/slow.log; do
+  counted=$(sed -nE 's/.* ([0-9]+) tests failed out of ([0-9]+).*/\1 \2/p' "$log" | tail -n 1)
+  read -r lost_here all_here <<<"${counted:-0 0}"
+  lost=$((lost + lost_here)) all=$((all + all_here))
+done
 # ctest counts what was skipped as passed.
-skipped=$(sed -nE 's/^[[:space:]]*[0-9]+ - (.*) \((Skipped|Not Run)\)$/\1/p' "$root/root/test.log" | paste -sd, | sed 's/,/, /g')
-[ "$lost" = '?' ] && result='no tests were run' || result="$((all - lost)) of $all"
-echo "| $(date -u +%F) | $(tail -n 1 "$root/root/clone.log") | $(nproc) | $run_minutes min | $minutes min | $result${skipped:+; skipped: $skipped} |"
+skipped=$(sed -nE 's/^[[:space:]]*[0-9]+ - (.*) \((Skipped|Not Run)\)$/\1/p' "$root"/root/{test,slow}.log | paste -sd, | sed 's/,/, /g')
+printf '| %s | %s | %s |' "$(date -u +%F)" "$(tail -n 1 "$root/root/clone.log")" "$(nproc)"
+printf ' %s |' "${times[@]}"
+echo " $((all - lost)) of $all${skipped:+; skipped: $skipped} |"
 end "$failed"

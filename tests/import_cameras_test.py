@@ -245,6 +245,30 @@ def test_corners_of_two_cameras(folder):
     refused("kalibr", *given, "--map", "camera=sensor", out=folder / "same", words=["both of camera 0"])
 
 
+def test_corners_by_row_and_column(folder):
+    """Their place on the board is a row and a column; a board stated the wrong way round is refused."""
+    target, lines, numbered = board(), ["image,row,col,x_px,y_px"], ["frame,point,u,v"]
+    for frame, view in enumerate(board_views(target)):
+        for point, (u, v) in enumerate(view):
+            lines.append(f"view{frame:02d}.png,{point // 9},{point % 9},{u:.4f},{v:.4f}")
+            numbered.append(f"{frame},{point},{u:.4f},{v:.4f}")
+    (folder / "corners.csv").write_text("\n".join(lines) + "\n")
+    (folder / "numbered.csv").write_text("\n".join(numbered) + "\n")
+    size = ["--spacing", "0.03", "--size", "640x480"]
+    imported("kalibr", folder / "corners.csv", "--board", "9x6", *size, out=folder / "grid")
+    imported("kalibr", folder / "numbered.csv", "--board", "9x6", *size, out=folder / "numbered")
+    seen = [[{key: row[key] for key in row if key != "frame"} for row in rows_of(folder / name / "points.csv")]
+            for name in ("grid", "numbered")]
+    assert seen[0] == seen[1]
+    refused("kalibr", folder / "corners.csv", "--board", "6x9", *size, out=folder / "turned",
+            words=["corners.csv:8", "one of the board's 6 columns"])
+    refused("kalibr", folder / "numbered.csv", "--board", "6x9", *size, out=folder / "turned",
+            words=["board of 6x9", "fit one of 9x6", "--board 9x6"])
+    (folder / "bare.csv").write_text("\n".join(lines).replace("image,row,col,", "image,row,line,") + "\n")
+    refused("kalibr", folder / "bare.csv", "--board", "9x6", *size, out=folder / "bare",
+            words=["bare.csv:1: no column for point", "row and column", "found image, row, line"])
+
+
 def test_rig_of_a_camchain(folder):
     """The chain's transform is from the first camera to the second: the second stands 0.1 m to the right."""
     (folder / "chain.yaml").write_text(chain())

@@ -178,6 +178,8 @@ def test_refusals(folder):
     other = table(folder / "poses.csv", "time,x,y,theta", [5000 + T[ROWS], *RNG.standard_normal((3, len(T[ROWS])))])
     refused("wheels", wheels, other, out=folder / "no", words=["times go from", "pose_time"])
     refused("wheels", wheels, "--base", "-1", out=folder / "no", words=["--base"], code=2)
+    right = table(folder / "right.csv", "time,x,y,theta", [T[ROWS], *POSES[ROWS].T])
+    refused("wheels", wheels, right, "--base", "240", out=folder / "no", words=["--base 240", "--base 0.24 if it is in millimetres"])
     refused("wheels", wheels, "--unit", "banana=deg", out=folder / "no", words=["unknown name 'banana'", "left"], code=2)
     (folder / "servo.csv").write_text("time,command,position\n0,1,2\n1,2,3\n")
     refused("servo", folder / "servo.csv", "--unit", "command=deg", out=folder / "no", words=["one unit for all"], code=2)

@@ -59,6 +59,18 @@ class Room(unittest.TestCase):
         for stage in ("labels", "depth", "motion"):
             self.assertTrue(list((self.folder / "stages").glob(f"*_{stage}.png")))
 
+    def test_a_bundle_has_meshes_materials_and_textures(self):
+        log, bundle = self.folder / "run.mcap", self.folder / "room.seam"
+        code, text = seam("run", self.room, "--log", log)
+        self.assertEqual(code, 0, text)
+        code, text = seam("sweep", "bundle", log, "--out", bundle)
+        self.assertEqual((code, "their bits are those of" in text), (0, True), text)
+        for name in ("chair.obj", "chair.mtl", "planks.jpg", "bricks.png"):
+            (self.room.parent / name).unlink()
+        log.unlink()
+        code, text = seam("sweep", "rerun", bundle, "--run-programs")
+        self.assertEqual((code, "equal: the run has the fingerprint" in text), (0, True), text)
+
     def test_the_log_names_the_renderer_and_is_made_again(self):
         log = self.folder / "run.mcap"
         code, text = seam("run", self.room, "--log", log)

@@ -25,7 +25,8 @@ bool is_yaml(const FileLook& look) {
   return look.ends({".yaml", ".yml", ".xml"});
 }
 bool has_corners(const FileLook& look) {
-  return look.has_column({"u", "u_px"}) && look.has_column({"v", "v_px"});
+  return (look.has_column({"u", "u_px"}) && look.has_column({"v", "v_px"})) ||
+         (look.has_column({"x_px"}) && look.has_column({"y_px"}));
 }
 bool has_quaternions(const FileLook& look) {
   return look.has_column({"qw", "q_w", "q_rs_w"});
@@ -61,9 +62,9 @@ const std::vector<ImportKind>& import_kinds() {
       {.name = "kalibr",
        .help = "a camchain, a target YAML, corners as CSV",
        .options = {"map", "board", "spacing", "length-unit", "time-unit", "size", "camera"},
-       .quantities = {"time", "frame", "camera", "tag", "point", "u", "v"},
+       .quantities = {"time", "frame", "camera", "tag", "point", "row", "column", "u", "v"},
        .fill = import_kalibr,
-       .what = "corners as CSV",
+       .what = "corners as CSV (with --board 8x6 --spacing METRES --size WIDTHxHEIGHT)",
        .also = {"corners", "camchain", "points", "april", "aprilgrid"},
        .looks =
            [](const FileLook& look) {

@@ -15,19 +15,32 @@ std::optional<scheduler::Turn> OpenLoop::decide(
   if (!logged) return std::nullopt;
   for (size_t i = 0; i < observations.size(); ++i) {
     if (observations[i]->robot != robot_) continue;
-    const std::optional<scheduler::Turn> live = live_.decide(now, observations.subspan(i, 1));
-    stopped_ |= !live;
-    if (!live) return std::nullopt;
-    const scheduler::Answer& fed = live->answers.front();
-    if (fed.outcome != Outcome::decided && fed.outcome != Outcome::resumed)
-      throw InputError(fmt::format("the program did not decide at {}: {}", seconds(now),
-                                   fed.reason.empty() ? "it is gone" : fed.reason));
-    const Outcome outcome = logged->answers[i].outcome;
-    // Where the robot was frozen in the log there is nothing to compare with.
-    if (outcome == Outcome::decided || outcome == Outcome::resumed)
-      on_decision_({*observations[i], logged->answers[i], fed});
+    if (!settle()) return std::nullopt;
+    live_.ask(now, observations.subspan(i, 1));
+    asked_ = {now, observations[i], logged->answers[i]};
   }
   return logged;
+}
+
+void OpenLoop::finish(SimTime now, const std::string& reason) {
+  settle();
+  live_.finish(now, reason);
+}
+
+bool OpenLoop::settle() {
+  if (!asked_) return true;
+  const Asked asked = *std::exchange(asked_, std::nullopt);
+  const std::optional<scheduler::Turn> live = live_.answers({&asked.seen, 1});
+  stopped_ |= !live;
+  if (!live) return false;
+  const scheduler::Answer& fed = live->answers.front();
+  if (fed.outcome != Outcome::decided && fed.outcome != Outcome::resumed)
+    throw InputError(fmt::format("the program did not decide at {}: {}", seconds(asked.time),
+                                 fed.reason.empty() ? "it is gone" : fed.reason));
+  // Where the robot was frozen in the log there is nothing to compare with.
+  if (asked.logged.outcome == Outcome::decided || asked.logged.outcome == Outcome::resumed)
+    on_decision_({*asked.seen, asked.logged, fed});
+  return true;
 }
 
 OneRobotsFrames::OneRobotsFrames(const scheduler::Log& log, CameraRenderer& renderer, int robot)

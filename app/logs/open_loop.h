@@ -1,11 +1,14 @@
 // A recorded run given to another program: it gets what its robot got and is asked what it
-// would do, while the log decides for all. Nothing that it decides has an effect.
+// would do, while the log decides for all. Nothing that it decides has an effect, so the world goes
+// on while the program thinks, up to the robot's next observation.
 #pragma once
 
 #include <atomic>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -29,7 +32,7 @@ class OpenLoop final : public scheduler::DecisionSource {
 
   // All must outlive it. `live` is asked for this robot alone. `stopped` is set where the run was
   // stopped before the log's end.
-  OpenLoop(const scheduler::Log& log, scheduler::DecisionSource& live, int robot,
+  OpenLoop(const scheduler::Log& log, scheduler::LiveSource& live, int robot,
            OnDecision on_decision, bool& stopped)
       : turns_(log),
         live_(live),
@@ -41,14 +44,24 @@ class OpenLoop final : public scheduler::DecisionSource {
   std::optional<scheduler::Turn> decide(
       SimTime now,
       std::span<const std::shared_ptr<const scheduler::Observation>> observations) override;
-  void finish(SimTime now, const std::string& reason) override { live_.finish(now, reason); }
+  void finish(SimTime now, const std::string& reason) override;
 
  private:
+  // What the program was asked last and did not answer yet.
+  struct Asked {
+    SimTime time;
+    std::shared_ptr<const scheduler::Observation> seen;
+    scheduler::Answer logged;
+  };
+  // Waits for the answer; false where the run is to stop.
+  bool settle();
+
   scheduler::TurnReader turns_;
-  scheduler::DecisionSource& live_;
+  scheduler::LiveSource& live_;
   const int robot_;
   OnDecision on_decision_;
   bool& stopped_;
+  std::optional<Asked> asked_;
 };
 
 // Frames for one robot alone: those that the log holds as pictures from it, others drawn again.

@@ -311,9 +311,10 @@ SessionSummary Session::simulate(const WrapSource& wrap,
   if (remote_) renderer = remote_.get();
   const auto other = options_.wrap_renderer ? options_.wrap_renderer(*renderer) : nullptr;
   if (other) renderer = other.get();
-  scheduler::Simulation simulation({scenario, simulator_.world, decisions, control_, renderer,
-                                    std::move(observers), simulator_.header},
-                                   {.camera_at_rows = outputs_.frames.has_value()});
+  scheduler::Simulation simulation(
+      {scenario, simulator_.world, decisions, control_, renderer, std::move(observers),
+       simulator_.header},
+      {.camera_at_rows = outputs_.frames.has_value(), .state_hashes = options_.state_hashes});
   const Finisher finisher{remote_.get()};
   const auto start = std::chrono::steady_clock::now();
   SessionSummary summary;

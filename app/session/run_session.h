@@ -42,6 +42,7 @@ struct SessionOptions {
   bool force = false;                         // A log and frames of an earlier run are replaced.
   std::vector<std::filesystem::path> inputs;  // What is read: no output may be one of these.
   bool start_behaviours = true;
+  bool state_hashes = true;            // Without: no fingerprint, and no steps in a log.
   std::vector<std::string> addresses;  // Beside the private socket of the behaviours.
   std::string certificates;            // Folder with ca.pem, server.pem, server.key.
   std::string token_file;              // Tokens are written here for clients elsewhere.
@@ -104,7 +105,7 @@ struct SessionSummary {
 
 // `wrap` may put another source of decisions in front of the live clients.
 using WrapSource =
-    std::function<std::unique_ptr<scheduler::DecisionSource>(scheduler::DecisionSource& live)>;
+    std::function<std::unique_ptr<scheduler::DecisionSource>(scheduler::LiveSource& live)>;
 
 struct SessionOutputs;
 

@@ -72,8 +72,12 @@ struct Facts {
   // joint log's run), numbered; empty: the group is the series.
   std::vector<int> series_of_row;
   bool tests_neighbours = true;  // Whether the structure tests look for correlation in a series.
-  std::vector<int> row_of;       // By scalar.
-  std::vector<int> channel_of;   // By scalar.
+  // By row: 1 where it has the reading of a row beside it, rounded to steps that are coarser than
+  // the noise. The two share one error, that of the rounding, and count once in structure tests.
+  // Empty: every row has an error of its own.
+  std::vector<char> shares_error;
+  std::vector<int> row_of;      // By scalar.
+  std::vector<int> channel_of;  // By scalar.
   std::vector<Covariate> covariates;
   std::vector<std::string> notes;  // What of the set takes no part, and why: sentences.
   FigureTable figures;

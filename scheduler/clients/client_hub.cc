@@ -165,28 +165,27 @@ uint64_t ClientHub::decisions() const {
   return decisions_;
 }
 
-void ClientHub::hand_out(std::span<const std::shared_ptr<const Observation>> observations) {
-  // Sending happens outside the lock, so that early answers do not wait for late observations.
-  std::vector<std::pair<std::shared_ptr<ClientConnection>, std::shared_ptr<const Observation>>> out;
-  {
-    const std::lock_guard lock(mutex_);
-    for (const auto& observation : observations) {
-      Slot& slot = slots_[observation->robot];
-      slot.pending = observation;
-      slot.last_sequence = observation->sequence;
-      slot.decision.reset();
-      const bool takes_part = !slot.frozen || (slot.returning && slot.active);
-      slot.returning = false;
-      if (!takes_part) continue;
-      slot.owes = true;
-      ++owed_;
-      if (slot.active) out.emplace_back(slot.connection, observation);
-    }
-    asked_at_ = WallClock::now();
+std::vector<ClientHub::Letter> ClientHub::letters_for(
+    SimTime now, std::span<const std::shared_ptr<const Observation>> observations) {
+  std::vector<Letter> letters;
+  const std::lock_guard lock(mutex_);
+  now_ = now;
+  loop_ = std::this_thread::get_id();
+  applied_.clear();
+  for (const auto& observation : observations) {
+    Slot& slot = slots_[observation->robot];
+    slot.pending = observation;
+    slot.last_sequence = observation->sequence;
+    slot.decision.reset();
+    const bool takes_part = !slot.frozen || (slot.returning && slot.active);
+    slot.returning = false;
+    if (!takes_part) continue;
+    slot.owes = true;
+    ++owed_;
+    if (slot.active) letters.emplace_back(slot.connection, observation);
   }
-  // Several clients are asked side by side, on as many cores as there are.
-  core_.begin(slots_.size() == 1 && !out.empty() ? out.front().first->process() : 0);
-  for (const auto& [connection, observation] : out) connection->send(observation);
+  asked_at_ = WallClock::now();
+  return letters;
 }
 
 ClientHub::WallClock::time_point ClientHub::deadline_of(const Slot& slot) const {
@@ -270,15 +269,25 @@ void ClientHub::wait(std::unique_lock<std::mutex>& lock,
   lock.lock();
 }
 
+// Sending happens outside the lock, so that early answers do not wait for late observations.
+void ClientHub::ask(SimTime now, std::span<const std::shared_ptr<const Observation>> observations) {
+  for (const auto& [connection, observation] : letters_for(now, observations))
+    connection->send(observation);
+}
+
 std::optional<Turn> ClientHub::decide(
     SimTime now, std::span<const std::shared_ptr<const Observation>> observations) {
-  {
-    const std::lock_guard lock(mutex_);
-    now_ = now;
-    loop_ = std::this_thread::get_id();
-    applied_.clear();
-  }
-  hand_out(observations);
+  const std::vector<Letter> letters = letters_for(now, observations);
+  // Several clients are asked side by side, on as many cores as there are.
+  core_.begin(slots_.size() == 1 && !letters.empty() ? letters.front().first->process() : 0);
+  for (const auto& [connection, observation] : letters) connection->send(observation);
+  std::optional<Turn> turn = answers(observations);
+  core_.end(WallClock::now() - asked_at_);
+  return turn;
+}
+
+std::optional<Turn> ClientHub::answers(
+    std::span<const std::shared_ptr<const Observation>> observations) {
   std::unique_lock lock(mutex_);
   while (owed_ > 0) {
     if (control_.wanted()) {
@@ -288,7 +297,6 @@ std::optional<Turn> ClientHub::decide(
       if (control_.stop_requested()) {
         for (Slot& slot : slots_) slot.owes = false;
         owed_ = 0;
-        core_.end(WallClock::now() - asked_at_);
         return std::nullopt;
       }
     }
@@ -301,9 +309,7 @@ std::optional<Turn> ClientHub::decide(
     else
       wait(lock, deadline);
   }
-  const WallClock::duration waited = WallClock::now() - asked_at_;
-  core_.end(waited);
-  waited_s_ += std::chrono::duration<double>(waited).count();
+  waited_s_ += std::chrono::duration<double>(WallClock::now() - asked_at_).count();
   Turn turn;
   for (const auto& observation : observations)
     turn.answers.push_back(answer_of(slots_[observation->robot]));

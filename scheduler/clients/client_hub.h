@@ -74,7 +74,7 @@ struct DecisionDoubts {
   std::map<size_t, std::string> clamped;  // Targets beyond the range, by joint.
 };
 
-class ClientHub final : public DecisionSource {
+class ClientHub final : public LiveSource {
  public:
   ClientHub(std::vector<HubRobot> robots, RunControl& control);
 
@@ -116,6 +116,9 @@ class ClientHub final : public DecisionSource {
 
   std::optional<Turn> decide(
       SimTime now, std::span<const std::shared_ptr<const Observation>> observations) override;
+  void ask(SimTime now, std::span<const std::shared_ptr<const Observation>> observations) override;
+  std::optional<Turn> answers(
+      std::span<const std::shared_ptr<const Observation>> observations) override;
   std::vector<SimulationEvent> take_faults() override;
   void finish(SimTime time, const std::string& reason) override;
 
@@ -143,7 +146,10 @@ class ClientHub final : public DecisionSource {
 
   void add_fault(int robot, const std::string& name, const std::string& detail);
   void add_doubts(int robot, const DecisionDoubts& doubts);
-  void hand_out(std::span<const std::shared_ptr<const Observation>> observations);
+  using Letter = std::pair<std::shared_ptr<ClientConnection>, std::shared_ptr<const Observation>>;
+  // What is to be sent to whom; the clock runs from here.
+  std::vector<Letter> letters_for(SimTime now,
+                                  std::span<const std::shared_ptr<const Observation>> observations);
   void apply_policies(WallClock::time_point now);
   std::optional<WallClock::time_point> next_deadline() const;
   WallClock::time_point deadline_of(const Slot& slot) const;

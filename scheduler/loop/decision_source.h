@@ -29,6 +29,17 @@ class DecisionSource {
   virtual void finish(SimTime, const std::string& /*reason*/) {}
 };
 
+// Clients that decide while the caller does something else.
+class LiveSource : public DecisionSource {
+ public:
+  // Hands out the observations of one instant and returns at once.
+  virtual void ask(SimTime now,
+                   std::span<const std::shared_ptr<const Observation>> observations) = 0;
+  // What `decide` returns, of what was asked last.
+  virtual std::optional<Turn> answers(
+      std::span<const std::shared_ptr<const Observation>> observations) = 0;
+};
+
 // Decisions made by a function in this process: tests and benchmarks.
 class FunctionSource final : public DecisionSource {
  public:

@@ -61,7 +61,7 @@ class Simulation::Loop {
 
   SimulationParts parts_;
   SimTime until_;
-  const bool has_contacts_;
+  const bool has_contacts_, hashes_states_;
   EventQueue queue_;
   std::vector<RobotState> robots_;
   std::unique_ptr<FramePipeline> pipeline_;
@@ -82,7 +82,8 @@ Simulation::Loop::Loop(SimulationParts parts, const SimulationOptions& options)
       until_(options.until.value_or(SimTime() + parts_.scenario.duration)),
       has_contacts_(std::find(parts_.header.versions.begin(), parts_.header.versions.end(),
                               std::pair<std::string, std::string>(kEventsKey, kEventsVersion)) !=
-                    parts_.header.versions.end()) {
+                    parts_.header.versions.end()),
+      hashes_states_(options.state_hashes) {
   const RandomStream root{static_cast<uint64_t>(parts_.scenario.seed), 0};
   if (options.permutation_seed) queue_.permute_insertions({*options.permutation_seed, 0});
   for (const RobotSpec& robot : parts_.scenario.robots) {
@@ -219,9 +220,11 @@ void Simulation::Loop::step_world() {
   parts_.world.step();
   ++steps_;
   queue_.push({parts_.world.end(), Phase::step_world, 0, steps_});
-  state_ = parts_.world.digest(std::move(state_));
-  fingerprint_.add(state_.section_hashes);
-  for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state_);
+  if (hashes_states_) {
+    state_ = parts_.world.digest(std::move(state_));
+    fingerprint_.add(state_.section_hashes);
+    for (SimulationObserver* observer : parts_.observers) observer->on_step(now_, steps_, state_);
+  }
   for (const WorldEvent& event : parts_.world.take_events())
     if (is_told(event))
       report({event.time, kind_of(event), event.robot < 0 ? "" : id(event.robot), event.kind,

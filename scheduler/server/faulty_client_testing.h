@@ -144,7 +144,7 @@ class FaultyClient {
           decision.mutable_walk()->set_vx_m_s(std::numeric_limits<double>::quiet_NaN());
           break;
         case Fault::huge:
-          decision.add_messages(std::string(WireLimits::kMaxMessageBytes, 'x'));
+          decision.add_messages(std::string(WireLimits::kMaxReceivedBytes, 'x'));
           break;
         case Fault::half_open:
           open_and_forget();

@@ -4,6 +4,7 @@
 #include "scheduler/server/robot_session.h"
 #include "scheduler/server/services.h"
 #include "scheduler/server/stream.h"
+#include "scheduler/wire/wire.h"
 #include "seam/v1/simulation.grpc.pb.h"
 
 namespace seam::scheduler {
@@ -17,7 +18,10 @@ class StreamSession final : public Stream<v1::ClientMessage, v1::ServerMessage>,
 
  private:
   // ---- Stream ----
-  void take(const v1::ClientMessage& message) override { take_message(message); }
+  void take(const v1::ClientMessage& message) override {
+    const size_t bytes = message.ByteSizeLong();
+    bytes > size_t{WireLimits::kMaxMessageBytes} ? take_too_long(bytes) : take_message(message);
+  }
   void leave() override { client_left(); }
   bool greeted() override { return has_greeted(); }
   // ---- RobotSession ----

@@ -108,7 +108,7 @@ constexpr int kHandshake_ms = 5'000;
 constexpr int kIdle_ms = 5 * 60'000;  // Without a call; clients connect again when they have one.
 
 void set_limits(grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(WireLimits::kMaxMessageBytes);
+  builder.SetMaxReceiveMessageSize(WireLimits::kMaxReceivedBytes);
   builder.SetMaxSendMessageSize(kMaxServerMessageBytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
   // Small messages in lockstep: probing the bandwidth would double the packets.

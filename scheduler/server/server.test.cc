@@ -103,6 +103,10 @@ TEST(Server, BadNumbersAreRefusedWithTheFieldNamedAndCountAsAnEmptyDecision) {
       {"frame_requests[0].count",
        [](v1::Decision& d) { d.add_frame_requests()->set_count(1 << 30); }},
       {"debug[0].name", [](v1::Decision& d) { d.add_debug()->set_text("unnamed"); }},
+      {"decision",
+       [](v1::Decision& d) {
+         d.add_debug()->set_text(std::string(WireLimits::kMaxMessageBytes, 'x'));
+       }},
   };
   for (const auto& [field, spoil] : bad) {
     Events events;
@@ -182,7 +186,7 @@ TEST(Server, OversizedMessageEndsItsStreamOnlyAndTheClientMayComeBack) {
         if (!message.has_observation()) continue;
         v1::Decision decision = busy(1, message.observation());
         if (decision.sequence() == 4)
-          decision.add_messages(std::string(WireLimits::kMaxMessageBytes, 'x'));
+          decision.add_messages(std::string(WireLimits::kMaxReceivedBytes, 'x'));
         client.decide(decision);
       }
       status = client.finish();

@@ -25,7 +25,8 @@ struct FieldError {
 
 // What a client may send beyond the limits of sim_core/body/command.h.
 struct WireLimits {
-  static constexpr int kMaxMessageBytes = 256 << 10;  // A whole decision; gRPC refuses larger ones.
+  static constexpr int kMaxMessageBytes = 256 << 10;  // A whole decision; a longer one is refused.
+  static constexpr int kMaxReceivedBytes = 4 << 20;   // What gRPC takes in at all.
   static constexpr int kMaxRowsBytes = 192 << 10;     // Of a renderer's pixels in one message.
   static constexpr int kMaxFrameRequests = 8;
   static constexpr uint32_t kMaxFramesARequest = 1000;

@@ -220,11 +220,8 @@ void check_log(const std::string& path) {
   const auto index =
       log.losses().empty() ? mcap::index_damage(log.file().contents()) : std::nullopt;
   if (index) {
-    std::printf(
-        "warning: %s: the index is damaged at offset %llu: %s; to write it anew: seam "
-        "replay recover %s --out FILE\n",
-        path.c_str(), static_cast<unsigned long long>(index->offset), shown(index->what).c_str(),
-        path.c_str());
+    std::printf("warning: %s: %s; to write it anew: seam replay recover %s --out FILE\n",
+                path.c_str(), shown(mcap::index_sentence(*index)).c_str(), path.c_str());
   }
   if (!log.losses().empty()) throw ExitCode{1};
 }

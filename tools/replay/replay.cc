@@ -1,17 +1,10 @@
 // `seam replay ...`: what can be done with the log of a run. One file a subcommand.
 #include "tools/replay/replay.h"
 
-#include <fmt/format.h>
-
 #include "sim_core/base/error.h"
 #include "tools/command.h"
 
 namespace seam::tools {
-
-std::string index_sentence(const mcap::Loss& damage) {
-  return fmt::format("the index is damaged at offset {} ({} bytes): {}", damage.offset,
-                     damage.bytes, damage.what);
-}
 
 void StandIn::set_up(app::SessionOptions& session) const {
   if (client.empty() == by_hand.empty())

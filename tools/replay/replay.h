@@ -16,9 +16,6 @@ namespace seam::tools {
 SEAM_REPLAY_COMMANDS(SEAM_DECLARE)
 #undef SEAM_DECLARE
 
-// "the index is damaged at offset 71000: ...": of a log whose data may be whole.
-std::string index_sentence(const mcap::Loss& damage);
-
 // Who decides in a robot's place: a program that we start, or one that the user starts.
 struct StandIn {
   std::string robot, client, by_hand;

@@ -47,6 +47,7 @@ Fed feed_program(const scheduler::Log& log, const FeedSettings& settings) {
   app::Simulator simulator = app::make_simulator(log.header(), {.cameras_when_used = true});
   const int robot = app::robot_number(simulator.scenario, settings.stand_in.robot);
   app::SessionOptions session;
+  session.state_hashes = false;
   session.inputs = {settings.file, settings.expect, settings.log};
   for (const RobotSpec& one : simulator.scenario.robots) session.commands[one.id] = {};
   settings.stand_in.set_up(session);
@@ -65,7 +66,7 @@ Fed feed_program(const scheduler::Log& log, const FeedSettings& settings) {
     if (!settings.log.empty()) fed.notes[time] = decision.fed.decision.debug;
   };
   const app::SessionSummary summary =
-      app::run_session(simulator, session, outputs, [&](scheduler::DecisionSource& live) {
+      app::run_session(simulator, session, outputs, [&](scheduler::LiveSource& live) {
         return std::make_unique<app::OpenLoop>(log, live, robot, note, fed.interrupted);
       });
   fed.sim_s = summary.sim_s, fed.wall_s = summary.wall_s;

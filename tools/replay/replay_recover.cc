@@ -40,7 +40,8 @@ void write_json(OutputFile& out, const scheduler::Recovery& recovery) {
       {"chunks", recovery.chunks},
       {"unknown_messages", recovery.unknown_messages},
       {"losses", std::move(losses)},
-      {"index", recovery.index ? nlohmann::ordered_json(index_sentence(*recovery.index)) : nullptr},
+      {"index",
+       recovery.index ? nlohmann::ordered_json(mcap::index_sentence(*recovery.index)) : nullptr},
       {"behind_end", std::move(behind)}};
   out.fill(json.dump(2) + "\n");
 }
@@ -59,7 +60,7 @@ void print(const scheduler::Recovery& recovery) {
                 static_cast<unsigned long long>(rest->offset), rest->what.c_str());
   }
   if (recovery.index) {
-    std::printf("%s; a new index was written\n", index_sentence(*recovery.index).c_str());
+    std::printf("%s; a new index was written\n", mcap::index_sentence(*recovery.index).c_str());
   }
   if (recovery.unknown_messages > 0) {
     std::printf("lost: %llu messages of channels whose definition is lost\n",

@@ -41,7 +41,7 @@ int resume(const ResumeSettings& settings) {
   scheduler::Verifier verifier(log, simulator.world, unused);
   const app::SessionSummary summary =
       app::run_session(simulator, settings.session, outputs,
-                       [&](scheduler::DecisionSource& live) {
+                       [&](scheduler::LiveSource& live) {
                          return std::make_unique<scheduler::MixedSource>(log, live, mixed);
                        },
                        {&verifier});

@@ -78,7 +78,8 @@ void write_json(OutputFile& out, const Outcome& outcome) {
   json["verified_until_ns"] = found.until.ns();
   json["has_end"] = found.has_end;
   json["not_compared"] = found.not_compared;
-  json["index"] = outcome.index ? nlohmann::ordered_json(index_sentence(*outcome.index)) : nullptr;
+  json["index"] =
+      outcome.index ? nlohmann::ordered_json(mcap::index_sentence(*outcome.index)) : nullptr;
   json["readable"] = !outcome.unreadable;
   out.fill(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
@@ -109,7 +110,7 @@ void verify_log(const VerifySettings& settings) {
   if (json) write_json(json, outcome);
   if (outcome.index) {
     std::printf("%s: %s; write it anew: seam replay recover %s --out FILE\n", settings.file.c_str(),
-                index_sentence(*outcome.index).c_str(), settings.file.c_str());
+                mcap::index_sentence(*outcome.index).c_str(), settings.file.c_str());
   }
   if (!outcome.found.divergence) return tell_same(settings.file, outcome.found);
   const Divergence& first = *outcome.found.divergence;

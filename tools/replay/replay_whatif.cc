@@ -102,7 +102,7 @@ int what_if(const WhatifSettings& settings) {
     return std::make_unique<app::FramesOfLog>(own, log, options.live_robots, unseen, mixed);
   };
   app::SessionSummary summary =
-      app::run_session(simulator, session, outputs, [&](scheduler::DecisionSource& live) {
+      app::run_session(simulator, session, outputs, [&](scheduler::LiveSource& live) {
         return std::make_unique<scheduler::MixedSource>(log, live, mixed, options);
       });
   summary.has_fingerprint = unseen == app::UnseenFrames::when_changed;

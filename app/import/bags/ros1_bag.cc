@@ -79,7 +79,8 @@ class Ros1Bag {
       if (head > kMaxRecordHead)
         throw InputError(
             fmt::format("{}: byte {}: a record's head of {} bytes: damaged", name_, at, head));
-      const auto fields = fields_of(read_at(at + 4, head), name_);
+      where_ = fmt::format("{}: byte {}", name_, at);
+      const auto fields = fields_of(read_at(at + 4, head), where_);
       const uint32_t size = little(read_at(at + 4 + head, 4), 0);
       const uint64_t data = at + 8 + head;
       if (size > input_.size() - data)
@@ -108,14 +109,14 @@ class Ros1Bag {
   uint8_t op_of(const std::map<std::string, std::string>& fields) const {
     const auto found = fields.find("op");
     if (found == fields.end() || found->second.empty())
-      throw InputError(fmt::format("{}: a record does not say what it is: damaged", name_));
+      throw InputError(fmt::format("{}: a record does not say what it is: damaged", where_));
     return static_cast<uint8_t>(found->second[0]);
   }
 
   void take_connection(const std::map<std::string, std::string>& fields, std::string_view data) {
-    const uint32_t id = number_in(fields, "conn", name_);
+    const uint32_t id = number_in(fields, "conn", where_);
     if (place_.contains(id)) return;
-    const auto facts = fields_of(data, name_);
+    const auto facts = fields_of(data, where_);
     const auto topic = fields.find("topic"), type = facts.find("type");
     // Several publishers of a topic have a connection each.
     const std::string name = topic == fields.end() ? "" : topic->second;
@@ -133,10 +134,11 @@ class Ros1Bag {
   }
 
   void take_message(const std::map<std::string, std::string>& fields, std::string_view data) {
-    const auto found = place_.find(number_in(fields, "conn", name_));
+    const auto found = place_.find(number_in(fields, "conn", where_));
     const auto time = fields.find("time");
     if (found == place_.end() || time == fields.end() || time->second.size() < 8)
-      throw InputError(fmt::format("{}: a message without its connection or time: damaged", name_));
+      throw InputError(
+          fmt::format("{}: a message without its connection or time: damaged", where_));
     ++topics_[found->second].messages;
     visit_(found->second,
            int64_t{little(time->second, 0)} * 1'000'000'000 + little(time->second, 4), data,
@@ -144,30 +146,30 @@ class Ros1Bag {
   }
 
   void take_chunk(const std::map<std::string, std::string>& fields, std::string packed) {
-    const uint32_t size = number_in(fields, "size", name_);
+    const uint32_t size = number_in(fields, "size", where_);
     if (size > kMaxChunkBytes)
-      throw InputError(fmt::format("{}: a chunk unpacks to {} bytes, expected at most {}", name_,
+      throw InputError(fmt::format("{}: a chunk unpacks to {} bytes, expected at most {}", where_,
                                    size, kMaxChunkBytes));
     const auto found = fields.find("compression");
     const std::string how = found == fields.end() ? "none" : found->second;
     if (how == "bz2" || how == "lz4") budget_.take(size);
     if (how == "bz2") {
-      packed = unpacked_bz2(packed, size, name_);
+      packed = unpacked_bz2(packed, size, where_);
     } else if (how == "lz4") {
-      packed = unpacked_lz4(packed, size, name_);
+      packed = unpacked_lz4(packed, size, where_);
     } else if (how != "none") {
       throw InputError(
-          fmt::format("{}: found compression '{}', expected none, bz2 or lz4", name_, how));
+          fmt::format("{}: found compression '{}', expected none, bz2 or lz4", where_, how));
     }
     const std::string_view records = packed;
     for (size_t at = 0; at + 8 <= records.size();) {
       const size_t head = little(records, at);
       if (head > records.size() - at - 8)
-        throw InputError(fmt::format("{}: a record of a chunk is longer than it: damaged", name_));
-      const auto inner = fields_of(records.substr(at + 4, head), name_);
+        throw InputError(fmt::format("{}: a record of a chunk is longer than it: damaged", where_));
+      const auto inner = fields_of(records.substr(at + 4, head), where_);
       const size_t length = little(records, at + 4 + head);
       if (length > records.size() - at - 8 - head)
-        throw InputError(fmt::format("{}: a record of a chunk is longer than it: damaged", name_));
+        throw InputError(fmt::format("{}: a record of a chunk is longer than it: damaged", where_));
       const std::string_view data = records.substr(at + 8 + head, length);
       if (op_of(inner) == kConnectionRecord) take_connection(inner, data);
       if (op_of(inner) == kMessageRecord) take_message(inner, data);
@@ -177,6 +179,7 @@ class Ros1Bag {
 
   const mcap::Input& input_;
   const std::string& name_;
+  std::string where_;  // The file and the byte of the record that is read, for errors.
   std::vector<BagTopic>& topics_;
   const BagVisit& visit_;
   UnpackBudget& budget_;

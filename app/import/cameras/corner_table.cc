@@ -40,12 +40,19 @@ CornerTable::CornerTable(const TextTable& table, const ImportRequest& request) :
       column("point", {"point", "corner", "corner_id", "point_id", "keypoint_id", "id", "index"});
   u_ = column("u", {"u_px", "u", "x_px", "px", "x", "image_x", "img_loc_x"});
   v_ = column("v", {"v_px", "v", "y_px", "py", "y", "image_y", "img_loc_y"});
-  const bool known = (time_ >= 0 || frame_ >= 0) && point_ >= 0 && u_ >= 0 && v_ >= 0;
-  if (!known)
+  board_row_ = column("row", {"row", "corner_row", "board_row", "row_id", "i_row"});
+  board_column_ = column("column", {"column", "col", "corner_col", "corner_column", "board_col",
+                                    "board_column", "col_id", "i_col"});
+  std::vector<std::string> missing;
+  if (time_ < 0 && frame_ < 0) missing.emplace_back("time or frame");
+  if (point_ < 0 && (board_row_ < 0 || board_column_ < 0))
+    missing.emplace_back("point (or tag and corner, or row and column on the board)");
+  if (u_ < 0) missing.emplace_back("u");
+  if (v_ < 0) missing.emplace_back("v");
+  if (!missing.empty())
     throw InputError(fmt::format(
-        "{}:1: expected columns time or frame, point (or tag and corner), u and v; say theirs "
-        "with --map",
-        table.file()));
+        "{}:1: no column for {}; state it with --map NAME=COLUMN, found {}", table.file(),
+        fmt::join(missing, ", nor for "), fmt::join(table.columns(), ", ")));
   unit_ns_ = time_ < 0 ? 1 : time_unit_ns(request, table.full_name(at(time_)));
   // Kalibr's and ROS's stamps are whole nanoseconds.
   if (time_ >= 0 && request.time_unit.empty() && table.cell(0, at(time_)).size() >= 18 &&
@@ -64,7 +71,7 @@ std::vector<std::string> CornerTable::cameras() const {
 
 // The key of a corner within one camera.
 std::string CornerTable::key_of(size_t row) const {
-  std::string key = text(row, frame_ >= 0 ? frame_ : time_) + '\n' + text(row, point_);
+  std::string key = text(row, frame_ >= 0 ? frame_ : time_) + '\n' + corner_text(row);
   if (tag_ >= 0) key += '\n' + text(row, tag_);
   return key;
 }
@@ -73,7 +80,7 @@ std::string CornerTable::key_of(size_t row) const {
 // without it; empty: none does.
 std::string CornerTable::column_of_cameras() const {
   constexpr size_t kMostCameras = 64;
-  const std::set<int> used = {time_, frame_, tag_, point_, u_, v_};
+  const std::set<int> used = {time_, frame_, tag_, point_, u_, v_, board_row_, board_column_};
   for (size_t column = 0; column < table_.columns().size(); ++column) {
     if (used.contains(static_cast<int>(column))) continue;
     std::set<std::string> values, keys;
@@ -91,7 +98,7 @@ std::string CornerTable::column_of_cameras() const {
 void CornerTable::fail_twice(size_t row, size_t before) const {
   const std::string what =
       fmt::format("{}:{}: point {} of {} {} stands here and in line {}", table_.file(),
-                  table_.line(row), text(row, point_), frame_ >= 0 ? "frame" : "time",
+                  table_.line(row), corner_text(row), frame_ >= 0 ? "frame" : "time",
                   text(row, frame_ >= 0 ? frame_ : time_), table_.line(before));
   if (camera_ >= 0)
     throw InputError(
@@ -170,7 +177,27 @@ size_t CornerTable::count_in(size_t row, int column) const {
   return static_cast<size_t>(value);
 }
 
+std::string CornerTable::corner_text(size_t row) const {
+  return point_ >= 0 ? text(row, point_)
+                     : fmt::format("{}, {}", text(row, board_row_), text(row, board_column_));
+}
+
+size_t CornerTable::point_on_grid(size_t row, const TargetSpec& target) const {
+  if (target.columns == 0 ||
+      static_cast<size_t>(target.columns) * static_cast<size_t>(target.rows) !=
+          target.points.size())
+    table_.fail(row, at(board_row_), "the number of a point: this target is no grid of rows");
+  const size_t on_row = count_in(row, board_row_), on_column = count_in(row, board_column_);
+  if (on_row >= static_cast<size_t>(target.rows))
+    table_.fail(row, at(board_row_), fmt::format("one of the board's {} rows", target.rows));
+  if (on_column >= static_cast<size_t>(target.columns))
+    table_.fail(row, at(board_column_),
+                fmt::format("one of the board's {} columns", target.columns));
+  return on_row * static_cast<size_t>(target.columns) + on_column;
+}
+
 size_t CornerTable::point_in(size_t row, const TargetSpec& target) const {
+  if (point_ < 0) return point_on_grid(row, target);
   size_t point = count_in(row, point_);
   if (tag_ >= 0) {
     if (target.pattern != "aprilgrid") table_.fail(row, at(tag_), "no tags: the target has none");

@@ -1,4 +1,5 @@
-// Corners of a target in a table: a row a corner, with its frame or time, its place on the target,
+// Corners of a target in a table: a row a corner, with its frame or time, its place on the target
+// (its number, or its row and column),
 // and the camera that saw it where there are several.
 #pragma once
 
@@ -37,6 +38,9 @@ class CornerTable {
   std::vector<SeenView> views_of(const TargetSpec& target, const std::string& camera) const;
   size_t count_in(size_t row, int column) const;
   size_t point_in(size_t row, const TargetSpec& target) const;
+  size_t point_on_grid(size_t row, const TargetSpec& target) const;
+  // How the table names a row's corner: by its number or by its row and column on the board.
+  std::string corner_text(size_t row) const;
   void refuse_smaller_board(const std::vector<SeenView>& views, size_t points) const;
   [[noreturn]] void fail_twice(size_t row, size_t before) const;
   std::string column_of_cameras() const;
@@ -44,6 +48,7 @@ class CornerTable {
 
   const TextTable& table_;
   int time_ = -1, frame_ = -1, camera_ = -1, tag_ = -1, point_ = -1, u_ = -1, v_ = -1;
+  int board_row_ = -1, board_column_ = -1;  // In place of point_.
   int64_t unit_ns_ = 1;
 };
 

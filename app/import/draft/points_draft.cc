@@ -8,40 +8,13 @@
 #include <numbers>
 #include <set>
 
+#include "app/import/draft/board_layout.h"
 #include "app/import/draft/calibration.h"
 #include "measurement/numerics/linear_algebra.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
 namespace {
-
-bool is_flat(const SeenView& view) {
-  return std::all_of(view.corners.begin(), view.corners.end(),
-                     [](const SeenCorner& c) { return c.p_W.z == 0; });
-}
-
-// Of a flat target: the map from its plane to the image, from which the camera's centre is taken.
-Eigen::Matrix3d homography(const SeenView& view, double cx, double cy, double scale) {
-  double x0 = 0, y0 = 0, size = 0;
-  for (const SeenCorner& c : view.corners) x0 += c.p_W.x, y0 += c.p_W.y;
-  x0 /= static_cast<double>(view.corners.size()), y0 /= static_cast<double>(view.corners.size());
-  for (const SeenCorner& c : view.corners)
-    size = std::max({size, std::abs(c.p_W.x - x0), std::abs(c.p_W.y - y0)});
-  Eigen::MatrixXd a(2 * view.corners.size(), 9);
-  for (size_t i = 0; i < view.corners.size(); ++i) {
-    const SeenCorner& c = view.corners[i];
-    const double x = (c.p_W.x - x0) / size, y = (c.p_W.y - y0) / size;
-    const double u = (c.u_px - cx) / scale, v = (c.v_px - cy) / scale;
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    a.row(row) << x, y, 1, 0, 0, 0, -u * x, -u * y, -u;
-    a.row(row + 1) << 0, 0, 0, x, y, 1, -v * x, -v * y, -v;
-  }
-  const Eigen::MatrixXd squares = a.transpose() * a;
-  const Eigen::VectorXd h = measurement::symmetric_eigen(squares).vectors.col(0);
-  Eigen::Matrix3d map;
-  map << h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8];
-  return map;
-}
 
 void check_places(const std::vector<SeenView>& views, const std::string& file, SetDraft& draft) {
   const double width = draft.camera.width_px, height = draft.camera.height_px;
@@ -105,7 +78,8 @@ double focal_length_from(const std::vector<SeenView>& views, int width_px, int h
   const double scale = 0.5 * width_px;
   for (const SeenView& view : views) {
     if (view.corners.size() < 6 || !is_flat(view)) continue;
-    const Eigen::Matrix3d h = homography(view, 0.5 * (width_px - 1), 0.5 * (height_px - 1), scale);
+    const Eigen::Matrix3d h =
+        plane_map(view.corners, 0.5 * (width_px - 1), 0.5 * (height_px - 1), scale).map;
     const double a1 = h(0, 0) * h(0, 1) + h(1, 0) * h(1, 1), b1 = -h(2, 0) * h(2, 1);
     const double a2 = h(0, 0) * h(0, 0) + h(1, 0) * h(1, 0) - h(0, 1) * h(0, 1) - h(1, 1) * h(1, 1);
     const double b2 = h(2, 1) * h(2, 1) - h(2, 0) * h(2, 0);
@@ -232,6 +206,7 @@ void draft_views(const std::vector<SeenView>& views, bool times_known,
   draft.group = "frame";
   draft.rig = "{pose: unknown}";
   check_places(views, file, draft);
+  check_layout(views, file);
   bool weighted = false, measured = false;
   size_t count = 0;
   std::set<size_t> points;

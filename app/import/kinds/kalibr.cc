@@ -136,7 +136,10 @@ void import_kalibr(const ImportRequest& request, SetDraft& draft) {
   draft.camera.width_px = cameras.empty() ? request.width_px : cameras.front().width_px;
   draft.camera.height_px = cameras.empty() ? request.height_px : cameras.front().height_px;
   if (!table) return draft_protocol(cameras, request, draft);
-  if (!target) target = TargetSpec{.points = board_of(request, "corners without a target YAML")};
+  if (!target)
+    target = TargetSpec{.columns = static_cast<int>(request.board_columns),
+                        .rows = static_cast<int>(request.board_rows),
+                        .points = board_of(request, "corners without a target YAML")};
   const CornerTable corners(*table, request);
   const auto wanted = cameras_wanted(corners, cameras, request, draft);
   for (size_t k = 0; k < cameras.size() && corners.has_cameras(); ++k) cameras[k].name = wanted[k];

@@ -5,9 +5,9 @@
 #include <set>
 
 #include "app/import/draft/checks.h"
+#include "app/import/draft/wheel_drive.h"
 #include "app/import/files/text_table.h"
 #include "app/import/kinds/kinds.h"
-#include "app/import/tracks/drive.h"
 #include "app/import/tracks/track.h"
 #include "app/import/tracks/wheel_columns.h"
 #include "measurement/numerics/robust.h"

@@ -56,7 +56,9 @@ std::vector<Signal> signals_of(const Facts& facts, const Evaluation& evaluation)
   std::vector<Signal> signals;
   std::vector<std::vector<int>> scalar_of(facts.channels.size(),
                                           std::vector<int>(facts.rows(), -1));
-  const std::vector<char> taken = taken_by_a_start(facts, evaluation);
+  std::vector<char> taken = taken_by_a_start(facts, evaluation);
+  for (size_t row = 0; row < facts.shares_error.size(); ++row)
+    taken[row] |= facts.shares_error[row];
   for (size_t i = 0; i < facts.scalars(); ++i) {
     if (evaluation.used[i] && !taken[facts.row_of[i]])
       scalar_of[facts.channel_of[i]][facts.row_of[i]] = static_cast<int>(i);

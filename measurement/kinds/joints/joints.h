@@ -179,6 +179,7 @@ class JointsProblem : public Problem {
                      Evaluation& evaluation) const;
 
   void look_for_steps();
+  void mark_shared_errors();
   // How a model has angles logged: with normal errors, or rounded to the steps that all angles
   // show. Beside an error that wanders the rounding counts as noise.
   struct Reading {

@@ -9,6 +9,7 @@
 #include "measurement/kinds/joints/joints.h"
 #include "measurement/noise/value_steps.h"
 #include "measurement/numerics/moments.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {
@@ -104,6 +105,21 @@ void JointsProblem::look_for_steps() {
     largest_step_rad_ = lattice_rad_;
   } else if (scatter > 1.2 * noise) {
     largest_step_rad_ = 1.3 * std::sqrt(12 * (scatter * scatter - noise * noise));
+  }
+  if (lattice_rad_ > 0 && behind_steps_rad_ < lattice_rad_) mark_shared_errors();
+}
+
+// Of each stay on a step one row speaks, drawn by chance: the first would always lie behind the
+// edge that the joint came over, the last before the next.
+void JointsProblem::mark_shared_errors() {
+  facts_.shares_error.assign(facts_.rows(), 1);
+  for (const JointLog& log : set_.logs) {
+    const std::vector<double>& x = log.measured_rad;
+    for (size_t from = 0, to = 0; from < x.size(); from = to) {
+      while (to < x.size() && std::abs(x[to] - x[from]) < 0.5 * lattice_rad_) ++to;
+      const double place = uniform(RandomStream{}, log.rows[from]) * static_cast<double>(to - from);
+      facts_.shares_error[log.rows[from + static_cast<size_t>(place)]] = 0;
+    }
   }
 }
 

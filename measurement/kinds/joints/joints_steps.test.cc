@@ -110,29 +110,43 @@ double radians(double x) {
   return x;
 }
 
-std::filesystem::path log_of_lag(const std::string& name, double step_rad,
-                                 const WrittenAngle& written) {
+// What a log is made of: commands, what noise there is before the angle is rounded and written, and
+// whether the set states it.
+struct LagLog {
+  double step_rad = 0;
+  WrittenAngle written = radians;
+  double noise_rad = kLoggedNoise_rad;
+  bool stated = true;
+  int rows = 150;
+  std::function<double(int run, int row)> command_rad = [](int run, int row) {
+    return 0.9 * std::sin(0.9 * run + 0.07 * row);  // Never at rest.
+  };
+};
+
+std::filesystem::path write_log(const std::string& name, const LagLog& log) {
   const auto folder = std::filesystem::path(testing::TempDir()) / ("steps-" + name);
   std::filesystem::create_directories(folder);
   std::string rows = "run,time_s,joint,command_rad,measured_rad\n";
   uint64_t draw = 0;
   for (int run = 0; run < 6; ++run) {
     double angle = 0;
-    for (int k = 0; k < 150; ++k) {
-      const double command = 0.9 * std::sin(0.9 * run + 0.07 * k);  // Never at rest.
+    for (int k = 0; k < log.rows; ++k) {
+      const double command = log.command_rad(run, k);
       if (k == 0) angle = command;
-      const double seen = angle + kLoggedNoise_rad * normal({7, 2}, draw++);
-      rows += fmt::format("{},{:.2f},pan,{:.6f},{:.9f}\n", run, 0.02 * k, command,
-                          written(step_rad > 0 ? rounded_to(seen, step_rad) : seen));
+      const double seen = angle + log.noise_rad * normal({7, 2}, draw++);
+      const double shown = log.step_rad > 0 ? rounded_to(seen, log.step_rad) : seen;
+      rows +=
+          fmt::format("{},{:.2f},pan,{:.6f},{:.9f}\n", run, 0.02 * k, command, log.written(shown));
       angle += (command - angle) * (1 - std::exp(-0.02 / kTrueLag_s));
     }
   }
   write_file_atomically(folder / "joints.csv", rows);
+  const std::string noise =
+      log.stated ? fmt::format("noise: {{measured_rad: {}}}\n", log.noise_rad) : "";
   write_file_atomically(folder / "measurement.yaml",
                         fmt::format("format: seam-measurement/1\nkind: joints\ntitle: steps\n"
-                                    "noise: {{measured_rad: {}}}\ngroup: run\n"
-                                    "files: {{joints: joints.csv}}\n",
-                                    kLoggedNoise_rad));
+                                    "{}group: run\nfiles: {{joints: joints.csv}}\n",
+                                    noise));
   return folder;
 }
 
@@ -148,7 +162,7 @@ TEST(JointSteps, AreFoundInAnyDigits) {
            {"few-decimals", kTick, radians_4},
            {"ticks", kTick, radians},
            {"odd", 0.0037, degrees_4}}) {
-    const auto problem = open_problem(log_of_lag(name, step, written));
+    const auto problem = open_problem(write_log(name, {.step_rad = step, .written = written}));
     const auto effect = effects::find_effect("encoder_quantisation");
     ASSERT_EQ(effects::reason_against(*effect, 0, problem->facts().set), "") << name;
     const AddResult added = add_effects(*problem, lag_model(), {effect});
@@ -162,12 +176,29 @@ TEST(JointSteps, AreFoundInAnyDigits) {
 TEST(JointSteps, NoneAreSeenWhereThereAreNone) {
   for (const auto& [name, written] : std::initializer_list<std::pair<std::string, WrittenAngle>>{
            {"none-degrees", degrees_4}, {"none", radians}}) {
-    const auto problem = open_problem(log_of_lag(name, 0, written));
+    const auto problem = open_problem(write_log(name, {.written = written}));
     EXPECT_THAT(effects::reason_against(*effects::find_effect("encoder_quantisation"), 0,
                                         problem->facts().set),
                 testing::HasSubstr("multiples of no step"))
         << name;
   }
+}
+
+// A joint without noise goes from rest to rest: where it rests its rounding is one error, however
+// many rows show it, and no structure of time or place.
+TEST(JointSteps, ARestShowsOneErrorOfRounding) {
+  const double step_rad = 0.29 / kDegreesOfRadian;
+  LagLog log{
+      .step_rad = step_rad, .written = degrees_4, .noise_rad = 0, .stated = false, .rows = 600};
+  log.command_rad = [](int run, int row) {
+    return 1.8 * (uniform({11, static_cast<uint64_t>(run)}, static_cast<uint64_t>(row / 40)) - 0.5);
+  };
+  const auto problem = open_problem(write_log("rests", log));
+  const Model truth =
+      model_of(fmt::format("  servo_lag: {{tau_s: {}}}\n  encoder_quantisation: {{step_rad: {}}}\n",
+                           kTrueLag_s, step_rad));
+  for (const Structure& s : problem->structure(truth, problem->all_groups(), 2))
+    EXPECT_GT(s.p_value, 1e-3) << s.moment << " of " << s.covariate;
 }
 
 }  // namespace

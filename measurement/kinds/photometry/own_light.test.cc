@@ -69,7 +69,7 @@ Model glow_model(const std::string& more) {
 }
 
 // Neither the light nor the photon noise is hidden by a glow.
-TEST(OwnLight, GlowIsFoundAndThePhotonNoiseBesideIt) {
+TEST(OwnLightSlow, GlowIsFoundAndThePhotonNoiseBesideIt) {
   for (const bool edge : {false, true}) {
     const auto folder = flat_fields(edge);
     const auto problem = open_problem(folder);

@@ -167,7 +167,7 @@ TEST(PhotometryPairs, AFluctuationBesideRowNoiseMatters) {
 // Photon noise says how many electrons make a DN, and with it what a dark current is that was
 // counted in DN; a pattern of the dark is told beside one of the gain that leaves a hundred times
 // as much.
-TEST(PhotometryPairs, DarkCurrentBesidePhotonNoise) {
+TEST(PhotometryPairsSlow, DarkCurrentBesidePhotonNoise) {
   const std::string free =
       "linear_response: {gain_dn: {value: 50, free: true}, black_dn: {value: 16, free: true}}, "
       "read_noise: {sigma_dn: {value: 2, free: true}}";

@@ -1,4 +1,4 @@
-#include "app/import/tracks/drive.h"
+#include "app/import/draft/wheel_drive.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/import/tracks/drive.h"
+#include "app/import/draft/wheel_drive.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/error.h"
 
@@ -60,6 +60,18 @@ Nominal nominal_of(const Drive& drive, const ImportRequest& request, double metr
   if (!nominal.metres_known) nominal.metres = way2 > 0 ? std::abs(forward / way2) : 0;
   if (!nominal.base_known && turn != 0)
     nominal.base_m = nominal.metres * difference2 / std::abs(turn);
+  if (nominal.metres_known && !(nominal.metres > 1e-9 && nominal.metres <= 1))
+    throw InputError(
+        fmt::format("{}: one count of a wheel is {:.6g} m, expected at most 1 m: lengths in metres",
+                    drive.rows.front().place, nominal.metres));
+  if (nominal.base_known && !(nominal.base_m > 0.01 && nominal.base_m < 10))
+    throw InputError(fmt::format(
+        "--base {:.6g}: expected the distance between the wheels in "
+        "metres, 0.01 to 10{}",
+        nominal.base_m,
+        nominal.base_m >= 10 && nominal.base_m < 10000
+            ? fmt::format("; --base {:.6g} if it is in millimetres", nominal.base_m / 1000)
+            : ""));
   if (!(nominal.metres > 1e-9 && nominal.metres <= 1))
     throw InputError(fmt::format(
         "{}: the way of a wheel for each of its counts cannot be estimated (found {:.3g} m): say "

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/import/tracks/drive.h"
+#include "app/import/draft/wheel_drive.h"
 #include "measurement/numerics/robust.h"
 #include "sim_core/base/maths.h"
 
