@@ -101,7 +101,9 @@ void World::Impl::sample(SensorSuite& suite, size_t robot, SimTime time, SimTime
 }
 
 void World::Impl::step() {
-  for (size_t i = 0; i < robots.size(); ++i) sample(sensors[i], i, end, sampled_until());
+  for (size_t i = 0; i < robots.size(); ++i) {
+    if (is_sensed(i)) sample(sensors[i], i, end, sampled_until());
+  }
   radio.forget_before(end - longest_turn);
   follow_referee();
   start = end;
@@ -278,7 +280,12 @@ void World::place_ball(double x_m, double y_m, double vx_mps, double vy_mps) {
   impl_->place_ball(x_m, y_m, vx_mps, vy_mps);
 }
 
+void World::sense_only(size_t robot) {
+  impl_->sensed = robot;
+}
+
 RobotSensors World::sensors(size_t robot, SimTime time, SimTime since) const {
+  if (!impl_->is_sensed(robot)) return {};
   const SensorSuite& suite = impl_->sensors.at(robot);
   const SimTime sampled = impl_->sampled_until();
   if (suite.sampling_times(sampled, time).empty()) return suite.read(time, since);

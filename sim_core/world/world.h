@@ -107,6 +107,9 @@ class World {
   // What the robot's sensors have delivered by `time`; `joint_log` holds the encoder readings that
   // were delivered after `since`, which must not lie farther back than its behaviour's period.
   RobotSensors sensors(size_t robot, SimTime time, SimTime since) const;
+  // From now on the other robots' sensors are not read, which changes nothing else: for whoever
+  // looks at one robot alone. Their `sensors` are empty, and the state no longer that of a run.
+  void sense_only(size_t robot);
 
   // Over the radio to all team mates. Whoever calls this has refused longer messages than the
   // scenario's `max_message_bytes`.

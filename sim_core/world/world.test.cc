@@ -61,6 +61,21 @@ TEST(World, SameCommandsGiveSameBits) {
 
 // Pinned for every compiler, optimisation and machine; a change of results that was meant changes
 // it.
+TEST(World, OthersSensorsChangeNothingForTheRobotThatIsSensed) {
+  World all(match()), one(match());
+  one.sense_only(1);
+  play(all, 0, 200);
+  play(one, 0, 200);
+  const SimTime now = all.end(), since = now - SimDuration::from_s(0.032);
+  const RobotSensors expected = all.sensors(1, now, since), seen = one.sensors(1, now, since);
+  ASSERT_FALSE(expected.joint_log.empty());
+  EXPECT_EQ(seen.joint_log.size(), expected.joint_log.size());
+  EXPECT_EQ(seen.joints.rad, expected.joints.rad);
+  EXPECT_EQ(seen.odometry.x_m, expected.odometry.x_m);
+  EXPECT_EQ(seen.acceleration_m_s2, expected.acceleration_m_s2);
+  EXPECT_TRUE(one.sensors(0, now, since).joint_log.empty());
+}
+
 TEST(World, StateHashIsTheGoldenOne) {
   World world(match());
   play(world, 0, 250);

@@ -60,6 +60,8 @@ class World::Impl {
   SimTime start, end;
   std::vector<Robot> robots;
   std::vector<SensorSuite> sensors;
+  std::optional<size_t> sensed;  // The only robot whose sensors are read; empty: all are.
+  bool is_sensed(size_t robot) const { return !sensed || *sensed == robot; }
   SimDuration longest_turn;       // Between a robot's observations, at most.
   PhysicsState bodies;            // At `end`.
   std::vector<Vec3> ball_points;  // At the ends of the interval's physics steps.

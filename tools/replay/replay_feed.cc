@@ -46,6 +46,7 @@ Fed feed_program(const scheduler::Log& log, const FeedSettings& settings) {
   // Cameras of robots whose frames nobody looks at are not made ready.
   app::Simulator simulator = app::make_simulator(log.header(), {.cameras_when_used = true});
   const int robot = app::robot_number(simulator.scenario, settings.stand_in.robot);
+  simulator.world.sense_only(static_cast<size_t>(robot));
   app::SessionOptions session;
   session.state_hashes = false;
   session.inputs = {settings.file, settings.expect, settings.log};
