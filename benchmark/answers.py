@@ -3,12 +3,15 @@ import json
 import math
 import pathlib
 import resource
+import signal
 import subprocess
 import tempfile
 
 FORMAT = "seam-answer/1"
 # Names that a program may give as alternatives of one name: more would be no answer.
 MOST_ALTERNATIVES = 4
+# Signals of the limit on processor time.
+ENDS = {signal.SIGXCPU: "timeout", signal.SIGKILL: "timeout"}
 FIELDS = {"names", "unexplained", "error", "cpu_s", "failed"}
 
 
@@ -90,7 +93,7 @@ def run_seam(binary, folder, timeout_s):
                  pathlib.Path(scratch) / "found.yaml"], capture_output=True, text=True, timeout=20 * timeout_s,
                 check=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (timeout_s, timeout_s + 1)))
             if not out.exists():
-                failed = "timeout" if done.returncode < 0 else (done.stderr.strip() or "no result")[:300]
+                failed = ENDS.get(-done.returncode) or (done.stderr.strip() or f"ended with {done.returncode}")[:300]
         except subprocess.TimeoutExpired:
             failed = "timeout"
         after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -56,7 +56,7 @@ def fitted(problem, chosen):
     left = problem.y - a @ values
     rss = float(left @ left)
     noise = 1.0 if problem.stated else rss / max(1, len(problem.y) - a.shape[1])
-    return rss, values, np.sqrt(noise * np.diag(np.linalg.pinv(a.T @ a)))
+    return rss, values, np.sqrt(noise * np.maximum(np.diag(np.linalg.pinv(a.T @ a)), 0))
 
 
 def answer_of(problem, chosen):
@@ -71,11 +71,8 @@ def answer_of(problem, chosen):
     return answer(names.values(), False, math.sqrt(rss / len(problem.y)))
 
 
-def stepwise(folder, _):
+def best_terms(problem):
     """Adds the term that lowers Bayes' criterion most, and removes terms while that lowers it."""
-    problem = problem_in(folder)
-    if problem is None:
-        return None
     sizes = [columns.shape[1] for *_, columns in problem.terms]
 
     def cost(chosen):
@@ -86,8 +83,13 @@ def stepwise(folder, _):
         moves += [[k for k in chosen if k != gone] for gone in chosen]
         costs = [cost(move) for move in moves]
         if not costs or min(costs) >= best - 1e-9:
-            return answer_of(problem, chosen)
+            return chosen
         best, chosen = min(costs), moves[int(np.argmin(costs))]
+
+
+def stepwise(folder, _):
+    problem = problem_in(folder)
+    return problem and answer_of(problem, best_terms(problem))
 
 
 def lasso(folder, _):
@@ -116,11 +118,8 @@ def lasso(folder, _):
     return answer_of(problem, best[1])
 
 
-def gaussian_process(folder, _):
-    """No names: whether a smooth function of what the residuals may depend on has more evidence than white noise."""
-    problem = problem_in(folder)
-    if problem is None:
-        return None
+def field_gain(problem):
+    """Log evidence that a smooth function of what residuals may depend on gains over white noise."""
     some = np.unique(np.linspace(0, len(problem.y) - 1, FIELD_ROWS).astype(int))
     y = problem.y[some]
     fields = {name: values[some] for name, values in problem.fields.items()}
@@ -137,12 +136,25 @@ def gaussian_process(folder, _):
             basis = np.exp(-0.5 * apart / length ** 2) * same
             for share in (0.03, 0.3, 3.0):
                 # The function's variance over that of the noise; without a stated noise both follow the residuals.
-                k = share * basis + np.eye(len(y))
-                root = np.linalg.cholesky(k)
+                root = np.linalg.cholesky(share * basis + np.eye(len(y)))
                 z = np.linalg.solve(root, y)
                 scale = noise if problem.stated else float(z @ z) / len(y)
-                best = max(best, -0.5 * (z @ z / scale + len(y) * math.log(scale)) - np.sum(np.log(np.diag(root))))
-    return answer((), bool(best - plain > FIELD_GAIN), None)
+                evidence = -0.5 * (z @ z / scale + len(y) * math.log(scale)) - np.sum(np.log(np.diag(root)))
+                best = max(best, float(evidence))
+    return float(best - plain)
+
+
+def gaussian_process(folder, _):
+    """Names by `stepwise`; something is unexplained where a smooth function of what they leave has evidence."""
+    problem = problem_in(folder)
+    if problem is None:
+        return None
+    chosen = best_terms(problem)
+    given = answer_of(problem, chosen)
+    if chosen:
+        _, values, _ = fitted(problem, chosen)
+        problem.y = problem.y - np.concatenate([problem.terms[k][3] for k in chosen], axis=1) @ values
+    return given | {"unexplained": field_gain(problem) > FIELD_GAIN}
 
 
 BASELINES = {"oracle": oracle, "nothing": nothing, "stepwise": stepwise, "lasso": lasso,

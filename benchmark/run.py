@@ -9,7 +9,7 @@
   benchmark/run.py pair OUT ANSWERS.json OTHERS.json                       compares two programs on the same sets
   benchmark/run.py truth OUT --seam build/seam                             errors of the true models: near 1
 
-`--answered` leaves out sets that the first file has no answer to: else they count as wrong. --csv FILE writes the table.
+`--answered` leaves out sets that the first file has no answer to: else they count as wrong. --csv FILE: the table.
 The page benchmark/README.md has the formats and what is scored.
 """
 import argparse
@@ -43,13 +43,18 @@ def wanted_sets(options):
 
 def seam(options):
     """Sets that the file has an answer to are left: an interrupted run goes on."""
-    known = answers.read(options.answers)["answers"] if options.answers.exists() else {}
     version = subprocess.run([options.seam, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    known, program = {}, options.program or version
+    if options.answers.exists():
+        before = answers.read(options.answers)
+        if before["program"] != program:
+            return f"{options.answers}: has answers of {before['program']}, not of {program}: name another file"
+        known = before["answers"]
     for folder in wanted_sets(options):
         if folder.name in known:
             continue
         known[folder.name] = given = answers.run_seam(options.seam.resolve(), folder, options.timeout)
-        answers.write(options.answers, options.program or version, known, timeout_s=options.timeout)
+        answers.write(options.answers, program, known, timeout_s=options.timeout)
         names = " ".join(name["effect"] for name in given["names"]) or "-"
         print(f"{folder.name:16} {given['failed'] or names}{' UNEXPLAINED' if given['unexplained'] else ''} "
               f"{given['cpu_s']:.1f} s", flush=True)

@@ -163,6 +163,11 @@ class Commands(unittest.TestCase):
             self.run_step("make", out, "--sort", "landmarks", "--first", "3", "--sets", "1")
             self.run_step("seam", out, given, "--seam", SEAM)
             self.assertEqual(list(json.loads(given.read_text())["answers"]), ["landmarks-0003"])
+            # Answers of two programs do not mix.
+            done = subprocess.run([sys.executable, ROOT / "benchmark/run.py", "seam", out, given, "--seam", SEAM, "--program",
+                                   "another"], capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("name another file", done.stderr)
             self.assertIn("1 of 1", self.run_step("score", out, given, "--wrong"))
             other = pathlib.Path(scratch) / "oracle.json"
             self.run_step("baseline", "oracle", out, other)
