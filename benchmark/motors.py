@@ -81,7 +81,6 @@ def moved(effects, command, kp, enabled):
     joint, late = Joint(effects), effects.get("servo_latency", {}).get("latency_s", 0)
     q, w, active, angles, now = command[0], 0.0, None, [], 0.0
     events = sorted([(round(k * STEP_S, 9), 0, k) for k in range(len(command))]
-                    + [(round(k * STEP_S, 9), 1, k) for k in range(len(command))]
                     + [(round(k * STEP_S + late, 9), 2, k) for k in range(len(command))])
     gain, on = kp, enabled[0]
     for time, what, k in events:
@@ -91,10 +90,8 @@ def moved(effects, command, kp, enabled):
         now = time
         if what == 0:
             angles.append(q)
-        elif what == 1:
-            on = enabled[k]  # The switch has no latency.
-        else:
-            active = command[k]
+        elif what == 2:
+            active, on = command[k], enabled[k]  # The switch is part of the command, and as late.
     return np.array(angles)
 
 
