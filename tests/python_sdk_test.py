@@ -91,7 +91,7 @@ for seen in robot.observations():
     robot.walk(vx_m_s=0.2)
     robot.head(tilt_rad=-0.2, pan_rad=0.4)
     if seen.sequence == 3:
-        robot.joints([seam_sdk.JointTarget(joint=2, angle_rad=0.2)], offset_ns=8_000_000)
+        robot.joints({{robot.joint_names[2]: 0.2}}, offset_ns=8_000_000)
         robot.kick(seam_sdk.Kick.LEG_FORWARD)
         robot.log_value("answer", 42)
         robot.log_text("word", "hello")

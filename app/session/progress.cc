@@ -55,7 +55,12 @@ void Progress::warn_of_silence() {
     warned_ = false;
   } else if (!warned_) {
     warned_ = true;
-    std::fprintf(stderr, "waiting for %s\n", fmt::format("{}", fmt::join(waiting, ", ")).c_str());
+    const std::string line = fmt::format(
+        "waiting for {} at {:.3f} s: no decision for {:.0f} s (in the scenario, behaviour: "
+        "{{silence: "
+        "abort, wall_limit_s: N}} ends such a run)\n",
+        fmt::join(waiting, ", "), control_.time().s(), since_s);
+    std::fputs(line.c_str(), stderr);
   }
 }
 

@@ -58,6 +58,19 @@ TEST(Formula, ControlCharactersAndEndlessTextsAreRefused) {
   EXPECT_THROW(Formula(sum, {"x"}), InputError);
 }
 
+TEST(Expression, WordsThatFormulasDoNotHaveAreExplained) {
+  const auto error_of = [](const std::string& u, const std::string& parameter) {
+    return error_of_model("  e: {stage: geometry, u: '" + u + "', parameters: {" + parameter +
+                          ": 0}}");
+  };
+  EXPECT_THAT(error_of("u + pi", "pi"),
+              testing::HasSubstr("a name that formulas have already (pi,"));
+  EXPECT_THAT(error_of("u > 0 and v > 0", "k"), testing::HasSubstr("write && for 'and'"));
+  EXPECT_THAT(error_of(" ", "k"), testing::HasSubstr("the formula is empty"));
+  const std::string error = error_of(std::string(9000, '-') + "q", "k");
+  EXPECT_LT(error.size(), 400u);
+}
+
 // Each of these took a minute, or did not end.
 TEST(Expression, ManyFormulasAndParametersAreCountedFirst) {
   std::string formulas, parameters, settings;

@@ -166,13 +166,30 @@ void check_text(const std::string& text) {
                                  odd - text.begin() + 1, static_cast<int>(*odd)));
 }
 
+// As errors show it.
+std::string shown(const std::string& text) {
+  constexpr size_t kMost = 80;
+  return text.size() > kMost ? text.substr(0, kMost) + "..." : text;
+}
+
+[[noreturn]] void fail(const std::string& text, const mu::Parser::exception_type& error) {
+  std::string why = error.GetMsg();
+  if (error.GetCode() == mu::ecNAME_CONFLICT)
+    why = "a parameter has a name that formulas have already (pi, or a function's)";
+  for (const auto& [word, sign] : {std::pair("and", "&&"), {"or", "||"}}) {
+    if (error.GetToken() == word) why = fmt::format("write {} for '{}'", sign, word);
+  }
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos) why = "the formula is empty";
+  throw InputError(fmt::format("formula '{}': {}", shown(text), shown(why)));
+}
+
 }  // namespace
 
 Formula::Formula(const std::string& text, std::vector<std::string> variables, Names names)
     : text_(text), variables_(std::move(variables)), names_(names), id_(next_id++) {
   for (const std::string& name : names_in(text, names)) {
     if (std::find(variables_.begin(), variables_.end(), name) == variables_.end()) {
-      throw InputError(fmt::format("formula '{}': unknown name '{}'{}", text, name,
+      throw InputError(fmt::format("formula '{}': unknown name '{}'{}", shown(text), shown(name),
                                    suggestion_for(name, variables_)));
     }
   }
@@ -189,7 +206,7 @@ double Formula::operator()(std::span<const double> values) const {
     std::copy(values.begin(), values.end(), found->second.values.begin());
     return found->second.parser->Eval();
   } catch (const mu::Parser::exception_type& error) {
-    throw InputError(fmt::format("formula '{}': {}", text_, error.GetMsg()));
+    fail(text_, error);
   }
 }
 
@@ -202,7 +219,7 @@ std::vector<std::string> Formula::names_in(const std::string& text, Names names)
     for (const auto& [name, place] : parser->GetUsedVar()) found.push_back(name);
     return found;
   } catch (const mu::Parser::exception_type& error) {
-    throw InputError(fmt::format("formula '{}': {}", text, error.GetMsg()));
+    fail(text, error);
   }
 }
 

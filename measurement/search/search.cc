@@ -1,6 +1,7 @@
 #include "measurement/search/search.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "effects/questions.h"
@@ -362,7 +363,9 @@ SearchResult Searcher::run() {
   result.remaining = of_best.material, result.remaining_traces = of_best.traces;
   const bool first_found =
       !result.first.candidates.empty() && result.first.candidates.front().significant;
-  if (!result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found)) {
+  const bool has_error = std::isfinite(result.best.assessment.error);
+  if (!has_error ||
+      (!result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found))) {
     result.verdict = "unexplained_structure";
   } else {
     result.verdict = result.steps.empty() ? "adequate" : "missing_effect";

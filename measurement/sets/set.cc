@@ -16,6 +16,8 @@ namespace seam::measurement {
 namespace {
 
 constexpr double kLargest = 1e300;
+// No sensor of metres, radians, pixels or counts is better or worse.
+constexpr double kLeastNoise = 1e-12, kMostNoise = 1e12;
 
 void describe_camera(ConfigTable& table, CameraFacts& camera) {
   table.allow_notes();
@@ -82,6 +84,12 @@ MeasurementSet MeasurementSet::open(const std::filesystem::path& path) {
   set.title = set.folder.filename().string();
   read_config(root, [&](ConfigTable& table) { describe_set(table, set); });
   std::erase_if(set.noise, [](const auto& entry) { return !(entry.second > 0); });
+  for (const auto& [column, sigma] : set.noise) {
+    if (sigma < kLeastNoise || sigma > kMostNoise)
+      root.at("noise").fail(fmt::format(
+          "{}: found {:g}, expected {:g} to {:g} in the column's unit (left out: it is estimated)",
+          column, sigma, kLeastNoise, kMostNoise));
+  }
   const ConfigNode files = root.at("files");
   for (const std::string& name : files.keys()) set.inside(files.at(name));
   return set;

@@ -79,6 +79,24 @@ TEST(MeasurementSet, NamesStayInsideTheFolder) {
   fs::remove_all(folder);
 }
 
+TEST(MeasurementSet, NoiseOfNoSensorIsRefused) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(testing::TempDir()) / "absurd_noise_set";
+  fs::create_directories(folder);
+  const auto error_of = [&](const std::string& sigma) {
+    std::ofstream(folder / "measurement.yaml")
+        << "format: seam-measurement/1\nkind: joints\nnoise: {measured_rad: " << sigma
+        << "}\nfiles: {joints: joints.csv}\n";
+    return message_of([&] { MeasurementSet::open(folder); });
+  };
+  EXPECT_EQ(error_of("0.001"), "no error");
+  EXPECT_EQ(error_of("0"), "no error");
+  for (const char* sigma : {"1e-160", "1e300"})
+    EXPECT_NE(error_of(sigma).find("measurement.yaml:3: noise: measured_rad: found"),
+              std::string::npos);
+  fs::remove_all(folder);
+}
+
 TEST(MeasurementSet, OneJointAloneIsRead) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::path(testing::TempDir()) / "one-joint";

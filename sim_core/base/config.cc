@@ -105,9 +105,15 @@ ConfigNode ConfigNode::from_made_text(const std::string& text, const std::string
 }
 
 ConfigNode ConfigNode::parsed(const std::string& text, const std::string& name, bool has_lines) {
+  if (const size_t at = text.find('\0'); at != std::string::npos)
+    throw InputError(fmt::format("{}: byte {} is a NUL: not a text file", name, at + 1));
   refuse_hostile_nesting(text, name);
   try {
-    ConfigNode root(YAML::Load(text), name, "", 1, has_lines);
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1)
+      throw InputError(fmt::format("{}:{}: a second document begins, expected one in a file", name,
+                                   documents[1].Mark().line + 1));
+    ConfigNode root(documents.empty() ? YAML::Node() : documents.front(), name, "", 1, has_lines);
     if (!root.node_->IsDefined() || root.node_->IsNull()) root.fail("the file is empty");
     return root;
   } catch (const YAML::Exception& error) {
@@ -150,19 +156,20 @@ ConfigNode ConfigNode::at(const std::string& key) const {
 std::vector<std::string> ConfigNode::keys() const {
   check_map(*this);
   std::vector<std::string> keys;
+  std::set<std::string> seen;
   for (const auto& entry : *node_) {
     if (!entry.first.IsScalar()) fail("expected plain words as keys");
-    if (has_control_characters(entry.first.Scalar()))
+    const std::string& key = entry.first.Scalar();
+    if (has_control_characters(key))
       fail("found a control character in a key, expected plain words");
-    keys.push_back(entry.first.Scalar());
+    if (!seen.insert(key).second) fail(fmt::format("key '{}' stands twice", key));
+    keys.push_back(key);
   }
   return keys;
 }
 
 void ConfigNode::finish() const {
-  std::set<std::string> seen;
   for (const std::string& key : keys()) {
-    if (!seen.insert(key).second) fail(fmt::format("key '{}' stands twice", key));
     if (asked_->contains(key)) continue;
     const std::vector<std::string> known(asked_->begin(), asked_->end());
     const auto value = ConfigNode((*node_)[key], file_, path_, line(), has_lines_);

@@ -131,7 +131,7 @@ class UrdfReader {
   double number(const XMLElement& element, const char* name, double otherwise) const {
     return element.Attribute(name) ? numbers(element, name, 1).front() : otherwise;
   }
-  double length(const XMLElement& element, const char* name) const {
+  double not_negative(const XMLElement& element, const char* name) const {
     const double value = numbers(element, name, 1).front();
     if (!(value >= 0)) fail(element.GetLineNum(), "{}=\"{}\": expected at least 0", name, value);
     return value;
@@ -197,7 +197,9 @@ class UrdfReader {
       link.mimic_offset_rad = number(*mimic, "offset", 0);
     }
     const XMLElement* const limit = joint.FirstChildElement("limit");
-    const double speed = limit ? number(*limit, "velocity", 0) : 0;
+    // Files of other programs write 0 for "not known".
+    const double speed =
+        limit && limit->Attribute("velocity") ? not_negative(*limit, "velocity") : 0;
     link.limits = {-kWidest_rad, kWidest_rad,
                    speed > 0 ? std::min(speed, 100.0) : kUsualSpeed_radps};
     if (turns_on) return;
@@ -261,7 +263,7 @@ class UrdfReader {
     const size_t place = place_of(attribute(link, "name"));
     if (const XMLElement* const inertial = link.FirstChildElement("inertial"))
       if (const XMLElement* const mass = inertial->FirstChildElement("mass"))
-        mass_kg_ += std::max(0.0, number(*mass, "value", 0));
+        mass_kg_ += mass->Attribute("value") ? not_negative(*mass, "value") : 0;
     for (const XMLElement& visual : all(link, "visual")) {
       BodyPart part{.link = place, .paint = Paint::own, .rgb = {0.5, 0.5, 0.5}};
       std::tie(part.centre_m, part.rotate_rad) = origin(visual);
@@ -293,11 +295,11 @@ class UrdfReader {
       return least > 0;
     } else if (const XMLElement* const sphere = geometry.FirstChildElement("sphere")) {
       part.shape = Shape::sphere;
-      part.size_m = {length(*sphere, "radius"), 0, 0};
+      part.size_m = {not_negative(*sphere, "radius"), 0, 0};
       return part.size_m.x > 0;
     } else if (const XMLElement* const cylinder = geometry.FirstChildElement("cylinder")) {
       part.shape = Shape::cylinder;
-      part.size_m = {length(*cylinder, "radius"), 0, length(*cylinder, "length")};
+      part.size_m = {not_negative(*cylinder, "radius"), 0, not_negative(*cylinder, "length")};
       // Of a URDF's cylinder the origin is the middle.
       const Mat3 R = rotation_zyx(part.rotate_rad.x, part.rotate_rad.y, part.rotate_rad.z);
       part.centre_m -= 0.5 * part.size_m.z * R[2];

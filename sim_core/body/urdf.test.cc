@@ -116,6 +116,10 @@ TEST_F(Urdf, BadFilesAreNamedWithTheirLine) {
   expect_error(two + joint("j", "a", "b", "fixed", "<origin xyz=\"0 nan 0\"/>"),
                "expected 3 finite");
   expect_error(two + joint("j", "a", "b", "fixed", "<origin xyz=\"0 0\"/>"), "found 2 numbers");
+  expect_error(two + joint("j", "a", "b", "continuous", "<limit velocity=\"-1\"/>"),
+               "velocity=\"-1\": expected at least 0");
+  expect_error("<link name=\"a\"><inertial><mass value=\"-5\"/></inertial></link>",
+               "value=\"-5\": expected at least 0");
   expect_error("", "found no links");
   expect_error("<link", "found no XML");
 }

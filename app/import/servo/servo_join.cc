@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -12,6 +11,8 @@
 #include "app/import/bags/reading_progress.h"
 #include "app/import/draft/checks.h"
 #include "app/import/servo/servo_columns.h"
+#include "app/import/servo/servo_roles.h"
+#include "measurement/numerics/moments.h"
 #include "sim_core/base/error.h"
 
 namespace seam::app {
@@ -19,48 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Names = std::vector<std::string>;
-
-enum class Role { unknown, command, state };
-
-const Names& words_of(Role role) {
-  static const Names commands = {"command", "cmd",     "control",   "goal",    "target",
-                                 "action",  "desired", "reference", "setpoint"};
-  static const Names states = {"state",  "measured", "measurement", "feedback",
-                               "actual", "present",  "observation", "encoder"};
-  return role == Role::command ? commands : states;
-}
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-bool holds_one_of(const std::string& text, const Names& words) {
-  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-    return lower_case(text).find(word) != std::string::npos;
-  });
-}
-
-Role role_in(const std::string& text) {
-  const bool command = holds_one_of(text, words_of(Role::command));
-  const bool state = holds_one_of(text, words_of(Role::state));
-  return command == state ? Role::unknown : command ? Role::command : Role::state;
-}
-
-// What is left of a name without the words of roles: "state_motor_3" -> "motor3".
-std::string without_role(const std::string& text) {
-  std::string left = lower_case(text);
-  for (const Role role : {Role::command, Role::state}) {
-    for (const std::string& word : words_of(role)) {
-      for (const std::string& form : {word + "s", word}) {
-        const size_t at = left.find(form);
-        if (at != std::string::npos) left.erase(at, form.size());
-      }
-    }
-  }
-  std::erase_if(left, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
-  return left;
-}
 
 struct Source {
   fs::path path;
@@ -175,6 +134,8 @@ class Join {
   }
   // States without a command before them.
   size_t early() const { return early_; }
+  // By command, how long after it the state comes from which on it counts.
+  const std::vector<double>& late_ns() const { return late_ns_; }
 
  private:
   // By the names of joints where both files have them, else by their places.
@@ -225,8 +186,8 @@ class Join {
     }
     if (count == 0)
       throw InputError(
-          fmt::format("{} and {}: found no angles in both among {} and {}; say which, --map "
-                      "command=FILE:NAME,measured=FILE:NAME",
+          fmt::format("{} and {}: found no angles in both among {} and {}; state which, --map "
+                      "command=NAME,measured=NAME (FILE:NAME where both files have the name)",
                       command_.path.string(), state_.path.string(),
                       fmt::join(command_.log.names, ", "), fmt::join(state_.log.names, ", ")));
   }
@@ -288,7 +249,10 @@ class Join {
       if (of_key == rows.end()) continue;
       const auto after = of_key->second.upper_bound(seen[row]);
       if (after == of_key->second.begin()) continue;
-      kept.push_back(row), command_rows.push_back(std::prev(after)->second);
+      const auto& [asked_ns, command] = *std::prev(after);
+      if (command_rows.empty() || command_rows.back() != command)
+        late_ns_.push_back(static_cast<double>(seen[row] - asked_ns));
+      kept.push_back(row), command_rows.push_back(command);
     }
     early_ = seen.size() - kept.size();
     if (kept.size() < 3)
@@ -325,6 +289,7 @@ class Join {
   SignalLog joined_;
   std::vector<size_t> taken_;  // Of the commands, behind the state's own signals.
   size_t early_ = 0;
+  std::vector<double> late_ns_;
 };
 
 // Where the user names files, their roles are his.
@@ -371,6 +336,7 @@ ServoLogs servo_logs(const ImportRequest& request, SetDraft& draft) {
   found.request.names.erase("command"), found.request.names.erase("measured");
   const auto pairs = pairs_of(sources);
   size_t early = 0, states = 0;
+  std::vector<double> late_ns;
   for (const auto& [command, state] : pairs) {
     const Source& of_states = sources[state];
     Join join(request, sources[command], of_states);
@@ -380,6 +346,7 @@ ServoLogs servo_logs(const ImportRequest& request, SetDraft& draft) {
     found.logs.push_back(join.run());
     found.runs.push_back(by_folder ? folder.string() + "-" + stem : stem);
     early += join.early(), states += of_states.log.rows();
+    late_ns.insert(late_ns.end(), join.late_ns().begin(), join.late_ns().end());
   }
   draft.did(fmt::format(
       "commands and states of {} pairs of files joined by time: a state has the last command at or "
@@ -388,6 +355,14 @@ ServoLogs servo_logs(const ImportRequest& request, SetDraft& draft) {
       early > 0
           ? fmt::format("; {} of {} states stand before the first command: left out", early, states)
           : ""));
+  constexpr double kMatters_ns = 1e5;
+  if (const double late = measurement::mean_of(late_ns); late > kMatters_ns)
+    draft.could_not_know(fmt::format(
+        "when commands acted between states: each counts from the next state on, {:.2g} ms after "
+        "it "
+        "on average ({:.2g} ms at most), and what delays a joint is found wrong by as much; a log "
+        "of both in one row has no such error",
+        late * 1e-6, *std::max_element(late_ns.begin(), late_ns.end()) * 1e-6));
   return found;
 }
 

@@ -198,7 +198,14 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   }
   for (const double r : evaluation.residual) evaluation.valid &= std::isfinite(r);
   whiten_diagonal(*this, groups, evaluation);
-  if (rounded) whiten_rounded(*rounded, evaluation);
+  if (rounded) {
+    const Reading reading = reading_of(model, evaluation);
+    evaluation.sigma.assign(n, reading.sigma_rad);
+    whiten_diagonal(*this, groups, evaluation);
+    whiten_rounded(*reading.rounded, evaluation);
+  } else {
+    bound_chances(evaluation);
+  }
   whiten_wander(effects::noise_of(model), groups, evaluation);
   auto told = evaluation.nuisance_values.begin();
   for (const JointLog& log : set_.logs) {

@@ -187,7 +187,13 @@ class JointsProblem : public Problem {
     std::optional<RoundedAngle> rounded;
   };
   Reading reading_of(const Model& model) const;
+  // The same once residuals are known: noise behind the steps that no set states is the likeliest
+  // of these.
+  Reading reading_of(const Model& model, const Evaluation& seen) const;
   static void whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation);
+  // The density of a normal error narrower than a step gives its likeliest reading a chance above
+  // 1, and a joint at rest shows that reading again and again: its chance is 1 instead.
+  void bound_chances(Evaluation& evaluation) const;
   // By how much whitened residuals change, to first order, where angles do.
   std::vector<double> change_of(const Model& model, const Evaluation& here,
                                 const Evaluation& there) const;
@@ -196,8 +202,9 @@ class JointsProblem : public Problem {
   // By log. A fit of a spread, a score after a fit and a structure test ask for the same.
   std::optional<Memo<Prediction>> predictions_;
   double lattice_rad_ = 0;       // All measured angles are multiples of this; 0: of nothing coarse.
-  double behind_steps_rad_ = 0;  // The noise before it is rounded to them.
-  double largest_step_rad_ = 0;  // Of an encoder, that the scatter of neighbours allows.
+  double behind_steps_rad_ = 0;  // The noise before it is rounded to them, at most.
+  std::vector<RoundedAngle> roundings_;  // With less and less of it; one where the set states it.
+  double largest_step_rad_ = 0;          // Of an encoder, that the scatter of neighbours allows.
 };
 
 // Makes the log that the model would give (`seam measure`): the joint starts at rest at its first

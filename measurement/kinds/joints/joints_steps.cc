@@ -2,6 +2,7 @@
 // them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -13,6 +14,8 @@
 
 namespace seam::measurement {
 namespace {
+
+constexpr double kSoftening = 0.05;  // Of a step.
 
 // Noise that was estimated holds the rounding to steps: what is behind it, by rows between which
 // the joint moves by a step at least. A slower one's rounding repeats itself and says nothing.
@@ -106,7 +109,15 @@ void JointsProblem::look_for_steps() {
   } else if (scatter > 1.2 * noise) {
     largest_step_rad_ = 1.3 * std::sqrt(12 * (scatter * scatter - noise * noise));
   }
-  if (lattice_rad_ > 0 && behind_steps_rad_ < lattice_rad_) mark_shared_errors();
+  if (lattice_rad_ == 0 || behind_steps_rad_ >= lattice_rad_) return;
+  mark_shared_errors();
+  constexpr double kFiner = 0.6;
+  double behind = behind_steps_rad_;
+  do {
+    // The angle itself is known only so well, which softens the edges between steps.
+    roundings_.emplace_back(lattice_rad_, std::hypot(behind, kSoftening * lattice_rad_));
+    behind *= kFiner;
+  } while (facts_.channels[0].estimated && behind > kSoftening * lattice_rad_);
 }
 
 // Of each stay on a step one row speaks, drawn by chance: the first would always lie behind the
@@ -134,10 +145,28 @@ JointsProblem::Reading JointsProblem::reading_of(const Model& model) const {
   // own otherwise, and be likelier than the truth.
   if (!effects::noise_of(model).joint.empty())
     return {.sigma_rad = std::max(sigma, lattice_rad_ / std::sqrt(2 * std::numbers::pi))};
-  if (!on_lattice || noise >= lattice_rad_) return {.sigma_rad = sigma};
-  // The angle itself is known only so well, which softens the edges between steps.
-  const RoundedAngle rounded(lattice_rad_, std::hypot(noise, 0.05 * lattice_rad_));
-  return {.sigma_rad = rounded.sigma_rad(), .rounded = rounded};
+  if (!on_lattice || roundings_.empty()) return {.sigma_rad = sigma};
+  return {.sigma_rad = roundings_.front().sigma_rad(), .rounded = roundings_.front()};
+}
+
+// Both estimates from the measurements alone err upwards: what they see of a joint that turns is
+// its motion, too.
+JointsProblem::Reading JointsProblem::reading_of(const Model& model, const Evaluation& seen) const {
+  Reading reading = reading_of(model);
+  if (!reading.rounded) return reading;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const RoundedAngle& rounded : roundings_) {
+    double likelihood = 0;
+    for (size_t i = 0; i < seen.residual.size(); ++i) {
+      if (!seen.used[i]) continue;
+      const double z = rounded.z(seen.residual[i]);
+      likelihood -= 0.5 * z * z + std::log(rounded.sigma_rad());
+    }
+    if (!(likelihood > most)) continue;
+    most = likelihood;
+    reading = {.sigma_rad = rounded.sigma_rad(), .rounded = rounded};
+  }
+  return reading;
 }
 
 void JointsProblem::whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation) {
@@ -147,11 +176,20 @@ void JointsProblem::whiten_rounded(const RoundedAngle& rounded, Evaluation& eval
   evaluation.mean_square.assign(evaluation.residual.size(), rounded.mean_square());
 }
 
+void JointsProblem::bound_chances(Evaluation& evaluation) const {
+  if (roundings_.empty() || !facts_.channels[0].estimated) return;
+  const double least = lattice_rad_ / std::sqrt(2 * std::numbers::pi);
+  for (size_t i = 0; i < evaluation.used.size(); ++i) {
+    if (evaluation.used[i] && evaluation.sigma[i] < least)
+      evaluation.log_det[facts_.group_of(i)] += 2 * std::log(least / evaluation.sigma[i]);
+  }
+}
+
 std::vector<double> JointsProblem::change_of(const Model& model, const Evaluation& here,
                                              const Evaluation& there) const {
   std::vector<double> change(facts_.scalars(), 0);
   if (!there.valid) return change;
-  const auto rounded = reading_of(model).rounded;
+  const auto rounded = reading_of(model, here).rounded;
   for (size_t i = 0; i < change.size(); ++i) {
     if (!here.used[i]) continue;
     // Edges between steps are narrower than what differences of parameters move.

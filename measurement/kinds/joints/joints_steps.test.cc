@@ -184,6 +184,27 @@ TEST(JointSteps, NoneAreSeenWhereThereAreNone) {
   }
 }
 
+// Where the set states no noise its estimate holds the rounding. Steps are likelier all the same,
+// and nothing that moves less than a step takes their place.
+TEST(JointSteps, AreFoundWhereNoNoiseIsStated) {
+  for (const double degrees : {0.2371, 0.3317}) {
+    const double step_rad = degrees / kDegreesOfRadian;
+    LagLog log{.step_rad = step_rad, .written = degrees_4, .noise_rad = 0, .stated = false};
+    log.command_rad = [](int run, int row) {
+      return uniform({5, static_cast<uint64_t>(run)}, static_cast<uint64_t>(row / 30)) - 0.5;
+    };
+    const auto problem = open_problem(write_log(fmt::format("unstated-{}", degrees), log));
+    const auto likelihood_with = [&](const std::string& name) {
+      const AddResult added = add_effects(*problem, lag_model(), {effects::find_effect(name)});
+      if (name == "encoder_quantisation") {
+        EXPECT_NEAR(added.model.find(name)->values()[0], step_rad, 0.02 * step_rad);
+      }
+      return problem->score(added.model, problem->all_groups()).log_likelihood;
+    };
+    EXPECT_GT(likelihood_with("encoder_quantisation"), likelihood_with("stiction") + 20) << degrees;
+  }
+}
+
 // A joint without noise goes from rest to rest: where it rests its rounding is one error, however
 // many rows show it, and no structure of time or place.
 TEST(JointSteps, ARestShowsOneErrorOfRounding) {

@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import dataclasses
 import enum
-from typing import TYPE_CHECKING, Iterable, TypeVar
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, TypeVar
 
 from seam.v1 import simulation_pb2 as wire
 
@@ -62,12 +63,14 @@ class Orders:
         self._answer.decision.kick = int(kind)
         return self
 
-    def joints(self: _Self, targets: Iterable[JointTarget], offset_ns: int = 0) -> _Self:
+    def joints(self: _Self, targets: Iterable[JointTarget] | Mapping[str, float], offset_ns: int = 0) -> _Self:
         """Joint targets, this long after the decision acts; several calls make several frames, in ascending order.
 
-        Leg targets replace the gait until the next walk().
+        {"pan": 0.2} stands for [JointTarget("pan", 0.2)]. Leg targets replace the gait until the next walk().
         """
         frame = self._answer.decision.joints.add(offset_ns=offset_ns)
+        if isinstance(targets, Mapping):
+            targets = [JointTarget(name, angle_rad) for name, angle_rad in targets.items()]
         for target in targets:
             joint = self._joint_number(target.joint) if isinstance(target.joint, str) else target.joint
             frame.targets.add(joint=joint, angle_rad=target.angle_rad, max_speed_rad_s=target.max_speed_rad_s)

@@ -35,6 +35,7 @@ _CHANNEL_OPTIONS = (
 # Worth another try: the server is not up yet, or the connection broke.
 _PASSING = (grpc.StatusCode.UNAVAILABLE, grpc.StatusCode.CANCELLED, grpc.StatusCode.DEADLINE_EXCEEDED,
             grpc.StatusCode.INTERNAL)
+_REPORTED_AFTER_S = 2.0  # Without a connection.
 
 
 class SeamError(Exception):
@@ -152,7 +153,7 @@ class Robot(Orders):
                 drive = self._drive_line
             else:
                 drive = functools.partial(self._drive_grpc, kept.enter_context(_open_channel(self.connection)))
-            last_connected = time.monotonic()
+            last_connected, reported = time.monotonic(), False
             while True:
                 self._welcome.Clear()
                 try:
@@ -164,6 +165,10 @@ class Robot(Orders):
                         last_connected = now
                     if error.code() not in _PASSING or now - last_connected > self.connection.give_up_s:
                         raise SeamError(f"{self.name}: {error.details()}") from error
+                    if not reported and now - last_connected > _REPORTED_AFTER_S:
+                        reported = True
+                        print(f"{self.name}: no server at {self.connection.line or self.connection.address} (is its run over?); "
+                              f"tries for {self.connection.give_up_s:g} s", file=sys.stderr)
                 time.sleep(0.02)
 
     def _drive_grpc(self, channel: grpc.Channel) -> Iterator[Observation]:
