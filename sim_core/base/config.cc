@@ -57,6 +57,23 @@ void refuse_hostile_nesting(const std::string& text, const std::string& name) {
   }
 }
 
+// The library reads the first document alone, and may not end where it is asked for all.
+void refuse_second_document(const std::string& text, const std::string& name) {
+  bool began = false;
+  int number = 0;
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string_view line(text.data() + at, end - at);
+    ++number, at = end + 1;
+    const bool marks = line.starts_with("---") && line.find_first_not_of(" \t\r", 3) != 3;
+    if (marks && began)
+      throw InputError(
+          fmt::format("{}:{}: a second document begins, expected one in a file", name, number));
+    const size_t first = line.find_first_not_of(" \t\r");
+    began |= marks || (first != std::string_view::npos && line[first] != '#' && line[0] != '%');
+  }
+}
+
 // Names go into messages, formulas, tables and names of files.
 bool has_control_characters(std::string_view text) {
   return std::any_of(text.begin(), text.end(), [](char c) {
@@ -108,12 +125,9 @@ ConfigNode ConfigNode::parsed(const std::string& text, const std::string& name, 
   if (const size_t at = text.find('\0'); at != std::string::npos)
     throw InputError(fmt::format("{}: byte {} is a NUL: not a text file", name, at + 1));
   refuse_hostile_nesting(text, name);
+  refuse_second_document(text, name);
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1)
-      throw InputError(fmt::format("{}:{}: a second document begins, expected one in a file", name,
-                                   documents[1].Mark().line + 1));
-    ConfigNode root(documents.empty() ? YAML::Node() : documents.front(), name, "", 1, has_lines);
+    ConfigNode root(YAML::Load(text), name, "", 1, has_lines);
     if (!root.node_->IsDefined() || root.node_->IsNull()) root.fail("the file is empty");
     return root;
   } catch (const YAML::Exception& error) {

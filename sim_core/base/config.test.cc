@@ -44,7 +44,7 @@ TEST(Config, WhatStandsTwiceOrBehindTheEndIsNotPassedOver) {
   EXPECT_EQ(error_of("a: {b: 1, c: 2, b: 3}\n", [](const auto& root) { root.at("a").keys(); }),
             "robot.yaml:1: a: key 'b' stands twice");
   EXPECT_EQ(error_of("a: 1\n---\nb: 2\n", [](const auto&) {}),
-            "robot.yaml:3: a second document begins, expected one in a file");
+            "robot.yaml:2: a second document begins, expected one in a file");
   EXPECT_EQ(error_of(std::string("a: 1\0\n", 6), [](const auto&) {}),
             "robot.yaml: byte 5 is a NUL: not a text file");
 }
