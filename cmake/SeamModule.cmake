@@ -143,5 +143,5 @@ function(seam_test_program name)
                        ENVIRONMENT SEAM_CACHE=off LABELS unit)
   # Suites whose names end with Slow: tens of seconds of fits (label `slow`, tests/CMakeLists.txt).
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "*Slow.*" TEST_LIST ${name}_SLOW_TESTS PROPERTIES TIMEOUT 300
-                       ENVIRONMENT SEAM_CACHE=off LABELS "unit;slow")
+                       ENVIRONMENT SEAM_CACHE=off LABELS slow)
 endfunction()
