@@ -56,9 +56,8 @@ void Progress::warn_of_silence() {
   } else if (!warned_) {
     warned_ = true;
     const std::string line = fmt::format(
-        "waiting for {} at {:.3f} s: no decision for {:.0f} s (in the scenario, behaviour: "
-        "{{silence: "
-        "abort, wall_limit_s: N}} ends such a run)\n",
+        "waiting for {} at {:.3f} s: no decision for {:.0f} s (in the scenario, "
+        "behaviour: {{silence: abort, wall_limit_s: N}} ends such a run)\n",
         fmt::join(waiting, ", "), control_.time().s(), since_s);
     std::fputs(line.c_str(), stderr);
   }

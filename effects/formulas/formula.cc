@@ -167,7 +167,7 @@ void check_text(const std::string& text) {
 }
 
 // As errors show it.
-std::string shown(const std::string& text) {
+std::string shortened(const std::string& text) {
   constexpr size_t kMost = 80;
   return text.size() > kMost ? text.substr(0, kMost) + "..." : text;
 }
@@ -180,7 +180,7 @@ std::string shown(const std::string& text) {
     if (error.GetToken() == word) why = fmt::format("write {} for '{}'", sign, word);
   }
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) why = "the formula is empty";
-  throw InputError(fmt::format("formula '{}': {}", shown(text), shown(why)));
+  throw InputError(fmt::format("formula '{}': {}", shortened(text), shortened(why)));
 }
 
 }  // namespace
@@ -189,8 +189,8 @@ Formula::Formula(const std::string& text, std::vector<std::string> variables, Na
     : text_(text), variables_(std::move(variables)), names_(names), id_(next_id++) {
   for (const std::string& name : names_in(text, names)) {
     if (std::find(variables_.begin(), variables_.end(), name) == variables_.end()) {
-      throw InputError(fmt::format("formula '{}': unknown name '{}'{}", shown(text), shown(name),
-                                   suggestion_for(name, variables_)));
+      throw InputError(fmt::format("formula '{}': unknown name '{}'{}", shortened(text),
+                                   shortened(name), suggestion_for(name, variables_)));
     }
   }
   const std::vector<double> ones(variables_.size(), 1);

@@ -61,40 +61,38 @@ TEST(CsvTable, ColumnsAreBounded) {
             "t.csv:1: more than 1000 columns");
 }
 
+// Of a set of joints with these further lines, from the third on.
+std::string error_of_set(const std::string& lines) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "refused_set";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "measurement.yaml") << "format: seam-measurement/1\nkind: joints\n"
+                                             << lines;
+  const std::string error = message_of([&] { MeasurementSet::open(folder); });
+  std::filesystem::remove_all(folder);
+  return error;
+}
+
 // Files that lie outside of a set are not read, wherever it names them.
 TEST(MeasurementSet, NamesStayInsideTheFolder) {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::path(testing::TempDir()) / "hostile_set";
-  fs::create_directories(folder);
-  const auto error_of = [&](const std::string& file) {
-    std::ofstream(folder / "measurement.yaml")
-        << "format: seam-measurement/1\nkind: joints\nfiles: {joints: " << file << "}\n";
-    return message_of([&] { MeasurementSet::open(folder); });
+  const auto error_of = [](const std::string& file) {
+    return error_of_set("files: {joints: " + file + "}\n");
   };
   EXPECT_EQ(error_of("joints.csv"), "no error");
   EXPECT_NE(error_of("../joints.csv").find("measurement.yaml:3: files.joints: found '../joints"),
             std::string::npos);
   EXPECT_NE(error_of("/etc/passwd").find("files.joints"), std::string::npos);
   EXPECT_NE(error_of("\"a\\0b\"").find("measurement.yaml:3"), std::string::npos);
-  fs::remove_all(folder);
 }
 
 TEST(MeasurementSet, NoiseOfNoSensorIsRefused) {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::path(testing::TempDir()) / "absurd_noise_set";
-  fs::create_directories(folder);
-  const auto error_of = [&](const std::string& sigma) {
-    std::ofstream(folder / "measurement.yaml")
-        << "format: seam-measurement/1\nkind: joints\nnoise: {measured_rad: " << sigma
-        << "}\nfiles: {joints: joints.csv}\n";
-    return message_of([&] { MeasurementSet::open(folder); });
+  const auto error_of = [](const std::string& sigma) {
+    return error_of_set("noise: {measured_rad: " + sigma + "}\nfiles: {joints: joints.csv}\n");
   };
   EXPECT_EQ(error_of("0.001"), "no error");
   EXPECT_EQ(error_of("0"), "no error");
   for (const char* sigma : {"1e-160", "1e300"})
     EXPECT_NE(error_of(sigma).find("measurement.yaml:3: noise: measured_rad: found"),
               std::string::npos);
-  fs::remove_all(folder);
 }
 
 TEST(MeasurementSet, OneJointAloneIsRead) {

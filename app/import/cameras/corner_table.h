@@ -1,6 +1,5 @@
 // Corners of a target in a table: a row a corner, with its frame or time, its place on the target
-// (its number, or its row and column),
-// and the camera that saw it where there are several.
+// (its number, or its row and column), and the camera that saw it where there are several.
 #pragma once
 
 #include <string>

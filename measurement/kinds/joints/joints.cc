@@ -199,10 +199,10 @@ Evaluation JointsProblem::evaluate(const Model& model, const Groups& groups,
   for (const double r : evaluation.residual) evaluation.valid &= std::isfinite(r);
   whiten_diagonal(*this, groups, evaluation);
   if (rounded) {
-    const Reading reading = reading_of(model, evaluation);
-    evaluation.sigma.assign(n, reading.sigma_rad);
+    const RoundedAngle& likeliest = likeliest_rounding(evaluation);
+    evaluation.sigma.assign(n, likeliest.sigma_rad());
     whiten_diagonal(*this, groups, evaluation);
-    whiten_rounded(*reading.rounded, evaluation);
+    whiten_rounded(likeliest, evaluation);
   } else {
     bound_chances(evaluation);
   }

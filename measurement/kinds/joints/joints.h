@@ -187,9 +187,8 @@ class JointsProblem : public Problem {
     std::optional<RoundedAngle> rounded;
   };
   Reading reading_of(const Model& model) const;
-  // The same once residuals are known: noise behind the steps that no set states is the likeliest
-  // of these.
-  Reading reading_of(const Model& model, const Evaluation& seen) const;
+  // Noise behind the steps that no set states is the likeliest of these.
+  const RoundedAngle& likeliest_rounding(const Evaluation& seen) const;
   static void whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation);
   // The density of a normal error narrower than a step gives its likeliest reading a chance above
   // 1, and a joint at rest shows that reading again and again: its chance is 1 instead.

@@ -151,10 +151,9 @@ JointsProblem::Reading JointsProblem::reading_of(const Model& model) const {
 
 // Both estimates from the measurements alone err upwards: what they see of a joint that turns is
 // its motion, too.
-JointsProblem::Reading JointsProblem::reading_of(const Model& model, const Evaluation& seen) const {
-  Reading reading = reading_of(model);
-  if (!reading.rounded) return reading;
+const RoundedAngle& JointsProblem::likeliest_rounding(const Evaluation& seen) const {
   double most = -std::numeric_limits<double>::infinity();
+  const RoundedAngle* likeliest = &roundings_.front();
   for (const RoundedAngle& rounded : roundings_) {
     double likelihood = 0;
     for (size_t i = 0; i < seen.residual.size(); ++i) {
@@ -162,11 +161,9 @@ JointsProblem::Reading JointsProblem::reading_of(const Model& model, const Evalu
       const double z = rounded.z(seen.residual[i]);
       likelihood -= 0.5 * z * z + std::log(rounded.sigma_rad());
     }
-    if (!(likelihood > most)) continue;
-    most = likelihood;
-    reading = {.sigma_rad = rounded.sigma_rad(), .rounded = rounded};
+    if (likelihood > most) most = likelihood, likeliest = &rounded;
   }
-  return reading;
+  return *likeliest;
 }
 
 void JointsProblem::whiten_rounded(const RoundedAngle& rounded, Evaluation& evaluation) {
@@ -189,12 +186,18 @@ std::vector<double> JointsProblem::change_of(const Model& model, const Evaluatio
                                              const Evaluation& there) const {
   std::vector<double> change(facts_.scalars(), 0);
   if (!there.valid) return change;
-  const auto rounded = reading_of(model, here).rounded;
+  // The one that `here` was whitened by.
+  const auto rounded =
+      std::find_if(roundings_.begin(), roundings_.end(), [&](const RoundedAngle& one) {
+        return !here.mean_square.empty() && one.mean_square() == here.mean_square.front();
+      });
+  const bool is_rounded = rounded != roundings_.end() && reading_of(model).rounded;
   for (size_t i = 0; i < change.size(); ++i) {
     if (!here.used[i]) continue;
     // Edges between steps are narrower than what differences of parameters move.
-    change[i] = rounded ? rounded->slope(here.residual[i]) * (there.residual[i] - here.residual[i])
-                        : there.whitened[i] - here.whitened[i];
+    change[i] = is_rounded
+                    ? rounded->slope(here.residual[i]) * (there.residual[i] - here.residual[i])
+                    : there.whitened[i] - here.whitened[i];
   }
   return change;
 }

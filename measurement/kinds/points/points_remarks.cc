@@ -153,8 +153,7 @@ std::vector<std::string> PointsProblem::remarks(const Model& model) const {
         "with this set: its views stand still, each with a pose of its own; take a video of the "
         "target with the camera moved by hand, all frames with their times, and say rig: {pose: "
         "unknown, motion: spline}; if the camera moved while the rows of each view were read, "
-        "state "
-        "the read-out time (rolling_shutter) and say motion: constant_velocity");
+        "state the read-out time (rolling_shutter) and say motion: constant_velocity");
   if (moves()) remark_on_path(remarks);
   const Evaluation evaluation = evaluate(model, all_groups(), nullptr);
   remark_on_views(evaluation, remarks);
