@@ -3,7 +3,7 @@
 # Two ways to run each. In every build with tests it is linked with fuzz/driver.cc, and CTest gives it the corpus and
 # mutations of it for SEAM_FUZZ_SECONDS: cheap, with any compiler, blind to coverage. The preset `fuzz` (SEAM_FUZZ)
 # links it with libFuzzer, AddressSanitizer and UBSan instead: scripts/fuzz.sh.
-set(SEAM_FUZZ_SECONDS 3 CACHE STRING "How long CTest mutates inputs of each fuzz target")
+set(SEAM_FUZZ_SECONDS 1 CACHE STRING "How long CTest mutates inputs of each fuzz target")
 if(SEAM_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
@@ -33,7 +33,7 @@ function(seam_fuzzers folder library)
       set(corpus ${CMAKE_SOURCE_DIR}/replays/corpus)
     endif()
     add_test(NAME fuzz.${name} COMMAND fuzz_${name} --seconds ${SEAM_FUZZ_SECONDS} ${corpus})
-    set_tests_properties(fuzz.${name} PROPERTIES TIMEOUT 120)
+    set_tests_properties(fuzz.${name} PROPERTIES TIMEOUT 120 LABELS unit)
   endforeach()
 endfunction()
 

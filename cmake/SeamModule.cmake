@@ -95,12 +95,14 @@ function(read_headers_once target family)
                             <mutex> <optional> <string> <thread> <vector> <fmt/format.h> <glm/mat3x3.hpp> ${ARGN})
 endfunction()
 
-# seam_module(NAME [ROOMS rooms...] [EXCLUDE regex] [LINK targets...] [UNITY n] [UNITY_TESTS n] [HEADERS headers...] [ALONE]):
+# seam_module(NAME [ROOMS rooms...] [EXCLUDE regex] [LINK targets...] [UNITY n] [UNITY_TESTS n] [HEADERS headers...]
+#             [SLOW tests...] [ALONE]):
 # the library of this folder, or of these rooms of it, and, if there are *.test.cc, its test program. UNITY compiles n
 # files of the library at a time, UNITY_TESTS those of the tests: for folders of many files. HEADERS are the heavy ones
-# that most of them include. ALONE: without the headers of the rest of the tree, where the folder builds without it.
+# that most of them include. SLOW: tests that ./test.sh leaves out (seam_test_program). ALONE: without the headers of the rest
+# of the tree, where the folder builds without it.
 function(seam_module name)
-  cmake_parse_arguments(ARG "ALONE" "UNITY;UNITY_TESTS;EXCLUDE" "ROOMS;LINK;HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "ALONE" "UNITY;UNITY_TESTS;EXCLUDE" "ROOMS;LINK;HEADERS;SLOW" ${ARGN})
   set(patterns *.cc)
   if(ARG_ROOMS)
     list(TRANSFORM ARG_ROOMS APPEND /*.cc OUTPUT_VARIABLE patterns)
@@ -119,7 +121,7 @@ function(seam_module name)
     read_headers_once(seam_${name} libraries ${ARG_HEADERS})
   endif()
   if(SEAM_BUILD_TESTS AND tests)
-    seam_test_program(test_${name} SOURCES ${tests} LINK seam_${name})
+    seam_test_program(test_${name} SOURCES ${tests} LINK seam_${name} SLOW ${ARG_SLOW})
     compile_together(test_${name} "${ARG_UNITY_TESTS}")
     if(NOT ARG_ALONE)
       read_headers_once(test_${name} tests <gmock/gmock.h> ${ARG_HEADERS})
@@ -127,10 +129,14 @@ function(seam_module name)
   endif()
 endfunction()
 
-# seam_test_program(NAME SOURCES files... LINK targets...): a GoogleTest program known to CTest.
-# SEAM_SOURCE_DIR lets a test find the scenarios, models and golden files of the tree.
+# seam_test_program(NAME SOURCES files... LINK targets... [SLOW tests...]): a GoogleTest program known to CTest.
+# SEAM_SOURCE_DIR lets a test find the scenarios, models and golden files of the tree. SLOW names tests, as
+# --gtest_filter takes them, that take longer than four seconds beside faster tests of the same subject: they have the
+# label `slow` (tests/CMakeLists.txt), as have all suites whose names end with Slow.
 function(seam_test_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;SLOW" ${ARGN})
+  list(JOIN ARG_SLOW ":" slow)
+  string(PREPEND slow "*Slow.*:")
   add_executable(${name} ${ARG_SOURCES} ${CMAKE_SOURCE_DIR}/tests/own_folder.cc)
   target_link_libraries(${name} PRIVATE ${ARG_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE SEAM_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
@@ -139,9 +145,8 @@ function(seam_test_program name)
   # the standard library's own headers, where these are read once for a target.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds> $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "-*Slow.*" PROPERTIES TIMEOUT 300
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "-${slow}" PROPERTIES TIMEOUT 300
                        ENVIRONMENT SEAM_CACHE=off LABELS unit)
-  # Suites whose names end with Slow: tens of seconds of fits (label `slow`, tests/CMakeLists.txt).
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "*Slow.*" TEST_LIST ${name}_SLOW_TESTS PROPERTIES TIMEOUT 300
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 TEST_FILTER "${slow}" TEST_LIST ${name}_SLOW_TESTS PROPERTIES TIMEOUT 300
                        ENVIRONMENT SEAM_CACHE=off LABELS slow)
 endfunction()

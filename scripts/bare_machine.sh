@@ -123,6 +123,12 @@ fi
 failed=0
 step run 'cd seam && ./run.sh' || failed=1
 times=("$minutes min")
+# The program's build alone serves a behaviour in Python, which decides as the one in C++ does.
+step python 'cd seam
+  for behaviour in head_swing head_swing.py; do
+    build/seam run scenarios/head_swing.yaml --set robots[0].behaviour.command[0]=$behaviour --set duration_s=0.2 --json $behaviour.json
+  done
+  cmp <(grep "^  .fingerprint" head_swing.json) <(grep "^  .fingerprint" head_swing.py.json)' || failed=1
 step test 'cd seam && ./test.sh' || failed=1
 times+=("$minutes min")
 step slow 'cd seam && ctest --test-dir build -L slow --output-on-failure -j "$(nproc)"' || failed=1

@@ -1,11 +1,14 @@
 #!/usr/bin/env python3
 """Every example in the help of every subcommand runs as it stands there.
 
-Usage: help_examples_test.py SEAM SOURCE_DIR [COMMAND...]      (only examples of these commands)
+Usage: help_examples_test.py SEAM SOURCE_DIR [--first] [COMMAND...]
+  --first     only the first example of each command: a journey through the whole program in few seconds
+  COMMAND...  only examples of these commands
 
 Each runs in a shell in a scratch folder of its own that holds the files which examples name, made here.
 What serves for ever is started, looked at and stopped.
 """
+import argparse
 import math
 import os
 import pathlib
@@ -158,16 +161,20 @@ def main():
     examples = all_examples(page)
     failures = [f"seam {command}: its help has no example" for command, lines in examples.items()
                 if not lines and command not in WITHOUT_EXAMPLE]
-    chosen = {command: examples[command] for command in sys.argv[3:] or examples}
+    given = argparse.ArgumentParser()
+    given.add_argument("--first", action="store_true")
+    given.add_argument("commands", nargs="*")
+    given = given.parse_args(sys.argv[3:])
+    chosen = {command: examples[command] for command in given.commands or examples}
     count = 0
     with tempfile.TemporaryDirectory(prefix="seam-help-") as name:
         material = Scratch(pathlib.Path(name) / "material")
         for command, lines in chosen.items():
             folder = pathlib.Path(name) / command.replace(" ", "-")
             material.copy_to(folder)
-            for line in lines:  # One after the other: the later ones may use what the earlier made.
-                if line in RUN_ELSEWHERE:
-                    continue
+            lines = [line for line in lines if line not in RUN_ELSEWHERE]
+            # One after the other: the later ones may use what the earlier made.
+            for line in lines[:1] if given.first else lines:
                 count += 1
                 started = time.monotonic()
                 wrong = run_example(command, line, folder, material.environment)

@@ -424,6 +424,8 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         test_known_corners(folder)
+        if sys.argv[2:] == ["test_known_corners"]:
+            return
         good = test_scatter(folder)
         test_what_is_left_out(folder, good)
         test_large_pictures(folder, good)

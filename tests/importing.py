@@ -4,6 +4,7 @@ import json
 import pathlib
 import struct
 import subprocess
+import sys
 import tempfile
 import zlib
 
@@ -83,10 +84,9 @@ def mat_file(arrays, packed=True):
 
 
 def run_tests(tests):
-    """Each function that begins with test_, in a folder of its own."""
-    for name, test in list(tests.items()):
-        if not name.startswith("test_"):
-            continue
+    """Each function that begins with test_, or those named on the command line, in a folder of its own."""
+    chosen = sys.argv[2:] or [name for name in tests if name.startswith("test_")]
+    for name in chosen:
         with tempfile.TemporaryDirectory() as folder:
-            test(pathlib.Path(folder))
+            tests[name](pathlib.Path(folder))
         print(name)
