@@ -16,24 +16,11 @@ import time
 import unittest
 
 import by_hand
+import one_robot
 
 BUILD, SOURCE, CC = by_hand.arguments("build", "source", "cxx")
 SEAM = BUILD / "seam"
 LIMIT_S = 120
-
-SCENARIO = f"""format: seam-scenario/1
-name: outputs
-duration_s: DURATION
-seed: 5
-field: {SOURCE}/models/field_2002.yaml
-robots:
-  - id: r0
-    team: red
-    pose: {{x_m: -0.9, y_m: 0.4, theta_rad: 0.3}}
-    body: {SOURCE}/models/robot_ers210.yaml
-    camera: {{model: {SOURCE}/models/ers210.yaml, every_frame: true}}
-    behaviour: {{command: [head_swing, --rate, '200']}}
-"""
 
 # The number of the thread of the C++ library that is refused, counted from 1, is in REFUSED_THREAD.
 NO_THREADS = r"""
@@ -65,9 +52,9 @@ class Outputs(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.shared = pathlib.Path(cls.folder.name)
         cls.scenario = cls.shared / "s.yaml"
-        cls.scenario.write_text(SCENARIO.replace("DURATION", "0.3"))
+        cls.scenario.write_text(one_robot.scenario(SOURCE, "outputs", 0.3))
         cls.long = cls.shared / "long.yaml"
-        cls.long.write_text(SCENARIO.replace("DURATION", "10000"))
+        cls.long.write_text(one_robot.scenario(SOURCE, "outputs", 10000))
         cls.log = cls.shared / "run.mcap"
         done = seam("run", cls.scenario, "--log", cls.log, "--log-frames")
         assert done.returncode == 0, done.stderr
@@ -307,13 +294,11 @@ class Outputs(unittest.TestCase):
         self.assertGreaterEqual(refused, 8)
 
     def test_a_thread_that_cannot_start_is_an_error(self):
-        source, library = self.here / "no_threads.c", self.here / "no_threads.so"
-        source.write_text(NO_THREADS)
-        subprocess.run([CC, "-x", "c", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+        environment = one_robot.loaded_before(self.here, CC, NO_THREADS)
         refused = 0
         for number in range(1, 8):
             done = seam("run", self.scenario, "--log", self.here / "l.mcap", "--frames", self.here / f"f{number}", "--force",
-                        "--render-threads", 2, env=dict(os.environ, LD_PRELOAD=str(library), REFUSED_THREAD=str(number)))
+                        "--render-threads", 2, env=environment(REFUSED_THREAD=number))
             self.assertIn(done.returncode, (0, 1), (number, done.stderr))
             refused += done.returncode
             self.assertEqual("cannot start a thread" in done.stderr, done.returncode == 1, done.stderr)

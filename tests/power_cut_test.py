@@ -6,7 +6,6 @@ by fsync of the file, names by fsync of the folder), and nothing else. It ends t
 
 Usage: power_cut_test.py BUILD_DIR SOURCE_DIR CC [unittest arguments]
 """
-import os
 import pathlib
 import re
 import signal
@@ -16,24 +15,11 @@ import tempfile
 import unittest
 
 import by_hand
+import one_robot
 
 BUILD, SOURCE, CC = by_hand.arguments("build", "source", "cxx")
 SEAM = BUILD / "seam"
 LIMIT_S = 120
-
-SCENARIO = f"""format: seam-scenario/1
-name: power_cut
-duration_s: 6
-seed: 5
-field: {SOURCE}/models/field_2002.yaml
-ball: {{x_m: 0.3, y_m: 0.2, vx_mps: 0.4}}
-robots:
-  - id: r0
-    team: red
-    pose: {{x_m: -0.9, y_m: 0.4, theta_rad: 0.3}}
-    body: {SOURCE}/models/robot_ers210.yaml
-    behaviour: {{command: [head_swing, --rate, '2']}}
-"""
 
 # VOLATILE: the folder whose files are on the disk only as far as they were synced; DISK: what the disk holds of them,
 # inode-N (content) and name-F (the inode's number). CUT: the number of the write to such a file in whose middle the
@@ -114,11 +100,9 @@ class PowerCut(unittest.TestCase):
         cls.scratch = tempfile.TemporaryDirectory()
         cls.folder = pathlib.Path(cls.scratch.name).resolve()
         cls.scenario = cls.folder / "s.yaml"
-        cls.scenario.write_text(SCENARIO)
-        cls.shim = cls.folder / "disk.so"
-        source = cls.folder / "disk.c"
-        source.write_text(DISK_SHIM)
-        subprocess.run([CC, "-x", "c", "-shared", "-fPIC", "-o", cls.shim, source, "-ldl"], check=True)
+        cls.scenario.write_text(one_robot.scenario(SOURCE, "power_cut", 6, camera=None, rate="2",
+                                                   ball="ball: {x_m: 0.3, y_m: 0.2, vx_mps: 0.4}\n"))
+        cls.environment = staticmethod(one_robot.loaded_before(cls.folder, CC, DISK_SHIM))
 
     @classmethod
     def tearDownClass(cls):
@@ -131,7 +115,7 @@ class PowerCut(unittest.TestCase):
         disk.mkdir()
         log = volatile / "run.mcap"
         done = subprocess.run([SEAM, "run", self.scenario, "--log", log, *options], capture_output=True, text=True, timeout=LIMIT_S,
-                              env=dict(os.environ, LD_PRELOAD=str(self.shim), VOLATILE=str(volatile), DISK=str(disk), CUT=str(write)))
+                              env=self.environment(VOLATILE=volatile, DISK=disk, CUT=write))
         entry = disk / "name-run.mcap"
         if not entry.exists():
             return log, None, done.returncode

@@ -22,25 +22,14 @@ import time
 import unittest
 
 import by_hand
+import one_robot
 
 BUILD, SOURCE = by_hand.arguments("build", "source")
 SEAM = BUILD / "seam"
 LIMIT_S = 300
 KILLS = int(os.environ.get("SEAM_KILLS", "3"))
 
-SWING = f"""format: seam-scenario/1
-name: swing
-duration_s: 0.2
-seed: 5
-field: {SOURCE}/models/field_2002.yaml
-robots:
-  - id: r0
-    team: red
-    pose: {{x_m: -0.9, y_m: 0.4, theta_rad: 0.3}}
-    body: {SOURCE}/models/robot_ers210.yaml
-    camera: {{model: {SOURCE}/models/ers210.yaml}}
-    behaviour: {{command: [head_swing, --rate, '200', --no-frames]}}
-"""
+SWING = one_robot.scenario(SOURCE, "swing", 0.2, camera="", options=", --no-frames")
 PLAN = """format: seam-sweep/1
 scenario: swing.yaml
 vary:
