@@ -136,9 +136,8 @@ void RobotSession::take_decision(const v1::ClientMessage& message) {
     return refuse(0, {"kind", fmt::format("found {}, expected a decision", found)}, true);
   }
   const v1::Decision& wire = message.decision();
-  auto decision = decision_from_wire(wire, parts_.scenario.radio.max_message_bytes);
   const RobotBody& body = parts_.scenario.robots[robot_].body;
-  if (auto misfit = unfit_for(body, wire)) decision = std::move(*misfit);
+  auto decision = decision_from_wire(wire, parts_.scenario.radio.max_message_bytes, &body);
   const FieldError* bad = std::get_if<FieldError>(&decision);
   DecisionDoubts doubts;
   if (bad != nullptr)

@@ -49,7 +49,8 @@ std::optional<FieldError> check_walk(const v1::WalkCommand& walk) {
   return std::nullopt;
 }
 
-std::optional<FieldError> joints_from(const v1::Decision& wire, RobotCommand& command) {
+std::optional<FieldError> joints_from(const v1::Decision& wire, size_t joint_count,
+                                      RobotCommand& command) {
   if (wire.joints_size() > CommandLimits::kMaxJointFrames)
     return error("joints", wire.joints_size(),
                  fmt::format("at most {} frames", CommandLimits::kMaxJointFrames));
@@ -61,9 +62,9 @@ std::optional<FieldError> joints_from(const v1::Decision& wire, RobotCommand& co
     JointFrame joint_frame{SimDuration::from_ns(frame.offset_ns()), {}};
     for (int k = 0; k < frame.targets_size(); ++k) {
       const v1::JointTarget& target = frame.targets(k);
-      if (target.joint() >= kMostJoints)
+      if (target.joint() >= joint_count)
         return error(fmt::format("joints[{}].targets[{}].joint", i, k), target.joint(),
-                     fmt::format("a number from 0 to {}", kMostJoints - 1));
+                     fmt::format("a number below {}", joint_count));
       joint_frame.targets.push_back(
           {static_cast<int>(target.joint()), target.angle_rad(), target.max_speed_rad_s()});
     }
@@ -72,8 +73,14 @@ std::optional<FieldError> joints_from(const v1::Decision& wire, RobotCommand& co
   return std::nullopt;
 }
 
-std::optional<FieldError> command_from(const v1::Decision& wire, RobotCommand& command) {
+std::optional<FieldError> command_from(const v1::Decision& wire, const RobotBody* body,
+                                       RobotCommand& command) {
+  const bool is_tree = body != nullptr && body->tree.present();
   if (wire.has_head()) {
+    if (is_tree)
+      return FieldError{"head", fmt::format("a {} has no head with tilt, pan and roll, expected "
+                                            "joints by their numbers",
+                                            body->name)};
     if (auto bad = check_head(wire.head())) return bad;
     command.joints.push_back(head_frame(wire.head()));
   }
@@ -81,10 +88,13 @@ std::optional<FieldError> command_from(const v1::Decision& wire, RobotCommand& c
     if (auto bad = check_walk(wire.walk())) return bad;
     command.walk = {wire.walk().vx_m_s(), wire.walk().vy_m_s(), wire.walk().omega_rad_s()};
   }
-  if (auto bad = joints_from(wire, command)) return bad;
+  const size_t joint_count = body != nullptr ? body->joint_count() : kMostJoints;
+  if (auto bad = joints_from(wire, joint_count, command)) return bad;
   if (wire.kick() < 0 || wire.kick() >= kKicks)
     return error("kick", static_cast<int>(wire.kick()),
                  fmt::format("a number from 0 to {}", kKicks - 1));
+  if (is_tree && wire.kick() != v1::KICK_NONE)
+    return FieldError{"kick", fmt::format("a {} has no kicks", body->name)};
   command.kick = static_cast<Kick>(wire.kick());
   if (auto text = invalid_field(command)) {
     const size_t colon = text->find(": ");
@@ -175,29 +185,11 @@ void action_to(const SupervisorAction& action, const std::vector<std::string>& r
 
 }  // namespace
 
-std::optional<FieldError> unfit_for(const RobotBody& body, const v1::Decision& wire) {
-  const bool is_tree = body.tree.present();
-  if (is_tree && wire.has_head())
-    return FieldError{"head", fmt::format("a {} has no head with tilt, pan and roll, expected "
-                                          "joints by their numbers",
-                                          body.name)};
-  if (is_tree && wire.kick() != v1::KICK_NONE)
-    return FieldError{"kick", fmt::format("a {} has no kicks", body.name)};
-  for (int i = 0; i < wire.joints_size(); ++i) {
-    for (int k = 0; k < wire.joints(i).targets_size(); ++k) {
-      const uint32_t joint = wire.joints(i).targets(k).joint();
-      if (joint >= body.joint_count())
-        return error(fmt::format("joints[{}].targets[{}].joint", i, k), joint,
-                     fmt::format("a number below {}", body.joint_count()));
-    }
-  }
-  return std::nullopt;
-}
-
 std::variant<Decision, FieldError> decision_from_wire(const v1::Decision& wire,
-                                                      int64_t max_radio_bytes) {
+                                                      int64_t max_radio_bytes,
+                                                      const RobotBody* body) {
   Decision decision;
-  if (auto bad = command_from(wire, decision.command)) return *bad;
+  if (auto bad = command_from(wire, body, decision.command)) return *bad;
   if (auto bad = requests_from(wire, decision)) return *bad;
   if (wire.messages_size() > WireLimits::kMaxRadioMessages)
     return error("messages", wire.messages_size(),

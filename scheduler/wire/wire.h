@@ -38,11 +38,11 @@ struct WireLimits {
   static constexpr int kMaxSupervisorActions = 64;
 };
 
-// What this body cannot do of a decision: joints that it has not.
-std::optional<FieldError> unfit_for(const RobotBody& body, const v1::Decision& wire);
-
+// `body` refuses what this body cannot do, such as joints that it has not; without it, as in a log,
+// any body's decision is read.
 std::variant<Decision, FieldError> decision_from_wire(const v1::Decision& wire,
-                                                      int64_t max_radio_bytes);
+                                                      int64_t max_radio_bytes,
+                                                      const RobotBody* body = nullptr);
 void decision_to_wire(const Decision& decision, uint64_t sequence, v1::Decision& wire);
 void observation_to_wire(const Observation& observation, v1::Observation& wire);
 std::variant<SupervisorAction, FieldError> action_from_wire(const v1::SupervisorAction& wire,
