@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <regex>
+#include <cctype>
 #include <sstream>
 #include <vector>
 
@@ -36,6 +36,15 @@ bool is_compiled_in(const fs::path& folder, const std::string& module) {
   return false;
 }
 
+// The name that a text begins with, behind spaces; empty: none.
+std::string first_name(const std::string& text) {
+  const auto in_name = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  const auto begin = std::find_if_not(text.begin(), text.end(),
+                                      [](unsigned char c) { return std::isspace(c) != 0; });
+  if (begin != text.end() && std::isdigit(static_cast<unsigned char>(*begin)) != 0) return "";
+  return {begin, std::find_if_not(begin, text.end(), in_name)};
+}
+
 // Of all versions that are there.
 std::vector<fs::path> library_folders() {
   std::vector<fs::path> folders;
@@ -52,22 +61,25 @@ std::vector<fs::path> library_folders() {
 }  // namespace
 
 std::set<std::string> imported_modules(const std::string& text) {
-  static const std::regex from(R"(^\s*from\s+([A-Za-z_]\w*)[\w.]*\s+import\b.*)");
-  static const std::regex import(R"(^\s*import\s+([A-Za-z_][\w., \t]*).*)");
   constexpr size_t kMostLine = 1000;
   std::set<std::string> modules;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    std::smatch found;
     if (line.size() > kMostLine) continue;
-    if (std::regex_match(line, found, from)) modules.insert(found[1]);
-    if (!std::regex_match(line, found, import)) continue;
-    std::istringstream names(found[1]);
-    for (std::string name; std::getline(names, name, ',');) {
-      name.erase(0, name.find_first_not_of(" \t"));
-      modules.insert(name.substr(0, name.find_first_of(". \t")));
+    std::istringstream words(line);
+    std::string keyword, name, next;
+    words >> keyword;
+    if (keyword == "from" && words >> name >> next && first_name(next) == "import")
+      modules.insert(first_name(name));
+    if (keyword != "import") continue;
+    while (std::getline(words, name, ',')) {
+      const std::string module = first_name(name);
+      modules.insert(module);
+      // Behind the last name of the statement: a comment, or another statement.
+      if (name.find_first_of("#;") != std::string::npos) break;
     }
   }
+  modules.erase("");  // Of a relative import.
   return modules;
 }
 

@@ -1,9 +1,9 @@
 // `seam new-effect NAME --stage S`: a working template of an effect, as a plugin that builds
 // outside the tree, with a test by its worked examples. Its file can be moved into
 // effects/catalogue/STAGE/ as it is.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <regex>
 
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
@@ -24,6 +24,14 @@ struct StageTemplate {
   double at_small;       // and its value at size 0.01
   double at_large;       // and at size 0.2.
 };
+
+// Lower-case letters, digits and '_', of which the first is a letter.
+bool is_effect_name(const std::string& name) {
+  const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+  return !name.empty() && is_letter(name[0]) && std::all_of(name.begin(), name.end(), [&](char c) {
+    return is_letter(c) || (c >= '0' && c <= '9') || c == '_';
+  });
+}
 
 // As clang-format lays it out behind its name.
 const char* const kGain =
@@ -193,7 +201,7 @@ void add_new_effect(app::Command app) {
       "  cmake -S thermal_focus -B build-focus && cmake --build build-focus\n"
       "  seam --plugin build-focus/thermal_focus.so effects thermal_focus --prove");
   command.callback([name, stage, out] {
-    if (!std::regex_match(*name, std::regex("[a-z][a-z0-9_]*"))) {
+    if (!is_effect_name(*name)) {
       throw UsageError(
           fmt::format("'{}' is no name for an effect, expected lower_case letters", *name));
     }
