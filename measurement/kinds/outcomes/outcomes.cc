@@ -6,9 +6,9 @@
 
 #include "effects/questions.h"
 #include "effects/registry.h"
+#include "measurement/kinds/missed_channel.h"
 #include "measurement/kinds/outcomes/scatter_of_runs.h"
 #include "measurement/numerics/linear_algebra.h"
-#include "measurement/problem/channel_misfit.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -183,7 +183,6 @@ std::vector<double> OutcomesProblem::whitened_by(const Model& model, const Group
 // A few numbers show no order that a test could find: that they miss at all is a structure.
 std::vector<Structure> OutcomesProblem::structure(const Model& model, const Groups& groups,
                                                   int fitted) const {
-  constexpr double kAlarm = 1e-3;
   std::vector<Structure> found = Problem::structure(model, groups, fitted);
   const Evaluation here = evaluate(model, groups);
   for (size_t channel = 0; channel < facts_.channels.size(); ++channel) {
@@ -191,16 +190,7 @@ std::vector<Structure> OutcomesProblem::structure(const Model& model, const Grou
     const ChannelMisfit misfit = misfit_of_channel(facts_, here, channel);
     if (misfit.count == 0) continue;
     const double looks = static_cast<double>(facts_.channels.size());
-    const double p = looks * misfit.p_value();
-    const bool told = std::any_of(found.begin(), found.end(),
-                                  [&](const Structure& s) { return s.residual == name; });
-    if (p < kAlarm && !told) {
-      found.push_back({.residual = name,
-                       .moment = "mean",
-                       .covariate = "scenario",
-                       .strength = misfit.strength(),
-                       .p_value = std::max(p, 1e-300)});
-    }
+    add_missed_channel(found, name, "scenario", misfit, looks * misfit.p_value(), 1);
   }
   strongest_first(facts_, found);
   return found;

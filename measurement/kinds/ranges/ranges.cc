@@ -7,7 +7,7 @@
 #include <set>
 
 #include "effects/registry.h"
-#include "measurement/problem/channel_misfit.h"
+#include "measurement/kinds/missed_channel.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -184,17 +184,7 @@ std::vector<Structure> RangesProblem::structure(const Model& model, const Groups
       return s.residual == name &&
              misfit.count * s.strength * s.strength < kClear * misfit.sigma2 / misfit.count;
     });
-    const double p = misfit.p_value();
-    const bool told = std::any_of(found.begin(), found.end(), [&](const Structure& s) {
-      return s.residual == name && s.p_value < 1e-3;
-    });
-    if (p < 1e-3 && !told) {
-      found.push_back({.residual = name,
-                       .moment = "mean",
-                       .covariate = "place",
-                       .strength = misfit.strength(),
-                       .p_value = std::max(p, 1e-300)});
-    }
+    add_missed_channel(found, name, "place", misfit, misfit.p_value(), kMissed);
   }
   strongest_first(facts_, found);
   return found;
