@@ -296,6 +296,7 @@ class Hostile(unittest.TestCase):
             del self.environment["XDG_STATE_HOME"]
             self.walk("serve", scenario, "--listen", "unix:{out}/socket", "--log", "{out}/s.mcap", "--tokens", "{out}/t",
                       serves=self.served)
+            self.walk("serve", scenario, "--dm-env-rpc", "--listen", "unix:{out}/socket", "--logs", "{out}/l", serves=self.served)
             self.walk("frame", scenario, "--robot", "r0", "--at", "0.1", "--stages", "{out}/stages", "--out", "{out}/f.png")
             self.walk("colour-table", scenario, "--robot", "r0", "--to", "0.1", "--out", "{out}/c.yaml")
             self.walk("joints", scenario)

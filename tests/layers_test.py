@@ -19,13 +19,13 @@ FOLDERS = {
     "effects": {"sim_core"},
     "mcap": {"sim_core"},
     "render": {"sim_core", "effects"},
-    "proto": {"seam", "foxglove"},  # seam/v1: generated
+    "proto": {"seam", "foxglove", "dm_env_rpc"},  # seam/v1: generated
     "scheduler": {"sim_core", "effects", "mcap", "proto", "seam", "foxglove"},
     "measurement": {"sim_core", "effects"},
     "robot_sdk": {"proto", "seam"},
     "app": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "seam"},
     "detector": set(),
-    "tools": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "app", "seam"},
+    "tools": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "app", "proto", "seam", "dm_env_rpc"},
 }
 # What a room may include of its own folder, beside itself. "." is the folder's own files; a name that
 # ends in "/*" stands for each room below it, which know nothing of each other.
@@ -124,7 +124,8 @@ ROOMS = {
         "viewer": ["."],
         "sweep": [".", "experiments"],
         "commands": [".", "experiments"],
-        "network": ["."],
+        "network": [".", "dm_env_rpc"],
+        "dm_env_rpc": ["."],
         "robots": ["."],
     },
 }
@@ -160,12 +161,12 @@ CLOCK_PLACES = {
     "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "app/sweep/sweep_progress.h", "app/terminal_progress.cc", "app/terminal_progress.h",
     "app/sweep/sweep_progress.cc", "app/import/bags/reading_progress.cc", "app/import/bags/reading_progress.h", "robot_sdk/robot.cc",
     "scheduler/listen/accept_loop.cc", "scheduler/listen/connection_count.h", "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
-    "scheduler/clients/client_hub.h", "scheduler/server/server.cc", "scheduler/server/stream.h",
-    "scheduler/server/direct_lines.h", "scheduler/clients/token_tries.h",
+    "scheduler/clients/client_hub.h", "scheduler/server/grpc_listener.cc", "scheduler/server/stream.h",
+    "scheduler/server/direct_lines.h", "scheduler/clients/token_tries.h", "tools/dm_env_rpc/world.cc",
 }
 # Statics that change: what plugins register, a library's own switch, formulas compiled for each thread.
 STATIC = re.compile(r"^\s*(?:static|thread_local)\s+(?!const\b|constexpr\b|inline const)[^()]*(?:=|;|\{)")
-STATIC_PLACES = {"effects/registry.cc", "effects/formulas/formula.cc", "scheduler/server/server.cc"}
+STATIC_PLACES = {"effects/registry.cc", "effects/formulas/formula.cc", "scheduler/server/grpc_listener.cc"}
 # State and pixels: transcendental functions come from sim_core/base/maths.h.
 EXACT_FOLDERS = {"sim_core", "effects", "render", "scheduler"}
 INEXACT = re.compile(r"\bstd::(sin|cos|tan|asin|acos|atan|atan2|exp|expm1|log|log1p|log2|log10|pow|sinh|cosh|tanh)\s*\(")
@@ -209,7 +210,7 @@ def arrow_finding(name, included):
         return None
     target, target_room = place_of(included)
     if target != folder:
-        known = target in FOLDERS or target in {"seam", "foxglove"}
+        known = target in FOLDERS or target in {"seam", "foxglove", "dm_env_rpc"}
         part = included.startswith(PARTS.get(f"{folder}/{room}", ()))
         if known and not part and target not in FOLDERS[folder]:
             return f"{folder}/ must not include {included} (layer table)"

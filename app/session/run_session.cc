@@ -31,13 +31,6 @@ std::string new_token() {
   return to_hex(words[0]) + to_hex(words[1]);
 }
 
-std::optional<scheduler::TlsTexts> read_certificates(const std::string& folder) {
-  if (folder.empty()) return std::nullopt;
-  const std::filesystem::path path = folder;
-  return scheduler::TlsTexts{read_file(path / "ca.pem"), read_file(path / "server.pem"),
-                             read_file(path / "server.key")};
-}
-
 // Notes why a run was aborted, and shows warnings as they come.
 class AbortReason final : public scheduler::SimulationObserver {
  public:
@@ -340,6 +333,13 @@ SessionSummary Session::simulate(const WrapSource& wrap,
 }
 
 }  // namespace
+
+std::optional<scheduler::TlsTexts> read_certificates(const std::string& folder) {
+  if (folder.empty()) return std::nullopt;
+  const std::filesystem::path path = folder;
+  return scheduler::TlsTexts{read_file(path / "ca.pem"), read_file(path / "server.pem"),
+                             read_file(path / "server.key")};
+}
 
 SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
                            SessionOutputs& outputs, const WrapSource& wrap,

@@ -117,6 +117,9 @@ SessionSummary run_session(Simulator& simulator, const SessionOptions& options,
 // The summary on stdout and, where asked for, as JSON; the exit code.
 int report(const SessionSummary& summary, SessionOutputs& outputs);
 
+// A server's certificates, from the folder of --certs; none where that is empty.
+std::optional<scheduler::TlsTexts> read_certificates(const std::string& folder);
+
 // `--renderer auto|analytic|opengl`, `--gl auto|osmesa|egl`; what `auto` takes for a renderer.
 void add_drawing_options(Command command, std::string& drawing, std::string& gl,
                          const std::string& automatic = "opengl where the scene needs it");

@@ -1,29 +1,11 @@
 #include "scheduler/server/server.h"
 
-#include <grpc/support/log.h>
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
-#include <grpcpp/grpcpp.h>
-#include <grpcpp/health_check_service_interface.h>
-
-#include <cstdlib>
-#include <mutex>
-
-#include "proto/client_channel.h"
-#include "scheduler/listen/accept_loop.h"
-#include "scheduler/listen/descriptors.h"
-#include "scheduler/listen/listen_address.h"
 #include "scheduler/server/direct_lines.h"
+#include "scheduler/server/grpc_listener.h"
 #include "scheduler/server/services.h"
 #include "scheduler/wire/wire.h"
-#include "sim_core/base/error.h"
 
 namespace seam::scheduler {
-
-namespace {
-
-using Acceptor = std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor>;
-
-}  // namespace
 
 struct Server::Implementation {
   Implementation(const Scenario& scenario, ClientHub& hub) : sessions{scenario, hub, tries} {}
@@ -33,146 +15,39 @@ struct Server::Implementation {
   std::unique_ptr<grpc::Service> robots;
   std::unique_ptr<grpc::Service> supervisor;
   std::unique_ptr<grpc::Service> renderers;
-  // Of plain and of TLS connections. gRPC's own listeners end for good where descriptors run out.
-  Acceptor plain;
-  Acceptor tls;
-  std::unique_ptr<grpc::Server> server;
+  std::optional<GrpcListener> listener;
   std::optional<DirectLines> lines;
-  std::optional<AcceptLoop> listeners;
 };
-
-namespace {
-
-bool is_local(const std::string& address) {
-  for (const char* prefix : {"unix:", "127.0.0.1:", "localhost:", "[::1]:"})
-    if (address.rfind(prefix, 0) == 0) return true;
-  return false;
-}
-
-Spoken spoken_at(const ServerOptions& options, const std::string& address) {
-  // A Unix socket is protected by the file system's rights.
-  if (address.rfind("unix:", 0) == 0 || (!options.tls && is_local(address))) return Spoken::http2;
-  if (!options.tls)
-    throw UsageError(fmt::format(
-        "{}: plain connections are served on a Unix socket or loopback only; give --certs DIR "
-        "(`seam certs DIR` makes a test set)",
-        address));
-  return Spoken::tls;
-}
-
-// Those that were asked for, and direct lines.
-std::vector<Endpoint> endpoints_of(const ServerOptions& options) {
-  std::vector<Endpoint> endpoints;
-  for (const std::string& address : options.addresses) {
-    check_listen_address(address);
-    endpoints.push_back({address, spoken_at(options, address), {}});
-  }
-  if (!options.lines.empty()) endpoints.push_back({"unix:" + options.lines, Spoken::line, {}});
-  return endpoints;
-}
-
-std::shared_ptr<grpc::ServerCredentials> credentials_of(const TlsTexts& texts) {
-  grpc::SslServerCredentialsOptions tls(GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY);
-  tls.pem_root_certs = texts.ca;
-  tls.pem_key_cert_pairs.push_back({texts.key, texts.certificate});
-  return grpc::SslServerCredentials(tls);
-}
-
-Acceptor add_acceptor(grpc::ServerBuilder& builder,
-                      const std::shared_ptr<grpc::ServerCredentials>& credentials) {
-  using Experimental = grpc::ServerBuilder::experimental_type;
-  return builder.experimental().AddExternalConnectionAcceptor(
-      Experimental::ExternalConnectionType::FROM_FD, credentials);
-}
-
-void take(grpc::experimental::ExternalConnectionAcceptor& acceptor, int listener, int connection) {
-  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
-  parameters.listener_fd = listener;
-  parameters.fd = connection;
-  acceptor.HandleNewConnection(&parameters);
-}
-
-// Once in a process: both change what servers built later offer.
-void enable_plugins() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    grpc::EnableDefaultHealthCheckService(true);
-    // Errors come to our users as ours, in one line; GRPC_VERBOSITY brings gRPC's own log back.
-    if (std::getenv("GRPC_VERBOSITY") == nullptr)
-      gpr_set_log_verbosity(static_cast<gpr_log_severity>(GPR_LOG_SEVERITY_ERROR + 1));
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-  });
-}
-
-constexpr int kHandshake_ms = 5'000;
-constexpr int kIdle_ms = 5 * 60'000;  // Without a call; clients connect again when they have one.
-
-void set_limits(grpc::ServerBuilder& builder) {
-  builder.SetMaxReceiveMessageSize(WireLimits::kMaxReceivedBytes);
-  builder.SetMaxSendMessageSize(kMaxServerMessageBytes);
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, 64);
-  // Small messages in lockstep: probing the bandwidth would double the packets.
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
-  // A dead peer is noticed within 15 s, also while it owes nothing.
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 10'000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 5'000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5'000);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  // Who connects and says nothing, and who is through with saying something, makes room.
-  builder.AddChannelArgument("grpc.server_handshake_timeout_ms", kHandshake_ms);
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kIdle_ms);
-}
-
-}  // namespace
 
 Server::Server(const ServerOptions& options, const Scenario& scenario, const World& world,
                ClientHub& hub, RunControl& control)
     : implementation_(std::make_unique<Implementation>(scenario, hub)) {
-  std::vector<Endpoint> endpoints = endpoints_of(options);
-  enable_plugins();
-  raise_descriptor_limit();
-  implementation_->robots = make_robot_service(implementation_->sessions);
-  implementation_->supervisor = make_supervisor_service(world, options.supervisor_token, hub,
-                                                        control, implementation_->tries);
-  implementation_->renderers = make_render_service(options.renderers, implementation_->tries);
-  grpc::ServerBuilder builder;
-  set_limits(builder);
-  implementation_->plain = add_acceptor(builder, grpc::InsecureServerCredentials());
-  if (options.tls) implementation_->tls = add_acceptor(builder, credentials_of(*options.tls));
-  for (Endpoint& endpoint : endpoints) {
-    if (endpoint.spoken == Spoken::line) {
-      auto& lines = implementation_->lines.emplace(implementation_->sessions);
-      endpoint.take = [&lines](int /*listener*/, int connection) { lines.add(connection); };
-      continue;
-    }
-    auto& acceptor =
-        endpoint.spoken == Spoken::tls ? *implementation_->tls : *implementation_->plain;
-    endpoint.take = [&acceptor](int listener, int connection) {
-      take(acceptor, listener, connection);
-    };
+  Implementation& parts = *implementation_;
+  parts.robots = make_robot_service(parts.sessions);
+  parts.supervisor =
+      make_supervisor_service(world, options.supervisor_token, hub, control, parts.tries);
+  parts.renderers = make_render_service(options.renderers, parts.tries);
+  ListenOptions listening{.addresses = options.addresses,
+                          .tls = options.tls,
+                          .limits = options.limits,
+                          .most_received_bytes = WireLimits::kMaxReceivedBytes};
+  if (!options.lines.empty()) {
+    DirectLines& lines = parts.lines.emplace(parts.sessions);
+    listening.others.push_back(
+        {"unix:" + options.lines, Spoken::line,
+         [&lines](int /*listener*/, int connection) { lines.add(connection); }});
   }
-  implementation_->listeners.emplace(
-      std::move(endpoints), options.limits.value_or(connection_limits()),
+  parts.listener.emplace(
+      std::move(listening),
+      std::vector{parts.robots.get(), parts.supervisor.get(), parts.renderers.get()},
       [&hub](const std::string& what) { hub.note_fault(-1, "connections", what); });
-  addresses_ = implementation_->listeners->addresses();
-  addresses_.resize(options.addresses.size());
-  builder.RegisterService(implementation_->robots.get());
-  builder.RegisterService(implementation_->supervisor.get());
-  builder.RegisterService(implementation_->renderers.get());
-  implementation_->server = builder.BuildAndStart();
-  if (!implementation_->server)
-    throw InputError("the server cannot start; with --certs: are certificate and key a pair?");
-  implementation_->listeners->start();
+  addresses_ = parts.listener->addresses();
 }
 
 Server::~Server() {
-  implementation_->listeners.reset();
+  if (implementation_->listener) implementation_->listener->stop_listening();
   implementation_->lines.reset();
-  if (implementation_->server) {
-    implementation_->server->Shutdown(std::chrono::system_clock::now() + std::chrono::seconds(1));
-    implementation_->server->Wait();
-  }
+  implementation_->listener.reset();
 }
 
 }  // namespace seam::scheduler

@@ -9,19 +9,13 @@
 
 #include "scheduler/clients/client_hub.h"
 #include "scheduler/listen/connection_count.h"
+#include "scheduler/listen/tls_texts.h"
 #include "scheduler/loop/run_control.h"
 #include "scheduler/remote_render/remote_renderer.h"
 #include "sim_core/scenario/scenario.h"
 #include "sim_core/world/world.h"
 
 namespace seam::scheduler {
-
-// PEM texts. Clients must show a certificate that the same CA signed.
-struct TlsTexts {
-  std::string ca;
-  std::string certificate;
-  std::string key;
-};
 
 struct ServerOptions {
   // "unix:/path" or "host:port"; port 0 is a free one. Without TLS only Unix sockets and loopback

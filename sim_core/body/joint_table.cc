@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace seam {
 namespace {
@@ -43,6 +45,18 @@ std::string degrees_of(double angle_rad) {
 std::string joint_unit(const RobotBody& body, size_t joint) {
   const TreeLink* link = moved_link(body, joint);
   return link != nullptr && link->motion == JointMotion::slide ? "m" : "rad";
+}
+
+std::vector<std::string> joint_field_names(const RobotBody& body) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (size_t joint = 0; joint < body.joint_count(); ++joint) {
+    std::string name = fmt::format("{}_{}", body.joint_name(joint), joint_unit(body, joint));
+    std::replace(name.begin(), name.end(), '.', '_');
+    while (!taken.insert(name).second) name += "_";
+    names.push_back(std::move(name));
+  }
+  return names;
 }
 
 std::string joint_direction(const RobotBody& body, size_t joint) {

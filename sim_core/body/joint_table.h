@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sim_core/body/robot_body.h"
 
@@ -11,6 +12,8 @@ namespace seam {
 
 // "rad", or "m" of a joint that slides.
 std::string joint_unit(const RobotBody& body, size_t joint);
+// Each joint's name with its unit, "pan_rad", for tables and tensors: unique, without dots.
+std::vector<std::string> joint_field_names(const RobotBody& body);
 // Which way the link moves when the joint's value grows.
 std::string joint_direction(const RobotBody& body, size_t joint);
 
