@@ -172,6 +172,47 @@ def test_episodes(folder):
     (folder / "episode_000000.parquet").write_bytes(b"PAR1" + bytes(100) + b"PAR1")
     refused("servo", folder / "episode_000000.parquet", out=folder / "none",
             words=["Parquet", "pandas.read_parquet", "lines=True"])
+    # Names of the joints from the data set's own file; what has no command is left out.
+    lines = [json.dumps({"action": [c, 2 * c], "observation.state": [m, 2 * m], "timestamp": a, "frame_index": k, "index": k,
+                         "next.done": False, "episode_index": 0}) for k, (a, c, m) in enumerate(zip(t, command, measured))]
+    (folder / "episodes.jsonl").write_text("\n".join(lines) + "\n")
+    features = {"action": {"names": ["lift.pos", "arm.pos"]}, "observation.state": {"names": {"motors": ["lift.pos", "arm.pos"]}},
+                "timestamp": {"names": None}}
+    (folder / "info.json").write_text(json.dumps({"codebase_version": "v2.1", "features": features}))
+    imported("servo", folder / "episodes.jsonl", folder / "info.json", "--unit", "rad", out=folder / "named")
+    assert np.allclose(column(folder / "named", "measured_rad", joint="arm"), 2 * measured, atol=1e-12)
+    assert list(rows_of(folder / "named" / "joints.csv")[0]) == ["run", "time_s", "joint", "command_rad", "measured_rad"]
+    refused("servo", folder / "info.json", out=folder / "none", words=["info.json", "expected the episodes beside it"])
+    features["action"]["names"] = ["lift.pos"]
+    (folder / "info.json").write_text(json.dumps({"features": features}))
+    refused("servo", folder / "episodes.jsonl", folder / "info.json", out=folder / "none", words=["action has 2 numbers", "names: 1"])
+    (folder / "info.json").write_text("{}")
+    refused("servo", folder / "episodes.jsonl", folder / "info.json", out=folder / "none", words=["info.json: features: missing"])
+
+
+def test_arrays(folder):
+    """Logs as numpy saves them: MuJoCo's time, qpos and ctrl, packed or not, with what does not belong to them."""
+    t, command, measured = servo_log()
+    q, u = np.stack([measured, -0.5 * measured], 1), np.stack([command, -0.5 * command], 1)
+    for save, name in ((np.savez, "plain"), (np.savez_compressed, "packed")):
+        save(folder / f"{name}.npz", time=t, qpos=q, ctrl=u.astype(np.float64), qvel=0 * q, frames=np.zeros((len(t), 4, 4, 3), np.uint8),
+             timestep=0.002, note="a log", joint_names=np.array(["arm", "lift"]))
+        imported("servo", folder / f"{name}.npz", "--unit", "rad", out=folder / name)
+        check_pair(folder / name, q, u, ["arm", "lift"])
+    # On a free base the pose comes before the joints.
+    np.savez(folder / "free.npz", time=t, qpos=np.hstack([np.zeros((len(t), 7)), q]), ctrl=u)
+    refused("servo", folder / "free.npz", "--unit", "rad", out=folder / "none",
+            words=["ctrl has 2 numbers, qpos has 9", "--map command=ctrl[0],measured=qpos[7]"])
+    imported("servo", folder / "free.npz", "--unit", "rad", "--map", "command=ctrl[1],measured=qpos[8]", out=folder / "free")
+    assert np.allclose(column(folder / "free", "measured_rad"), q[:, 1], atol=1e-12)
+    # The same as a table.
+    table(folder / "table.csv", "time,qpos_0,qpos_1,ctrl_0,ctrl_1", t, *q.T, *u.T)
+    imported("servo", folder / "table.csv", "--unit", "rad", out=folder / "table")
+    check_pair(folder / "table", q, u, ["joint0", "joint1"])
+    np.savez(folder / "none.npz", note="nothing else")
+    refused("servo", folder / "none.npz", out=folder / "none", words=["none.npz", "found note", "time, commands"])
+    (folder / "cut.npz").write_bytes((folder / "plain.npz").read_bytes()[:5000])
+    refused("servo", folder / "cut.npz", out=folder / "none", words=["cut.npz", "damaged or cut"])
 
 
 run_tests(globals())

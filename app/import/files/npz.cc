@@ -46,9 +46,24 @@ double value_at(char type, size_t size, const char* at, const std::string& name)
       fmt::format("{}: found numbers of type {}{}, which is unknown", name, type, size));
 }
 
-// False where the array holds objects.
-bool read_npy(std::string_view bytes, const std::string& name, UnpackBudget& budget,
-              NpyArray& array) {
+// Texts of a fixed width; what is no ASCII becomes a question mark.
+std::vector<std::string> texts_in(std::string_view data, size_t count, size_t width, size_t step) {
+  std::vector<std::string> texts(count);
+  for (size_t k = 0; k < count; ++k) {
+    const std::string_view text = data.substr(k * width, width);
+    for (size_t i = 0; i < width && text[i] != 0; i += step) {
+      const bool wide = std::any_of(text.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                                    text.begin() + static_cast<std::ptrdiff_t>(i + step),
+                                    [](char byte) { return byte != 0; });
+      texts[k] += wide ? '?' : text[i];
+    }
+  }
+  return texts;
+}
+
+// False where the array holds objects, or has more dimensions than are asked for.
+bool read_npy(std::string_view bytes, const std::string& name, size_t most_dimensions,
+              UnpackBudget& budget, NpyArray& array) {
   if (bytes.size() < 10 || !bytes.starts_with("\x93NUMPY")) damaged(name, "no array of numpy");
   const bool first_version = bytes[6] == 1;
   const size_t head = first_version ? 10 : 12;
@@ -74,6 +89,7 @@ bool read_npy(std::string_view bytes, const std::string& name, UnpackBudget& bud
     count *= static_cast<uint64_t>(value);
   }
   if (type.size() < 3 || type[1] == 'O' || type[1] == 'V') return false;
+  if (array.shape.size() > most_dimensions) return false;
   const size_t size = static_cast<size_t>(std::clamp(std::atoi(type.c_str() + 2), 0, 1'000'000));
   const std::string_view data = bytes.substr(head + length);
   const size_t width = size * (type[1] == 'U' ? 4 : 1);
@@ -82,8 +98,8 @@ bool read_npy(std::string_view bytes, const std::string& name, UnpackBudget& bud
     return true;
   }
   if (type[1] == 'U' || type[1] == 'S') {
-    const size_t step = type[1] == 'U' ? 4 : 1;
-    for (size_t i = 0; count > 0 && i < width && data[i] != 0; i += step) array.text += data[i];
+    budget.take(count * (sizeof(std::string) + size));
+    array.texts = texts_in(data, count, width, type[1] == 'U' ? 4 : 1);
     return true;
   }
   if (type[0] == '>')
@@ -102,7 +118,8 @@ bool read_npy(std::string_view bytes, const std::string& name, UnpackBudget& bud
 
 }  // namespace
 
-std::map<std::string, NpyArray> read_npz(const std::string& bytes, const std::string& name) {
+std::map<std::string, NpyArray> read_npz(const std::string& bytes, const std::string& name,
+                                         size_t most_dimensions) {
   constexpr size_t kEndRecord = 22, kEntry = 46, kLocal = 30;
   constexpr uint16_t kStored = 0, kDeflated = 8;
   const std::string_view all = bytes;
@@ -141,7 +158,8 @@ std::map<std::string, NpyArray> read_npz(const std::string& bytes, const std::st
     const std::string_view content = method == kDeflated ? unpacked : stored;
     if (of.ends_with(".npy")) of.resize(of.size() - 4);
     NpyArray array;
-    if (read_npy(content, name + ": " + of, budget, array)) arrays[of] = std::move(array);
+    if (read_npy(content, name + ": " + of, most_dimensions, budget, array))
+      arrays[of] = std::move(array);
   }
   return arrays;
 }

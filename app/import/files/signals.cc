@@ -346,11 +346,16 @@ int SignalLog::find(const std::vector<std::string>& wanted) const {
 SignalLog signals_of_text(std::string text, const std::string& name) {
   SignalLog log{.file = name};
   if (text.starts_with("PAR1"))
-    throw InputError(fmt::format(
-        "{0}: found a Parquet file, which is not read, expected CSV or JSON: convert it, python3 "
-        "-c \"import pandas; pandas.read_parquet('{0}').to_json('episodes.jsonl', "
-        "orient='records', lines=True)\"",
-        name));
+    throw InputError(
+        fmt::format("{0}: found a Parquet file, which is not read, expected CSV, JSON or NPZ: "
+                    "convert it, python3 "
+                    "-c \"import pandas; pandas.read_parquet('{0}').to_json('episodes.jsonl', "
+                    "orient='records', lines=True)\"",
+                    name));
+  if (text.starts_with("PK\x03\x04")) {
+    read_npz_signals(log, text);
+    return log;
+  }
   const size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && (text[first] == '{' || text[first] == '[')) {
     const json root = json_of_lines(text, name);

@@ -1,4 +1,4 @@
-// Logs of named signals, from CSV or JSON: a column a signal, a row an instant.
+// Logs of named signals, from CSV, JSON or numpy's archives: a column a signal, a row an instant.
 #pragma once
 
 #include <filesystem>
@@ -27,9 +27,12 @@ struct SignalLog {
 };
 
 // CSV by its rows; JSON as a list of objects (anywhere in it), as an object of equally long lists,
-// or with such lists in objects below. Lists in rows and cells become signals NAME[0], NAME[1].
+// or with such lists in objects below; numpy's archives (.npz) by their arrays of one or two
+// dimensions. Lists in rows and cells, and columns of arrays, become signals NAME[0], NAME[1].
 // Throws InputError.
 SignalLog read_signals(const std::filesystem::path& path);
 SignalLog signals_of_text(std::string text, const std::string& name);
+// Of numpy's archive, into an empty log.
+void read_npz_signals(SignalLog& log, const std::string& bytes);
 
 }  // namespace seam::app

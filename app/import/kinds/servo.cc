@@ -1,4 +1,4 @@
-// `seam import servo`: logs of commanded and measured angles, as CSV or JSON.
+// `seam import servo`: logs of commanded and measured angles, as CSV, JSON or NPZ.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -217,6 +217,15 @@ void ServoImport::write() {
                                       runs_.size() == 1 ? "run is" : "runs are"));
 }
 
+// What counts rows in a learning robot's data set, and what is sensed beside its joints.
+bool is_of_data_set(const std::string& name) {
+  for (const char* prefix : {"observation.", "action.", "next."})
+    if (name.starts_with(prefix)) return true;
+  for (const char* count : {"episode_index", "frame_index", "index", "task_index", "time_ns"})
+    if (name == count) return true;
+  return false;
+}
+
 void ServoImport::run() {
   ServoLogs found = servo_logs(request_, draft_);
   logs_ = std::move(found.logs), request_ = std::move(found.request);
@@ -257,9 +266,10 @@ void ServoImport::run() {
       const bool whole = std::all_of(log.values[c].begin(), log.values[c].end(),
                                      [](double value) { return std::isfinite(value); });
       const bool ours = name.find('[') != std::string::npos || name.ends_with("_ctrl") ||
-                        name.ends_with("_qpos") || name == "run" || name == "joint" ||
-                        name == "episode_index";
-      if (!whole || ours || taken.contains(name) || called_.contains(plain(name))) continue;
+                        name.ends_with("_qpos") || name == "run" || name == "joint";
+      if (!whole || ours || is_of_data_set(name) || taken.contains(name) ||
+          called_.contains(plain(name)))
+        continue;
       extra_.push_back(plain(name));
       called_[plain(name)] = {name};
     }

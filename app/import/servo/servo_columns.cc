@@ -11,13 +11,29 @@ namespace {
 
 using Names = std::vector<std::string>;
 
+// The place of a list's item: position[0], or as it is written in a table, position_0, position0.
+int item_in(const SignalLog& log, const std::string& list, size_t item) {
+  for (const char* between : {"[", "_", ".", ""}) {
+    const int at =
+        log.find({fmt::format("{}{}{}{}", list, between, item, *between == '[' ? "]" : "")});
+    if (at >= 0) return at;
+  }
+  return -1;
+}
+
+size_t items_in(const SignalLog& log, const std::string& list) {
+  size_t count = 0;
+  while (item_in(log, list, count) >= 0) ++count;
+  return count;
+}
+
 // position[0], position[1], ... beside goal_position[0], goal_position[1], ...
 std::vector<JointColumns> numbered_joints(const ImportRequest& request, const SignalLog& log) {
   const auto first = [&](const std::string& quantity, Names usual) {
     const std::string mapped = request.name_of(quantity);
     if (!mapped.empty()) usual = {mapped};
     for (const std::string& name : usual) {
-      if (log.find({name + "[0]"}) >= 0) return name;
+      if (item_in(log, name, 0) >= 0) return name;
     }
     return std::string();
   };
@@ -25,14 +41,21 @@ std::vector<JointColumns> numbered_joints(const ImportRequest& request, const Si
                     measured = first("measured", servo_names().measured);
   std::vector<JointColumns> joints;
   if (command.empty() || measured.empty()) return joints;
+  const size_t commands = items_in(log, command), angles = items_in(log, measured);
+  // As of a robot on a free base, whose pose comes before its joints.
+  if (commands != angles)
+    throw InputError(
+        fmt::format("{}: {} has {} numbers, {} has {}: which belong together? Import a joint at a "
+                    "time, such as "
+                    "--map command={}[0],measured={}[{}]",
+                    log.file, command, commands, measured, angles, command, measured,
+                    angles > commands ? angles - commands : 0));
   const std::vector<std::string> named = joint_names_in(log);
-  for (size_t i = 0;; ++i) {
-    const int c = log.find({fmt::format("{}[{}]", command, i)});
-    const int m = log.find({fmt::format("{}[{}]", measured, i)});
-    if (c < 0 || m < 0) return joints;
+  for (size_t i = 0; i < commands; ++i)
     joints.push_back({i < named.size() ? named[i] : fmt::format("joint{}", i),
-                      static_cast<size_t>(c), static_cast<size_t>(m)});
-  }
+                      static_cast<size_t>(item_in(log, command, i)),
+                      static_cast<size_t>(item_in(log, measured, i))});
+  return joints;
 }
 
 // What is left of a name without one of these at its end or start; empty where it has none.
@@ -48,6 +71,14 @@ std::string without_start(const std::string& name, const Names& starts) {
     if (name.size() > start.size() && name.starts_with(start)) return name.substr(start.size());
   }
   return "";
+}
+
+// A joint without what its name says of the number: arm.pos, and joints.arm_rad of our episodes.
+std::string plain_joint(const std::string& name) {
+  const std::string without_folder = without_start(name, {"joints."});
+  const std::string joint = without_folder.empty() ? name : without_folder;
+  const std::string plain = without_end(joint, {".pos", "_rad"});
+  return plain.empty() ? joint : plain;
 }
 
 // arm_ctrl beside arm_qpos, as MuJoCo's system identification names them, and other habits; also
@@ -75,8 +106,7 @@ std::vector<JointColumns> suffixed_joints(const SignalLog& log) {
       if (joint.empty() || other || seen.contains(joint)) continue;
       for (size_t m = 0; m < log.names.size(); ++m) {
         if (m == c || (without(log.names[m], measured) != joint && log.names[m] != joint)) continue;
-        joints.push_back(
-            {without_end(joint, {".pos"}).empty() ? joint : without_end(joint, {".pos"}), c, m});
+        joints.push_back({plain_joint(joint), c, m});
         seen.insert(joint);
         break;
       }

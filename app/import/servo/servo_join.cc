@@ -10,6 +10,7 @@
 
 #include "app/import/bags/reading_progress.h"
 #include "app/import/draft/checks.h"
+#include "app/import/servo/feature_names.h"
 #include "app/import/servo/servo_columns.h"
 #include "app/import/servo/servo_roles.h"
 #include "measurement/numerics/moments.h"
@@ -316,10 +317,19 @@ void take_roles(const ImportRequest& request, std::vector<Source>& sources) {
 ServoLogs servo_logs(const ImportRequest& request, SetDraft& draft) {
   std::vector<Source> sources;
   ReadingProgress progress("servo", request.sources.size(), "files", 1);
+  FeatureNames names;
+  for (const auto& path : request.sources)
+    if (is_feature_file(path)) names.merge(read_feature_names(path));
   for (const auto& path : request.sources) {
+    if (is_feature_file(path)) continue;
     progress.at(sources.size());
     sources.push_back({path, read_signals(path)});
+    name_features(sources.back().log, names);
   }
+  if (sources.empty())
+    throw InputError(
+        fmt::format("{}: holds names of numbers alone, expected the episodes beside it",
+                    request.sources.front().string()));
   const bool apart =
       sources.size() > 1 && std::none_of(sources.begin(), sources.end(), [&](const Source& source) {
         return holds_both(request, source.log);
