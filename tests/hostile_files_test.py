@@ -248,6 +248,7 @@ class Hostile(unittest.TestCase):
             self.walk("diff", self.logs[0], log)
             self.walk("replay find", log, "--when", "r0.pan_rad > 0", "--json", "{out}/w.json")
             self.walk("replay export", log, "--out", "{out}/e")
+            self.walk("replay episodes", log, "--robot", "r0", "--frames", "--out", "{out}/p")
             self.walk("replay recover", log, "--out", "{out}/r.mcap", "--json", "{out}/r.json")
             self.walk("replay accuracy", log, "--json", "{out}/a.json")
             self.walk("replay frames", log, "--robot", "r0", "--to", "0.1", "--out", "{out}/f")

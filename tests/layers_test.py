@@ -106,7 +106,7 @@ ROOMS = {
         "team": [".", "vision", "localization"],
         "examples": [".", "vision", "localization", "team"],
     },
-    "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
+    "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "episodes": ["logs"], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
             "import/draft": ["exchange"], "import/files": [], "import/bags": ["import/files"],
             "import/pictures": [".", "import/draft", "import/files", "import/bags"],
             "import/servo": ["import/draft", "import/files", "import/bags"],

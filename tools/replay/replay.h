@@ -10,7 +10,8 @@ namespace seam::tools {
 
 #define SEAM_REPLAY_COMMANDS(X) \
   X(verify)                     \
-  X(show) X(find) X(diff) X(export) X(recover) X(frames) X(resume) X(whatif) X(feed) X(accuracy)
+  X(show)                       \
+  X(find) X(diff) X(export) X(episodes) X(recover) X(frames) X(resume) X(whatif) X(feed) X(accuracy)
 
 #define SEAM_DECLARE(name) void add_replay_##name(app::Command replay);
 SEAM_REPLAY_COMMANDS(SEAM_DECLARE)
