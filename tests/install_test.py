@@ -210,7 +210,8 @@ def check_debian_packages(folder):
     run(folder / "root/usr/bin/seam", "run", folder / "root/usr/share/seam/scenarios/head_swing.yaml", "--set",
         "duration_s=0.2")
     run("dpkg-deb", "-x", packages["python3-seam"], folder / "root")
-    assert (folder / "root/usr/lib/python3/dist-packages/seam_sdk/robot.py").exists()
+    for module in ("seam_sdk/robot.py", "seam_gym/env.py"):
+        assert (folder / "root/usr/lib/python3/dist-packages" / module).exists(), module
 
 
 def main():

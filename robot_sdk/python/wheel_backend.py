@@ -1,4 +1,4 @@
-"""Makes the wheel of seam_sdk, by PEP 517, with the standard library alone: a wheel is an archive with a list of its
+"""Makes the wheel of seam_sdk and seam_gym, by PEP 517, with the standard library alone: a wheel is an archive with a list of its
 files. Its version is that of the CMake project.
 """
 import base64
@@ -36,7 +36,8 @@ def stubs():
 def metadata():
     return (f"Metadata-Version: 2.1\nName: seam-sdk\nVersion: {version()}\n"
             "Summary: Client library for behaviours of robots in SEAM\nRequires-Python: >=3.9\n"
-            "Requires-Dist: grpcio\nRequires-Dist: protobuf\n")
+            "Requires-Dist: grpcio\nRequires-Dist: protobuf\n"
+            "Provides-Extra: gym\nRequires-Dist: numpy; extra == 'gym'\n")
 
 
 def get_requires_for_build_wheel(config_settings=None):
@@ -45,8 +46,8 @@ def get_requires_for_build_wheel(config_settings=None):
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     info = f"seam_sdk-{version()}.dist-info"
-    files = {f"seam_sdk/{path.name}": path.read_bytes() for path in sorted((HERE / "seam_sdk").glob("*"))
-             if path.suffix in (".py", ".typed")}
+    files = {f"{name}/{path.name}": path.read_bytes() for name in ("seam_sdk", "seam_gym")
+             for path in sorted((HERE / name).glob("*")) if path.suffix in (".py", ".typed")}
     files.update(stubs())
     files[f"{info}/METADATA"] = metadata().encode()
     files[f"{info}/WHEEL"] = b"Wheel-Version: 1.0\nGenerator: seam\nRoot-Is-Purelib: true\nTag: py3-none-any\n"

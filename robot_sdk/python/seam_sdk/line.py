@@ -14,6 +14,7 @@ from seam.v1 import simulation_pb2 as wire
 
 _HEAD = struct.Struct("<I")
 _END = 1 << 31
+_PART_BYTES = 1 << 16
 _CODES = {code.value[0]: code for code in grpc.StatusCode}
 
 
@@ -35,6 +36,7 @@ class DirectLine:
     def __init__(self, path: str, most_bytes: int) -> None:
         """Connects to the Unix socket at `path`; messages from the server have at most `most_bytes`."""
         self._most_bytes = most_bytes
+        self._read = bytearray()  # What came and was not taken yet.
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
             self._socket.connect(path)
@@ -50,32 +52,42 @@ class DirectLine:
             pass  # Whoever hung up may have said why before: reading finds it.
 
     def messages(self) -> Iterator[wire.ServerMessage]:
-        with self._socket.makefile("rb") as stream:
-            while True:
-                head, = _HEAD.unpack(self._read(stream, _HEAD.size))
-                size = head & ~_END
-                if size > self._most_bytes:
-                    raise LineError(grpc.StatusCode.RESOURCE_EXHAUSTED,
-                                    f"found a message of {size} bytes, expected at most {self._most_bytes}")
-                data = self._read(stream, size)
-                if head & _END:
-                    code = _CODES.get(data[0], grpc.StatusCode.UNKNOWN)
-                    raise LineError(code, data[1:].decode(errors="replace"))
-                yield wire.ServerMessage.FromString(data)
+        while True:
+            yield self.receive()
+
+    def receive(self) -> wire.ServerMessage:
+        """The next message, once it is whole."""
+        self._wait_for(_HEAD.size)
+        head, = _HEAD.unpack_from(self._read)
+        size = head & ~_END
+        if size > self._most_bytes:
+            raise LineError(grpc.StatusCode.RESOURCE_EXHAUSTED,
+                            f"found a message of {size} bytes, expected at most {self._most_bytes}")
+        self._wait_for(_HEAD.size + size)
+        data = bytes(self._read[_HEAD.size:_HEAD.size + size])
+        del self._read[:_HEAD.size + size]
+        if head & _END:
+            code = _CODES.get(data[0], grpc.StatusCode.UNKNOWN)
+            raise LineError(code, data[1:].decode(errors="replace"))
+        return wire.ServerMessage.FromString(data)
 
     @property
-    def descriptor(self) -> int:
+    def has_read(self) -> bool:
+        """Whether something came that was not taken yet, which the descriptor does not show."""
+        return bool(self._read)
+
+    def fileno(self) -> int:
         return self._socket.fileno()
 
     def close(self) -> None:
         self._socket.close()
 
-    @staticmethod
-    def _read(stream, size: int) -> bytes:
-        try:
-            data = stream.read(size)
-        except OSError as error:
-            raise LineError(grpc.StatusCode.UNAVAILABLE, str(error)) from error
-        if len(data) < size:
-            raise LineError(grpc.StatusCode.UNAVAILABLE, "the connection broke")
-        return data
+    def _wait_for(self, size: int) -> None:
+        while len(self._read) < size:
+            try:
+                data = self._socket.recv(max(_PART_BYTES, size - len(self._read)))
+            except OSError as error:
+                raise LineError(grpc.StatusCode.UNAVAILABLE, str(error)) from error
+            if not data:
+                raise LineError(grpc.StatusCode.UNAVAILABLE, "the connection broke")
+            self._read += data

@@ -124,6 +124,11 @@ class Robot(Orders):
         return self._welcome.robot_number
 
     @property
+    def image_size_px(self) -> tuple[int, int]:
+        """Width and height of its frames."""
+        return self._welcome.image_width_px, self._welcome.image_height_px
+
+    @property
     def decision_latency_s(self) -> float:
         return self._welcome.decision_latency_ns * 1e-9
 

@@ -64,7 +64,10 @@ class _Seat(Robot):
         super().__init__(connection)
         self.line = DirectLine(connection.line, MOST_SERVER_MESSAGE_BYTES)
         self.line.send(self._hello())
-        self._messages = self.line.messages()
+
+    def greet(self) -> None:
+        """Hears what the robot is like, which comes before its first turn."""
+        self._hear(self.line.receive())
 
     def answer(self) -> None:
         self.line.send(self._answer)
@@ -72,7 +75,7 @@ class _Seat(Robot):
 
     def next(self) -> Observation | None:
         """The robot's next turn; none at the end of the run."""
-        for message in self._messages:
+        for message in self.line.messages():
             kind = message.WhichOneof("kind")
             if kind == "goodbye":
                 break
@@ -109,12 +112,17 @@ class World:
 
     # ---- What a script calls ----
 
-    def reset(self, seed: int | None = None) -> dict[str, Observation]:
-        """Begins the run anew, with another seed where one is given; the first observations."""
+    def reset(self, seed: int | None = None, *, log: str | os.PathLike[str] | None = None,
+              options: Sequence[str] = ()) -> dict[str, Observation]:
+        """Begins the run anew, with another seed or log where one is given; the first observations.
+
+        `options` are added to those of the world, for this run alone."""
         self.close()
         self.time_ns, self.done = 0, False
+        if log is not None:
+            self._log = log
         try:
-            self._start(seed)
+            self._start(seed, options)
             return self._next()
         except BaseException:
             self.close()
@@ -126,6 +134,11 @@ class World:
         A robot without a decision goes on as it does. RefusedDecision where the server refused one of them: the world
         has gone on, and `observations` has what followed.
         """
+        self.answer(decisions)
+        return self.wait()
+
+    def answer(self, decisions: Mapping[str, Decision] | None = None) -> None:
+        """The first half of `step`: worlds that were all answered go on side by side."""
         if self.done or self._server is None:
             raise SeamError(_ENDED)
         for name, decision in (decisions or {}).items():
@@ -136,6 +149,9 @@ class World:
             decision.give_to(self.robots[name])
         for name in self.observations:
             self.robots[name].answer()
+
+    def wait(self) -> dict[str, Observation]:
+        """The second half of `step`."""
         return self._next()
 
     def truth(self) -> Truth:
@@ -148,6 +164,13 @@ class World:
             return _truth(self._stub.GetGroundTruth(wire.SupervisorRequest(token=self._token)))
         except grpc.RpcError as error:
             raise self._failure(error.details()) from error
+
+    @property
+    def process(self) -> int:
+        """The simulator's number, while it runs."""
+        if self._server is None:
+            raise SeamError(_ENDED)
+        return self._server.pid
 
     def close(self) -> None:
         """Ends the server, and with it the run; its log is whole."""
@@ -177,7 +200,7 @@ class World:
 
     # ---- The server ----
 
-    def _start(self, seed: int | None) -> None:
+    def _start(self, seed: int | None, options: Sequence[str]) -> None:
         self._folder = tempfile.TemporaryDirectory(prefix="seam-world-")
         here = pathlib.Path(self._folder.name)
         driven = ["*"] if self._wanted is None else self._wanted
@@ -190,7 +213,7 @@ class World:
         # A session of its own: Ctrl-C comes to this process alone, which ends the server. If this process is killed, the
         # server's standard input ends, and the server with it.
         with open(here / "errors", "wb") as errors:
-            self._server = subprocess.Popen([*line, *self._options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors,
+            self._server = subprocess.Popen([*line, *self._options, *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors,
                                             text=True, start_new_session=True)
         if not any(text.startswith("listening on") for text in iter(self._server.stdout.readline, "")):
             raise self._failure()
@@ -204,6 +227,11 @@ class World:
             seat = _Seat(Connection(f"unix:{here}/socket", name, tokens[name], line=f"{here}/lines"))
             seat.on_refusal = lambda refusal, name=name: self._refused.append(RefusedDecision(name, refusal))
             self.robots[name] = seat
+        try:
+            for robot in self.robots.values():
+                robot.greet()
+        except LineError as error:
+            raise self._failure(str(error)) from error
         self._channel = grpc.insecure_channel(f"unix:{here}/socket")
         self._stub = service.SupervisorStub(self._channel)
 
@@ -227,7 +255,9 @@ class World:
     def _due(self) -> list[str]:
         """Robots of one instant are asked together: the first to hear of it asks who they are."""
         while len(self.robots) > 1:
-            select.select([robot.line.descriptor for robot in self.robots.values()], [], [])
+            lines = [robot.line for robot in self.robots.values()]
+            if not any(line.has_read for line in lines):
+                select.select(lines, [], [])
             try:
                 status = self._stub.GetStatus(wire.SupervisorRequest(token=self._token))
             except grpc.RpcError:
