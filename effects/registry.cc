@@ -99,12 +99,16 @@
   X(differential_drive)       \
   X(wheel_scale)              \
   X(base_scale)               \
+  X(wheel_growth)             \
+  X(wheel_load)               \
+  X(encoder_skew)             \
   X(wheel_slip)               \
   X(odometry_scale)           \
   X(walk_lag)                 \
   X(heading_drift)            \
   X(turn_asymmetry)           \
   X(tracker_offset)           \
+  X(tracker_turn)             \
   X(walk_noise)               \
   X(pose_noise)
 

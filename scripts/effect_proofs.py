@@ -65,6 +65,15 @@ def beside(p, v):
     return v[0] - p[1] * v[2], v[1] + p[0] * v[2], v[2]
 
 
+def rolled(legs, left=lambda w, v, omega: w, right=lambda w, v, omega: w):
+    """Wheels 0.2 m apart: legs of ((left, right) in m/s, seconds); a wheel's true speed by its own, v and omega."""
+    def body(p, speeds):
+        v, omega = (speeds[0] + speeds[1]) / 2, (speeds[1] - speeds[0]) / 0.2
+        a, b = left(speeds[0], v, omega), right(speeds[1], v, omega)
+        return (a + b) / 2, 0, (b - a) / 0.2
+    return walked(None, legs, body)
+
+
 def swung(at_s, stall=200, back_emf=10, gain=0.5, damping=0, most=1, limit=math.inf, gravity=0, level=0, viscous=0,
           coulomb=0, stribeck=0, slow=1, load=0, command=1, steps=40000):
     """A motor's joint from rest at 0, in small steps of Runge and Kutta; where it does not come to rest on its way."""
@@ -380,6 +389,20 @@ PROOFS = [
     ("wheel_scale", [0.02, 0.02], [("vx_mps", 0.3), ("for_s", 2)], {"x_m": "0.6 * (1 + p[0])", "theta_rad": "0"}),
     ("base_scale", [0.25], SPIN, {"x_m": "0", "theta_rad": "200 * 0.001 / (0.2 * 1.25)"}),
     ("base_scale", [-0.2], [("omega_radps", 0.4), ("for_s", 2)], {"theta_rad": "0.8 / (1 + p[0])"}),
+    ("wheel_growth", [0.5], [("left_ticks", 500), ("right_ticks", 500), ("for_s", 2)],
+     {"x_m": "0.5 * (1 + p[0] * 0.25)", "theta_rad": "0"}),
+    ("wheel_growth", [-0.2], ARC,
+     {f"{c}": f"rolled([((0.45, 0.55), 2)], *[lambda w, v, omega: w * (1 + p[0] * abs(w))] * 2)[{i}]"
+      for i, c in enumerate(("x_m", "y_m", "theta_rad"))}),
+    ("wheel_load", [0.1], ARC,
+     {f"{c}": f"rolled([((0.45, 0.55), 2)], lambda w, v, omega: w * (1 + p[0] * v * omega), lambda w, v, omega: w * (1 - "
+              f"p[0] * v * omega))[{i}]" for i, c in enumerate(("x_m", "y_m", "theta_rad"))}),
+    ("wheel_load", [0.4], [("left_ticks", 550), ("right_ticks", 450), ("for_s", 1)],
+     {"theta_rad": "(0.45 * (1 + p[0] * 0.25) - 0.55 * (1 - p[0] * 0.25)) / 0.2"}),
+    ("encoder_skew", [0.1], [("left_ticks", 100), ("right_ticks", 100), ("for_s", 1), ("left_ticks", 200),
+                             ("right_ticks", 200), ("for_s", 1)],
+     {"theta_rad": "(0.1 * (1 - p[0]) + 0.2 * (1 - p[0]) + 0.1 * p[0] - 0.3) / 0.2"}),
+    ("encoder_skew", [-0.2], [("left_ticks", 0), ("right_ticks", 100), ("for_s", 1)], {"theta_rad": "0.1 / 0.2"}),
     ("wheel_slip", [0.2], ARC, {"x_m": "0.9 * math.sin(1)", "y_m": "0.9 * (1 - math.cos(1))", "theta_rad": "1"}),
     ("wheel_slip", [0.5], [("left_ticks", 500), ("right_ticks", 500), ("for_s", 1)], {"x_m": "0.5"}),
     ("wheel_slip", [0.3], [("left_ticks", 1100), ("right_ticks", 900), ("for_s", 1)],
@@ -393,6 +416,12 @@ PROOFS = [
     ("tracker_offset", [-0.3, 0.1], [("omega_radps", -1), ("for_s", 1.5)],
      {"x_m": "-p[0] + p[0] * math.cos(1.5) + p[1] * math.sin(1.5)",
       "y_m": "-p[1] - p[0] * math.sin(1.5) + p[1] * math.cos(1.5)"}),
+    ("tracker_turn", [0.1], [("vx_mps", 0.3), ("for_s", 2)],
+     {"x_m": "0.6 * math.cos(p[0])", "y_m": "-0.6 * math.sin(p[0])", "theta_rad": "0"}),
+    ("tracker_turn", [-0.4], HALF,
+     {"x_m": "math.cos(p[0]) * walked(p, [((0.2, -0.1, 0.5), 2)])[0] + math.sin(p[0]) * walked(p, [((0.2, -0.1, 0.5), 2)])[1]",
+      "y_m": "math.cos(p[0]) * walked(p, [((0.2, -0.1, 0.5), 2)])[1] - math.sin(p[0]) * walked(p, [((0.2, -0.1, 0.5), 2)])[0]",
+      "theta_rad": "1"}),
     ("turn_asymmetry", [0.025], [("omega_radps", 0.8), ("for_s", 2), ("omega_radps", -0.8), ("for_s", 3)],
      {"theta_rad": "1.6 * (1 + p[0]) - 2.4 * (1 - p[0])"}),
     ("turn_asymmetry", [-0.1], [("vx_mps", 0.3), ("omega_radps", -0.5), ("for_s", 2)],
@@ -422,7 +451,8 @@ def number(value):
 def proof_of(effect, values, given, expected, tolerance=None):
     names = {name: value for name, value in given}
     names.update(p=values, math=math, root=root, play=play, turned=turned, walked=walked, fisheye=fisheye, slid=slid,
-                 tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside)
+                 tangential=tangential, rational=rational, swung=swung, sprung=sprung, beside=beside,
+                 rolled=rolled)
     found = {name: eval(text, dict(names)) for name, text in expected.items()}
     pairs = lambda items: "{" + ", ".join(f'{{"{name}", {number(value)}}}' for name, value in items) + "}"
     text = f"{{.values = {{{', '.join(number(v) for v in values)}}}"

@@ -203,24 +203,48 @@ Quantities detector_outcome(const Model& model, const Quantities& given) {
                                    noise.range_tail.size * noise.range_tail.size}};
 }
 
-Quantities walk_outcome(const Model& model, const Quantities& given) {
-  const Locomotion walk = locomotion_of(model);
-  WalkState state;
+// A way by legs, and the last command.
+struct Way {
+  struct Leg {
+    BodyVelocity velocity;
+    double for_s = 0;
+  };
+  std::vector<Leg> legs;
   BodyVelocity command;
-  double left_ticks = 0, right_ticks = 0;
+};
+
+Way way_of(const Locomotion& walk, const Quantities& given) {
+  Way way;
+  BodyVelocity& command = way.command;
+  double left = 0, right = 0;
+  bool counts = false;
+  std::vector<double> left_ticks = {0}, right_ticks = {0}, time_s = {0};
   for (const Quantity& quantity : given) {
-    if (quantity.name == "left_ticks") left_ticks = quantity.value;
-    if (quantity.name == "right_ticks") right_ticks = quantity.value;
+    if (quantity.name == "left_ticks") left = quantity.value;
+    if (quantity.name == "right_ticks") right = quantity.value;
     if (quantity.name == "vx_mps") command.vx_mps = quantity.value;
     if (quantity.name == "vy_mps") command.vy_mps = quantity.value;
     if (quantity.name == "omega_radps") command.omega_radps = quantity.value;
     if (quantity.name != "for_s") continue;
-    const bool ticks = left_ticks != 0 || right_ticks != 0;
-    advance_walk(
-        walk,
-        ticks ? walk.wheels.velocity_of_ticks(left_ticks, right_ticks, quantity.value) : command,
-        quantity.value, state);
+    left_ticks.push_back(left), right_ticks.push_back(right);
+    time_s.push_back(time_s.back() + quantity.value);
+    counts = counts || left != 0 || right != 0;
+    way.legs.push_back({command, quantity.value});
   }
+  if (!counts) return way;
+  right_ticks = read_in_time(right_ticks, time_s, walk.tracker.right_late_s);
+  for (size_t i = 0; i < way.legs.size(); ++i) {
+    Way::Leg& leg = way.legs[i];
+    leg.velocity = walk.wheels.velocity_of_ticks(left_ticks[i + 1], right_ticks[i + 1], leg.for_s);
+  }
+  return way;
+}
+
+Quantities walk_outcome(const Model& model, const Quantities& given) {
+  const Locomotion walk = locomotion_of(model);
+  WalkState state;
+  const auto [legs, command] = way_of(walk, given);
+  for (const Way::Leg& leg : legs) advance_walk(walk, leg.velocity, leg.for_s, state);
   const double root = std::sqrt(state.path_m);
   double xy2 = 0, theta2 = 0;
   for (const MovingNoise& pose : noise_of(model).pose) {

@@ -17,8 +17,13 @@ constexpr double kLagIsOver = 30;
 // A commanded velocity as wheels carry it out that do not slip.
 BodyVelocity gripping(const Wheels& wheels, const BodyVelocity& commanded) {
   const double half_turn = 0.5 * wheels.base_m * commanded.omega_radps;
-  const double left = (commanded.vx_mps - half_turn) * (1 + wheels.left_scale);
-  const double right = (commanded.vx_mps + half_turn) * (1 + wheels.right_scale);
+  double left = (commanded.vx_mps - half_turn) * (1 + wheels.left_scale);
+  double right = (commanded.vx_mps + half_turn) * (1 + wheels.right_scale);
+  if (wheels.growth_s_per_m != 0 || wheels.inner_s2_per_m != 0) {
+    const double inner = wheels.inner_s2_per_m * commanded.vx_mps * commanded.omega_radps;
+    left *= 1 + wheels.growth_s_per_m * std::abs(left) + inner;
+    right *= 1 + wheels.growth_s_per_m * std::abs(right) - inner;
+  }
   return {0.5 * (left + right), 0, (right - left) / (wheels.base_m * (1 + wheels.base_scale))};
 }
 
@@ -145,9 +150,41 @@ void fade(const Locomotion& walk, const BodyVelocity& command, double dt_s, Walk
 
 Place Tracker::seen(const Place& body) const {
   const double c = maths::cos(body.theta_rad), s = maths::sin(body.theta_rad);
-  return {.x_m = body.x_m + (c - 1) * x_m - s * y_m,
-          .y_m = body.y_m + s * x_m + (c - 1) * y_m,
-          .theta_rad = body.theta_rad};
+  const auto [ahead, left] =
+      on_own_axes(body.x_m + (c - 1) * x_m - s * y_m, body.y_m + s * x_m + (c - 1) * y_m);
+  return {.x_m = ahead, .y_m = left, .theta_rad = body.theta_rad};
+}
+
+std::array<double, 2> Tracker::on_own_axes(double ahead, double left) const {
+  if (yaw_rad == 0) return {ahead, left};
+  const double c = maths::cos(yaw_rad), s = maths::sin(yaw_rad);
+  return {c * ahead + s * left, c * left - s * ahead};
+}
+
+std::array<double, 2> Tracker::forward(double cosine, double sine) const {
+  const auto [ahead, left] = on_own_axes(1, 0);
+  return {cosine * ahead - sine * left, sine * ahead + cosine * left};
+}
+
+std::vector<double> read_in_time(const std::vector<double>& ticks,
+                                 const std::vector<double>& time_s, double late_s) {
+  const size_t n = ticks.size();
+  std::vector<double> counted(n, 0), in_time(n, 0);
+  for (size_t k = 1; k < n; ++k) counted[k] = counted[k - 1] + ticks[k];
+  size_t next = 0;  // The first reading after the time that is asked for.
+  double before = 0;
+  for (size_t k = 0; k < n; ++k) {
+    while (next < n && time_s[next] + late_s <= time_s[k]) ++next;
+    double count = 0;
+    if (n > 1 && next > 0) {
+      const size_t to = std::min(next, n - 1), from = to - 1;
+      const double share = (time_s[k] - late_s - time_s[from]) / (time_s[to] - time_s[from]);
+      count = counted[from] + share * ticks[to];
+    }
+    in_time[k] = k > 0 ? count - before : 0;
+    before = count;
+  }
+  return in_time;
 }
 
 void move_along_arc(const BodyVelocity& v, double dt_s, double& x_m, double& y_m,
@@ -185,7 +222,7 @@ void advance_walk(const Locomotion& walk, const BodyVelocity& command, double dt
   if (walk.tau_s > 0 || !walk.formulas.empty()) {
     const double lagging_s =
         walk.formulas.empty() ? std::min(left_s, kLagIsOver * walk.tau_s) : left_s;
-    const bool bent = !walk.formulas.empty() || (walk.wheels.driven && walk.wheels.slip_s != 0);
+    const bool bent = !walk.formulas.empty() || walk.wheels.bend_commands();
     (bent ? integrate : fade)(walk, command, lagging_s, state);
     left_s -= lagging_s;
   }

@@ -30,6 +30,10 @@ struct Wheels {
   double right_scale = 0;
   double base_scale = 0;
   double slip_s = 0;  // Share of the speed that is lost for each rad/s.
+  // Shares by which wheels roll farther: for each m/s of their speed; for each m/s^2 of
+  // acceleration to the side the inner one, which the outer one loses.
+  double growth_s_per_m = 0;
+  double inner_s2_per_m = 0;
   // The motion by which they slip, where coarse counts make another of each interval than it was.
   std::optional<BodyVelocity> slips_in;
 
@@ -38,20 +42,37 @@ struct Wheels {
     return {0.5 * metres_per_tick * (left + right) / dt_s, 0,
             metres_per_tick * (right - left) / base_m / dt_s};
   }
+  // Whether speeds of the body are no sums of what the parts of a command make by themselves.
+  bool bend_commands() const {
+    return driven && (slip_s != 0 || growth_s_per_m != 0 || inner_s2_per_m != 0);
+  }
 };
 
-// The point of the body that a measured pose is of, from where the body turns about: forward, and
-// to the left. Only measurements know of it.
+// Ticks since the row before, read `late_s` after the times of their rows, as they would have been
+// at these times: between two readings a wheel rolls evenly. It rests before the first reading and
+// goes on after the last.
+std::vector<double> read_in_time(const std::vector<double>& ticks,
+                                 const std::vector<double>& time_s, double late_s);
+
+// What measurements alone know of: the point of the body that a measured pose is of, from where the
+// body turns about, forward and to the left; how far to the left of the body's forward the
+// tracker's own axis points; and how long after its row's time the right wheel's count is read.
 struct Tracker {
   double x_m = 0, y_m = 0;
+  double yaw_rad = 0;
+  double right_late_s = 0;
 
-  bool is_axle() const { return x_m == 0 && y_m == 0; }
-  // Where the point is, from where it was at the start of the way.
+  bool is_axle() const { return x_m == 0 && y_m == 0 && yaw_rad == 0; }
+  // Where the point is, from where it was at the start of the way, on the tracker's axes there.
   Place seen(const Place& body) const;
-  // How far a turn by a small angle moves it under this heading, a radian.
+  // How far a turn by a small angle moves it where the tracker heads so, a radian.
   std::array<double, 2> by_turn(double cosine, double sine) const {
-    return {-sine * x_m - cosine * y_m, cosine * x_m - sine * y_m};
+    const auto [ahead, left] = on_own_axes(x_m, y_m);
+    return {-sine * ahead - cosine * left, cosine * ahead - sine * left};
   }
+  // The body's forward where the tracker heads so.
+  std::array<double, 2> forward(double cosine, double sine) const;
+  std::array<double, 2> on_own_axes(double ahead, double left) const;
 };
 
 // What the locomotion effects of a model add up to.

@@ -56,10 +56,10 @@ struct Belief {
       const double half = 0.5 * turn;
       // What a tick more does to the pose, which it turns on its way, and to the errors. The
       // measured point swings round the axle.
-      const std::array<double, 2> swing = tracker.by_turn(c, s);
+      const std::array<double, 2> swing = tracker.by_turn(c, s), forward = tracker.forward(c, s);
       Eigen::Matrix<double, 3, 1> by_tick;
-      by_tick << c * along - half * (s * step[0] + c * step[1]) + turn * swing[0],
-          s * along + half * (c * step[0] - s * step[1]) + turn * swing[1], turn;
+      by_tick << forward[0] * along - half * (s * step[0] + c * step[1]) + turn * swing[0],
+          forward[1] * along + half * (c * step[0] - s * step[1]) + turn * swing[1], turn;
       const int at = 3 + 2 * wheel;
       const auto& [kept, new_error] = error[static_cast<size_t>(wheel)];
       F.template block<3, 2>(0, at) = by_tick * (kept.row(0) - Eigen::RowVector2d(1, 0));

@@ -203,7 +203,8 @@ class Drive {
   Drive(const effects::Locomotion& walk, const WalkRun& run, Ticks as)
       : walk_(walk),
         run_(run),
-        ticks_(as == Ticks::rolled && !run.ways.empty() ? run.rolled_ticks : run.ticks) {}
+        in_time_(in_time(walk.tracker, run, as)),
+        ticks_(in_time_.empty() ? ticks_of(run, as) : in_time_) {}
 
   void advance(size_t row, double dt_s, effects::WalkState& state) {
     if (!run_.slip_ticks.empty() && walk_.wheels.slip_s != 0)
@@ -213,7 +214,23 @@ class Drive {
   }
 
  private:
-  BodyVelocity by_ticks(const std::vector<std::array<double, 2>>& ticks, size_t row) const {
+  using TwoTicks = std::array<double, 2>;
+
+  static const std::vector<TwoTicks>& ticks_of(const WalkRun& run, Ticks as) {
+    return as == Ticks::rolled && !run.ways.empty() ? run.rolled_ticks : run.ticks;
+  }
+  static std::vector<TwoTicks> in_time(const effects::Tracker& tracker, const WalkRun& run,
+                                       Ticks as) {
+    std::vector<TwoTicks> ticks;
+    if (tracker.right_late_s == 0 || run.ticks.empty()) return ticks;
+    ticks = ticks_of(run, as);
+    std::vector<double> right;
+    for (const TwoTicks& both : ticks) right.push_back(both[1]);
+    right = effects::read_in_time(right, run.time_s, tracker.right_late_s);
+    for (size_t k = 0; k < right.size(); ++k) ticks[k][1] = right[k];
+    return ticks;
+  }
+  BodyVelocity by_ticks(const std::vector<TwoTicks>& ticks, size_t row) const {
     const size_t to = std::min(row + 1, ticks.size() - 1);
     if (to == 0) return {};
     return walk_.wheels.velocity_of_ticks(ticks[to][0], ticks[to][1],
@@ -222,7 +239,8 @@ class Drive {
 
   effects::Locomotion walk_;
   const WalkRun& run_;
-  const std::vector<std::array<double, 2>>& ticks_;
+  const std::vector<TwoTicks> in_time_;  // Where one wheel's count is read later; else empty.
+  const std::vector<TwoTicks>& ticks_;
 };
 
 }  // namespace
