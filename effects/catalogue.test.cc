@@ -20,6 +20,7 @@
 #include "effects/stages/target.h"
 #include "effects/stages/timing.h"
 #include "effects/stages/walk/locomotion.h"
+#include "sim_core/base/config.h"
 
 namespace seam::effects {
 namespace {

@@ -10,6 +10,7 @@
 #include "effects/registry.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/output.h"
+#include "sim_core/base/random.h"
 
 namespace seam::effects {
 namespace {

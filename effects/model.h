@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "effects/effect.h"
-#include "sim_core/base/config.h"
-#include "sim_core/base/random.h"
+
+namespace seam {
+class ConfigNode;
+struct RandomStream;
+}  // namespace seam
 
 namespace seam::effects {
 

@@ -1,6 +1,7 @@
 #include "effects/model_schema.h"
 
 #include "effects/model.h"
+#include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 #include "sim_core/input/schema_testing.h"
 

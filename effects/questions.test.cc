@@ -7,6 +7,7 @@
 #include "effects/registry.h"
 #include "effects/stages/row_schedule.h"
 #include "effects/stages/servo.h"
+#include "sim_core/base/config.h"
 
 namespace seam::effects {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "effects/model.h"
 #include "effects/stages/row_schedule.h"
+#include "sim_core/base/config.h"
 #include "sim_core/scene/frame.h"
 
 namespace seam::render::testing {

@@ -1,6 +1,7 @@
 #include "app/predictors/frame_predictor.h"
 
 #include "app/scene_assets.h"
+#include "measurement/imaging/frame_predictor.h"
 #include "render/cast/ray_store.h"
 #include "render/gl/device.h"
 #include "render/renderer.h"

@@ -2,7 +2,7 @@
 // with meshes or textures.
 #pragma once
 
-#include "measurement/imaging/frame_predictor.h"
+#include "measurement/imaging/instruments.h"
 
 namespace seam::app {
 

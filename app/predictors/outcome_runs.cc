@@ -12,6 +12,7 @@
 #include "app/sweep/results.h"
 #include "app/sweep/sweep.h"
 #include "app/trust/program_consent.h"
+#include "measurement/imaging/run_maker.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/hash.h"
 #include "sim_core/base/output.h"

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "measurement/imaging/run_maker.h"
+#include "measurement/imaging/instruments.h"
 
 namespace seam::app {
 

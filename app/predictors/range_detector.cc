@@ -7,6 +7,7 @@
 
 #include "app/data_file.h"
 #include "effects/stages/robot_parts.h"
+#include "measurement/imaging/range_detector.h"
 #include "render/colour/colour_detector.h"
 #include "render/colour/colour_space.h"
 #include "robot_sdk/vision/ball_detector.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "measurement/imaging/range_detector.h"
+#include "measurement/imaging/instruments.h"
 
 namespace seam::app {
 

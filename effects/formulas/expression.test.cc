@@ -8,6 +8,7 @@
 #include "effects/stages/geometry.h"
 #include "effects/stages/joint_track.h"
 #include "effects/stages/walk/locomotion.h"
+#include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 
 namespace seam::effects {

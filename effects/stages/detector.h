@@ -5,6 +5,7 @@
 
 #include "effects/model.h"
 #include "effects/not_a_number.h"
+#include "sim_core/base/random.h"
 
 namespace seam::effects {
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "sim_core/base/config.h"
+
 namespace seam::effects {
 namespace {
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "effects/model.h"
+#include "sim_core/base/random.h"
 
 namespace seam::effects {
 

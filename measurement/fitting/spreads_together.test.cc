@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "measurement/problem/made_problem.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {

@@ -1,8 +1,6 @@
 // What kinds of whole images need of a renderer.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <vector>
 
 #include "effects/model.h"
@@ -22,14 +20,5 @@ class FramePredictor {
 // How many rays an edge is drawn with: `rough` images cost a third, and do to tell large changes
 // apart.
 enum class Detail { fine, rough };
-
-// `reference` is the time from which drift, flicker and formulas of time count. Throws InputError
-// for a model that gives no image.
-using MakeFramePredictor = std::function<std::unique_ptr<FramePredictor>(
-    const effects::Model& model, int width_px, int height_px, SimTime reference, Detail detail)>;
-
-// For a scene whose objects name these files, which are read once. Throws InputError for files that
-// cannot be had.
-using OpenFrameRenderer = std::function<MakeFramePredictor(const SceneFiles& files)>;
 
 }  // namespace seam::measurement

@@ -5,8 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -61,10 +59,5 @@ struct RangeDetectorSpec {
   int height_px = 0;
   std::string colour_table;  // A seam-colour-table/1 file; empty: that of the field of 2002.
 };
-
-// Nothing for a name that is none of `Instruments::detectors`; throws InputError for a colour table
-// that cannot be read.
-using MakeRangeDetector =
-    std::function<std::unique_ptr<RangeDetector>(const RangeDetectorSpec& spec)>;
 
 }  // namespace seam::measurement

@@ -4,9 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -47,8 +45,5 @@ class RunMaker {
   // InputError where runs cannot be made at all.
   virtual RunTable make(size_t plan, const effects::Model& model, uint64_t draw) = 0;
 };
-
-// Reads the plans; throws InputError naming file, line and key.
-using OpenRuns = std::function<std::unique_ptr<RunMaker>(const RunSpec& spec)>;
 
 }  // namespace seam::measurement

@@ -11,6 +11,7 @@
 
 #include "effects/model.h"
 #include "measurement/problem/problem.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 

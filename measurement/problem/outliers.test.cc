@@ -6,6 +6,7 @@
 
 #include "measurement/problem/made_problem.h"
 #include "sim_core/base/maths.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {

@@ -8,6 +8,7 @@
 #include "measurement/fitting/assess.h"
 #include "measurement/problem/made_problem.h"
 #include "measurement/search/order.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "measurement/study/study.h"
+#include "sim_core/base/config.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/maths.h"
 #include "sim_core/base/output.h"

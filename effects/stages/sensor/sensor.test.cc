@@ -6,6 +6,7 @@
 
 #include "effects/registry.h"
 #include "effects/stages/optics.h"
+#include "sim_core/base/config.h"
 
 namespace seam::effects {
 namespace {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "measurement/imaging/frame_predictor.h"
 #include "measurement/imaging/instruments.h"
 #include "measurement/imaging/light_store.h"
 #include "measurement/problem/problem.h"

@@ -7,6 +7,7 @@
 #include "effects/stages/noise.h"
 #include "measurement/kinds/landmarks/landmark_data.h"
 #include "measurement/problem/problem.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 

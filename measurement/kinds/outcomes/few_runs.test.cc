@@ -12,6 +12,7 @@
 #include "effects/stages/walk/locomotion.h"
 #include "measurement/kinds/outcomes/outcomes.h"
 #include "measurement/kinds/outcomes/outcomes_testing.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement::few_runs {
 namespace {

@@ -15,6 +15,7 @@
 #include "measurement/kinds/outcomes/outcomes_testing.h"
 #include "sim_core/base/error.h"
 #include "sim_core/base/files.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {

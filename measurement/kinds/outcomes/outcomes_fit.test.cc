@@ -7,6 +7,7 @@
 
 #include "effects/registry.h"
 #include "measurement/kinds/outcomes/outcomes.h"
+#include "sim_core/base/random.h"
 
 namespace seam::measurement {
 namespace {

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "effects/stages/sensor/sensor.h"
+#include "measurement/imaging/frame_predictor.h"
 #include "measurement/imaging/instruments.h"
 #include "measurement/imaging/light_store.h"
+#include "measurement/imaging/range_detector.h"
 #include "measurement/kinds/ranges/ranges_data.h"
 #include "sim_core/scene/scene.h"
 
