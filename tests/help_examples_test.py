@@ -26,7 +26,7 @@ import by_hand
 SEAM, SOURCE = by_hand.arguments("seam", "source")
 LIMIT_S = 200  # For builds without optimisation; the longest takes seconds.
 SERVES = {"serve": "listening", "view": "http://"}  # What they print when they are there.
-WITHOUT_EXAMPLE = {"experiment", "replay"}  # Their subcommands have some.
+WITHOUT_EXAMPLE = {"experiment", "open-r", "replay"}  # Their subcommands have some.
 EXIT_CODES = {"seam replay recover": 3}  # Something was lost, as the help says.
 # The paper's experiments take minutes; tests/experiments_test.py runs them in this very form.
 RUN_ELSEWHERE = {"seam experiment ball-distance --quick", "seam experiment localization --quick",
@@ -76,6 +76,7 @@ class Scratch:
         self.environment = dict(os.environ, PATH=f"{SEAM.parent}:{os.environ['PATH']}")
         (folder / "scenarios").symlink_to(SOURCE / "scenarios")
         (folder / "models").symlink_to(SOURCE / "models")
+        (folder / "open_r").symlink_to(SOURCE / "open_r")
         shutil.copy(SOURCE / "docs/tutorial/nominal.yaml", folder)
         shutil.copy(SOURCE / "docs/tutorial/robot.yaml", folder / "truth.yaml")
         for name in ("better.yaml", "found.yaml"):

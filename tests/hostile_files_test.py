@@ -234,7 +234,7 @@ class Hostile(unittest.TestCase):
 
     def test_every_command(self):
         asked = subprocess.run([SEAM, "help", "--markdown"], capture_output=True, text=True, check=True).stdout
-        commands = set(re.findall(r"^## `seam (.*?)`$", asked, re.M)) - {"replay", "experiment"}
+        commands = set(re.findall(r"^## `seam (.*?)`$", asked, re.M)) - {"replay", "experiment", "open-r"}
         for part in (self.logs_are_read, self.logs_are_run, self.scenarios_are_read, self.sets_are_read, self.sets_are_made,
                      self.sweeps, self.all_else):
             part()
@@ -401,11 +401,27 @@ class Hostile(unittest.TestCase):
         for name in (decoy, f"/tmp/{MARK}", "../../x", "a/b", ESCAPE):
             self.walk("new-effect", name, "--stage", "light")
         self.walk("new-effect", "honest", "--stage", "light", "--out", "{out}/honest")
+        self.open_r_programs()
         self.walk("certs", "{out}/certs", "--host", f"{ESCAPE}/../../x")
         self.walk("study", "../../decoys", "--seeds", "1", "--json", "{out}/s.json")
         for name in ("ball-distance", "localization", "head-swing-bias"):
             # They read no foreign file; an output that cannot be had ends them before they begin.
             self.walk(f"experiment {name}", "--quick", "--out", "{out}/x", "--json", "{out}/no/such/x.json", codes=(1,))
+
+    def open_r_programs(self):
+        """Names that would lead out of the memory stick, in each file that a build reads."""
+        names = ("../../decoys/x", f"/tmp/{MARK}", ESCAPE, "..", "$(shell touch " + MARK + ")")
+        for i, name in enumerate(names):
+            program = self.root / f"aibo{i}"
+            conf, head = program / "MS/OPEN-R/MW/CONF", program / "Head"
+            conf.mkdir(parents=True)
+            head.mkdir()
+            (conf / "OBJECT.CFG").write_text(f"/MS/OPEN-R/MW/OBJS/{name}\n" if i % 2 else "/MS/OPEN-R/MW/OBJS/HEAD.BIN\n")
+            (head / "head.ocf").write_text(f"object {name} 3072 16384 128 cache tlb user\n")
+            (head / "Makefile").write_text(f"head.bin: {name}.o\ninstall: head.bin\n\tgzip -c head.bin > {name}.BIN\n")
+            (head / "stub.cfg").write_text(f"ObjectName : {name}\n")
+            self.walk("open-r build", program, "--out", "{out}/o", codes=(1,))
+            self.walk("open-r stub", head / "stub.cfg", "--out", "{out}/o", codes=(1,))
 
 
 if __name__ == "__main__":

@@ -23,9 +23,10 @@ FOLDERS = {
     "scheduler": {"sim_core", "effects", "mcap", "proto", "seam", "foxglove"},
     "measurement": {"sim_core", "effects"},
     "robot_sdk": {"proto", "seam"},
+    "open_r": {"robot_sdk"},
     "app": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "seam"},
     "detector": set(),
-    "tools": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "app", "proto", "seam", "dm_env_rpc"},
+    "tools": {"sim_core", "effects", "mcap", "render", "scheduler", "measurement", "app", "proto", "seam", "dm_env_rpc", "open_r"},
 }
 # What a room may include of its own folder, beside itself. "." is the folder's own files; a name that
 # ends in "/*" stands for each room below it, which know nothing of each other.
@@ -106,6 +107,15 @@ ROOMS = {
         "team": [".", "vision", "localization"],
         "examples": [".", "vision", "localization", "team"],
     },
+    "open_r": {
+        "include/system": [], "include/objects/OPENR": [], "include/robot/OPENR": [], "include/network": [],
+        "files": [],
+        "programs": ["files"],
+        "library": ["files"],
+        "network": ["library"],
+        "robot": ["files", "library"],
+        "host": ["files", "library", "network", "robot"],
+    },
     "app": {"trust": [], ".": ["trust"], "session": ["trust", "."], "logs": ["trust", "."], "episodes": ["logs"], "predictors": [".", "trust", "sweep", "sweep/plan"], "exchange": [],
             "import/draft": ["exchange"], "import/files": [], "import/bags": ["import/files"],
             "import/pictures": [".", "import/draft", "import/files", "import/bags"],
@@ -126,6 +136,7 @@ ROOMS = {
         "commands": [".", "experiments"],
         "network": [".", "dm_env_rpc"],
         "dm_env_rpc": ["."],
+        "open_r": ["."],
         "robots": ["."],
     },
 }
@@ -159,6 +170,7 @@ BANNED = {
 CLOCK = re.compile(r"\b(?:system_clock|steady_clock|high_resolution_clock|gettimeofday|clock_gettime)\b|\btime\s*\(\s*(?:nullptr|NULL)")
 CLOCK_PLACES = {
     "app/session/behaviours.cc", "app/session/progress.cc", "app/session/progress.h", "app/session/run_session.cc", "app/sweep/sweep_progress.h", "app/terminal_progress.cc", "app/terminal_progress.h",
+    "open_r/programs/compiler.cc",  # The names of calls that it wraps.
     "app/sweep/sweep_progress.cc", "app/import/bags/reading_progress.cc", "app/import/bags/reading_progress.h", "robot_sdk/robot.cc",
     "scheduler/listen/accept_loop.cc", "scheduler/listen/connection_count.h", "scheduler/remote_render/remote_renderer.cc", "scheduler/remote_render/render_client.cc",
     "scheduler/clients/client_hub.h", "scheduler/server/grpc_listener.cc", "scheduler/server/stream.h",

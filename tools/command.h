@@ -6,8 +6,8 @@
 
 namespace seam::tools {
 
-// One line a command; a file of tools/commands/, tools/network/, tools/replay/, tools/robots/,
-// tools/sweep/ or tools/viewer/ defines add_<name>.
+// One line a command; a file of tools/commands/, tools/network/, tools/open_r/, tools/replay/,
+// tools/robots/, tools/sweep/ or tools/viewer/ defines add_<name>.
 #define SEAM_COMMANDS(X) \
   X(add)                 \
   X(camera_calibrate)    \
@@ -29,6 +29,7 @@ namespace seam::tools {
   X(joints)              \
   X(measure)             \
   X(new_effect)          \
+  X(open_r)              \
   X(replay)              \
   X(report)              \
   X(run)                 \

@@ -1,0 +1,191 @@
+// `seam open-r build FOLDER`: builds an OPEN-R program for an AIBO from its own folder, and runs it
+// in a scenario. `seam open-r stub FILE`: the stub of an object alone.
+#include <cstdio>
+#include <cstdlib>
+
+#include "app/data_file.h"
+#include "app/session/run_session.h"
+#include "app/session/session_outputs.h"
+#include "open_r/files/fault.h"
+#include "open_r/files/stub_settings.h"
+#include "open_r/programs/builder.h"
+#include "sim_core/base/error.h"
+#include "sim_core/base/files.h"
+#include "sim_core/base/output.h"
+#include "sim_core/input/shown_text.h"
+#include "sim_core/system/own_files.h"
+#include "tools/command.h"
+
+namespace seam::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BuildOptions {
+  std::vector<std::string> folders, variables;
+  std::string out = "open_r_program", design = "ERS-210", compiler = "c++", scenario, robot, log;
+  bool run = false;
+};
+
+std::vector<fs::path> header_folders() {
+  const fs::path installed = find_shared("open_r/include");
+  const fs::path headers =
+      installed.empty() ? fs::path(SEAM_SOURCE_DIR) / "open_r/include" : installed;
+  std::vector<fs::path> folders;
+  for (const char* room : {"system", "objects", "robot", "network"})
+    folders.push_back(headers / room);
+  return folders;
+}
+
+// Variables for Makefiles: the environment's, then those of the command line.
+std::map<std::string, std::string> given_variables(const std::vector<std::string>& given) {
+  std::map<std::string, std::string> variables;
+  for (const char* name : {"AIBO_MODEL", "OPENRSDK_ROOT"})
+    if (const char* value = std::getenv(name); value != nullptr) variables[name] = value;
+  for (const std::string& text : given) {
+    const size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw UsageError(fmt::format("--make {}: expected NAME=VALUE", text));
+    variables[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return variables;
+}
+
+// A robot that sees a ball, for programs that come without a scenario.
+std::string scenario_text(const fs::path& stick, const std::string& design) {
+  const auto ours = [](const char* name) { return fs::absolute(app::data_file(name)).string(); };
+  return fmt::format(
+      "# Written by `seam open-r build`: an ERS-210 that runs the program beside this file.\n"
+      "format: seam-scenario/1\nname: open_r\nduration_s: 10\nseed: 1\n"
+      "field: {}\nball: {{x_m: 0.6, y_m: 0.15}}\nrobots:\n  - id: aibo\n    team: red\n"
+      "    pose: {{x_m: -0.2, y_m: 0, theta_rad: 0}}\n    body: {}\n    camera: {{model: {}}}\n"
+      "    behaviour: {{command: [open_r, {}, --design, {}], clock: {{period_s: 0.008}}}}\n",
+      ours("models/field_2002.yaml"), ours("models/robot_ers210.yaml"), ours("models/ers210.yaml"),
+      fs::absolute(stick).string(), design);
+}
+
+// The robot of a scenario that is to run the program: the one named, or the only one.
+std::string robot_of(const Scenario& scenario, const std::string& named) {
+  if (!named.empty()) return named;
+  if (scenario.robots.size() == 1) return scenario.robots[0].id;
+  throw UsageError(fmt::format("{} robots in the scenario: name one by --robot, such as {}",
+                               scenario.robots.size(), scenario.robots[0].id));
+}
+
+void run(const BuildOptions& options, const fs::path& stick, const std::string& written) {
+  const std::string file = options.scenario.empty() ? written : options.scenario;
+  app::SimulatorOptions simulator_options;
+  app::SessionOptions session;
+  session.inputs = {file};
+  session.log = options.log;
+  session.force = true;  // The build before wrote the log of the same name.
+  if (!options.scenario.empty()) {
+    const Scenario scenario = app::load_scenario(file, simulator_options);
+    const std::string robot = robot_of(scenario, options.robot);
+    session.commands[robot] = {"open_r", fs::absolute(stick).string(), "--design", options.design};
+    for (size_t i = 0; i < scenario.robots.size(); ++i)
+      if (scenario.robots[i].id == robot)
+        simulator_options.changes.push_back(
+            fmt::format("robots[{}].behaviour.clock.period_s=0.008", i));
+  }
+  app::SessionOutputs outputs(session);
+  app::Simulator simulator =
+      app::make_simulator(app::load_scenario(file, simulator_options), simulator_options);
+  const app::SessionSummary summary = app::run_session(simulator, session, outputs);
+  if (const int code = app::report(summary, outputs); code != 0) throw ExitCode{code};
+}
+
+void build(const BuildOptions& options) {
+  std::vector<fs::path> folders(options.folders.begin(), options.folders.end());
+  const fs::path out = options.out;
+  open_r::BuildReport report;
+  try {
+    const open_r::ProgramPlan plan =
+        open_r::plan_program(folders, options.design, given_variables(options.variables));
+    const open_r::Toolchain tools{options.compiler, "cc", header_folders()};
+    report = open_r::build_program(
+        plan, tools, out, [](const std::string& line) { std::puts(shown_lines(line).c_str()); });
+  } catch (const open_r::Fault& fault) {
+    throw InputError(fault.what());
+  }
+  if (!report.failed.empty() || report.built == 0)
+    throw InputError(
+        fmt::format("{} of {} objects were built: the lines above say what the rest "
+                    "lacks",
+                    report.built, report.built + report.failed.size()));
+  const fs::path stick = out / "MS", written = out / "scenario.yaml";
+  OutputFile(written).fill(scenario_text(stick, options.design));
+  if (options.run || !options.scenario.empty() || !options.log.empty())
+    run(options, stick, written.string());
+  else
+    std::printf("run it: seam run %s\n", written.c_str());
+}
+
+void write_stub(const std::string& file, const fs::path& out) {
+  try {
+    const open_r::StubSettings stub = open_r::read_stub_settings(file, read_file(file));
+    fs::create_directories(out);
+    const std::pair<std::string, std::string> files[] = {
+        {"def.h", open_r::definitions_header(stub)},
+        {"entry.h", open_r::entries_header(stub)},
+        {stub.object + "Stub.cc", open_r::stub_source(stub)}};
+    for (const auto& [name, text] : files) OutputFile(out / name).fill(text);
+  } catch (const open_r::Fault& fault) {
+    throw InputError(fault.what());
+  }
+}
+
+void add_build(app::Command app) {
+  app::Command command =
+      app.add_subcommand("build", "Builds an unchanged program, and runs it in a scenario");
+  auto options = std::make_shared<BuildOptions>();
+  command
+      .add_option("FOLDER", options->folders,
+                  "The program's folder, then folders of more of its objects")
+      .required();
+  command.add_option("--out", options->out, "Folder for the memory stick and a scenario")
+      .show_default();
+  command.add_option("--design", options->design, "The robot that the program finds itself on")
+      .one_of({"ERS-210", "ERS-7"})
+      .show_default();
+  command
+      .add_option("--compiler", options->compiler,
+                  "A C++ compiler: g++, or one that takes its flags")
+      .show_default();
+  command.add_option("--make", options->variables, "NAME=VALUE: a variable of the Makefiles");
+  command.add_flag("--run", options->run, "Runs the program in the scenario that is written");
+  command.add_option("--scenario", options->scenario, "Runs the program in this scenario instead");
+  command.add_option("--robot", options->robot,
+                     "The robot of that scenario which runs the program");
+  command.add_option("--log", options->log, "Runs the program, and writes the replay log here");
+  command.footer(
+      "Example: seam open-r build open_r/examples/moving_head --out head --log head.mcap\n"
+      "What the program lacks is named, line by line. Exit code 1 where an object is not built.");
+  command.callback([options] { build(*options); });
+}
+
+void add_stub(app::Command app) {
+  app::Command command = app.add_subcommand(
+      "stub", "Makes an object's stub (def.h, entry.h, NAMEStub.cc) from its stub.cfg");
+  struct Options {
+    std::string file, out = ".";
+  };
+  auto options = std::make_shared<Options>();
+  command.add_option("FILE", options->file, "A stub.cfg").required();
+  command.add_option("--out", options->out, "Folder for the files").show_default();
+  command.footer(
+      "Example: seam open-r stub open_r/examples/moving_head/SwingHead/stub.cfg --out made");
+  command.callback([options] { write_stub(options->file, options->out); });
+}
+
+}  // namespace
+
+void add_open_r(app::Command app) {
+  app::Command command =
+      app.add_subcommand("open-r", "Builds and runs OPEN-R programs for an AIBO");
+  command.require_subcommand();
+  add_build(command);
+  add_stub(command);
+}
+
+}  // namespace seam::tools
