@@ -94,10 +94,11 @@ ROOMS = {
         "kinds/points": ["kinds", "kinds/points/data", "kinds/points/motion", "kinds/points/target", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "kinds/*": ["kinds", "sets", "imaging", "problem", "numerics", "fitting", "noise"],
         "check": ["numerics", "imaging", "kinds", "sets", "problem", "fitting", "search", "search/models"],
-        "search": ["numerics", "problem", "fitting"],
+        "infer": ["numerics", "problem", "fitting"],
+        "search": ["numerics", "problem", "fitting", "infer"],
         "search/models": ["fitting", "search"],
         "suggest": ["numerics", "problem", "fitting", "search"],
-        "report": ["problem", "fitting", "search", "search/models", "suggest"],
+        "report": ["problem", "fitting", "infer", "search", "search/models", "suggest"],
         "study": ["imaging", "kinds", "search"],
     },
     "robot_sdk": {

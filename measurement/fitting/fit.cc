@@ -225,6 +225,18 @@ Fit Fitter::result(bool converged) {
 
 }  // namespace
 
+std::vector<std::vector<double>> Problem::following(
+    const Model&, const Groups&, const Evaluation& here,
+    std::vector<std::vector<double>> columns) const {
+  constexpr double kSame = 1e-9;
+  for (size_t i = 0; i < facts_.scalars(); ++i) {
+    if (here.used[i] && !(std::abs(here.whitened[i] - here.residual[i] / here.sigma[i]) <
+                          kSame * (1 + std::abs(here.whitened[i]))))
+      return {};
+  }
+  return here.nuisances == 0 ? std::move(columns) : std::vector<std::vector<double>>();
+}
+
 std::vector<std::vector<double>> Problem::jacobian(const Model& model,
                                                    const std::vector<Unknown>& unknowns,
                                                    const Groups& groups,

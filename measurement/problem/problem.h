@@ -20,6 +20,14 @@ using effects::EffectDefinition;
 
 struct ResidualView;
 
+// Where a cause without a name may act, and what it may depend on there: a smooth function of one or
+// two of the covariates, times each of the slopes (measurement/infer/smooth_field.h).
+struct FieldPlace {
+  std::string name;                             // "the target"
+  std::vector<std::vector<double>> slopes;      // Of residuals over sigma, by direction and scalar.
+  std::vector<Covariate> covariates;
+};
+
 // Fewer groups than this are few (docs/reference/definitions.md, "Held-out groups").
 inline constexpr size_t kFewGroups = 8;
 
@@ -42,6 +50,17 @@ class Problem {
                                                     const std::vector<Unknown>& unknowns,
                                                     const Groups& groups,
                                                     const Evaluation& here) const;
+  // The same of changes that no parameter makes: given by column and scalar over `here.sigma`, with
+  // the nuisances at rest. Default: where nothing follows and each residual is whitened by itself;
+  // else empty, which says that it is not known.
+  virtual std::vector<std::vector<double>> following(
+      const Model& model, const Groups& groups, const Evaluation& here,
+      std::vector<std::vector<double>> columns) const;
+
+  // Where else than in the channels, by the set's covariates, a cause without a name may act.
+  virtual std::vector<FieldPlace> field_places(const Model&, const Evaluation& /*here*/) const {
+    return {};
+  }
 
   virtual Score score(const Model& model, const Groups& groups) const;
   // The same of a model that differs little from one that was fitted: its nuisances may start where

@@ -42,6 +42,21 @@ std::string nearest_text(const SearchResult& result) {
                      names.size() == 1 ? "leaves" : "leave", left, result.base.assessment.error);
 }
 
+// A cause without a name, beside what is missing for sure: "residuals depend on row and column".
+std::string unnamed_text(const SearchResult& result) {
+  const UnnamedCause& cause = *result.unnamed;
+  std::string text = fmt::format(
+      "No known effect explains what depends on {} ({} x noise): a smooth function leaves {:.3g} of "
+      "{:.3g}.",
+      fmt::join(cause.depends_on, " and "), two_digits(cause.noise_units), cause.error_after,
+      cause.error_before);
+  if (result.mimics.empty()) return text + (result.steps.empty() ? nearest_text(result) : "");
+  const bool one = result.mimics.size() == 1;
+  return text + fmt::format(" Nearest: {}, {} {:.3g}; {} may only imitate it.",
+                            fmt::join(result.mimics, ", "), one ? "leaves" : "leave",
+                            result.mimics_error, one ? "it" : "they");
+}
+
 // What is missing, for sure, and what fits best where its range ends: there the true cause may be
 // another one.
 std::string steps_text(const SearchResult& result) {
@@ -110,6 +125,10 @@ std::string headline(const Problem& problem, const CompareResult& result) {
 }
 
 std::string headline(const Problem& problem, const SearchResult& result, size_t traces) {
+  if (result.unnamed && result.steps.empty()) return unnamed_text(result) + "\n";
+  if (result.unnamed)
+    return fmt::format("{} What matters beside it: {}\n", unnamed_text(result),
+                       steps_text(result));
   if (result.verdict == "unexplained_structure" && !result.remaining.empty())
     return fmt::format("No known effect explains this: {}.{}\n",
                        strongest_text(problem, result.best.assessment, result.remaining),

@@ -176,6 +176,9 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
   text += free_text(problem, result.base.assessment) +
           notes_text(problem, result.best.assessment.model) + outlier_text(result);
   text += fmt::format("verdict: {}\n", result.verdict);
+  if (!result.mimics.empty())
+    text += fmt::format("imitate the cause without a name: {}\n",
+                        fmt::join(result.mimics, ", "));
   text += candidates_text(result.first.candidates);
   const auto& structure = unexplained ? result.remaining : result.base_structure;
   if (!structure.empty()) {
@@ -203,6 +206,9 @@ std::string discover_text(const Problem& problem, const SearchResult& result) {
     for (const std::string& other : step.indistinguishable_from)
       text += fmt::format("      these data cannot tell it from {}\n", other);
   }
+  if (!result.mimics.empty())
+    text += fmt::format("  not added, since a cause without a name explains more: {}\n",
+                        fmt::join(result.mimics, ", "));
   for (const KeptTrace& kept : result.kept) {
     text +=
         fmt::format("  kept, a trace: {}   {}; without it {} would be {:.0f} standard errors off\n",

@@ -229,6 +229,19 @@ std::string compare_json(const Problem& problem, const CompareResult& result) {
   return dumped(json);
 }
 
+// A cause without a name that explains the set better than the effects that imitate it.
+void add_unnamed(ordered_json& json, const SearchResult& result) {
+  if (!result.unnamed) return;
+  const UnnamedCause& cause = *result.unnamed;
+  json["unnamed_cause"] = {{"depends_on", cause.depends_on},
+                           {"noise_units", cause.noise_units},
+                           {"takes", cause.takes},
+                           {"error_before", cause.error_before},
+                           {"error_after", cause.error_after},
+                           {"lead", cause.lead},
+                           {"mimics", result.mimics}};
+}
+
 std::string diagnose_json(const Problem& problem, const SearchResult& result,
                           const std::optional<Suggestion>& suggestion) {
   const Assessment& base = result.base.assessment;
@@ -244,6 +257,7 @@ std::string diagnose_json(const Problem& problem, const SearchResult& result,
   std::copy_if(result.first.candidates.begin(), result.first.candidates.end(),
                std::back_inserter(candidates), [](const Candidate& c) { return !c.trace; });
   json["candidates"] = candidates_json(result, base, candidates);
+  add_unnamed(json, result);
   const bool unexplained = result.verdict == "unexplained_structure";
   json["structure"] = structure_json(unexplained ? result.remaining : result.base_structure);
   add_traces(json, result.material,
@@ -302,6 +316,7 @@ std::string discover_json(const Problem& problem, const SearchResult& result) {
   }
   json["steps"] = steps;
   json["kept"] = kept_json(result);
+  add_unnamed(json, result);
   json["error"] = finite_or_null<ordered_json>(result.best.assessment.error);
   json["baseline"] = baseline_json(problem, result.base.assessment);
   json["native"] = native_json(problem, result.best.assessment.held);

@@ -141,6 +141,9 @@ inline constexpr size_t kMostTiesNamed = 3;
 // Where fewer numbers than this are held out, one that they deny is named beside an equal that they
 // do not: an error of 30 numbers is good to an eighth. A judgement.
 inline constexpr int kFewHeldOut = 30;
+// A cause without a name must be ahead of all named ones by this, at which the likelihood ratio is
+// 10,000 to 1: a field is free to be anything.
+inline constexpr double kUnnamedWidth = kTieReach * kTieWidth;
 // An exchange of one effect for another must gain this share of a tie's width: less is within what
 // two fits of one model differ by, and the search would go round in circles. A judgement.
 inline constexpr double kExchangeGain = 0.25;

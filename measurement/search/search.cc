@@ -57,6 +57,7 @@ class Searcher {
         grown);
   }
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
+  void look_for_unnamed(SearchResult& result) const;
 
   Problem& problem_;
   const Model& model_;
@@ -320,6 +321,28 @@ void Searcher::try_beginnings(SearchResult& result) {
   }
 }
 
+// A smooth function of what residuals may depend on competes with the steps. Where it explains the
+// set better beside some of them, the others imitate it.
+void Searcher::look_for_unnamed(SearchResult& result) const {
+  std::vector<Grown> grown = {base_};
+  for (const Step& step : result.steps) {
+    grown.push_back({grown.back().added, step.after});
+    grown.back().added.push_back(step.effect);
+  }
+  grown.back() = result.best;
+  std::vector<Explanation> explanations;
+  for (const Grown& g : grown)
+    explanations.push_back({&g.assessment, merit_of(problem_, g)});
+  result.unnamed = unnamed_cause(problem_, explanations, kUnnamedWidth, material_);
+  if (!result.unnamed || result.unnamed->beside + 1 == grown.size()) return;
+  const auto first = result.steps.begin() + static_cast<std::ptrdiff_t>(result.unnamed->beside);
+  for (auto step = first; step != result.steps.end(); ++step) result.mimics.push_back(step->effect);
+  result.mimics_error = result.best.assessment.error;
+  result.steps.erase(first, result.steps.end());
+  result.best = std::move(grown[result.unnamed->beside]);
+  result.kept.clear();
+}
+
 SearchResult Searcher::run() {
   SearchResult result{.material = material_};
   progress_("fitting the model given");
@@ -354,6 +377,8 @@ SearchResult Searcher::run() {
     order_steps(problem_, by_name, exchanges_, promising_, result);
   } while (remove_neutral(problem_, result.best));
   keep_traces(problem_, looks_, result);
+  progress_("looking for a cause without a name");
+  look_for_unnamed(result);
   progress_("testing what structure remains");
   const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
   const bool is_given = result.steps.empty() && result.kept.empty();
@@ -364,7 +389,7 @@ SearchResult Searcher::run() {
   const bool first_found =
       !result.first.candidates.empty() && result.first.candidates.front().significant;
   const bool has_error = std::isfinite(result.best.assessment.error);
-  if (!has_error ||
+  if (!has_error || result.unnamed ||
       (!result.remaining.empty() && (has_mean_structure(result.remaining) || !first_found))) {
     result.verdict = "unexplained_structure";
   } else {

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "measurement/infer/unnamed.h"
 #include "measurement/search/candidates.h"
 #include "measurement/search/material.h"
 
@@ -40,6 +42,11 @@ struct SearchResult {
   std::vector<KeptTrace> kept;         // In `best` beside the steps.
   std::vector<Structure> remaining;    // Significant structure after the last step.
   std::vector<Structure> remaining_traces;
+  // What no effect with a name explains as well, and the effects that only imitate it: they were
+  // found, and are no steps.
+  std::optional<UnnamedCause> unnamed;
+  std::vector<std::string> mimics;
+  double mimics_error = 0;  // Of the model that has them.
   std::vector<Candidate> last_traces;  // Effects that are traces beside the best model.
   double material = 0;                 // The least that counts, in noise units.
   std::vector<Outlier> outliers;       // Of the best model.

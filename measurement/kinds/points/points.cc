@@ -271,6 +271,16 @@ std::vector<std::vector<double>> PointsProblem::jacobian(const Model& model,
   return Problem::jacobian(model, unknowns, groups, here);
 }
 
+std::vector<std::vector<double>> PointsProblem::following(
+    const Model& model, const Groups& groups, const Evaluation& here,
+    std::vector<std::vector<double>> columns) const {
+  if (effects::target_of(model).has_draws()) return {};
+  if (moves()) return following_moving(model, groups, here, std::move(columns));
+  if (data_.rig.type() == Rig::Type::unknown)
+    return following_unknown(model, groups, here, std::move(columns));
+  return Problem::following(model, groups, here, std::move(columns));
+}
+
 // Beside the outliers of this model those rows that no model explains. A model that misses most
 // points by many times the noise tells nothing of single ones.
 std::vector<char> PointsProblem::find_outliers(const Model& model) const {

@@ -214,8 +214,6 @@ std::vector<std::vector<double>> PointsProblem::jacobian_moving(
   if (!stored_path(data_, here.nuisance_values, controls)) return columns;
   const MovedModels moved(model, unknowns);
   const std::vector<PathSighting>& seen = adjustment.seen();
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(2 * static_cast<Eigen::Index>(seen.size()),
-                                              static_cast<Eigen::Index>(unknowns.size()));
   for (size_t p = 0; p < unknowns.size(); ++p) {
     const PathAdjustment there = path_adjustment(moved.models[p], groups, layout);
     const RowCamera moved_camera(moved.models[p], data_.cameras);
@@ -225,10 +223,29 @@ std::vector<std::vector<double>> PointsProblem::jacobian_moving(
           !there.image(moved_camera, controls, there.seen()[i], after))
         continue;
       const Eigen::Vector2d by = (before - after) / moved.steps[p];
-      all(2 * static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(p)) = by[0] / seen[i].sigma_u;
-      all(2 * static_cast<Eigen::Index>(i) + 1, static_cast<Eigen::Index>(p)) =
-          by[1] / seen[i].sigma_v;
+      columns[p][2 * seen[i].row] = by[0] / seen[i].sigma_u;
+      columns[p][2 * seen[i].row + 1] = by[1] / seen[i].sigma_v;
     }
+  }
+  return following_moving(model, groups, here, std::move(columns));
+}
+
+// Without what the path can take of a column, of residuals as they count.
+std::vector<std::vector<double>> PointsProblem::following_moving(
+    const Model& model, const Groups& groups, const Evaluation& here,
+    std::vector<std::vector<double>> columns) const {
+  const PathLayout layout = layout_of(groups);
+  const PathAdjustment adjustment = path_adjustment(model, groups, layout);
+  const RowCamera camera(model, data_.cameras);
+  std::vector<Control> controls(layout.controls());
+  const std::vector<PathSighting>& seen = adjustment.seen();
+  Eigen::MatrixXd all(2 * static_cast<Eigen::Index>(seen.size()),
+                      static_cast<Eigen::Index>(columns.size()));
+  for (size_t p = 0; p < columns.size(); ++p) {
+    for (size_t i = 0; i < 2 * seen.size(); ++i)
+      all(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(p)) =
+          columns[p][2 * seen[i / 2].row + i % 2];
+    std::fill(columns[p].begin(), columns[p].end(), 0);
   }
   std::vector<Eigen::Matrix2d> counted;
   if (const std::optional<FewErrors> scatter = scatter_of(model)) {
@@ -237,13 +254,13 @@ std::vector<std::vector<double>> PointsProblem::jacobian_moving(
       counted.push_back(by_row[point.row] *
                         Eigen::Vector2d(point.sigma_u, point.sigma_v).asDiagonal());
   }
-  if (!adjustment.take_out_path(camera, controls, counted, all)) return columns;
-  for (size_t p = 0; p < unknowns.size(); ++p) {
-    for (size_t i = 0; i < seen.size(); ++i) {
-      for (size_t c = 0; c < 2; ++c)
-        columns[p][2 * seen[i].row + c] =
-            all(static_cast<Eigen::Index>(2 * i + c), static_cast<Eigen::Index>(p));
-    }
+  if (!stored_path(data_, here.nuisance_values, controls) ||
+      !adjustment.take_out_path(camera, controls, counted, all))
+    return columns;
+  for (size_t p = 0; p < columns.size(); ++p) {
+    for (size_t i = 0; i < 2 * seen.size(); ++i)
+      columns[p][2 * seen[i / 2].row + i % 2] =
+          all(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(p));
   }
   return columns;
 }

@@ -36,6 +36,11 @@ class PointsProblem : public Problem {
                                             const std::vector<Unknown>& unknowns,
                                             const Groups& groups,
                                             const Evaluation& here) const override;
+  std::vector<std::vector<double>> following(
+      const Model& model, const Groups& groups, const Evaluation& here,
+      std::vector<std::vector<double>> columns) const override;
+  // The place within a pixel, and the target's points.
+  std::vector<FieldPlace> field_places(const Model& model, const Evaluation& here) const override;
   bool is_smooth(const Model&) const override { return true; }
   std::vector<std::vector<double>> starts(const Model& model,
                                           const EffectDefinition& effect) const override;
@@ -96,6 +101,9 @@ class PointsProblem : public Problem {
                                                     const std::vector<Unknown>& unknowns,
                                                     const Groups& groups,
                                                     const Evaluation& here) const;
+  std::vector<std::vector<double>> following_unknown(
+      const Model& model, const Groups& groups, const Evaluation& here,
+      std::vector<std::vector<double>> columns) const;
   std::vector<Eigen::Matrix2d> slopes_of_scattered(const FewErrors& scatter, const Groups& groups,
                                                    const Evaluation& here) const;
   std::vector<Sighting> sightings(int frame, const std::vector<Vec3>& places_W,
@@ -103,6 +111,10 @@ class PointsProblem : public Problem {
   double reach_rad(const Model& model, int camera) const;
   int only_camera(const effects::EffectDefinition& effect) const;
   void count_as_missed(int frame, Evaluation& evaluation) const;
+
+  // points_fields.cc
+  std::vector<std::vector<double>> slopes_of_target(const Model& model,
+                                                    const Evaluation& here) const;
 
   // points_moving.cc
   bool moves() const {
@@ -125,6 +137,9 @@ class PointsProblem : public Problem {
                                                    const std::vector<Unknown>& unknowns,
                                                    const Groups& groups,
                                                    const Evaluation& here) const;
+  std::vector<std::vector<double>> following_moving(
+      const Model& model, const Groups& groups, const Evaluation& here,
+      std::vector<std::vector<double>> columns) const;
 
   // points_draws.cc
   // An adjustment that stands at these numbers (Evaluation::nuisance_values); no sigmas: the stated

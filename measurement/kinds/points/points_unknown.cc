@@ -177,17 +177,49 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
   std::vector<int> only;
   for (const Unknown& unknown : unknowns)
     only.push_back(only_camera(*model.find(unknown.effect)->definition));
-  const std::optional<FewErrors> scatter = scatter_of(model);
-  std::vector<Eigen::Matrix2d> by_row;
-  if (scatter) by_row = slopes_of_scattered(*scatter, groups, here);
   parallel_for(data_.rows_of_frame.size(), [&](size_t frame) {
     if (!groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]]) return;
     std::vector<int> rows;
     const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
     Pose X_CW;
     if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW)) return;
-    std::vector<double> base, derivatives, there;
-    if (!pose_residuals(cameras, seen, X_CW, base, &derivatives)) return;
+    std::vector<double> base, there;
+    if (!pose_residuals(cameras, seen, X_CW, base, nullptr)) return;
+    for (size_t p = 0; p < unknowns.size(); ++p) {
+      const Moving moving = moving_of(seen, rows, only[p], moved_places_W[p]);
+      if (!pose_residuals(moved_cameras[p], moving.seen, X_CW, there, nullptr)) continue;
+      for (size_t i = 0; i < there.size(); ++i) {
+        const size_t k = moving.place[i / 2], c = i % 2;
+        columns[p][2 * rows[k] + c] = (there[i] - base[2 * k + c]) / moved.steps[p];
+      }
+    }
+  });
+  return following_unknown(model, groups, here, std::move(columns));
+}
+
+// Without what the pose of its view can take of a column, of residuals as they count.
+std::vector<std::vector<double>> PointsProblem::following_unknown(
+    const Model& model, const Groups& groups, const Evaluation& here,
+    std::vector<std::vector<double>> columns) const {
+  const Cameras cameras(model, data_.cameras);
+  const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
+  const std::optional<FewErrors> scatter = scatter_of(model);
+  std::vector<Eigen::Matrix2d> by_row;
+  if (scatter) by_row = slopes_of_scattered(*scatter, groups, here);
+  parallel_for(data_.rows_of_frame.size(), [&](size_t frame) {
+    std::vector<int> rows;
+    const bool asked = groups[facts_.group_of_row[data_.rows_of_frame[frame].front()]];
+    const std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
+    Pose X_CW;
+    std::vector<double> base, derivatives;
+    const bool known = asked && !seen.empty() && stored_pose(here.nuisance_values, frame, X_CW) &&
+                       pose_residuals(cameras, seen, X_CW, base, &derivatives);
+    if (!known) {
+      for (const int row : data_.rows_of_frame[frame]) {
+        for (auto& column : columns) column[2 * row] = column[2 * row + 1] = 0;
+      }
+      return;
+    }
     // Residuals over their sigmas count as they do, or as scattered ones.
     const auto as_counted = [&](auto&& slopes) {
       for (size_t k = 0; k < rows.size() && scatter; ++k) {
@@ -201,19 +233,14 @@ std::vector<std::vector<double>> PointsProblem::jacobian_unknown(
                                                                                base.size(), 6);
     as_counted(pose);
     const Eigen::MatrixXd basis = column_basis(pose);
-    for (size_t p = 0; p < unknowns.size(); ++p) {
-      const Moving moving = moving_of(seen, rows, only[p], moved_places_W[p]);
-      if (!pose_residuals(moved_cameras[p], moving.seen, X_CW, there, nullptr)) continue;
-      Eigen::VectorXd column = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(base.size()));
-      for (size_t i = 0; i < there.size(); ++i) {
-        const size_t k = 2 * moving.place[i / 2] + i % 2;
-        column[k] = (there[i] - base[k]) / moved.steps[p];
-      }
-      as_counted(column);
-      column -= basis * (basis.transpose() * column);
-      for (size_t k = 0; k < rows.size(); ++k) {
-        for (size_t c = 0; c < 2; ++c) columns[p][2 * rows[k] + c] = column[2 * k + c];
-      }
+    Eigen::VectorXd own(static_cast<Eigen::Index>(base.size()));
+    for (auto& column : columns) {
+      for (size_t k = 0; k < base.size(); ++k)
+        own[static_cast<Eigen::Index>(k)] = column[2 * rows[k / 2] + k % 2];
+      as_counted(own);
+      own -= basis * (basis.transpose() * own);
+      for (size_t k = 0; k < base.size(); ++k)
+        column[2 * rows[k / 2] + k % 2] = own[static_cast<Eigen::Index>(k)];
     }
   });
   return columns;

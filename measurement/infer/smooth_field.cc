@@ -1,0 +1,178 @@
+#include "measurement/infer/smooth_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+namespace {
+
+using Columns = std::vector<std::vector<double>>;
+
+// A basis by row, its weights in it, and the order of each of its functions: how fast it changes.
+struct Basis {
+  Columns values;
+  std::vector<double> order;
+};
+
+constexpr int kWavesOfOne = 16;  // Half periods over the range of a single covariate.
+constexpr int kDegreeOfTwo = 6;  // Of the polynomials of two.
+
+// Scaled to [-1, 1] over its range, angles left as they are; empty: constant or not known.
+std::vector<double> scaled(const Covariate& covariate) {
+  std::vector<double> x = covariate.values;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double value : x) {
+    if (!std::isfinite(value)) return {};
+    low = std::min(low, value), high = std::max(high, value);
+  }
+  if (!(high - low > 1e-12 * std::max(std::abs(low), std::abs(high)))) return {};
+  if (covariate.type == Covariate::Type::cyclic) return x;
+  const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
+  for (double& value : x) value = (value - middle) / half;
+  return x;
+}
+
+// Waves of an angle; of a quantity a straight line and cosines without a slope at their ends.
+Basis waves(const Covariate& covariate, const std::vector<double>& x) {
+  Basis basis;
+  const auto add = [&](double order, const auto& function) {
+    basis.values.emplace_back(x.size());
+    for (size_t i = 0; i < x.size(); ++i) basis.values.back()[i] = function(x[i]);
+    basis.order.push_back(order);
+  };
+  if (covariate.type == Covariate::Type::cyclic) {
+    for (int k = 1; k <= kWavesOfOne / 2; ++k) {
+      add(2 * k - 1, [&](double a) { return std::sin(k * a); });
+      add(2 * k - 1, [&](double a) { return std::cos(k * a); });
+    }
+    return basis;
+  }
+  add(1, [](double a) { return a; });
+  for (int k = 1; k <= kWavesOfOne; ++k)
+    add(k, [&](double a) { return std::cos(0.5 * maths::kPi * k * (a + 1)); });
+  return basis;
+}
+
+// Legendre polynomials of degree 0 to kDegreeOfTwo; of an angle as many sines and cosines.
+Columns polynomials(const Covariate& covariate, const std::vector<double>& x) {
+  Columns values(kDegreeOfTwo + 1, std::vector<double>(x.size(), 1));
+  for (size_t i = 0; i < x.size(); ++i) {
+    for (size_t k = 1; k < values.size(); ++k) {
+      const auto degree = static_cast<double>(k);
+      if (covariate.type == Covariate::Type::cyclic) {
+        const double angle = std::floor((degree + 1) / 2) * x[i];
+        values[k][i] = k % 2 == 1 ? std::sin(angle) : std::cos(angle);
+      } else {
+        values[k][i] = k == 1 ? x[i]
+                              : ((2 * degree - 1) * x[i] * values[k - 1][i] -
+                                 (degree - 1) * values[k - 2][i]) /
+                                    degree;
+      }
+    }
+  }
+  return values;
+}
+
+Basis products(const Columns& one, const Columns& other) {
+  Basis basis;
+  for (size_t a = 0; a < one.size(); ++a) {
+    for (size_t b = 0; a + b < other.size(); ++b) {
+      if (a + b == 0) continue;
+      basis.values.emplace_back(one[a].size());
+      for (size_t i = 0; i < one[a].size(); ++i) basis.values.back()[i] = one[a][i] * other[b][i];
+      basis.order.push_back(static_cast<double>(a + b));
+    }
+  }
+  return basis;
+}
+
+Basis basis_of(const SmoothField& field) {
+  std::vector<std::vector<double>> x;
+  for (const Covariate* covariate : field.covariates) {
+    x.push_back(scaled(*covariate));
+    if (x.back().empty()) return {};
+  }
+  if (x.size() == 1) return waves(*field.covariates[0], x[0]);
+  return products(polynomials(*field.covariates[0], x[0]),
+                  polynomials(*field.covariates[1], x[1]));
+}
+
+bool is_quantity(const Covariate& covariate) {
+  return covariate.type == Covariate::Type::smooth || covariate.type == Covariate::Type::cyclic;
+}
+
+// The root mean square of all slopes of a place where there are any.
+double size_of(const FieldPlace& place) {
+  double sum2 = 0, count = 0;
+  for (const auto& slope : place.slopes) {
+    for (const double value : slope) sum2 += value * value, count += value != 0;
+  }
+  return count > 0 ? std::sqrt(sum2 / count) : 1;
+}
+
+}  // namespace
+
+std::vector<FieldPlace> places_in_channels(const Problem& problem, const Evaluation& here) {
+  const Facts& facts = problem.facts();
+  const std::vector<double> none(facts.scalars(), 0);
+  FieldPlace channels{"", Columns(facts.channels.size(), none), facts.covariates};
+  FieldPlace combined{"", Columns(facts.combined.size(), none), facts.covariates};
+  for (size_t i = 0; i < facts.scalars(); ++i) {
+    if (!here.used[i]) continue;
+    const int channel = facts.channel_of[i];
+    const auto row = static_cast<size_t>(facts.row_of[i]);
+    const double unit = facts.channels[channel].noise / here.sigma[i];
+    channels.slopes[channel][i] = unit;
+    for (size_t k = 0; k < facts.combined.size(); ++k) {
+      const CombinedChannel& made = facts.combined[k];
+      if (channel == made.channel_a) combined.slopes[k][i] = unit * made.weight_a[row];
+      if (channel == made.channel_b) combined.slopes[k][i] = unit * made.weight_b[row];
+    }
+  }
+  std::vector<FieldPlace> places = {std::move(channels)};
+  if (!facts.combined.empty()) places.push_back(std::move(combined));
+  return places;
+}
+
+std::vector<SmoothField> smooth_fields(const std::vector<FieldPlace>& places) {
+  std::vector<SmoothField> fields;
+  for (const FieldPlace& place : places) {
+    for (auto one = place.covariates.begin(); one != place.covariates.end(); ++one) {
+      if (!is_quantity(*one)) continue;
+      fields.push_back({&place, {&*one}});
+      for (auto other = one + 1; other != place.covariates.end(); ++other) {
+        if (is_quantity(*other)) fields.push_back({&place, {&*one, &*other}});
+      }
+    }
+  }
+  return fields;
+}
+
+std::vector<std::string> names_of(const SmoothField& field) {
+  std::vector<std::string> names;
+  for (const Covariate* covariate : field.covariates) names.push_back(covariate->name);
+  return names;
+}
+
+Columns columns_of(const Facts& facts, const SmoothField& field) {
+  const Basis basis = basis_of(field);
+  // Variances fall with the square of the order: a field is smooth.
+  double sum = 0;
+  for (const double order : basis.order) sum += 1 / (1 + order * order);
+  const double size = size_of(*field.place);
+  Columns columns;
+  for (size_t k = 0; k < basis.values.size(); ++k) {
+    const double weight = 1 / std::sqrt((1 + basis.order[k] * basis.order[k]) * sum) / size;
+    for (const std::vector<double>& slope : field.place->slopes) {
+      std::vector<double>& column = columns.emplace_back(slope);
+      for (size_t i = 0; i < column.size(); ++i)
+        column[i] *= weight * basis.values[k][static_cast<size_t>(facts.row_of[i])];
+    }
+  }
+  return columns;
+}
+
+}  // namespace seam::measurement

@@ -1,0 +1,31 @@
+// A smooth function of one or two covariates, added to what a model predicts: an unnamed cause. It
+// is a random effect: columns whose coefficients are normal, slow waves larger than fast ones.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "measurement/problem/problem.h"
+
+namespace seam::measurement {
+
+struct SmoothField {
+  const FieldPlace* place = nullptr;
+  std::vector<const Covariate*> covariates;  // Of the place: one or two.
+};
+
+// The channels of a set, and what is made of two of them (along and across), by its covariates.
+std::vector<FieldPlace> places_in_channels(const Problem& problem, const Evaluation& here);
+
+// All fields in these places: of each covariate that is a quantity, and of each pair.
+std::vector<SmoothField> smooth_fields(const std::vector<FieldPlace>& places);
+
+// Of its covariates.
+std::vector<std::string> names_of(const SmoothField& field);
+
+// By column and scalar, of residuals over sigma, as the slopes of the place are; of a size that
+// moves residuals by about the noise where coefficients are 1. Empty: a covariate is constant or
+// unknown in some row.
+std::vector<std::vector<double>> columns_of(const Facts& facts, const SmoothField& field);
+
+}  // namespace seam::measurement

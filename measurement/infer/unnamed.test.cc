@@ -1,0 +1,121 @@
+#include "measurement/infer/unnamed.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "measurement/infer/smooth_field.h"
+#include "measurement/problem/made_problem.h"
+
+namespace seam::measurement {
+namespace {
+
+constexpr double kNoise = 0.5, kWidth = 9.2, kMaterialShare = 0.1;
+
+// y = level + slope x + bend(x) + noise; the bend has no name.
+class Bent : public MadeProblem {
+ public:
+  explicit Bent(double bend, uint64_t seed = 1)
+      : MadeProblem(evenly(-1, 1, 600), kNoise, [](const std::vector<double>& p, double x) {
+          return p[0] + (p.size() > 1 ? p[1] * x * x * x : 0);
+        }) {
+    deal_into(12);
+    facts_.covariates = {{.name = "x", .values = x()}, {.name = "other", .values = other()}};
+    std::vector<double> y;
+    for (size_t i = 0; i < x().size(); ++i)
+      y.push_back(bend * std::cos(5 * x()[i]) + kNoise * normal({seed, 2}, i));
+    take(std::move(y));
+  }
+
+  static Model level() {
+    return made_model(made_effect("level", {{.name = "y", .min = -9, .max = 9}}), {0});
+  }
+  // What is not in the formula, and bends the other way.
+  static Model with_cube() {
+    Model model = level();
+    model.set(made_effect("cube", {{.name = "size", .min = -9, .max = 9}}), {{.value = 0}});
+    return model;
+  }
+  Assessment fitted(const Model& model) const {
+    std::vector<Unknown> unknowns;
+    for (const effects::ModelEffect& effect : model.effects())
+      unknowns.push_back({effect.definition->name, 0});
+    return assess(*this, model, unknowns);
+  }
+
+ private:
+  static std::vector<double> other() {
+    std::vector<double> values;
+    for (size_t i = 0; i < 600; ++i) values.push_back(normal({9, 9}, i));
+    return values;
+  }
+};
+
+std::optional<UnnamedCause> cause_of(const Bent& problem, const std::vector<Assessment>& ways) {
+  std::vector<Explanation> explanations;
+  for (const Assessment& way : ways) {
+    const double price = 0.5 * std::log(600) * static_cast<double>(way.unknowns.size());
+    explanations.push_back({&way, way.total_ll - price});
+  }
+  return unnamed_cause(problem, explanations, kWidth, kMaterialShare);
+}
+
+TEST(Unnamed, ACauseThatNoEffectDescribesIsFoundByWhatItDependsOn) {
+  const Bent problem(0.5);
+  const auto cause = cause_of(problem, {problem.fitted(Bent::level())});
+  ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->depends_on, std::vector<std::string>{"x"});
+  EXPECT_EQ(cause->beside, 0u);
+  // The root mean square of 0.5 cos(5 x) less its mean is 0.66 noises; the prior takes a twentieth,
+  // and 600 rows leave a standard error of 0.04.
+  EXPECT_NEAR(cause->noise_units, 0.63, 0.12);
+  EXPECT_NEAR(cause->error_after, 1, 0.05);
+  EXPECT_GT(cause->takes, 0.8);
+}
+
+TEST(Unnamed, AnEffectThatOnlyImitatesItLoses) {
+  const Bent problem(0.5);
+  const auto cause =
+      cause_of(problem, {problem.fitted(Bent::level()), problem.fitted(Bent::with_cube())});
+  ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->beside, 0u);
+  EXPECT_GT(cause->lead, 50);
+}
+
+TEST(Unnamed, NoiseAloneHasNoCause) {
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    const Bent problem(0, seed);
+    EXPECT_FALSE(cause_of(problem, {problem.fitted(Bent::level())})) << seed;
+  }
+}
+
+TEST(Unnamed, ATraceIsNotMaterial) {
+  const Bent problem(0.03);
+  EXPECT_FALSE(cause_of(problem, {problem.fitted(Bent::level())}));
+}
+
+TEST(SmoothField, ColumnsAreOfTheSizeOfTheNoise) {
+  const Bent problem(0);
+  const Evaluation here = problem.evaluate(Bent::level(), problem.all_groups());
+  const auto places = places_in_channels(problem, here);
+  const auto fields = smooth_fields(places);
+  ASSERT_EQ(fields.size(), 3u);  // x, x and other, other.
+  for (const SmoothField& field : fields) {
+    double sum2 = 0;
+    for (const auto& column : columns_of(problem.facts(), field)) {
+      for (const double value : column) sum2 += value * value / static_cast<double>(column.size());
+    }
+    EXPECT_GT(sum2, 0.1);
+    EXPECT_LT(sum2, 2);
+  }
+}
+
+TEST(SmoothField, AConstantCovariateGivesNone) {
+  FieldPlace place{"", {std::vector<double>(3, 1)}, {{.name = "same", .values = {2, 2, 2}}}};
+  Facts facts;
+  facts.row_of = {0, 1, 2};
+  EXPECT_TRUE(columns_of(facts, {&place, {&place.covariates[0]}}).empty());
+}
+
+}  // namespace
+}  // namespace seam::measurement

@@ -1,0 +1,69 @@
+// Where causes without a name may act on points, beside the image as a whole: by the place within a
+// pixel, as detectors of corners err, and on the target, as one that is not what its plan says.
+#include <cmath>
+
+#include "effects/stages/target.h"
+#include "measurement/kinds/points/points_problem.h"
+#include "measurement/sets/pose_of_view.h"
+#include "sim_core/base/maths.h"
+
+namespace seam::measurement {
+
+std::vector<FieldPlace> PointsProblem::field_places(const Model& model,
+                                                    const Evaluation& here) const {
+  const std::vector<double>* measured[] = {&data_.u_px, &data_.v_px};
+  FieldPlace pixel{.name = "the image", .slopes = {}, .covariates = {}};
+  for (size_t c = 0; c < 2; ++c) {
+    std::vector<double> slope(facts_.scalars(), 0);
+    Covariate phase{.name = c == 0 ? "column within a pixel" : "row within a pixel",
+                    .type = Covariate::Type::cyclic};
+    for (size_t row = 0; row < facts_.rows(); ++row) {
+      slope[2 * row + c] = 1;
+      const double predicted = (*measured[c])[row] - here.residual[2 * row + c];
+      phase.values.push_back(2 * maths::kPi * (predicted - std::floor(predicted)));
+    }
+    pixel.slopes.push_back(std::move(slope));
+    pixel.covariates.push_back(std::move(phase));
+  }
+  std::vector<FieldPlace> places = {std::move(pixel)};
+  if (data_.rig.type() != Rig::Type::unknown || moves() || effects::target_of(model).has_draws())
+    return places;
+  FieldPlace target{
+      .name = "the target", .slopes = slopes_of_target(model, here), .covariates = {}};
+  for (int axis = 0; axis < 3; ++axis) {
+    Covariate along{.name = std::string("target ") + "xyz"[axis]};
+    for (const Vec3& point : data_.p_W) along.values.push_back(point[axis]);
+    target.covariates.push_back(std::move(along));
+  }
+  places.push_back(std::move(target));
+  return places;
+}
+
+// Of residuals over sigma by a shift of each point along the target's axes, with the views' poses
+// at rest.
+std::vector<std::vector<double>> PointsProblem::slopes_of_target(const Model& model,
+                                                                 const Evaluation& here) const {
+  constexpr double kStep_m = 1e-6;
+  std::vector<std::vector<double>> slopes(3, std::vector<double>(facts_.scalars(), 0));
+  const Cameras cameras(model, data_.cameras);
+  const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
+  for (size_t frame = 0; frame < data_.rows_of_frame.size(); ++frame) {
+    std::vector<int> rows;
+    std::vector<Sighting> seen = sightings(static_cast<int>(frame), places_W, rows);
+    Pose X_CW;
+    std::vector<double> base, there;
+    if (seen.empty() || !stored_pose(here.nuisance_values, frame, X_CW) ||
+        !pose_residuals(cameras, seen, X_CW, base, nullptr))
+      continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<Sighting> moved = seen;
+      for (Sighting& point : moved) point.p_W[axis] += kStep_m;
+      if (!pose_residuals(cameras, moved, X_CW, there, nullptr)) continue;
+      for (size_t i = 0; i < base.size(); ++i)
+        slopes[axis][2 * rows[i / 2] + i % 2] = (there[i] - base[i]) / kStep_m;
+    }
+  }
+  return slopes;
+}
+
+}  // namespace seam::measurement
