@@ -229,12 +229,16 @@ std::vector<std::vector<double>> Problem::following(
     const Model&, const Groups&, const Evaluation& here,
     std::vector<std::vector<double>> columns) const {
   constexpr double kSame = 1e-9;
+  int64_t used = 0;
   for (size_t i = 0; i < facts_.scalars(); ++i) {
+    used += here.used[i];
     if (here.used[i] && !(std::abs(here.whitened[i] - here.residual[i] / here.sigma[i]) <
                           kSame * (1 + std::abs(here.whitened[i]))))
       return {};
   }
-  return here.nuisances == 0 ? std::move(columns) : std::vector<std::vector<double>>();
+  // A start for each run of many rows takes next to nothing of a function over all of them.
+  constexpr int64_t kFew = 20;
+  return kFew * here.nuisances <= used ? std::move(columns) : std::vector<std::vector<double>>();
 }
 
 std::vector<std::vector<double>> Problem::jacobian(const Model& model,

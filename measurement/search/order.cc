@@ -222,6 +222,30 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
   if (explained) tell_ties(problem, effect_by_name, exchanges, searched, promising, result);
 }
 
+std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
+                                           double material) {
+  std::vector<Explanation> explanations;
+  for (const Grown& g : grown) explanations.push_back({&g.assessment, merit_of(problem, g)});
+  return unnamed_cause(problem, explanations, kUnnamedWidth, material);
+}
+
+void look_for_unnamed(const Problem& problem, SearchResult& result) {
+  std::vector<Grown> grown = {result.base};
+  for (const Step& step : result.steps) {
+    grown.push_back({grown.back().added, step.after});
+    grown.back().added.push_back(step.effect);
+  }
+  grown.back() = result.best;
+  result.unnamed = unnamed_beside(problem, grown, result.material);
+  if (!result.unnamed || result.unnamed->beside + 1 == grown.size()) return;
+  const auto first = result.steps.begin() + static_cast<std::ptrdiff_t>(result.unnamed->beside);
+  for (auto step = first; step != result.steps.end(); ++step) result.mimics.push_back(step->effect);
+  result.mimics_error = result.best.assessment.error;
+  result.steps.erase(first, result.steps.end());
+  result.best = std::move(grown[result.unnamed->beside]);
+  result.kept.clear();
+}
+
 std::vector<std::string> noises_found(const SearchResult& result) {
   std::vector<std::string> names;
   for (const Step& step : result.steps) {

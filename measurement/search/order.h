@@ -24,4 +24,12 @@ bool explained_by_noises(const SearchResult& result);
 // which of these they stand in for: alone they seemed to help, beside them they do not.
 void rank_by_search(const Problem& problem, SearchResult& result);
 
+// The best cause without a name beside one of these models, each of which grew from the one before.
+std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::vector<Grown>& grown,
+                                           double material);
+
+// A smooth function of what residuals may depend on competes with the steps. Where it explains the
+// set better beside some of them, the others imitate it: they are steps no more.
+void look_for_unnamed(const Problem& problem, SearchResult& result);
+
 }  // namespace seam::measurement

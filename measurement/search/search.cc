@@ -57,7 +57,7 @@ class Searcher {
         grown);
   }
   std::shared_ptr<const EffectDefinition> definition(const std::string& name) const;
-  void look_for_unnamed(SearchResult& result) const;
+  bool explained_without_name(const std::vector<Grown>& grown) const;
 
   Problem& problem_;
   const Model& model_;
@@ -209,7 +209,8 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
   if (!found) promising_.clear();
   all_of_servo_ll_ = -std::numeric_limits<double>::infinity();
   result.best = base_;
-  const bool moves_first = !found && all_useless(base_, result.first);
+  const bool moves_first =
+      !found && all_useless(base_, result.first) && !explained_without_name({base_});
   if (!found) moves_ = {};
   if (moves_first) begin_with_moves(moves_ = look_at_moves(), result);
   std::vector<Candidate> traces;
@@ -220,7 +221,8 @@ void Searcher::forward(SearchResult& result, const Grown* earlier) {
     result.last_traces = std::move(traces);
   }
   if (problem_.effects_imitate()) try_beginnings(result);
-  if (!moves_first && misses(result.best.assessment))
+  if (!moves_first && misses(result.best.assessment) &&
+      !explained_without_name({base_, result.best}))
     begin_with_moves(moves_ = look_at_moves(), result);
   begin_with_whole_moves(result);
   begin_with_rest(result);
@@ -321,26 +323,10 @@ void Searcher::try_beginnings(SearchResult& result) {
   }
 }
 
-// A smooth function of what residuals may depend on competes with the steps. Where it explains the
-// set better beside some of them, the others imitate it.
-void Searcher::look_for_unnamed(SearchResult& result) const {
-  std::vector<Grown> grown = {base_};
-  for (const Step& step : result.steps) {
-    grown.push_back({grown.back().added, step.after});
-    grown.back().added.push_back(step.effect);
-  }
-  grown.back() = result.best;
-  std::vector<Explanation> explanations;
-  for (const Grown& g : grown)
-    explanations.push_back({&g.assessment, merit_of(problem_, g)});
-  result.unnamed = unnamed_cause(problem_, explanations, kUnnamedWidth, material_);
-  if (!result.unnamed || result.unnamed->beside + 1 == grown.size()) return;
-  const auto first = result.steps.begin() + static_cast<std::ptrdiff_t>(result.unnamed->beside);
-  for (auto step = first; step != result.steps.end(); ++step) result.mimics.push_back(step->effect);
-  result.mimics_error = result.best.assessment.error;
-  result.steps.erase(first, result.steps.end());
-  result.best = std::move(grown[result.unnamed->beside]);
-  result.kept.clear();
+// What a smooth function explains to the noise leaves nothing for a motor, which has a memory.
+bool Searcher::explained_without_name(const std::vector<Grown>& grown) const {
+  const auto cause = unnamed_beside(problem_, grown, material_);
+  return cause && cause->error_after < kMisfit;
 }
 
 SearchResult Searcher::run() {
@@ -378,7 +364,7 @@ SearchResult Searcher::run() {
   } while (remove_neutral(problem_, result.best));
   keep_traces(problem_, looks_, result);
   progress_("looking for a cause without a name");
-  look_for_unnamed(result);
+  look_for_unnamed(problem_, result);
   progress_("testing what structure remains");
   const SplitStructure of_base = significant_structure(problem_, base_.assessment, material_);
   const bool is_given = result.steps.empty() && result.kept.empty();

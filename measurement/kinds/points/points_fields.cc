@@ -8,6 +8,11 @@
 #include "sim_core/base/maths.h"
 
 namespace seam::measurement {
+namespace {
+
+constexpr double kStep_m = 1e-6;
+
+}  // namespace
 
 std::vector<FieldPlace> PointsProblem::field_places(const Model& model,
                                                     const Evaluation& here) const {
@@ -26,10 +31,12 @@ std::vector<FieldPlace> PointsProblem::field_places(const Model& model,
     pixel.covariates.push_back(std::move(phase));
   }
   std::vector<FieldPlace> places = {std::move(pixel)};
-  if (data_.rig.type() != Rig::Type::unknown || moves() || effects::target_of(model).has_draws())
+  if (data_.rig.type() != Rig::Type::unknown || effects::target_of(model).has_draws())
     return places;
   FieldPlace target{
-      .name = "the target", .slopes = slopes_of_target(model, here), .covariates = {}};
+      .name = "the target",
+      .slopes = moves() ? slopes_on_path(model, here) : slopes_of_target(model, here),
+      .covariates = {}};
   for (int axis = 0; axis < 3; ++axis) {
     Covariate along{.name = std::string("target ") + "xyz"[axis]};
     for (const Vec3& point : data_.p_W) along.values.push_back(point[axis]);
@@ -43,7 +50,6 @@ std::vector<FieldPlace> PointsProblem::field_places(const Model& model,
 // at rest.
 std::vector<std::vector<double>> PointsProblem::slopes_of_target(const Model& model,
                                                                  const Evaluation& here) const {
-  constexpr double kStep_m = 1e-6;
   std::vector<std::vector<double>> slopes(3, std::vector<double>(facts_.scalars(), 0));
   const Cameras cameras(model, data_.cameras);
   const std::vector<Vec3> places_W = places_of_rows(data_, effects::target_of(model));
@@ -61,6 +67,30 @@ std::vector<std::vector<double>> PointsProblem::slopes_of_target(const Model& mo
       if (!pose_residuals(cameras, moved, X_CW, there, nullptr)) continue;
       for (size_t i = 0; i < base.size(); ++i)
         slopes[axis][2 * rows[i / 2] + i % 2] = (there[i] - base[i]) / kStep_m;
+    }
+  }
+  return slopes;
+}
+
+// The same with the path at rest.
+std::vector<std::vector<double>> PointsProblem::slopes_on_path(const Model& model,
+                                                               const Evaluation& here) const {
+  std::vector<std::vector<double>> slopes(3, std::vector<double>(facts_.scalars(), 0));
+  const PathLayout layout = layout_of(all_groups());
+  const PathAdjustment adjustment = path_adjustment(model, all_groups(), layout);
+  const RowCamera camera(model, data_.cameras);
+  std::vector<Control> controls(layout.controls());
+  if (!stored_path(data_, here.nuisance_values, controls)) return slopes;
+  for (const PathSighting& point : adjustment.seen()) {
+    Eigen::Vector2d before, after;
+    if (!adjustment.image(camera, controls, point, before)) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      PathSighting moved = point;
+      moved.p_T[axis] += kStep_m;
+      if (!adjustment.image(camera, controls, moved, after)) continue;
+      const Eigen::Vector2d by = (before - after) / kStep_m;
+      slopes[axis][2 * point.row] = by[0] / point.sigma_u;
+      slopes[axis][2 * point.row + 1] = by[1] / point.sigma_v;
     }
   }
   return slopes;

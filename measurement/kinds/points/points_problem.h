@@ -115,6 +115,8 @@ class PointsProblem : public Problem {
   // points_fields.cc
   std::vector<std::vector<double>> slopes_of_target(const Model& model,
                                                     const Evaluation& here) const;
+  std::vector<std::vector<double>> slopes_on_path(const Model& model,
+                                                  const Evaluation& here) const;
 
   // points_moving.cc
   bool moves() const {
