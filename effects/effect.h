@@ -72,6 +72,9 @@ struct EffectDefinition {
   // of a target truly are), so that it moves predictions, too.
   bool draws_estimated = false;
   Errors errors = Errors::independent;  // What sort of errors it makes.
+  // A noise that is described by its size and length, not by what makes it: it is said to be of
+  // unknown cause, not to be missing.
+  bool unknown_cause = false;
   bool has_neutral = true;              // False for a base (pinhole) or a replacement (fisheye).
   std::vector<std::string> columns;     // Further columns of a set that a joint's formula reads.
   std::string source;                   // Of an expression effect: the YAML of its definition.

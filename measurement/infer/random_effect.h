@@ -15,7 +15,8 @@ struct RandomEffect {
 
 // Residuals r of unit noise are columns * coefficients + noise: `gram` is columns' columns, `right`
 // columns' r. The gain is
-//   ln p(r | size) - ln p(r | 0) = 1/2 right' (gram + 1/size^2)^-1 right - 1/2 ln |1 + size^2 gram|.
+//   ln p(r | size) - ln p(r | 0) = 1/2 right' (gram + 1/size^2)^-1 right - 1/2 ln |1 + size^2
+//   gram|.
 RandomEffect random_effect(const Eigen::MatrixXd& gram, const Eigen::VectorXd& right);
 
 // The mean of coefficients of this size.

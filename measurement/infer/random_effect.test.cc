@@ -38,8 +38,8 @@ RandomEffect effect_of(const Data& data) {
 // constant.
 double log_density(const Data& data, double size) {
   const Eigen::Index n = data.residuals.size();
-  const Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(n, n) +
-                                     size * size * data.columns * data.columns.transpose();
+  const Eigen::MatrixXd covariance =
+      Eigen::MatrixXd::Identity(n, n) + size * size * data.columns * data.columns.transpose();
   const Eigen::LLT<Eigen::MatrixXd> root(covariance);
   const Eigen::MatrixXd lower = root.matrixL();
   return -0.5 * data.residuals.dot(root.solve(data.residuals)) -

@@ -17,8 +17,10 @@ struct Basis {
   std::vector<double> order;
 };
 
-constexpr int kWavesOfOne = 16;  // Half periods over the range of a single covariate.
-constexpr int kDegreeOfTwo = 6;  // Of the polynomials of two.
+constexpr int kWavesOfOne = 16;       // Half periods over the range of a single covariate.
+constexpr int kDegreeOfTwo = 6;       // Of the polynomials of two.
+constexpr int kDegreeOfParts = 2;     // Of those that each part has for itself.
+constexpr size_t kMostColumns = 400;  // Of these in all: more are dear, and few parts show as much.
 
 // Scaled to [-1, 1] over its range, angles left as they are; empty: constant or not known.
 std::vector<double> scaled(const Covariate& covariate) {
@@ -56,9 +58,9 @@ Basis waves(const Covariate& covariate, const std::vector<double>& x) {
   return basis;
 }
 
-// Legendre polynomials of degree 0 to kDegreeOfTwo; of an angle as many sines and cosines.
-Columns polynomials(const Covariate& covariate, const std::vector<double>& x) {
-  Columns values(kDegreeOfTwo + 1, std::vector<double>(x.size(), 1));
+// Legendre polynomials up to this degree; of an angle as many sines and cosines.
+Columns polynomials(const Covariate& covariate, const std::vector<double>& x, int most) {
+  Columns values(static_cast<size_t>(most) + 1, std::vector<double>(x.size(), 1));
   for (size_t i = 0; i < x.size(); ++i) {
     for (size_t k = 1; k < values.size(); ++k) {
       const auto degree = static_cast<double>(k);
@@ -66,10 +68,11 @@ Columns polynomials(const Covariate& covariate, const std::vector<double>& x) {
         const double angle = std::floor((degree + 1) / 2) * x[i];
         values[k][i] = k % 2 == 1 ? std::sin(angle) : std::cos(angle);
       } else {
-        values[k][i] = k == 1 ? x[i]
-                              : ((2 * degree - 1) * x[i] * values[k - 1][i] -
-                                 (degree - 1) * values[k - 2][i]) /
-                                    degree;
+        values[k][i] =
+            k == 1
+                ? x[i]
+                : ((2 * degree - 1) * x[i] * values[k - 1][i] - (degree - 1) * values[k - 2][i]) /
+                      degree;
       }
     }
   }
@@ -96,12 +99,15 @@ Basis basis_of(const SmoothField& field) {
     if (x.back().empty()) return {};
   }
   if (x.size() == 1) return waves(*field.covariates[0], x[0]);
-  return products(polynomials(*field.covariates[0], x[0]),
-                  polynomials(*field.covariates[1], x[1]));
+  const int most = field.place->part_of_row.empty() ? kDegreeOfTwo : kDegreeOfParts;
+  return products(polynomials(*field.covariates[0], x[0], most),
+                  polynomials(*field.covariates[1], x[1], most));
 }
 
+// What a field may depend on.
 bool is_quantity(const Covariate& covariate) {
-  return covariate.type == Covariate::Type::smooth || covariate.type == Covariate::Type::cyclic;
+  return !covariate.of_measured &&
+         (covariate.type == Covariate::Type::smooth || covariate.type == Covariate::Type::cyclic);
 }
 
 // The root mean square of all slopes of a place where there are any.
@@ -118,8 +124,10 @@ double size_of(const FieldPlace& place) {
 std::vector<FieldPlace> places_in_channels(const Problem& problem, const Evaluation& here) {
   const Facts& facts = problem.facts();
   const std::vector<double> none(facts.scalars(), 0);
-  FieldPlace channels{"", Columns(facts.channels.size(), none), facts.covariates};
-  FieldPlace combined{"", Columns(facts.combined.size(), none), facts.covariates};
+  FieldPlace channels{.slopes = Columns(facts.channels.size(), none),
+                      .covariates = facts.covariates};
+  FieldPlace combined{.slopes = Columns(facts.combined.size(), none),
+                      .covariates = facts.covariates};
   for (size_t i = 0; i < facts.scalars(); ++i) {
     if (!here.used[i]) continue;
     const int channel = facts.channel_of[i];
@@ -142,7 +150,7 @@ std::vector<SmoothField> smooth_fields(const std::vector<FieldPlace>& places) {
   for (const FieldPlace& place : places) {
     for (auto one = place.covariates.begin(); one != place.covariates.end(); ++one) {
       if (!is_quantity(*one)) continue;
-      fields.push_back({&place, {&*one}});
+      if (place.part_of_row.empty()) fields.push_back({&place, {&*one}});
       for (auto other = one + 1; other != place.covariates.end(); ++other) {
         if (is_quantity(*other)) fields.push_back({&place, {&*one, &*other}});
       }
@@ -154,22 +162,35 @@ std::vector<SmoothField> smooth_fields(const std::vector<FieldPlace>& places) {
 std::vector<std::string> names_of(const SmoothField& field) {
   std::vector<std::string> names;
   for (const Covariate* covariate : field.covariates) names.push_back(covariate->name);
+  if (!field.place->part.empty()) names.push_back(field.place->part);
   return names;
 }
 
 Columns columns_of(const Facts& facts, const SmoothField& field) {
   const Basis basis = basis_of(field);
+  const std::vector<int>& part_of_row = field.place->part_of_row;
+  const size_t parts =
+      part_of_row.empty()
+          ? 1
+          : 1 + static_cast<size_t>(*std::max_element(part_of_row.begin(), part_of_row.end()));
+  if (parts > 1 && parts * basis.values.size() * field.place->slopes.size() > kMostColumns)
+    return {};
   // Variances fall with the square of the order: a field is smooth.
   double sum = 0;
   for (const double order : basis.order) sum += 1 / (1 + order * order);
   const double size = size_of(*field.place);
   Columns columns;
-  for (size_t k = 0; k < basis.values.size(); ++k) {
-    const double weight = 1 / std::sqrt((1 + basis.order[k] * basis.order[k]) * sum) / size;
-    for (const std::vector<double>& slope : field.place->slopes) {
-      std::vector<double>& column = columns.emplace_back(slope);
-      for (size_t i = 0; i < column.size(); ++i)
-        column[i] *= weight * basis.values[k][static_cast<size_t>(facts.row_of[i])];
+  for (size_t part = 0; part < parts; ++part) {
+    for (size_t k = 0; k < basis.values.size(); ++k) {
+      const double weight = 1 / std::sqrt((1 + basis.order[k] * basis.order[k]) * sum) / size;
+      for (const std::vector<double>& slope : field.place->slopes) {
+        std::vector<double>& column = columns.emplace_back(slope);
+        for (size_t i = 0; i < column.size(); ++i) {
+          const auto row = static_cast<size_t>(facts.row_of[i]);
+          const bool here = parts == 1 || part_of_row[row] == static_cast<int>(part);
+          column[i] *= here ? weight * basis.values[k][row] : 0;
+        }
+      }
     }
   }
   return columns;

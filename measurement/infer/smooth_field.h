@@ -20,7 +20,7 @@ std::vector<FieldPlace> places_in_channels(const Problem& problem, const Evaluat
 // All fields in these places: of each covariate that is a quantity, and of each pair.
 std::vector<SmoothField> smooth_fields(const std::vector<FieldPlace>& places);
 
-// Of its covariates.
+// Of its covariates, with "view" behind them where each view has its own.
 std::vector<std::string> names_of(const SmoothField& field);
 
 // By column and scalar, of residuals over sigma, as the slopes of the place are; of a size that

@@ -18,6 +18,9 @@ using Eigen::VectorXd;
 
 // Groups, or where they are few their blocks, in so many parts: each is predicted from the others.
 constexpr int kParts = 4;
+// Functions of one cause, and the least log-evidence that a further one gains.
+constexpr int kMostFunctions = 3;
+constexpr double kLeastGain = 4.6;
 
 // One explanation's residuals, without what its own parameters can still take of them.
 class Residuals {
@@ -25,15 +28,19 @@ class Residuals {
   Residuals(const Problem& problem, const Model& model, const std::vector<Unknown>& unknowns);
 
   bool valid() const { return !scalars_.empty(); }
-  std::vector<FieldPlace> places() const;
-  double chi2() const { return rest_.squaredNorm(); }
-  double count() const { return static_cast<double>(scalars_.size()); }
-  // What a field gains here; nothing where it changes nothing.
-  std::optional<UnnamedCause> with(const SmoothField& field, RandomEffect& effect) const;
+  // The best functions, one after another, while each gains; nothing where the first does not.
+  std::optional<UnnamedCause> best_cause();
 
  private:
+  // A function's columns, without what follows them, and what they gain.
+  struct Function {
+    MatrixXd columns, gram;
+    RandomEffect effect;
+  };
   VectorXd own_of(const std::vector<double>& column) const;
-  double held_out_gain(const MatrixXd& columns, double size) const;
+  Function function_of(const SmoothField& field) const;
+  double held_out_gain(const Function& function) const;
+  std::vector<SmoothField> fields();
 
   const Problem& problem_;
   const Model& model_;
@@ -42,6 +49,7 @@ class Residuals {
   std::vector<int> part_;        // Of each of them.
   MatrixXd span_;                // Orthonormal: of the fitted parameters.
   VectorXd rest_;
+  std::vector<FieldPlace> places_;
 };
 
 Residuals::Residuals(const Problem& problem, const Model& model,
@@ -57,9 +65,8 @@ Residuals::Residuals(const Problem& problem, const Model& model,
     part_.push_back((blocks.empty() ? problem.facts().group_of(i) : blocks[i]) % kParts);
   }
   std::vector<Unknown> mean;
-  std::copy_if(unknowns.begin(), unknowns.end(), std::back_inserter(mean), [&](const Unknown& u) {
-    return !model.find(u.effect)->definition->spread_only;
-  });
+  std::copy_if(unknowns.begin(), unknowns.end(), std::back_inserter(mean),
+               [&](const Unknown& u) { return !model.find(u.effect)->definition->spread_only; });
   const auto columns =
       mean.empty() ? std::vector<std::vector<double>>() : problem.jacobian(model, mean, all, here_);
   MatrixXd slopes(static_cast<Index>(scalars_.size()), static_cast<Index>(columns.size()));
@@ -73,10 +80,11 @@ Residuals::Residuals(const Problem& problem, const Model& model,
   rest_ = own_of(here_.whitened);
 }
 
-std::vector<FieldPlace> Residuals::places() const {
-  std::vector<FieldPlace> places = places_in_channels(problem_, here_);
-  for (FieldPlace& place : problem_.field_places(model_, here_)) places.push_back(std::move(place));
-  return places;
+std::vector<SmoothField> Residuals::fields() {
+  places_ = places_in_channels(problem_, here_);
+  for (FieldPlace& place : problem_.field_places(model_, here_))
+    places_.push_back(std::move(place));
+  return smooth_fields(places_);
 }
 
 VectorXd Residuals::own_of(const std::vector<double>& column) const {
@@ -86,51 +94,73 @@ VectorXd Residuals::own_of(const std::vector<double>& column) const {
   return own;
 }
 
-std::optional<UnnamedCause> Residuals::with(const SmoothField& field, RandomEffect& effect) const {
+Residuals::Function Residuals::function_of(const SmoothField& field) const {
   auto columns = columns_of(problem_.facts(), field);
-  if (columns.empty()) return std::nullopt;
+  if (columns.empty()) return {};
   columns = problem_.following(model_, problem_.all_groups(), here_, std::move(columns));
-  if (columns.empty()) return std::nullopt;
-  MatrixXd all(rest_.size(), static_cast<Index>(columns.size()));
-  for (size_t k = 0; k < columns.size(); ++k) all.col(static_cast<Index>(k)) = own_of(columns[k]);
-  const VectorXd right = all.transpose() * rest_;
-  effect = random_effect(all.transpose() * all, right);
-  if (!(effect.log_evidence > 0)) return std::nullopt;
-  const VectorXd change = all * effect.coefficients;
-  const double left = (rest_ - change).squaredNorm();
-  const double excess = std::max(chi2() - count(), 1.0);
-  if (held_out_gain(all, effect.size) <= 0) return std::nullopt;
-  return UnnamedCause{.depends_on = names_of(field),
-                      .noise_units = std::sqrt(change.squaredNorm() / count()),
-                      .takes = std::min(1.0, (chi2() - left) / excess),
-                      .error_before = std::sqrt(chi2() / count()),
-                      .error_after = std::sqrt(left / count())};
+  Function function{MatrixXd(rest_.size(), static_cast<Index>(columns.size())), {}, {}};
+  for (size_t k = 0; k < columns.size(); ++k)
+    function.columns.col(static_cast<Index>(k)) = own_of(columns[k]);
+  function.gram = function.columns.transpose() * function.columns;
+  return function;
 }
 
 // Of log-likelihood, each part predicted from all others.
-double Residuals::held_out_gain(const MatrixXd& columns, double size) const {
-  std::vector<MatrixXd> gram(kParts, MatrixXd::Zero(columns.cols(), columns.cols()));
-  std::vector<VectorXd> right(kParts, VectorXd::Zero(columns.cols()));
-  for (int part = 0; part < kParts; ++part) {
-    std::vector<Index> rows;
-    for (size_t i = 0; i < part_.size(); ++i) {
-      if (part_[i] == part) rows.push_back(static_cast<Index>(i));
-    }
-    MatrixXd own(static_cast<Index>(rows.size()), columns.cols());
-    VectorXd rest(own.rows());
-    for (Index i = 0; i < own.rows(); ++i)
-      own.row(i) = columns.row(rows[i]), rest[i] = rest_[rows[i]];
-    gram[part] = own.transpose() * own, right[part] = own.transpose() * rest;
-  }
-  MatrixXd all = MatrixXd::Zero(columns.cols(), columns.cols());
-  VectorXd all_right = VectorXd::Zero(columns.cols());
-  for (int part = 0; part < kParts; ++part) all += gram[part], all_right += right[part];
+double Residuals::held_out_gain(const Function& function) const {
+  const VectorXd all = function.columns.transpose() * rest_;
   double gain = 0;
   for (int part = 0; part < kParts; ++part) {
-    const VectorXd b = coefficients_of(all - gram[part], all_right - right[part], size);
-    gain += right[part].dot(b) - 0.5 * b.dot(gram[part] * b);
+    MatrixXd own = function.columns;
+    VectorXd rest = rest_;
+    for (size_t i = 0; i < part_.size(); ++i) {
+      if (part_[i] == part) continue;
+      own.row(static_cast<Index>(i)).setZero();
+      rest[static_cast<Index>(i)] = 0;
+    }
+    const MatrixXd gram = own.transpose() * own;
+    const VectorXd right = own.transpose() * rest;
+    const VectorXd b = coefficients_of(function.gram - gram, all - right, function.effect.size);
+    gain += right.dot(b) - 0.5 * b.dot(gram * b);
   }
   return gain;
+}
+
+std::optional<UnnamedCause> Residuals::best_cause() {
+  const std::vector<SmoothField> fields = this->fields();
+  std::vector<Function> functions(fields.size());
+  parallel_for(fields.size(), [&](size_t f) { functions[f] = function_of(fields[f]); });
+  const VectorXd first = rest_;
+  const auto count = static_cast<double>(scalars_.size());
+  UnnamedCause cause;
+  for (int k = 0; k < kMostFunctions; ++k) {
+    parallel_for(fields.size(), [&](size_t f) {
+      Function& function = functions[f];
+      function.effect = {};
+      if (function.columns.cols() == 0) return;
+      function.effect = random_effect(function.gram, function.columns.transpose() * rest_);
+      if (function.effect.log_evidence > kLeastGain && held_out_gain(function) <= 0)
+        function.effect.log_evidence = 0;
+    });
+    const auto best = std::max_element(functions.begin(), functions.end(),
+                                       [](const Function& a, const Function& b) {
+                                         return a.effect.log_evidence < b.effect.log_evidence;
+                                       });
+    // Each field is one look.
+    const double gain = best == functions.end() ? 0
+                                                : best->effect.log_evidence -
+                                                      std::log(static_cast<double>(fields.size()));
+    if (gain < kLeastGain) break;
+    cause.lead += gain;
+    cause.depends_on.push_back(names_of(fields[static_cast<size_t>(best - functions.begin())]));
+    rest_ -= best->columns * best->effect.coefficients;
+  }
+  if (cause.depends_on.empty()) return std::nullopt;
+  cause.noise_units = std::sqrt((first - rest_).squaredNorm() / count);
+  cause.error_before = std::sqrt(first.squaredNorm() / count);
+  cause.error_after = std::sqrt(rest_.squaredNorm() / count);
+  cause.takes = std::min(1.0, (first.squaredNorm() - rest_.squaredNorm()) /
+                                  std::max(first.squaredNorm() - count, 1.0));
+  return cause;
 }
 
 }  // namespace
@@ -139,32 +169,21 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           const std::vector<Explanation>& explanations,
                                           double width, double material) {
   std::optional<UnnamedCause> best;
-  double most = 0;
-  const double named = explanations.back().log_evidence;
   for (size_t e = 0; e < explanations.size(); ++e) {
     const Assessment& assessment = *explanations[e].assessment;
-    const Residuals residuals(problem, assessment.model, assessment.unknowns);
+    Residuals residuals(problem, assessment.model, assessment.unknowns);
     if (!residuals.valid()) continue;
-    const std::vector<FieldPlace> places = residuals.places();
-    const std::vector<SmoothField> fields = smooth_fields(places);
-    std::vector<std::optional<UnnamedCause>> found(fields.size());
-    std::vector<double> evidence(fields.size(), 0);
-    parallel_for(fields.size(), [&](size_t f) {
-      RandomEffect effect;
-      found[f] = residuals.with(fields[f], effect);
-      evidence[f] = effect.log_evidence;
-    });
-    for (size_t f = 0; f < fields.size(); ++f) {
-      if (!found[f] || found[f]->noise_units < material) continue;
-      // Each field is one look; where something is left that is no noise, evidence is too sure.
-      const double misfit = std::max(1.0, found[f]->error_after * found[f]->error_after);
-      const double lead = (explanations[e].log_evidence + evidence[f] - named) / misfit -
-                          std::log(static_cast<double>(fields.size()));
-      if (lead <= width || lead <= most) continue;
-      most = lead;
-      best = found[f];
-      best->beside = e, best->lead = lead;
-    }
+    std::optional<UnnamedCause> cause = residuals.best_cause();
+    if (!cause || cause->noise_units < material) continue;
+    // Where something is left that is no noise, evidence is too sure.
+    const double misfit = std::max(1.0, cause->error_after * cause->error_after);
+    cause->beside = e;
+    cause->lead =
+        (cause->lead + explanations[e].log_evidence - explanations.back().log_evidence) / misfit;
+    // Of equals the one with the fewest effects: beside a cause without a name small ones with
+    // names are not to be trusted.
+    if (cause->lead > width && (!best || cause->lead > best->lead + kLeastGain))
+      best = std::move(cause);
   }
   return best;
 }

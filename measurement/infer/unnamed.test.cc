@@ -64,7 +64,7 @@ TEST(Unnamed, ACauseThatNoEffectDescribesIsFoundByWhatItDependsOn) {
   const Bent problem(0.5);
   const auto cause = cause_of(problem, {problem.fitted(Bent::level())});
   ASSERT_TRUE(cause);
-  EXPECT_EQ(cause->depends_on, std::vector<std::string>{"x"});
+  EXPECT_EQ(cause->depends_on, std::vector<std::vector<std::string>>{{"x"}});
   EXPECT_EQ(cause->beside, 0u);
   // The root mean square of 0.5 cos(5 x) less its mean is 0.66 noises; the prior takes a twentieth,
   // and 600 rows leave a standard error of 0.04.
@@ -111,7 +111,8 @@ TEST(SmoothField, ColumnsAreOfTheSizeOfTheNoise) {
 }
 
 TEST(SmoothField, AConstantCovariateGivesNone) {
-  FieldPlace place{"", {std::vector<double>(3, 1)}, {{.name = "same", .values = {2, 2, 2}}}};
+  FieldPlace place{.slopes = {std::vector<double>(3, 1)},
+                   .covariates = {{.name = "same", .values = {2, 2, 2}}}};
   Facts facts;
   facts.row_of = {0, 1, 2};
   EXPECT_TRUE(columns_of(facts, {&place, {&place.covariates[0]}}).empty());

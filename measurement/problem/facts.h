@@ -31,6 +31,9 @@ struct Covariate {
   Type type = Type::smooth;
   std::vector<double> values;  // One a row; NaN where unknown.
   bool in_products = true;     // Whether `a*b` with the other covariates is looked at.
+  // Made from the very values whose residuals are looked at: a function of it may follow their
+  // errors, so that causes without a name do not depend on it.
+  bool of_measured = false;
 };
 
 // A residual made of two channels of a row, such as that along the radius; its weights are of unit

@@ -20,12 +20,13 @@ using effects::EffectDefinition;
 
 struct ResidualView;
 
-// Where a cause without a name may act, and what it may depend on there: a smooth function of one or
-// two of the covariates, times each of the slopes (measurement/infer/smooth_field.h).
+// Where a cause without a name may act, and what it may depend on there: a smooth function of one
+// or two of the covariates, times each of the slopes (measurement/infer/smooth_field.h).
 struct FieldPlace {
-  std::string name;                             // "the target"
-  std::vector<std::vector<double>> slopes;      // Of residuals over sigma, by direction and scalar.
+  std::vector<std::vector<double>> slopes;  // Of residuals over sigma, by direction and scalar.
   std::vector<Covariate> covariates;
+  std::vector<int> part_of_row;  // A function of its own for each part, such as a view; empty: one.
+  std::string part;              // What a part is: "view".
 };
 
 // Fewer groups than this are few (docs/reference/definitions.md, "Held-out groups").

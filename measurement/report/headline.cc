@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "measurement/report/told.h"
+#include "measurement/search/order.h"
 
 namespace seam::measurement {
 namespace {
@@ -45,11 +46,14 @@ std::string nearest_text(const SearchResult& result) {
 // A cause without a name, beside what is missing for sure: "residuals depend on row and column".
 std::string unnamed_text(const SearchResult& result) {
   const UnnamedCause& cause = *result.unnamed;
-  std::string text = fmt::format(
-      "No known effect explains what depends on {} ({} x noise): a smooth function leaves {:.3g} of "
-      "{:.3g}.",
-      fmt::join(cause.depends_on, " and "), two_digits(cause.noise_units), cause.error_after,
-      cause.error_before);
+  std::vector<std::string> functions;
+  for (const std::vector<std::string>& covariates : cause.depends_on)
+    functions.push_back(fmt::format("{}", fmt::join(covariates, " and ")));
+  std::string text =
+      fmt::format("No known effect explains what depends on {} ({} x noise): {} {:.3g} of {:.3g}.",
+                  fmt::join(functions, ", and on "), two_digits(cause.noise_units),
+                  functions.size() == 1 ? "a smooth function leaves" : "smooth functions leave",
+                  cause.error_after, cause.error_before);
   if (result.mimics.empty()) return text + (result.steps.empty() ? nearest_text(result) : "");
   const bool one = result.mimics.size() == 1;
   return text + fmt::format(" Nearest: {}, {} {:.3g}; {} may only imitate it.",
@@ -60,9 +64,14 @@ std::string unnamed_text(const SearchResult& result) {
 // What is missing, for sure, and what fits best where its range ends: there the true cause may be
 // another one.
 std::string steps_text(const SearchResult& result) {
-  std::vector<std::string> sure, doubtful;
+  std::vector<std::string> sure, doubtful, noises;
+  const std::vector<std::string> unknown = noises_of_unknown_cause(result);
   const Step* most = nullptr;
   for (const Step& step : result.steps) {
+    if (std::find(unknown.begin(), unknown.end(), step.effect) != unknown.end()) {
+      noises.push_back(fmt::format("{} ({} x noise)", step.effect, two_digits(step.moved)));
+      continue;
+    }
     const std::string bounds = values_at_bound(result.best.assessment, step.effect);
     if (!bounds.empty()) doubtful.push_back(fmt::format("{} ({})", step.effect, bounds));
     if (!bounds.empty()) continue;
@@ -79,6 +88,8 @@ std::string steps_text(const SearchResult& result) {
         "{} {} best at the end of {} range, which is no cause established: look for another",
         fmt::join(doubtful, ", "), doubtful.size() == 1 ? "fits" : "fit",
         doubtful.size() == 1 ? "its" : "their"));
+  if (!noises.empty())
+    parts.push_back(fmt::format("noise of unknown cause: {}", fmt::join(noises, ", ")));
   return fmt::format("{}", fmt::join(parts, "; "));
 }
 
@@ -127,8 +138,7 @@ std::string headline(const Problem& problem, const CompareResult& result) {
 std::string headline(const Problem& problem, const SearchResult& result, size_t traces) {
   if (result.unnamed && result.steps.empty()) return unnamed_text(result) + "\n";
   if (result.unnamed)
-    return fmt::format("{} What matters beside it: {}\n", unnamed_text(result),
-                       steps_text(result));
+    return fmt::format("{} What matters beside it: {}\n", unnamed_text(result), steps_text(result));
   if (result.verdict == "unexplained_structure" && !result.remaining.empty())
     return fmt::format("No known effect explains this: {}.{}\n",
                        strongest_text(problem, result.best.assessment, result.remaining),

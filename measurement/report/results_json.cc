@@ -8,6 +8,7 @@
 #include "measurement/report/results.h"
 #include "measurement/report/target_told.h"
 #include "measurement/search/kept.h"
+#include "measurement/search/order.h"
 #include "sim_core/base/error.h"
 
 namespace seam::measurement {
@@ -231,6 +232,7 @@ std::string compare_json(const Problem& problem, const CompareResult& result) {
 
 // A cause without a name that explains the set better than the effects that imitate it.
 void add_unnamed(ordered_json& json, const SearchResult& result) {
+  json["noise_of_unknown_cause"] = noises_of_unknown_cause(result);
   if (!result.unnamed) return;
   const UnnamedCause& cause = *result.unnamed;
   json["unnamed_cause"] = {{"depends_on", cause.depends_on},

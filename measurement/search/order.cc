@@ -226,7 +226,11 @@ std::optional<UnnamedCause> unnamed_beside(const Problem& problem, const std::ve
                                            double material) {
   std::vector<Explanation> explanations;
   for (const Grown& g : grown) explanations.push_back({&g.assessment, merit_of(problem, g)});
-  return unnamed_cause(problem, explanations, kUnnamedWidth, material);
+  auto cause = unnamed_cause(problem, explanations, 0, material);
+  if (!cause || cause->lead > kUnnamedWidth) return cause;
+  // What leaves more than the noise is no explanation: one that leaves none need only be ahead.
+  const bool better = grown.back().assessment.error > kMisfit && cause->error_after < kMisfit;
+  return better ? cause : std::nullopt;
 }
 
 void look_for_unnamed(const Problem& problem, SearchResult& result) {
@@ -251,6 +255,15 @@ std::vector<std::string> noises_found(const SearchResult& result) {
   for (const Step& step : result.steps) {
     const effects::ModelEffect* effect = result.best.assessment.model.find(step.effect);
     if (effect != nullptr && only_widens(*effect->definition)) names.push_back(step.effect);
+  }
+  return names;
+}
+
+std::vector<std::string> noises_of_unknown_cause(const SearchResult& result) {
+  std::vector<std::string> names;
+  for (const Step& step : result.steps) {
+    const effects::ModelEffect* effect = result.best.assessment.model.find(step.effect);
+    if (effect != nullptr && effect->definition->unknown_cause) names.push_back(step.effect);
   }
   return names;
 }

@@ -17,6 +17,8 @@ void order_steps(const Problem& problem, const EffectByName& effect_by_name,
 
 // The steps that are noises: what has a name comes before any formula.
 std::vector<std::string> noises_found(const SearchResult& result);
+// Of these, those that are described by their size and length alone: noise of unknown cause.
+std::vector<std::string> noises_of_unknown_cause(const SearchResult& result);
 // Whether they are all that the model lacked.
 bool explained_by_noises(const SearchResult& result);
 

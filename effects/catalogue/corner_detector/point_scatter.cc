@@ -26,6 +26,7 @@ EffectDefinition point_scatter() {
       .example = "point_scatter: {fraction: 0.03, sigma_px: 1.5}",
       .spread_only = true,
       .errors = Errors::now_and_then,
+      .unknown_cause = true,
       .starts = {{kPoints,
                   StartSearch::best_listed,
                   {{0.01, 0.5}, {0.01, 3}, {0.05, 0.5}, {0.05, 3}, {0.2, 0.5}, {0.2, 3}}}},

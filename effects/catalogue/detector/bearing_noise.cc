@@ -18,6 +18,7 @@ EffectDefinition bearing_noise() {
       .signature = "spread of the bearing",
       .example = "bearing_noise: {sigma_rad: 0.01}",
       .spread_only = true,
+      .unknown_cause = true,
       .needs = {Need::bearings},
       .detector = [](Values p, Detection& seen) { seen.bearing_variance += p[0] * p[0]; },
       .proof = {{.values = {0.01},

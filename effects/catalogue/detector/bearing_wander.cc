@@ -14,6 +14,7 @@ EffectDefinition bearing_wander() {
       .example = "bearing_wander: {sigma_rad: 0.01, tau_s: 2}",
       .spread_only = true,
       .errors = Errors::together,
+      .unknown_cause = true,
       .needs = {Need::bearings},
       .starts = wander_starts(kLandmarks, 0.01),
       .advice = {{kLandmarks,

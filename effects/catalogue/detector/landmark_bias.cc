@@ -27,6 +27,7 @@ EffectDefinition landmark_bias() {
       .example = "landmark_bias: {range_sigma_m: 0.03, bearing_sigma_rad: 0.01}",
       .spread_only = true,
       .errors = Errors::together,
+      .unknown_cause = true,
       .starts = {{kLandmarks,
                   StartSearch::best_listed,
                   {{0.02, 0.005}, {0.2, 0.05}, {0.02, 0.05}, {0.2, 0.005}}}},

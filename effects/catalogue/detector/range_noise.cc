@@ -23,6 +23,7 @@ EffectDefinition range_noise() {
       .signature = "spread of the range",
       .example = "range_noise: {sigma_per_m: 0.02}",
       .spread_only = true,
+      .unknown_cause = true,
       .needs = {Need::distances},
       .detector =
           [](Values p, Detection& seen) {

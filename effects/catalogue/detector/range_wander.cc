@@ -15,6 +15,7 @@ EffectDefinition range_wander() {
       .example = "range_wander: {sigma_m: 0.02, tau_s: 2}",
       .spread_only = true,
       .errors = Errors::together,
+      .unknown_cause = true,
       .needs = {Need::distances},
       .starts = wander_starts(kLandmarks, 0.02),
       .advice = {{kLandmarks,

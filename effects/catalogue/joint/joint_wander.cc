@@ -14,6 +14,7 @@ EffectDefinition joint_wander() {
       .example = "joint_wander: {sigma_rad: 0.002, tau_s: 2}",
       .spread_only = true,
       .errors = Errors::together,
+      .unknown_cause = true,
       .starts = wander_starts(kJoints, 0.002),
       .noise =
           [](Values p, Noise& noise) {

@@ -36,6 +36,7 @@ EffectDefinition pose_noise() {
       .example = "pose_noise: {xy_sigma_m: 0.001, theta_sigma_rad: 0.002, per_mps: 10}",
       .spread_only = true,
       .errors = Errors::independent,
+      .unknown_cause = true,
       .starts = {{kOdometry,
                   StartSearch::best_listed,
                   {{0.0003, 0.0006, 0.5, 0.2},

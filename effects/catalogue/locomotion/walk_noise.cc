@@ -25,6 +25,7 @@ EffectDefinition walk_noise() {
       .signature = "spread grows with the root of distance",
       .example = "walk_noise: {xy_sigma: 0.01, theta_sigma: 0.02}",
       .spread_only = true,
+      .unknown_cause = true,
       .needs = {Need::path},
       .starts = {{kOdometry, StartSearch::listed, {{0.01, 0.02}, {0.05, 0.1}}}},
       .advice = {{kOdometry,

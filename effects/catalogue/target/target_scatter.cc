@@ -23,6 +23,7 @@ EffectDefinition target_scatter() {
       .example = "target_scatter: {sigma_m: 0.0001}",
       .spread_only = true,
       .draws_estimated = true,
+      .unknown_cause = true,
       .needs = {Need::several_views},
       .starts = {{kPoints, StartSearch::listed, {{1e-4}}}},
       .advice = {{kPoints,

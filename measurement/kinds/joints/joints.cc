@@ -117,15 +117,16 @@ void JointsProblem::add_covariates() {
     }
   }
   const auto add = [&](std::string name, Covariate::Type type, std::vector<double> values,
-                       bool products) {
-    facts_.covariates.push_back({std::move(name), type, std::move(values), products});
+                       bool products, bool measured = false) {
+    facts_.covariates.push_back({std::move(name), type, std::move(values), products, measured});
   };
   add("time", Covariate::Type::smooth, std::move(time), true);
   for (const std::string& name : names) {
-    add(name, Covariate::Type::smooth, angle[name], true);
-    add(name + "_rate", Covariate::Type::smooth, rate[name], true);
-    add("sign(" + name + "_rate)", Covariate::Type::sign, sign[name], true);
-    add(name + "_acceleration", Covariate::Type::smooth, acceleration[name], false);
+    add(name, Covariate::Type::smooth, angle[name], true, /*measured=*/true);
+    add(name + "_rate", Covariate::Type::smooth, rate[name], true, /*measured=*/true);
+    add("sign(" + name + "_rate)", Covariate::Type::sign, sign[name], true, /*measured=*/true);
+    add(name + "_acceleration", Covariate::Type::smooth, acceleration[name], false,
+        /*measured=*/true);
   }
   add("command_rad", Covariate::Type::smooth, std::move(command), false);
   add("command_rate", Covariate::Type::smooth, std::move(command_rate), false);

@@ -17,7 +17,7 @@ constexpr double kStep_m = 1e-6;
 std::vector<FieldPlace> PointsProblem::field_places(const Model& model,
                                                     const Evaluation& here) const {
   const std::vector<double>* measured[] = {&data_.u_px, &data_.v_px};
-  FieldPlace pixel{.name = "the image", .slopes = {}, .covariates = {}};
+  FieldPlace pixel;
   for (size_t c = 0; c < 2; ++c) {
     std::vector<double> slope(facts_.scalars(), 0);
     Covariate phase{.name = c == 0 ? "column within a pixel" : "row within a pixel",
@@ -30,13 +30,16 @@ std::vector<FieldPlace> PointsProblem::field_places(const Model& model,
     pixel.slopes.push_back(std::move(slope));
     pixel.covariates.push_back(std::move(phase));
   }
-  std::vector<FieldPlace> places = {std::move(pixel)};
+  // What bends each view in its own way: a lens that depends on the distance, a camera that moved.
+  const FieldPlace view{.slopes = pixel.slopes,
+                        .covariates = {facts_.covariates[0], facts_.covariates[1]},
+                        .part_of_row = data_.view_of_row,
+                        .part = "view"};
+  std::vector<FieldPlace> places = {std::move(pixel), view};
   if (data_.rig.type() != Rig::Type::unknown || effects::target_of(model).has_draws())
     return places;
-  FieldPlace target{
-      .name = "the target",
-      .slopes = moves() ? slopes_on_path(model, here) : slopes_of_target(model, here),
-      .covariates = {}};
+  FieldPlace target{.slopes =
+                        moves() ? slopes_on_path(model, here) : slopes_of_target(model, here)};
   for (int axis = 0; axis < 3; ++axis) {
     Covariate along{.name = std::string("target ") + "xyz"[axis]};
     for (const Vec3& point : data_.p_W) along.values.push_back(point[axis]);

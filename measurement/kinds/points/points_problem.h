@@ -115,8 +115,7 @@ class PointsProblem : public Problem {
   // points_fields.cc
   std::vector<std::vector<double>> slopes_of_target(const Model& model,
                                                     const Evaluation& here) const;
-  std::vector<std::vector<double>> slopes_on_path(const Model& model,
-                                                  const Evaluation& here) const;
+  std::vector<std::vector<double>> slopes_on_path(const Model& model, const Evaluation& here) const;
 
   // points_moving.cc
   bool moves() const {
@@ -139,9 +138,9 @@ class PointsProblem : public Problem {
                                                    const std::vector<Unknown>& unknowns,
                                                    const Groups& groups,
                                                    const Evaluation& here) const;
-  std::vector<std::vector<double>> following_moving(
-      const Model& model, const Groups& groups, const Evaluation& here,
-      std::vector<std::vector<double>> columns) const;
+  std::vector<std::vector<double>> following_moving(const Model& model, const Groups& groups,
+                                                    const Evaluation& here,
+                                                    std::vector<std::vector<double>> columns) const;
 
   // points_draws.cc
   // An adjustment that stands at these numbers (Evaluation::nuisance_values); no sigmas: the stated
