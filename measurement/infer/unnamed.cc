@@ -170,6 +170,8 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
                                           double width, double material) {
   std::optional<UnnamedCause> best;
   for (size_t e = 0; e < explanations.size(); ++e) {
+    const double ahead = explanations[e].log_evidence - explanations.back().log_evidence;
+    if (!std::isfinite(ahead)) continue;
     const Assessment& assessment = *explanations[e].assessment;
     Residuals residuals(problem, assessment.model, assessment.unknowns);
     if (!residuals.valid()) continue;
@@ -178,8 +180,7 @@ std::optional<UnnamedCause> unnamed_cause(const Problem& problem,
     // Where something is left that is no noise, evidence is too sure.
     const double misfit = std::max(1.0, cause->error_after * cause->error_after);
     cause->beside = e;
-    cause->lead =
-        (cause->lead + explanations[e].log_evidence - explanations.back().log_evidence) / misfit;
+    cause->lead = (cause->lead + ahead) / misfit;
     // Of equals the one with the fewest effects: beside a cause without a name small ones with
     // names are not to be trusted.
     if (cause->lead > width && (!best || cause->lead > best->lead + kLeastGain))
