@@ -75,9 +75,9 @@ struct EffectDefinition {
   // A noise that is described by its size and length, not by what makes it: it is said to be of
   // unknown cause, not to be missing.
   bool unknown_cause = false;
-  bool has_neutral = true;              // False for a base (pinhole) or a replacement (fisheye).
-  std::vector<std::string> columns;     // Further columns of a set that a joint's formula reads.
-  std::string source;                   // Of an expression effect: the YAML of its definition.
+  bool has_neutral = true;           // False for a base (pinhole) or a replacement (fisheye).
+  std::vector<std::string> columns;  // Further columns of a set that a joint's formula reads.
+  std::string source;                // Of an expression effect: the YAML of its definition.
 
   // What is asked of it by those who do not know its name.
   Base base = Base::none;           // It is the model's base of this sort,

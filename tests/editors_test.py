@@ -11,8 +11,8 @@ import subprocess
 import sys
 import tempfile
 
-# Sources of builds without OpenGL or with a sanitizer, what a test compiles, and what needs OpenCV where it is missing.
-NO_PART = ("render/gl/absent/", "cmake/", "tests/camera_info_reader.cc", "detector/")
+# Sources of builds without OpenGL or with a sanitizer, what a test or `seam open-r build` compiles, and what needs OpenCV where it is missing.
+NO_PART = ("render/gl/absent/", "cmake/", "open_r/examples/", "tests/camera_info_reader.cc", "detector/")
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 

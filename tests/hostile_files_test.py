@@ -420,6 +420,7 @@ class Hostile(unittest.TestCase):
             (head / "head.ocf").write_text(f"object {name} 3072 16384 128 cache tlb user\n")
             (head / "Makefile").write_text(f"head.bin: {name}.o\ninstall: head.bin\n\tgzip -c head.bin > {name}.BIN\n")
             (head / "stub.cfg").write_text(f"ObjectName : {name}\n")
+            self.known = None  # These files are new.
             self.walk("open-r build", program, "--out", "{out}/o", codes=(1,))
             self.walk("open-r stub", head / "stub.cfg", "--out", "{out}/o", codes=(1,))
 

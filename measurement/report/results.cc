@@ -177,8 +177,7 @@ std::string diagnose_text(const Problem& problem, const SearchResult& result) {
           notes_text(problem, result.best.assessment.model) + outlier_text(result);
   text += fmt::format("verdict: {}\n", result.verdict);
   if (!result.mimics.empty())
-    text += fmt::format("imitate the cause without a name: {}\n",
-                        fmt::join(result.mimics, ", "));
+    text += fmt::format("imitate the cause without a name: {}\n", fmt::join(result.mimics, ", "));
   text += candidates_text(result.first.candidates);
   const auto& structure = unexplained ? result.remaining : result.base_structure;
   if (!structure.empty()) {

@@ -46,7 +46,7 @@ struct SearchResult {
   // found, and are no steps.
   std::optional<UnnamedCause> unnamed;
   std::vector<std::string> mimics;
-  double mimics_error = 0;  // Of the model that has them.
+  double mimics_error = 0;             // Of the model that has them.
   std::vector<Candidate> last_traces;  // Effects that are traces beside the best model.
   double material = 0;                 // The least that counts, in noise units.
   std::vector<Outlier> outliers;       // Of the best model.
